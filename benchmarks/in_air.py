@@ -18,7 +18,7 @@ import numpy as np
 import sandbox.trial.assembly as assembly
 from benchmarks.judged_air import air_seeds
 from models.surface import Surface
-from sandbox.devices.simulated.leap_trouble import LeapTrouble
+from sandbox.devices.simulated.leap_disturbance import LeapDisturbance
 from sandbox.devices.simulated.leap_user import SimulatedLeap
 from sandbox.options.leap_devices import over_one
 from sandbox.session.messages import Snapshot
@@ -78,7 +78,13 @@ class Depth:
 
 
 def play(
-    task: str, seed: int, dialect: str, kind: str, size: float, depth: Depth, trouble: LeapTrouble
+    task: str,
+    seed: int,
+    dialect: str,
+    kind: str,
+    size: float,
+    depth: Depth,
+    trouble: LeapDisturbance,
 ) -> tuple[TrialResult, int]:
     """One trial's result, and how often something was grasped."""
     two = hands_of(find_task(task)) > 1
@@ -125,7 +131,7 @@ def main() -> None:
         assembly.IN_AIR["links"] = options.links
     if options.apart:
         assembly.IN_AIR["together"] = False
-    trouble = LeapTrouble(options.noise, options.lose)
+    trouble = LeapDisturbance(options.noise, options.lose)
     seeds = f"{options.seeds} judged seeds" if options.judged else f"seeds 0 to {options.seeds - 1}"
     print(f"SIMULATED user ({options.user}) and device ({trouble}); {seeds}; {assembly.IN_AIR}")
     for task in options.tasks:

@@ -26,7 +26,7 @@ from benchmarks.in_air import play as play_in_air
 from benchmarks.judged import judged_seeds
 from benchmarks.judged_air import air_seeds
 from benchmarks.success import trial
-from sandbox.devices.simulated.leap_trouble import LeapTrouble
+from sandbox.devices.simulated.leap_disturbance import LeapDisturbance
 from sandbox.recording.versions import versions
 
 STATES = Path(__file__).with_name("judged_states.json")
@@ -45,7 +45,7 @@ def touch_job(job: Job) -> bool:
 def air_job(job: Job) -> bool:
     """True where a trial of the simulated user in the air ends in the expected state."""
     task, dialect = job[0].split()
-    result, _ = play_in_air(task, job[1], dialect, "skilled", 1.0, Depth(), LeapTrouble())
+    result, _ = play_in_air(task, job[1], dialect, "skilled", 1.0, Depth(), LeapDisturbance())
     return result.state_hash.startswith(job[2])
 
 

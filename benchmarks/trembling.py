@@ -21,7 +21,7 @@ from encoders.paalm import Paalm, PaalmOptions
 from encoders.paalm.simulated.air import simulate_air
 from encoders.paalm.simulated.forward import FROZEN_LEAP, leap_take
 from sandbox.cli.evaluate.paalm_readings import FIRST_PERSON
-from sandbox.devices.simulated.leap_trouble import LeapTrouble
+from sandbox.devices.simulated.leap_disturbance import LeapDisturbance
 
 WAYS = {
     "as it trembles": PaalmOptions(),
@@ -44,7 +44,7 @@ def main() -> None:
     hands = {person: simulate_air(person) for person in people}
     print("SIMULATED persons and device; v1, mean over persons")
     for noise in options.noise:
-        device = LeapTrouble(noise).applied(FROZEN_LEAP)
+        device = LeapDisturbance(noise).applied(FROZEN_LEAP)
         takes = [leap_take(hand, person, configuration=device) for person, hand in hands.items()]
         for name, way in WAYS.items():
             found = [judge_recording(name, take, way, names=False).figures for take in takes]
@@ -63,7 +63,7 @@ def _boxes(way: PaalmOptions, noise: float, seeds: range) -> list[str]:
     if not seeds:
         return []
     hand_input.Paalm = partial(Paalm, way)  # type: ignore[assignment, attr-defined]
-    trouble = LeapTrouble(noise)
+    trouble = LeapDisturbance(noise)
     won = [
         play("box-to-goal", seed, "v1", "skilled", 1.0, Depth(), trouble)[0].success
         for seed in seeds

@@ -1,1 +1,1 @@
-"""Devices: from bytes to frames, and nothing else."""
+"""Devices: sources of touch frames and hand frames."""

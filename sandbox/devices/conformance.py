@@ -1,4 +1,4 @@
-"""What every device has to keep to, as tests that any device can be put through.
+"""Conformance tests, which every touch device must pass.
 
     from sandbox.devices.conformance import DeviceConformance
 
@@ -6,10 +6,10 @@
         def open(self, surface):
             return MyPad(surface, "")
 
-        def stir(self, device, step):      # optional: makes fingers do something
+        def stir(self, device, step):      # optional: produces touches
             device.pretend_touch(step)
 
-pytest finds the tests of the class. Nothing here needs pytest.
+pytest finds the tests of the class. This module itself does not need pytest.
 """
 
 from __future__ import annotations
@@ -26,20 +26,20 @@ from sandbox.session.device import Device
 T = TypeVar("T")
 
 STEPS = 60
-"""Polls of one watch, as a session makes them."""
+"""Number of polls in one test, as a session makes them."""
 
 PERIOD = 1.0 / 60.0
-"""s between two of them, in the session's time."""
+"""s of session time between two polls."""
 
 PATIENCE = 20.0
-"""s after which a `poll` or `close` that has not come back is said to hang."""
+"""s after which a `poll` or `close` that has not returned counts as hanging."""
 
 SLACK = 1e-6
 """m that a contact may lie beyond the surface."""
 
 
 class DeviceConformance(ABC):
-    """The rules of touch devices as tests: inherit, write `open`, and let pytest find the class.
+    """Tests of the rules for touch devices; a subclass has to define `open`.
 
     Attributes:
         surface: The touch surface on which the device is opened.
@@ -49,10 +49,10 @@ class DeviceConformance(ABC):
 
     @abstractmethod
     def open(self, surface: Surface) -> Device:
-        """Opens the device afresh."""
+        """Opens a new device."""
 
-    def stir(self, device: Device, step: int) -> None:  # noqa: B027  (it may stay as it is)
-        """Makes something happen before a poll; nothing by default."""
+    def stir(self, device: Device, step: int) -> None:  # noqa: B027  (overriding is optional)
+        """Produces touches before a poll; does nothing by default."""
 
     def test_it_has_a_name_and_says_whether_it_has_ended(self) -> None:
         device = self._opened()
@@ -111,48 +111,50 @@ class DeviceConformance(ABC):
             self.stir(device, step)
             now = step * PERIOD
             got = in_time(lambda now=now: device.poll(now), "poll")  # type: ignore[misc]
-            assert isinstance(got, Sequence), "poll gives a sequence of frames"
+            assert isinstance(got, Sequence), "poll must return a sequence of frames"
             frames += got
         return frames
 
 
 def check_frames(frames: Sequence[TouchFrame], surface: Surface, whole: bool = True) -> None:
-    """Whether a device's frames keep to the rules.
+    """Checks that a device's frames keep to the rules.
 
     Args:
-        frames: As polled, all of them.
-        surface: That of the device.
-        whole: They begin with the device's first, so that nothing was down before.
+        frames: All polled frames, in order.
+        surface: Surface of the device.
+        whole: They begin with the device's first frame, so that no finger was down before.
 
     Raises:
-        AssertionError: They do not; says where.
+        AssertionError: A frame breaks a rule; the message says which.
     """
     width, height = (float(length) for length in surface.size)
     last = None
     present: frozenset[int] = frozenset()
     for n, frame in enumerate(frames):
-        assert isinstance(frame, TouchFrame), f"frame {n}: {type(frame).__name__} is no TouchFrame"
+        kind = type(frame).__name__
+        assert isinstance(frame, TouchFrame), f"frame {n}: {kind} is not a TouchFrame"
         where = f"frame {n} at {frame.time} s"
         assert last is None or frame.time >= last, f"{where}: time runs backwards, from {last}"
         ids = frozenset(c.id for c in frame.contacts)
         for c in frame.contacts:
-            assert isinstance(c.id, int), f"{where}: the id {c.id!r} is no whole number"
+            assert isinstance(c.id, int), f"{where}: the id {c.id!r} is not an integer"
             inside = -SLACK <= c.x <= width + SLACK and -SLACK <= c.y <= height + SLACK
             assert inside, f"{where}: contact {c.id} is off the surface, at {c.x}, {c.y} m"
             sound = c.size is None or 0.0 < c.size < max(width, height)
-            assert sound, f"{where}: contact {c.id} is {c.size} m large"
-        assert not frame.cancelled & ids, f"{where}: cancelled, and still there"
+            assert sound, f"{where}: contact {c.id} has a size of {c.size} m"
+        both = frame.cancelled & ids
+        assert not both, f"{where}: {sorted(both)} cancelled, but among the contacts"
         if n or whole:
             unknown = frame.cancelled - present
-            assert not unknown, f"{where}: {sorted(unknown)} cancelled, and was not there"
+            assert not unknown, f"{where}: {sorted(unknown)} cancelled, but was not a contact"
         last, present = frame.time, ids
 
 
 def in_time(call: Callable[[], T], what: str) -> T:
-    """What a call gives, if it comes back at all.
+    """Returns the result of a call, or raises its error.
 
     Raises:
-        AssertionError: It does not.
+        AssertionError: The call has not returned after `PATIENCE`.
     """
     done: list[T] = []
     raised: list[BaseException] = []
@@ -166,7 +168,7 @@ def in_time(call: Callable[[], T], what: str) -> T:
     thread = threading.Thread(target=run, daemon=True)
     thread.start()
     thread.join(PATIENCE)
-    assert not thread.is_alive(), f"{what} has not come back after {PATIENCE:.0f} s"
+    assert not thread.is_alive(), f"{what} has not returned after {PATIENCE:.0f} s"
     if raised:
         raise raised[0]
     return done[0]

@@ -1,13 +1,13 @@
-"""Devices that are not ours: from installed packages by entry point, from a file, from a module.
+"""External devices: from installed packages by entry point, from a file, or from a module.
 
 A package offers its devices under a name:
 
     [project.entry-points."hand_sandbox.devices"]
     my-lab-pad = "my_lab.pad:Pad"
 
-and `--device my-lab-pad` or `--device my-lab-pad:ARGUMENT` opens it. What is offered is called with
-the touch surface and the argument (an empty text without one), and gives a device (see
-`sandbox.session.device`). What is wrong with one of them is said when it is asked for.
+and `--device my-lab-pad` or `--device my-lab-pad:ARGUMENT` opens it. The offered class or function
+is called with the touch surface and the argument (an empty text without one), and returns a device
+(see `sandbox.session.device`). An error in it is reported only when the device is opened.
 """
 
 from __future__ import annotations
@@ -49,24 +49,24 @@ _TAKEN_OVER = (
     "latency",
     "truth",
 )
-"""Members whose value an adapted device takes over when it is opened; see `sandbox.session.device`.
-The others may change later."""
+"""Members whose values are copied when a device is adapted; see `sandbox.session.device`. The other
+members are read on every access, because they may change."""
 
 
 def offered_devices() -> dict[str, list[EntryPoint]]:
-    """What installed packages offer, by name; nothing of it is loaded."""
+    """Entry points of the devices that installed packages offer, by name; loads none of them."""
     return offered(GROUP)
 
 
 def find_device(text: str) -> Maker | None:
-    """What opens a device of somebody else's; None where the text names none.
+    """A function that opens an external device; None if the text does not name one.
 
     Args:
         text: `NAME[:ARGUMENT]` of an installed package, `FILE.py:CLASS[:ARGUMENT]` or
             `MODULE:CLASS[:ARGUMENT]`.
 
     Raises:
-        DeviceError: There is one, but it cannot be used.
+        DeviceError: The device exists, but cannot be used.
     """
     name, _, argument = text.partition(":")
     entries = offered_devices().get(name, [])
@@ -89,23 +89,23 @@ def find_device(text: str) -> Maker | None:
     if in_file:
         path = Path(place)
         if not path.is_file():
-            raise DeviceError("there is no such file", where="--device", got=place)
+            raise DeviceError("no such file", where="--device", got=place)
         module = _guarded(lambda: load_file(path.resolve()), where)
     else:
         module = _guarded(lambda: importlib.import_module(place), where)
-    found = getattr(module, member, None)
-    if not callable(found):
-        raise DeviceError("there is no device of this name", where=place, got=member)
-    return _opener(found, match["argument"] or "", where)
+    device_class = getattr(module, member, None)
+    if not callable(device_class):
+        raise DeviceError("the module has no device of this name", where=place, got=member)
+    return _opener(device_class, match["argument"] or "", where)
 
 
 class AdaptedDevice(Device):
-    """A touch device that was written without our base class.
+    """Adapter for a touch device that was written without the base class `Device`.
 
-    It needs `name`, `poll`, `finished` and `close`; members that it lacks have their defaults.
+    The device needs `name`, `poll`, `finished` and `close`; missing members have their defaults.
 
     Args:
-        outside: The device.
+        outside: The external device.
     """
 
     name: str
@@ -132,12 +132,12 @@ class AdaptedDevice(Device):
 
     @property
     def notice(self) -> str:
-        """The device's; empty where it has none."""
+        """The device's; empty if it has none."""
         return str(getattr(self._outside, "notice", ""))
 
     @property
     def looks(self) -> bool:
-        """True where the device has `show`."""
+        """True if the device has `show`."""
         return hasattr(self._outside, "show")
 
     @property
@@ -152,11 +152,11 @@ class AdaptedDevice(Device):
 
 
 def adapted(outside: Any, where: str) -> Device:
-    """A device with all members of the contract.
+    """The device with all members of the contract, in an adapter if necessary.
 
     Args:
-        outside: What somebody else's code opened.
-        where: Its place, for the error.
+        outside: Object that external code returned as a device.
+        where: Place of that code, for error messages.
 
     Raises:
         DeviceError: A required member is missing.
@@ -167,18 +167,18 @@ def adapted(outside: Any, where: str) -> Device:
     lacking += [part for part in ("name", "finished") if not hasattr(outside, part)]
     if lacking:
         raise DeviceError(
-            "this is no device",
+            "the object is not a device",
             where=where,
             got=f"without {', '.join(lacking)}",
             expected="name, poll, finished and close",
-            remedy="docs/write-a-device.md shows one of 30 lines",
+            remedy="docs/write-a-device.md shows a device of 30 lines",
         )
     return AdaptedDevice(outside)
 
 
-def _opener(found: Any, argument: str, where: str) -> Maker:
+def _opener(device_class: Any, argument: str, where: str) -> Maker:
     def make(surface: Surface) -> Device:
-        return adapted(_guarded(lambda: found(surface, argument), where), where)
+        return adapted(_guarded(lambda: device_class(surface, argument), where), where)
 
     return make
 

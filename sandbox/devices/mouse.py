@@ -1,8 +1,8 @@
-"""The mouse as fingers: a whole hand can be put down, opened, turned and moved with one pointer.
+"""The mouse as a touch device: one pointer puts down, opens, turns and moves a whole hand.
 
-A mouse is one finger at best, so fingers can be *pinned*: they stay on the surface when the button
-goes up. The window turns pixels into surface metres and calls the methods here; what comes out is
-the same as from a tablet.
+A mouse has only one pointer, so fingers can be *pinned*: they stay on the surface when the button
+is released. The window converts pixels to metres on the surface and calls the methods here; the
+frames are the same as those of a tablet.
 """
 
 from __future__ import annotations
@@ -27,20 +27,21 @@ from models.surface import Surface
 from sandbox.session.device import Device
 
 GRAB_RADIUS = 0.010
-"""m around a pin in which a click takes hold of it."""
+"""m, radius around a pinned finger in which a click grabs it."""
 OPENING = 0.075
-"""m between thumb and the middle of the other fingers of a hand just put down: wide enough for a
-5 cm box between two fingertips, and what an adult hand spans with ease."""
+"""m between the thumb and the centre of the other fingers of a hand just put down: wide enough for
+a 5 cm box between two fingertips, and comfortable for an adult hand."""
 FINGER_BREADTH = 0.019
-"""m between fingertips that lie side by side: an adult's finger is 16 to 20 mm wide."""
+"""m between fingertips side by side: an adult's finger is 16 to 20 mm wide."""
 WHEEL_FACTOR = 1.03
-"""Change of the opening with one step of the wheel; at 75 mm, about 2 mm."""
+"""Factor on the opening for one step of the wheel; at 75 mm, about 2 mm."""
 WHEEL_TURN = np.deg2rad(3.0)
-"""rad, turn of the hand with one step of the wheel."""
+"""rad, turn of the hand for one step of the wheel."""
 NARROWEST, WIDEST = 0.008, 0.200
-"""m, opening at which the wheel stops."""
+"""m, limits of the opening."""
 PENDING = 4096
-"""Frames that may wait for the session, a minute of moving; of more, the oldest go."""
+"""Largest number of frames that wait for the session, a minute of moving; beyond it the oldest are
+dropped."""
 
 
 @dataclass
@@ -55,16 +56,16 @@ class _Finger:
 class MouseDevice(Device):
     """The mouse in the window, as one finger or a whole hand. Safe to use from two threads.
 
-    Positions are metres on the surface, x right and y down. A press outside of it is no touch; a
-    finger dragged over the border stays at the border, as on a tablet that ends there.
+    Positions are metres on the surface, x right and y down. A press outside the surface is ignored;
+    a finger dragged over the border stays at the border, as at the edge of a tablet.
 
     Args:
         surface: The touch surface.
-        person: Which hand the keys put down, and from where; its size is that of the object.
+        person: Side and seat of the hand that the keys put down; its size is ignored.
 
     Attributes:
         surface: As given.
-        news: Is set when something has come in; a session may wait for it.
+        news: Event that is set when a frame has arrived.
     """
 
     name = "mouse"
@@ -91,12 +92,12 @@ class MouseDevice(Device):
 
     @property
     def pins(self) -> int:
-        """How many fingers stay down without a button."""
+        """Number of pinned fingers, which stay down without a button."""
         with self._lock:
             return sum(f.pinned for f in self._fingers.values())
 
     def poll(self, now: float) -> Sequence[TouchFrame]:
-        """One frame for every change since the last call; the time is this machine's clock."""
+        """One frame for every change since the last call, with the machine's monotonic time."""
         with self._lock:
             self.news.clear()
             frames = list(self._frames)
@@ -104,22 +105,22 @@ class MouseDevice(Device):
             return frames
 
     def close(self) -> None:
-        """Lifts everything; may be called twice."""
+        """Lifts all fingers; may be called twice."""
         self.lift()
         self._closed = True
 
     def press(self, xy: ArrayLike, pin: bool = False, together: bool = False) -> None:
-        """The button goes down: on a pin, it takes hold of it; elsewhere a finger comes down.
+        """Presses the button: grabs a pinned finger at this place, else puts down a finger.
 
         Args:
-            xy: (2,) m.
-            pin: The finger is to stay; on a pin: it is lifted.
-            together: Takes hold of all pins, wherever the press is.
+            xy: (2,) m, position of the pointer.
+            pin: Pins the new finger; on a pinned finger, lifts it instead.
+            together: Grabs all pinned fingers, wherever the press is.
         """
         place = np.asarray(xy, float)
         with self._lock:
             if self._release():
-                # The button's release was never heard of.
+                # The event of the button's release was lost.
                 self._emit()
             self._last = place
             pins = [i for i, f in self._fingers.items() if f.pinned]
@@ -139,32 +140,32 @@ class MouseDevice(Device):
                 self._emit()
 
     def move(self, xy: ArrayLike) -> None:
-        """The pointer moves, (2,) m; what the button holds goes along."""
+        """Moves the pointer to (2,) m, together with the fingers that the button holds."""
         place = np.asarray(xy, float)
         with self._lock:
             step, self._last = place - self._last, place
             if not self._held:
                 return
             if len(self._held) == 1 and not self._fingers[self._held[0]].pinned:
-                # A finger that is the pointer itself comes back to it from beyond the border.
+                # A finger at the pointer returns to it when it comes back over the border.
                 self._fingers[self._held[0]].xy = np.clip(place, 0.0, self._size)
             else:
                 self._shift(step)
             self._emit()
 
     def release(self) -> None:
-        """The button goes up: pins stay, a finger that is not pinned is lifted."""
+        """Releases the button: pinned fingers stay, a finger that is not pinned is lifted."""
         with self._lock:
             if self._release():
                 self._emit()
 
     def wheel(self, steps: float, turn: bool = False) -> None:
-        """Opens (steps above 0) or closes the pinned fingers, or turns them about their middle.
+        """Opens (steps above 0) or closes the pinned fingers, or turns them about their centre.
 
-        A thumb closes against all other fingers together; fingers without names close evenly.
+        A thumb closes against all other fingers together; unlabelled fingers close evenly.
 
         Args:
-            steps: Of the wheel; touch pads give fractions.
+            steps: Steps of the wheel; touch pads give fractions.
             turn: Turns instead, counterclockwise for steps above 0, as seen by the person.
         """
         with self._lock:
@@ -175,7 +176,7 @@ class MouseDevice(Device):
             means = np.array([np.mean([f.xy for f in g], axis=0) for g in groups])
             middle = means.mean(axis=0)
             if turn:
-                # y points down on the surface, which turns the sense of rotation around.
+                # y points down on the surface, which reverses the sense of rotation.
                 angle = -WHEEL_TURN * steps
                 cos, sin = np.cos(angle), np.sin(angle)
                 rotation = np.array([[cos, -sin], [sin, cos]])
@@ -192,20 +193,20 @@ class MouseDevice(Device):
             self._emit()
 
     def hand(self, fingers: int, xy: ArrayLike) -> None:
-        """Puts down a hand of so many fingers around a place, or lifts the one that is there.
+        """Puts down a hand with a number of fingers at a place, or lifts the present one.
 
-        The same number again lifts it; another number puts down another hand instead.
+        The same number again lifts the hand; another number replaces it.
 
         Args:
             fingers: 1 (index) to 5; from 2 on with the thumb.
-            xy: (2,) m, the middle between thumb and the others; moved so that all are on the
+            xy: (2,) m, midpoint between thumb and the others; moved so that all fingers are on the
                 surface.
 
         Raises:
-            InputError: Nobody has that many fingers.
+            InputError: The number of fingers is not 1 to 5.
         """
         if fingers not in range(1, len(FINGERS) + 1):
-            raise InputError("no hand has so many fingers", got=fingers, expected="1 to 5")
+            raise InputError("a hand has 1 to 5 fingers", got=fingers, expected="1 to 5")
         with self._lock:
             pinned = [f for f in self._fingers.values() if f.pinned]
             there = self._is_hand and len(pinned) == fingers
@@ -238,7 +239,7 @@ class MouseDevice(Device):
         return self._next_id - 1
 
     def _release(self) -> bool:
-        """Lets go; whether a finger was lifted by that."""
+        """Releases the held fingers; True if that lifted a finger."""
         lifted = [i for i in self._held if not self._fingers[i].pinned]
         for i in lifted:
             del self._fingers[i]
@@ -251,7 +252,7 @@ class MouseDevice(Device):
         return near if near is not None and off[near] <= GRAB_RADIUS else None
 
     def _shift(self, step: Array) -> None:
-        """Moves what is held by the same step, as far as all of it stays on the surface."""
+        """Moves all held fingers by the same step, as far as all stay on the surface."""
         places = np.array([self._fingers[i].xy for i in self._held])
         step = np.clip(step, -places.min(axis=0), self._size - places.max(axis=0))
         for i in self._held:
@@ -267,14 +268,14 @@ class MouseDevice(Device):
 
 
 def default_hand(fingers: int) -> dict[int, Array]:
-    """Where the fingertips of a hand about to grip are on the surface, by label.
+    """Positions of the fingertips of a hand about to grip, by label.
 
-    The fingers lie side by side, as they do on the face of a box, and the thumb opposes them in the
+    The fingers lie side by side, as on the face of a box, and the thumb opposes them in the
     direction in which it opposes the index finger in the skeleton's reference pose.
 
     Returns:
-        (2,) m each, x right and y down, from the middle between thumb and the others; of one finger
-        alone: the index finger at the middle.
+        (2,) m each, x right and y down, from the midpoint between thumb and the others; for one
+        finger: the index finger at zero.
     """
     if fingers == 1:
         return {1: np.zeros(2)}
@@ -288,7 +289,7 @@ def default_hand(fingers: int) -> dict[int, Array]:
 
 
 def _opposing(fingers: list[_Finger]) -> list[list[_Finger]]:
-    """Groups that move against each other: the thumb and the rest, or everybody for himself."""
+    """Groups that move against each other: the thumb and the rest, or every finger by itself."""
     thumbs = [f for f in fingers if f.label == 0]
     if len(thumbs) == 1:
         return [thumbs, [f for f in fingers if f.label != 0]]

@@ -1,8 +1,8 @@
-"""Built-in devices by name. To add one: write its module, and add a line here.
+"""Built-in devices by name. To add one, write its module and add an entry here.
 
 A class is imported when its device is opened. It is called with the touch surface and the argument,
-as a device of one's own is (docs/write-a-device.md), unless the device has options of its own on
-the command line; `sandbox.options` opens those.
+like an external device (docs/write-a-device.md). Devices with their own command-line options are
+opened by `sandbox.options` instead.
 """
 
 from __future__ import annotations
@@ -21,16 +21,17 @@ class DeviceEntry:
     """A built-in device.
 
     Attributes:
-        module: Where its class is.
-        member: The class; the first sentence of its docstring is what `sandbox` alone prints.
+        module: Module of its class.
+        member: Name of the class; `sandbox` alone prints the first sentence of its docstring.
         live: A person or another program drives it, so that a session runs at real time.
-        in_air: It gives hand frames; otherwise touch frames.
+        in_air: It produces hand frames; otherwise touch frames.
         simulated: A simulated user drives it.
         in_scene: It needs a scene: a window, objects to see, or a hand. Otherwise `sandbox touches`
-            takes it too.
-        one_hand: One hand uses it: in a task for two, a second device joins in.
-        guessed_size: It does not tell the size of its surface; without --surface it is a guess.
-        argument: `NAME:ARGUMENT` opens it, too.
+            accepts it too.
+        one_hand: It serves one hand; a task for two hands needs a second device.
+        guessed_size: It does not report the size of its surface, which is a guess without
+            --surface.
+        argument: It can also be opened as `NAME:ARGUMENT`.
     """
 
     module: str
@@ -77,7 +78,7 @@ DEVICES: dict[str, DeviceEntry] = {
 
 
 def built_in(device: str) -> DeviceEntry | None:
-    """The entry of `NAME` or `NAME:ARGUMENT`; None where that names no built-in device."""
+    """The entry of `NAME` or `NAME:ARGUMENT`; None if that is not a built-in device."""
     name, colon, _ = device.partition(":")
     entry = DEVICES.get(name)
     return entry if entry and (entry.argument or not colon) else None
@@ -92,14 +93,14 @@ def open_built_in(device: str, surface: Surface) -> AnyDevice:
 
 
 def open_by_name(device: str) -> Callable[[Surface], Device] | None:
-    """A function that opens a touch device by name or place; None where there is no such device.
+    """A function that opens a touch device by name or place; None if there is none.
 
     Args:
         device: `NAME[:ARGUMENT]`, built in or offered by an installed package, or
             `FILE.py:CLASS[:ARGUMENT]` or `MODULE:CLASS[:ARGUMENT]`.
 
     Raises:
-        DeviceError: There is one, but it cannot be used.
+        DeviceError: The device exists, but cannot be used.
     """
     if built_in(device) is None:
         return find_device(device)

@@ -7,14 +7,15 @@ from sandbox.session.device import Device
 
 
 class TouchDevice(Device):
-    """A touch device that the command line opens; a subclass has to write only `poll`.
+    """A touch device that the command line opens; a subclass has to define only `poll`.
 
-    It goes on until it is closed; one that ends by itself sets `finished`. `Device` declares what
-    else it may override.
+    It runs until it is closed; one that ends by itself sets `finished`. `Device` declares the other
+    members that it may override.
 
     Args:
-        surface: Its size is in metres.
-        argument: What stands after the device's name on the command line; empty without one.
+        surface: The touch surface.
+        argument: Text after the colon that follows the device's name on the command line; empty
+            without one.
     """
 
     finished: bool = False
@@ -23,5 +24,5 @@ class TouchDevice(Device):
         self.surface, self.argument = surface, argument
 
     def close(self) -> None:
-        """Gives back what it holds; may be called twice. Nothing comes any more."""
+        """Ends the device and releases its resources; may be called twice."""
         self.finished = True

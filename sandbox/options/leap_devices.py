@@ -19,7 +19,7 @@ from models.errors import EncoderError, InputError
 from models.surface import Surface
 from sandbox.devices.leap.leap import DEFAULT_ADDRESS, LeapDevice, LeapFileDevice
 from sandbox.devices.leap.leap_file import LeapRecording, check_side, read_leap
-from sandbox.devices.leap.shared_leap import BothOver, SharedLeap
+from sandbox.devices.leap.shared_leap import MergedLeap, SharedLeap
 from sandbox.devices.registry import built_in, open_built_in
 from sandbox.options.own_hand import chosen_file
 from sandbox.recording.recording import Recording
@@ -154,7 +154,7 @@ def leap_maker(options: Any, settings: RunSettings, user: UserConfiguration, han
     if device.partition(":")[0] != SIMULATED:
         return lambda task, surface: open_built_in(device, surface)
     # Bodies and devices are simulated with parts of SciPy that take long to load.
-    from sandbox.devices.simulated.leap_trouble import parse_simulated
+    from sandbox.devices.simulated.leap_disturbance import parse_simulated
     from sandbox.devices.simulated.leap_user import SimulatedLeap
 
     dialect, trouble = parse_simulated(device.partition(":")[2])
@@ -180,7 +180,7 @@ def over_one(makers: DeviceMakers | None, make: DeviceMaker, settings: RunSettin
     def first(task: Task, surface: Surface) -> Device:
         device: Any = make(task, surface) if makers is None else None
         if makers is not None:
-            device = BothOver([cast(Any, maker(task, surface)) for maker in makers])
+            device = MergedLeap([cast(Any, maker(task, surface)) for maker in makers])
         shared = SharedLeap(device, (first_side, second_side))
         parts[:] = [cast(Device, part) for part in shared.parts]
         return parts[0]

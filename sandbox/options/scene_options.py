@@ -12,7 +12,7 @@ from models.surface import Surface, parse_surface
 from sandbox.devices.discovery import find_device
 from sandbox.devices.registry import DEVICES, built_in
 from sandbox.devices.simulated.simulated import NEXT_PERSON, SimulatedDevice
-from sandbox.devices.wrappers.spoiled import SpoiledDevice
+from sandbox.devices.wrappers.degraded import DegradedDevice
 from sandbox.options.impulse import impulse_limit
 from sandbox.options.leap_devices import (
     LeapOptions,
@@ -195,9 +195,9 @@ def _keeping(
 
     def open_device(task: Task, surface: Surface) -> Device:
         device = make(task, surface)
-        # What was recorded was spoiled then.
+        # Recorded touches were degraded when they were recorded.
         if variation.degrades_touches and not isinstance(device, RecordedDevice):
-            return SpoiledDevice(device, variation, surface, settings.seed + hand * NEXT_PERSON)
+            return DegradedDevice(device, variation, surface, settings.seed + hand * NEXT_PERSON)
         return device
 
     return Plan(settings, about, live, (open_device,))

@@ -18,7 +18,7 @@ from models.errors import EncoderError, InputError, RecordingError, StudyError
 from sandbox.cli.capture.hand_files import read_mapping
 from sandbox.cli.capture.touch_files import read_touch_log
 from sandbox.devices.files.frame_file import read_frame_file
-from sandbox.devices.files.together_file import arrivals, first_line_with_host, read_about
+from sandbox.devices.files.paired_capture import arrivals, first_line_with_host, read_about
 from sandbox.devices.tuio.touch_capture import read_capture
 from sandbox.options.profiles import load_profile
 from sandbox.options.touch_devices import open_file

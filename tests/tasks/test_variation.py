@@ -17,8 +17,8 @@ from models.hand import Hand
 from models.objects import Wrench
 from models.scene import CONTROL_PERIOD, Scene, SceneSpec
 from models.surface import Surface
+from sandbox.devices.wrappers.degraded import FIRST_GHOST, GHOST_LENGTH, DegradedDevice
 from sandbox.devices.wrappers.drop_outs import LENGTH
-from sandbox.devices.wrappers.spoiled import FIRST_GHOST, GHOST_LENGTH, SpoiledDevice
 from sandbox.options.scene_options import SceneOptions, plan
 from sandbox.options.variations import KINDS, parse_variation
 from sandbox.recording.recording import load_recording
@@ -64,7 +64,7 @@ def frames_of(n, *contacts):
 
 def played(variation, frames, seed=0, more=0):
     """Frames that come out at every control period; None where there is none."""
-    device = SpoiledDevice(Scripted(frames), variation, FLAT, seed)
+    device = DegradedDevice(Scripted(frames), variation, FLAT, seed)
     out = []
     for i in range(len(frames) + more):
         polled = device.poll(i * STEP)
@@ -222,7 +222,7 @@ def test_latency_gives_the_same_touches_so_many_steps_later(steps, seed):
 
 
 def test_a_late_device_is_not_finished_while_touches_are_on_their_way():
-    device = SpoiledDevice(
+    device = DegradedDevice(
         Scripted(frames_of(2, Contact(1, 0.05, 0.05))), Variation(latency=3 * STEP), FLAT, 0
     )
     ended = []

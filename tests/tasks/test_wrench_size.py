@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from models.objects import BOLT_LIFT, JAW, Wrench, bolt_place
 from models.rotations import exp
-from sandbox.devices.simulated.air_user.holds import carried, hold_of
+from sandbox.devices.simulated.air_user.holds import hold_of, pinch_motion
 from sandbox.options.scene_options import SceneOptions, plan
 from sandbox.recording.recording import load_recording
 from sandbox.trial.headless import run_trial
@@ -184,7 +184,7 @@ def test_a_hand_in_the_air_closes_on_the_handle_that_is_there_and_turns_it_about
     pivot = np.array(shape.bolt_place(wrench.position[:2], yaw))
     middle = pivot - shape.jaw * np.array([np.cos(yaw + turn), np.sin(yaw + turn)])
     goal = Goal("wrench", (middle[0], middle[1], 0.012), yaw + turn)
-    step, by = carried(wrench, goal, hold.position[:2])
+    step, by = pinch_motion(wrench, goal, hold.position[:2])
     assert by == pytest.approx(turn)
     arms = [np.linalg.norm(p - pivot) for p in (hold.position[:2], hold.position[:2] + step)]
     assert arms[0] == pytest.approx(arms[1])

@@ -15,7 +15,7 @@ from encoders.paalm.calibration_file import read_hand
 from models.errors import EncoderError, InputError
 from models.surface import Surface
 from sandbox.cli.capture.touch_files import read_touch_log
-from sandbox.devices.files.together_file import (
+from sandbox.devices.files.paired_capture import (
     HANDS,
     TOUCHES,
     About,

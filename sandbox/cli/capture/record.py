@@ -17,9 +17,9 @@ from models.errors import InputError, RecordingError
 from models.frames import TouchFrame
 from sandbox.cli.common.parse import parse
 from sandbox.cli.common.touch_opening import open_any
-from sandbox.devices.files.together_file import (
+from sandbox.devices.files.paired_capture import (
     ABOUT,
-    TogetherWriter,
+    PairedCaptureWriter,
     check_new,
     first_line_with_host,
     read_about,
@@ -132,7 +132,7 @@ def _record(options: RecordOptions, opened: Opened, hands: HandDevice) -> int:
     if opened.surface.calibrated is False:
         Console(stderr=True).print("the surface's size is a guess: give --surface", style="yellow")
     guide = None if options.free else Guide(options.side, options.each)
-    with TogetherWriter(options.out, opened.surface, about) as writer:
+    with PairedCaptureWriter(options.out, opened.surface, about) as writer:
         try:
             ended = _follow(options, opened.device, hands, writer, guide)
         except KeyboardInterrupt:
@@ -159,7 +159,7 @@ def _follow(
     options: RecordOptions,
     touched: Device,
     hands: HandDevice,
-    writer: TogetherWriter,
+    writer: PairedCaptureWriter,
     guide: Guide | None,
 ) -> str:
     """Writes what comes until it is over; why it was."""

@@ -16,7 +16,7 @@ from encoders.captures.paired.simulated import PairedSession, simulate_paired
 from encoders.store import save_capture
 from models.errors import InputError
 from sandbox.cli.common.parse import parse
-from sandbox.devices.files.together_file import TogetherWriter, check_new
+from sandbox.devices.files.paired_capture import PairedCaptureWriter, check_new
 
 TRUTH, DEVICES = "truth.npz", "truth.json"
 
@@ -94,7 +94,7 @@ def write_simulated(session: PairedSession, folder: Path, subject: str) -> None:
         "touches": "simulated tablet",
         "hands": f"simulated Leap, {session.leap.dialect}",
     }
-    with TogetherWriter(folder, session.surface, about) as writer:
+    with PairedCaptureWriter(folder, session.surface, about) as writer:
         for frame, host in zip(session.touches, session.touch_arrived.tolist(), strict=True):
             writer.touch(frame, round(host, 6))
         for seen, host in zip(session.leap.frames, session.leap_arrived.tolist(), strict=True):

@@ -1,1 +1,1 @@
-"""Touch screens and trackpads of a Linux machine."""
+"""Linux touch screens and trackpads."""

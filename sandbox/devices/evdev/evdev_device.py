@@ -1,4 +1,4 @@
-"""Touch screens and trackpads of a Linux machine, read from /dev/input (extra `evdev`)."""
+"""Linux touch screens and trackpads, read from /dev/input (extra `evdev`)."""
 
 from __future__ import annotations
 
@@ -28,39 +28,39 @@ from sandbox.devices.evdev.evdev_touch import (
 from sandbox.session.device import Device
 
 _INPUT_PROP_DIRECT = 0x01
-"""Property of screens: what is touched is where the picture is."""
+"""Property of touch screens, as opposed to trackpads."""
 
 
 class Node(Protocol):
-    """A device's node, as the state machine needs it."""
+    """An open device node, as `EvdevDevice` needs it."""
 
     name: str
     x: Axis
     y: Axis
 
     def read(self) -> Iterable[tuple[int, int, int]]:
-        """Events that wait (kind, code, value); never blocks.
+        """Waiting events (kind, code, value); never blocks.
 
         Raises:
             OSError: The device is gone.
         """
 
     def slots(self) -> Slots:
-        """What the slots hold now."""
+        """Current values of the slots."""
 
     def close(self) -> None:
-        """Gives the node back."""
+        """Closes the node."""
 
 
 class EvdevDevice(Device):
     """A touch screen or trackpad.
 
-    `poll` reads what has come since; nothing ever waits, so there is no thread. Should nobody poll
-    for long, the kernel's buffer runs over; then the slots are read anew and no finger gets stuck.
+    `poll` never blocks, so there is no thread. After a long time without a poll the kernel's buffer
+    overflows; then the slots are read again, so that no finger gets stuck.
 
     Args:
-        node: Opened by `open_node`.
-        surface: Its size is what the axes span. `evdev_surface` tells it where the driver knows.
+        node: Node from `open_node`.
+        surface: The touch surface, which the axes span; see `evdev_surface`.
     """
 
     name = "evdev"
@@ -76,12 +76,12 @@ class EvdevDevice(Device):
 
     @property
     def title(self) -> str:
-        """What the device calls itself, and its node."""
+        """Name of the device as the driver reports it, and its node."""
         return self._node.name
 
     @property
     def dropped(self) -> int:
-        """How often the kernel lost events."""
+        """Number of times that the kernel lost events."""
         return self._touch.dropped
 
     @property
@@ -93,14 +93,14 @@ class EvdevDevice(Device):
         """Every frame since the last call, oldest first; `now` is ignored.
 
         Raises:
-            DeviceError: The device was unplugged; its touches were cancelled before.
+            DeviceError: The device was unplugged; an earlier call cancelled its touches.
         """
         if self._closed:
             return []
         if self._failure is not None:
             raise self._failure
         frames: list[TouchFrame] = []
-        if self._first:  # fingers that lay on it when it was opened
+        if self._first:  # fingers that were down when the device was opened
             self._first = False
             if self._touch.contacts():
                 frames.append(self._frame())
@@ -126,7 +126,7 @@ class EvdevDevice(Device):
         return frames
 
     def close(self) -> None:
-        """Gives the device back to whoever else uses it; may be called twice."""
+        """Closes the node, which other programs can use again; may be called twice."""
         if not self._closed:
             self._closed = True
             self._node.close()
@@ -140,7 +140,7 @@ class EvdevDevice(Device):
 
 
 def evdev_surface(node: Node) -> Surface | None:
-    """The device's size as its driver tells it; None where it does not."""
+    """Surface of the size that the device's driver reports; None if it reports none."""
     width, height = node.x.length, node.y.length
     if width is None or height is None:
         return None
@@ -151,8 +151,9 @@ class LinuxNode:
     """A node under /dev/input.
 
     Args:
-        path: Such as /dev/input/event5.
-        grab: Nobody else hears it as long as it is open: a trackpad's pointer stays where it is.
+        path: Path such as /dev/input/event5.
+        grab: Keeps events from other programs while it is open, so that a trackpad does not move
+            the pointer.
 
     Raises:
         DeviceError: It cannot be opened, or reports no contacts in slots.
@@ -216,36 +217,36 @@ class LinuxNode:
         return Slots(values, self._device.absinfo(ABS_MT_SLOT).value)
 
     def close(self) -> None:
-        """See `Node`; ends a grab, too."""
+        """See `Node`; also ends a grab."""
         with contextlib.suppress(OSError):
             self._device.close()
 
 
 def open_node(path: str = "", grab: bool = False) -> LinuxNode:
-    """A node by its path; without one, the first touch screen, or else the first trackpad.
+    """Opens a node by its path; without one, the first touch screen, else the first trackpad.
 
     Raises:
-        DeviceError: There is none, or it may not be read.
+        DeviceError: There is no readable device.
     """
     if path:
         return LinuxNode(path, grab)
     evdev = _evdev()
-    found: list[tuple[bool, str]] = []
+    nodes: list[tuple[bool, str]] = []
     for candidate in sorted(evdev.list_devices(), key=_number):
         with contextlib.suppress(OSError):
             device = evdev.InputDevice(candidate)
             codes = dict(device.capabilities(absinfo=True).get(EV_ABS, []))
             if ABS_MT_SLOT in codes and ABS_MT_POSITION_X in codes:
-                found.append((_INPUT_PROP_DIRECT not in device.input_props(), candidate))
+                nodes.append((_INPUT_PROP_DIRECT not in device.input_props(), candidate))
             device.close()
-    if not found:
+    if not nodes:
         raise DeviceError(
-            "there is no touch screen or trackpad that this user may read",
+            "no touch screen or trackpad that this user may read",
             where="/dev/input",
             remedy="Name one, `--device evdev:/dev/input/event5`; nodes belong to the group "
             "`input`: `sudo usermod -aG input $USER`, then log in again",
         )
-    return LinuxNode(min(found, key=lambda f: f[0])[1], grab)
+    return LinuxNode(min(nodes, key=lambda node: node[0])[1], grab)
 
 
 def _number(path: str) -> tuple[int, str]:
@@ -254,7 +255,7 @@ def _number(path: str) -> tuple[int, str]:
 
 
 def _slots_request(size: int) -> int:
-    """The ioctl that reads one code of all slots (EVIOCGMTSLOTS)."""
+    """Request number of the ioctl that reads one code of all slots (EVIOCGMTSLOTS)."""
     read, event, number = 2, ord("E"), 0x0A
     return read << 30 | size << 16 | event << 8 | number
 
@@ -276,6 +277,6 @@ def _not_readable(path: str, error: OSError) -> DeviceError:
         "this device cannot be read",
         where=path,
         got=error.strerror,
-        expected="a node under /dev/input that this user may read, and nobody has grabbed",
+        expected="a node under /dev/input that this user may read and no other program has grabbed",
         remedy="Nodes belong to the group `input`: `sudo usermod -aG input $USER`, then log in",
     )

@@ -1,10 +1,10 @@
-"""Linux multitouch events, protocol B, become contacts: a state machine without any hardware.
+"""State machine that turns Linux multitouch events (protocol B) into contacts, without hardware.
 
 The kernel keeps a fixed number of slots. `ABS_MT_SLOT` says which slot the following values are
 for; a tracking id of -1 empties it, another one puts a new contact in; `SYN_REPORT` ends a frame.
-Only what has changed is sent, and what a slot held stays in it when its finger leaves: the next
-finger in it that comes down at the same x is never told its x. Source: the kernel's document on
-multi-touch (input/multi-touch-protocol), and that on event codes for `SYN_DROPPED`.
+Only changes are sent, and a slot keeps its values when its finger leaves: if the next finger in it
+comes down at the same x, that x is not sent. Source: the kernel's document on multi-touch
+(input/multi-touch-protocol), and that on event codes for `SYN_DROPPED`.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ ABS_MT_DISTANCE = 0x3B
 
 MT_TOOL_PALM = 2
 MAX_SLOTS = 64
-"""More than any hardware has; bounds what a broken driver can make us keep."""
+"""More than any hardware has; bounds the memory that a broken driver can use."""
 
 SLOT_CODES = (
     ABS_MT_TOUCH_MAJOR,
@@ -35,12 +35,12 @@ SLOT_CODES = (
     ABS_MT_TRACKING_ID,
     ABS_MT_DISTANCE,
 )
-"""What is kept of a slot."""
+"""Codes whose values are kept for every slot."""
 
 
 @dataclass(frozen=True)
 class Axis:
-    """One axis as the driver describes it; `resolution` is in units per mm, 0 if not known."""
+    """One axis as the driver describes it; `resolution` is in units per mm, 0 if unknown."""
 
     low: int
     high: int
@@ -48,19 +48,19 @@ class Axis:
 
     @property
     def length(self) -> float | None:
-        """How long the surface is along this axis, m; None: the driver does not know."""
+        """m, length of the surface along this axis; None if the driver does not report it."""
         if self.resolution <= 0 or self.high <= self.low:
             return None
         return (self.high - self.low) / self.resolution / 1000.0
 
     def fraction(self, value: int) -> float:
-        """Where a value lies, 0 to 1."""
+        """Position of a value on the axis, 0 to 1."""
         return min(max((value - self.low) / max(self.high - self.low, 1), 0.0), 1.0)
 
 
 @dataclass
 class Slots:
-    """What a device's slots hold now: by slot, values by code; and the slot that is spoken of."""
+    """Current values of a device's slots, by slot and code, and the currently selected slot."""
 
     values: dict[int, dict[int, int]] = field(default_factory=dict)
     current: int = 0
@@ -70,22 +70,22 @@ class MultiTouch:
     """Follows the slots of a device.
 
     Args:
-        x: Axis.
-        y: Axis.
-        size: (2,) m, of the surface; what the axes span.
-        state: What the slots hold at the beginning. Whoever opens a device while fingers rest on it
-            hears nothing of them otherwise.
+        x: Horizontal axis.
+        y: Vertical axis.
+        size: (2,) m, size of the surface, which the axes span.
+        state: Initial values of the slots. Without them, fingers that rest on the device when it is
+            opened are missed.
 
     Attributes:
-        lost: Events were lost: `resync` must follow before anything counts again.
-        dropped: How often events were lost.
+        lost: Events were lost; frames count again after `resync`.
+        dropped: Number of times that events were lost.
     """
 
     def __init__(
         self, x: Axis, y: Axis, size: tuple[float, float], state: Slots | None = None
     ) -> None:
         self._x, self._y, self._size = x, y, size
-        # Contacts are as round as fingers; the larger axis has units for both.
+        # Contacts count as round; their size is given in units of one axis.
         self._metres = size[0] / max(x.high - x.low, 1)
         self._slots = state or Slots()
         self._skipping = False
@@ -93,9 +93,9 @@ class MultiTouch:
         self.dropped = 0
 
     def feed(self, kind: int, code: int, value: int) -> bool:
-        """Takes one event in; True where it ends a frame that counts."""
+        """Takes one event in; True if it ends a complete frame."""
         if kind == EV_SYN and code == SYN_DROPPED:
-            # Everything up to the next report belongs to a frame that is not whole.
+            # Everything up to the next report belongs to an incomplete frame.
             self._skipping = self.lost = True
             self.dropped += 1
             return False
@@ -111,24 +111,24 @@ class MultiTouch:
         return False
 
     def resync(self, state: Slots) -> None:
-        """Begins anew from what the kernel says the slots hold."""
+        """Continues from the slot values that were read from the kernel."""
         self._slots, self.lost, self._skipping = state, False, False
 
     def contacts(self) -> tuple[Contact, ...]:
-        """The fingers on the surface: no palms, and nothing that hovers over it."""
-        found: dict[int, Contact] = {}
+        """The fingers on the surface, without palms and hovering fingers."""
+        contacts: dict[int, Contact] = {}
         for _, slot in sorted(self._slots.values.items()):
             id_ = slot.get(ABS_MT_TRACKING_ID, -1)
-            if not _is_finger(slot) or id_ in found:
+            if not _is_finger(slot) or id_ in contacts:
                 continue
             x = self._x.fraction(slot.get(ABS_MT_POSITION_X, self._x.low)) * self._size[0]
             y = self._y.fraction(slot.get(ABS_MT_POSITION_Y, self._y.low)) * self._size[1]
             major = slot.get(ABS_MT_TOUCH_MAJOR, 0)
-            found[id_] = Contact(id_, x, y, major * self._metres if major > 0 else None)
-        return tuple(found.values())
+            contacts[id_] = Contact(id_, x, y, major * self._metres if major > 0 else None)
+        return tuple(contacts.values())
 
     def palms(self) -> frozenset[int]:
-        """Ids of contacts that turned out to be a palm: they were never meant."""
+        """Ids of contacts that turned out to be palms, which count as cancelled."""
         return frozenset(
             slot[ABS_MT_TRACKING_ID]
             for slot in self._slots.values.values()

@@ -1,1 +1,1 @@
-"""Files of recorded touch frames and hand frames."""
+"""Devices that play files of touch frames and hand frames, and the writers of these files."""

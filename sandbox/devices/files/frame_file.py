@@ -1,10 +1,10 @@
-"""Recorded touch frames: JSON lines, one a frame, lengths in inches.
+"""Recorded touch frames: JSON lines, one per frame, lengths in inches.
 
     {"surface_in": [7.76, 5.82], "device": "evdev"}
     {"time": 2.99, "contacts": [{"id": 0, "x": 1.21, "y": 1.21, "finger": null}]}
 
 The first line is optional. A frame may also have `cancelled` (ids) and `lift` (0 to 1), a contact
-`size`. A damaged file is good up to the damage.
+`size`. A damaged file is read up to the damage.
 """
 
 from __future__ import annotations
@@ -23,10 +23,10 @@ from models.surface import METRES_PER_INCH, Surface
 from sandbox.session.device import Device
 
 LONGEST_LINE = 1_000_000
-"""Bytes of a line; a frame of ten contacts has about a thousand."""
+"""Largest number of bytes in a line; a frame of ten contacts has about a thousand."""
 
 _DAMAGED = "the recording of touches is damaged here"
-_PLAYABLE = "What stands before this line can be played"
+_PLAYABLE = "The lines before this one can be played"
 _FORMATS = "`sandbox touches formats` lists what can be played"
 _EXPECTED = '{"time": seconds, "contacts": [{"id", "x", "y", "finger"}]}, times never backwards'
 
@@ -51,7 +51,7 @@ class FrameLine(Struct):
 
 
 class HeaderLine(Struct):
-    """The first line of a file, where it has a header."""
+    """The first line of a file with a header."""
 
     surface_in: tuple[float, float] | None = None
 
@@ -61,9 +61,9 @@ class FrameFile:
     """The frames of a file.
 
     Attributes:
-        frames: Up to the end or the damage.
-        surface: Its size, where the file says so.
-        damage: What ended the file early, with file and line; None where it is whole.
+        frames: Frames up to the end or the damage.
+        surface: Touch surface, if the file has its size; else None.
+        damage: Error with file and line that ended the file early; None if it is undamaged.
     """
 
     frames: tuple[TouchFrame, ...]
@@ -72,11 +72,11 @@ class FrameFile:
 
 
 class FramesDevice(Device):
-    """Plays frames at their times; time 0 of the session is the first of them.
+    """Plays frames at their times; the first frame plays at session time 0.
 
     Args:
-        frames: In order of time.
-        damage: What ended the file that they are from.
+        frames: Frames in order of time.
+        damage: Error that ended their file early; None without damage.
     """
 
     name = "frames"
@@ -104,12 +104,12 @@ class FramesDevice(Device):
         return self._frames[first : self._next]
 
     def close(self) -> None:
-        """Ends the play."""
+        """Ends playback."""
         self._next = len(self._frames)
 
 
 def frame_record(frame: TouchFrame) -> dict[str, Any]:
-    """A frame as a line has it; what a device does not tell is left out, save for the finger."""
+    """JSON values of a frame's line, without unknown values; an unknown finger is null."""
     contacts = []
     for contact in frame.contacts:
         record: dict[str, Any] = {
@@ -130,7 +130,7 @@ def frame_record(frame: TouchFrame) -> dict[str, Any]:
 
 
 def header_record(surface: Surface, device: str) -> dict[str, Any]:
-    """The first line of a file."""
+    """JSON values of a file's first line."""
     return {"surface_in": [surface.width_in, surface.height_in], "device": device}
 
 
@@ -138,7 +138,7 @@ def read_frame_file(path: Path) -> FrameFile:
     """Reads a file up to its end or to the first damaged line.
 
     Raises:
-        RecordingError: There is no such file, or not even its first frame can be read.
+        RecordingError: The file does not exist, or its first frame cannot be read.
     """
     surface: Surface | None = None
     frames: list[TouchFrame] = []
@@ -171,7 +171,7 @@ def read_frame_file(path: Path) -> FrameFile:
         raise RecordingError("cannot be read", where=str(path), got=error.strerror) from None
     if not frames:
         raise damage or RecordingError(
-            "there is no touch in it", where=str(path), expected=f"lines like {_EXPECTED}"
+            "the file contains no touches", where=str(path), expected=f"lines like {_EXPECTED}"
         )
     return FrameFile(tuple(frames), surface, damage)
 
@@ -180,12 +180,12 @@ def decoded_frame(line: bytes, where: str, remedy: str) -> FrameLine:
     """Decodes a line of a file.
 
     Args:
-        line: JSON.
+        line: The line, JSON.
         where: The file and the line's number.
         remedy: The next step for the person who reads the error.
 
     Raises:
-        RecordingError: The line is no frame.
+        RecordingError: The line is not a frame.
     """
     return decoded(
         line,
@@ -199,10 +199,10 @@ def decoded_frame(line: bytes, where: str, remedy: str) -> FrameLine:
 
 
 def frame_surface(line: bytes, where: str) -> Surface | None:
-    """The surface of a header line; None for a line without one.
+    """The surface of a header line; None for a line without a surface.
 
     Raises:
-        InputError: The line is no JSON object, or the surface is none.
+        InputError: The line is not a JSON object, or its surface is invalid.
     """
     header = decoded(
         line,

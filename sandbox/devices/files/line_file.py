@@ -1,4 +1,4 @@
-"""A new file of JSON lines, each of which is out of this program as soon as it is written."""
+"""A new file of JSON lines, each flushed as soon as it is written."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from sandbox.session.closeable import Closeable
 
 
 class LineFile(Closeable):
-    """Takes lines from one thread; a program that dies loses at most the one it was writing.
+    """Writes lines from one thread; a crash loses at most the line being written.
 
     Args:
-        path: Of the file; one that is there is not written over.
+        path: The file; an existing file is never overwritten.
 
     Raises:
-        RecordingError: It is there already, or cannot be made.
+        RecordingError: The file exists or cannot be made.
     """
 
     def __init__(self, path: Path) -> None:
@@ -28,7 +28,7 @@ class LineFile(Closeable):
             self._file = path.open("x", encoding="utf-8")
         except FileExistsError:
             raise RecordingError(
-                "this file is there already, and is not written over", where=str(path)
+                "this file exists already, and is not overwritten", where=str(path)
             ) from None
         except OSError as error:
             raise RecordingError("cannot be written", where=str(path), got=error.strerror) from None
@@ -37,7 +37,7 @@ class LineFile(Closeable):
         """Appends a line.
 
         Raises:
-            RecordingError: It cannot be written; what came before it is.
+            RecordingError: The line cannot be written; the lines before it are on disk.
         """
         try:
             print(json.dumps(values, separators=(",", ":")), file=self._file, flush=True)
@@ -46,11 +46,11 @@ class LineFile(Closeable):
                 "the recording cannot go on",
                 where=str(self.path),
                 got=error.strerror,
-                remedy="Make room on the disk; what was recorded before is kept",
+                remedy="Make room on the disk; the lines before this are kept",
             ) from None
 
     def close(self) -> None:
         """Closes the file; may be called twice."""
-        # What could not be written was told then.
+        # `write` has already reported a line that could not be written.
         with suppress(OSError):
             self._file.close()

@@ -1,1 +1,1 @@
-"""The Leap Motion controller: live, from files, and written."""
+"""The Leap Motion controller: live, from files, and a writer of its files."""

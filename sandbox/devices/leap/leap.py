@@ -1,9 +1,10 @@
-"""The Leap device, live over leapd's WebSocket or from a recording. It says hand frames.
+"""Leap devices, live over leapd's WebSocket or from a recording; they produce hand frames.
 
-leapd and the Ultraleap bridge serve `ws://127.0.0.1:6437/v6.json`; frames flow without being asked.
-The bridge compares commands as exact strings of up to 31 bytes into a buffer of 32, so ours are
-compact and short. Frames are decoded in the connection's thread, so that 290 of them a second never
-wait for whoever polls; what nobody fetches is dropped, oldest first, and counted.
+leapd and the Ultraleap bridge serve `ws://127.0.0.1:6437/v6.json` and send frames without a
+request. The bridge reads commands into a buffer of 32 bytes and compares them as exact strings of
+up to 31 bytes, so ours are compact and short. Frames are decoded in the connection's thread, up to
+290 a second, independently of polling; frames that nobody fetches are dropped, oldest first, and
+counted.
 """
 
 from __future__ import annotations
@@ -26,32 +27,32 @@ from sandbox.session.device import HandDevice
 DEFAULT_ADDRESS = "ws://127.0.0.1:6437/v6.json"
 
 KEPT = 600
-"""Frames that wait to be fetched, two seconds at the device's fastest."""
+"""Largest number of frames that wait to be fetched: two seconds at the device's highest rate."""
 
 LARGEST_MESSAGE = 1 << 20
-"""Bytes; a frame of two hands in the newest dialect has 11 thousand."""
+"""Bytes of the largest message; a frame of two hands in the newest dialect has 11 thousand."""
 
 SILENCE = 5.0
-"""s without a frame after which a service that is followed counts as gone."""
+"""s without a frame after which `follow` takes the service as gone."""
 START_IT = "Start leapd or the Ultraleap bridge, or try `sandbox leap fake FILE`"
 
 BACKGROUND = '{"background":true}'
-"""Asks leapd to send frames although its own window has no focus. 19 bytes."""
+"""Command that makes leapd send frames although the client has no focus; 19 bytes."""
 
 _LOOK = 0.05
-"""s between two looks whether anything came."""
+"""s between two checks for new frames."""
 _FIRST_PAUSE, _LONGEST_PAUSE = 0.1, 2.0
-"""s, between attempts to connect; doubled each time."""
+"""s between attempts to connect, doubled after each failure."""
 
 
 class LeapFileDevice(HandDevice):
-    """Plays a recording as the device it was taken from; time 0 is its first frame.
+    """Plays a Leap recording; its first frame plays at session time 0.
 
     Args:
-        recording: Read by `read_leap`.
+        recording: A recording from `read_leap`.
 
     Attributes:
-        damage: What ended the file early; None where it is whole.
+        damage: Error that ended the file early; None if it is undamaged.
     """
 
     name = "leap recording"
@@ -66,7 +67,7 @@ class LeapFileDevice(HandDevice):
 
     @property
     def counts(self) -> Counter[str]:
-        """What the decoder used and left out of the whole recording."""
+        """Numbers of used and skipped parts of the whole recording, by kind."""
         return self._recording.counts
 
     @property
@@ -82,18 +83,18 @@ class LeapFileDevice(HandDevice):
         return frames[first : self._next]
 
     def close(self) -> None:
-        """Ends the play."""
+        """Ends playback."""
         self._next = len(self._recording.frames)
 
 
 class LeapDevice(HandDevice):
-    """A running leapd or bridge; connects again for as long as it is open.
+    """A running leapd or bridge; reconnects until it is closed.
 
     Args:
-        address: WebSocket URL.
+        address: WebSocket URL of the service.
 
     Raises:
-        DeviceError: The address is none.
+        DeviceError: The address is not a WebSocket URL.
     """
 
     name = "leap"
@@ -103,7 +104,7 @@ class LeapDevice(HandDevice):
     def __init__(self, address: str = DEFAULT_ADDRESS) -> None:
         if not address.startswith(("ws://", "wss://")):
             raise DeviceError(
-                "this is no WebSocket address", where="--leap", got=address, expected="ws://..."
+                "this is not a WebSocket address", where="--leap", got=address, expected="ws://..."
             )
         self.url = address
         self._decoder = LeapDecoder("leap")
@@ -117,22 +118,22 @@ class LeapDevice(HandDevice):
 
     @property
     def counts(self) -> Counter[str]:
-        """Messages used, refused and dropped, connections made."""
+        """Numbers of messages used, refused and dropped, and of connections, by kind."""
         with self._news:
             return Counter(self._decoder.counts)
 
     @property
     def version(self) -> str | None:
-        """What the service says its version is."""
+        """Version that the service reports; None before it does."""
         return self._decoder.version
 
     def wait(self, seconds: float) -> bool:
-        """Waits until there is a frame to fetch; False where none came in time."""
+        """Waits until a frame can be fetched; False if none came in time."""
         with self._news:
             return self._news.wait_for(lambda: bool(self._frames), seconds)
 
     def poll(self, now: float) -> Sequence[HandFrame]:
-        """All frames that have come since the last call."""
+        """All frames since the last call."""
         with self._news:
             frames = tuple(self._frames)
             self._frames.clear()
@@ -141,14 +142,14 @@ class LeapDevice(HandDevice):
     def follow(
         self, hear: Callable[[], object] = lambda: None, remedy: str = START_IT
     ) -> Iterator[HandFrame]:
-        """Frames as they come, for ever.
+        """Yields frames as they arrive, without end.
 
         Args:
-            hear: Called again and again meanwhile; what it raises ends it.
-            remedy: Said where the service falls silent.
+            hear: Called repeatedly meanwhile; an exception from it ends the iteration.
+            remedy: Remedy in the error of a silent service.
 
         Raises:
-            DeviceError: Nothing came for `SILENCE`.
+            DeviceError: No frame came for `SILENCE`.
         """
         heard = time.monotonic()
         while True:
@@ -160,9 +161,9 @@ class LeapDevice(HandDevice):
                 raise self.silent(SILENCE, remedy)
 
     def silent(self, seconds: float, remedy: str = START_IT) -> DeviceError:
-        """The error of a service that has said nothing for so long."""
+        """The error for a service that has been silent for a number of seconds."""
         got = self.trouble or f"no frame for {seconds:g} s"
-        return DeviceError("the Leap service says nothing", where=self.url, got=got, remedy=remedy)
+        return DeviceError("the Leap service is silent", where=self.url, got=got, remedy=remedy)
 
     def close(self) -> None:
         """Ends the connection and its thread."""
@@ -209,7 +210,7 @@ class LeapDevice(HandDevice):
             decoded = msgspec.json.decode(message)
         except (msgspec.DecodeError, UnicodeDecodeError, RecursionError):
             with self._news:
-                self._decoder.counts["messages that are no JSON"] += 1
+                self._decoder.counts["messages that are not JSON"] += 1
             return
         with self._news:
             frame = self._decoder.feed(decoded)

@@ -1,4 +1,4 @@
-"""A leapd that plays a recording: handshake, frames and commands as the service has them."""
+"""A fake leapd that plays a recording, with the handshake and the frames of the service."""
 
 from __future__ import annotations
 
@@ -18,21 +18,22 @@ from models.errors import DeviceError
 PATH = "/v6.json"
 DEFAULT_PORT = 6437
 FAKE = "0 (fake leapd)"
-"""What it says its version is: whoever records it knows that no hand was there."""
+"""Version that it reports, so that recordings made from it can be told from real ones."""
 
 
 class FakeLeapd:
-    """Serves messages to every client from its first one on.
+    """Sends all messages to every client, from the first one.
 
     Args:
         messages: JSON objects of frames.
         bind: Address of this machine to listen on.
         port: TCP port; 0 takes a free one.
-        rate: Hz.
-        loop: Begin again at the end, with times that go on; else the connection is closed there.
+        rate: Hz, frame rate.
+        loop: Repeats the messages with increasing times; otherwise the connection closes after the
+            last message.
 
     Raises:
-        DeviceError: The port cannot be had.
+        DeviceError: The port is not available.
     """
 
     def __init__(
@@ -85,7 +86,7 @@ class FakeLeapd:
                 self._stop.wait(max(0.0, due - time.monotonic()))
                 if self._stop.is_set():
                     return
-                if turn:  # A second turn's times would run backwards.
+                if turn:  # When the messages repeat, their own times would run backwards.
                     message = message | {"timestamp": round(sent * step_us) + self._last_time()}
                 channel.send(json.dumps(message, separators=(",", ":")))
                 sent += 1
@@ -100,5 +101,5 @@ class FakeLeapd:
 
 
 def _only_path(channel: ServerConnection, request: Request) -> Response | None:
-    """As the bridge does: any other path is turned away."""
+    """Refuses any other path, as the bridge does."""
     return None if request.path == PATH else channel.respond(404, f"only {PATH}\n")

@@ -1,11 +1,11 @@
-"""Leap recordings as files: plain JSON, LeapJS recordings (`.json.lz`, packed or not), JSON lines.
+"""Files of Leap recordings: plain JSON, LeapJS recordings (`.json.lz`, packed or not), JSON lines.
 
-Recognised by content, not by name:
+They are recognised by content, not by name:
 
-    [frame, frame, ...]                         the first Leap software's dumps
-    {"metadata": {...}, "frames": [...]}        LeapJS; packed where frames[0] is a list of keys
+    [frame, frame, ...]                         dumps of the first Leap software
+    {"metadata": {...}, "frames": [...]}        LeapJS; packed if frames[0] is a list of keys
     LZString base64 of such a text              LeapJS, `.json.lz`
-    one message a line                          what leapd sent, as it came; good up to damage
+    one message per line                        messages of leapd; read up to any damage
 """
 
 from __future__ import annotations
@@ -24,10 +24,10 @@ from sandbox.devices.leap.leap_json import LeapDecoder
 from sandbox.devices.leap.leap_lz import decompress_base64
 
 LARGEST = 1 << 28
-"""Bytes of a file that is read; an hour of two hands is about half of it."""
+"""Bytes of the largest file that is read; an hour of two hands takes about half of it."""
 
 _UNREADABLE = (msgspec.DecodeError, UnicodeDecodeError, RecursionError)
-"""What damaged JSON raises; names of fields that are no UTF-8 are no DecodeError."""
+"""Errors that damaged JSON raises; a field name that is not UTF-8 raises no DecodeError."""
 
 _REMEDY = "`sandbox leap formats` lists what can be played"
 
@@ -37,12 +37,12 @@ class LeapRecording:
     """The frames of a recording.
 
     Attributes:
-        frames: In order of time.
-        messages: The JSON objects, unpacked; what a fake leapd sends again.
-        dialect: `v1`, `v2`, `v3`, `bridge`, or None where no finger was seen.
-        counts: How many frames, fingers and hands were used or left out, and why.
-        metadata: The file's own, where it has some.
-        damage: What ended a file of JSON lines early; None where it is whole.
+        frames: Frames in order of time.
+        messages: The JSON objects, unpacked, as a fake leapd sends them.
+        dialect: `v1`, `v2`, `v3` or `bridge`; None if no finger was seen.
+        counts: Numbers of frames, fingers and hands that were used or skipped, by reason.
+        metadata: Metadata of the file; empty without any.
+        damage: Error that ended a file of JSON lines early; None if it is undamaged.
     """
 
     frames: tuple[HandFrame, ...]
@@ -59,16 +59,16 @@ class LeapRecording:
 
 
 def check_side(frames: Sequence[HandFrame], side: str, where: str, option: str) -> None:
-    """Refuses frames of the other hand alone; those that do not name sides may be of either.
+    """Checks that frames may show a hand of one side; hands without a side may be of either.
 
     Args:
-        frames: Of a recording.
-        side: That is wanted.
-        where: The recording, for the message.
-        option: Of the command line, which chooses the side.
+        frames: Frames of a recording.
+        side: The required side.
+        where: The recording, for the error message.
+        option: Command-line option that chooses the side.
 
     Raises:
-        InputError: The recording is of the other hand.
+        InputError: The recording shows only the other hand.
     """
     sides = {hand.side for frame in frames for hand in frame.hands}
     if sides and None not in sides and side not in sides:
@@ -83,11 +83,11 @@ def check_side(frames: Sequence[HandFrame], side: str, where: str, option: str) 
 
 
 def read_leap(path: Path) -> LeapRecording:
-    """Reads a recording, whichever of the forms it has.
+    """Reads a recording in any of these forms.
 
     Raises:
-        RecordingError: There is no such file, it is of another program, cut short, or none of its
-            frames can be used.
+        RecordingError: The file does not exist, is of another program or cut short, or has no
+            usable frame.
     """
     where = str(path)
     try:
@@ -109,7 +109,7 @@ def read_leap(path: Path) -> LeapRecording:
     if not frames:
         why = ", ".join(f"{n} {what}" for what, n in decoder.counts.items() if n) or "it is empty"
         raise RecordingError(
-            "there is no usable Leap frame in it",
+            "the file contains no usable Leap frames",
             where=where,
             got=why,
             expected='objects with "hands" and "pointables"',
@@ -141,20 +141,20 @@ def _messages(
     if isinstance(whole, list):
         return _objects(whole), {}, None
     if not isinstance(whole, dict):
-        raise RecordingError("this is no Leap recording", got=str(whole)[:40])
+        raise RecordingError("this is not a Leap recording", got=str(whole)[:40])
     if "frames" not in whole:
         return [whole], {}, None
     frames = whole["frames"]
     metadata = whole.get("metadata")
     if not isinstance(frames, list):
-        raise RecordingError("its frames are no list", got=str(frames)[:40])
+        raise RecordingError("`frames` is not a list", got=str(frames)[:40])
     if frames and isinstance(frames[0], list):
         frames = _unpacked(frames[0], frames[1:])
     return _objects(frames), metadata if isinstance(metadata, dict) else {}, None
 
 
 def _is_lines(data: bytes) -> bool:
-    """Whether the first line is an object of its own, and not the beginning of a longer one."""
+    """True if the first line is a complete JSON object and further lines follow."""
     first, _, rest = data.lstrip().partition(b"\n")
     if not rest.strip() or not first.startswith(b"{"):
         return False
@@ -177,14 +177,14 @@ def _lines(data: bytes, where: str) -> tuple[list[dict[str, Any]], RecordingErro
                 f"the recording is damaged here: {error}",
                 where=f"{where}, line {number}",
                 got=line[:40].decode("latin-1"),
-                remedy="What stands before this line was read",
+                remedy="The lines before this one were read",
             )
         messages += _objects([message])
     return messages, None
 
 
 def _objects(items: Iterable[Any]) -> list[dict[str, Any]]:
-    """The items as the decoder takes them: what is no object becomes one that it counts."""
+    """The items as objects; the decoder counts those that stand for other values."""
     return [i if isinstance(i, dict) else {"damaged": str(i)[:40]} for i in items]
 
 
@@ -202,14 +202,14 @@ def _unpacked(keys: Sequence[Any], rows: Sequence[Any]) -> list[Any]:
 
 def _named(keys: Sequence[Any], row: Any) -> dict[str, Any]:
     if not isinstance(row, list):
-        raise TypeError("a packed row is a list")
+        raise TypeError("a packed row must be a list")
     named: dict[str, Any] = {}
     for key, value in zip(keys, row, strict=True):
         if isinstance(key, str):
             named[key] = value
             continue
         if not isinstance(key, Mapping) or len(key) != 1:
-            raise TypeError("a packed key is a text, or one name with its keys")
+            raise TypeError("a packed key must be a text, or one name with its keys")
         name, inner = next(iter(key.items()))
         many = bool(inner) and isinstance(inner[0], list)
         named[name] = [_named(inner[0], v) for v in value] if many else _named(inner, value)
@@ -217,7 +217,7 @@ def _named(keys: Sequence[Any], row: Any) -> dict[str, Any]:
 
 
 def _rate(metadata: Mapping[str, Any]) -> float:
-    """Hz, of the metadata, which write it as text; 100 where there is none."""
+    """Hz, frame rate in the metadata, which is written as text there; 100 without one."""
     try:
         rate = float(metadata.get("frameRate", 100.0))
     except (TypeError, ValueError):

@@ -1,6 +1,6 @@
-"""One Leap JSON frame -> `HandFrame`, in all four dialects that exist.
+"""Decoder of Leap JSON frames to `HandFrame`, in all four existing dialects.
 
-leapd and its successors send JSON over a WebSocket. What differs is what a pointable carries:
+leapd and its successors send JSON over a WebSocket. The dialects differ in a pointable's fields:
 
     v1      2013: unordered, `length` is the length the device sees; no bones, no side
     v2      2014: five named fingers with joints; their lengths are fixed
@@ -8,12 +8,11 @@ leapd and its successors send JSON over a WebSocket. What differs is what a poin
     bridge  UltraleapTrackingWebSocket: v3 without palm sphere, and `length` is a width by mistake
 
 Leap: millimetres, microseconds, x right, y up, z towards the person. HandFrame: metres, seconds, x
-right, y away from the person, z up. Both are right-handed, so nothing is mirrored. Where joints are
-given, a finger's length is the sum of its bones, which is what v2 and v3 mean by it and what the
-bridge gets wrong.
+right, y away from the person, z up. Both are right-handed, so nothing is mirrored. If joints are
+given, a finger's length is the sum of its bones, as v2 and v3 define it; the bridge's is wrong.
 
-Fields are checked by hand and not by structs: of a finger with a wrong optional field (side, hand,
-confidence) everything else is used, and a struct would refuse the whole finger.
+Fields are checked here and not by structs: a struct would refuse a whole finger for a wrong
+optional field (side, hand, confidence), while here everything else is used.
 """
 
 from __future__ import annotations
@@ -30,20 +29,20 @@ METRES_PER_MM = 1e-3
 SECONDS_PER_US = 1e-6
 
 RESTART = 1.0
-"""s. Time that runs back by more is a service that was started anew, not a late frame."""
+"""s. If time runs back by more, the service was restarted; by less, the frame is late."""
 
 _JOINTS = ("mcpPosition", "pipPosition", "dipPosition", "tipPosition")
 _FARTHEST = 10_000.0
-"""mm. Nothing the device can see is farther away; it sees about one metre."""
+"""mm, largest coordinate of a valid position; the device sees about one metre."""
 _MOST_HANDS = 8
 
 
 class LeapDecoder:
-    """Turns the messages of one connection or file into frames; wrong parts are counted and left.
+    """Turns the messages of one connection or file into frames; invalid parts are counted.
 
     Args:
         source: Name written into the frames.
-        rate: Hz, of recordings that carry neither times nor a rate.
+        rate: Hz, frame rate of recordings without times and rate.
     """
 
     def __init__(self, source: str = "leap", rate: float = 100.0) -> None:
@@ -55,9 +54,9 @@ class LeapDecoder:
         self._offset = 0.0
 
     def feed(self, message: Any) -> HandFrame | None:
-        """The frame of a decoded JSON message; None where it carries none that can be used."""
+        """The frame of a decoded JSON message; None if it contains no usable frame."""
         if not isinstance(message, Mapping):
-            self.counts["messages that are no JSON objects"] += 1
+            self.counts["messages that are not JSON objects"] += 1
             return None
         if "hands" not in message and "pointables" not in message:
             if "version" in message:
@@ -83,7 +82,7 @@ class LeapDecoder:
         return frame
 
     def _moment(self, message: Mapping[str, Any]) -> float | None:
-        """Seconds on one clock that only runs forwards, or None for a frame that comes too late."""
+        """s, time of a message on a clock that never runs backwards; None for a late frame."""
         if "timestamp" not in message:
             rate = message.get("currentFrameRate", self._rate)
             step = 1.0 / (rate if _is_number(rate) and 1.0 <= rate <= 1000.0 else self._rate)
@@ -126,7 +125,7 @@ class LeapDecoder:
         return tuple(hands)
 
     def _learn(self, pointable: Mapping[str, Any]) -> None:
-        """What the first finger says about who is speaking."""
+        """Detects the dialect from the fields of the first finger."""
         if self.dialect is not None:
             return
         if "mcpPosition" not in pointable:
@@ -136,7 +135,7 @@ class LeapDecoder:
         elif "stabilizedTipPosition" not in pointable:
             self.dialect = "bridge"
         else:
-            # Packed recordings of v2 keep the bases, but leave the touch zone out.
+            # Packed recordings of v2 contain the bases, but not the touch zone.
             self.dialect = "v3" if "touchDistance" in pointable else "v2"
 
 
@@ -163,7 +162,7 @@ def _finger(record: Mapping[str, Any]) -> TrackedFinger:
 
 
 def _name(record: Mapping[str, Any], kind: Any) -> int | None:
-    """Which finger; recordings that left `type` out still have ids of ten times the hand's."""
+    """Label of the finger; without `type` it follows from the id, 10 times the hand's plus it."""
     if kind is None and _is_number(record.get("handId")):
         kind = int(record["id"] - 10 * record["handId"])
     return kind if isinstance(kind, int) and not isinstance(kind, bool) else None
@@ -188,14 +187,14 @@ def _hand(record: Mapping[str, Any], fingers: tuple[TrackedFinger, ...]) -> Trac
 def _items(message: Mapping[str, Any], name: str) -> list[Mapping[str, Any]]:
     items = message.get(name, [])
     if not isinstance(items, list) or not all(isinstance(i, Mapping) for i in items):
-        raise DeviceError(f"{name} are no list of objects")
+        raise DeviceError(f"`{name}` is not a list of objects")
     return items
 
 
 def _identity(record: Mapping[str, Any]) -> int:
     value = record.get("id")
     if isinstance(value, bool) or not isinstance(value, int) or abs(value) >= 2**53:
-        raise DeviceError("there is no usable id", got=str(value)[:40])
+        raise DeviceError("`id` is not an integer below 2^53", got=str(value)[:40])
     return value
 
 
@@ -205,7 +204,7 @@ def _is_number(value: Any) -> TypeGuard[float]:
 
 def _number(value: Any, name: str) -> float:
     if not _is_number(value):
-        raise DeviceError(f"{name} is no finite number", got=str(value)[:40])
+        raise DeviceError(f"{name} is not a finite number", got=str(value)[:40])
     return float(value)
 
 

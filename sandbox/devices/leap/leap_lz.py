@@ -1,7 +1,7 @@
-"""LZString, the compression of LeapJS recordings (`.json.lz`): decoding of its base64 form.
+"""Decoder of LZString's base64 form, the compression of LeapJS recordings (`.json.lz`).
 
-A dictionary coder after LZ78 on 16-bit characters; codes grow from 3 bits, least bit first.
-Source: the format of the npm package lz-string, which wrote the recordings.
+LZString is a dictionary coder after LZ78 on 16-bit characters; codes grow from 3 bits, least
+significant bit first. Source: the format of the npm package lz-string, which wrote the recordings.
 """
 
 from __future__ import annotations
@@ -9,19 +9,19 @@ from __future__ import annotations
 from models.errors import RecordingError
 
 MOST_CHARACTERS = 1 << 28
-"""Of a decoded text; a small file can otherwise ask for any amount of memory."""
+"""Largest length of a decoded text; otherwise a small file could use any amount of memory."""
 
 _ALPHABET = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/"
 _BITS = {ord(c): f"{i:06b}" for i, c in enumerate(_ALPHABET)} | {ord("="): "000000"}
 _BYTE, _WORD, _END = 0, 1, 2
-"""Codes that do not stand for a known text: a new 8-bit or 16-bit character, the end."""
+"""Codes for a new 8-bit character, a new 16-bit character, and the end."""
 
 
 def decompress_base64(text: str, limit: int = MOST_CHARACTERS) -> str:
     """The text that LZString's compressToBase64 was given.
 
     Raises:
-        RecordingError: It is no such text, is cut short, or would be larger than `limit`.
+        RecordingError: The text is not LZString's base64, is cut short, or is larger than `limit`.
     """
     text = "".join(text.split())
     if not text or not text.isascii() or any(ord(c) not in _BITS for c in set(text)):
@@ -58,7 +58,7 @@ def decompress_base64(text: str, limit: int = MOST_CHARACTERS) -> str:
 
 
 def _width(known: list[str], started: bool) -> int:
-    """Bits of the next code: all known texts and the one that is about to be known fit in."""
+    """Number of bits of the next code, enough for all known texts and the next one."""
     return len(known).bit_length() if started else 2
 
 

@@ -1,8 +1,8 @@
-"""Simulated Leap recordings as files, with the truth in them that no real recording has.
+"""Files of simulated Leap recordings, which contain the true angles and fingers.
 
-Beside what a service sends, every frame has a key `truth`: `angles` (5 x 4 degrees, see
-`encoders.paalm.angles`), `fingers` (id -> 0 to 4) and `open` (the hand is held open to be
-measured). A player ignores it.
+In addition to the fields of a service, every frame has a key `truth`: `angles` (5 x 4 degrees, see
+`encoders.paalm.angles`), `fingers` (id -> 0 to 4) and `open` (true while the hand is held open for
+calibration). Playback ignores it.
 """
 
 from __future__ import annotations
@@ -56,10 +56,10 @@ def write_take(take: LeapTake, path: Path, made_from: dict[str, Any]) -> None:
 
 
 def take_with_truth(recording: LeapRecording, where: str) -> LeapTake | None:
-    """The take of a simulated recording; None where a recording has no truth in it.
+    """The take of a simulated recording; None for a recording without the truth.
 
     Raises:
-        RecordingError: Its truth is damaged.
+        RecordingError: The truth is damaged.
     """
     if recording.metadata.get("generatedBy") != GENERATOR:
         return None

@@ -1,4 +1,7 @@
-"""`HandFrame` -> a Leap JSON message, v1 or with joints (v3): the inverse of `leap_json`."""
+"""Conversion of a `HandFrame` to a Leap JSON message, v1 or with joints (v3).
+
+It is the inverse of `sandbox.devices.leap.leap_json`.
+"""
 
 from __future__ import annotations
 
@@ -9,11 +12,11 @@ from sandbox.devices.leap.leap_json import METRES_PER_MM, SECONDS_PER_US
 
 
 def leap_message(frame: HandFrame, number: int) -> dict[str, Any]:
-    """The message a Leap service would have sent; fingers with joints make it v3, others v1.
+    """The message that a Leap service would send; v3 if the fingers have joints, else v1.
 
     Args:
-        frame: What the device sees.
-        number: The frame's id.
+        frame: The hand frame.
+        number: Id of the frame.
     """
     return {
         "id": number,

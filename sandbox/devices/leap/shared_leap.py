@@ -1,4 +1,4 @@
-"""One Leap over which two hands move: each hand of the scene gets the frames of its own side."""
+"""A Leap shared by two hands: each hand of the scene receives the frames of its own side."""
 
 from __future__ import annotations
 
@@ -15,23 +15,23 @@ from sandbox.session.device import HandDevice
 from sandbox.session.messages import Snapshot
 
 KEPT = 600
-"""Frames that wait for a hand that does not fetch them, as in `sandbox.devices.leap.leap`."""
+"""Largest number of frames that wait for a hand, as in `sandbox.devices.leap.leap`."""
 
 
 class SharedLeap:
     """Splits the hands of a device by side.
 
-    A frame in which one hand is above the other shows neither: the device cannot tell their fingers
-    apart.
+    If one hand is above the other, both are removed from the frame, as the device cannot tell their
+    fingers apart.
 
     Args:
-        device: Sees both hands.
-        sides: Of the scene's hands, one `right` and one `left`.
+        device: Device that sees both hands.
+        sides: Sides of the scene's hands, one `right` and one `left`.
 
     Attributes:
         parts: A device for each hand, in the order of the sides.
-        counts: How many frames showed no hand because one was above the other.
-        hidden: s, when that was last; minus infinity for never.
+        counts: Number of frames in which one hand was above the other.
+        hidden: s, time of the last such frame; minus infinity without one.
     """
 
     def __init__(self, device: HandDevice, sides: tuple[str, str]) -> None:
@@ -42,7 +42,7 @@ class SharedLeap:
         self.parts = tuple(LeapPart(self, i, side) for i, side in enumerate(sides))
 
     def fetch(self, now: float) -> None:
-        """Deals out what has come."""
+        """Polls the device, and distributes its frames to both parts."""
         for frame in self.device.poll(now):
             hands = frame.hands
             hidden = any(stacked(a, b) for i, a in enumerate(hands) for b in hands[:i])
@@ -56,12 +56,12 @@ class SharedLeap:
 
 
 class LeapPart(HandDevice):
-    """One hand's frames.
+    """The frames of one hand of a shared Leap.
 
     Args:
-        shared: Where they come from.
-        index: Which hand of the scene.
-        side: Its side.
+        shared: The shared Leap.
+        index: Index of the hand in the scene.
+        side: Side of the hand.
     """
 
     name: str
@@ -76,22 +76,22 @@ class LeapPart(HandDevice):
 
     @property
     def finished(self) -> bool:
-        """Whether nothing more can come for this hand."""
+        """True when no further frame can arrive for this hand."""
         return self._shared.device.finished and not self.waiting
 
     @property
     def looks(self) -> bool:
-        """As the device, and for the first hand only: whoever looks is shown things once."""
+        """The device's for the first hand, else False, so that the device sees snapshots once."""
         return self._first and self._shared.device.looks
 
     def show(self, snapshot: Snapshot) -> None:
-        """Shows the device what there is to see, through the first hand."""
+        """Passes the snapshot to the device, through the first hand only."""
         if self._first:
             self._shared.device.show(snapshot)
 
     @property
     def notice(self) -> str:
-        """A word to the people whose hands are not told apart; empty while they are."""
+        """Message while one hand is above the other; empty otherwise."""
         if self._now - self._shared.hidden >= NOTICE_LASTS:
             return ""
         return "one hand is above the other: hold them apart"
@@ -109,11 +109,11 @@ class LeapPart(HandDevice):
         self._shared.device.close()
 
 
-class BothOver(HandDevice):
-    """Two devices as one that sees the hands of both: two simulated people over one Leap.
+class MergedLeap(HandDevice):
+    """Merges two devices into one that sees both hands: two simulated people over one Leap.
 
     Args:
-        devices: They tell a frame each, for the same times.
+        devices: Two devices that return frames of the same times.
     """
 
     name = "simulated leap"
@@ -126,16 +126,16 @@ class BothOver(HandDevice):
 
     @property
     def finished(self) -> bool:
-        """Whether any of the two has ended."""
+        """True if either device has ended."""
         return any(d.finished for d in self.parts)
 
     def show(self, snapshot: Snapshot) -> None:
-        """Lets both look at the screen."""
+        """Passes the snapshot to both devices."""
         for device in self.parts:
             device.show(snapshot)
 
     def poll(self, now: float) -> Sequence[HandFrame]:
-        """Frames with the hands of both, numbered apart."""
+        """Frames with the hands of both devices, with distinct ids."""
         return [
             replace(
                 frames[0],

@@ -1,4 +1,4 @@
-"""The simulated user in the air as a device: sees snapshots, moves over a simulated Leap."""
+"""The simulated user in the air as a device: sees snapshots, moves a hand over a simulated Leap."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ from models.frames import HandFrame
 from models.person import Person
 from models.skeleton import ADULT
 from sandbox.devices.simulated.air_user.carrier import AirCarrier
-from sandbox.devices.simulated.air_user.holds import check
+from sandbox.devices.simulated.air_user.holds import check_holdable
 from sandbox.devices.simulated.air_user.person import AirHabits, AirPerson
-from sandbox.devices.simulated.leap_trouble import LeapTrouble
+from sandbox.devices.simulated.leap_disturbance import LeapDisturbance
 from sandbox.devices.simulated.simulated import NEXT_PERSON
 from sandbox.session.device import HandDevice
 from sandbox.session.messages import Snapshot
@@ -24,10 +24,10 @@ from tasks.task import Goal, Task
 from tasks.user import SeenObject, Sight, UserConfiguration
 
 HOME_OF_TWO = 0.12
-"""m from the middle, where each of two hands is at home."""
+"""m from the centre, resting position of each of two hands."""
 
 _CARRIED = 0.6
-"""s of carrying after which a hand that is to be lost is lost."""
+"""s of carrying after which `LeapDisturbance.lose` begins."""
 
 _MIRROR = np.array([-1.0, 1.0, 1.0])
 
@@ -36,18 +36,18 @@ class SimulatedLeap(HandDevice):
     """A Leap over which a simulated user moves a hand.
 
     Args:
-        task: For the shapes of what is drawn; the user never gets the task itself.
-        configuration: What kind of person.
-        seed: Of the person and of the device's noise.
-        at: m, where the device is in the world.
+        task: The drawn task, for the shapes of its objects; the user does not get the task itself.
+        configuration: Configuration of the simulated user.
+        seed: Seed of the person and of the device's noise.
+        at: (3,) m, position of the device in the world.
         dialect: `v3` or `v1`.
-        person: Which hand, and how large the drawn one is.
-        hand: Which of the scene's hands is theirs.
-        habits: How they work.
-        trouble: What else goes wrong.
+        person: Side and size of the drawn hand.
+        hand: Index of the user's hand in the scene.
+        habits: Parameters of the user's way of working.
+        trouble: Disturbances of the device.
 
     Raises:
-        InputError: They do not know how to hold the task's things.
+        InputError: The user cannot hold one of the task's objects.
     """
 
     name = "simulated leap"
@@ -65,9 +65,9 @@ class SimulatedLeap(HandDevice):
         person: Person | None = None,
         hand: int = 0,
         habits: AirHabits | None = None,
-        trouble: LeapTrouble | None = None,
+        trouble: LeapDisturbance | None = None,
     ) -> None:
-        self._trouble = trouble or LeapTrouble()
+        self._trouble = trouble or LeapDisturbance()
         self._carried: float | None = None
         self._away = False
         person = person or Person()
@@ -76,16 +76,16 @@ class SimulatedLeap(HandDevice):
         self._shapes = {thing.name: thing for thing in task.objects}
         two = hands_of(task) > 1
         for thing in task.objects:
-            check(thing)
+            check_holdable(thing)
         make = AirCarrier if two else AirPerson
-        # In the mirror in which a left hand is a right one, its home is to the right, too.
+        # A left hand is simulated as a mirrored right one, with its home on the right.
         home = (HOME_OF_TWO, 0.0) if two or hand else (0.0, 0.0)
         radius = person.skeleton(ADULT).tip_radius
         self.user = make(configuration, seed, radius, habits, home)
         self._eye = LeapEye(seed, person.hand, dialect, self._trouble.applied(FROZEN_LEAP))
 
     def show(self, snapshot: Snapshot) -> None:
-        """Lets the user look at the screen."""
+        """Shows the snapshot to the user."""
         hand = snapshot.hands[self._hand]
         goals, objects = snapshot.goals, snapshot.objects
         seen = {
@@ -94,7 +94,7 @@ class SimulatedLeap(HandDevice):
         }
         tips = dict(enumerate(hand.tips))
         if self._left:
-            # What a left hand does is what a right one would do in a mirror.
+            # A left hand is simulated as a mirrored right hand.
             seen = {name: _mirrored(o) for name, o in seen.items()}
             tips = {f: _MIRROR * tip for f, tip in tips.items()}
             goals = tuple(_mirrored_goal(g) for g in goals)
@@ -102,7 +102,7 @@ class SimulatedLeap(HandDevice):
         self.user.look(Sight(snapshot.time, tips, bool(hand.solid), seen, goals, done))
 
     def poll(self, now: float) -> Sequence[HandFrame]:
-        """What the device sees of the hand now."""
+        """The hand frame that the device sees now."""
         if self.finished:
             return []
         origin, rotation, joints = self.user.hand(now)
@@ -112,7 +112,7 @@ class SimulatedLeap(HandDevice):
         return [replace(frame, hands=()) if self._gone(now) else frame]
 
     def _gone(self, now: float) -> bool:
-        """Whether the whole hand is out of view now: once, after a moment of carrying."""
+        """True while the whole hand is out of view: once, after a moment of carrying."""
         if self._trouble.lose <= 0.0:
             return False
         if self._carried is None:
@@ -127,7 +127,7 @@ class SimulatedLeap(HandDevice):
         return gone
 
     def close(self) -> None:
-        """The user leaves."""
+        """Ends the device."""
         self.finished = True
 
 

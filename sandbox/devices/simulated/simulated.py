@@ -1,4 +1,4 @@
-"""The simulated user as a device: looks at snapshots like a window, touches like a tablet."""
+"""The simulated user as a device: sees snapshots like a window, touches like a tablet."""
 
 from __future__ import annotations
 
@@ -40,29 +40,30 @@ _LIFTING: dict[str, type[Stacker] | type[IdleLiftUser] | type[RandomLiftUser]] =
     "idle": IdleLiftUser,
     "random": RandomLiftUser,
 }
-"""Who plays a task with a lift control."""
+"""Users of tasks with a lift control, by kind."""
 
 NEXT_PERSON = 1_000_003
-"""Added to the seed of who plays the second hand; beyond all seeds of trials."""
+"""Added to the seed for the user of the second hand; larger than all seeds of trials."""
 
 
 class SimulatedDevice(Device):
     """A tablet under the fingers of a simulated user.
 
     Args:
-        task: For the shapes of what is drawn; the user never gets the task itself.
-        configuration: What kind of person.
-        surface: The tablet.
-        seed: Of the person's chance.
-        tell_labels: Tells which finger touches (an upper bound for labelling; never the default).
-        drop_outs: Times per second that the screen loses each touch for a moment.
-        person: Which hand they use and where they sit.
-        hand: Which of the scene's hands is theirs.
-        home: (2,) m in the world, the middle of their part of the screen; None is the screen's.
+        task: The drawn task, for the shapes of its objects; the user does not get the task itself.
+        configuration: Configuration of the simulated user.
+        surface: The tablet's touch surface.
+        seed: Seed of everything random about the person.
+        tell_labels: Labels each contact with its finger (an upper bound for labelling).
+        drop_outs: 1/s, rate at which the screen loses each touch for a moment.
+        person: Side of the hand, its size, and where the person sits.
+        hand: Index of the user's hand in the scene.
+        home: (2,) m in the world, centre of the user's part of the screen; None for the whole
+            screen.
 
     Attributes:
-        truth: Which finger each touch was, thumb 0 .. little 4, by the id that the screen gave it;
-            empty for users who only press about. No user and no encoder gets to see it.
+        truth: True finger of each touch, thumb 0 .. little 4, by the id that the screen reported;
+            empty for users who press at random. Neither user nor encoder sees it.
     """
 
     name = "simulated"
@@ -85,7 +86,7 @@ class SimulatedDevice(Device):
     ) -> None:
         self.truth = {}
         self._hand = hand
-        # Two people do not share their chance.
+        # Two people need independent random numbers.
         seed += hand * NEXT_PERSON
         self._shapes = {thing.name: thing for thing in task.objects}
         self._tell_labels = tell_labels
@@ -103,15 +104,15 @@ class SimulatedDevice(Device):
         carried = any(isinstance(thing, Tray) for thing in task.objects)
         if own is None and configuration.kind == "skilled" and hands_of(task) > 1 and not carried:
             raise InputError(
-                "two simulated users only know how to carry a tray",
+                "two simulated users can only carry a tray",
                 where=task.name,
-                remedy="Give the task a user of its own",
+                remedy="Define the task's own simulated user (`user`)",
             )
         if own is None and configuration.kind == "skilled" and not task.goals:
             raise InputError(
-                "the simulated user brings things to goals, and this task has none",
+                "the simulated user needs goals to bring objects to, and this task has none",
                 where=task.name,
-                remedy="Give the task goals, or a user of its own",
+                remedy="Give the task goals, or its own simulated user (`user`)",
             )
         if home is not None and not plain:
             home = seat.point(np.array([*home, 0.0]))[:2]
@@ -124,35 +125,35 @@ class SimulatedDevice(Device):
             if task.lift_range > 0
             else make(configuration, used, seed)
         )
-        # Who looks and touches: the user where they are, or from another seat.
+        # The user that sees and touches: the plain one, or one moved to another seat.
         self._seated: User = self.user if plain else SeatedUser(self.user, seat)
         if upright:
             self._seated = FrontUser(self._seated, view)
 
     def show(self, snapshot: Snapshot) -> None:
-        """Lets the user look at the screen."""
-        # Without the device in it, which keeps what its user looks at and would be kept by that.
-        shown = partial(_sight, snapshot, self._hand, self._shapes, self._screen.own_id)
+        """Shows the snapshot to the user."""
+        # The closure must not hold the device, which holds its user: that would be a cycle.
+        sight = partial(_sight, snapshot, self._hand, self._shapes, self._screen.own_id)
         if self._screen.loses:
-            # Who is who on such a screen is known only now.
-            self._seated.look(shown())
+            # The mapping of ids changes with drop-outs, so it is applied now.
+            self._seated.look(sight())
             return
-        # Who acts four times in a second need not see sixty pictures.
-        self._seated.look(Sight.deferred(lambda: vars(shown()), time=snapshot.time))
+        # Computed only on access: the user acts four times a second, but gets sixty snapshots.
+        self._seated.look(Sight.deferred(lambda: vars(sight()), time=snapshot.time))
 
     def poll(self, now: float) -> Sequence[TouchFrame]:
-        """What the user touches now."""
+        """The user's touches now."""
         if self.finished:
             return []
         frame = self._seated.touch(now)
         if not isinstance(self.user, SkilledUser):
-            return [self._screen.spoil(frame)]
-        # The user puts down thumb, index, ... in this order.
+            return [self._screen.degrade(frame)]
+        # The ids of thumb, index and so on, in this order.
         ids = self.user.finger_ids
         if self._tell_labels:
             contacts = tuple(replace(c, label=ids().index(c.id)) for c in frame.contacts)
             frame = replace(frame, contacts=contacts)
-        frame = self._screen.spoil(frame)
+        frame = self._screen.degrade(frame)
         for contact in frame.contacts:
             if contact.id not in self.truth:
                 own = self._screen.own_id(contact.id)
@@ -161,14 +162,14 @@ class SimulatedDevice(Device):
         return [frame]
 
     def close(self) -> None:
-        """The user leaves; there is nothing to give back."""
+        """Ends the device; there is nothing to release."""
         self.finished = True
 
 
 def _sight(
     snapshot: Snapshot, hand: int, shapes: Mapping[str, SceneObject], own_id: Callable[[int], int]
 ) -> Sight:
-    """What is seen of a snapshot by who has one of its hands."""
+    """The part of a snapshot that the person with one of its hands sees."""
     mine = snapshot.hands[hand]
     return Sight(
         snapshot.time,

@@ -1,4 +1,4 @@
-"""A simulated person's five fingers in three spreads, as a device: for trying the calibration."""
+"""A simulated person's five fingers in three spreads, as a device for testing the calibration."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from tasks.simulated_user.spreads import SpreadingPerson
 
 
 class SimulatedSpreads(Device):
-    """A tablet under the fingers of somebody who is asked for three spreads.
+    """A tablet under the fingers of a simulated person who makes three spreads.
 
     Args:
-        person: Which hand, how large, and from where.
-        surface: The tablet.
-        seed: Of place, turn and noise.
+        person: Side and size of the hand, and where the person sits.
+        surface: The tablet's touch surface.
+        seed: Seed of position, turn and noise.
     """
 
     name = "simulated"
@@ -28,7 +28,7 @@ class SimulatedSpreads(Device):
         self._now = 0.0
 
     def poll(self, now: float) -> Sequence[TouchFrame]:
-        """What is touched now."""
+        """The touches now."""
         if self._now == math.inf:
             return []
         self._now = now
@@ -36,9 +36,9 @@ class SimulatedSpreads(Device):
 
     @property
     def finished(self) -> bool:
-        """Whether the last finger has left."""
+        """True once the last finger has left."""
         return self._now > self._fingers.ends
 
     def close(self) -> None:
-        """The person leaves; there is nothing to give back."""
+        """Ends the device; there is nothing to release."""
         self._now = math.inf

@@ -1,1 +1,1 @@
-"""TUIO 1.1 and 2.0: received, sent and captured."""
+"""TUIO 1.1 and 2.0: receiver, sender and packet captures."""

@@ -1,7 +1,7 @@
-"""OSC packets from the network: bundles are walked here, single messages are read by python-osc.
+"""Decoder of OSC packets: bundles are walked here, single messages are read by python-osc.
 
-python-osc's own packet and bundle readers never see a byte from outside: they do not return from a
-bundle whose element claims a negative size, and leave by errors of the interpreter on nested
+python-osc's own readers of packets and bundles never get bytes from the network: they do not return
+from a bundle whose element claims a negative size, and raise errors of the interpreter on nested
 bundles and on text that is not UTF-8. The walk below is a loop over an explicit stack in which
 every turn consumes bytes, so its work is bounded by the size of the packet.
 """
@@ -18,13 +18,13 @@ MAX_PACKET_BYTES = 65_507
 """Largest payload of a UDP datagram over IPv4, bytes (65,535 less the IP and UDP headers)."""
 
 MAX_DEPTH = 8
-"""Bundles within bundles. Touch senders use one level."""
+"""Largest number of nested bundles; touch senders use one level."""
 
 MAX_ELEMENTS = 1024
-"""Elements of one packet. 64 touches in each of three profiles take about 200."""
+"""Largest number of elements in a packet; 64 touches in each of three profiles take about 200."""
 
 MAX_ARGUMENTS = 256
-"""Type tags of one message. A list of 64 living touches takes 65."""
+"""Largest number of arguments in a message; a list of 64 living touches takes 65."""
 
 _BUNDLE = b"#bundle\x00"
 _BUNDLE_HEADER = len(_BUNDLE) + 8
@@ -40,8 +40,8 @@ _FIXED_SIZE = {
 _TEXT, _BLOB = ord("s"), ord("b")
 
 
-class MalformedPacket(DeviceError):  # noqa: N818  (a thing that arrives, then raised)
-    """A packet from the network cannot be understood; it is refused whole."""
+class MalformedPacket(DeviceError):  # noqa: N818  (names the packet)
+    """A packet from the network cannot be understood, and is refused as a whole."""
 
 
 class Message(NamedTuple):
@@ -52,9 +52,9 @@ class Message(NamedTuple):
 
 
 class Packet(NamedTuple):
-    """The messages of one datagram in their order; nested bundles are laid flat.
+    """The messages of one datagram in order; nested bundles are flattened.
 
-    `bundled` is False where the datagram is a single message without a bundle around it.
+    `bundled` is False if the datagram is a single message without a bundle.
     """
 
     messages: tuple[Message, ...]
@@ -65,7 +65,7 @@ def decode(data: bytes) -> Packet:
     """Reads one datagram.
 
     Raises:
-        MalformedPacket: Whatever is wrong with it; no other exception leaves this function.
+        MalformedPacket: The packet is invalid; this function raises no other exception.
     """
     if len(data) > MAX_PACKET_BYTES:
         raise MalformedPacket(
@@ -73,7 +73,7 @@ def decode(data: bytes) -> Packet:
         )
     if not data or len(data) % 4:
         raise MalformedPacket(
-            "an OSC packet is a whole number of 4-byte words", got=f"{len(data)} bytes"
+            "an OSC packet must be a whole number of 4-byte words", got=f"{len(data)} bytes"
         )
     bundled = data.startswith(_BUNDLE)
     parts = _bundle_messages(data) if bundled else [data]
@@ -86,7 +86,7 @@ def _bundle_messages(data: bytes) -> list[bytes]:
         raise MalformedPacket("a bundle ends before its time tag", got=f"{len(data)} bytes")
     messages: list[bytes] = []
     elements = 0
-    # One entry per open bundle: where its next element begins, and where it ends.
+    # One entry per open bundle: start of its next element, and its end.
     open_bundles = [(_BUNDLE_HEADER, len(data))]
     while open_bundles:
         begin, end = open_bundles.pop()
@@ -126,21 +126,21 @@ def _message(data: bytes) -> Message:
     try:
         message = OscMessage(data)
         return Message(message.address, tuple(message.params))
-    except Exception as error:  # its own error is one of several kinds that it lets through
+    except Exception as error:  # python-osc raises its own error and several others
         raise MalformedPacket(f"an OSC message cannot be read: {error}") from error
 
 
 def _check_arguments(data: bytes) -> None:
-    """Refuses what python-osc would let pass: missing bytes, unknown types, negative sizes.
+    """Refuses errors that python-osc accepts: missing bytes, unknown types, negative sizes.
 
-    It fills up a float that is cut short, drops an argument whose type it does not know (with a
-    line in the log for each), and steps back over a blob of negative size.
+    python-osc pads a float that is cut short, drops an argument of unknown type (with a line in the
+    log for each), and steps back over a blob of negative size.
     """
     if not data.startswith(b"/"):
-        raise MalformedPacket("an OSC address begins with a slash", got=data[:16])
+        raise MalformedPacket("an OSC address must begin with a slash", got=data[:16])
     index = _after_text(data, 0)
     if index == len(data):
-        return  # an address without arguments is legal
+        return  # an address without arguments is valid
     if data[index] != ord(","):
         raise MalformedPacket("a message has no type tags", got=data[index : index + 16])
     begin, index = index + 1, _after_text(data, index)
@@ -170,7 +170,7 @@ def _check_arguments(data: bytes) -> None:
 
 
 def _after_text(data: bytes, begin: int) -> int:
-    """Where the word after a zero-terminated text begins."""
+    """Index of the word after a zero-terminated text."""
     zero = data.find(0, begin)
     after = zero + 4 - zero % 4
     if zero < 0 or after > len(data):

@@ -1,8 +1,8 @@
 """Packet captures of touch senders: JSON lines `{"t": seconds, "hex": "23627564..."}`.
 
-A capture holds packets as they came from the network, wrong ones included, so that a problem seen
-once can be shown again. `"from"` may tell whom a packet is from; `{"t": seconds, "closed": "..."}`
-says that somebody's connection has ended. A damaged file is good up to the damage.
+A capture holds packets as they came from the network, invalid ones included, so that a problem can
+be reproduced. `"from"` may name the sender of a packet; `{"t": seconds, "closed": "..."}` says that
+a sender's connection has ended. A damaged file is read up to the damage.
 """
 
 from __future__ import annotations
@@ -25,21 +25,21 @@ from sandbox.devices.tuio.tuio_senders import Commit, Statistics, Tuio
 from sandbox.session.device import Device
 
 _MAX_LINE = 2 * MAX_PACKET_BYTES + 4096
-"""Bytes of a line: the largest packet in hex, and room for other keys."""
+"""Largest number of bytes in a line: the largest packet in hex, and room for other keys."""
 
 _MAX_PEER = 200
-"""Characters of a sender's address."""
+"""Largest number of characters in a sender's address."""
 
 _EXPECTED = '{"t": seconds, "hex": "..."} with times that never run backwards'
 
 
 _DAMAGED = "the capture of touches is damaged here"
-_PLAYABLE = "What stands before this line can be played"
+_PLAYABLE = "The lines before this one can be played"
 _FORMATS = "`sandbox touches formats` lists what can be played"
 
 
 class _PacketLine(Struct):
-    """A line: a packet in hex from a sender, or the sender whose connection has ended."""
+    """A line: a packet in hex and its sender, or the sender whose connection has ended."""
 
     t: float
     hex: str | None = None
@@ -48,9 +48,9 @@ class _PacketLine(Struct):
 
 
 class CapturedPacket(NamedTuple):
-    """A packet and when it came, seconds on the capture's own clock.
+    """A packet and its time of arrival, s on the capture's own clock.
 
-    `data` is None where the connection to `peer` has ended.
+    `data` is None if the connection to `peer` has ended.
     """
 
     time: float
@@ -63,8 +63,8 @@ class TouchCapture:
     """The packets of a capture.
 
     Attributes:
-        packets: Up to the end or the damage, in order of time.
-        damage: What ended the capture early, with file and line; None where it is whole.
+        packets: Packets up to the end or the damage, in order of time.
+        damage: Error with file and line that ended the capture early; None if it is undamaged.
     """
 
     packets: tuple[CapturedPacket, ...]
@@ -80,7 +80,7 @@ def read_capture(path: Path) -> TouchCapture:
     """Reads a capture up to its end or to the first damaged line.
 
     Raises:
-        RecordingError: There is no such file, or not even its first packet can be read.
+        RecordingError: The file does not exist, or its first packet cannot be read.
     """
     packets: list[CapturedPacket] = []
     damage: RecordingError | None = None
@@ -132,7 +132,7 @@ def _packet(line: _PacketLine) -> CapturedPacket:
     """The packet of a line.
 
     Raises:
-        ValueError: The bytes are no packet.
+        ValueError: The bytes are not a packet.
     """
     if line.closed is not None:
         return CapturedPacket(line.t, None, line.closed[:_MAX_PEER])
@@ -145,16 +145,16 @@ def _packet(line: _PacketLine) -> CapturedPacket:
 
 
 def packet_record(packet: CapturedPacket) -> dict[str, object]:
-    """A packet as a line has it."""
+    """JSON values of a packet's line."""
     if packet.data is None:
         return {"t": packet.time, "closed": packet.peer}
     return {"t": packet.time, "hex": packet.data.hex(), "from": packet.peer}
 
 
 class CaptureDevice(Device):
-    """Plays a capture as the device that it was taken from; the protocol is TUIO 1.1 or 2.0.
+    """Plays a packet capture of TUIO 1.1 or 2.0.
 
-    Time 0 of the session is the first packet. Silent sources go stale as they would have live.
+    The first packet plays at session time 0. Silent sources become stale as in the live device.
     """
 
     name = "capture"
@@ -187,15 +187,14 @@ class CaptureDevice(Device):
         while not self.finished:
             packet = self._packets[self._next]
             time = packet.time - self._packets[0].time
-            # The moment at which silence ended a touch lies between two packets, so it is looked
-            # for before each of them.
+            # A source becomes stale at a time between two packets, so this is checked before each.
             silence = self._silence_ends()
             if silence < min(time, now):
                 frames += self._frames(self._tuio.expire(silence), silence)
             elif time <= now:
                 peer = packet.peer or self.name
                 frames += self._frames(
-                    self._tuio.leave(peer)
+                    self._tuio.disconnect(peer)
                     if packet.data is None
                     else self._tuio.feed(packet.data, peer, time),
                     time,
@@ -206,11 +205,11 @@ class CaptureDevice(Device):
         return frames
 
     def close(self) -> None:
-        """Ends the play."""
+        """Ends playback."""
         self._next = len(self._packets)
 
     def _silence_ends(self) -> float:
-        """When the next source goes stale, seconds; just after its limit."""
+        """s, time at which the next source becomes stale, just after its limit."""
         heard = [source.heard for source in self._tuio.sources if not source.stale]
         return math.nextafter(min(heard) + self._stale_after, math.inf) if heard else math.inf
 

@@ -1,8 +1,8 @@
 """Touch surfaces and tablet apps that send TUIO 1.1 or 2.0 over UDP, TCP or WebSocket.
 
-UDP has one thread and one plain socket: a thread per packet, as ready-made OSC servers have it,
-neither keeps the order of packets nor keeps up with a few thousand of them a second. Connections
-live in a second thread (see `sandbox.devices.tuio.tuio_streams`), which is there only if asked for.
+UDP uses one thread and one plain socket: with a thread per packet, as in ready-made OSC servers,
+packets lose their order, and a few thousand of them a second are too many. Connections run in a
+second thread (see `sandbox.devices.tuio.tuio_streams`), which is started only if needed.
 """
 
 from __future__ import annotations
@@ -27,53 +27,55 @@ from sandbox.session.closeable import Closeable
 from sandbox.session.device import Device
 
 DEFAULT_PORT = 3333
-"""The UDP port that TUIO senders use unless told otherwise."""
+"""Default UDP port of TUIO senders."""
 
 LOOPBACK = "127.0.0.1"
 
 Transport = Literal["udp", "tcp", "websocket", "all"]
-"""How packets come: each in a datagram, with its length before it in a TCP stream, or as a binary
+"""Transport of packets: each in a datagram, in a TCP stream after its length, or as a binary
 message of a WebSocket."""
 
 Tap = Callable[[float, str, bytes | None], None]
 
 QUEUE_FRAMES = 2048
-"""Frames that wait for `poll`: 17 seconds of a device of 120 Hz."""
+"""Number of frames that wait for `poll`: 17 seconds of a device of 120 Hz."""
 
 _TICK = 0.1
-"""Seconds between two looks for silent sources and for `close`, when no packet comes."""
+"""s between two checks for silent sources and for `close` while no packet comes."""
 
 _SOCKET_BUFFER = 1 << 20
-"""Bytes that the system is asked to keep for us while the thread is busy."""
+"""Bytes of the socket's receive buffer, which holds packets while the thread is busy."""
 
 
 class TuioDevice(Device, Closeable):
     """A port on which any number of TUIO senders report touches, in version 1.1 or 2.0.
 
     All senders share the surface, so every frame holds the touches of all of them; their ids are
-    made unique. What is wrong with packets is counted in `statistics`, never raised.
+    made unique. Invalid packets raise no error; `statistics` counts them.
 
     Args:
-        surface: Gives the size of what the senders call 0 to 1.
+        surface: The touch surface, which the senders' coordinates 0 to 1 span.
         bind: IPv4 address of the network card to listen on. The default can only be reached from
-            this machine; 0.0.0.0 listens to everybody who can reach it.
-        port: UDP or TCP port; 0 lets the system choose, and `port` tells which.
-        transport: What to listen for. `all` takes TCP at the same port, and WebSockets at theirs.
+            this machine; 0.0.0.0 accepts packets from every network.
+        port: UDP or TCP port; 0 lets the system choose, and the attribute `port` has the choice.
+        transport: Transport to listen for. `all` also takes TCP at the same port, and WebSockets at
+            their own.
         websocket_port: Port for WebSockets; 0 lets the system choose.
-        connect: A sender that waits to be called, as the reference implementations do for TCP and
-            WebSockets: `tcp://HOST:PORT` or `ws://HOST:PORT`. It is called again until it answers.
-            Empty: listen.
-        tap: Is told of every packet: time (s), peer, bytes; None: the connection has ended. Called
-            from a thread that must not be held up.
-        stale_after: Seconds of silence after which the touches of a source are lifted.
-        queue_frames: Frames kept for `poll`; when full, the oldest is dropped and counted.
+        connect: Address of a sender that accepts connections, as the reference implementations do
+            for TCP and WebSockets: `tcp://HOST:PORT` or `ws://HOST:PORT`. The device connects to it
+            and retries until it answers. Empty listens instead.
+        tap: Called with time (s), peer and bytes of every packet; the bytes are None when the
+            connection has ended. It runs in the receiving thread and must return quickly.
+        stale_after: s of silence after which the touches of a source are lifted.
+        queue_frames: Number of frames kept for `poll`; when full, the oldest is dropped and
+            counted.
 
     Raises:
         DeviceError: The port is taken, or the address is not one of this machine.
 
     Attributes:
-        clock_origin: s of the machine's monotonic clock at which the time of its frames is 0.
-        news: Set while there is a frame to fetch.
+        clock_origin: s on the machine's monotonic clock at which the time of its frames is 0.
+        news: Event that is set while a frame can be fetched.
     """
 
     name = "tuio"
@@ -95,17 +97,17 @@ class TuioDevice(Device, Closeable):
     ) -> None:
         if transport not in get_args(Transport):
             raise DeviceError(
-                "there is no such transport",
+                "unknown transport",
                 got=transport,
                 expected=", ".join(get_args(Transport)),
             )
         if not 0.0 < stale_after < float("inf"):
             raise DeviceError(
-                "a source cannot be stale after this time", got=stale_after, expected="seconds > 0"
+                "`stale_after` must be a positive time", got=stale_after, expected="seconds > 0"
             )
         if queue_frames < 1:
             raise DeviceError(
-                "the queue must hold a frame at least", got=queue_frames, expected="1 or more"
+                "the queue must hold at least one frame", got=queue_frames, expected="1 or more"
             )
         self._surface = surface
         self._tuio = Tuio(stale_after)
@@ -125,7 +127,7 @@ class TuioDevice(Device, Closeable):
         self._open(transport, connect)
 
     def _open(self, transport: Transport, connect: str) -> None:
-        """Listens, or calls the sender."""
+        """Listens, or connects to the sender."""
         if connect:
             self._streams = Streams(self, target=parse_target(connect))
             self._address = connect
@@ -153,12 +155,12 @@ class TuioDevice(Device, Closeable):
 
     @property
     def address(self) -> str:
-        """Where it listens, as HOST:PORT, or whom it calls."""
+        """Address at which it listens, as HOST:PORT, or that of the sender it connects to."""
         return self._address
 
     @property
     def transports(self) -> str:
-        """What it listens to, for people."""
+        """The transports it listens for, as text for people."""
         listens = [
             "UDP" if self._socket is not None else "",
             "TCP" if self._streams is not None and self._streams.tcp_port is not None else "",
@@ -176,13 +178,13 @@ class TuioDevice(Device, Closeable):
 
     @property
     def sources(self) -> tuple[SourceStatus, ...]:
-        """All senders heard of, silent ones marked stale."""
+        """Status of all known senders; silent ones are marked stale."""
         with self._news:
             return self._tuio.sources
 
     @property
     def finished(self) -> bool:
-        """True once closed or broken, and every frame fetched."""
+        """True once closed or failed, and every frame fetched."""
         with self._news:
             return not self._queue and not self._alive
 
@@ -190,7 +192,7 @@ class TuioDevice(Device, Closeable):
         """Every frame committed since the last call, oldest first; `now` is ignored.
 
         Raises:
-            DeviceError: The socket has failed since, and all frames before that were fetched.
+            DeviceError: The socket has failed, and all earlier frames were fetched.
         """
         with self._news:
             frames = list(self._queue)
@@ -201,7 +203,7 @@ class TuioDevice(Device, Closeable):
         return frames
 
     def wait(self, seconds: float) -> bool:
-        """Blocks until `poll` has something to say, at most `seconds`."""
+        """Blocks until `poll` has frames or an error, at most `seconds`."""
         with self._news:
             return self._news.wait_for(
                 lambda: bool(self._queue) or self._failure is not None, seconds
@@ -225,16 +227,16 @@ class TuioDevice(Device, Closeable):
                 self._tap(now, peer, data)
             self._publish(self._tuio.feed(data, peer, now), now)
 
-    def hung_up(self, peer: str) -> None:
-        """A connection has ended: the touches of those who spoke through it are cancelled."""
+    def disconnected(self, peer: str) -> None:
+        """Cancels the touches of a disconnected sender."""
         with self._news:
             now = self._now()
             if self._tap is not None:
                 self._tap(now, peer, None)
-            self._publish(self._tuio.leave(peer), now)
+            self._publish(self._tuio.disconnect(peer), now)
 
-    def look(self) -> None:
-        """Lifts the touches of those who have been silent for too long."""
+    def expire(self) -> None:
+        """Lifts the touches of senders that have been silent for too long."""
         with self._news:
             now = self._now()
             if now >= self._next_look:
@@ -242,7 +244,7 @@ class TuioDevice(Device, Closeable):
                 self._publish(self._tuio.expire(now), now)
 
     def refuse(self, reason: str, packet: bool = False) -> None:
-        """Counts a connection that was not let in, or a packet that no reader ever saw."""
+        """Counts a refused connection, or a packet that was refused before it was decoded."""
         with self._news:
             counts = self._tuio.statistics
             if packet:
@@ -252,12 +254,12 @@ class TuioDevice(Device, Closeable):
                 counts.refuse_connection(reason)
 
     def fail(self, error: Exception, where: str) -> None:
-        """What was listening is broken; the next `poll` says so."""
+        """Stores a failure of the listening thread, which the next `poll` raises."""
         with self._news:
             self._failure = DeviceError(
-                f"listening to touches has failed: {error}",
+                f"listening for touches has failed: {error}",
                 where=where,
-                remedy="Start again; if it stays, check the network connection",
+                remedy="Start again; if it fails again, check the network connection",
             )
             self._failure.__cause__ = error
             self._news.notify_all()
@@ -271,15 +273,15 @@ class TuioDevice(Device, Closeable):
         return time.monotonic() - self.clock_origin
 
     def _receive(self) -> None:
-        """The thread of UDP: takes packets until closed."""
+        """Receives packets until closed; the body of the UDP thread."""
         assert self._socket is not None
         try:
             while not self._closing.is_set():
                 with contextlib.suppress(TimeoutError):
                     data, (host, port) = self._socket.recvfrom(65_536)
                     self.receive(data, f"{host}:{port}")
-                self.look()
-        except Exception as error:  # a thread must not die unheard: the next poll raises this
+                self.expire()
+        except Exception as error:  # the next poll raises it, so that it is not lost
             self.fail(error, f"UDP {self.address}")
 
     def _publish(self, commits: list[Commit], now: float) -> None:
@@ -292,12 +294,12 @@ class TuioDevice(Device, Closeable):
 
 
 def touch_frame(commit: Commit, surface: Surface, now: float) -> TouchFrame:
-    """A frame in metres from touches in 0..1 of the surface.
+    """Converts touches in 0..1 of the surface to a frame in metres.
 
-    Touches of a silent source leave like lifted ones, not as cancelled: the likeliest story is a
-    lifted finger whose last packet was lost, and what it held must be let go of.
+    Touches of a silent source end as lifted, not as cancelled: most likely a finger was lifted and
+    the last packet lost, so the hand must release what it held.
 
-    A touch that is measured as wide and high is as large as the circle of the same area.
+    A touch with a width and a height gets the size of the circle of equal area.
     """
     width, height = (float(length) for length in surface.size)
     contacts = []
@@ -310,7 +312,7 @@ def touch_frame(commit: Commit, surface: Surface, now: float) -> TouchFrame:
 
 
 def _listen(bind: str, port: int) -> socket.socket:
-    """An open UDP socket whose `recvfrom` returns at least every tick."""
+    """Opens a UDP socket whose `recvfrom` returns at least every tick."""
     sock = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
     try:
         sock.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, _SOCKET_BUFFER)
@@ -324,6 +326,6 @@ def _listen(bind: str, port: int) -> socket.socket:
             expected="an IPv4 address of this machine and a free port from 0 to 65535",
             remedy="Close the program that has the port, or choose another with --port"
             if getattr(error, "errno", None) == errno.EADDRINUSE
-            else "0.0.0.0 stands for all addresses of this machine",
+            else "0.0.0.0 means all addresses of this machine",
         ) from error
     return sock

@@ -1,9 +1,9 @@
-"""What one datagram says in TUIO 1.1, profiles 2Dcur and 2Dblb: messages become frames, no more.
+"""Decoder of a TUIO 1.1 datagram, profiles 2Dcur and 2Dblb: turns messages into frames.
 
 A sender counts the frames of a profile (`fseq`), lists in each the ids of all living touches
 (`alive`), and gives the position of those that changed (`set`); `source` names the sender.
 Positions are 0 to 1 over the sensor, origin top left, y down. Cursors (2Dcur) are the touches;
-blobs (2Dblb) tell how large they are. Specification: TUIO 1.1 (tuio.org).
+blobs (2Dblb) give their sizes. Specification: TUIO 1.1 (tuio.org).
 """
 
 from __future__ import annotations
@@ -15,8 +15,8 @@ from sandbox.devices.tuio.osc import MalformedPacket, Message, Packet
 from sandbox.devices.tuio.tuio_values import (
     MAX_FRAMES,
     MAX_IDS,
-    Frame,
-    Place,
+    TuioFrame,
+    TuioPlace,
     check_count,
     check_frames,
     read_coordinate,
@@ -32,40 +32,41 @@ CURSORS, BLOBS = "/tuio/2Dcur", "/tuio/2Dblb"
 
 
 class Reading(NamedTuple):
-    """The frames of a datagram in their order, and what else it tells.
+    """The contents of a datagram.
 
     Attributes:
-        frames: An unclosed one has no number.
-        names: The sources that spoke, in the order of their last word (None: no name was given).
-        ignored: Addresses of the messages that are not for us.
+        frames: Frames in order; an unclosed one has no number.
+        names: Names of the sources in the order of their last messages; None for a source without
+            a name.
+        ignored: Addresses of messages that are not used.
     """
 
-    frames: list[Frame]
+    frames: list[TuioFrame]
     names: list[str | None]
     ignored: list[str]
 
 
 def read_frames(packet: Packet) -> Reading:
-    """Sorts a packet's messages into frames, without touching any state.
+    """Sorts a packet's messages into frames, without changing any state.
 
-    Messages may come in any order: what follows the last `fseq` of a packet belongs to it, and the
-    first `source` also names what stands before it.
+    Messages may come in any order: those after the last `fseq` of a packet belong to its frame, and
+    the first `source` also names the messages before it.
 
     Raises:
-        MalformedPacket: A message about cursors breaks the protocol; nothing of the packet counts.
-            A blob that cannot be understood is passed over: a size is no reason to lose a touch.
+        MalformedPacket: A message about cursors breaks the protocol; the whole packet is refused.
+            An invalid blob is only skipped, as its touch is valid without a size.
     """
     named = [_source_name(message) for message in packet.messages]
     name = next((n for n in named if n is not None), None)
-    frames: list[Frame] = []
-    unclosed: dict[tuple[str | None, str], Frame] = {}
+    frames: list[TuioFrame] = []
+    unclosed: dict[tuple[str | None, str], TuioFrame] = {}
     names: dict[str | None, None] = {}
     ignored: list[str] = []
     for message, new_name in zip(packet.messages, named, strict=True):
         if message.address.startswith("/tuio/"):
             name = name if new_name is None else new_name
             names.pop(name, None)
-            names[name] = None  # in the order of their last word
+            names[name] = None  # in the order of their last messages
         if new_name is not None:
             if message.address not in (CURSORS, BLOBS):
                 ignored.append(_named(message))
@@ -74,7 +75,7 @@ def read_frames(packet: Packet) -> Reading:
             ignored.append(_named(message))
             continue
         key = (name, message.address)
-        frame = unclosed.setdefault(key, Frame(*key))
+        frame = unclosed.setdefault(key, TuioFrame(*key))
         try:
             _read_command(message.arguments, frame)
         except MalformedPacket:
@@ -96,7 +97,7 @@ def read_frames(packet: Packet) -> Reading:
 
 
 def _source_name(message: Message) -> str | None:
-    """The name in a `source` message of any profile: a sender has one name for all of them."""
+    """The name in a `source` message of any profile, since all profiles share the sender's name."""
     if not message.address.startswith("/tuio/") or message.arguments[:1] != ("source",):
         return None
     return read_name(message.arguments[1] if len(message.arguments) > 1 else None)
@@ -106,7 +107,7 @@ def _named(message: Message) -> str:
     return ascii(message.address[:40]).strip("'")
 
 
-def _read_command(arguments: Sequence[object], frame: Frame) -> None:
+def _read_command(arguments: Sequence[object], frame: TuioFrame) -> None:
     """Adds one alive, set or fseq message to a frame."""
     command, values = (arguments[0], arguments[1:]) if arguments else (None, ())
     if command == "alive":
@@ -114,7 +115,7 @@ def _read_command(arguments: Sequence[object], frame: Frame) -> None:
         check_count(alive)
         frame.alive = alive
     elif command == "set":
-        # Some senders leave out speed and acceleration; we use neither and do not judge them.
+        # Some senders leave out speed and acceleration; they are neither used nor checked.
         if len(values) < 3:
             raise MalformedPacket(
                 "a set message is too short", got=f"{len(values)} values", expected="id x y"
@@ -126,15 +127,15 @@ def _read_command(arguments: Sequence[object], frame: Frame) -> None:
         frame.number = read_int32(values[0] if values else None, "fseq")
     else:
         raise MalformedPacket(
-            "this is no command of TUIO 1.1",
+            "unknown command of TUIO 1.1",
             got=short(command),
             expected="source, alive, set or fseq",
         )
 
 
-def _place(values: Sequence[object], profile: str) -> Place:
-    """Of a cursor: id x y ...; of a blob: id x y angle width height area ..."""
+def _place(values: Sequence[object], profile: str) -> TuioPlace:
+    """The position in a `set` message: id x y ...; for a blob id x y angle width height area ..."""
     x, y = read_coordinate(values[1], "set, x"), read_coordinate(values[2], "set, y")
     if profile == CURSORS or len(values) < 6:
-        return Place(x, y)
-    return Place(x, y, read_size(values[4]), read_size(values[5]))
+        return TuioPlace(x, y)
+    return TuioPlace(x, y, read_size(values[4]), read_size(values[5]))

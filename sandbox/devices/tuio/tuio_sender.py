@@ -1,4 +1,4 @@
-"""Touches as TUIO 1.1 (profile 2Dcur) for other programs that understand it."""
+"""Sender of touches as TUIO 1.1 (profile 2Dcur)."""
 
 from __future__ import annotations
 
@@ -14,20 +14,21 @@ from models.surface import Surface
 from sandbox.devices.tuio.tuio11_frames import CURSORS
 
 PERIOD = 1.0
-"""s between two bundles that say again what is the case, for packets that were lost."""
+"""s between two redundant bundles, which repeat the current state in case packets were lost."""
 
 SETS_PER_BUNDLE = 12
-"""A bundle of so many touches fits into one packet of any network (about 1,000 of 1,500 bytes)."""
+"""Largest number of touches in a bundle, which must fit into one packet of any network (about 1,000
+of 1,500 bytes)."""
 
 SOURCE = "hand-sandbox"
 
 _FSEQ_MODULUS = 2**31 - 1
 _BUNDLE = b"#bundle\x00" + struct.pack(">Q", 1)
-"""With the time tag that means at once."""
+"""Start of a bundle, with the time tag that means "immediately"."""
 
 
 class _Sent(NamedTuple):
-    """What was last said of a touch: session id, time, place and speed in surface lengths."""
+    """Last sent state of a touch: session id, time, position and speed in surface lengths."""
 
     session: int
     time: float
@@ -38,14 +39,14 @@ class _Sent(NamedTuple):
 
 
 class TuioEncoder:
-    """Makes bundles of touch frames.
+    """Encodes touch frames as bundles.
 
-    A touch gets a session id of its own when it comes down, so that ids of any device fit into the
+    A touch gets a new session id when it comes down, so that ids of any device fit into the
     protocol's 32 bits and are never used twice. Speeds are in surface lengths per second.
 
     Args:
-        surface: What 0 to 1 stands for.
-        source: The name it gives itself.
+        surface: Touch surface that the coordinates 0 to 1 span.
+        source: Name of the source in the messages.
     """
 
     def __init__(self, surface: Surface, source: str = SOURCE) -> None:
@@ -56,7 +57,7 @@ class TuioEncoder:
         self._fseq = 0
 
     def bundles(self, frame: TouchFrame) -> list[bytes]:
-        """A frame as packets: one, or several with the same number where it is large."""
+        """Encodes a frame as one packet, or as several with the same number if it is large."""
         self._fseq = self._fseq % _FSEQ_MODULUS + 1
         now: dict[int, _Sent] = {}
         sets: list[bytes] = []
@@ -69,7 +70,7 @@ class TuioEncoder:
         return self._packed(sets, self._fseq)
 
     def redundant(self) -> list[bytes]:
-        """All that is the case now, to be sent from time to time; it counts as no frame."""
+        """Encodes the current state, to be sent periodically; it is not numbered as a frame."""
         return self._packed([_set(touch, 0.0) for touch in self._touches.values()], -1)
 
     def _moved(self, contact: Contact, before: _Sent | None, time: float) -> tuple[_Sent, float]:
@@ -95,15 +96,15 @@ class TuioOutput:
     """Sends frames over UDP.
 
     Args:
-        to: HOST:PORT.
-        surface: What 0 to 1 stands for.
+        to: Receiver, HOST:PORT.
+        surface: Touch surface that the coordinates 0 to 1 span.
 
     Raises:
-        DeviceError: There is no such address.
+        DeviceError: The address is not valid.
 
     Attributes:
-        packets: How many were sent.
-        refused: After how many the system said that nobody listens there.
+        packets: Number of packets sent.
+        refused: Number of packets for which the system reported that nobody listens.
     """
 
     def __init__(self, to: str, surface: Surface) -> None:
@@ -114,7 +115,7 @@ class TuioOutput:
         self._due = -math.inf
 
     def send(self, frames: Sequence[TouchFrame], now: float) -> None:
-        """Sends frames, and once a second what is the case; `now` is any steady clock, s."""
+        """Sends frames, and the current state once a second; `now` is any steady clock, s."""
         packets = [packet for frame in frames for packet in self._encoder.bundles(frame)]
         if now >= self._due:
             self._due = now + PERIOD
@@ -124,7 +125,7 @@ class TuioOutput:
             self.packets += 1
 
     def close(self) -> None:
-        """Lifts all fingers at the other end, and says so twice."""
+        """Lifts all fingers at the receiver; the message is sent twice in case one is lost."""
         with self._socket:
             for packet in self._encoder.bundles(TouchFrame(0.0)) + self._encoder.redundant():
                 self.refused += send_packet(self._socket, packet, self.to)
@@ -135,20 +136,20 @@ def connected(to: str) -> socket.socket:
     """A UDP socket that sends to HOST:PORT.
 
     Raises:
-        DeviceError: It is no such address.
+        DeviceError: The address is not valid.
     """
     host, _, port = to.rpartition(":")
     channel = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
     try:
-        # Connected, so that the system tells us where nobody listens.
+        # Connected, so that the system reports when nobody listens.
         if not host:
-            raise ValueError("there is no host in it")
+            raise ValueError("the host is missing")
         # RFC 6761: this name is always the loopback address; a bare machine may not resolve it.
         channel.connect(("127.0.0.1" if host == "localhost" else host, int(port)))
     except (OSError, ValueError, OverflowError) as error:
         channel.close()
         raise DeviceError(
-            f"this address cannot be sent to: {error}",
+            f"packets cannot be sent to this address: {error}",
             got=to,
             expected="HOST:PORT, for example 127.0.0.1:3333",
         ) from error
@@ -156,12 +157,12 @@ def connected(to: str) -> socket.socket:
 
 
 def send_packet(channel: socket.socket, data: bytes, to: str) -> bool:
-    """Sends a packet; True where the system says that nobody listened to an earlier one."""
+    """Sends a packet; True if the system reports that nobody received an earlier one."""
     try:
         try:
             channel.send(data)
         except ConnectionRefusedError:
-            # The answer to an earlier packet; this one has not left yet.
+            # The error is about an earlier packet; this one has not been sent yet.
             channel.send(data)
             return True
     except OSError as error:
@@ -196,6 +197,6 @@ def _message(command: str, *values: int | float | str) -> bytes:
 
 
 def _text(text: str) -> bytes:
-    """A text as OSC has it: ended by a zero, in words of four bytes."""
+    """Encodes a text for OSC: zero-terminated, padded to words of four bytes."""
     data = text.encode()
     return data + b"\x00" * (4 - len(data) % 4)

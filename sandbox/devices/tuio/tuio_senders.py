@@ -1,9 +1,8 @@
-"""TUIO 1.1 and 2.0: the touches of every sender, followed over time.
+"""Tracking of the touches of all TUIO 1.1 and 2.0 senders over time.
 
-There is no message for a finger that comes down or goes up: a touch begins with the first place of
-a living id and ends when its id is missing from the list of the living. State and counters are kept
-per source and profile, so that two senders whose counters are close do not make each other's frames
-look late.
+TUIO has no messages for touch-down and touch-up: a touch begins with the first position of a living
+id and ends when its id is missing from the list of living ids. State and counters are kept per
+source and profile, so that frames of one sender are not taken as late because of another's counter.
 """
 
 from __future__ import annotations
@@ -16,20 +15,20 @@ from typing import NamedTuple
 from sandbox.devices.tuio.osc import MalformedPacket, Packet, decode
 from sandbox.devices.tuio.tuio11_frames import BLOBS, read_frames
 from sandbox.devices.tuio.tuio20_frames import POINTERS, read_frames20
-from sandbox.devices.tuio.tuio_source import Source, Touch
-from sandbox.devices.tuio.tuio_values import Frame
+from sandbox.devices.tuio.tuio_source import Touch, TuioSource
+from sandbox.devices.tuio.tuio_values import TuioFrame
 
 MAX_SOURCES = 64
-"""Sources remembered at once; the one unheard for longest makes room."""
+"""Largest number of known sources; beyond it the one silent for longest is removed."""
 
 MAX_TOUCHES = 128
-"""Touches of all sources in one frame: bounds what a flood of senders can make us keep."""
+"""Largest number of touches of all sources in one frame; bounds the memory for many senders."""
 
 
 class Commit(NamedTuple):
-    """A frame came into force: the name of its source, and all touches of all sources after it.
+    """A committed frame: the name of its source, and the touches of all sources after it.
 
-    `cancelled` are ids that left because the connection to their sender did.
+    `cancelled` has the ids of touches that ended because their sender disconnected.
     """
 
     source: str
@@ -39,11 +38,12 @@ class Commit(NamedTuple):
 
 @dataclass(slots=True)
 class Statistics:
-    """What happened so far. Late: overtaken frames. Unfinished: frames that nobody closed.
+    """Counters of packets, frames and problems.
 
-    Ignored: messages for other profiles and programs. Evicted: sources that had to make room.
-    Surplus: touches beyond `MAX_TOUCHES`. Dropped: frames that nobody fetched in time. Refused:
-    connections that were not let in.
+    Late: overtaken frames. Unfinished: frames that were never closed. Ignored: messages of other
+    profiles and programs. Evicted: sources removed to make room. Surplus: touches beyond
+    `MAX_TOUCHES`. Dropped: frames that were not fetched in time. Refused: connections that were
+    refused.
     """
 
     packets: int = 0
@@ -67,13 +67,13 @@ class Statistics:
         self.malformed_reason = reason
 
     def refuse_connection(self, reason: str) -> None:
-        """Counts a connection that was not let in."""
+        """Counts a refused connection."""
         self.refused += 1
         self.refused_reason = reason
 
 
 class SourceStatus(NamedTuple):
-    """One sender as seen now; `heard` is the time of its last packet, seconds."""
+    """Current status of a sender; `heard` is the time of its last packet, s."""
 
     name: str
     peer: str
@@ -84,23 +84,23 @@ class SourceStatus(NamedTuple):
 
 
 class Tuio:
-    """Follows the touches of all senders; the caller gives packets and the time.
+    """Tracks the touches of all senders; the caller supplies packets and the time.
 
     Args:
-        stale_after: Seconds without a packet after which a source's touches are lifted. The
-            protocol has no such rule, and a finger whose last packet is lost would stay down for
-            ever; but a resting finger is legitimately silent, so this cannot be short.
+        stale_after: s without a packet after which a source's touches are lifted. The protocol has
+            no such rule, and a finger whose last packet is lost would stay down for ever. It must
+            not be short, because a resting finger may send nothing.
     """
 
     def __init__(self, stale_after: float = 2.0) -> None:
         self.statistics = Statistics()
         self._stale_after = stale_after
-        self._sources: dict[tuple[str, str, str], Source] = {}
+        self._sources: dict[tuple[str, str, str], TuioSource] = {}
         self._last_name: dict[tuple[str, str], str] = {}
 
     @property
     def sources(self) -> tuple[SourceStatus, ...]:
-        """All senders remembered, in order of appearance."""
+        """Status of all known senders, in order of appearance."""
         return tuple(
             SourceStatus(
                 s.name,
@@ -114,7 +114,7 @@ class Tuio:
         )
 
     def feed(self, data: bytes, peer: str, now: float) -> list[Commit]:
-        """Takes one packet from a network address; a malformed one is counted, no more."""
+        """Processes a packet from a network address; a malformed one is only counted."""
         self.statistics.packets += 1
         try:
             packet = decode(data)
@@ -128,11 +128,11 @@ class Tuio:
         for frame in frames:
             source = self._hear(peer, frame.source, "1.1", now, commits)
             self._apply(frame, source, packet, now, commits)
-        for name in names:  # also a packet without touches is a sign of life
+        for name in names:  # a packet without touches shows that the source is alive, too
             self._hear(peer, name, "1.1", now, commits)
         for frame in pointers:
             if frame.source is None and (peer, "2.0") not in self._last_name:
-                self.statistics.unfinished += 1  # nobody has said whose it is
+                self.statistics.unfinished += 1  # its source is unknown
                 continue
             source = self._hear(peer, frame.source, "2.0", now, commits)
             self._apply_pointers(frame, source, now, commits)
@@ -149,8 +149,8 @@ class Tuio:
                     self._commit(source, commits)
         return commits
 
-    def leave(self, peer: str) -> list[Commit]:
-        """The connection to an address is gone: its touches were taken away, not lifted."""
+    def disconnect(self, peer: str) -> list[Commit]:
+        """Removes the sources of a closed connection; their touches are cancelled, not lifted."""
         commits: list[Commit] = []
         for source in [s for s in self._sources.values() if s.peer == peer]:
             gone = frozenset(touch.id for touch in source.touches())
@@ -165,13 +165,18 @@ class Tuio:
             self.statistics.ignored_address = ignored[-1]
 
     def _apply(
-        self, frame: Frame, source: Source, packet: Packet, now: float, commits: list[Commit]
+        self,
+        frame: TuioFrame,
+        source: TuioSource,
+        packet: Packet,
+        now: float,
+        commits: list[Commit],
     ) -> None:
         if not packet.bundled:
-            begun = source.open.setdefault(frame.profile, Frame(source.name, frame.profile))
+            begun = source.open.setdefault(frame.profile, TuioFrame(source.name, frame.profile))
             begun.take(frame)
             frame = begun
-            if frame.number is None:  # the rest of the frame comes in further datagrams, or never
+            if frame.number is None:  # the rest of the frame may come in further datagrams
                 frame.forget_the_first()
                 return
         source.open.pop(frame.profile, None)
@@ -181,7 +186,7 @@ class Tuio:
             self._commit(source, commits)
 
     def _apply_pointers(
-        self, part: Frame, source: Source, now: float, commits: list[Commit]
+        self, part: TuioFrame, source: TuioSource, now: float, commits: list[Commit]
     ) -> None:
         begun = source.open.pop(POINTERS, None)
         if part.source is None:  # messages without a bundle, or the rest of one
@@ -200,8 +205,8 @@ class Tuio:
         elif self._in_time(part, source, now):
             self._commit(source, commits)
 
-    def _in_time(self, frame: Frame, source: Source, now: float) -> bool:
-        """Brings a closed frame into force; False where it is late and changes nothing."""
+    def _in_time(self, frame: TuioFrame, source: TuioSource, now: float) -> bool:
+        """Commits a closed frame; False if it is late and changes nothing."""
         reason = source.late(frame, now)
         if reason:
             self.statistics.late += 1
@@ -211,7 +216,7 @@ class Tuio:
         return True
 
     def _commit(
-        self, source: Source, commits: list[Commit], cancelled: frozenset[int] = frozenset()
+        self, source: TuioSource, commits: list[Commit], cancelled: frozenset[int] = frozenset()
     ) -> None:
         present = (source.peer, source.name, source.version) in self._sources
         if present and source.slot is None and source.places and not source.stale:
@@ -221,27 +226,27 @@ class Tuio:
         surplus = sum(len(s.places) for s in shown) - MAX_TOUCHES
         if surplus > 0:
             self.statistics.surplus += surplus
-            shown.sort(key=lambda s: s is not source)  # whoever speaks is seen in any case
+            shown.sort(key=lambda s: s is not source)  # the sending source is never left out
         touches = islice((touch for s in shown for touch in s.touches()), MAX_TOUCHES)
         self.statistics.frames += 1
         commits.append(Commit(source.name, tuple(touches), cancelled))
 
     def _hear(
         self, peer: str, name: str | None, version: str, now: float, commits: list[Commit]
-    ) -> Source:
-        """The source that speaks; without a name, the one that last spoke from that address."""
+    ) -> TuioSource:
+        """The source of a message; without a name, the last one at that address."""
         nameless = (peer, "", version)
         if name is None:
             name = self._last_name.get((peer, version), "")
         elif (peer, name, version) not in self._sources and nameless in self._sources:
-            # Senders open with a few bundles before they have given themselves a name.
+            # Senders may send a few bundles before the first one with their name.
             renamed = self._sources[peer, name, version] = self._sources.pop(nameless)
             renamed.name = name
         source = self._sources.get((peer, name, version))
         if source is None:
             if len(self._sources) >= MAX_SOURCES:
                 self._evict(commits)
-            source = self._sources[peer, name, version] = Source(name, peer, version, now)
+            source = self._sources[peer, name, version] = TuioSource(name, peer, version, now)
         self._last_name[peer, version] = name
         source.heard, source.stale = now, False
         return source
@@ -253,7 +258,7 @@ class Tuio:
         if oldest.slot is not None and oldest.places:
             self._commit(oldest, commits)
 
-    def _forget(self, source: Source) -> None:
+    def _forget(self, source: TuioSource) -> None:
         del self._sources[source.peer, source.name, source.version]
         mine = (source.peer, source.version)
         if all((s.peer, s.version) != mine for s in self._sources.values()):
@@ -261,5 +266,5 @@ class Tuio:
 
 
 def _is_tuio20(address: str) -> bool:
-    """Whether the reader of 2.0 has judged a message of this address."""
+    """True if messages of this address belong to the decoder of TUIO 2.0."""
     return address.startswith("/tuio2/")

@@ -1,4 +1,4 @@
-"""One sender of TUIO: its living touches, its counters, and what it has not said to the end."""
+"""State of one TUIO sender: its living touches, counters and unclosed frames."""
 
 from __future__ import annotations
 
@@ -9,24 +9,24 @@ from typing import NamedTuple
 
 from sandbox.devices.tuio.tuio11_frames import BLOBS
 from sandbox.devices.tuio.tuio20_frames import POINTERS
-from sandbox.devices.tuio.tuio_values import Frame, Place
+from sandbox.devices.tuio.tuio_values import TuioFrame, TuioPlace
 
 RESTART_GAP = 100
-"""A counter of TUIO 1.1 that falls by more than this many frames is a sender that began anew (as
-the reference clients have it); by less, a packet that was overtaken on its way."""
+"""Fall of a TUIO 1.1 frame counter above which the sender was restarted (as in the reference
+clients); a smaller fall means that a packet was overtaken."""
 
 RESTART_TIME = 1.0
-"""s. A counter of TUIO 2.0 that falls so long after the last frame is a sender that began anew."""
+"""s after the last frame from which on a fall of a TUIO 2.0 counter means a restarted sender."""
 
 ID_STRIDE = 2**32
-"""Ids are int32 and unique per source only; each further source at work is moved by this much."""
+"""Offset between the ids of two sources, as ids are int32 and unique per source only."""
 
 
 class Touch(NamedTuple):
     """A living touch: an id unique among all sources, x and y in 0..1 of the surface.
 
-    Width and height are in 0..1 of the surface too; `label` is the finger, 0 (thumb) to 4. Both
-    are None where the sender does not tell.
+    Width and height are in 0..1 of the surface too; `label` is the finger, 0 (thumb) to 4. They are
+    None if the sender does not report them.
     """
 
     id: int
@@ -38,18 +38,18 @@ class Touch(NamedTuple):
 
 
 @dataclass(slots=True)
-class Source:
+class TuioSource:
     """The state of one sender.
 
     Attributes:
-        name: As it calls itself.
-        peer: Where its packets come from.
-        version: Of the protocol, `1.1` or `2.0`.
-        heard: Time of its last packet, s.
-        stale: It has been silent for too long.
-        slot: Numbers the sources that have had touches; None while it has none.
-        places: Of its living touches.
-        open: By profile, the frame that it has not closed yet.
+        name: Name that it sends.
+        peer: Network address of its packets.
+        version: Version of the protocol, `1.1` or `2.0`.
+        heard: s, time of its last packet.
+        stale: True if it has been silent for too long.
+        slot: Number among the sources with touches; None before its first touch.
+        places: Positions of its living touches, by id.
+        open: Unclosed frame by profile.
     """
 
     name: str
@@ -58,17 +58,17 @@ class Source:
     heard: float
     stale: bool = False
     slot: int | None = None
-    places: dict[int, Place] = field(default_factory=dict)
-    open: dict[str, Frame] = field(default_factory=dict)
+    places: dict[int, TuioPlace] = field(default_factory=dict)
+    open: dict[str, TuioFrame] = field(default_factory=dict)
     _alive: dict[str, tuple[int, ...]] = field(default_factory=dict)
     _numbers: dict[str, int] = field(default_factory=dict)
     _counted_at: float = 0.0
-    _blobs: dict[int, Place] = field(default_factory=dict)
+    _blobs: dict[int, TuioPlace] = field(default_factory=dict)
 
-    def late(self, frame: Frame, now: float) -> str:
-        """Why a closed frame was overtaken by a later one, if it was; else it is counted."""
+    def late(self, frame: TuioFrame, now: float) -> str:
+        """Reason why a closed frame is late; empty if it is in time, and its number is stored."""
         number, last = frame.number, self._numbers.get(frame.profile)
-        if number is None or number <= 0:  # usually -1; of 2.0: 0. Applies in any case
+        if number is None or number <= 0:  # unnumbered, usually -1, in 2.0 0: never late
             return ""
         if last is not None and number < last:
             recent = now - self._counted_at < RESTART_TIME
@@ -77,12 +77,12 @@ class Source:
         self._numbers[frame.profile], self._counted_at = number, now
         return ""
 
-    def completes(self, frame: Frame) -> bool:
-        """Whether a part without `alv` belongs to the frame that was closed last."""
+    def completes(self, frame: TuioFrame) -> bool:
+        """True if a part without `alv` belongs to the frame that was closed last."""
         return bool(frame.number) and frame.number == self._numbers.get(frame.profile)
 
-    def commit(self, frame: Frame) -> None:
-        """Brings a frame into force."""
+    def commit(self, frame: TuioFrame) -> None:
+        """Updates the living touches from a closed frame."""
         if frame.alive is not None:
             self._alive[frame.profile] = frame.alive
         alive = self._alive.get(frame.profile, ())
@@ -95,14 +95,14 @@ class Source:
         self.places = {}
         for touch in alive:
             if touch in known:
-                # Bounds are not sent again as long as they stay as they are.
+                # Bounds are not sent again while they do not change.
                 width, height = sizes.get(touch, (None, None))
                 self.places[touch] = known[touch]._replace(width=width, height=height)
 
     def silence(self) -> None:
-        """Takes its touches away, and all that a later packet could be wrongly compared with.
+        """Marks it stale: removes its touches, counters and unclosed frames.
 
-        The places are kept: a finger that only rested is alive in the next frame.
+        The positions are kept, because a finger that only rested is alive in the next frame.
         """
         self.stale, self.slot = True, None
         self.open.clear()
@@ -112,15 +112,15 @@ class Source:
         """The living touches, none while the source is silent."""
         if self.slot is None:
             return
-        # A sender that calls every pointer a right index finger does not know fingers.
+        # A sender that labels every pointer as a right index finger does not know fingers.
         times = Counter(place.label for place in self.places.values())
         for touch, place in self.places.items():
             size = (place.width, place.height) if place.width else self._size(place)
             label = place.label if times[place.label] == 1 else None
             yield Touch(touch + self.slot * ID_STRIDE, place.x, place.y, *size, label)
 
-    def _size(self, place: Place) -> tuple[float | None, float | None]:
-        """Of the blob that a cursor lies in. Some senders give both the same id, others do not."""
+    def _size(self, place: TuioPlace) -> tuple[float | None, float | None]:
+        """Width and height of the blob around a cursor; ids need not match, as senders differ."""
         nearest = 1.0
         size: tuple[float | None, float | None] = (None, None)
         for blob in self._blobs.values():

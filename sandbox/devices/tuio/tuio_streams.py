@@ -1,8 +1,8 @@
 """TUIO over connections: TCP with a length before each packet, and WebSockets.
 
-One thread with its own event loop. It listens, or calls one sender and calls again when that hangs
-up: the reference implementations of senders wait to be called. Nobody proves who he is, as TUIO
-knows no passwords; but a page in this machine's browser must not be able to play the touch table.
+One thread with its own event loop either listens, or connects to one sender and reconnects when the
+connection ends, since the reference implementations of senders accept connections. TUIO has no
+authentication; but a web page in this machine's browser must not be able to send touches.
 """
 
 from __future__ import annotations
@@ -28,39 +28,39 @@ from models.errors import DeviceError
 from sandbox.devices.tuio.osc import MAX_PACKET_BYTES
 
 DEFAULT_WEBSOCKET_PORT = 8080
-"""The port of TUIO over WebSockets unless told otherwise."""
+"""Default port of TUIO over WebSockets."""
 
 MAX_CONNECTIONS = 32
-"""At once; a sender needs one."""
+"""Largest number of simultaneous connections; a sender needs one."""
 
 _TICK = 0.1
 _REDIAL = 0.5
-"""s between two calls of a sender that does not answer."""
+"""s between two attempts to connect to a sender."""
 _LENGTH = 4
-"""Bytes of a packet's length in a TCP stream, most significant first."""
+"""Number of bytes of a packet's length in a TCP stream, most significant first."""
 
 
-class Receiver(Protocol):
-    """Where packets go."""
+class PacketReceiver(Protocol):
+    """Receiver of packets and of the events of connections."""
 
     def receive(self, data: bytes, peer: str) -> None:
-        """Takes in a packet."""
+        """Processes a packet."""
 
-    def hung_up(self, peer: str) -> None:
-        """Hears that a connection has ended."""
+    def disconnected(self, peer: str) -> None:
+        """Called when a connection has ended."""
 
-    def look(self) -> None:
-        """Looks for those who have fallen silent."""
+    def expire(self) -> None:
+        """Lifts the touches of silent senders; called regularly."""
 
     def refuse(self, reason: str, packet: bool = False) -> None:
-        """Counts what was not let in."""
+        """Counts a refused connection or packet."""
 
     def fail(self, error: Exception, where: str) -> None:
-        """Hears that nothing will come any more."""
+        """Called when the thread has failed and no more packets will come."""
 
 
-class Target(NamedTuple):
-    """A sender to call; `scheme` is tcp, ws or wss."""
+class SenderAddress(NamedTuple):
+    """Address of a sender to connect to; `scheme` is tcp, ws or wss."""
 
     scheme: str
     host: str
@@ -68,11 +68,11 @@ class Target(NamedTuple):
     url: str
 
 
-def parse_target(text: str) -> Target:
+def parse_target(text: str) -> SenderAddress:
     """Reads `tcp://HOST:PORT` or `ws://HOST:PORT`.
 
     Raises:
-        DeviceError: It is neither.
+        DeviceError: The text is neither.
     """
     try:
         parts = urlsplit(text)
@@ -81,36 +81,36 @@ def parse_target(text: str) -> Target:
         scheme, host, port = "", "", None
     if scheme not in ("tcp", "ws", "wss") or not host or port == 0:
         raise DeviceError(
-            "this is no sender that can be called",
+            "this is not the address of a sender",
             got=text,
             expected="tcp://HOST:PORT or ws://HOST:PORT",
         )
     usual = 3333 if scheme == "tcp" else DEFAULT_WEBSOCKET_PORT
     url = text if port else text.replace(parts.netloc, f"{parts.netloc}:{usual}", 1)
-    return Target(scheme, host, port or usual, url)
+    return SenderAddress(scheme, host, port or usual, url)
 
 
 class Streams:
-    """Connections of senders, in a thread.
+    """Connections of senders, handled in a thread.
 
     Args:
-        receiver: Where packets go.
+        receiver: Receiver of the packets.
         bind: Address to listen on.
-        tcp_port: None does not listen to TCP; 0 takes a free port.
-        websocket_port: Likewise.
-        target: A sender to call instead.
+        tcp_port: TCP port; 0 takes a free one, None does not listen for TCP.
+        websocket_port: Port for WebSockets; 0 takes a free one, None does not listen for them.
+        target: Address of a sender to connect to, instead of listening.
 
     Raises:
-        DeviceError: An address or port cannot be had.
+        DeviceError: An address or port is not available.
     """
 
     def __init__(
         self,
-        receiver: Receiver,
+        receiver: PacketReceiver,
         bind: str = "127.0.0.1",
         tcp_port: int | None = None,
         websocket_port: int | None = None,
-        target: Target | None = None,
+        target: SenderAddress | None = None,
     ) -> None:
         self._receiver = receiver
         self.bind, self.tcp_port, self.websocket_port = bind, tcp_port, websocket_port
@@ -132,7 +132,7 @@ class Streams:
             ) from problem
 
     def is_alive(self) -> bool:
-        """Whether anything can still come."""
+        """True while packets can still arrive."""
         return self._thread.is_alive()
 
     def close(self) -> None:
@@ -147,7 +147,7 @@ class Streams:
         asyncio.set_event_loop(self._loop)
         try:
             self._loop.run_until_complete(self._work())
-        except Exception as error:  # a thread must not die unheard
+        except Exception as error:  # reported, so that it is not lost with the thread
             self._receiver.fail(error, "TCP")
         finally:
             self._loop.close()
@@ -162,7 +162,7 @@ class Streams:
             self._ready.put(None)
             calling = asyncio.create_task(self._call()) if self._target else None
             while not self._closing.is_set():
-                self._receiver.look()
+                self._receiver.expire()
                 with contextlib.suppress(TimeoutError):
                     await asyncio.wait_for(self._closing.wait(), _TICK)
             tasks = [t for t in asyncio.all_tasks() if t is not asyncio.current_task()]
@@ -198,7 +198,7 @@ class Streams:
             self.websocket_port = next(iter(web.sockets)).getsockname()[1]
 
     async def _call(self) -> None:
-        """Calls the sender, and again whenever it hangs up."""
+        """Connects to the sender, and again whenever the connection ends."""
         target = self._target
         assert target is not None
         while True:
@@ -234,7 +234,7 @@ class Streams:
             return
         self._connections += 1
         try:
-            # Cancelled when we are closed; asyncio's own server would print a trace.
+            # Cancelled by `close`; asyncio's own server would print a traceback.
             with contextlib.suppress(asyncio.CancelledError):
                 await self._read_tcp(reader, writer, f"tcp {host}:{port}")
         finally:
@@ -243,18 +243,18 @@ class Streams:
     async def _read_tcp(
         self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter, peer: str
     ) -> None:
-        """Takes packets until the connection ends or what comes is no TUIO."""
+        """Receives packets until the connection ends or the data are not TUIO."""
         try:
-            with contextlib.suppress(asyncio.IncompleteReadError, OSError):  # the usual end
+            with contextlib.suppress(asyncio.IncompleteReadError, OSError):  # a closed connection
                 while True:
                     size = int.from_bytes(await reader.readexactly(_LENGTH), "big")
                     if not 0 < size <= MAX_PACKET_BYTES:
-                        # Where the next packet begins can no longer be known.
+                        # The start of the next packet is unknown.
                         self._receiver.refuse(f"a packet of {size} bytes in a stream", packet=True)
                         break
                     self._receiver.receive(await reader.readexactly(size), peer)
         finally:
-            self._receiver.hung_up(peer)
+            self._receiver.disconnected(peer)
             writer.close()
 
     async def _answer_websocket(self, connection: ServerConnection) -> None:
@@ -276,10 +276,10 @@ class Streams:
                 self._receiver.refuse("a message is too large", packet=True)
         finally:
             self._connections -= 1
-            self._receiver.hung_up(peer)
+            self._receiver.disconnected(peer)
 
     def _judge(self, connection: ServerConnection, request: Request) -> Response | None:
-        """Decides who may open a WebSocket."""
+        """Accepts or refuses a request for a WebSocket."""
         hosts, origins = request.headers.get_all("Host"), request.headers.get_all("Origin")
         reason = refusal(hosts, origins)
         if not reason and self._connections >= MAX_CONNECTIONS:
@@ -291,10 +291,10 @@ class Streams:
 
 
 def refusal(hosts: list[str], origins: list[str]) -> str:
-    """Why a request for a WebSocket is refused; empty: it may pass.
+    """Reason for refusing a request for a WebSocket; empty if it is accepted.
 
-    A name that is neither an address nor localhost has been rebound by somebody else; an `Origin`
-    from elsewhere is a page that the browser of this machine has open. Programs send none.
+    A host name that is neither an address nor localhost means DNS rebinding. A foreign `Origin`
+    means a web page in a browser on this machine; other programs send none.
 
     Args:
         hosts: Values of the `Host` header.
@@ -331,7 +331,7 @@ def _is_address(host: str) -> bool:
 
 
 def _silent_logger() -> logging.Logger:
-    """A logger that says nothing: what goes wrong with strangers is counted, not printed."""
+    """A silent logger: errors of foreign connections are counted, not printed."""
     logger = logging.Logger("hand_sandbox.tuio")
     logger.addHandler(logging.NullHandler())
     return logger

@@ -1,4 +1,4 @@
-"""Values in TUIO messages, checked one by one: what every version of the protocol has in common."""
+"""Checks of the values in TUIO messages that all versions of the protocol share."""
 
 from __future__ import annotations
 
@@ -10,25 +10,25 @@ from typing import NamedTuple
 from sandbox.devices.tuio.osc import MalformedPacket
 
 MAX_IDS = 64
-"""Living touches of one source. More than a room full of hands; bounds our memory."""
+"""Largest number of living touches of one source; bounds memory."""
 
 MAX_FRAMES = 16
-"""Frames of one packet. Honest senders put one into each; bounds the work of a packet."""
+"""Largest number of frames in a packet; regular senders use one. Bounds the work per packet."""
 
 LOWEST, HIGHEST = -0.1, 1.1
-"""Where a position may lie, in widths of the surface: sensors see a little beyond their edge."""
+"""Range of valid positions, in widths of the surface: sensors see a little beyond their edge."""
 
 _SINGLE_PRECISION = 1e-6
-"""Positions travel as 32-bit floats, in which 1.1 is a little more than 1.1."""
+"""Tolerance of positions, which are 32-bit floats, where 1.1 is slightly larger."""
 
 MAX_NAME = 200
-"""Characters of a source's name."""
+"""Largest number of characters in a source's name."""
 
 
-class Place(NamedTuple):
-    """Where a touch is and how large, in 0..1 of the surface's width and height.
+class TuioPlace(NamedTuple):
+    """Position and size of a touch, in 0..1 of the surface's width and height.
 
-    `label` is the finger, 0 (thumb) to 4, where the sender knows it.
+    `label` is the finger, 0 (thumb) to 4; None if the sender does not know it.
     """
 
     x: float
@@ -39,27 +39,27 @@ class Place(NamedTuple):
 
 
 @dataclass(slots=True)
-class Frame:
-    """What the messages of one frame say; None is "not said".
+class TuioFrame:
+    """Values from the messages of one frame; None for a value that was not sent.
 
     Attributes:
         source: Name of the sender.
-        profile: What it is about: an address such as `/tuio/2Dcur`.
+        profile: Address of the profile, such as `/tuio/2Dcur`.
         alive: Ids of all living touches.
-        places: Of the touches that have changed.
-        number: The frame's counter.
-        sizes: Width and height that came apart from the places, by id.
+        places: Positions of the touches that have changed, by id.
+        number: Number of the frame.
+        sizes: Widths and heights that were sent apart from the positions, by id.
     """
 
     source: str | None
     profile: str
     alive: tuple[int, ...] | None = None
-    places: dict[int, Place] = field(default_factory=dict)
+    places: dict[int, TuioPlace] = field(default_factory=dict)
     number: int | None = None
     sizes: dict[int, tuple[float, float]] = field(default_factory=dict)
 
-    def take(self, later: Frame) -> None:
-        """Adds what a later part of the same frame says."""
+    def take(self, later: TuioFrame) -> None:
+        """Adds the values of a later part of the same frame."""
         self.alive = self.alive if later.alive is None else later.alive
         for touch, place in later.places.items():
             self.places.pop(touch, None)
@@ -68,34 +68,34 @@ class Frame:
         self.number = later.number
 
     def forget_the_first(self) -> None:
-        """Keeps no more than `MAX_IDS` touches, for senders that never close a frame."""
+        """Removes the oldest touches beyond `MAX_IDS`, for senders that never close a frame."""
         for kept in (self.places, self.sizes):
             while len(kept) > MAX_IDS:
                 del kept[next(iter(kept))]
 
 
 def read_int32(value: object, where: str) -> int:
-    """A whole number of 32 bits.
+    """Checks a 32-bit integer.
 
     Raises:
-        MalformedPacket: It is none.
+        MalformedPacket: The value is not one.
     """
     if isinstance(value, bool) or not isinstance(value, int) or not -(2**31) <= value < 2**31:
         raise MalformedPacket(
-            "a whole number is missing", where=where, got=short(value), expected="an int32"
+            "a value must be an integer", where=where, got=short(value), expected="an int32"
         )
     return value
 
 
 def read_coordinate(value: object, where: str) -> float:
-    """A position on the surface, moved to 0..1 where it lies in the margin.
+    """Checks a coordinate on the surface, and clips it to 0..1 if it lies in the margin.
 
     Raises:
-        MalformedPacket: It is no number, or not even near the surface.
+        MalformedPacket: The value is not a number, or lies beyond the margin.
     """
     number = value if isinstance(value, int | float) and not isinstance(value, bool) else math.nan
     slack = _SINGLE_PRECISION
-    if not LOWEST - slack <= number <= HIGHEST + slack:  # false for what is not a number, too
+    if not LOWEST - slack <= number <= HIGHEST + slack:  # also true for NaN
         raise MalformedPacket(
             "a position is not on the surface",
             where=where,
@@ -106,17 +106,17 @@ def read_coordinate(value: object, where: str) -> float:
 
 
 def read_size(value: object) -> float | None:
-    """A length in 0..1, None where the sender measures none or it makes no sense."""
+    """A length in 0..1; None if the value is not a valid length."""
     if isinstance(value, bool) or not isinstance(value, int | float) or not 0.0 < value <= 1.0:
         return None
     return float(value)
 
 
 def read_name(name: object) -> str:
-    """The name of a source.
+    """Checks the name of a source.
 
     Raises:
-        MalformedPacket: It is no short printable text.
+        MalformedPacket: The value is not a short printable text.
     """
     if not isinstance(name, str) or len(name) > MAX_NAME or not name.isprintable():
         raise MalformedPacket(
@@ -126,10 +126,10 @@ def read_name(name: object) -> str:
 
 
 def check_count(touches: Sized) -> None:
-    """Refuses a frame of too many touches.
+    """Checks the number of touches in a frame.
 
     Raises:
-        MalformedPacket: It is one.
+        MalformedPacket: The frame has too many touches.
     """
     if len(touches) > MAX_IDS:
         raise MalformedPacket(
@@ -138,10 +138,10 @@ def check_count(touches: Sized) -> None:
 
 
 def check_frames(frames: Sized) -> None:
-    """Refuses a packet of too many frames.
+    """Checks the number of frames in a packet.
 
     Raises:
-        MalformedPacket: It is one.
+        MalformedPacket: The packet has too many frames.
     """
     if len(frames) > MAX_FRAMES:
         raise MalformedPacket(

@@ -1,1 +1,1 @@
-"""Devices around other devices: merged, split, spoiled, with a lift control."""
+"""Device wrappers: merged, split and degraded devices, and devices with a lift control."""

@@ -12,9 +12,9 @@ from sandbox.session.messages import Snapshot
 
 
 class DeviceWrapper(Device):
-    """A touch device around another one; every member is the wrapped device's.
+    """Base class of touch devices that wrap another one and pass every member through.
 
-    A wrapper overrides the members that it changes.
+    A subclass overrides the members that it changes.
 
     Args:
         device: The wrapped device.
@@ -55,7 +55,7 @@ class DeviceWrapper(Device):
         return self.device.looks
 
     def show(self, snapshot: Snapshot) -> None:
-        """Shows the snapshot to the wrapped device."""
+        """Passes the snapshot to the wrapped device."""
         self.device.show(snapshot)
 
     @property

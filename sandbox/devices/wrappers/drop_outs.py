@@ -1,4 +1,4 @@
-"""Touches that a bad screen loses for a moment and finds again under another id."""
+"""Drop-outs: a bad screen loses a touch for a moment and reports it again under another id."""
 
 from __future__ import annotations
 
@@ -9,18 +9,18 @@ import numpy as np
 from models.frames import TouchFrame
 
 LENGTH = 0.1
-"""s for which a touch is lost."""
+"""s, duration of a drop-out."""
 
 _FIRST_ID = 1_000_000
-"""Ids from here on are given to touches that come back, and are nobody else's."""
+"""First id of touches that come back; no other touches have such ids."""
 
 
 class DropOuts:
     """Loses touches at random.
 
     Args:
-        rate: Losses per second of every touch.
-        seed: Of the losses.
+        rate: 1/s, drop-outs of every touch.
+        seed: Seed of the random drop-outs.
     """
 
     def __init__(self, rate: float, seed: int) -> None:
@@ -33,10 +33,10 @@ class DropOuts:
 
     @property
     def loses(self) -> bool:
-        """Whether it loses touches at all; otherwise a touch keeps its id."""
+        """True if it loses touches; otherwise a touch keeps its id."""
         return self._rate > 0.0
 
-    def spoil(self, frame: TouchFrame) -> TouchFrame:
+    def degrade(self, frame: TouchFrame) -> TouchFrame:
         """The frame as the bad screen reports it."""
         dt, self._time = frame.time - self._time, frame.time
         if self._rate <= 0.0:
@@ -58,5 +58,5 @@ class DropOuts:
         return replace(frame, contacts=tuple(contacts), cancelled=cancelled)
 
     def own_id(self, reported: int) -> int:
-        """Whose touch a reported id is."""
+        """The device's own id of a reported id."""
         return next((own for own, new in self._alias.items() if new == reported), reported)

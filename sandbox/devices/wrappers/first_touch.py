@@ -1,4 +1,4 @@
-"""A person's time begins with their first touch: before, they look at the scene."""
+"""Start of a trial with the person's first touch, so that they can look at the scene before it."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ from sandbox.session.device import Device
 
 
 class FirstTouch(DeviceWrapper):
-    """A device that can be asked whether anybody has touched it, while its session stands still.
+    """Wrapper that waits for the first touch while the session is paused.
 
-    What comes before the first touch is forgotten; the frame of the first touch is the first one
-    that the session gets.
+    Frames before the first touch are dropped; the frame of the first touch is the first one that
+    the session receives.
 
     Args:
-        device: Of a person.
+        device: Device of a person.
     """
 
     def __init__(self, device: Device) -> None:
@@ -25,7 +25,7 @@ class FirstTouch(DeviceWrapper):
         self._came = False
 
     def came(self) -> bool:
-        """Whether anybody has touched it. Not to be asked while the session runs, unless it did."""
+        """True after the first touch. Until then it polls the device, so the session must not."""
         if not self._came and not self.device.finished:
             frames = list(self.device.poll(0.0))
             touched = [n for n, frame in enumerate(frames) if frame.contacts]
@@ -35,6 +35,6 @@ class FirstTouch(DeviceWrapper):
         return self._came or self.device.finished
 
     def poll(self, now: float) -> Sequence[TouchFrame]:
-        """The device's frames, with the first touch."""
+        """The device's frames, from that of the first touch on."""
         kept, self._kept, self._came = self._kept, [], True
         return [*kept, *self.device.poll(now)]

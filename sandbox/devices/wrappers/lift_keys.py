@@ -1,4 +1,4 @@
-"""Two keys as a lift control, for devices that have none of their own."""
+"""Two keys as a lift control, for devices without one."""
 
 from __future__ import annotations
 
@@ -11,15 +11,16 @@ from sandbox.devices.wrappers.device_wrapper import DeviceWrapper
 from sandbox.session.device import Device
 
 SPEED = 0.45
-"""Of the whole lift per second, while a key is held."""
+"""1/s, share of the whole lift while a key is held."""
 
 
 class LiftKeys(DeviceWrapper):
-    """A device with a lift control beside it. Safe to use from two threads.
+    """Wrapper that adds a lift control to a device. Safe to use from two threads.
 
     Args:
-        device: Where the touches come from.
-        leader: Whose lift this one's is: of two hands, the same keys lift both.
+        device: Source of the touches.
+        leader: Wrapper whose lift this one copies, as the same keys lift two hands; None for the
+            first hand.
     """
 
     has_lift = True
@@ -35,19 +36,19 @@ class LiftKeys(DeviceWrapper):
         self._last = TouchFrame(0.0)
 
     def hold(self, direction: float) -> None:
-        """A key goes down: 1 lifts, -1 lowers; 0: no key is held any more."""
+        """Sets the held key: 1 lifts, -1 lowers, 0 means none."""
         with self._lock:
             self._direction = direction
-            # A key that is tapped between two polls does something all the same.
+            # A key that is pressed and released between two polls still has an effect.
             self._tapped = direction or self._tapped
 
     def follow(self, lift: float) -> None:
-        """Another control has moved the hand; the keys go on from there. Tells no frame."""
+        """Takes over the lift of another control, from which the keys continue; makes no frame."""
         with self._lock:
             self._lift = lift
 
     def poll(self, now: float) -> Sequence[TouchFrame]:
-        """The device's frames with the lift in them, and one more where only the lift changed."""
+        """The device's frames with the lift, or a repeated frame if only the lift changed."""
         with self._lock:
             direction, self._tapped = self._direction or self._tapped, 0.0
         passed, self._now = max(now - self._now, 0.0), now

@@ -1,4 +1,4 @@
-"""Several devices as one, such as the mouse in the window and fingers on the page beside it."""
+"""Several devices merged into one, such as the mouse in the window and fingers on its page."""
 
 from __future__ import annotations
 
@@ -12,17 +12,16 @@ from sandbox.session.device import Device
 
 
 class MergedDevice(Device):
-    """Touches of several devices on one surface, under ids that no two of them share.
+    """Merges the touches of several devices on one surface, with distinct ids.
 
     Args:
-        devices: Theirs are the touches; frames keep the times of their own clocks.
+        devices: The devices; frames keep the times of their own clocks.
 
     Attributes:
         parts: The devices.
-        has_lift: Whether any of them has a lift control; where several have, the one that was
-            moved last counts.
-        news: Is set when one that tells so has something new.
-        lift: Of the last frame; None where no control has been moved.
+        has_lift: True if any of them has a lift control; of several, the one moved last counts.
+        news: Event that is set when a device with such an event has a frame.
+        lift: Lift of the last frame; None before a control was moved.
     """
 
     name: str
@@ -45,25 +44,25 @@ class MergedDevice(Device):
 
     @property
     def finished(self) -> bool:
-        """True when all of them have come to their end."""
+        """True when all devices have ended."""
         return all(device.finished for device in self.parts)
 
     def poll(self, now: float) -> Sequence[TouchFrame]:
-        """One frame for each of theirs, with what the others hold down in it."""
-        found = [
+        """One frame for each of the devices' frames, with the contacts of all devices."""
+        frames = [
             (frame.time, i, frame)
             for i, device in enumerate(self.parts)
             for frame in device.poll(now)
         ]
-        found.sort(key=lambda entry: entry[0])
-        return [self._taken_in(i, frame) for _, i, frame in found]
+        frames.sort(key=lambda entry: entry[0])
+        return [self._merged(i, frame) for _, i, frame in frames]
 
     def close(self) -> None:
-        """Closes all of them."""
+        """Closes all devices."""
         for device in self.parts:
             device.close()
 
-    def _taken_in(self, i: int, frame: TouchFrame) -> TouchFrame:
+    def _merged(self, i: int, frame: TouchFrame) -> TouchFrame:
         known, ids = self._ids[i], {}
         for contact in frame.contacts:
             ids[contact.id] = known[contact.id] if contact.id in known else self._new()
@@ -81,7 +80,7 @@ class MergedDevice(Device):
     def _move_lift(self, i: int, lift: float) -> None:
         first, self._lifts[i] = self._lifts[i] is None, lift
         if first and self.lift is not None and lift == 0.0:
-            # A control that shows itself for the first time has not been moved.
+            # The first value of a control does not mean that it was moved.
             return
         self.lift = lift
         for k, other in enumerate(self.parts):

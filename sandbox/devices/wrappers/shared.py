@@ -1,4 +1,4 @@
-"""Two hands on one surface: its contacts are split between them, and each hand is a device."""
+"""A surface shared by two hands: its contacts are split, and each hand becomes a device."""
 
 from __future__ import annotations
 
@@ -15,16 +15,16 @@ from sandbox.session.messages import Snapshot
 
 
 class SharedSurface:
-    """A device whose contacts belong to two hands.
+    """Splits a device whose contacts belong to two hands.
 
     Args:
-        device: Of the whole surface.
-        homes: (2, 2) m on the surface, where each hand is expected at first.
+        device: Device of the whole surface.
+        homes: (2, 2) m on the surface, initial expected position of each hand.
 
     Attributes:
-        device: The same.
-        parts: A device for each hand; both see the lift control. Poll them in step.
-        splitter: Says which contact belongs to which hand.
+        device: As given.
+        parts: A device for each hand, both with the lift control. Poll them at the same times.
+        splitter: Assigns contacts to hands.
     """
 
     def __init__(self, device: Device, homes: ArrayLike) -> None:
@@ -36,12 +36,12 @@ class SharedSurface:
         self._now = -1.0
 
     def take(self, hand: int, now: float) -> list[TouchFrame]:
-        """Frames of a hand that nobody has taken yet; at s of session time."""
+        """Frames of a hand since its last call; `now` is session time, s."""
         if now > self._now:
             self._now = now
             frames = self.device.poll(now)
             if not frames and self._last is not None:
-                # A finger that rests sends nothing, and gets its hand all the same.
+                # A resting finger sends no frames, but must still be assigned to its hand.
                 frames = [replace(self._last, cancelled=frozenset())]
             for frame in frames:
                 self._last = frame
@@ -55,11 +55,11 @@ class SharedSurface:
 
 
 class OneHand(DeviceWrapper):
-    """One hand's contacts on a surface that two share.
+    """The contacts of one hand on a shared surface.
 
     Args:
-        surface: The whole of it.
-        hand: 0 or 1.
+        surface: The shared surface.
+        hand: Index of the hand, 0 or 1.
     """
 
     def __init__(self, surface: SharedSurface, hand: int) -> None:
@@ -71,18 +71,18 @@ class OneHand(DeviceWrapper):
         return self._surface.take(self._hand, now)
 
     def show(self, snapshot: Snapshot) -> None:
-        """Shows a device that looks what there is to see; once, through the first hand."""
+        """Passes the snapshot to the device once, through the first hand."""
         if self._hand == 0:
             self.device.show(snapshot)
 
 
 class MergedTouches(Device):
-    """Two devices that touch the same surface, as one: two simulated users at one screen.
+    """Merges two devices on the same surface into one: two simulated users at one screen.
 
-    The surface has one lift control, and two hold it: it is as high as the lower of them wants.
+    Both control the same lift, which takes the lower of their two values.
 
     Args:
-        devices: Of one hand each.
+        devices: Two devices of one hand each.
     """
 
     name: str
@@ -95,7 +95,7 @@ class MergedTouches(Device):
         self.name = devices[0].name
 
     def poll(self, now: float) -> Sequence[TouchFrame]:
-        """All contacts, with ids that tell nobody's hand by their order."""
+        """All contacts, with interleaved ids, whose order does not reveal the hand."""
         cancelled: set[int] = set()
         for k, device in enumerate(self.parts):
             for frame in device.poll(now):
@@ -112,11 +112,11 @@ class MergedTouches(Device):
 
     @property
     def looks(self) -> bool:
-        """True where one of them looks."""
+        """True if either device needs snapshots."""
         return any(device.looks for device in self.parts)
 
     def show(self, snapshot: Snapshot) -> None:
-        """Shows each device what there is to see, with its own ids for its touches."""
+        """Passes the snapshot to each device, with the device's own ids of its touches."""
         for k, device in enumerate(self.parts):
             if not device.looks:
                 continue
@@ -133,7 +133,7 @@ class MergedTouches(Device):
 
     @property
     def finished(self) -> bool:
-        """Whether no further frame can come from either."""
+        """True when no further frame can arrive from either device."""
         return all(device.finished for device in self.parts)
 
     def close(self) -> None:

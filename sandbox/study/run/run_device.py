@@ -10,7 +10,7 @@ from models.errors import StudyError
 from models.surface import Surface
 from sandbox.devices.leap.leap import DEFAULT_ADDRESS
 from sandbox.devices.simulated.simulated import NEXT_PERSON
-from sandbox.devices.wrappers.spoiled import SpoiledDevice
+from sandbox.devices.wrappers.degraded import DegradedDevice
 from sandbox.options.leap_devices import open_leap, over_one
 from sandbox.options.touch_devices import (
     TouchOptions,
@@ -84,7 +84,7 @@ def person_devices(
                 device = maker(surface)
             if settings.variation.degrades_touches:
                 noise = trial.seed + hand * NEXT_PERSON
-                return SpoiledDevice(device, settings.variation, surface, noise)
+                return DegradedDevice(device, settings.variation, surface, noise)
             return device
 
         return make

@@ -12,7 +12,7 @@ from models.errors import StudyError
 from models.surface import Surface
 from sandbox.devices.simulated.leap_user import SimulatedLeap
 from sandbox.devices.simulated.simulated import NEXT_PERSON, SimulatedDevice
-from sandbox.devices.wrappers.spoiled import SpoiledDevice
+from sandbox.devices.wrappers.degraded import DegradedDevice
 from sandbox.options.leap_devices import over_one
 from sandbox.session.device import Device
 from sandbox.study.design.design import Design
@@ -119,7 +119,7 @@ def simulated_hand(
             home=home(hand, settings, surface),
         )
         if settings.variation.degrades_touches:
-            return SpoiledDevice(device, settings.variation, surface, seed + hand * NEXT_PERSON)
+            return DegradedDevice(device, settings.variation, surface, seed + hand * NEXT_PERSON)
         return device
 
     return make

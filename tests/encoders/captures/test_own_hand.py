@@ -66,7 +66,7 @@ def test_a_person_who_declines_is_not_measured():
 
 def test_a_service_that_is_not_there_ends_the_measuring(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr("sandbox.devices.leap.leap.SILENCE", 0.3)
-    with pytest.raises(DeviceError, match="says nothing"):
+    with pytest.raises(DeviceError, match="is silent"):
         measured("ws://127.0.0.1:1/v6.json", "right", own_path(), Console(file=StringIO()), 60)
     assert not own_path().exists()
 

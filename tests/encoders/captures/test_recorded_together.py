@@ -28,7 +28,7 @@ from models.surface import Surface
 from sandbox.cli.capture.simulate import write_simulated
 from sandbox.cli.main import main
 from sandbox.devices.files.frame_file import read_frame_file
-from sandbox.devices.files.together_file import HANDS, TOUCHES, TogetherWriter
+from sandbox.devices.files.paired_capture import HANDS, TOUCHES, PairedCaptureWriter
 
 SHORT = replace(FROZEN_PAIRED, play=9.0, leap_rate=50.0, open_seconds=4.5)
 
@@ -292,7 +292,7 @@ def test_a_folder_becomes_a_capture_that_says_it_is_simulated(folder, tmp_path, 
             ["--touches", "{day}/touches.jsonl", "--hands", "{day}/hands.jsonl", "--side", "left"],
             "not in the recording",
         ),
-        (["--recorded", "{empty}"], "no folder of"),
+        (["--recorded", "{empty}"], "not a folder of"),
         (["--recorded", "{late}"], "does not begin with an open right hand"),
         (["--hands", "{day}/hands.jsonl"], "no touches"),
         (["--recorded", "{day}", "--joints", "x.bvh"], "one recording of the hand"),
@@ -318,7 +318,7 @@ def test_a_full_disk_is_reported_at_once_and_earlier_data_are_kept(tmp_path):
     device = Path("/dev/full")
     if not device.exists():
         pytest.skip("device node absent: /dev/full")
-    with TogetherWriter(tmp_path, Surface(), {"side": "right"}) as writer:
+    with PairedCaptureWriter(tmp_path, Surface(), {"side": "right"}) as writer:
         writer.touch(frame_of(0.0, 2), 0.0)
         # /dev/full exists already, and a session makes new files only: hand it the open file.
         kept, writer._touches._file = writer._touches._file, device.open("w")
@@ -343,7 +343,7 @@ def test_a_session_is_not_written_over(folder, capsys):
         "--seconds",
         "1",
     )
-    assert status == 2 and "not written over" in err
+    assert status == 2 and "not overwritten" in err
     assert {path.name: path.read_bytes() for path in folder.iterdir()} == before
 
 

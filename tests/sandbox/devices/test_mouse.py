@@ -267,7 +267,7 @@ def test_whatever_is_done_frames_are_sound_on_the_surface_and_end_with_all_lifte
 
 @pytest.mark.parametrize("fingers", [0, 6, -1])
 def test_nobody_has_no_or_six_fingers(fingers: int) -> None:
-    with pytest.raises(InputError, match="so many fingers"):
+    with pytest.raises(InputError, match="1 to 5 fingers"):
         MouseDevice(SURFACE).hand(fingers, MIDDLE)
 
 

@@ -233,7 +233,7 @@ def test_lost_touches_come_back_after_a_moment_under_an_id_of_their_own():
     seen: dict[int, set[int]] = {1: set(), 2: set()}
     gone = 0
     for i in range(1000):
-        frame = screen.spoil(TouchFrame(0.016 * i, tuple(own.values())))
+        frame = screen.degrade(TouchFrame(0.016 * i, tuple(own.values())))
         gone += 2 - len(frame.contacts)
         for contact in frame.contacts:
             whose = screen.own_id(contact.id)

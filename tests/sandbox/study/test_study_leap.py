@@ -131,7 +131,7 @@ def test_a_sensor_that_falls_silent_ends_the_session_with_one_clear_line(
     person = Participant("3B5G5T", 0)
     measure = hand_measurer(SimulatedForms(1), person, server.address, lambda text: None, 1000)
     try:
-        with pytest.raises(DeviceError, match=r"says nothing.*the session resumes at this step"):
+        with pytest.raises(DeviceError, match=r"is silent.*the session resumes at this step"):
             measure(lambda: None)
     finally:
         server.close()

@@ -16,7 +16,7 @@ from encoders.captures.paired.simulated import FROZEN_PAIRED, PairedSession, sim
 from encoders.store import load_capture
 from sandbox.cli.capture.simulate import write_simulated
 from sandbox.cli.main import main
-from sandbox.devices.files.together_file import HANDS
+from sandbox.devices.files.paired_capture import HANDS
 from sandbox.devices.leap.leap_fake import FakeLeapd
 from sandbox.devices.leap.leap_file import read_leap
 from sandbox.devices.tuio.tuio_sender import TuioOutput

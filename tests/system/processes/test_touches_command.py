@@ -274,7 +274,7 @@ def test_packets_without_touches_are_named_as_what_is_wrong(tmp_path: Path) -> N
         (["show", "--tuio-transport", "pigeon"], "websocket"),
         (["show", "--device", "evdev:/dev/input/none"], "/dev/input/none"),
         (["show", "--device", "no/such.py:Pad"], "no/such.py"),
-        (["record", "pyproject.toml"], "not written over"),
+        (["record", "pyproject.toml"], "not overwritten"),
         (["record", "no/such/folder/file"], "no/such/folder"),
         (["show", "--nonsense"], "nonsense"),
         ([], "show"),

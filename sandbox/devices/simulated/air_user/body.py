@@ -1,8 +1,8 @@
-"""The hand of a simulated person in the air: from where a pinch is wanted to where joints are.
+"""The hand of a simulated person in the air: computes joint positions from a wanted pinch.
 
 The palm faces down; thumb, index and middle finger reach down from it and meet, ring and little
-finger stay stretched, out of the way. Every seed is another person, with bones and with a coupling
-of the last joints of their own, as in `encoders.paalm.simulated.air`.
+finger stay stretched, out of the way. Every seed gives another person, with their own bone lengths
+and coupling of the last joints, as in `encoders.paalm.simulated.air`.
 """
 
 from __future__ import annotations
@@ -21,24 +21,24 @@ AXIS = float(np.deg2rad(52.0))
 """rad in the palm, from its x, direction from the thumb's tip to the fingers' that the resting
 thumb of `models.skeleton` faces."""
 CENTRE = (-0.038, 0.047, -0.055)
-"""m in palm coordinates, of an average hand: where the tips meet."""
+"""(3,) m in palm coordinates, point at which the tips of an average hand meet."""
 PITCH = 0.019
 """m between the tips of index and middle finger."""
 STRETCHED = {3: (8.0, -4.0, 12.0, 8.0), 4: (8.0, -12.0, 12.0, 8.0)}
-"""Degrees, of ring and little finger."""
+"""Joint angles of ring and little finger, degrees."""
 PINCHING = (0, 1, 2)
-"""Fingers that hold."""
+"""Labels of the fingers that pinch."""
 
 
 @dataclass(frozen=True)
 class Pinch:
-    """What a hand is to do.
+    """The wanted pose of a pinching hand.
 
     Attributes:
-        centre: (3,) m, in the world, the middle between thumb and fingers.
+        centre: (3,) m in the world, midpoint between thumb and fingers.
         yaw: rad, turn of the hand about the vertical.
-        gap: m between the tips' centres of thumb and fingers.
-        bent: (3, 3) m, in palm axes, by which the tips of thumb, index and middle are moved.
+        gap: m between the centres of the tips of thumb and fingers.
+        bent: (3, 3) m in palm axes, extra shifts of the tips of thumb, index and middle.
     """
 
     centre: Array
@@ -48,7 +48,7 @@ class Pinch:
 
     @property
     def vector(self) -> Array:
-        """(14,) all of it, for movements from one to another."""
+        """(14,) all values, for interpolation between two poses."""
         return np.concatenate([self.centre, [self.yaw, self.gap], self.bent.ravel()])
 
     @classmethod
@@ -58,17 +58,17 @@ class Pinch:
 
     @property
     def rotation(self) -> Array:
-        """(3, 3) world from palm."""
+        """(3, 3) rotation, world from palm."""
         c, s = np.cos(self.yaw), np.sin(self.yaw)
         return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
 
     def tips(self) -> Array:
-        """(3, 3) m, in the world, where the tips of thumb, index and middle are to be, unbent."""
+        """(3, 3) m in the world, wanted tips of thumb, index and middle, without `bent`."""
         return self.centre + pinching_tips(self.gap) @ self.rotation.T
 
 
 def pinching_tips(gap: float) -> Array:
-    """(3, 3) m about the pinch's middle, in palm axes."""
+    """(3, 3) m in palm axes, tips of thumb, index and middle from the pinch's centre."""
     axis = np.array([np.cos(AXIS), np.sin(AXIS), 0.0])
     beside = np.array([np.sin(AXIS), -np.cos(AXIS), 0.0])
     return np.array(
@@ -84,7 +84,7 @@ class Body:
     """A person's right hand.
 
     Args:
-        seed: Whose.
+        seed: Seed of the person.
     """
 
     def __init__(self, seed: int) -> None:

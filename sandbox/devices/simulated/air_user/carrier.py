@@ -1,6 +1,7 @@
-"""One of two who carry a tray through the air: raises their own end, and watches the other one.
+"""A simulated user who carries one end of a tray through the air and watches the other end.
 
-The two do not talk. Each sees on the screen how high the other end is; nobody goes far ahead.
+The two users do not communicate. Each sees on the screen how high the other end is, and stays close
+to it.
 """
 
 from __future__ import annotations
@@ -16,19 +17,19 @@ from sandbox.devices.simulated.air_user.person import AirPerson, Stage
 from tasks.user import SeenObject, Sight
 
 _AHEAD = 0.020
-"""m by which one's own end is raised above the other one."""
+"""m by which the own end is raised above the other one."""
 _UP = 0.6
-"""Of the way up: the share at which both ends are up, so that the tray may be carried along."""
+"""Share of the lift above which both ends count as up, so that the tray may be carried along."""
 _STEP, _STEP_TURN = 0.025, float(np.deg2rad(8.0))
-"""m and rad of one movement to the side, after which one looks what the other does."""
+"""m and rad, largest sideways movement before the user looks at the other end again."""
 _IN_PLACE, _STRAIGHT, _LEVEL = 0.005, float(np.deg2rad(3.0)), 0.004
-"""m from its place to the side, rad, and m in height at which an end is left in peace."""
+"""m sideways, rad and m in height: tolerances within which an end is not corrected."""
 _GONE = 0.030
 """m from the drawn fingers at which a handle is taken to have slipped."""
 _LOOK = 0.10
-"""s between two looks of one who waits."""
+"""s between two looks of a waiting user."""
 _FELT = 0.35
-"""Of a seen error, how much of it is corrected at once: two who correct at once add up."""
+"""Share of a seen error that is corrected at once; small, since both users' corrections add up."""
 
 
 class AirCarrier(AirPerson):
@@ -41,7 +42,7 @@ class AirCarrier(AirPerson):
     def _carry(self, sight: Sight, now: float) -> None:
         thing, goal = self._thing(sight), self._goal(sight)
         assert isinstance(thing.shape, Tray)
-        aim, hold = self._motion.aim, self._hold(sight)
+        aim, hold = self._movement.aim, self._hold(sight)
         if float(np.linalg.norm(hold.position - (aim.centre - self._offset))) > _GONE:
             self._open(now)
             return

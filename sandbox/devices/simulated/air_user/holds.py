@@ -1,4 +1,4 @@
-"""What of a thing a hand in the air closes on, and what is left to do with the thing."""
+"""Holds of objects for a hand in the air, and the movements that bring an object to its goal."""
 
 from __future__ import annotations
 
@@ -14,21 +14,21 @@ from tasks.task import Goal
 from tasks.user import SeenObject
 
 _STEP = float(np.deg2rad(25.0))
-"""rad of one movement with a thing that turns about a bolt."""
+"""rad, largest turn in one movement of an object that turns about a bolt."""
 _GRIP = 0.040
-"""m along the handle of a wrench of size 1, where it is held: far out, for a long lever."""
+"""m along the handle of a wrench of size 1, at which it is held: far out, for a long lever."""
 
 
 @dataclass(frozen=True)
 class Hold:
-    """A block that is pinched.
+    """The part of an object that is pinched, a block.
 
     Attributes:
-        position: (3,) m, its middle.
+        position: (3,) m, centre of the block.
         yaw: rad, direction across which fingers close on it.
-        width: m between the faces that are pinched.
+        width: m between the pinched faces.
         top: m, height of its upper side.
-        quarter: Any two opposite faces will do.
+        quarter: True if any two opposite faces can be pinched.
     """
 
     position: Array
@@ -39,23 +39,23 @@ class Hold:
 
     @property
     def half(self) -> float:
-        """m from its middle to its upper side."""
+        """m from its centre to its upper side."""
         return self.top - float(self.position[2])
 
     def half_above(self, low: float) -> float:
-        """m by which its middle is above where it was when its middle was at `low`."""
+        """m, height of its centre above `low`."""
         return float(self.position[2]) - low
 
 
-def check(thing: SceneObject) -> None:
-    """Refuses what nobody in the air knows to hold.
+def check_holdable(thing: SceneObject) -> None:
+    """Checks that the simulated user in the air can hold an object.
 
     Raises:
-        InputError: It is no box, wrench or tray.
+        InputError: The object is not a box, wrench or tray.
     """
     if not isinstance(thing, Box | Wrench | Tray):
         raise InputError(
-            "the simulated user in the air does not know such a thing",
+            "the simulated user in the air cannot hold this object",
             got=thing.name,
             expected="boxes, wrenches and trays",
             remedy="--device leap for a hand of your own",
@@ -63,11 +63,11 @@ def check(thing: SceneObject) -> None:
 
 
 def hold_of(seen: SeenObject, near: Array) -> Hold:
-    """Where to take hold of a thing.
+    """The hold of an object.
 
     Args:
-        seen: The thing.
-        near: (2,) m; of a tray, the handle nearer to it is taken.
+        seen: The object.
+        near: (2,) m; of a tray's two handles the one nearer to this point is taken.
     """
     shape, position, yaw = seen.shape, seen.position, flat_yaw(seen.rotation)
     if isinstance(shape, Box):
@@ -88,17 +88,17 @@ def hold_of(seen: SeenObject, near: Array) -> Hold:
     return Hold(place, across, shape.handle_width, top, False)
 
 
-def missing(seen: SeenObject, goal: Goal) -> tuple[Array, float]:
-    """Shift (2,) m and turn, rad, that a thing still needs."""
+def remaining_motion(seen: SeenObject, goal: Goal) -> tuple[Array, float]:
+    """Shift (2,) m and turn, rad, from an object's pose to its goal."""
     off = np.asarray(goal.position[:2]) - seen.position[:2]
     if isinstance(seen.shape, Box):
         return off, quarter_turn(goal.yaw - flat_yaw(seen.rotation))
     return off, float((goal.yaw - seen.yaw + np.pi) % (2 * np.pi) - np.pi)
 
 
-def carried(seen: SeenObject, goal: Goal, pinch: Array) -> tuple[Array, float]:
-    """Movement (2,) m and turn, rad, of a pinch (2,) that brings a held thing to its goal."""
-    off, turn = missing(seen, goal)
+def pinch_motion(seen: SeenObject, goal: Goal, pinch: Array) -> tuple[Array, float]:
+    """Shift (2,) m and turn, rad, of a pinch at (2,) m that bring the held object to its goal."""
+    off, turn = remaining_motion(seen, goal)
     pivot, shape = seen.position[:2], seen.shape
     if isinstance(shape, Wrench) and shape.bolt is not None:
         pivot, off = np.array(shape.bolt_place(pivot, seen.yaw)), np.zeros(2)
@@ -108,13 +108,13 @@ def carried(seen: SeenObject, goal: Goal, pinch: Array) -> tuple[Array, float]:
 
 
 def stays_down(shape: SceneObject) -> bool:
-    """Whether it is drawn or turned over the table rather than lifted."""
+    """True if the object is pulled or turned on the table, and not lifted."""
     return isinstance(shape, Wrench)
 
 
-def there(seen: SeenObject, goal: Goal) -> bool:
-    """Whether a thing is where it belongs, as far as one sees."""
-    off, turn = missing(seen, goal)
+def at_goal(seen: SeenObject, goal: Goal) -> bool:
+    """True if an object is at its goal, within what the user can see."""
+    off, turn = remaining_motion(seen, goal)
     if isinstance(seen.shape, Wrench):
         near = seen.shape.bolt is not None or float(np.linalg.norm(off)) < 0.006
         return near and abs(turn) < np.deg2rad(4.0)
@@ -126,5 +126,5 @@ def there(seen: SeenObject, goal: Goal) -> bool:
 
 
 def quarter_turn(angle: float) -> float:
-    """rad, the same to a cube, and smallest."""
+    """rad, smallest angle that is equal up to quarter turns."""
     return float((angle + np.pi / 4) % (np.pi / 2) - np.pi / 4)

@@ -1,8 +1,8 @@
-"""A person who brings things to their goals with a hand in the air: above, around, pinch, lift,
-carry, lower, let go, look again.
+"""A simulated person who brings objects to their goals with a hand in the air.
 
-They see what the screen shows a reaction time ago, and nothing else: where the drawn fingertips
-are, and where things are. What the drawn hand does wrong is corrected by moving the own one.
+The steps are: move above, around, pinch, lift, carry, lower, open, look again. The person sees only
+what the screen showed a reaction time ago: the drawn fingertips and the objects. They correct
+errors of the drawn hand by moving their own.
 """
 
 from __future__ import annotations
@@ -17,45 +17,46 @@ from models.arithmetic.arrays import Array
 from sandbox.devices.simulated.air_user.body import AXIS, PINCHING, STRETCHED, Body, Pinch
 from sandbox.devices.simulated.air_user.holds import (
     Hold,
-    carried,
+    at_goal,
     hold_of,
-    missing,
+    pinch_motion,
+    remaining_motion,
     stays_down,
-    there,
 )
-from sandbox.devices.simulated.air_user.motion import Motion
+from sandbox.devices.simulated.air_user.movement import HandMovement
 from tasks.simulated_user.eye import Eye
 from tasks.task import Goal
 from tasks.user import SeenObject, Sight, UserConfiguration
 
 _ASIDE = 0.025
-"""m beside the line from the drawn thumb to the fingers at which a thing has slipped out."""
+"""m beside the line from the drawn thumb to the fingers at which an object has slipped out."""
 _ROOM, _ROOM_WEIGHT = 0.018, 40.0
-"""m that a fingertip wants beside another thing, and rad of turning that each m less is worth."""
+"""m, wanted clearance of a fingertip from other objects, and rad of turning that a metre less
+costs."""
 
 
 @dataclass(frozen=True)
 class AirHabits:
-    """What a hand in the air does otherwise than one on a screen. Lengths in m.
+    """Parameters of the way a person works with a hand in the air.
 
     Attributes:
-        over: Height of the tips over things while the hand goes about.
-        opening: By which each side of the open hand is away from what it is going to hold.
-        squeeze: By which each side closes beyond its faces.
-        grip: Height of the tips over the middle of what is lifted.
-        clear: Height of the tips over the table beside what stays down: fingers that push high up
-            on a flat thing ride over it.
-        lift: Height over everything around at which things are carried.
-        good: Error of the drawn tips at which the user is content before closing.
-        placed, straight: Error of what is carried, m and rad, at which it is lowered.
-        press: By which it is lowered below its place.
-        looks: Corrections before the user goes on all the same.
-        attempts: Grasps before giving up.
-        share: Of an error that one correction takes away.
-        follows, stuck: Share of an error that is still there after a correction, and m, of both,
-            from which on a drawn hand is taken to be held up by something.
-        settle: s that the user watches what a movement has done, beyond the reaction time; they go
-            by the mean of what they saw of their fingers.
+        over: m, height of the tips above objects while the hand moves about.
+        opening: m, gap on each side between the open hand and the object to hold.
+        squeeze: m by which each side closes beyond the object's faces.
+        grip: m, height of the tips above the centre of an object to lift.
+        clear: m, height of the tips above the table for an object that stays down: fingers that
+            push a flat object high up ride over it.
+        lift: m, height above all surrounding objects at which an object is carried.
+        good: m, error of the drawn tips that the user accepts before closing.
+        placed, straight: m and rad, error of a carried object at which it is lowered.
+        press: m by which it is lowered below its goal.
+        looks: Number of corrections before the user goes on regardless.
+        attempts: Number of grasps before giving up.
+        share: Share of an error that one correction removes.
+        follows, stuck: Share of an error that remains after a correction, and m, error before and
+            after it: above both, the drawn hand is taken to be blocked by something.
+        settle: s, time for which the user watches the effect of a movement, beyond the reaction
+            time; they go by the mean position of their fingertips during it.
     """
 
     over: float = 0.035
@@ -77,7 +78,7 @@ class AirHabits:
 
 
 class Stage(Enum):
-    """What a person in the air has done last."""
+    """Last completed step of a person in the air."""
 
     LOOKING = auto()
     ABOVE = auto()
@@ -93,15 +94,15 @@ class AirPerson:
     """Brings boxes to their goals, on the table or on each other.
 
     Args:
-        configuration: Reaction, speed, tremor.
-        seed: Whose hand, and all that is chance.
-        radius: (5,) m, of the drawn fingertips, as they know them by sight.
-        habits: How they work.
-        home: (2,) m in the world as they see it, where their hand is at home; of two handles they
+        configuration: Reaction time, speed and tremor.
+        seed: Seed of the person's hand and of everything random.
+        radius: (5,) m, radii of the drawn fingertips.
+        habits: Parameters of the way of working.
+        home: (2,) m in the world as they see it, resting position of the hand; of two handles they
             take the nearer one.
 
     Attributes:
-        grasps: How often they have gone for a thing.
+        grasps: Number of grasps so far.
     """
 
     def __init__(
@@ -119,7 +120,7 @@ class AirPerson:
         self._lately: deque[Sight] = deque()
         self._home = np.array(home)
         start = Pinch(np.array([home[0], home[1] - 0.03, 0.10]), 0.0, 0.09, np.zeros((3, 3)))
-        self._motion = Motion(start, configuration, rng)
+        self._movement = HandMovement(start, configuration, rng)
         self._radius = radius
         self._stage, self._until = Stage.LOOKING, 0.6
         self._name: str | None = None
@@ -127,12 +128,12 @@ class AirPerson:
         self._kind, self._rng = configuration.kind, rng
         self._held = self._stood = self._gap = self._off = 0.0
         self._bent = start.bent
-        # By how much the own pinch is off from where the drawn one is wanted.
+        # Offset of the own pinch from the wanted position of the drawn one.
         self._offset = np.zeros(3)
 
     @property
     def carrying(self) -> bool:
-        """Whether they are on the way with something they hold."""
+        """True while an object is lifted and carried."""
         return self._stage is Stage.LIFTED
 
     def look(self, sight: Sight) -> None:
@@ -145,11 +146,13 @@ class AirPerson:
         sight = self._eye.at(now)
         if sight is not None and now >= self._until - 1e-9 and self._kind != "idle":
             self._act(self._watched(sight), now) if self._kind == "skilled" else self._anywhere(now)
-        return self.body.joints(self._motion.at(now))
+        return self.body.joints(self._movement.at(now))
 
     def _watched(self, sight: Sight) -> Sight:
-        """A sight with fingertips where they were on average while what a movement had done was
-        watched: nobody goes by single pictures of a hand that trembles."""
+        """The sight with each fingertip at its mean position over the time of `settle`.
+
+        A single picture of a trembling hand would be too noisy.
+        """
         seen = self._lately
         while seen[0].time < sight.time - self.habits.settle:
             seen.popleft()
@@ -171,16 +174,16 @@ class AirPerson:
         act[self._stage](sight, now)
 
     def _anywhere(self, now: float) -> None:
-        """What a control arm does: moves, opens and closes at random over the table."""
+        """Behaviour of the control condition: random movements, opening and closing."""
         low, high = (-0.10, -0.08, 0.01), (0.10, 0.08, 0.10)
         centre = self._rng.uniform(low, high) + np.append(self._home, 0.0)
         yaw, gap = self._rng.uniform((-0.8, 0.02), (0.8, 0.09)).tolist()
         self._go(Pinch(centre, yaw, gap, np.zeros((3, 3))), Stage.LOOKING, now)
 
-    # What is to be done next.
+    # The next step.
 
     def _choose(self, sight: Sight, now: float) -> None:
-        wrong = [g for g in sight.goals if not there(sight.objects[g.object], g)]
+        wrong = [g for g in sight.goals if not at_goal(sight.objects[g.object], g)]
         if sight.done or not wrong or self.grasps >= self.habits.attempts:
             self._until = now + 0.2
             return
@@ -189,8 +192,8 @@ class AirPerson:
         self._tries = 0
         hold = self._hold(sight)
         yaw = self._comfortable(hold, sight)
-        # The correction of the drawn fingers that was learned stays.
-        bent = self._bent = self._motion.aim.bent
+        # The learned correction of the drawn fingers is kept.
+        bent = self._bent = self._movement.aim.bent
         self._gap = hold.width + 2.0 * self.habits.opening
         over = self._highest(sight) + self.habits.over
         centre = np.array([*hold.position[:2], over]) + self._offset
@@ -202,7 +205,7 @@ class AirPerson:
         if self._correct(sight, wanted, 2.0 * self.habits.good, now):
             return
         self._tries = 0
-        aim = self._motion.aim
+        aim = self._movement.aim
         z = self._grip(hold, sight)[2] + self._offset[2]
         self._go(replace(aim, centre=np.array([*aim.centre[:2], z])), Stage.AROUND, now)
 
@@ -211,7 +214,7 @@ class AirPerson:
         wanted = self._grip(hold, sight)
         if self._correct(sight, wanted, self.habits.good, now):
             return
-        aim = self._motion.aim
+        aim = self._movement.aim
         if self._off > self.habits.stuck:
             # Something is in the way: up again, with the hand as it was.
             self._offset = np.zeros(3)
@@ -231,30 +234,30 @@ class AirPerson:
             return
         top = max(self._highest(sight, others=True), goal.position[2] - hold.half)
         self._held = top + self.habits.lift - (float(hold.position[2]) - hold.half)
-        aim = self._motion.aim
+        aim = self._movement.aim
         self._go(replace(aim, centre=aim.centre + _up(self._held)), Stage.LIFTED, now, 1.2)
 
     def _carry(self, sight: Sight, now: float) -> None:
         thing, goal, habits = self._thing(sight), self._goal(sight), self.habits
-        aim, hold = self._motion.aim, self._hold(sight)
+        aim, hold = self._movement.aim, self._hold(sight)
         pinch = aim.centre - self._offset
         if float(hold.position[2]) - self._stood < 0.5 * self._held or self._slipped(hold, sight):
             self._open(now)
             return
-        off, turn = missing(thing, goal)
+        off, turn = remaining_motion(thing, goal)
         near = float(np.linalg.norm(off)) < habits.placed and abs(turn) < habits.straight
         if near or self._tries >= habits.looks:
             self._tries, self._stage = 0, Stage.LOWERED
             self._lower(sight, now)
             return
         self._tries += 1
-        # The thing turns about the pinch, not about its own middle.
-        shift, turn = carried(thing, goal, pinch[:2])
+        # The object turns about the pinch, not about its own centre.
+        shift, turn = pinch_motion(thing, goal, pinch[:2])
         centre = aim.centre + np.append(shift, 0.0)
         self._go(replace(aim, centre=centre, yaw=aim.yaw + turn), Stage.LIFTED, now, 1.2)
 
     def _slipped(self, hold: Hold, sight: Sight) -> bool:
-        """Whether what is moved over the table is no longer between the drawn fingers."""
+        """True if an object moved on the table is no longer between the drawn fingers."""
         if self._held > 0.0:
             return False
         thumb, fingers = _pads(sight)
@@ -269,24 +272,24 @@ class AirPerson:
             self._open(now)
             return
         self._tries += 1
-        aim = self._motion.aim
+        aim = self._movement.aim
         centre = aim.centre - _up(above + self.habits.press)
         self._go(replace(aim, centre=centre), Stage.LOWERED, now, 1.2)
 
     def _open(self, now: float) -> None:
-        aim = self._motion.aim
+        aim = self._movement.aim
         self._go(replace(aim, gap=self._centres(self._gap)), Stage.OPENED, now, 1.3)
 
     def _leave(self, sight: Sight, now: float) -> None:
-        aim = self._motion.aim
+        aim = self._movement.aim
         top = max(self._highest(sight) + self.habits.over, float(aim.centre[2]))
         self._go(replace(aim, centre=np.array([*aim.centre[:2], top + 0.02])), Stage.LOOKING, now)
 
-    # How the drawn hand is brought where it is wanted.
+    # Corrections of the drawn hand.
 
     def _correct(self, sight: Sight, wanted: Array, good: float, now: float) -> bool:
-        """Begins a correction of the drawn tips; False where none is needed, or helps."""
-        aim = self._motion.aim
+        """Begins a correction of the drawn tips; False if none is needed or none would help."""
+        aim = self._movement.aim
         rotation = aim.rotation
         ideal = replace(aim, centre=wanted).tips()
         error = (ideal - np.array([sight.tips[f] for f in PINCHING])) @ rotation
@@ -309,9 +312,9 @@ class AirPerson:
 
     def _go(self, aim: Pinch, stage: Stage, now: float, slowness: float = 1.0) -> None:
         self._stage = stage
-        self._until = self._motion.go(aim, now, slowness) + self._eye.delay + self.habits.settle
+        self._until = self._movement.go(aim, now, slowness) + self._eye.delay + self.habits.settle
 
-    # What is seen.
+    # What the person sees.
 
     def _thing(self, sight: Sight) -> SeenObject:
         assert self._name is not None
@@ -321,7 +324,7 @@ class AirPerson:
         return hold_of(self._thing(sight), self._home)
 
     def _grip(self, hold: Hold, sight: Sight) -> Array:
-        """(3,) m, where the middle between the tips is wanted when they close."""
+        """(3,) m, wanted midpoint between the tips when they close."""
         x, y, z = hold.position.tolist()
         if stays_down(self._thing(sight).shape):
             return np.array([x, y, float(self._radius[list(PINCHING)].max()) + self.habits.clear])
@@ -331,17 +334,17 @@ class AirPerson:
         return next(g for g in sight.goals if g.object == self._name)
 
     def _highest(self, sight: Sight, others: bool = False) -> float:
-        """m, the top of what is around; of other things than the own one only."""
+        """m, top of the highest object; `others` leaves out the object in hand."""
         seen = [o for name, o in sight.objects.items() if not others or name != self._name]
         return max((hold_of(o, self._home).top for o in seen), default=0.0)
 
     def _centres(self, width: float) -> float:
-        """m between the tips' centres for pads that are so far apart."""
+        """m between the tips' centres for a gap between the finger pads."""
         return width + float(self._radius[0] + self._radius[1:3].mean())
 
     def _comfortable(self, hold: Hold, sight: Sight) -> float:
-        """rad, turn of a hand that closes on it; where there is room, and little to turn."""
-        _, turn = missing(self._thing(sight), self._goal(sight))
+        """rad, turn of the hand for a hold: with room for the fingers, and little to turn."""
+        _, turn = remaining_motion(self._thing(sight), self._goal(sight))
         best = (np.inf, 0.0)
         for side in range(0, 4, 1 if hold.quarter else 2):
             hand = (hold.yaw + side * np.pi / 2 - AXIS + np.pi) % (2 * np.pi) - np.pi
@@ -361,15 +364,15 @@ class AirPerson:
         return best[1]
 
     def _others(self, sight: Sight, yaw: float) -> Array:
-        """(2, 3) m from the pinch's middle to the tips that do not hold, of a hand turned so."""
+        """(2, 3) m from the pinch's centre to the tips that do not pinch, of a turned hand."""
         thumb, fingers = _pads(sight)
         pinch = (thumb + fingers) / 2.0
-        turn = replace(self._motion.aim, yaw=yaw - self._motion.aim.yaw).rotation
+        turn = replace(self._movement.aim, yaw=yaw - self._movement.aim.yaw).rotation
         return np.array([turn @ (sight.tips[f] - pinch) for f in STRETCHED])
 
 
 def _pads(sight: Sight) -> tuple[Array, Array]:
-    """(3,) m each, the drawn thumb, and the middle of the two fingers that face it."""
+    """(3,) m each, tip of the drawn thumb, and midpoint of the tips of index and middle finger."""
     return sight.tips[0], (sight.tips[1] + sight.tips[2]) / 2.0
 
 

@@ -121,5 +121,5 @@ def test_a_taken_port_and_an_address_that_is_none_are_refused():
             FakeLeapd(messages()[:3], port=server.port)
     finally:
         server.close()
-    with pytest.raises(DeviceError, match="no WebSocket address"):
+    with pytest.raises(DeviceError, match="not a WebSocket address"):
         LeapDevice("http://127.0.0.1:6437")

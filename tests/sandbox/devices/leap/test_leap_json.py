@@ -178,7 +178,7 @@ def test_handshakes_events_and_foreign_messages_are_no_frames():
     assert [decoder.feed(m) for m in said] == [None] * 5
     assert decoder.version == "2.3.1"
     assert decoder.counts["messages of another program"] == 1
-    assert decoder.counts["messages that are no JSON objects"] == 2
+    assert decoder.counts["messages that are not JSON objects"] == 2
 
 
 def test_tools_and_fingers_without_a_hand_are_counted_and_left_out():

@@ -16,7 +16,7 @@ from sandbox.cli.main import main as command
 from sandbox.cli.run import main
 from sandbox.devices.leap.leap_truth import write_take
 from sandbox.devices.leap.shared_leap import SharedLeap
-from sandbox.devices.simulated.leap_trouble import LeapTrouble, parse_simulated
+from sandbox.devices.simulated.leap_disturbance import LeapDisturbance, parse_simulated
 from sandbox.devices.simulated.leap_user import SimulatedLeap
 from sandbox.options.leap_devices import hand_input, is_leap
 from sandbox.options.scene_options import SceneOptions, plan
@@ -128,14 +128,14 @@ def test_a_recording_without_the_wanted_hand_says_which_it_has(tmp_path: Path):
 def test_a_service_that_is_not_there_is_one_line(capsys: pytest.CaptureFixture[str]):
     nobody = ["--device", "leap", "--leap", "ws://127.0.0.1:1/v6.json"]
     assert command(["run", "stack", *nobody]) == 2
-    assert "says nothing" in capsys.readouterr().err
+    assert "is silent" in capsys.readouterr().err
 
 
 def test_a_simulated_leap_is_as_noisy_and_forgetful_as_it_is_asked_to_be():
-    assert parse_simulated("") == ("v3", LeapTrouble())
-    assert parse_simulated("v1,noise=2,lose=1.5") == ("v1", LeapTrouble(2.0, 1.5))
-    assert LeapTrouble().applied(FROZEN_LEAP) is FROZEN_LEAP
-    noisy = asdict(LeapTrouble(3.0).applied(FROZEN_LEAP))
+    assert parse_simulated("") == ("v3", LeapDisturbance())
+    assert parse_simulated("v1,noise=2,lose=1.5") == ("v1", LeapDisturbance(2.0, 1.5))
+    assert LeapDisturbance().applied(FROZEN_LEAP) is FROZEN_LEAP
+    noisy = asdict(LeapDisturbance(3.0).applied(FROZEN_LEAP))
     changed = {name: value for name, value in noisy.items() if value != getattr(FROZEN_LEAP, name)}
     assert changed == {name: 3.0 * getattr(FROZEN_LEAP, name) for name in changed}
     assert set(changed) == {

@@ -171,7 +171,7 @@ def test_a_socket_that_breaks_is_reported_by_the_next_poll() -> None:
     until(lambda: not device._thread.is_alive())
     assert len(device.poll()) == 1, "what came before is not lost"
     assert device.wait(0.0), "there is something to hear from poll"
-    with pytest.raises(DeviceError, match="listening to touches has failed"):
+    with pytest.raises(DeviceError, match="listening for touches has failed"):
         device.poll()
     assert device.finished
     device.close()

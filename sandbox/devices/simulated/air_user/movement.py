@@ -1,4 +1,4 @@
-"""How a simulated hand moves through the air: minimum-jerk movements that miss a little; tremor."""
+"""Movements of a simulated hand through the air: minimum jerk, with end-point errors and tremor."""
 
 from __future__ import annotations
 
@@ -11,18 +11,18 @@ from sandbox.devices.simulated.air_user.body import Pinch
 from tasks.user import UserConfiguration
 
 _ARM = 0.10
-"""m: a turn by an angle is a movement as long as one this far from the wrist's axis."""
+"""m, radius that converts a turn of the wrist to a length of movement."""
 _PEAK = 1.875
-"""Peak by mean speed of a minimum-jerk movement."""
+"""Ratio of peak to mean speed in a minimum-jerk movement."""
 
 
-class Motion:
-    """Where a hand is meant to be, and is, at any time.
+class HandMovement:
+    """Wanted and actual pose of a hand over time.
 
     Args:
-        start: Where it begins.
-        configuration: How fast, and how exactly.
-        rng: Of what is missed.
+        start: Initial pose.
+        configuration: Speed and precision of the user.
+        rng: Random numbers of end-point errors and tremor.
     """
 
     def __init__(
@@ -36,18 +36,18 @@ class Motion:
 
     @property
     def aim(self) -> Pinch:
-        """Where the movement that goes on, or the last one, ends."""
+        """End of the current or last movement."""
         return Pinch.of(self._to.copy())
 
     def go(self, aim: Pinch, now: float, slowness: float = 1.0) -> float:
-        """Begins a movement; when it ends, s."""
+        """Begins a movement; returns the time of its end, s."""
         self._from = self._at(now)
         to = aim.vector
         way = to - self._from
         length = float(
             np.linalg.norm(way[:3]) + _ARM * abs(way[3]) + abs(way[4]) / 2 + np.abs(way[5:]).max()
         )
-        # Nobody ends quite where they meant to.
+        # A movement misses its aim by an error in proportion to its length.
         to[:3] += self._c.end_noise * np.linalg.norm(way[:3]) * self._rng.standard_normal(3) / 1.7
         to[3] += self._c.end_noise * way[3] * self._rng.standard_normal()
         time = self._c.movement_base + self._c.movement_slope * log2(max(length / 0.002, 1.0))
@@ -56,7 +56,7 @@ class Motion:
         return self._end
 
     def at(self, now: float) -> Pinch:
-        """Where the hand is, tremor and all; asked for in order of time."""
+        """Actual pose with tremor; must be called in order of time."""
         c = self._c
         step = 0.0 if self._last is None else max(now - self._last, 0.0)
         self._last = now

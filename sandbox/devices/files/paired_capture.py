@@ -1,11 +1,11 @@
-"""Touches and hand frames that were recorded together: a folder with one host clock.
+"""Paired captures: a folder of touches and hand frames that were recorded together.
 
     touches.jsonl   as `sandbox touches record` writes it, every line with "host"
-    hands.jsonl     Leap messages, one a line, every one with "host"
-    about.json      whose hand, the surface, what the devices were
+    hands.jsonl     Leap messages, one per line, each with "host"
+    about.json      the hand, the surface and the devices
 
-"host" is when the frame arrived, s on the clock of the machine that wrote both. Each file plays as
-a device by itself; one without "host" has its own clock.
+"host" is the arrival time of the frame, s on the clock of the machine that wrote both files. Each
+file can be played as a device by itself; a file without "host" has its own clock.
 """
 
 from __future__ import annotations
@@ -37,12 +37,12 @@ TOUCHES, HANDS, ABOUT = "touches.jsonl", "hands.jsonl", "about.json"
 
 
 class About(Struct):
-    """Contents of `about.json`; other fields are for people.
+    """Contents of `about.json`; the program ignores other fields.
 
     Attributes:
-        side: The hand that was recorded.
-        subject: Who it was; a pseudonym. None where it is not said.
-        simulated: Nobody real was recorded.
+        side: Side of the recorded hand.
+        subject: Pseudonym of the recorded person; None if it is not given.
+        simulated: The recording is of a simulated person.
     """
 
     side: Literal["right", "left"]
@@ -51,31 +51,35 @@ class About(Struct):
 
 
 class _Arrival(Struct):
-    """The fields of a line that tell when a frame arrived, s."""
+    """The fields of a line that are needed for the arrival time of its frame, s."""
 
     contacts: list[Any] | None = None
     host: float | None = None
 
 
 def check_new(folder: Path) -> None:
-    """Refuses a folder that holds a session, before one is made for it.
+    """Checks that a folder holds no session yet.
 
     Raises:
-        RecordingError: It does.
+        RecordingError: The folder holds a session.
     """
     if any((folder / name).exists() for name in (TOUCHES, HANDS, ABOUT)):
         raise RecordingError(
-            "there is a session already, and it is not written over", where=str(folder)
+            "this folder holds a session already, which is not overwritten", where=str(folder)
         )
 
 
-class TogetherWriter(Closeable):
-    """Writes a session as it comes; a program that dies loses at most two lines.
+class PairedCaptureWriter(Closeable):
+    """Writes a session while it is recorded; a crash loses at most two lines.
 
     Args:
-        folder: Is made; it must not hold a session already.
-        surface: Of the touch device.
-        about: What is known: `side`, `subject`, `simulated` and what else there is; JSON values.
+        folder: Folder that is made; it must not hold a session already.
+        surface: Surface of the touch device.
+        about: Contents of `about.json`: `side`, `subject`, `simulated` and others; JSON values.
+
+    Attributes:
+        touches: Number of touch frames written.
+        hands: Number of hand frames written.
 
     Raises:
         RecordingError: The folder cannot be written to, or holds a session.
@@ -93,19 +97,19 @@ class TogetherWriter(Closeable):
         self._touches.write(header_record(surface, str(about.get("touches", "touches"))))
 
     def touch(self, frame: TouchFrame, host: float) -> None:
-        """A frame of the touch device that arrived at `host`, s.
+        """Writes a frame of the touch device that arrived at `host`, s.
 
         Raises:
-            RecordingError: It cannot be written; what came before it is.
+            RecordingError: The frame cannot be written; those before it are on disk.
         """
         self._touches.write(frame_record(frame) | {"host": host})
         self.touches += 1
 
     def hand(self, frame: HandFrame, host: float) -> None:
-        """A frame of the Leap that arrived at `host`, s.
+        """Writes a frame of the Leap that arrived at `host`, s.
 
         Raises:
-            RecordingError: It cannot be written; what came before it is.
+            RecordingError: The frame cannot be written; those before it are on disk.
         """
         self._hands.write(leap_message(frame, self.hands + 1) | {"host": host})
         self.hands += 1
@@ -121,10 +125,10 @@ class HandsFile:
     """Hand frames of a file.
 
     Attributes:
-        frames: In order.
-        time: (n,) s, on the device's clock.
-        host: (n,) s, when they arrived; None where the file does not say.
-        damage: What ended the file early; empty where it is whole.
+        frames: Frames in order.
+        time: (n,) s, times on the device's clock.
+        host: (n,) s, arrival times; None if the file lacks them.
+        damage: Error that ended the file early; empty if it is undamaged.
     """
 
     frames: tuple[HandFrame, ...]
@@ -134,10 +138,10 @@ class HandsFile:
 
 
 def read_hands(path: Path) -> HandsFile:
-    """Any Leap recording, with the arrival of its frames where it has them.
+    """Reads any Leap recording, with the arrival times of its frames if it has them.
 
     Raises:
-        RecordingError: It cannot be read, or holds no usable frame.
+        RecordingError: The file cannot be read, or holds no usable frame.
     """
     recording = read_leap(path)
     decoder = LeapDecoder(path.name)
@@ -157,7 +161,7 @@ def read_hands(path: Path) -> HandsFile:
 
 
 def arrivals(path: Path, count: int) -> Array | None:
-    """(count,) s, when the frames of a file of touches arrived; None where it does not say."""
+    """(count,) s, arrival times of the frames in a file of touches; None if it lacks them."""
     host: list[float] = []
     with suppress(RecordingError):
         for number, line in numbered_lines(path, LONGEST_LINE):
@@ -169,7 +173,7 @@ def arrivals(path: Path, count: int) -> Array | None:
 
 
 def first_line_with_host(path: Path) -> float | None:
-    """s, when the first frame of a file arrived; None where it does not say, or is no file."""
+    """s, arrival time of the first frame in a file; None if the file is missing or lacks it."""
     if not path.is_file():
         return None
     with suppress(RecordingError):
@@ -181,15 +185,15 @@ def first_line_with_host(path: Path) -> float | None:
 
 
 def read_about(folder: Path) -> About:
-    """What is known of a session.
+    """Reads the description of a session.
 
     Raises:
-        RecordingError: The folder holds none, or it is damaged.
+        RecordingError: The folder holds no session, or its description is damaged.
     """
     path = folder / ABOUT
     if not path.exists():
         raise RecordingError(
-            "this is no folder of `sandbox capture record`",
+            "this is not a folder of `sandbox capture record`",
             where=str(folder),
             expected=f"{TOUCHES}, {HANDS} and {ABOUT}",
         )

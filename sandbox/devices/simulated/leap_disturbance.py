@@ -1,4 +1,4 @@
-"""What may go wrong over a simulated Leap beyond what its frozen configuration does."""
+"""Disturbances of a simulated Leap beyond those of its frozen configuration."""
 
 from __future__ import annotations
 
@@ -20,16 +20,16 @@ _NOISY = (
     "lost_rate",
 )
 MOST_NOISE, LONGEST = 20.0, 10.0
-"""Times the frozen noise, and s, beyond which nobody could do anything."""
+"""Largest multiple of the frozen noise, and longest loss in s."""
 
 
 @dataclass(frozen=True)
-class LeapTrouble:
-    """Added to a simulated device.
+class LeapDisturbance:
+    """Disturbances that are added to a simulated device.
 
     Attributes:
-        noise: Times as much noise in places, lengths and directions, and as many lost fingers.
-        lose: s for which the whole hand leaves the device's view, once, while it carries something;
+        noise: Factor on the noise of positions, lengths and directions, and on lost fingers.
+        lose: s for which the whole hand leaves the device's view, once, while it carries an object;
             0 never.
     """
 
@@ -41,27 +41,30 @@ class LeapTrouble:
             value = getattr(self, name)
             if not (isfinite(value) and 0.0 <= value <= most):
                 raise InputError(
-                    "a simulated Leap cannot be like that",
+                    "a disturbance of the simulated Leap is out of range",
                     where=name,
                     got=value,
                     expected=f"0 to {most:g}",
                 )
 
     def applied(self, to: LeapConfiguration) -> LeapConfiguration:
-        """The configuration with its noise."""
+        """The configuration with the factor on its noise."""
         if self.noise == 1.0:
             return to
         return replace(to, **{name: self.noise * getattr(to, name) for name in _NOISY})
 
 
-def parse_simulated(text: str) -> tuple[str, LeapTrouble]:
-    """Dialect and trouble of the text after `leap-simulated:`, such as `v1,noise=2,lose=1`.
+def parse_simulated(text: str) -> tuple[str, LeapDisturbance]:
+    """Reads the text after `leap-simulated:`, such as `v1,noise=2,lose=1`.
+
+    Returns:
+        Dialect and disturbance.
 
     Raises:
-        InputError: There is no such dialect, or no such trouble.
+        InputError: The dialect or a disturbance is unknown.
     """
     dialect, values = DIALECTS[0], {}
-    known = [f.name for f in fields(LeapTrouble)]
+    known = [f.name for f in fields(LeapDisturbance)]
     for part in filter(None, text.split(",")):
         name, equals, value = part.partition("=")
         try:
@@ -78,4 +81,4 @@ def parse_simulated(text: str) -> tuple[str, LeapTrouble]:
                 got=f"leap-simulated:{text}",
                 expected=f"leap-simulated:{{{','.join(DIALECTS)}}}, with noise=TIMES or lose=S",
             ) from None
-    return dialect, LeapTrouble(**values)
+    return dialect, LeapDisturbance(**values)

@@ -1,4 +1,4 @@
-"""A device whose touches are worse than they were: noisy, lost, invented, or late."""
+"""A degraded device: its touches are noisy, lost, invented or late."""
 
 from __future__ import annotations
 
@@ -18,28 +18,28 @@ from sandbox.session.messages import Snapshot
 from tasks.variation import Variation
 
 GHOST_LENGTH = 0.1
-"""s for which a ghost touch stays, as long as a lost one is away."""
+"""s, duration of a ghost touch, equal to that of a drop-out."""
 FIRST_GHOST = 2_000_000_000
-"""Ids from here on are given to ghost touches."""
+"""First id of ghost touches."""
 
 _SLACK = 1e-9
-"""s; times are sums of control periods."""
+"""s, tolerance, since times are sums of control periods."""
 
 
 class Noise:
     """White noise on the coordinates of touches.
 
     Args:
-        deviation: m, of either coordinate.
-        seed: Of the noise.
+        deviation: m, standard deviation of either coordinate.
+        seed: Seed of the noise.
     """
 
     def __init__(self, deviation: float, seed: int) -> None:
         self._deviation = deviation
         self._rng = np.random.default_rng([seed, 7_006])
 
-    def spoil(self, frame: TouchFrame) -> TouchFrame:
-        """The frame with every contact a little beside its place."""
+    def degrade(self, frame: TouchFrame) -> TouchFrame:
+        """The frame with noise on every contact."""
         shifts = self._deviation * self._rng.standard_normal((len(frame.contacts), 2))
         contacts = tuple(
             replace(c, x=c.x + float(dx), y=c.y + float(dy))
@@ -49,12 +49,12 @@ class Noise:
 
 
 class Ghosts:
-    """Touches that nobody makes, anywhere on the surface.
+    """Ghost touches, which no finger makes, anywhere on the surface.
 
     Args:
-        rate: How many appear in a second.
-        size: (2,) m, of the surface.
-        seed: Of when and where.
+        rate: 1/s, mean number of new ghost touches.
+        size: (2,) m, size of the surface.
+        seed: Seed of their times and positions.
     """
 
     def __init__(self, rate: float, size: Array, seed: int) -> None:
@@ -64,14 +64,14 @@ class Ghosts:
         self._next = FIRST_GHOST
         self._time = 0.0
 
-    def spoil(self, frame: TouchFrame) -> TouchFrame:
+    def degrade(self, frame: TouchFrame) -> TouchFrame:
         """The frame with ghosts among its contacts, after the real ones."""
         dt, self._time = frame.time - self._time, frame.time
         for _ in range(self._rng.poisson(self._rate * max(dt, 0.0))):
             x, y = (self._rng.uniform(0.0, 1.0, 2) * self._size).tolist()
             self._alive[self._next] = Contact(self._next, x, y), frame.time + GHOST_LENGTH
             self._next += 1
-        # A device that has such ids itself keeps them.
+        # If the device itself uses such an id, its touch replaces the ghost.
         taken = {c.id for c in frame.contacts} | frame.cancelled
         self._alive = {
             i: (contact, until)
@@ -82,14 +82,14 @@ class Ghosts:
         return replace(frame, contacts=frame.contacts + ghosts)
 
 
-class SpoiledDevice(DeviceWrapper):
-    """Any device, with what a variation says done to its touches. Frames get session time.
+class DegradedDevice(DeviceWrapper):
+    """Wrapper that degrades a device's touches by a variation; frames get session time.
 
     Args:
-        device: To be spoiled.
-        variation: How.
-        surface: For where ghosts are.
-        seed: Of all chance in it.
+        device: The device to degrade.
+        variation: Noise, drop-outs, ghost touches and latency.
+        surface: Surface on which ghost touches appear.
+        seed: Seed of everything random.
     """
 
     def __init__(self, device: Device, variation: Variation, surface: Surface, seed: int) -> None:
@@ -103,8 +103,8 @@ class SpoiledDevice(DeviceWrapper):
     def poll(self, now: float) -> Sequence[TouchFrame]:
         """Frames that have arrived by now."""
         for frame in self.device.poll(now):
-            frame = self._noise.spoil(replace(frame, time=now))
-            frame = self._ghosts.spoil(self._drop_outs.spoil(frame))
+            frame = self._noise.degrade(replace(frame, time=now))
+            frame = self._ghosts.degrade(self._drop_outs.degrade(frame))
             self._on_the_way.append((now + self._latency, frame))
         arrived = []
         while self._on_the_way and self._on_the_way[0][0] <= now + _SLACK:
@@ -112,7 +112,7 @@ class SpoiledDevice(DeviceWrapper):
         return arrived
 
     def show(self, snapshot: Snapshot) -> None:
-        """Shows a device that looks what there is to see, with its own ids for its touches."""
+        """Passes the snapshot to a device that needs it, with its own ids of its touches."""
         if not self.device.looks:
             return
         hands = tuple(
@@ -130,5 +130,5 @@ class SpoiledDevice(DeviceWrapper):
 
     @property
     def finished(self) -> bool:
-        """Whether no further frame can come, and none is on its way."""
+        """True when no further frame can arrive, and none is delayed."""
         return self.device.finished and not self._on_the_way
