@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from sandbox.session.closeable import Closeable
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
-from sandbox.views.overlay import Words
+from sandbox.views.overlay import OverlayTexts
 from sandbox.views.renderer import Renderer
 
 PICTURE_RATE = 15.0
@@ -29,7 +29,7 @@ class PictureView(Closeable):
     """
 
     def __init__(self, session: Session, size: tuple[int, int], caption: str) -> None:
-        words = Words(caption)
+        words = OverlayTexts(caption)
         self._renderer = Renderer(session.scene, session.whole_surface, size, words)
         self._pictures: list[NDArray[np.uint8]] = []
         self._size = size

@@ -1,1 +1,1 @@
-"""Serves a session to web pages: poses down, touches up, one socket each."""
+"""Server of a session's web pages: sends poses to them and receives their touches."""

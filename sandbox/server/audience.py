@@ -1,4 +1,4 @@
-"""The connected pages of a session, viewers and the player: seats, messages and frames.
+"""The connected pages of a session, a player and spectators: roles, messages and frames.
 
 Everything runs in the server's thread unless stated otherwise.
 """
@@ -15,27 +15,27 @@ from collections.abc import Sequence
 from websockets.exceptions import ConnectionClosed
 
 from models.errors import InputError
-from sandbox.server.connections.attentive import Attentive
 from sandbox.server.connections.client import Client
 from sandbox.server.connections.counters import Counters
+from sandbox.server.connections.page_connection import PageConnection
 from sandbox.server.protocol.protocol import (
     CREDIT,
     PROTOCOL,
-    Answer,
-    Ask,
     Beat,
     Drawn,
     Echo,
     Got,
     Hello,
+    ItemAnswer,
     Leave,
+    PageScreen,
+    PageTouches,
+    PlayerRequest,
     Resized,
-    Scene,
-    Screen,
+    SceneMessage,
     Sheet,
     StudyView,
     TaskName,
-    Touches,
     Up,
     Welcome,
     encode,
@@ -45,32 +45,32 @@ from sandbox.session.latency import LatencyLog
 
 MOST_CLIENTS = 8
 SILENCE = 1.0
-"""s without a message after which a page's fingers count as lifted; a page with a finger down sends
+"""s without a message after which a page's touches are cancelled; a page with a finger down sends
 ten messages a second."""
 GREETING = 5.0
 """s within which a page has to send its hello message."""
 
 WRONG_VERSION, TOO_MANY, REPLACED, NONSENSE = 4001, 4002, 4003, 4004
-"""Close codes that the page has words for."""
+"""Close codes, which the page explains to the person."""
 
 
 class Audience:
-    """Pages that are connected.
+    """The connected pages of a session.
 
     Args:
-        tasks: What the page offers.
+        tasks: Tasks that the page offers.
         version: Version of the program.
         counters: Counters of refusals.
         latency: Log of the latency of touches.
-        study: Study that the page belongs to; None outside of a study.
+        study: Study that the page belongs to; None outside a study.
         touch: True if the player's fingers are used.
 
     Attributes:
-        joined: Set once a player has come.
+        joined: Event that is set once a player has connected.
         seated: Number of times that another page became the player's.
         asked: Queue of the player's requests; read by another thread.
         filled: Queue of the player's inputs to a study's sheets; read by another thread.
-        screen: The player's screen; None before one came.
+        screen: Size of the player's screen; None before a player connected.
     """
 
     def __init__(
@@ -87,7 +87,7 @@ class Audience:
         self._counters, self._latency = counters, latency
         self._clients: list[Client] = []
         self._last_player = ""
-        self._scene: Scene | None = None
+        self._scene: SceneMessage | None = None
         self._device: WebDevice | None = None
         self._frame: bytearray | None = None
         self._skins: Sequence[bytes] = ()
@@ -96,17 +96,23 @@ class Audience:
         self._trouble: bytes | None = None
         self._heard = float("-inf")
         self.joined = threading.Event()
-        self.asked: queue.SimpleQueue[Ask] = queue.SimpleQueue()
-        self.filled: queue.SimpleQueue[Answer | Leave] = queue.SimpleQueue()
-        self.screen: Screen | None = None
+        self.asked: queue.SimpleQueue[PlayerRequest] = queue.SimpleQueue()
+        self.filled: queue.SimpleQueue[ItemAnswer | Leave] = queue.SimpleQueue()
+        self.screen: PageScreen | None = None
 
     def __len__(self) -> int:
         return len(self._clients)
 
     def open_scene(
-        self, scene: Scene, device: WebDevice | None, skins: Sequence[bytes] = ()
+        self, scene: SceneMessage, device: WebDevice | None, skins: Sequence[bytes] = ()
     ) -> None:
-        """A new trial begins."""
+        """Begins a new trial: sends its scene to all pages.
+
+        Args:
+            scene: Message of the scene.
+            device: Device for the player's touches; None if they are not used.
+            skins: Skins of the hands.
+        """
         self._scene, self._device, self._frame, self._skins = scene, device, None, skins
         self._trouble = None
         for client in self._clients:
@@ -115,8 +121,8 @@ class Audience:
                 client.say(encode(scene))
                 client.dress(skins)
 
-    def trouble(self, text: bytes) -> None:
-        """Tells all pages, and those that connect later, why no scene is shown."""
+    def show_problem(self, text: bytes) -> None:
+        """Sends a problem that prevents a scene to all pages, and to those that connect later."""
         self._trouble, self._frame = text, None
         for client in self._clients:
             if client.hello:
@@ -124,12 +130,12 @@ class Audience:
 
     @property
     def silence(self) -> float:
-        """s since a player was last heard; infinite before there was one. From any thread."""
+        """s since the last message of a player; infinite before the first. From any thread."""
         heard = [c.heard for c in tuple(self._clients) if c.player]
         return time.monotonic() - max(heard, default=self._heard)
 
-    def lay(self, sheet: Sheet, tell: bool) -> None:
-        """Stores the sheet that the player sees, for a page that reconnects; sends nothing."""
+    def show_sheet(self, sheet: Sheet, tell: bool) -> None:
+        """Stores the sheet for a page that reconnects, and sends it to the player if `tell`."""
         self._sheet = sheet
         if tell:
             self.say_to_player(encode(sheet))
@@ -147,8 +153,8 @@ class Audience:
             if client.hello:
                 client.offer(frame)
 
-    async def handle(self, connection: Attentive) -> None:
-        """A page from its first word to its last."""
+    async def handle(self, connection: PageConnection) -> None:
+        """Handles the connection of a page from its first message to its end."""
         client = Client(connection, self._counters, time.monotonic)
         if len(self._clients) >= MOST_CLIENTS:
             self._counters.add("too many clients")
@@ -161,11 +167,11 @@ class Audience:
                 first = client.read(await connection.recv())
             if not isinstance(first, Hello):
                 self._counters.add("no hello")
-                await connection.close(NONSENSE, "a page says hello first")
+                await connection.close(NONSENSE, "a page must send hello first")
                 return
             if first.protocol != PROTOCOL:
                 self._counters.add("wrong version")
-                await connection.close(WRONG_VERSION, f"this server speaks version {PROTOCOL}")
+                await connection.close(WRONG_VERSION, f"this server uses version {PROTOCOL}")
                 return
             await self._greet(client, first)
             connection.hear = functools.partial(self._hear, client)
@@ -196,11 +202,11 @@ class Audience:
         client.hello, client.screen = hello, hello.screen
         same = hello.role == "player" and hello.client == self._last_player
         for other in [c for c in self._clients if c.player and same and c is not client]:
-            # The same page again, before its old socket was noticed to be dead.
+            # The same page has reconnected before the loss of its old socket was noticed.
             self._leave(other)
             await other.connection.close(REPLACED, "the page is open elsewhere")
         if hello.role == "player" and (player := self._player()) and self._trouble:
-            # Whoever has no room to play gives the seat to who may have some.
+            # The player's screen is too small; the new page may have enough room.
             player.player = False
             self._welcome(player)
         if hello.role == "player" and self._player() is None:
@@ -248,7 +254,7 @@ class Audience:
         self._heard = client.heard
         if self._device:
             self._device.cancel_all()
-        # Somebody who wanted to play, and found the seat taken, gets it now.
+        # The next page that asked to be the player becomes it now.
         for other in self._clients:
             if other is not client and other.hello and other.hello.role == "player":
                 self._seat(other)
@@ -256,7 +262,7 @@ class Audience:
                 return
 
     def _take(self, client: Client, up: Up) -> None:
-        """Carries out a message."""
+        """Acts on a valid message."""
         match up:
             case Got():
                 after = client.got(up.frame)
@@ -270,14 +276,14 @@ class Audience:
                 client.screen = up.screen
                 if client.player:
                     self.screen = up.screen
-            case Touches() if client.player and client.screen:
+            case PageTouches() if client.player and client.screen:
                 if self._device:
                     self._device.push(up, client.screen)
             case Drawn() if client.player:
                 self._latency.add("drawn", up.after_ms)
-            case Ask() if client.player and not self._study:
+            case PlayerRequest() if client.player and not self._study:
                 self.asked.put(up)
-            case Answer() | Leave() if client.player and self._study:
+            case ItemAnswer() | Leave() if client.player and self._study:
                 self.filled.put(up)
             case Hello():
                 self._counters.add("second hello")
@@ -285,7 +291,7 @@ class Audience:
                 self._counters.add("not the player")
 
     async def watch(self) -> None:
-        """Takes away the fingers of a page that has fallen silent."""
+        """Cancels the touches of a silent page; runs until it is cancelled."""
         while True:
             await asyncio.sleep(0.1)
             device = self._device

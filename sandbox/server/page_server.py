@@ -1,4 +1,4 @@
-"""The server of the page: one thread with its own event loop, which no session ever waits for."""
+"""The server of the page: one thread with its own event loop; no session waits for it."""
 
 from __future__ import annotations
 
@@ -23,19 +23,19 @@ from models.errors import DeviceError, InputError
 from models.scene import Scene as SimulatedScene
 from sandbox.server.audience import GREETING, MOST_CLIENTS, Audience
 from sandbox.server.connections.access import Access
-from sandbox.server.connections.connection_limits import ConnectionLimits, watched
+from sandbox.server.connections.connection_limits import ConnectionLimits, limited_connection
 from sandbox.server.connections.counters import Counters
-from sandbox.server.protocol.contact_forces import HandSense
-from sandbox.server.protocol.describe import BodyPoses, state_of
+from sandbox.server.protocol.contact_forces import HandFeedback
+from sandbox.server.protocol.describe import BodyKinematics, state_of
 from sandbox.server.protocol.frames import pack
 from sandbox.server.protocol.protocol import (
     LARGEST_MESSAGE,
-    Answer,
-    Ask,
+    ItemAnswer,
     Leave,
+    PageScreen,
+    PlayerRequest,
     Refusal,
-    Scene,
-    Screen,
+    SceneMessage,
     Sheet,
     StudyView,
     TaskName,
@@ -54,9 +54,9 @@ _T = TypeVar("_T")
 class _Shown:
     """The scene that is served now."""
 
-    message: Scene
+    message: SceneMessage
     device: WebDevice | None
-    poses: BodyPoses
+    poses: BodyKinematics
     skins: Sequence[bytes] = ()
     own: int | None = None
 
@@ -65,16 +65,16 @@ class PageServer:
     """Serves the page, sends it a session's frames, and passes its touches to a device.
 
     Args:
-        host: IP address to bind; 127.0.0.1 is reached from this machine only.
-        port: 0 lets the system choose.
-        tasks: What the page offers.
+        host: IP address to bind; 127.0.0.1 can be reached from this machine only.
+        port: TCP port; 0 lets the system choose.
+        tasks: Tasks that the page offers.
         version: Version of the program.
         tls: Certificate and key for https.
         files: Files of the page.
         token: Token of an earlier server, so that its pages can reconnect; empty creates a new one.
-        study: Study that the page belongs to, without menus; None outside of a study.
-        touch: True if the player's fingers are used; False if another device plays and pages only
-            look on.
+        study: Study that the page belongs to, without menus; None outside a study.
+        touch: True if the player's fingers are used; False if another device plays and all pages
+            are spectators.
 
     Raises:
         DeviceError: The address or port is not available.
@@ -104,7 +104,7 @@ class PageServer:
         self._audience = Audience(tasks, version, self.counters, self.latency, study, touch)
         self._shown: _Shown | None = None
         self._scenes = 0
-        self._moment: tuple[_Shown, int, Snapshot, bool, Sequence[HandSense]] | None = None
+        self._moment: tuple[_Shown, int, Snapshot, bool, Sequence[HandFeedback]] | None = None
         self._scheduled = False
         self._ready: queue.Queue[Access | OSError] = queue.Queue()
         self._loop = asyncio.new_event_loop()
@@ -132,7 +132,7 @@ class PageServer:
         return self.access.url
 
     @property
-    def screen(self) -> Screen | None:
+    def screen(self) -> PageScreen | None:
         """The player's screen; None before one came."""
         return self._audience.screen
 
@@ -155,25 +155,25 @@ class PageServer:
         """s since a player was last heard; infinite before there was one."""
         return self._audience.silence
 
-    def asked(self) -> list[Ask]:
+    def asked(self) -> list[PlayerRequest]:
         """The player's requests since the last call."""
         return _all_of(self._audience.asked)
 
-    def filled(self) -> list[Answer | Leave]:
+    def filled(self) -> list[ItemAnswer | Leave]:
         """The player's inputs to a study's sheets since the last call, unchecked."""
         return _all_of(self._audience.filled)
 
-    def lay(self, sheet: Sheet, tell: bool = True) -> None:
+    def show_sheet(self, sheet: Sheet, tell: bool = True) -> None:
         """Shows the player a sheet, also after a reconnection.
 
         Args:
             sheet: Sheet of a study.
             tell: False if the player's page shows it already.
         """
-        self._loop.call_soon_threadsafe(self._audience.lay, sheet, tell)
+        self._loop.call_soon_threadsafe(self._audience.show_sheet, sheet, tell)
 
     def refuse(self, refusal: Refusal) -> None:
-        """Tells the player that an answer is none."""
+        """Sends the player the refusal of an answer."""
         self._loop.call_soon_threadsafe(self._audience.say_to_player, encode(refusal))
 
     def next_scene(self) -> int:
@@ -182,7 +182,7 @@ class PageServer:
 
     def show_scene(
         self,
-        message: Scene,
+        message: SceneMessage,
         scene: SimulatedScene,
         device: WebDevice | None = None,
         skins: Sequence[bytes] = (),
@@ -193,36 +193,44 @@ class PageServer:
         Args:
             message: Message to the page.
             scene: The compiled scene, which is only read.
-            device: Device for the player's touches; None for a page that only looks on.
+            device: Device for the player's touches; None for a page without touches.
             skins: Skins of its hands, from `sandbox.server.protocol.skins`; without them, the page
                 shows bones.
-            own: Index of the hand that touches this page, where others touch elsewhere.
+            own: Index of the hand that touches this page, if others touch elsewhere; else None.
         """
         self._scenes = message.scene
-        shown = _Shown(message, device, BodyPoses(scene), skins, own)
+        shown = _Shown(message, device, BodyKinematics(scene), skins, own)
         self._loop.call_soon_threadsafe(self._open_scene, shown)
 
-    def tell(self, text: str) -> None:
-        """Tells all pages why no scene is shown, until there is one. Meanwhile the next page that
-        connects may become the player's."""
-        self._loop.call_soon_threadsafe(self._audience.trouble, encode(Trouble(text)))
+    def show_problem(self, text: str) -> None:
+        """Shows on all pages why there is no scene, until there is one.
+
+        Meanwhile the next page that connects may become the player's.
+        """
+        self._loop.call_soon_threadsafe(self._audience.show_problem, encode(Trouble(text)))
 
     def publish(
-        self, snapshot: Snapshot, paused: bool = False, senses: Sequence[HandSense] = ()
+        self, snapshot: Snapshot, paused: bool = False, feedback: Sequence[HandFeedback] = ()
     ) -> None:
-        """The newest moment of the session; called from its thread, and never waits."""
+        """Publishes the newest snapshot; called from the session's thread, and never waits.
+
+        Args:
+            snapshot: The snapshot.
+            paused: True while the trial is paused.
+            feedback: Contact forces and label probability of every hand; empty without a page.
+        """
         shown = self._shown
         if shown is None:
             return
         touch = shown.device.applied if shown.device else 0
-        self._moment = (shown, touch, snapshot, paused, senses)
+        self._moment = (shown, touch, snapshot, paused, feedback)
         if not self._scheduled:
             self._scheduled = True
-            with contextlib.suppress(RuntimeError):  # the loop is closed: nobody looks any more
+            with contextlib.suppress(RuntimeError):  # the loop is closed
                 self._loop.call_soon_threadsafe(self._spread)
 
     def close(self) -> None:
-        """Says goodbye to all pages and ends the thread; may be called twice."""
+        """Closes all connections and ends the thread; may be called twice."""
         if self._thread.is_alive():
             with contextlib.suppress(RuntimeError):
                 self._loop.call_soon_threadsafe(self._closing.set)
@@ -254,7 +262,7 @@ class PageServer:
                 close_timeout=1,
                 server_header=None,
                 logger=_silent_logger(),
-                create_connection=watched(self._limits),
+                create_connection=limited_connection(self._limits),
             )
         except OSError as error:
             self._ready.put(error)
@@ -272,7 +280,7 @@ class PageServer:
             await asyncio.wait_for(server.wait_closed(), 3.0)
 
     def _process(self, connection: ServerConnection, request: Request) -> Response | None:
-        """Decides on every request before anything else is done for it."""
+        """Accepts or refuses a request, and answers those for files."""
         wants_socket = request.headers.get("Upgrade", "").lower() == "websocket"
         hosts, origins = request.headers.get_all("Host"), request.headers.get_all("Origin")
         reason = self.access.refusal(
@@ -285,7 +293,7 @@ class PageServer:
             self.counters.add(f"wrong {reason}")
             return plain(HTTPStatus.FORBIDDEN, "This link is not valid. Scan the code again.")
         full = wants_socket and len(self._audience) >= 2 * MOST_CLIENTS
-        if full or not self._limits.let_in(connection):
+        if full or not self._limits.authenticate(connection):
             self.counters.add("too many clients")
             return plain(HTTPStatus.SERVICE_UNAVAILABLE, "Too many pages are open.")
         if wants_socket:
@@ -298,17 +306,17 @@ class PageServer:
         self._audience.open_scene(shown.message, shown.device, shown.skins)
 
     def _spread(self) -> None:
-        """Encodes the newest moment as a frame, and offers it to all pages."""
+        """Encodes the newest snapshot as a frame, and offers it to all pages."""
         self._scheduled = False
         if self._moment is None or self._moment[0] is not self._shown or not len(self._audience):
             return
-        shown, touch, snapshot, paused, felt = self._moment
-        poses, state = shown.poses(snapshot.qpos), state_of(snapshot, paused, felt, shown.own)
+        shown, touch, snapshot, paused, feedback = self._moment
+        poses, state = shown.poses(snapshot.qpos), state_of(snapshot, paused, feedback, shown.own)
         self._audience.show(pack(shown.message.scene, touch, snapshot.time, poses, state))
 
 
 def _all_of(waiting: queue.SimpleQueue[_T]) -> list[_T]:
-    """All items that are in a queue now."""
+    """Takes all items that are in a queue now."""
     items = []
     with contextlib.suppress(queue.Empty):
         while True:
@@ -324,7 +332,7 @@ def _silent_logger() -> logging.Logger:
 
 
 def tls_context(certificate: str, key: str) -> ssl.SSLContext:
-    """For https.
+    """The TLS context for https.
 
     Raises:
         InputError: The files are not a certificate and its key.

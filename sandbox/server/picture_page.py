@@ -53,7 +53,7 @@ class PicturePage(Closeable):
         self.url = f"http://{_HOSTS[0]}:{self._server.server_address[1]}/"
 
     def show(self, picture: Image.Image) -> None:
-        """The picture from now on."""
+        """Replaces the served picture."""
         data = io.BytesIO()
         picture.save(data, "JPEG", quality=_QUALITY)
         with self._news:
@@ -61,7 +61,7 @@ class PicturePage(Closeable):
             self._news.notify_all()
 
     def next(self, seen: int) -> tuple[int, bytes] | None:
-        """The newest picture after one that was seen, with its number; None when all is over."""
+        """Waits for a picture newer than number `seen`; its number and JPEG, or None at the end."""
         with self._news:
             self._news.wait_for(lambda: self._over or self._number > seen)
             return None if self._over else (self._number, self._jpeg)
@@ -89,7 +89,7 @@ def _handler(page: PicturePage, title: str) -> Callable[..., BaseHTTPRequestHand
                 self.send_error(404)
 
         def log_message(self, format: str, *args: object) -> None:
-            pass  # stderr belongs to the person
+            pass  # requests are not logged to stderr
 
         def _answer(self, kind: str, body: bytes) -> None:
             self.send_response(200)
@@ -113,6 +113,6 @@ def _handler(page: PicturePage, title: str) -> Callable[..., BaseHTTPRequestHand
                     head += f"Content-Length: {len(jpeg)}\r\n\r\n"
                     self.wfile.write(head.encode() + jpeg + b"\r\n")
             except OSError:
-                return  # the browser left
+                return  # the browser closed the connection
 
     return Handler

@@ -28,10 +28,10 @@ _TYPES = {
 
 
 class StaticFiles:
-    """Files by path; nothing outside of the folder can be asked for, since nothing else is held.
+    """Files of a folder, read into memory; nothing outside the folder can be requested.
 
     Args:
-        folder: With an index.html in it.
+        folder: Folder with an index.html.
 
     Raises:
         HandSandboxError: The folder has no page.
@@ -48,7 +48,7 @@ class StaticFiles:
             raise HandSandboxError(
                 "the page is missing",
                 where=str(folder),
-                remedy="Install Hand Sandbox anew, or build the page: see docs/write-a-device.md",
+                remedy="Reinstall Hand Sandbox, or build the page: see docs/page.md",
             )
 
     def response(self, path: str, websocket_origin: str, token: str = "") -> Response:
@@ -56,13 +56,14 @@ class StaticFiles:
 
         Args:
             path: Path without query.
-            websocket_origin: Such as ws://127.0.0.1:8000; some browsers do not treat it as 'self'.
+            websocket_origin: Origin of WebSockets, such as ws://127.0.0.1:8000, which some browsers
+                do not treat as 'self'.
             token: Token that is written into the links of index.html, since all requests need it.
         """
         name = "/index.html" if path == "/" else path
         body = self._files.get(name)
         if body is None:
-            return plain(HTTPStatus.NOT_FOUND, "There is nothing here.")
+            return plain(HTTPStatus.NOT_FOUND, "Page not found.")
         if name == "/index.html":
             body = body.replace(TOKEN_PLACE, quote(token).encode())
         headers = {
@@ -76,7 +77,7 @@ class StaticFiles:
 
 
 def plain(status: HTTPStatus, text: str) -> Response:
-    """A short answer in words."""
+    """A short plain-text response."""
     return _response(status, {"Content-Type": "text/plain; charset=utf-8"}, text.encode() + b"\n")
 
 

@@ -1,4 +1,4 @@
-"""The web page as a touch device: its pixels become metres here, and nowhere else."""
+"""The web page as a touch device; converts the page's pixels to metres."""
 
 from __future__ import annotations
 
@@ -9,12 +9,13 @@ from collections.abc import Sequence
 
 from models.frames import Contact, TouchFrame
 from models.surface import METRES_PER_INCH, Surface
-from sandbox.server.protocol.protocol import Screen, Touches
+from sandbox.server.protocol.protocol import PageScreen, PageTouches
 from sandbox.session.device import Device
 from sandbox.session.latency import LatencyLog
 
 QUEUE_FRAMES = 1024
-"""Messages that wait for the session: 8 s at 120 Hz. Of more, the oldest go."""
+"""Largest number of frames that wait for the session, 8 s at 120 Hz; beyond it the oldest are
+dropped."""
 
 
 class WebDevice(Device):
@@ -22,8 +23,8 @@ class WebDevice(Device):
 
     The server's thread adds touches, and the session's thread removes them.
 
-    A touch outside of the touch rectangle is ignored; a finger that is dragged out stays at the
-    border, as on a tablet that ends there.
+    A touch outside the touch rectangle is ignored; a finger that is dragged out stays at the
+    border, as at the edge of a tablet.
 
     Args:
         surface: The touch rectangle.
@@ -31,7 +32,7 @@ class WebDevice(Device):
 
     Attributes:
         latency: The log as given; a server replaces it with its own.
-        news: Event that is set when a message has come in; a session may wait for it.
+        news: Event that is set when a message has arrived.
         applied: Sequence number of the newest message that the session has processed.
     """
 
@@ -54,7 +55,7 @@ class WebDevice(Device):
 
     @property
     def finished(self) -> bool:
-        """Never, before it is closed: the person may come back."""
+        """True once closed; a person whose page has disconnected may come back."""
         return self._closed
 
     @property
@@ -63,8 +64,8 @@ class WebDevice(Device):
         with self._lock:
             return bool(self._present)
 
-    def push(self, touches: Touches, screen: Screen) -> None:
-        """Takes in a message of the page; called from the server's thread."""
+    def push(self, touches: PageTouches, screen: PageScreen) -> None:
+        """Adds the touches of a message; called from the server's thread."""
         metres = METRES_PER_INCH / screen.px_per_in
         with self._lock:
             contacts, ids = [], set()
@@ -75,7 +76,7 @@ class WebDevice(Device):
                     continue
                 ids.add(i)
                 x, y = min(max(x, 0.0), self._size[0]), min(max(y, 0.0), self._size[1])
-                # Where a browser tells no width it says one pixel, or none.
+                # A browser that does not know the width reports one pixel, or zero.
                 size = width_px * metres if width_px > 1.0 else None
                 contacts.append(Contact(i, float(x), float(y), size))
             self._inside = ids
@@ -84,7 +85,7 @@ class WebDevice(Device):
             self._put(tuple(contacts), gone, touches.seq)
 
     def cancel_all(self) -> None:
-        """The page has gone or fallen silent: its fingers were taken away, not lifted."""
+        """Cancels all touches of a page that was closed or fell silent."""
         with self._lock:
             if self._present:
                 self._inside = set()
@@ -103,7 +104,7 @@ class WebDevice(Device):
         return [frame for frame, _, _ in waiting]
 
     def close(self) -> None:
-        """Nothing comes any more."""
+        """Ends the device."""
         self._closed = True
 
     def _put(self, contacts: tuple[Contact, ...], gone: frozenset[int], seq: int) -> None:

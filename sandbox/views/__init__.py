@@ -1,1 +1,1 @@
-"""Views look at a session and change nothing."""
+"""Views of a session, which only read it: films, windows and pictures."""

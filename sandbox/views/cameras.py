@@ -9,32 +9,32 @@ from models.surface import Surface
 from sandbox.session.messages import Snapshot
 
 FILM_AZIMUTH, FILM_ELEVATION, FILM_DISTANCE = 28.0, -31.0, 0.43
-"""deg, deg, m. From the side of a right hand's thumb and from above, where the hand hides neither
-the object nor the goal; chosen by looking at pictures."""
+"""deg, deg, m. From above on the thumb's side of a right hand, which hides neither the object nor
+the goal from there; chosen by looking at pictures."""
 
 WINDOW_AZIMUTH, WINDOW_ELEVATION, WINDOW_DISTANCE = 58.0, -50.0, 0.40
-"""deg, deg, m. Nearer to the view of a person whose hand it is, so that right and away mean right
-and away for the mouse; turned as far as the thumb and what it touches need to be seen."""
+"""deg, deg, m. Close to the person's own view, so that the mouse's right and away agree with those
+in the picture; turned just enough to show the thumb and what it touches."""
 
 AIR_AZIMUTH, AIR_ELEVATION, AIR_DISTANCE, AIR_MIDDLE = 54.0, -34.0, 0.47, 0.055
-"""deg, deg, m, m over the table. Of a window before which hands are in the air: lower and farther
-away, so that a raised hand is in the picture and one sees how high it is; chosen by looking."""
+"""deg, deg, m, and m over the table, for hands in the air: lower and farther away, so that a raised
+hand is in the picture and its height can be seen; chosen by looking at pictures."""
 
 FRONT_FILM_AZIMUTH, FRONT_FILM_ELEVATION, FRONT_FILM_DISTANCE = 64.0, -14.0, 0.42
-"""deg, deg, m. Before an upright surface: as far round to the thumb's side as it takes to see a box
-between thumb and fingers, and from above, so that one sees the table and who stands on what."""
+"""deg, deg, m, before an upright surface: turned to the thumb's side far enough to see a box
+between thumb and fingers, and from above, so that the table and stacked objects can be seen."""
 
 TWO_AZIMUTH, TWO_ELEVATION, TWO_DISTANCE = 82.0, -48.0, 1.35
-"""deg, deg, and shares of the surface's width: of a film of two hands, from the person's side, for
-hands that come from both sides hide what is behind them."""
+"""deg, deg, and multiples of the surface's width, for a film of two hands: from the person's side,
+as hands that come from both sides hide what is behind them."""
 
 FRONT_AZIMUTH, FRONT_ELEVATION, FRONT_DISTANCE = 90.0, -8.0, 0.36
-"""deg, deg, m. As the person sees it: right is right, and up is up. Hands have to be drawn so that
-one sees through them, since they are before all that they hold."""
+"""deg, deg, m, the person's own view of an upright surface. Hands must be drawn translucent, since
+they are in front of what they hold."""
 
 
 def film_camera(snapshot: Snapshot, surface: Surface) -> mujoco.MjvCamera:
-    """A camera that has the objects, their goals and the hand over them in its picture."""
+    """A camera that shows the objects, their goals and the hand over them."""
     if surface.upright:
         return _front(surface, FRONT_FILM_AZIMUTH, FRONT_FILM_ELEVATION, FRONT_FILM_DISTANCE)
     places = [o.position for o in snapshot.objects.values()]
@@ -43,18 +43,22 @@ def film_camera(snapshot: Snapshot, surface: Surface) -> mujoco.MjvCamera:
     spread = max((float(np.linalg.norm((p - middle)[:2])) for p in places), default=0.0)
     distance = FILM_DISTANCE + 1.2 * max(spread - 0.04, 0.0)
     if len(snapshot.hands) > 1:
-        # Hands come from both sides, wherever the things are.
+        # Hands come from both sides, wherever the objects are.
         middle = np.array([*_middle(surface)[:2], middle[2]])
         return _at(middle, TWO_AZIMUTH, TWO_ELEVATION, TWO_DISTANCE * float(surface.size[0]))
     camera = _free(FILM_AZIMUTH, FILM_ELEVATION, distance)
-    # The hand reaches up and towards the person, so the picture's middle does as well.
+    # The picture's centre is shifted up and towards the person, where the hand is.
     camera.lookat[:] = middle + np.array([0.005, -0.022, 0.042])
     return camera
 
 
 def window_camera(surface: Surface, in_air: bool = False) -> mujoco.MjvCamera:
-    """A camera that has the whole surface in its picture, from a person's side; and what is over
-    it, where hands are in the air."""
+    """A camera that shows the whole surface from the person's side.
+
+    Args:
+        surface: The touch surface.
+        in_air: The camera also shows the space above the surface.
+    """
     if surface.upright:
         return _front(surface, FRONT_AZIMUTH, FRONT_ELEVATION, FRONT_DISTANCE)
     size = float(np.max(surface.size))
@@ -69,7 +73,7 @@ def window_camera(surface: Surface, in_air: bool = False) -> mujoco.MjvCamera:
 
 
 def camera_above(surface: Surface) -> mujoco.MjvCamera:
-    """Straight on the surface, x to the right, without perspective."""
+    """A camera perpendicular to the surface, x to the right, without perspective."""
     camera = _free(90.0, 0.0 if surface.upright else -90.0, 0.6)
     camera.orthographic = 1
     camera.lookat[:] = _middle(surface)

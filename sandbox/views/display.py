@@ -6,7 +6,7 @@ import os
 import sys
 
 VARIABLES = ("DISPLAY", "WAYLAND_DISPLAY")
-"""Environment variables of which one names the screen on Linux; other systems always have one."""
+"""Environment variables that name the screen on Linux; other systems always have one."""
 
 
 def has_display() -> bool:

@@ -1,10 +1,10 @@
-"""The scene as a person must see it: hand, objects, goals, contacts and the touch surface.
+"""Drawing list of the scene for views: hand, objects, goals, contacts and the touch surface.
 
-Works on copies of the model and of its state, so that drawing can neither change nor disturb a
-simulation. What the model does not have (goals, contacts) is added as marks.
+It works on copies of the model and its state, so that drawing cannot change a simulation. Goals and
+contacts, which the model does not contain, are added as marks.
 
-A hand that can touch nothing is drawn as a ghost by mixing two pictures, one with and one without
-it. Drawn translucent, it would show its own far side through the near one.
+A ghost hand is drawn by mixing two pictures, one with and one without it. Drawn translucent, it
+would show its own far side through the near one.
 """
 
 from __future__ import annotations
@@ -31,30 +31,31 @@ Hidden = Literal["ghosts", "hands"]
 """Choices of hands that are left out of a picture."""
 
 MAX_GEOMS = 2000
-"""Room in the drawing list; five contacts, two goals and two hands take about 400."""
+"""Capacity of the drawing list; five contacts, two goals and two hands take about 400."""
 
 RING_RADIUS, RING_WIDTH, RING_SIDES = 0.0100, 0.0016, 20
 """m, m and number of straight pieces of the ring around a contact."""
 EDGE_RADIUS, THREAD_RADIUS = 0.0008, 0.0006
-"""m, of the edges of a goal and of the threads between touches and fingertips."""
+"""m, radii of the edges of a goal and of the threads between touches and fingertips."""
 LIFT = 0.0007
-"""m above the table of flat marks; the mat is 0.2 mm above it, and nearer marks would flicker."""
+"""m, height of flat marks above the table; the mat is 0.2 mm above it, and lower marks would
+flicker."""
 OUTLINE_WIDTH = 0.0012
-"""m, of the line around the touch surface."""
+"""m, width of the line around the touch surface."""
 
 ORTHOGRAPHIC_HEIGHT = 1.6
 """Visible height of a camera without perspective, in heights of the touch surface."""
 
 SHADOW_REACH = 0.25
-"""m around the middle of the table in which shadows are drawn: the narrower, the sharper."""
+"""m around the centre of the table in which shadows are drawn: the smaller, the sharper."""
 
 CASTER_WIDTH, CASTER_DEPTH = 0.62, 0.20
-"""Width of what casts a hand's shadow, to that of the hand's flesh, and how far it lies towards the
-pad, in radii: on a bent finger's back there is little flesh."""
+"""Width of a shadow caster relative to the finger, and its shift towards the pad in radii: the back
+of a bent finger is close to the bone."""
 
 
 @dataclass(frozen=True)
-class _Part:
+class _GoalPart:
     """A geom of an object in the object's frame, as it is repeated at a goal."""
 
     type: int
@@ -174,14 +175,14 @@ class Drawing:
             if snapshot.hands[i].solid and look.is_held_back(snapshot.hands[i])
         ]
 
-    def _parts_of(self, body: int) -> list[_Part]:
+    def _parts_of(self, body: int) -> list[_GoalPart]:
         model = self.model
         parts = []
         for g in np.flatnonzero(model.geom_bodyid == body):
             rotation = np.empty(9)
             mujoco.mju_quat2Mat(rotation, model.geom_quat[g])
             parts.append(
-                _Part(
+                _GoalPart(
                     int(model.geom_type[g]),
                     model.geom_size[g].copy(),
                     model.geom_pos[g].copy(),
@@ -196,7 +197,7 @@ class Drawing:
         for i in range(self.view.ngeom):
             geom = self.view.geoms[i]
             if geom.type == mujoco.mjtGeom.mjGEOM_PLANE:
-                # An endless plane casts no shadow that anyone sees, but specks of one on itself.
+                # An endless plane casts no visible shadow, but dark specks on itself.
                 geom.category = mujoco.mjtCatBit.mjCAT_DECOR
             if geom.objtype == mujoco.mjtObj.mjOBJ_SKIN:
                 geom.category = mujoco.mjtCatBit.mjCAT_DECOR
@@ -207,7 +208,7 @@ class Drawing:
                         geom.rgba[:3] = colour
 
     def _pose_targets(self, snapshot: Snapshot, held_back: list[int]) -> None:
-        """Puts the skins of commanded poses in their places; of other hands, out of sight."""
+        """Poses the skins of commanded poses; collapses those of hands that are not shown."""
         if not self._option.skingroup[TARGET_GROUP]:
             return
         view = self.view
@@ -224,13 +225,13 @@ class Drawing:
     def _draw_casters(self, casters: list[int]) -> None:
         """Adds invisible thin capsules inside the visible hand that cast its shadow.
 
-        Where a curved surface casts a shadow on itself, a coarse shadow map puts dark specks all
-        over it.
+        If a curved surface casts a shadow on itself, a coarse shadow map covers it with dark
+        specks.
         """
         if not self.view.flags[mujoco.mjtRndFlag.mjRND_SHADOW]:
             return
         for g in casters:
-            # A little shorter as well: the sleeve's end would show through in its own caster's.
+            # A little shorter as well, or the caster would show through the sleeve's end.
             size = self.model.geom_size[g] * np.array([CASTER_WIDTH, 0.98, 1.0])
             back = self._data.xmat[self.model.geom_bodyid[g]].reshape(3, 3)[:, 2]
             depth = CASTER_DEPTH * self.model.geom_size[g, 0]
@@ -238,7 +239,7 @@ class Drawing:
             caster = self._marks.shape(self.model.geom_type[g], size, place, turn, PALE, 1.0)
             if caster is not None:
                 caster.category = mujoco.mjtCatBit.mjCAT_DYNAMIC
-                # Lit like skin: should one ever come through, nobody sees it.
+                # Lit like skin, so that it is inconspicuous if it ever shows through.
                 caster.emission = 0.0
 
     def _draw_outline(self) -> None:
@@ -276,7 +277,7 @@ class Drawing:
             self._marks.disc(reach / 1.4, ground, np.eye(3), colour, 0.20)
 
     def _draw_threads(self, hand: HandView) -> None:
-        """From every touch to its fingertip: where a hovering finger will land."""
+        """Adds a line from every touch to its fingertip, to show where a hovering one will land."""
         for contact in hand.contacts:
             if contact.label is not None and contact.state != "ignored":
                 colour = palette.finger_colour(contact.label)
@@ -294,7 +295,7 @@ class Drawing:
 
 
 def goal_colour(snapshot: Snapshot) -> Colour:
-    """Green while the goal is to be reached, bright when it is, golden once it was held."""
+    """Colour of the goal: green before it is reached, bright when it is, gold once it was held."""
     if snapshot.score.held:
         return palette.HELD
     return palette.REACHED if snapshot.score.final else palette.GOAL

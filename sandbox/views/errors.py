@@ -10,7 +10,7 @@ fallback."""
 
 
 class GraphicsError(HandSandboxError):
-    """There is no OpenGL, or no screen, to draw with. Everything but pictures goes on without."""
+    """Neither OpenGL nor a screen to draw with is available; everything else works without."""
 
 
 class FilmError(HandSandboxError):

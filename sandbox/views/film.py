@@ -1,4 +1,4 @@
-"""Films and pictures of a session, drawn in a thread of their own without a screen."""
+"""Films and pictures of a session, drawn in their own thread without a screen."""
 
 from __future__ import annotations
 
@@ -17,29 +17,29 @@ from sandbox.session.messages import Snapshot
 from sandbox.views.errors import FilmError
 from sandbox.views.film_files import FilmFile, open_film
 from sandbox.views.graphics import GLContext, offscreen_context
-from sandbox.views.overlay import Words
+from sandbox.views.overlay import OverlayTexts
 from sandbox.views.renderer import Renderer, check_size
 
 ANIMATION_SIZE, ANIMATION_FPS = (640, 360), 15.0
 VIDEO_SIZE, VIDEO_FPS = (960, 540), 30.0
-"""px and frames per second of WebP or GIF, and of MP4, unless chosen otherwise."""
+"""px and frames per second, defaults of WebP or GIF, and of MP4."""
 PICTURE_SIZE = (1280, 720)
-"""px, of single pictures."""
+"""px, default size of single pictures."""
 PICTURE_KINDS = (".png", ".jpg", ".jpeg", ".webp")
 MAX_FPS = 60.0
 
 WAITING = 4096
-"""Snapshots that may wait to be drawn, a few kB each: minutes of film. Beyond that a session waits
-for its film."""
+"""Largest number of snapshots that wait to be drawn, a few kB each: minutes of film. Beyond it the
+session waits for the film."""
 
 _Job = Callable[[Renderer], None]
 
 
 class FilmView(Closeable):
-    """Films a session at the speed at which it was simulated, and takes pictures of it.
+    """Films a session in simulated time, and takes pictures of it.
 
-    The film is complete only after `close`, which raises errors of the drawing thread: a trial does
-    not fail because its film does.
+    The film is complete only after `close`, which raises errors of the drawing thread, so that an
+    error in the film does not end the trial.
 
     Args:
         path: Path that ends in .webp, .gif or .mp4 (with the package imageio-ffmpeg).
@@ -47,7 +47,7 @@ class FilmView(Closeable):
         surface: The touch surface.
         fps: Frames per second of simulated time; None: 15, or 30 for MP4.
         size: px; None: 640x360, or 960x540 for MP4.
-        caption: Text that names player and task. A film of a simulated user has to say so here.
+        caption: Text that names player and task; it must say so if the user is simulated.
 
     Raises:
         GraphicsError: This machine has no OpenGL.
@@ -80,7 +80,7 @@ class FilmView(Closeable):
                 expected=f"1 to {MAX_FPS:g} frames per second",
             )
         self.frames = self.dropped = 0
-        self._scene, self._surface, self._words = scene, surface, Words(caption)
+        self._scene, self._surface, self._words = scene, surface, OverlayTexts(caption)
         self._begun: float | None = None
         self._last = 0.0
         self._error: BaseException | None = None
@@ -102,11 +102,11 @@ class FilmView(Closeable):
             self.close()
 
     def show(self, snapshot: Snapshot) -> None:
-        """Takes note of a snapshot; those between two frames are passed over."""
+        """Adds a snapshot to the film; those between two frames are skipped."""
         if self._closed or self._error is not None:
             return
         if self._begun is None or snapshot.time < self._last:
-            # The first trial, or the next one: its film goes on where the last one's ended.
+            # The first trial, or the next one, whose film continues at the end of the last.
             self._begun = snapshot.time - self.frames / self.fps
         self._last = snapshot.time
         # Half a microsecond is tolerated, since times are sums of steps.
@@ -160,7 +160,7 @@ class FilmView(Closeable):
         _write_picture(result, target)
 
     def close(self) -> None:
-        """Draws what waits and completes the film; may be called twice.
+        """Draws the waiting snapshots and completes the film; may be called twice.
 
         Raises:
             FilmError: The film could not be drawn or written; no file is left.
@@ -185,7 +185,7 @@ class FilmView(Closeable):
                 self.dropped += 1
 
     def _work(self, context: GLContext, file: FilmFile) -> None:
-        """The drawing thread."""
+        """Draws until closed; the body of the drawing thread."""
         ended = False
         try:
             with Renderer(
@@ -200,7 +200,7 @@ class FilmView(Closeable):
             self._error = error
             self._ready.set()
             self._discard(file)
-            # Whoever waits for room in the queue must not wait for ever.
+            # Empties the queue, as the session may wait for room in it.
             while not ended:
                 ended = self._jobs.get() is None
 

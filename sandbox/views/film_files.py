@@ -1,8 +1,8 @@
-"""Frames of a film into a file, with bounded memory.
+"""Writers of film files, with bounded memory.
 
-WebP and GIF are made by Pillow, which wants all frames at the end: until then they wait on the disk
-as reels, files of a few frames each that Pillow reads back one frame at a time. MP4 is made by
-ffmpeg from the optional package imageio-ffmpeg, and streamed.
+WebP and GIF are written by Pillow, which needs all frames at the end. Until then they are stored on
+the disk as reels, files of a few frames each, from which Pillow reads one frame at a time. MP4 is
+streamed to ffmpeg, from the optional package imageio-ffmpeg.
 """
 
 from __future__ import annotations
@@ -22,13 +22,15 @@ from models.errors import InputError
 from sandbox.views.errors import FilmError
 
 REEL_BYTES = 96_000_000
-"""Frames held in memory before they go to the disk: 9 s of film at 640x360 and 15 per second."""
+"""Bytes of frames in memory before they are stored: 9 s of film at 640x360 and 15 per second."""
 REEL_COMPRESSION = "tiff_lzw"
-"""Loses nothing; 7 ms and 90 kB a frame at 640x360. Pillow reads TIFF one page at a time."""
+"""Lossless; 7 ms and 90 kB per frame at 640x360. Pillow reads TIFF one page at a time."""
 MAX_FRAMES = 9000
-"""Longest WebP or GIF, 10 minutes at 15 per second; each reel is an open file at the end."""
+"""Largest number of frames of a WebP or GIF, 10 minutes at 15 per second; each reel is an open file
+at the end."""
 MAX_GIF_FRAMES = 600
-"""More are thinned out evenly: Pillow holds all frames of a GIF in memory."""
+"""Largest number of frames of a GIF, all of which Pillow holds in memory; more are thinned out
+evenly."""
 WEBP_QUALITY = 75
 GIF_COLOURS = 128
 
@@ -37,23 +39,24 @@ class FilmFile(Protocol):
     """A film that grows frame by frame."""
 
     def add(self, frame: Image.Image) -> bool:
-        """Appends an RGB frame; False when the film is full and takes no more."""
+        """Appends an RGB frame; False if the film is full."""
         ...
 
     def close(self) -> None:
-        """Completes the file; without a frame there is none."""
+        """Completes the file; without frames no file is written."""
         ...
 
     def discard(self) -> None:
-        """Leaves no file behind; may be called after anything."""
+        """Removes all files; may be called at any time."""
         ...
 
 
 def open_film(path: Path, size: tuple[int, int], fps: float) -> FilmFile:
-    """A film of the kind that the path's ending names.
+    """Opens a film file of the format that the path's ending names.
 
     Raises:
-        InputError: No such kind, its package is missing, or the folder cannot be written to.
+        InputError: The format is unknown, its package is missing, or the folder cannot be written
+            to.
     """
     kind = path.suffix.lower()
     if kind not in (".webp", ".gif", ".mp4"):
@@ -128,7 +131,7 @@ class _Animation:
             append_images=images[1:],
             duration=durations(self._count, self._fps, 1),
             quality=WEBP_QUALITY,
-            # Whole frames are rare: a film is played from its beginning. Fast before small.
+            # Few key frames, as a film is played from its beginning; speed matters more than size.
             kmin=29,
             kmax=30,
             method=0,
@@ -152,7 +155,7 @@ class _Animation:
 
 
 class _Mp4:
-    """H.264 by ffmpeg."""
+    """An MP4 film, H.264 by ffmpeg."""
 
     def __init__(self, path: Path, part: Path, size: tuple[int, int], fps: float) -> None:
         if find_spec("imageio_ffmpeg") is None:
@@ -163,7 +166,7 @@ class _Mp4:
             )
         import imageio_ffmpeg
 
-        # ffmpeg goes by the ending, so the part has to have it.
+        # ffmpeg derives the format from the ending, so the partial file needs it.
         self._path, self._part = path, part.with_name(part.name + ".mp4")
         self._count = 0
         self._pipe = imageio_ffmpeg.write_frames(
@@ -220,12 +223,12 @@ def _quantized(
 
 
 def _frames(images: list[Image.Image]) -> list[tuple[Image.Image, int]]:
-    """Every frame as an image of several and its number in there."""
+    """Every frame as an image and the frame's number in it."""
     return [(image, i) for image in images for i in range(getattr(image, "n_frames", 1))]
 
 
 def _common_palette(frames: list[tuple[Image.Image, int]]) -> Image.Image:
-    """One palette for all frames, from the first, a middle and the last: colours must not jump."""
+    """One palette for all frames, from the first, a middle and the last, so that colours agree."""
     width, height = frames[0][0].size
     sheet = Image.new("RGB", (width, 3 * height))
     for row, (image, i) in enumerate((frames[0], frames[len(frames) // 2], frames[-1])):

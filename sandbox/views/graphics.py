@@ -1,8 +1,8 @@
 """Finds an OpenGL that draws without a screen: a graphics card's or Mesa's EGL, else OSMesa.
 
-What is decided has to be decided before the first of them is loaded: PyOpenGL binds itself to one
-platform for the whole life of a process, and MuJoCo loads its drawing functions once. So libraries
-are asked with ctypes, which binds nothing, and only then the right one is imported.
+The choice must be made before any of them is loaded: PyOpenGL binds itself to one platform for the
+whole process, and MuJoCo loads its drawing functions once. So libraries are probed with ctypes,
+which binds nothing, and only then the right one is imported.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ class GLContext(Protocol):
         ...
 
     def free(self) -> None:
-        """Gives it back; may be called twice."""
+        """Releases the context; may be called twice."""
         ...
 
 
@@ -55,7 +55,7 @@ def choose_backend() -> str:
     """The backend of this process, decided once; the environment variable MUJOCO_GL overrides it.
 
     Raises:
-        GraphicsError: There is none, or it is switched off.
+        GraphicsError: No backend is available, or drawing is switched off.
     """
     wish = os.environ.get("MUJOCO_GL", "").lower().strip()
     if wish in _SWITCHED_OFF:
@@ -64,7 +64,7 @@ def choose_backend() -> str:
             where="MUJOCO_GL",
             got=wish,
             expected=", ".join(BACKENDS),
-            remedy="Unset it, and one is found",
+            remedy="Unset it to have a backend chosen",
         )
     if wish in BACKENDS:
         return wish
@@ -85,11 +85,11 @@ def offscreen_context(width: int, height: int) -> GLContext:
     """A context that draws into memory; it is current in no thread yet.
 
     Raises:
-        GraphicsError: There is none on this machine.
+        GraphicsError: This machine has no OpenGL.
     """
     backend = choose_backend()
     try:
-        # ImportError, AttributeError and errors of PyOpenGL alike mean: it cannot be had here.
+        # ImportError, AttributeError and errors of PyOpenGL all mean that it is not available.
         module = importlib.import_module(f"mujoco.{backend}")
         context: GLContext = module.GLContext(width, height)
         context.backend = backend
@@ -109,7 +109,7 @@ def render_context(model: mujoco.MjModel, gl: GLContext) -> Iterator[mujoco.MjrC
     Raises:
         GraphicsError: The context is too old or too small for MuJoCo.
     """
-    with gl.as_current(), _told_to_mujoco(gl.backend):
+    with gl.as_current(), _backend_in_environment(gl.backend):
         try:
             context = mujoco.MjrContext(model, mujoco.mjtFontScale.mjFONTSCALE_100.value)
         except mujoco.FatalError as error:
@@ -123,10 +123,10 @@ def render_context(model: mujoco.MjModel, gl: GLContext) -> Iterator[mujoco.MjrC
 
 
 @contextmanager
-def _told_to_mujoco(backend: str | None) -> Iterator[None]:
-    """MuJoCo's library reads MUJOCO_GL when it first loads its drawing functions.
+def _backend_in_environment(backend: str | None) -> Iterator[None]:
+    """Sets MUJOCO_GL, which MuJoCo's library reads when it first loads its drawing functions.
 
-    Set for that moment only: programs that we start must not inherit it.
+    It is set for that moment only, so that child processes do not inherit it.
     """
     before = os.environ.get("MUJOCO_GL")
     if backend is not None:
@@ -150,7 +150,7 @@ def _no_graphics(reason: str) -> GraphicsError:
 
 
 def _egl_obstacle() -> str | None:
-    """Why EGL cannot draw on a device without a screen; None where it can."""
+    """Reason why EGL cannot draw without a screen; None if it can."""
     try:
         egl = ctypes.CDLL("libEGL.so.1")
     except OSError as error:
@@ -181,7 +181,7 @@ def _egl_obstacle() -> str | None:
 
 
 def _osmesa_obstacle() -> str | None:
-    """Why OSMesa cannot draw; None where it can."""
+    """Reason why OSMesa cannot draw; None if it can."""
     name = ctypes.util.find_library("OSMesa")
     if name is None:
         return "libOSMesa is missing"

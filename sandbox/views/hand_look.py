@@ -1,4 +1,4 @@
-"""Hands as they are seen: skin, nails and cuff in a copy of the model that only views have.
+"""Appearance of hands: skin, nails and cuff in a copy of the model for views.
 
 The simulated model never has a skin, so that a picture cannot change the physics; the copy is
 compiled from the same text, with the same joints in the same order.
@@ -29,7 +29,7 @@ from sandbox.views.palette import Colour
 HIDDEN_GROUP = 3
 """Geom group of the simulation's own capsules, which MuJoCo does not show."""
 TARGET_GROUP = 5
-"""Skin group of the hands that show where a hand should be; the hands' own are 0 and 1."""
+"""Skin group of the commanded poses; groups 0 and 1 are those of the hands."""
 
 GLOSS: dict[str, tuple[float, float]] = {
     "skin": (0.16, 0.30),
@@ -37,25 +37,25 @@ GLOSS: dict[str, tuple[float, float]] = {
     "cuff": (0.05, 0.10),
     "sleeve": (0.04, 0.10),
 }
-"""Specular and shininess: skin is dull, a nail is not."""
+"""Specular reflection and shininess, by material."""
 PALETTE_SIZE = 64
-"""Colours along each side of the palette of tones."""
+"""Number of colours along each side of the palette of tones."""
 TARGET_OFF, TARGET_THIN = 0.012, 0.0012
-"""m between a fingertip and its target from which the target is shown (fingers that hold something
-are always commanded a little into it), and how much thinner it is, so that it hides where it is in
-place."""
+"""m between a fingertip and its target from which the target is shown (fingers that hold an object
+are always commanded slightly into it), and m by which the target is thinner than the hand, so that
+the hand hides it where both coincide."""
 
 
 @dataclass(frozen=True)
 class Look:
-    """One hand of the copy.
+    """Appearance of one hand in the copied model.
 
     Attributes:
-        skeleton: Bones of the hand.
-        skin: Fitted to them.
-        parts: MuJoCo's number of the skin of each part.
-        target: Number of the skin that shows the commanded pose.
-        casters: Geoms in whose place the hand's shadow is cast.
+        skeleton: Skeleton of the hand.
+        skin: Skin, fitted to the skeleton.
+        parts: MuJoCo's skin number of each part, by name.
+        target: Skin number of the commanded pose.
+        casters: Geom numbers at whose places the hand's shadow is cast.
     """
 
     skeleton: Skeleton
@@ -78,10 +78,10 @@ class Look:
 
 
 def skinned_model(scene: Scene) -> tuple[mujoco.MjModel, dict[int, Look]]:
-    """A copy of a scene's model with skins on its hands, and their looks by number of the hand.
+    """A copy of a scene's model with skins, and the appearance of each hand by its index.
 
     The capsules of a hand with a skin are hidden. A hand without a skeleton has no skin, and is
-    drawn as its own MJCF shows it.
+    drawn as its own MJCF defines it.
     """
     spec = mujoco.MjSpec.from_string(scene.xml)
     _materials(spec)
@@ -103,7 +103,7 @@ def skinned_model(scene: Scene) -> tuple[mujoco.MjModel, dict[int, Look]]:
     for index, look in looks.items():
         root = int(model.body(scene.spec.hands[index].palm).rootid[0])
         mine = model.body_rootid[model.geom_bodyid] == root
-        # The simulation's own capsules have names; of the rest, the sleeve's cylinders count.
+        # Casters are the simulation's capsules, which have names, and the sleeve's cylinders.
         named = np.array([bool(model.geom(g).name) for g in range(model.ngeom)])
         sleeve = model.geom_type == mujoco.mjtGeom.mjGEOM_CYLINDER
         look.casters.extend(np.flatnonzero(mine & (named | sleeve)).tolist())
@@ -140,7 +140,7 @@ def _add_skin(
     made.vert = skin.rest[chosen.vertices].ravel().tolist()
     made.face = triangles.ravel().tolist()
     if kind == "skin":
-        # The middle of a palette's colour, so that none of the neighbours bleeds in.
+        # The centre of a colour in the palette, so that its neighbours are not blended in.
         tone = skin.tone[chosen.vertices] * (1 - 1 / PALETTE_SIZE) + 0.5 / PALETTE_SIZE
         made.texcoord = tone.ravel().tolist()
     shares = skin.shares[chosen.vertices]
@@ -157,14 +157,14 @@ def _add_skin(
 
 
 def tone_palette() -> NDArray[np.uint8]:
-    """(64, 64, 3) sRGB: warmth to the right, brightness downwards."""
+    """(64, 64, 3) sRGB palette: warmth increases to the right, brightness downwards."""
     share = np.linspace(0.0, 1.0, PALETTE_SIZE)
     tones = np.stack(np.meshgrid(share, share), axis=-1)
     return np.asarray(np.round(255 * tone_colours(tones)), np.uint8)
 
 
 def part_colour(part: str, hand: HandView) -> Colour | None:
-    """The colour of a part, None for skin: nails have that of a finger that touches."""
+    """The colour of a part, None for skin; the nail of a touching finger has its finger colour."""
     kind, _, finger = part.partition("_")
     if kind == "skin":
         return None

@@ -1,4 +1,4 @@
-"""Between the picture and the world: projects points onto it, and looks through its pixels.
+"""Projection between the world and a picture, in both directions.
 
 Pixels count from the top left corner of the picture, x right and y down.
 """
@@ -53,7 +53,7 @@ class Lens:
         )
 
     def project(self, world: ArrayLike) -> tuple[Array, NDArray[np.bool_]]:
-        """Pixels (..., 2) of world points (..., 3), and which of them (...,) are ahead of it."""
+        """Pixels (..., 2) of world points (..., 3), and bool (...,) for points ahead of it."""
         seen = (np.asarray(world, float) - self.position) @ self.axes.T
         depth = seen[..., 2]
         ahead = depth > 1e-6
@@ -74,7 +74,7 @@ class Lens:
     def pick(self, pixel: ArrayLike, surface: Surface) -> Array | None:
         """The point (2,) of the surface's plane under a pixel (2,), in surface metres.
 
-        None where the line of sight does not meet the plane.
+        None if the line of sight does not meet the plane.
         """
         start, direction = self.ray(pixel)
         normal = surface.rotation[:, 2]

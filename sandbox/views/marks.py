@@ -1,4 +1,4 @@
-"""Marks in a picture that the model does not have: rings, edges, lines, single shapes.
+"""Marks in a picture, which are not part of the model: rings, edges, lines and single shapes.
 
 They are added to MuJoCo's drawing list after the model's own geoms.
 """
@@ -14,10 +14,10 @@ from sandbox.views.palette import Colour
 
 
 class Marks:
-    """Adds to a drawing list.
+    """Adds marks to a drawing list.
 
     Args:
-        view: The list.
+        view: The drawing list.
     """
 
     def __init__(self, view: mujoco.MjvScene) -> None:
@@ -33,7 +33,7 @@ class Marks:
         alpha: float,
         mesh: int = -1,
     ) -> mujoco.MjvGeom | None:
-        """Appends a geom that lies in the world; None when the list is full."""
+        """Adds a geom at a pose in the world, and returns it; None if the list is full."""
         view = self._view
         if view.ngeom >= view.maxgeom:
             return None
@@ -46,12 +46,12 @@ class Marks:
             np.asarray(rotation, float).ravel(),
             np.array([*colour, alpha], np.float32),
         )
-        # Marks cast no shadow, shine a little by themselves, and belong to nothing in the model.
+        # Marks cast no shadow, emit a little light, and belong to no part of the model.
         geom.category = mujoco.mjtCatBit.mjCAT_DECOR
         geom.objtype, geom.objid, geom.segid = mujoco.mjtObj.mjOBJ_UNKNOWN, -1, -1
         geom.emission, geom.specular, geom.shininess = 0.35, 0.1, 0.2
         if mesh >= 0:
-            # MuJoCo draws a mesh's own triangles at an even number, its hull at the odd one after.
+            # For MuJoCo, an even number means a mesh's triangles, the next odd one its hull.
             geom.dataid = 2 * mesh
         view.ngeom += 1
         return geom
@@ -59,18 +59,18 @@ class Marks:
     def box(
         self, half: ArrayLike, position: Array, rotation: Array, colour: Colour, alpha: float
     ) -> None:
-        """A box of half sizes (3,), m."""
+        """Adds a box of half sizes (3,), m."""
         self.shape(mujoco.mjtGeom.mjGEOM_BOX, half, position, rotation, colour, alpha)
 
     def disc(
         self, radius: float, position: Array, rotation: Array, colour: Colour, alpha: float
     ) -> None:
-        """A flat disc of a radius, m."""
+        """Adds a flat disc of a radius, m."""
         size = [radius, 1e-4, 0.0]
         self.shape(mujoco.mjtGeom.mjGEOM_CYLINDER, size, position, rotation, colour, alpha)
 
     def line(self, start: Array, end: Array, radius: float, colour: Colour, alpha: float) -> None:
-        """A round line from one place to another."""
+        """Adds a line between two points, a capsule."""
         kind = mujoco.mjtGeom.mjGEOM_CAPSULE
         geom = self.shape(kind, np.ones(3), start, np.eye(3), colour, alpha)
         if geom is not None:
@@ -86,7 +86,7 @@ class Marks:
         colour: Colour,
         alpha: float,
     ) -> None:
-        """A flat ring of so many straight pieces; radius and width in m."""
+        """Adds a flat ring of `sides` straight pieces; radius and width in m."""
         half = radius * np.tan(np.pi / sides)
         for angle in 2 * np.pi * np.arange(sides) / sides:
             cos, sin = np.cos(angle), np.sin(angle)
@@ -97,7 +97,7 @@ class Marks:
     def edges(
         self, half: Array, position: Array, rotation: Array, colour: Colour, radius: float
     ) -> None:
-        """The twelve edges of a box of half sizes (3,), m."""
+        """Adds the twelve edges of a box of half sizes (3,), m."""
         signs = np.array([[a, b] for a in (-1.0, 1.0) for b in (-1.0, 1.0)])
         for axis in range(3):
             others = [(axis + 1) % 3, (axis + 2) % 3]

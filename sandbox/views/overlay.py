@@ -1,7 +1,7 @@
-"""Text over a picture: score and time, names of fingers, the caption, a notice.
+"""Text over a picture: score and time, names of fingers, the caption, notices.
 
 All texts are small translucent images, `Sticker`s, in films and windows alike. A sticker is drawn
-once and reused: most of them stay the same from frame to frame.
+once and cached, as most of them stay the same from frame to frame.
 """
 
 from __future__ import annotations
@@ -20,15 +20,15 @@ from sandbox.views.palette import Colour
 from tasks.score import Score, Status
 
 REFERENCE_HEIGHT = 540
-"""px, height of a picture for which the sizes below hold; others are scaled by their height."""
+"""px, height of a picture for which the sizes below hold; they scale with the height."""
 SMALLEST_SCALE = 0.85
-"""Text smaller than this times its size could not be read."""
+"""Smallest scale at which text can be read."""
 NARROW = 0.7
-"""Share of a picture's width; a height above it does not make text larger."""
+"""Share of a picture's width above which a larger height does not make text larger."""
 MARGIN = 14
 RING_CLEARANCE = 16
 SMALL, NORMAL, LARGE = 13, 15, 24
-"""px, of a picture of the reference height: the border, what stays free around a contact, and the
+"""px in a picture of the reference height: the border, the clearance around a contact, and the
 sizes of text."""
 BAR_GROUND: Colour = (0.27, 0.31, 0.34)
 CODE_SHARE = 0.4
@@ -51,7 +51,7 @@ class Sticker:
 
 
 @dataclass(frozen=True)
-class Words:
+class OverlayTexts:
     """Texts in addition to the snapshot's own content.
 
     Attributes:
@@ -71,15 +71,15 @@ class Words:
 
 
 def stickers(
-    snapshot: Snapshot, lens: Lens, surface: Surface, drop: np.ndarray, words: Words
+    snapshot: Snapshot, lens: Lens, surface: Surface, drop: np.ndarray, words: OverlayTexts
 ) -> list[Sticker]:
     """All texts of a picture.
 
     Args:
         snapshot: The drawn snapshot.
         lens: The camera of the picture.
-        surface: The touch surface, which knows whether its size is measured.
-        drop: (3,) m from contacts to the marks that are drawn for them.
+        surface: The touch surface, which says whether its size is measured.
+        drop: (3,) m, shift from contacts to their drawn marks.
         words: Further texts.
     """
     width, height = lens.size
@@ -115,7 +115,7 @@ def stickers(
         image = _lines(words.help, scale)
         placed.append(Sticker(image, max(width - image.width - margin, 0), margin))
     if words.link:
-        # At the left, where neither the help nor the hand is.
+        # At the left, away from the help and the hand.
         image = link_code(words.link, round(CODE_SHARE * min(height, width)))
         bottom -= image.height + margin // 2
         placed.append(Sticker(image, margin, bottom))
@@ -124,7 +124,7 @@ def stickers(
 
 @lru_cache(maxsize=2)
 def link_code(link: str, side: int) -> Image.Image:
-    """A QR code, black on white with the quiet border it needs; about `side` px, whole modules."""
+    """A QR code of about `side` px, black on white with its quiet zone, in whole modules."""
     import segno
 
     rows = np.array([list(row) for row in segno.make(link, error="m").matrix_iter(border=4)])
@@ -140,7 +140,7 @@ def paste(picture: Image.Image, placed: list[Sticker]) -> None:
 
 
 def _status(snapshot: Snapshot) -> tuple[str, str, str, float, Colour]:
-    """Large line, sentence, hand's state, progress and colour of the panel."""
+    """Headline, sentence, state of the hand, progress and colour of the panel."""
     score = snapshot.score
     headline, sentence, colour = _result(score, snapshot.time)
     hands = [
@@ -167,7 +167,7 @@ def _result(score: Score, time: float) -> tuple[str, str, Colour]:
 def _names(snapshot: Snapshot, lens: Lens, drop: np.ndarray, scale: float) -> list[Sticker]:
     """The finger's name at every contact, on the side that faces away from the other contacts.
 
-    What is held lies between the contacts, and so stays free of names.
+    A held object lies between the contacts, so that names do not cover it.
     """
     placed: list[Sticker] = []
     contacts = [c for hand in snapshot.hands for c in hand.contacts]
@@ -187,7 +187,7 @@ def _names(snapshot: Snapshot, lens: Lens, drop: np.ndarray, scale: float) -> li
         length = float(np.linalg.norm(away))
         away = away / length if length > 1.0 else np.array([0.0, 1.0])
         half = np.array([image.width / 2, image.height / 2])
-        # As far out as the name is wide in that direction, plus the ring.
+        # Distance: half the name's extent in that direction, plus the ring.
         reach = RING_CLEARANCE * scale + float(np.abs(away) @ half)
         x, y = (round(v) for v in pixels[i] + away * reach - half)
         step = 1 if away[1] >= 0 else -1
@@ -211,7 +211,7 @@ def _overlap(other: Sticker, image: Image.Image, x: int, y: int) -> bool:
 
 @lru_cache(maxsize=8)
 def _font(size: int, scale: float) -> ImageFont.FreeTypeFont | ImageFont.ImageFont:
-    # Whole sizes only: letters of any other stand unevenly.
+    # Whole sizes only, as letters of other sizes are spaced unevenly.
     return ImageFont.load_default(round(size * scale))
 
 
@@ -225,7 +225,7 @@ def _text_size(text: str, font: ImageFont.FreeTypeFont | ImageFont.ImageFont) ->
 def _label(
     text: str, ground: Colour, ink: Colour, size: int, scale: float, solid: bool = False
 ) -> Image.Image:
-    """A line of text on a rounded ground."""
+    """A line of text on a rounded background."""
     font = _font(size, scale)
     width, height = _text_size(text, font)
     pad_x, pad_y = round(0.55 * size * scale), round(0.25 * size * scale)
@@ -242,7 +242,7 @@ def _label(
 
 @lru_cache(maxsize=16)
 def _lines(lines: tuple[str, ...], scale: float) -> Image.Image:
-    """Several lines of small text on one ground; where all have two spaces in them, in columns."""
+    """Several lines of small text on one background; in columns if all contain two spaces."""
     font = _font(SMALL, scale)
     split = [line.partition("  ") for line in lines]
     columns = len(lines) > 1 and all(gap for _, gap, _ in split)
@@ -274,7 +274,7 @@ def _lines(lines: tuple[str, ...], scale: float) -> Image.Image:
 def _panel(
     headline: str, sentence: str, hand: str, progress: float, colour: Colour, scale: float
 ) -> Image.Image:
-    """Time and result, a bar of progress, what is missing, and the hand's state."""
+    """Panel with time and result, a progress bar, what is missing, and the hand's state."""
     large, small = _font(LARGE, scale), _font(SMALL, scale)
     pad, gap = round(12 * scale), round(7 * scale)
     widths = [_text_size(headline, large)[0]] + [_text_size(t, small)[0] for t in (sentence, hand)]

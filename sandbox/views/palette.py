@@ -1,4 +1,4 @@
-"""Colours, the same in window, film and picture. Red, green, blue from 0 to 1, sRGB."""
+"""Colours of window, film and picture: red, green and blue from 0 to 1, sRGB."""
 
 from __future__ import annotations
 
@@ -13,19 +13,19 @@ FINGER_COLOURS: tuple[Colour, ...] = (
     (0.35, 0.72, 0.95),
     (0.60, 0.50, 0.95),
 )
-"""One colour per label, thumb first: far apart in hue and lightness from one another, from the
-goal's green and from the dark table, also for the common kinds of colour blindness."""
+"""One colour per label, thumb first. They differ in hue and lightness from one another, from the
+goal's green and from the dark table, also with the common kinds of colour blindness."""
 
 UNKNOWN: Colour = (0.62, 0.64, 0.66)
-"""A contact that is ignored, or that has no finger yet."""
+"""Colour of a contact that is ignored or not labelled yet."""
 
 GOAL: Colour = (0.20, 0.80, 0.48)
 REACHED: Colour = (0.45, 0.98, 0.55)
 HELD: Colour = (1.00, 0.84, 0.30)
-"""The goal: to be reached, reached just now, and held: done."""
+"""Colours of the goal: not reached, reached now, and held."""
 
 OUTLINE: Colour = (0.62, 0.74, 0.80)
-"""The border of the touch surface."""
+"""Colour of the touch surface's border."""
 
 TARGET: Colour = (0.62, 0.82, 0.98)
 """Colour of a hand's commanded pose while it is held back."""
@@ -37,20 +37,20 @@ WARNING: Colour = (0.98, 0.72, 0.25)
 
 
 def finger_colour(label: int | None, state: str = "active") -> Colour:
-    """The colour of a contact: its finger's, or grey while it has none or is ignored."""
+    """The colour of a contact: that of its finger, or grey if it is unlabelled or ignored."""
     if label is None or state == "ignored":
         return UNKNOWN
     return FINGER_COLOURS[label]
 
 
 def finger_name(label: int | None, state: str = "active") -> str:
-    """Texts beside a contact."""
+    """The text beside a contact."""
     if state == "ignored":
         return "ignored"
     return "?" if label is None else FINGERS[label]
 
 
 def bytes_of(colour: Colour, alpha: float = 1.0) -> tuple[int, int, int, int]:
-    """The colour as Pillow wants it, 0 to 255."""
+    """The colour as RGBA bytes, 0 to 255."""
     r, g, b, a = (round(255 * c) for c in (*colour, alpha))
     return r, g, b, a

@@ -1,4 +1,4 @@
-"""Pictures of snapshots without a screen."""
+"""Renderer of snapshots to pictures, without a screen."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ from sandbox.views.cameras import film_camera
 from sandbox.views.drawing import Drawing, Hidden
 from sandbox.views.graphics import GLContext, offscreen_context, render_context
 from sandbox.views.lens import Lens
-from sandbox.views.overlay import Words, paste, stickers
+from sandbox.views.overlay import OverlayTexts, paste, stickers
 
 GHOST_OPACITY = 0.5
 """Opacity of a ghost hand, which cannot touch objects yet."""
 SEE_THROUGH_OPACITY, SEE_THROUGH_GHOST = 0.6, 0.3
-"""Opacity of a solid hand and of a ghost where hands hide held objects."""
+"""Opacity of a solid hand and of a ghost in views in which hands hide held objects."""
 
 TARGET_OPACITY = 0.35
 """Opacity of a hand's commanded pose."""
@@ -35,16 +35,16 @@ SLICES, STACKS = 16, 8
 Twice as many take 1.5 times as long."""
 
 ELEVATIONS = (-89.0, -12.0)
-"""deg, between which a camera can be turned: from above the table only."""
+"""deg, range of a camera's elevation, which stays above the table."""
 
 SMALLEST, LARGEST = 16, 4096
-"""px, of a picture's side."""
+"""px, range of a picture's sides."""
 
 
 class Renderer(Closeable):
     """Draws snapshots of a scene into pictures.
 
-    Belongs to the thread that makes it, or, with a context made elsewhere, to the first that draws.
+    It belongs to the thread that makes it or, with a given context, to the first that draws.
 
     Args:
         scene: The scene to draw, which is copied.
@@ -58,7 +58,7 @@ class Renderer(Closeable):
         samples: Samples per pixel; 0 leaves edges jagged, in half the time.
 
     Raises:
-        GraphicsError: There is no OpenGL on this machine.
+        GraphicsError: This machine has no OpenGL.
         InputError: The size cannot be drawn.
 
     Attributes:
@@ -72,13 +72,13 @@ class Renderer(Closeable):
         scene: Scene,
         surface: Surface,
         size: tuple[int, int] = (960, 540),
-        words: Words | None = None,
+        words: OverlayTexts | None = None,
         camera: mujoco.MjvCamera | None = None,
         context: GLContext | None = None,
         rings_on_table: bool = True,
         samples: int = SAMPLES,
     ) -> None:
-        self.size, self.words, self.camera = size, words or Words(), camera
+        self.size, self.words, self.camera = size, words or OverlayTexts(), camera
         self.shadows, self.see_through = True, False
         self.lens: Lens | None = None
         self._surface = surface
@@ -111,7 +111,7 @@ class Renderer(Closeable):
         """
         if self.camera is None:
             self.camera = film_camera(snapshot, self._surface)
-        # A picture that is higher than wide shows more above and below, not less at the sides.
+        # A picture higher than wide shows more above and below, and not less at the sides.
         self._drawing.narrowness = max(1.0, self.size[1] / self.size[0])
         with self._gl.as_current():
             picture = self._mixed(snapshot)
@@ -122,7 +122,7 @@ class Renderer(Closeable):
         return picture
 
     def _mixed(self, snapshot: Snapshot) -> Image.Image:
-        """The drawing, with ghosts as ghosts."""
+        """The drawing, with translucent ghosts."""
         picture = self._draw(snapshot, None)
         solid = all(hand.solid for hand in snapshot.hands)
         if self.see_through:
@@ -131,12 +131,12 @@ class Renderer(Closeable):
         if not solid:
             return Image.blend(self._behind(snapshot, "ghosts"), picture, GHOST_OPACITY)
         if self._drawing.held_back(snapshot):
-            # Only what of it sticks out of the hand itself is seen.
+            # Only the parts of the target outside the hand itself are visible.
             return Image.blend(picture, self._draw(snapshot, None, True), TARGET_OPACITY)
         return picture
 
     def resize(self, size: tuple[int, int]) -> None:
-        """Makes room for pictures of another size."""
+        """Sets the size of the pictures, px."""
         check_size(size)
         if size != self.size:
             self.size, self._kept = size, None
@@ -144,7 +144,7 @@ class Renderer(Closeable):
                 mujoco.mjr_resizeOffscreen(*size, self._context)
 
     def put_on_screen(self, picture: Image.Image) -> None:
-        """Lays a picture, RGB and as large as the window, into the window whose context this is."""
+        """Shows an RGB picture, as large as the window, in the window of this context."""
         flipped = picture.transpose(Image.Transpose.FLIP_TOP_BOTTOM)
         pixels = np.frombuffer(flipped.tobytes(), np.uint8).reshape(-1, 1)
         rect = mujoco.MjrRect(0, 0, *picture.size)
@@ -163,14 +163,14 @@ class Renderer(Closeable):
             self._kept = None
 
     def close(self) -> None:
-        """Gives the OpenGL context back; may be called twice."""
+        """Frees the OpenGL context; may be called twice."""
         self._closing.close()
 
     def _behind(self, snapshot: Snapshot, hidden: Hidden) -> Image.Image:
-        """The picture behind a hand, drawn anew only when something in it has moved.
+        """The picture without hidden hands, which is cached until something in it moves.
 
-        Hands mostly are ghosts while nothing else moves, and a second picture takes as long as the
-        first.
+        Hands are mostly ghosts while nothing else moves, and the second picture takes as long as
+        the first.
         """
         seen = (self.shadows, hidden, _background(snapshot))
         if self._kept is None or self._kept[0] != seen:
@@ -197,9 +197,9 @@ class Renderer(Closeable):
 
 
 def _background(snapshot: Snapshot) -> object:
-    """Equal for snapshots that look alike but for their ghosts.
+    """A key that is equal for snapshots that differ only in their ghosts.
 
-    Contacts count to the millimetre, about a pixel: those of a resting finger always tremble.
+    Contacts are rounded to a millimetre, about a pixel, as those of a resting finger tremble.
     """
     contacts = [
         (*np.round(1000 * c.position).tolist(), c.label, c.state, c.label in hand.solid)
@@ -215,17 +215,17 @@ def _background(snapshot: Snapshot) -> object:
 
 
 def check_size(size: tuple[int, int], even: bool = False) -> None:
-    """Refuses a picture that cannot be drawn.
+    """Checks that a picture of this size can be drawn.
 
     Raises:
-        InputError: A side is not a whole number of pixels within reason, or is odd where that
-            matters.
+        InputError: A side is not a whole number of pixels within the limits, or is odd although
+            `even` is required.
     """
     whole = len(size) == 2 and all(isinstance(n, int) for n in size)
     if whole and all(SMALLEST <= n <= LARGEST for n in size):
         if not even or not any(n % 2 for n in size):
             return
-        raise InputError("a film of this kind has an even width and height", where="size", got=size)
+        raise InputError("this film needs an even width and height", where="size", got=size)
     raise InputError(
         "a picture of this size cannot be drawn",
         where="size",

@@ -19,7 +19,7 @@ from PIL import Image
 from models.surface import METRES_PER_INCH
 from sandbox.devices.simulated.simulated import SimulatedDevice
 from sandbox.server.page_server import PageServer
-from sandbox.server.protocol.contact_forces import senses
+from sandbox.server.protocol.contact_forces import hand_feedback
 from sandbox.server.protocol.describe import describe_scene
 from sandbox.server.protocol.skins import pack_skin
 from sandbox.server.web import WebDevice
@@ -76,7 +76,7 @@ def play(server: PageServer, tab: Tab) -> bytes:
     while not session.over:
         snapshot = session.advance()
         user.show(snapshot)
-        server.publish(snapshot, senses=senses(session))
+        server.publish(snapshot, feedback=hand_feedback(session))
         wanted = [(c.id, c.x * scale, c.y * scale) for c in user.poll(snapshot.time)[-1].contacts]
         others = [i for i, _, _ in wanted] != [i for i, _, _ in last]
         if others or session.step % (3 * session.scene.substeps) == 0:

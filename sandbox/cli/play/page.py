@@ -18,7 +18,7 @@ from sandbox.cli.play.screen_too_small import in_plain_words
 from sandbox.cli.run import report_end
 from sandbox.options.scene_options import Plan, SceneOptions, plan
 from sandbox.server.page_server import PageServer
-from sandbox.server.protocol.protocol import Ask
+from sandbox.server.protocol.protocol import PlayerRequest
 from sandbox.server.protocol.rectangle import common, rectangle
 from sandbox.server.publishing import publish
 from sandbox.session.messages import Snapshot
@@ -64,7 +64,7 @@ class Wishes:
         """The task and the hands of settings."""
         return cls(settings.task, tuple(hand.side for hand in settings.hands))
 
-    def hear(self, asks: list[Ask], hand: int = 0) -> None:
+    def hear(self, asks: list[PlayerRequest], hand: int = 0) -> None:
         """Takes in what was asked on a hand's page; what makes no sense is passed over."""
         for ask in asks:
             match ask.what:
@@ -127,7 +127,7 @@ class PagePlay:
             if len(missing) < len(self.servers) and not told and time.monotonic() - start > WAITED:
                 told = True
                 for server in set(self.servers) - set(missing):
-                    server.tell("The page of the other hand is not open yet.")
+                    server.show_problem("The page of the other hand is not open yet.")
             elif len(missing) == len(self.servers):
                 start = time.monotonic()
 
@@ -238,7 +238,7 @@ class PagePlay:
     def _refuse(self, error: InputError, settings: RunSettings) -> None:
         """A task that this screen has no room for: said on the page; another can be chosen."""
         for server in self.servers:
-            server.tell(in_plain_words(error, settings))
+            server.show_problem(in_plain_words(error, settings))
         self.events.tell("warning", what=str(error))
         self.console.print(f"[yellow]{error}[/]")
 

@@ -277,7 +277,7 @@ class WindowPlay:
 
     def _tell(self, text: str) -> None:
         if self.server:
-            self.server.tell(text)
+            self.server.show_problem(text)
         self.events.tell("warning", what=text)
         self.console.print(f"[yellow]{text}[/]")
 

@@ -36,12 +36,12 @@ class Access:
 
     @property
     def hosts(self) -> frozenset[str]:
-        """Values of the `Host` header that are ours."""
+        """Accepted values of the `Host` header."""
         names = {self.host, *self.names}
         if self.host in ("127.0.0.1", "::1"):
             names.add("localhost")
         usual = 443 if self.secure else 80
-        # An IPv6 address stands in brackets; a port that is the scheme's own may be left out.
+        # An IPv6 address is in brackets; the scheme's default port may be left out.
         plain = {f"[{n}]" if ":" in n else n for n in names}
         return frozenset(
             {f"{n}:{self.port}" for n in plain} | (plain if self.port == usual else set())

@@ -1,4 +1,4 @@
-"""Finds the address of this machine that a tablet in the same network can reach."""
+"""Finds the address at which a tablet in the same network can reach this machine."""
 
 from __future__ import annotations
 
@@ -11,43 +11,43 @@ LOOPBACK = "127.0.0.1"
 
 
 def local_network_address() -> str:
-    """The IPv4 address of the network card that other machines are reached through.
+    """The IPv4 address of the network card that connects to other machines.
 
     Raises:
-        DeviceError: This machine is in no network.
+        DeviceError: This machine is not connected to a network.
     """
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
         try:
             # Connecting a datagram socket sends nothing; it only chooses the card. The address is
-            # one of those set aside for documentation (RFC 5737), so nobody has it.
+            # reserved for documentation (RFC 5737).
             probe.connect(("192.0.2.1", 9))
             address = str(probe.getsockname()[0])
         except OSError:
             address = "0.0.0.0"
     if ipaddress.ip_address(address).is_unspecified or ipaddress.ip_address(address).is_loopback:
         raise DeviceError(
-            "this machine is in no network that a tablet could share",
+            "this machine is not in a network that a tablet could join",
             where="--tablet",
-            remedy="Join a Wi-Fi network, or say the address by --lan ADDRESS",
+            remedy="Join a Wi-Fi network, or give the address by --lan ADDRESS",
         )
     return address
 
 
 def checked_address(text: str) -> str:
-    """An IP address to bind.
+    """Checks an IP address to bind.
 
     Raises:
-        DeviceError: It is none, or means every card at once.
+        DeviceError: The text is not an IP address, or means all network cards.
     """
     try:
         address = ipaddress.ip_address(text)
     except ValueError:
         raise DeviceError(
-            "this is no IP address", where="--lan", got=text, expected="such as 192.168.1.20"
+            "this is not an IP address", where="--lan", got=text, expected="such as 192.168.1.20"
         ) from None
     if address.is_unspecified:
         raise DeviceError(
-            "the page is served on one address, not on all of them",
+            "the page can only be served on one address, not on all of them",
             where="--lan",
             got=text,
             expected="the address of one network card",

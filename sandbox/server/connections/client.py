@@ -1,4 +1,4 @@
-"""One page at the other end of a socket: what it may be sent, and what it may send."""
+"""A connected page: its messages, its message credit and its rate limit."""
 
 from __future__ import annotations
 
@@ -10,18 +10,19 @@ from collections.abc import Callable, Sequence
 from websockets.exceptions import ConnectionClosed
 
 from models.errors import InputError
-from sandbox.server.connections.attentive import Attentive
 from sandbox.server.connections.counters import Counters
+from sandbox.server.connections.page_connection import PageConnection
 from sandbox.server.connections.rate import Allowance
 from sandbox.server.protocol.frames import number_frame
-from sandbox.server.protocol.protocol import CREDIT, Hello, Screen, Up, decode
+from sandbox.server.protocol.protocol import CREDIT, Hello, PageScreen, Up, decode
 
 MESSAGES_PER_SECOND, BURST = 240.0, 240.0
-"""Touches at 120 Hz, acknowledgements at 60 Hz and beats are 185 a second."""
+"""Rate limit; touches at 120 Hz, acknowledgements at 60 Hz and beats are 185 messages a second."""
 PATIENCE = 240
-"""Messages that are refused before the connection is closed."""
-MOST_WORDS = 512
-"""Messages that may wait for a page that does not read: echoes for minutes. Then it is let go."""
+"""Number of refused messages after which the connection is closed."""
+MOST_WAITING = 512
+"""Number of messages that wait for a page that does not read, echoes of minutes; then the
+connection is aborted."""
 
 
 class Client:
@@ -40,21 +41,21 @@ class Client:
     """
 
     def __init__(
-        self, connection: Attentive, counters: Counters, clock: Callable[[], float]
+        self, connection: PageConnection, counters: Counters, clock: Callable[[], float]
     ) -> None:
         self.connection = connection
         self.hello: Hello | None = None
-        self.screen: Screen | None = None
+        self.screen: PageScreen | None = None
         self.player = False
         self.heard = clock()
         self._clock = clock
         self._counters = counters
         self._allowance = Allowance(MESSAGES_PER_SECOND, BURST, self.heard)
         self._refused = 0
-        self._words: deque[tuple[bytes, bool]] = deque()
+        self._waiting: deque[tuple[bytes, bool]] = deque()
         self._skins: tuple[bytes, ...] = ()
         self._newest: bytearray | None = None
-        self._deaf = False
+        self._aborted = False
         self._sent = self._acknowledged = 0
         self._full = asyncio.Event()
         self._parting: asyncio.Task[None] | None = None
@@ -67,11 +68,11 @@ class Client:
 
     def say(self, message: bytes, text: bool = True) -> None:
         """Queues a JSON message, or bytes; all are sent, in order, before any later frame."""
-        if len(self._words) < MOST_WORDS:
-            self._words.append((message, text))
+        if len(self._waiting) < MOST_WAITING:
+            self._waiting.append((message, text))
             self._flush()
-        elif not self._deaf:
-            self._deaf = True
+        elif not self._aborted:
+            self._aborted = True
             self._counters.add("page that does not read")
             self.connection.transport.abort()
 
@@ -83,12 +84,16 @@ class Client:
         self._skins = tuple(skins)
 
     def offer(self, frame: bytearray | None) -> None:
-        """The newest frame, in place of an older one that has not been sent."""
+        """Queues the newest frame, in place of an older one that has not been sent."""
         self._newest = frame
         self._flush()
 
     def got(self, number: int) -> float | None:
-        """Gives back the credit of a frame and of those before it; s since it was sent."""
+        """Returns the credit of a frame and of those before it.
+
+        Returns:
+            s since the frame was sent; None if unknown or acknowledged before.
+        """
         if not self._acknowledged < number <= self._sent:
             return None
         self._acknowledged = number
@@ -103,12 +108,12 @@ class Client:
         return self._parting is not None
 
     def part(self, code: int, reason: str) -> None:
-        """Says goodbye, without waiting for an answer."""
+        """Starts to close the connection, without waiting for the end."""
         if self._parting is None:
             self._parting = asyncio.create_task(self.connection.close(code, reason))
 
     async def write(self) -> None:
-        """Sends, for ever, what had to wait; a page that does not read stops only itself."""
+        """Sends waiting messages until cancelled; a page that does not read delays only itself."""
         with contextlib.suppress(ConnectionClosed):
             while True:
                 await self._full.wait()
@@ -118,7 +123,7 @@ class Client:
                     await self.connection.send(message, text=text)
 
     def _flush(self) -> None:
-        """Sends what there is to send, as far as the socket takes it at once."""
+        """Sends waiting messages as far as the socket accepts them at once."""
         while self.connection.free:
             following = self._following()
             if following is None:
@@ -128,8 +133,8 @@ class Client:
 
     def _following(self) -> tuple[bytes, bool] | None:
         """The next message to send, and whether it is text; None if there is none now."""
-        if self._words:
-            return self._words.popleft()
+        if self._waiting:
+            return self._waiting.popleft()
         if self._newest is None or self.stale >= CREDIT:
             return None
         frame, self._newest = self._newest, None
@@ -158,5 +163,5 @@ class Client:
             self._counters.add(reason)
             self._refused += 1
             if self._refused > PATIENCE:
-                raise InputError("the client sends nonsense", got=reason)
+                raise InputError("the client sent too many invalid messages", got=reason)
         return up

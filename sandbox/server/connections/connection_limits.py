@@ -2,8 +2,8 @@
 
 A connection that has not sent the token yet is unauthenticated. A few of them are allowed; when one
 more comes, the oldest is closed: our page sends its token within milliseconds, an attacker who only
-occupies connections never does. Connections with the token have a limit of their own. An address
-that connects too often is rejected before its request is read, since reading takes a millisecond.
+occupies connections never does. Authenticated connections have their own limit. An address that
+connects too often is rejected before its request is read, since reading takes a millisecond.
 """
 
 from __future__ import annotations
@@ -13,23 +13,23 @@ import time
 
 from websockets.asyncio.server import ServerConnection
 
-from sandbox.server.connections.attentive import Attentive
 from sandbox.server.connections.counters import Counters
+from sandbox.server.connections.page_connection import PageConnection
 from sandbox.server.connections.rate import Allowance
 
-MOST_STRANGERS = 64
-"""Connections without a valid request so far; at 1000 a second each has 64 ms."""
-MOST_GUESTS = 32
-"""Connections with the token: sockets of pages, and files that are being fetched."""
+MOST_UNAUTHENTICATED = 64
+"""Largest number of unauthenticated connections; at 1000 new ones a second each has 64 ms."""
+MOST_AUTHENTICATED = 32
+"""Largest number of authenticated connections: sockets of pages, and requests for files."""
 
 ARRIVALS_PER_SECOND, ARRIVALS_AT_ONCE = 50.0, 150.0
-"""Connections from one address; a page that loads needs five."""
+"""Rate limit of connections from one address; loading a page needs five."""
 MOST_ADDRESSES = 256
 """Number of addresses whose connections are counted; the oldest is forgotten first."""
 
 
 class ConnectionLimits:
-    """Tracks unauthenticated connections; runs in the server's thread.
+    """Tracks and limits connections; runs in the server's thread.
 
     Args:
         counters: Counters of rejected connections.
@@ -38,14 +38,14 @@ class ConnectionLimits:
     def __init__(self, counters: Counters) -> None:
         self._counters = counters
         self._arrivals: dict[str, Allowance] = {}
-        # In the order in which they came; a dict is an ordered set.
-        self._strangers: dict[ServerConnection, None] = {}
-        self._guests: set[ServerConnection] = set()
+        # In order of arrival; a dict serves as an ordered set.
+        self._unauthenticated: dict[ServerConnection, None] = {}
+        self._authenticated: set[ServerConnection] = set()
 
     def __len__(self) -> int:
-        return len(self._strangers) + len(self._guests)
+        return len(self._unauthenticated) + len(self._authenticated)
 
-    def answers(self, address: str, now: float) -> bool:
+    def accepts(self, address: str, now: float) -> bool:
         """True if a new connection from an address, at a time in s, is accepted for reading."""
         allowance = self._arrivals.get(address)
         if allowance is None:
@@ -58,59 +58,59 @@ class ConnectionLimits:
         self._counters.add("too many connections")
         return False
 
-    def come(self, connection: ServerConnection) -> None:
-        """Somebody who is listened to."""
-        self._strangers[connection] = None
-        if len(self._strangers) > MOST_STRANGERS:
-            oldest = next(iter(self._strangers))
+    def add(self, connection: ServerConnection) -> None:
+        """Adds a new, unauthenticated connection; closes the oldest if there are too many."""
+        self._unauthenticated[connection] = None
+        if len(self._unauthenticated) > MOST_UNAUTHENTICATED:
+            oldest = next(iter(self._unauthenticated))
             if oldest.request is None:
-                # Counted here, and no second time when the connection is gone.
+                # Counted here, and not again when the connection ends.
                 self._counters.add("pushed out by others")
-            del self._strangers[oldest]
+            del self._unauthenticated[oldest]
             oldest.transport.abort()
 
-    def let_in(self, connection: ServerConnection) -> bool:
-        """Somebody has shown the token; whether it still stands here and there is room.
+    def authenticate(self, connection: ServerConnection) -> bool:
+        """Marks a connection that sent the token; False if it was closed or there is no room.
 
-        Who was pushed out may have asked before. Nobody would hear of it leaving a second time,
-        and its place would be taken for good.
+        A connection that was closed in favour of others may have sent its request before. It must
+        not be added again, since `remove` will not be called for it a second time.
         """
-        if connection not in self._strangers:
+        if connection not in self._unauthenticated:
             return False
-        del self._strangers[connection]
-        if len(self._guests) >= MOST_GUESTS:
+        del self._unauthenticated[connection]
+        if len(self._authenticated) >= MOST_AUTHENTICATED:
             return False
-        self._guests.add(connection)
+        self._authenticated.add(connection)
         return True
 
-    def leave(self, connection: ServerConnection) -> None:
-        """A connection has ended."""
-        self._guests.discard(connection)
-        if connection in self._strangers:
-            del self._strangers[connection]
+    def remove(self, connection: ServerConnection) -> None:
+        """Removes a connection that has ended."""
+        self._authenticated.discard(connection)
+        if connection in self._unauthenticated:
+            del self._unauthenticated[connection]
             # A refused request has been counted with its reason.
             if connection.request is None:
                 self._counters.add("failed handshake")
 
 
-def watched(limits: ConnectionLimits) -> type[Attentive]:
-    """A connection class for `websockets.serve` that keeps these limits."""
+def limited_connection(limits: ConnectionLimits) -> type[PageConnection]:
+    """A connection class for `websockets.serve` that enforces these limits."""
 
-    class Watched(Attentive):
-        _heard = True
+    class LimitedConnection(PageConnection):
+        _accepted = True
 
         def connection_made(self, transport: asyncio.BaseTransport) -> None:
             peer = transport.get_extra_info("peername") or ("",)
-            self._heard = limits.answers(str(peer[0]), time.monotonic())
-            if self._heard:
+            self._accepted = limits.accepts(str(peer[0]), time.monotonic())
+            if self._accepted:
                 super().connection_made(transport)
-                limits.come(self)
+                limits.add(self)
             else:
                 transport.abort()  # type: ignore[attr-defined]
 
         def connection_lost(self, exc: Exception | None) -> None:
-            if self._heard:
-                limits.leave(self)
+            if self._accepted:
+                limits.remove(self)
                 super().connection_lost(exc)
 
-    return Watched
+    return LimitedConnection

@@ -14,7 +14,7 @@ class Counters:
         self._counts: Counter[str] = Counter()
 
     def add(self, reason: str, n: int = 1) -> None:
-        """One more of a kind."""
+        """Adds to the count of a reason."""
         with self._lock:
             self._counts[reason] += n
 

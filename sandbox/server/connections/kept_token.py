@@ -19,10 +19,10 @@ _TOKEN = re.compile(r"[A-Za-z0-9_-]{20,64}")
 
 
 def kept_token(path: Path) -> str:
-    """The token in a file, which is made if there is none.
+    """The token in a file, which is made if it does not exist.
 
     Raises:
-        InputError: The file holds something else, can be read by others, or cannot be written.
+        InputError: The file does not hold a token, can be read by others, or cannot be written.
     """
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -31,10 +31,10 @@ def kept_token(path: Path) -> str:
         return _read(path)
     except OSError as error:
         raise InputError(
-            "the page's token cannot be kept",
+            "the page's token cannot be stored",
             where=str(path),
             got=error.strerror,
-            remedy="Leave --page-port out: then every start has a token of its own",
+            remedy="Leave --page-port out: then every start has a new token",
         ) from None
     with os.fdopen(fresh, "w", encoding="ascii") as file:
         token = secrets.token_urlsafe(TOKEN_BYTES)
@@ -52,7 +52,7 @@ def _read(path: Path) -> str:
             "the page's token cannot be read", where=str(path), got=reason, remedy=remedy
         ) from None
     if os.name == "posix" and mode & 0o077:
-        raise InputError("others can read the page's token", where=str(path), remedy=remedy)
+        raise InputError("other users can read the page's token", where=str(path), remedy=remedy)
     if not _TOKEN.fullmatch(text):
-        raise InputError("not a token", where=str(path), remedy=remedy)
+        raise InputError("the file does not hold a token", where=str(path), remedy=remedy)
     return text

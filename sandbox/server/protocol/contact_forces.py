@@ -17,7 +17,7 @@ NOTHING = (0.0,) * len(FINGERS)
 
 
 @dataclass(frozen=True)
-class HandSense:
+class HandFeedback:
     """Contact forces and label probability of one hand.
 
     Attributes:
@@ -29,18 +29,18 @@ class HandSense:
     probability: float = 1.0
 
 
-def senses(session: Session) -> list[HandSense]:
+def hand_feedback(session: Session) -> list[HandFeedback]:
     """Current contact forces and label probabilities of all hands of a session."""
     return [
-        HandSense(tuple(forces), reconstruction.probability)
+        HandFeedback(tuple(forces), reconstruction.probability)
         for forces, reconstruction in zip(
-            press(session.scene, session.data), session.reconstructions, strict=True
+            contact_forces(session.scene, session.data), session.reconstructions, strict=True
         )
     ]
 
 
-def press(scene: Scene, data: mujoco.MjData) -> list[list[float]]:
-    """Force in N of each finger of each hand on objects, in the state just reached."""
+def contact_forces(scene: Scene, data: mujoco.MjData) -> list[list[float]]:
+    """N, force of each finger of each hand on objects, in the current state."""
     model = scene.model
     forces = [[0.0] * len(FINGERS) for _ in scene.spec.hands]
     if not data.ncon:
@@ -58,9 +58,9 @@ _OWNERS: WeakKeyDictionary[Scene, NDArray[np.int64]] = WeakKeyDictionary()
 
 
 def _owners(scene: Scene) -> NDArray[np.int64]:
-    """(geoms,) five times the hand plus the finger that a shape belongs to; -1: to none.
+    """(geoms,) owner of each geom, 5 times the hand plus the finger; -1 without an owner.
 
-    Worked out once per scene: names are looked up in strings, sixty times a second too slowly.
+    Computed once per scene, as looking up names sixty times a second would be too slow.
     """
     if scene not in _OWNERS:
         bodies = np.full(scene.model.nbody, -1)

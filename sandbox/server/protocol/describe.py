@@ -1,4 +1,4 @@
-"""A scene and its moments as the page gets them."""
+"""Conversion of scenes and snapshots to messages for the page."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from numpy.typing import NDArray
 
 from models.scene import Scene as SimulatedScene
 from models.surface import Surface
-from sandbox.server.protocol.contact_forces import HandSense
+from sandbox.server.protocol.contact_forces import HandFeedback
 from sandbox.server.protocol.protocol import (
     ContactState,
     Geom,
     GoalState,
     HandState,
-    Scene,
+    SceneMessage,
     State,
     SurfaceView,
 )
@@ -42,8 +42,8 @@ def describe_scene(
     hand: str,
     caption: str,
     in_air: bool = False,
-) -> Scene:
-    """The scene's shapes, task and touch rectangle.
+) -> SceneMessage:
+    """The message with a scene's shapes, task and touch rectangle.
 
     Args:
         number: Number of the scene, counted by the server.
@@ -73,13 +73,13 @@ def describe_scene(
                 _part(scene, root, things),
             )
         )
-    return Scene(
+    return SceneMessage(
         number,
         task.name,
         summary(type(task)),
         task.seed,
         "left" if hand == "left" else "right",
-        # A hand in the air lifts itself.
+        # A hand in the air needs no lift control.
         0.0 if in_air else float(task.lift_range),
         task.time_limit,
         SurfaceView(
@@ -97,24 +97,25 @@ def describe_scene(
 
 
 def summary(task: type[Task]) -> str:
-    """The first line of a task's page."""
+    """The first line of a task's docstring."""
     return (task.__doc__ or task.name).strip().splitlines()[0]
 
 
 def state_of(
-    snapshot: Snapshot, paused: bool, senses: Sequence[HandSense] = (), own: int | None = None
+    snapshot: Snapshot, paused: bool, feedback: Sequence[HandFeedback] = (), own: int | None = None
 ) -> State:
-    """Values of a moment besides poses; without contact forces, forces are 0 and labels certain.
+    """Values of a snapshot besides poses.
 
     Args:
-        snapshot: The moment.
-        paused: True while time stands still.
-        senses: Contact forces of every hand.
+        snapshot: The snapshot.
+        paused: True while the trial is paused.
+        feedback: Contact forces and label probability of every hand; if empty, forces are 0 and
+            labels certain.
         own: Index of the hand whose contacts come from the page; contacts of others get ids that
             the page's fingers do not use. None if all contacts come from one source.
     """
     score = snapshot.score
-    senses = senses or [HandSense()] * len(snapshot.hands)
+    feedback = feedback or [HandFeedback()] * len(snapshot.hands)
     return State(
         snapshot.time,
         score.status.value,
@@ -123,8 +124,8 @@ def state_of(
         score.final,
         score.held,
         [
-            _hand(hand, sense, own in (None, i))
-            for i, (hand, sense) in enumerate(zip(snapshot.hands, senses, strict=True))
+            _hand(hand, felt, own in (None, i))
+            for i, (hand, felt) in enumerate(zip(snapshot.hands, feedback, strict=True))
         ],
         [GoalState(g.object, _floats(g.position), float(g.yaw)) for g in snapshot.goals],
         snapshot.notice,
@@ -132,8 +133,8 @@ def state_of(
     )
 
 
-class BodyPoses:
-    """Poses of all bodies of a scene at given joint positions; has its own state."""
+class BodyKinematics:
+    """Computes the poses of all bodies of a scene from joint positions, with its own state."""
 
     def __init__(self, scene: SimulatedScene) -> None:
         self._model = scene.model
@@ -148,19 +149,19 @@ class BodyPoses:
         return self._out
 
 
-def _hand(hand: HandView, sense: HandSense, own: bool) -> HandState:
+def _hand(hand: HandView, feedback: HandFeedback, own: bool) -> HandState:
     contacts = [
         ContactState(
             int(c.id) if own else -1 - int(c.id),
             _label(c),
             _state(c),
-            _force(sense, c.label),
+            _force(feedback, c.label),
             _floats(c.position),
         )
         for c in hand.contacts
     ]
     solid = sorted(int(f) for f in hand.solid)
-    return HandState(hand.phase, solid, contacts, round(sense.probability, 3))
+    return HandState(hand.phase, solid, contacts, round(feedback.probability, 3))
 
 
 def _label(contact: ContactView) -> int | None:
@@ -171,8 +172,8 @@ def _state(contact: ContactView) -> Any:
     return contact.state
 
 
-def _force(sense: HandSense, label: int | None) -> float:
-    return 0.0 if label is None else round(float(sense.forces[label]), 2)
+def _force(feedback: HandFeedback, label: int | None) -> float:
+    return 0.0 if label is None else round(float(feedback.forces[label]), 2)
 
 
 def _part(scene: SimulatedScene, root: str, things: set[str]) -> Any:
@@ -187,5 +188,5 @@ def _part(scene: SimulatedScene, root: str, things: set[str]) -> Any:
 
 
 def _floats(values: object) -> Any:
-    """A tuple as long as the message wants it."""
+    """A tuple of all values, rounded for the message."""
     return tuple(round(v, 7) for v in np.asarray(values, float).ravel().tolist())

@@ -1,9 +1,9 @@
-"""Binary frames: where everything is, 60 times a second.
+"""Binary frames with the poses of all bodies, 60 times a second.
 
 Little-endian: a header of 32 bytes, one pose of seven float32 per body (position in m, quaternion
 w, x, y, z), and the rest (score, contacts, goals) as JSON of `protocol.State`.
 
-    offset  type     what
+    offset  type     content
     0       uint8    PROTOCOL
     1       uint8    KIND, 1
     2       uint16   number of bodies
@@ -33,16 +33,17 @@ POSE_BYTES = 7 * 4
 
 
 @dataclass(frozen=True)
-class Frame:
-    """A frame taken apart.
+class PageFrame:
+    """A decoded frame.
 
     Attributes:
         scene: Number of its scene.
-        number: Its own.
-        touch: Seq of the newest touch message that took effect in it; 0 before the first.
-        time: s, simulated.
-        poses: (bodies, 7) float32.
-        state: The rest.
+        number: Number of the frame.
+        touch: Sequence number of the newest touch message that took effect in it; 0 before the
+            first.
+        time: s, simulated time.
+        poses: (bodies, 7) float32, position (m) and quaternion (w, x, y, z).
+        state: Values besides poses.
     """
 
     scene: int
@@ -56,7 +57,7 @@ class Frame:
 def pack(
     scene: int, touch: int, time: float, poses: NDArray[np.float32], state: State
 ) -> bytearray:
-    """A frame without its number, which each client's connection sets by `number_frame`."""
+    """Encodes a frame without its number, which each connection sets by `number_frame`."""
     tail = encode(state)
     head = _HEADER.pack(
         PROTOCOL, KIND, len(poses), scene, 0, touch & 0xFFFFFFFF, time, len(tail), 0
@@ -65,13 +66,13 @@ def pack(
 
 
 def number_frame(frame: bytearray, number: int) -> bytes:
-    """The frame with its number set."""
+    """Sets the number of an encoded frame."""
     struct.pack_into("<I", frame, 8, number & 0xFFFFFFFF)
     return bytes(frame)
 
 
-def unpack(data: bytes) -> Frame:
-    """Takes a frame apart, for clients in Python.
+def unpack(data: bytes) -> PageFrame:
+    """Decodes a frame, for clients in Python.
 
     Raises:
         InputError: The data are not a frame of this protocol.
@@ -85,4 +86,4 @@ def unpack(data: bytes) -> Frame:
     except (struct.error, ValueError, msgspec.MsgspecError):
         raise InputError("not a frame", got=bytes(data[:16]), expected="see frames.py") from None
     poses = np.frombuffer(data, "<f4", bodies * 7, _HEADER.size).reshape(bodies, 7)
-    return Frame(scene, number, touch, time, poses, state)
+    return PageFrame(scene, number, touch, time, poses, state)

@@ -15,14 +15,14 @@ from msgspec import Meta, Struct
 from models.errors import InputError
 
 PROTOCOL = 2
-"""Version of all messages; both sides say it first, and part if it differs."""
+"""Version of all messages; both sides send it first, and disconnect if it differs."""
 
 LARGEST_MESSAGE = 8192
 """Bytes of the largest message from a page; 20 touches take about 700."""
 
 CREDIT = 6
-"""Frames that may be on their way to a page unacknowledged. After a stall of the network a page
-gets these at most before it sees the present; with three, a round trip of 30 ms halves its rate."""
+"""Largest number of unacknowledged frames on their way to a page. After a stall of the network a
+page gets at most this many old frames; with three, a round trip of 30 ms would halve its rate."""
 
 Number = Annotated[float, Meta(ge=-1e6, le=1e6)]
 Milliseconds = Annotated[float, Meta(ge=0, le=1e15)]
@@ -30,15 +30,15 @@ Count = Annotated[int, Meta(ge=0, le=2**53)]
 Id = Annotated[int, Meta(ge=-(2**31), lt=2**53)]
 Word = Annotated[str, Meta(max_length=64)]
 LONGEST_ANSWER = 2000
-"""Characters of an answer in words."""
+"""Largest number of characters in a text answer."""
 Given = Annotated[str, Meta(max_length=LONGEST_ANSWER)] | Annotated[float, Meta(ge=-1e9, le=1e9)]
-"""An answer, before anybody has looked whether it is one."""
+"""An unchecked answer."""
 
 
-class Screen(Struct, forbid_unknown_fields=True, frozen=True):
-    """How large the page is: CSS pixels per inch, and pixels.
+class PageScreen(Struct, forbid_unknown_fields=True, frozen=True):
+    """Size of the page: CSS pixels per inch, and pixels.
 
-    The inches are what the encoder needs; `calibrated` says whether somebody measured them.
+    The encoder needs inches; `calibrated` is true if the person has measured them.
     """
 
     px_per_in: Annotated[float, Meta(ge=20, le=1000)]
@@ -48,26 +48,26 @@ class Screen(Struct, forbid_unknown_fields=True, frozen=True):
 
 
 class Hello(Struct, tag="hello", forbid_unknown_fields=True, frozen=True):
-    """The page's first message. `client` is the page's own random name, kept when it reloads."""
+    """The page's first message. `client` is the page's random name, which a reload keeps."""
 
     protocol: int
     client: Word
     role: Literal["player", "spectator"]
-    screen: Screen
+    screen: PageScreen
 
 
 class Resized(Struct, tag="resized", forbid_unknown_fields=True, frozen=True):
     """The page's size or calibration has changed."""
 
-    screen: Screen
+    screen: PageScreen
 
 
-class Touches(Struct, tag="touches", forbid_unknown_fields=True, frozen=True):
+class PageTouches(Struct, tag="touches", forbid_unknown_fields=True, frozen=True):
     """All contacts of the page at one moment.
 
     `contacts` holds id, x, y and width in CSS pixels, x right and y down from the touch rectangle's
-    top left corner; `cancelled` the ids that the system took away since the last message; `lift`
-    the lift control, where the page shows one. `seq` counts up from 1, `t` is the page's clock.
+    top left corner; `cancelled` the ids that the system cancelled since the last message; `lift`
+    the lift control, if the page shows one. `seq` counts up from 1, `t` is the page's clock.
     """
 
     seq: Count
@@ -78,34 +78,34 @@ class Touches(Struct, tag="touches", forbid_unknown_fields=True, frozen=True):
 
 
 class Got(Struct, tag="got", forbid_unknown_fields=True, frozen=True):
-    """A frame has arrived; gives its credit back. Sent at once, before anything is drawn."""
+    """Acknowledges a frame and returns its credit. Sent at once, before the frame is drawn."""
 
     frame: Count
 
 
 class Drawn(Struct, tag="drawn", forbid_unknown_fields=True, frozen=True):
-    """A frame has been drawn, `after_ms` after the touch event that it answers had happened."""
+    """Reports that a frame was drawn, `after_ms` after the touch event that is visible in it."""
 
     frame: Count
     after_ms: Annotated[float, Meta(ge=0, le=60000)]
 
 
 class Beat(Struct, tag="beat", forbid_unknown_fields=True, frozen=True):
-    """Says that the page lives, and asks for an echo; `round_trip_ms` is the last echo's."""
+    """Heartbeat of the page, answered by an echo; `round_trip_ms` is that of the last echo."""
 
     t: Milliseconds
     round_trip_ms: Annotated[float, Meta(ge=0, le=60000)] | None = None
 
 
-class Ask(Struct, tag="ask", forbid_unknown_fields=True, frozen=True):
-    """The person wants something: try again, another task, the other hand, or a stop of time."""
+class PlayerRequest(Struct, tag="ask", forbid_unknown_fields=True, frozen=True):
+    """Request of the player: try again, another task, the other hand, pause or resume."""
 
     what: Literal["retry", "task", "hand", "pause", "resume"]
     value: Word = ""
 
 
-class Answer(Struct, tag="answer", forbid_unknown_fields=True, frozen=True):
-    """What somebody has filled in for an item of a study's sheet; null takes it back."""
+class ItemAnswer(Struct, tag="answer", forbid_unknown_fields=True, frozen=True):
+    """A participant's answer to an item of a study's sheet; null removes it."""
 
     sheet: Count
     item: Word
@@ -113,17 +113,17 @@ class Answer(Struct, tag="answer", forbid_unknown_fields=True, frozen=True):
 
 
 class Leave(Struct, tag="leave", forbid_unknown_fields=True, frozen=True):
-    """Somebody is through with a study's sheet, or says yes or no to it."""
+    """A participant has finished a study's sheet, or answers yes or no to it."""
 
     sheet: Count
     how: Literal["done", "yes", "no"]
 
 
-Up = Hello | Resized | Touches | Got | Drawn | Beat | Ask | Answer | Leave
+Up = Hello | Resized | PageTouches | Got | Drawn | Beat | PlayerRequest | ItemAnswer | Leave
 
 
 class TaskName(Struct, frozen=True):
-    """A task that can be chosen: its name, one line about it, whether it needs a lift control."""
+    """A task to choose: its name, its summary in a line, and whether it needs a lift control."""
 
     name: str
     summary: str
@@ -131,8 +131,10 @@ class TaskName(Struct, frozen=True):
 
 
 class StudyView(Struct, frozen=True):
-    """A page in a study: its words by what they are for, in the participant's language, and which
-    of task, goal, time, progress, fingers and sound a trial shows."""
+    """A page in a study: its texts by key, in the participant's language.
+
+    `shows` lists which of task, goal, time, progress, fingers and sound a trial shows.
+    """
 
     language: str
     words: dict[str, str]
@@ -140,9 +142,11 @@ class StudyView(Struct, frozen=True):
 
 
 class Welcome(Struct, tag="welcome", frozen=True):
-    """The server's first message: what the page is (a player or a spectator), and what there is.
-    In a study there are no menus. `touch`: the player's fingers on the page are a hand's; else
-    something else plays, and every page only looks."""
+    """The server's first message: the role of the page, and the tasks to choose from.
+
+    In a study there are no menus. `touch` is true if the player's touches drive a hand; otherwise
+    another device does, and all pages are spectators.
+    """
 
     protocol: int
     version: str
@@ -154,7 +158,7 @@ class Welcome(Struct, tag="welcome", frozen=True):
 
 
 class Geom(Struct, frozen=True):
-    """A shape on a body: MuJoCo's type and sizes, place (m) and turn (w, x, y, z) on the body."""
+    """A shape on a body: MuJoCo's type and sizes, position (m) and quaternion (w, x, y, z)."""
 
     body: int
     kind: Literal["plane", "sphere", "capsule", "ellipsoid", "cylinder", "box"]
@@ -175,12 +179,12 @@ class SurfaceView(Struct, frozen=True):
     calibrated: bool
 
 
-class Scene(Struct, tag="scene", frozen=True):
-    """A new scene. Frames of another `scene` number belong to one that is over.
+class SceneMessage(Struct, tag="scene", frozen=True):
+    """A new scene. Frames with another `scene` number belong to an earlier one.
 
-    `bodies` names the rows of a frame's poses. `lift` is how far the hand rises at a lift control
-    of 1, m; 0: the task has none. `size` of a geom is as in MuJoCo: half lengths and radii.
-    `in_air`: hands move over a 3-D device, and nobody touches the page.
+    `bodies` names the rows of a frame's poses. `lift` is the height (m) to which a lift control of
+    1 raises the hand; 0 if the task has none. `size` of a geom is as in MuJoCo: half lengths and
+    radii. `in_air` is true if hands move over a 3-D device, without touches.
     """
 
     scene: int
@@ -198,20 +202,20 @@ class Scene(Struct, tag="scene", frozen=True):
 
 
 class Trouble(Struct, tag="trouble", frozen=True):
-    """Something that the person has to know before there is a scene, and what to do about it."""
+    """A problem that prevents a scene, and its remedy, as text for the person."""
 
     text: str
 
 
 class Choice(Struct, frozen=True):
-    """One of several answers: as it is kept, and as it is read."""
+    """One of several answers: its stored value, and the label that the person reads."""
 
     value: str
     label: str
 
 
 class ItemView(Struct, frozen=True):
-    """A question in the participant's language; `low_means` and `high_means` are a scale's ends."""
+    """A question in the participant's language; `low_means` and `high_means` label a scale."""
 
     name: str
     kind: Literal["choice", "scale", "number", "text"]
@@ -226,9 +230,9 @@ class ItemView(Struct, frozen=True):
 
 
 class Sheet(Struct, tag="sheet", frozen=True):
-    """What a study's participant has before them instead of the scene; `none` shows the scene.
+    """A sheet that a study's participant sees instead of the scene; `none` shows the scene.
 
-    `answers` is what was filled in before, by item. A `rest` can be left after `seconds`.
+    `answers` has earlier answers by item. A `rest` can be left after `seconds`.
     """
 
     sheet: int
@@ -241,7 +245,7 @@ class Sheet(Struct, tag="sheet", frozen=True):
 
 
 class Refusal(Struct, tag="refusal", frozen=True):
-    """An answer that is none, and why; without an item, the whole sheet."""
+    """Refusal of an answer, with the reason; with an empty item, of the whole sheet."""
 
     sheet: int
     item: str
@@ -254,12 +258,15 @@ class Echo(Struct, tag="echo", frozen=True):
     t: float
 
 
-Down = Welcome | Scene | Trouble | Sheet | Refusal | Echo
+Down = Welcome | SceneMessage | Trouble | Sheet | Refusal | Echo
 
 
 class ContactState(Struct, frozen=True):
-    """A contact as the session knows it: place (m) in the world, for those whose fingers are not on
-    this screen; `force` (N) is what its fingertip presses things with."""
+    """A contact in the session.
+
+    `position` (m) in the world is for fingers that are not on this screen; `force` (N) is that of
+    its fingertip on objects.
+    """
 
     id: int
     label: int | None
@@ -269,7 +276,7 @@ class ContactState(Struct, frozen=True):
 
 
 class HandState(Struct, frozen=True):
-    """A hand: phase of its arrival, fingers that are solid, contacts, sureness of the labels."""
+    """A hand: phase of its arrival, solid fingers, contacts, probability of the labels."""
 
     phase: str
     solid: list[int]
@@ -278,7 +285,7 @@ class HandState(Struct, frozen=True):
 
 
 class GoalState(Struct, frozen=True):
-    """Where a thing should go now: position (m) and turn about the vertical (rad)."""
+    """Current goal of an object: position (m) and turn about the vertical (rad)."""
 
     object: str
     position: tuple[float, float, float]
@@ -286,7 +293,7 @@ class GoalState(Struct, frozen=True):
 
 
 class State(Struct, frozen=True):
-    """What changes besides poses; the tail of a frame."""
+    """Values of a frame besides poses, at its end."""
 
     time: float
     status: str
@@ -305,10 +312,11 @@ _encoder = msgspec.json.Encoder()
 
 
 def decode(text: str | bytes) -> Up:
-    """A page's message.
+    """Decodes a message of a page.
 
     Raises:
-        InputError: It is no JSON, no message of this protocol, or a value is out of its range.
+        InputError: The text is not JSON or not a message of this protocol, or a value is out of
+            range.
     """
     try:
         return _up.decode(text)
@@ -321,5 +329,5 @@ def decode(text: str | bytes) -> Up:
 
 
 def encode(message: Struct) -> bytes:
-    """JSON of a message to a page."""
+    """Encodes a message to a page as JSON."""
     return _encoder.encode(message)

@@ -5,17 +5,17 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from sandbox.server.protocol.protocol import Screen
+from sandbox.server.protocol.protocol import PageScreen
 
 LARGEST = (10.32, 7.74)
-"""in, of the touch rectangle: that of the largest tablets. On a larger screen it lies in the
-middle, since a hand reaches no further."""
+"""in, largest touch rectangle, that of the largest tablets. On a larger screen it lies in the
+centre, since a hand does not reach further."""
 
 
-def rectangle(screen: Screen, hands: int = 1) -> dict[str, Any]:
-    """The touch rectangle of a screen, as settings: all of it, up to the largest tablet's.
+def rectangle(screen: PageScreen, hands: int = 1) -> dict[str, Any]:
+    """The touch rectangle of a screen, as settings: the whole screen, up to the largest tablet's.
 
-    Two hands on it have the width of two tablets.
+    For two hands it may be as wide as two tablets.
     """
     inches = (screen.width_px / screen.px_per_in, screen.height_px / screen.px_per_in)
     most = (hands * LARGEST[0], LARGEST[1])
@@ -24,7 +24,7 @@ def rectangle(screen: Screen, hands: int = 1) -> dict[str, Any]:
 
 
 def common(rectangles: Sequence[dict[str, Any]]) -> dict[str, Any]:
-    """The touch rectangle that all of some screens have room for, as settings."""
+    """The largest touch rectangle that fits on all of some screens, as settings."""
     sizes = [r["surface_in"] for r in rectangles]
     return {
         "surface_in": tuple(min(sides) for sides in zip(*sizes, strict=True)),

@@ -1,9 +1,9 @@
-"""The hands' skins as a page gets them: once per hand, before the frames that move them.
+"""Binary messages with the hands' skins, sent once per hand before the frames that move them.
 
 Little-endian: a header of 16 bytes, 15 names and frames of bones, and arrays over n vertices and
 m triangles, each beginning at a multiple of four bytes.
 
-    offset  type     what
+    offset  type     content
     0       uint8    PROTOCOL
     1       uint8    SKIN_KIND, 2
     2       uint16   length of the JSON, bytes
@@ -11,10 +11,10 @@ m triangles, each beginning at a multiple of four bytes.
     8       uint32   m
     12      uint32   0
     16      JSON     names of the bodies that carry it, palm first
-            float32  15 x 7: where these are in the pose of the vertices, as in a frame
+            float32  15 x 7: their poses in the bind pose of the vertices, as in a frame
             float32  n x 3: vertices, m
-            uint8    n x 4: which bones carry a vertex
-            uint8    n x 4: by how much, of 255
+            uint8    n x 4: indices of the bones that carry a vertex
+            uint8    n x 4: weights of these bones, of 255
             uint8    n x 4: colour, sRGB, and 255
             uint16   m x 3: triangles, counterclockwise from outside
 """
@@ -41,7 +41,7 @@ _FLAT = {"nail": NAIL, "cuff": CUFF, "sleeve": SLEEVE}
 
 
 def pack_skin(hand: SceneHand) -> bytes:
-    """The skin of a hand; empty if it has no skeleton, or other bones than the skin."""
+    """Encodes the skin of a hand; empty if it has no skeleton, or other bones than the skin."""
     skeleton = hand.skeleton
     if skeleton is None or len(skeleton.bones) != BONES - 1:
         return b""
@@ -69,7 +69,7 @@ def _packed(skeleton: Skeleton, names: tuple[str, ...]) -> bytes:
 
 
 def _colours(skin: Skin) -> NDArray[np.uint8]:
-    """(n, 4)."""
+    """(n, 4) sRGB colours of the vertices, and 255."""
     colours = np.ones((len(skin.rest), 4))
     for part in skin.parts:
         flat = _FLAT.get(part.name.partition("_")[0])

@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable
 
 from models.errors import StudyError
-from sandbox.server.protocol.protocol import Answer, Choice, ItemView, Leave
+from sandbox.server.protocol.protocol import Choice, ItemAnswer, ItemView, Leave
 from sandbox.study.design.design import Form, Item
 from sandbox.study.run.answers import Answers, Draft, check_answer
 from sandbox.study.run.forms import Poll
@@ -62,7 +62,7 @@ class PageForms:
             while True:
                 self._pause(poll, show)
                 for up in self._page.take_inputs():
-                    if isinstance(up, Answer):
+                    if isinstance(up, ItemAnswer):
                         self._fill(items, up, draft)
                     elif up.how == "done" and self._is_complete(form, draft):
                         return {name: draft.answers.get(name) for name in items}
@@ -70,7 +70,7 @@ class PageForms:
         finally:
             self._page.wait()
 
-    def _fill(self, items: dict[str, Item], up: Answer, draft: Draft) -> None:
+    def _fill(self, items: dict[str, Item], up: ItemAnswer, draft: Draft) -> None:
         """Stores an answer of the page after a check; the page may send any value."""
         item = items.get(up.item)
         if item is None:

@@ -9,11 +9,11 @@ import msgspec
 
 from sandbox.server.page_server import PageServer
 from sandbox.server.protocol.protocol import (
-    Answer,
+    ItemAnswer,
     ItemView,
     Leave,
+    PageScreen,
     Refusal,
-    Screen,
     Sheet,
     StudyView,
 )
@@ -54,7 +54,7 @@ class StudyPage:
         self.texts = texts_in(language)
         self.device: WebDevice | None = None
         self.needed_in: tuple[float, float] | None = None
-        self._screen: Screen | None = None
+        self._screen: PageScreen | None = None
         self._sheet = Sheet(0, "wait", "", self.texts["wait"], [], {}, 0.0)
         self._gone = False
         self._came = False
@@ -79,7 +79,7 @@ class StudyPage:
             dict(answers or {}),
             seconds,
         )
-        self.server.lay(self._sheet)
+        self.server.show_sheet(self._sheet)
 
     def wait(self, word: str = "wait") -> None:
         """Shows a text while the participant has to wait."""
@@ -99,13 +99,13 @@ class StudyPage:
         if seconds is not None:
             values["seconds"] = seconds
         self._sheet = msgspec.structs.replace(self._sheet, **values)
-        self.server.lay(self._sheet, tell=False)
+        self.server.show_sheet(self._sheet, tell=False)
 
     def reject_answer(self, item: str, text: str) -> None:
         """Shows why an answer is not accepted."""
         self.server.refuse(Refusal(self._sheet.sheet, item, text))
 
-    def take_inputs(self) -> list[Answer | Leave]:
+    def take_inputs(self) -> list[ItemAnswer | Leave]:
         """Returns the participant's unchecked inputs on this sheet since the last call.
 
         Inputs on an earlier sheet are ignored.
@@ -165,13 +165,13 @@ class StudyPage:
             time.sleep(TICK)
 
 
-def is_too_small(screen: Screen, wanted: tuple[float, float]) -> bool:
+def is_too_small(screen: PageScreen, wanted: tuple[float, float]) -> bool:
     """Returns True if a screen is too small for a touch rectangle, inches."""
     room = screen.width_px / screen.px_per_in, screen.height_px / screen.px_per_in
     return any(r < w * (1.0 - SLACK) for r, w in zip(room, wanted, strict=True))
 
 
-def inches(screen: Screen) -> str:
+def inches(screen: PageScreen) -> str:
     """Size of a screen as text."""
     width, height = screen.width_px / screen.px_per_in, screen.height_px / screen.px_per_in
     return f"{width:.2f} x {height:.2f} in"

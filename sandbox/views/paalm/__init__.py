@@ -1,1 +1,1 @@
-"""The pictures of PAALM."""
+"""Pictures of the PAALM method and their window."""

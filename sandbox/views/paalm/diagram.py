@@ -1,8 +1,8 @@
 """Line drawings of a Leap's data for a hand, as in the pictures of the 2013 paper.
 
 They show finger vectors (direction times length, from the device's base of the finger), the palm's
-normal, and the palm's sphere, the ball that the hand could hold. An unseen finger stays in its
-place in palm coordinates, dimmed, as PAALM holds it.
+normal, and the palm's sphere, the ball that the hand could hold. An unseen finger keeps its place
+in palm coordinates, dimmed, as in PAALM.
 """
 
 from __future__ import annotations
@@ -23,21 +23,26 @@ from sandbox.views.palette import Colour
 
 GROUND: Colour = (0.125, 0.145, 0.165)
 _FINE = 2
-"""Lines are drawn so many times larger and then made small: Pillow's have no smooth edges."""
+"""Factor of oversampling, as Pillow draws lines without smooth edges."""
 _DIM = 0.5
 """Opacity of a finger that the device does not see."""
 _NORMAL_LENGTH = 0.06
-"""m, of the arrow along the palm's normal."""
+"""m, length of the arrow along the palm's normal."""
 _SPHERES = (0.02, 0.08)
-"""m, least and greatest radius that is drawn: a flat hand's ball has no end."""
+"""m, smallest and largest drawn radius; that of a flat hand would be infinite."""
 _VIEW_HEIGHT = 0.30
-"""m, height of the picture."""
+"""m, height of the visible part of the scene."""
 
 
 @dataclass(frozen=True)
 class FingerVector:
-    """A finger as the device reports it: from `base` to `tip`, (3,) m; and whether it is seen
-    now."""
+    """A finger as the device reports it.
+
+    Attributes:
+        base: (3,) m, base of the finger.
+        tip: (3,) m, tip of the finger.
+        seen: True if the device sees the finger now.
+    """
 
     base: Array
     tip: Array
@@ -66,13 +71,13 @@ class HandPicture:
 
 
 class HandMemory:
-    """Makes pictures of hands, and remembers fingers that vanish where they were in the palm."""
+    """Collects the drawn parts of hands, and keeps lost fingers at their last place in the palm."""
 
     def __init__(self) -> None:
         self._last: dict[tuple[str, int], tuple[Array, Array]] = {}
 
     def look(self, frame: HandFrame, hands: Mapping[str, PaalmHand]) -> list[HandPicture]:
-        """The hands of a frame, by what PAALM made of it."""
+        """The drawn parts of a frame's hands, from PAALM's result."""
         return [self._hand(frame, side, hand) for side, hand in hands.items()]
 
     def _hand(self, frame: HandFrame, side: str, hand: PaalmHand) -> HandPicture:
@@ -100,9 +105,9 @@ class HandMemory:
 
 
 def ball_radius(palm: Array, normal: Array, tips: list[Array]) -> float | None:
-    """m, of the ball that lies on the palm's middle and that fingertips touch; None where none do.
+    """m, radius of the ball on the palm's centre that the fingertips touch; None if undetermined.
 
-    A ball whose middle is a radius r along the normal passes through a tip p where
+    A ball with its centre a radius r along the normal passes through a tip p if
     r = |p - palm|^2 / (2 (p - palm) . normal); the median over fingertips is taken.
     """
     radii = []
@@ -119,7 +124,7 @@ def ball_radius(palm: Array, normal: Array, tips: list[Array]) -> float | None:
 def diagram(
     hands: list[HandPicture], size: tuple[int, int], azimuth: float, elevation: float
 ) -> Image.Image:
-    """The picture, RGB; seen from the same side as the hand beside it, without perspective.
+    """The RGB line drawing, from the same side as the hand beside it, without perspective.
 
     Args:
         hands: The hands to draw.
@@ -184,11 +189,11 @@ class _Pen:
         self.draw.ellipse((x - r, y - r, x + r, y + r), fill=palette.bytes_of(colour)[:3])
 
     def word(self, point: Array, text: str, colour: Colour) -> None:
-        """Is written about here, by `write`."""
+        """Adds a word near a point, for `write`."""
         self._words.append((*self.place(point), text, colour))
 
     def write(self) -> None:
-        """Writes all words: over what is drawn, and beside each other."""
+        """Writes all words over the drawing, without overlaps."""
         taken: list[tuple[float, float, float, float]] = []
         for x, y, text, colour in self._words:
             for away in (0, 1, -1, 2, -2, 3):
@@ -214,7 +219,7 @@ def _sphere(pen: _Pen, hand: HandPicture) -> None:
         outline=line[:3],
         width=max(1, round(1.5 * pen.unit)),
     )
-    # The circle that lies across the normal shows how the ball is turned.
+    # The circle perpendicular to the normal shows the orientation.
     across = np.linalg.svd(hand.normal[None])[2][1:]
     turns = np.linspace(0.0, 2.0 * np.pi, 49)
     ring = middle + hand.sphere * (
@@ -249,5 +254,5 @@ def _dimmed(colour: Colour, share: float) -> Colour:
 
 
 def _same(frame: HandFrame, hand: PaalmHand) -> TrackedHand | None:
-    """The hand of a frame that PAALM took for this one: the one with its palm's place."""
+    """The hand of a frame that belongs to a PAALM hand: the one with the same palm position."""
     return next((h for h in frame.hands if h.palm == hand.palm.origin), None)

@@ -28,20 +28,22 @@ from sandbox.views.renderer import Renderer
 from tasks.score import Score
 
 SIZE = (1100, 620)
-"""px, of a new picture."""
+"""px, default size."""
 AZIMUTH, ELEVATION = 62.0, -38.0
-"""deg, of both halves: from the person's side, round to the thumb, so that fingers hide none."""
+"""deg, camera of both halves: from the person's side, turned to the thumb, so that fingers do not
+hide one another."""
 DISTANCE, DISTANCE_OF_TWO = 0.42, 0.62
-"""m, of the hand's camera."""
+"""m, distance of the camera for one hand, and for two."""
 _OVER_TABLE = (0.0, 0.0, -0.10)
-"""m, where the device is in the picture's scene: as in the sandbox, under the table's top."""
+"""(3,) m, position of the device in the picture's scene: under the table's top, as in the
+sandbox."""
 _TABLE_HEIGHT = 158
-"""px of a picture of 620, for the angles."""
+"""px, height of the table of angles in a picture of 620 px."""
 _COLUMNS = ("flexion", "spread", "middle", "end")
 
 
 class PaalmPicture(Closeable):
-    """Draws frames; belongs to the thread that makes it.
+    """Draws hand frames and PAALM's results; belongs to the thread that makes it.
 
     Args:
         sides: Sides of the hands.
@@ -50,7 +52,7 @@ class PaalmPicture(Closeable):
         caption: Source of the frames, at the bottom.
 
     Raises:
-        GraphicsError: There is no OpenGL on this machine.
+        GraphicsError: This machine has no OpenGL.
     """
 
     def __init__(
@@ -78,12 +80,12 @@ class PaalmPicture(Closeable):
         )
 
     def look(self, frame: HandFrame, result: PaalmFrame) -> list[HandPicture]:
-        """Takes note of a frame that is not drawn, to know where its fingers were."""
+        """Processes a frame that is not drawn, to keep the places of its fingers."""
         known = {s: result.hands[s] for s in self.sides if s in result.hands}
         return self._memory.look(frame, known)
 
     def draw(self, frame: HandFrame, result: PaalmFrame) -> Image.Image:
-        """The picture of a frame, RGB."""
+        """The RGB picture of a frame."""
         known = {s: result.hands[s] for s in self.sides if s in result.hands}
         pictures = self.look(frame, result)
         whole = Image.new("RGB", self.size, palette.bytes_of(GROUND)[:3])
@@ -95,12 +97,12 @@ class PaalmPicture(Closeable):
         return whole
 
     def resize(self, size: tuple[int, int]) -> None:
-        """Draws in another size from now on."""
+        """Sets the size of the pictures, px."""
         self.size = size
         self._renderer.resize(self._half())
 
     def put_on_screen(self, picture: Image.Image) -> None:
-        """Lays a picture into the window whose context this has."""
+        """Shows a picture in the window of this context."""
         self._renderer.put_on_screen(picture)
 
     def turn(self, right: float, down: float) -> None:
@@ -108,7 +110,7 @@ class PaalmPicture(Closeable):
         self._renderer.turn(right, down)
 
     def close(self) -> None:
-        """Gives the OpenGL context back; may be called twice."""
+        """Frees the OpenGL context; may be called twice."""
         self._renderer.close()
 
     def _half(self) -> tuple[int, int]:
@@ -121,7 +123,7 @@ class PaalmPicture(Closeable):
             hand = known.get(side)
             if hand is None:
                 pose = np.zeros(48)
-                pose[2] = -1.0  # under the table, where nobody sees it
+                pose[2] = -1.0  # under the table, out of sight
             else:
                 pose = hand_pose(hand.table, hand.palm, side, _OVER_TABLE)
                 palms.append(np.add(hand.palm.origin, _OVER_TABLE))
@@ -143,7 +145,7 @@ class PaalmPicture(Closeable):
     def _write(
         self, whole: Image.Image, known: dict[str, PaalmHand], pictures: list[HandPicture]
     ) -> None:
-        """Titles, angles in degrees, and the sphere."""
+        """Writes titles, angles in degrees, and the radius of the sphere."""
         scale = self.size[1] / SIZE[1]
         pen = ImageDraw.Draw(whole)
         small, normal = (ImageFont.load_default(round(s * scale)) for s in (13, 15))
@@ -206,10 +208,10 @@ class PaalmPicture(Closeable):
 
 
 class _Plain(Renderer):
-    """A renderer that writes nothing over its pictures."""
+    """A renderer without text."""
 
     def plain(self, snapshot: Snapshot) -> tuple[Image.Image, Lens]:
-        """The picture, and the camera that it was taken with."""
+        """The picture and its camera."""
         with self._gl.as_current():
             picture = self._mixed(snapshot)
         return picture, Lens.of(self._drawing.view, picture.size)
@@ -218,7 +220,7 @@ class _Plain(Renderer):
 def _names(
     pen: ImageDraw.ImageDraw, lens: Lens, tips: Array, hand: PaalmHand, scale: float
 ) -> None:
-    """A dot in its finger's colour on every fingertip; a ring where it is only held."""
+    """Draws a dot in its finger's colour on every seen fingertip, a ring on every held one."""
     places, ahead = lens.project(tips)
     r = 5.0 * scale
     for label, ((x, y), there) in enumerate(zip(places.tolist(), ahead.tolist(), strict=True)):

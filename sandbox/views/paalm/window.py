@@ -1,4 +1,4 @@
-"""PAALM's pictures in a window. Belongs to the main thread."""
+"""Window for PAALM's pictures; belongs to the main thread."""
 
 from __future__ import annotations
 
@@ -25,14 +25,14 @@ class PaalmWindow(Closeable):
 
     Args:
         sides: Sides of the hands.
-        caption: Source of the frames; a window with a simulated hand has to say so.
+        caption: Source of the frames; it must say so if the hand is simulated.
         size: px in the screen's coordinates.
 
     Raises:
         GraphicsError: No window can be opened here.
 
     Attributes:
-        picture: The last one; None before the first.
+        picture: The last picture; None before the first.
     """
 
     def __init__(
@@ -49,7 +49,7 @@ class PaalmWindow(Closeable):
         self._dragged: tuple[float, float] | None = None
 
     def show(self, frame: HandFrame, result: PaalmFrame) -> bool:
-        """Draws a frame unless it comes too soon; False once the window is to be closed."""
+        """Draws a frame, at most at the picture rate; False once the window should close."""
         now = time.monotonic()
         if now < self._due:
             return True
@@ -65,7 +65,7 @@ class PaalmWindow(Closeable):
         return self.rest()
 
     def rest(self) -> bool:
-        """Hears what the person does; False once the window is to be closed."""
+        """Processes input; False once the window should close."""
         glfw.poll_events()
         handle: Any = self._context.handle
         escape = glfw.get_key(handle, glfw.KEY_ESCAPE) == glfw.PRESS

@@ -1,1 +1,1 @@
-"""The window."""
+"""The window of a session."""

@@ -1,4 +1,4 @@
-"""A visible window with its OpenGL context, and a renderer's loan of it."""
+"""A visible window with its OpenGL context, which a renderer can borrow."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import glfw
 from sandbox.views.errors import DEBIAN_PACKAGES, GraphicsError
 
 SMALLEST = (480, 320)
-"""px, of a window that a person makes smaller."""
+"""px, smallest size to which a person can shrink the window."""
 
 
 class WindowContext:
@@ -38,13 +38,13 @@ class WindowContext:
             raise GraphicsError(
                 "no window can be opened without a screen",
                 got="; ".join(said) or None,
-                remedy="`sandbox run` needs none; on a machine without a screen, try xvfb-run",
+                remedy="`sandbox run` needs no window; on a machine without a screen, try xvfb-run",
             )
-        # At the very end: other windows of this process would close with the first one.
+        # Only at exit: otherwise the first window to close would close the others.
         atexit.register(glfw.terminate)
         glfw.default_window_hints()
         glfw.window_hint(glfw.SCALE_TO_MONITOR, glfw.TRUE)
-        # Pictures are made in memory and laid into the window as they are.
+        # Pictures are drawn in memory and copied to the window.
         glfw.window_hint(glfw.SAMPLES, 0)
         handle = glfw.create_window(*size, title, None, None)
         if not handle:
@@ -62,7 +62,7 @@ class WindowContext:
 
     @contextmanager
     def as_current(self) -> Iterator[None]:
-        """Draws with it in the calling thread for a while."""
+        """Makes the context current in the calling thread for the `with` block."""
         glfw.make_context_current(self.handle)
         try:
             yield
@@ -81,8 +81,8 @@ class WindowContext:
             self.handle = None
 
 
-class Loan:
-    """The context of a window, for a renderer that ends before the window does."""
+class BorrowedContext:
+    """A window's context that a renderer borrows; freeing it does not close the window."""
 
     def __init__(self, context: WindowContext) -> None:
         self._context = context
@@ -93,7 +93,7 @@ class Loan:
         return self._context.as_current()
 
     def free(self) -> None:
-        """Gives it back; the window keeps it."""
+        """Does nothing: the window keeps its context."""
 
 
 def _text(said: str | bytes) -> str:

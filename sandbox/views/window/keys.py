@@ -26,7 +26,7 @@ HELP = (
 )
 
 LEAP = 62
-"""Control periods that the arrow keys go on or back: a second."""
+"""Number of control periods by which the arrow keys move: a second."""
 
 REPLAY_HELP = (
     "p  pause, and on",
@@ -44,6 +44,10 @@ LIFT_HELP = ("up, down  lift and lower the hand",)
 
 
 def keys(mouse: bool, lift: bool) -> tuple[str, ...]:
-    """One line for each key; those of the mouse's fingers and of lifting only where they do
-    something."""
+    """Help texts of all keys that have an effect, one line each.
+
+    Args:
+        mouse: The mouse acts as fingers.
+        lift: Keys control the lift.
+    """
     return (*(LIFT_HELP if lift else ()), *(MOUSE_HELP if mouse else ()), *HELP)

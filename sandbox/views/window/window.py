@@ -1,4 +1,7 @@
-"""The window: the scene as it is now, and the mouse as fingers. Belongs to the main thread."""
+"""The window, which shows the current scene and turns mouse and keys into touches.
+
+It belongs to the main thread.
+"""
 
 from __future__ import annotations
 
@@ -23,22 +26,22 @@ from sandbox.session.device import AnyDevice
 from sandbox.session.messages import Snapshot
 from sandbox.views import palette
 from sandbox.views.cameras import camera_above, window_camera
-from sandbox.views.overlay import Words
+from sandbox.views.overlay import OverlayTexts
 from sandbox.views.renderer import Renderer
-from sandbox.views.window.context import Loan, WindowContext
+from sandbox.views.window.context import BorrowedContext, WindowContext
+from sandbox.views.window.drawing_quality import DrawingQuality
 from sandbox.views.window.keys import HINT, LEAP, keys
-from sandbox.views.window.plainness import Plainness
 
 SIZE = (1024, 680)
-"""px (of the screen's own coordinates), of a new window."""
+"""px in the screen's coordinates, size of a new window."""
 RATE = 60.0
-"""Pictures per second at most."""
+"""Largest number of pictures per second."""
 LIFT = {glfw.KEY_UP: 1.0, glfw.KEY_DOWN: -1.0}
 MOVES = {glfw.KEY_LEFT: -LEAP, glfw.KEY_RIGHT: LEAP, glfw.KEY_COMMA: -1, glfw.KEY_PERIOD: 1}
-"""Control periods by which the keys go back and on in what is only looked at."""
+"""Number of control periods by which the keys move playback."""
 
 SPEEDS = {1.0: "", 0.5: "slow motion 1/2", 0.25: "slow motion 1/4", 0.1: "slow motion 1/10"}
-"""Simulated seconds per second, in the order of the key's presses -> what is written meanwhile."""
+"""Banner by speed (simulated seconds per second), in the order of the key's presses."""
 
 
 class Window(Closeable):
@@ -46,25 +49,24 @@ class Window(Closeable):
 
     Args:
         scene: The scene to draw, which is copied.
-        surface: The touch surface; the pointer touches the point of it that it covers.
+        surface: The touch surface; the pointer touches the point that it covers.
         title: Title of the window.
         size: px in the screen's coordinates.
-        caption: Text that names player and task; a window that shows a simulated user has to say so
-            here.
+        caption: Text that names player and task; it must say so if the user is simulated.
         in_air: True if hands are in the air over a 3-D device, not on a surface.
 
     Raises:
         GraphicsError: No window can be opened here.
 
     Attributes:
-        paused: The person wants simulated time to stand still.
-        speed: Simulated seconds per second that the person wants, one of `SPEEDS`.
+        paused: True while the person wants a pause.
+        speed: Wanted pace in simulated seconds per second, one of `SPEEDS`.
         footer: Lines at the bottom right.
-        help: Help on the keys; None shows those for trials.
+        help: Help on the keys; None shows that for trials.
         link: Link shown as a QR code; empty shows none.
         pictures: Number of pictures drawn so far.
-        picture_time: s that the last one took.
-        seen: The snapshot that is on the screen; None before the first.
+        picture_time: s, duration of drawing the last picture.
+        seen: The snapshot on the screen; None before the first.
     """
 
     def __init__(
@@ -91,7 +93,7 @@ class Window(Closeable):
         self._shown: object = None
         self._picture: Image.Image | None = None
         self._snapshot: Snapshot | None = None
-        self._plainness = Plainness()
+        self._quality = DrawingQuality()
         self._due = 0.0
         self._cursor = np.zeros(2)
         self._failure: BaseException | None = None
@@ -112,7 +114,7 @@ class Window(Closeable):
         caption: str = "",
         in_air: bool = False,
     ) -> None:
-        """Shows another scene in the same window, as for another trial; it does not move yet.
+        """Shows another scene in the same window, as for another trial.
 
         Args:
             scene: The scene to draw, which is copied.
@@ -127,7 +129,7 @@ class Window(Closeable):
         camera = window_camera(surface, in_air)
         if before is not None:
             if before.camera is not None and _same(surface, self._surface):
-                # Whoever looks from elsewhere does so for the next trial, too.
+                # A camera that the person has turned is kept for the next trial.
                 camera = before.camera
             before.close()
         self._surface, self._touched, self._caption = surface, surface, caption
@@ -139,7 +141,7 @@ class Window(Closeable):
             surface,
             self._drawn_size(),
             camera=camera,
-            context=Loan(self._context),
+            context=BorrowedContext(self._context),
             rings_on_table=False,
             samples=0,
         )
@@ -147,21 +149,21 @@ class Window(Closeable):
             self._renderer.shadows = before.shadows
 
     def attach(self, *devices: AnyDevice) -> None:
-        """Lets mouse and keys drive the first of the devices that they can drive."""
+        """Connects mouse and keys to the first devices that they can drive."""
         self._lift = next(filter(None, (device.find(LiftKeys) for device in devices)), None)
         self._mouse = next(filter(None, (device.find(MouseDevice) for device in devices)), None)
         self._touched = self._mouse.surface if self._mouse else self._surface
 
     def pump(self, snapshot: Snapshot | None) -> bool:
-        """Takes in what the person did, and draws; False once the window is closed.
+        """Processes input and draws; False once the window is closed.
 
-        Returns at the screen's rate at most, so that a loop around it does not spin.
+        It returns at most `RATE` times per second, so that a loop around it does not spin.
         """
         if self._renderer is None:
             return False
         glfw.poll_events()
         while (left := self._due - time.monotonic()) > 0.0:
-            # Events go to the session at once; only the next picture waits.
+            # Events are passed to the session at once; only the next picture waits.
             glfw.wait_events_timeout(left)
         self._due = time.monotonic() + 1.0 / RATE
         if self._failure is not None:
@@ -187,7 +189,7 @@ class Window(Closeable):
         return asked
 
     def take_moves(self) -> int:
-        """Control periods by which the person wants to step forwards or back; returned once."""
+        """Number of control periods to move forwards or back; each request is returned once."""
         moves, self._moves = self._moves, 0
         return moves
 
@@ -198,10 +200,10 @@ class Window(Closeable):
         return self._picture.copy()
 
     def pixel_of(self, xy: ArrayLike) -> tuple[float, float]:
-        """Screen coordinates in the window of a surface point (2,) in metres.
+        """Window coordinates of a point (2,) m on the surface.
 
         Raises:
-            HandSandboxError: Nothing has been drawn yet.
+            HandSandboxError: No picture has been drawn yet.
         """
         lens = self._renderer.lens if self._renderer else None
         if lens is None:
@@ -219,11 +221,11 @@ class Window(Closeable):
             self._context.free()
 
     def _show(self) -> None:
-        """Draws, unless it would be the same picture again."""
+        """Draws, unless the picture would be the same."""
         renderer = self._renderer
         assert renderer is not None
         size, window = self._drawn_size(), glfw.get_framebuffer_size(self._context.handle)
-        renderer.words = Words(
+        renderer.words = OverlayTexts(
             self._caption,
             self._keys() if self._help else HINT,
             "paused" if self.paused else SPEEDS[self.speed] or self._contact_word(),
@@ -247,7 +249,7 @@ class Window(Closeable):
         self._context.swap()
         self.pictures, self.picture_time = self.pictures + 1, time.monotonic() - begun
         self.seen = self._snapshot
-        self._plainness.took(self.picture_time, renderer)
+        self._quality.took(self.picture_time, renderer)
 
     def _keys(self) -> tuple[str, ...]:
         """Current help on the keys."""
@@ -262,10 +264,10 @@ class Window(Closeable):
         return Image.new("RGB", size, palette.bytes_of(palette.PANEL)[:3])
 
     def _drawn_size(self) -> tuple[int, int]:
-        return self._plainness.size(*glfw.get_framebuffer_size(self._context.handle))
+        return self._quality.size(*glfw.get_framebuffer_size(self._context.handle))
 
     def _pick(self, x: float, y: float) -> Array | None:
-        """The surface point (2,) under a place in the window, metres; None where there is none."""
+        """(2,) m, surface point under a window position; None if there is none."""
         lens = self._renderer.lens if self._renderer else None
         if lens is None:
             return None
@@ -273,8 +275,10 @@ class Window(Closeable):
         return lens.pick(share * np.array(lens.size), self._touched)
 
     def _listen(self) -> None:
-        """Registers callbacks of glfw. glfw would only print errors in them, so `pump` raises
-        these."""
+        """Registers the callbacks of glfw.
+
+        glfw only prints errors in callbacks, so they are stored and raised by `pump`.
+        """
         handle = self._context.handle
         for register, react in (
             (glfw.set_mouse_button_callback, self._on_button),
@@ -324,7 +328,7 @@ class Window(Closeable):
 
     def _on_wheel(self, sideways: float, steps: float) -> None:
         if self._mouse is not None:
-            # With shift, some systems turn the wheel sideways.
+            # With shift, some systems report a sideways turn of the wheel.
             self._mouse.wheel(steps or sideways, turn=self._down(glfw.KEY_LEFT_SHIFT))
 
     def _on_key(self, key: int, _code: int, action: int, _mods: int) -> None:
@@ -363,7 +367,7 @@ class Window(Closeable):
 
     def _on_focus(self, focused: int) -> None:
         if not focused:
-            # A button's release that goes to another window is never heard of here.
+            # The release of a button over another window is not reported here.
             self._looking = False
             self._release()
             if self._lift is not None:

@@ -28,7 +28,7 @@ from sandbox.devices.wrappers.lift_keys import LiftKeys
 from sandbox.options.variations import parse_variation
 from sandbox.recording.recorded_device import RecordedDevice
 from sandbox.recording.recording import load_recording
-from sandbox.server.protocol.protocol import Screen, Touches
+from sandbox.server.protocol.protocol import PageScreen, PageTouches
 from sandbox.server.web import WebDevice
 from sandbox.session.device import Device
 from tasks.registry import draw_task, find_task
@@ -37,7 +37,7 @@ from tests.sandbox.devices.kernel_slots import KernelSlots
 from tests.support.processes import ROOT, Sender
 from tests.support.tuio_packets import frame, frame20
 
-SCREEN = Screen(px_per_in=100.0, width_px=1000.0, height_px=500.0, calibrated=True)
+SCREEN = PageScreen(px_per_in=100.0, width_px=1000.0, height_px=500.0, calibrated=True)
 
 
 def circle(step: int) -> dict[int, tuple[float, float]]:
@@ -104,7 +104,7 @@ class TestWeb(DeviceConformance):
 
     def stir(self, device: Any, step: int) -> None:
         contacts = [(i, 1200.0 * x, 500.0 * y, 8.0) for i, (x, y) in circle(step).items()]
-        device.push(Touches(step + 1, 0.0, contacts, [] if step % 3 else [1, 2, 77]), SCREEN)
+        device.push(PageTouches(step + 1, 0.0, contacts, [] if step % 3 else [1, 2, 77]), SCREEN)
         if step % 25 == 24:
             device.cancel_all()
 

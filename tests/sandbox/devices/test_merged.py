@@ -12,11 +12,11 @@ from models.surface import Surface
 from sandbox.devices.mouse import MouseDevice
 from sandbox.devices.wrappers.lift_keys import SPEED, LiftKeys
 from sandbox.devices.wrappers.merged import MergedDevice
-from sandbox.server.protocol.protocol import Screen, Touches
+from sandbox.server.protocol.protocol import PageScreen, PageTouches
 from sandbox.server.web import WebDevice
 from tests.support.scripted import Played
 
-SCREEN = Screen(100.0, 1000.0, 800.0, True)
+SCREEN = PageScreen(100.0, 1000.0, 800.0, True)
 
 
 def contact(i: int, x: float = 0.0) -> Contact:
@@ -77,7 +77,7 @@ def test_touches_that_were_cancelled_stay_cancelled_under_their_new_ids() -> Non
 
 def touch(web: WebDevice, seq: int, *contacts: tuple[int, float, float], lift=None) -> None:
     px = [(i, 100.0 * x, 100.0 * y, 1.0) for i, x, y in contacts]
-    web.push(Touches(seq, 1.0, px, [], lift), SCREEN)
+    web.push(PageTouches(seq, 1.0, px, [], lift), SCREEN)
 
 
 def test_fingers_on_the_page_and_pins_of_the_mouse_are_one_hand() -> None:

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 
 from sandbox.cli.play.page import PagePlay
 from sandbox.server.page_server import PageServer
-from sandbox.server.protocol.protocol import Ask
+from sandbox.server.protocol.protocol import PlayerRequest
 
 
 @contextlib.contextmanager
@@ -16,7 +16,7 @@ def played(play: PagePlay, server: PageServer) -> Iterator[None]:
     """Plays; at the end of the block it is as if somebody had pressed Ctrl-C."""
     heard, over = server.asked, threading.Event()
 
-    def asked() -> list[Ask]:
+    def asked() -> list[PlayerRequest]:
         if over.is_set():
             raise KeyboardInterrupt
         return heard()

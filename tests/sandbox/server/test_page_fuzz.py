@@ -13,7 +13,7 @@ import pytest
 from models.errors import InputError
 from models.surface import Surface
 from sandbox.devices.conformance import check_frames
-from sandbox.server.protocol.protocol import Screen, Touches, decode
+from sandbox.server.protocol.protocol import PageScreen, PageTouches, decode
 from sandbox.server.web import WebDevice
 
 COUNTS = [5_000, pytest.param(100_000, marks=pytest.mark.full)]
@@ -111,20 +111,20 @@ def fuzz(seed: int, count: int) -> tuple[int, int]:
     rng = random.Random(seed)
     surface = Surface()
     device = WebDevice(surface)
-    screen = msgspec.convert(SCREEN, Screen)
+    screen = msgspec.convert(SCREEN, PageScreen)
     understood = refused = 0
     frames: list[Any] = []
     for n, message in enumerate(decoded(rng, count)):
         understood += message is not None
         refused += message is None
-        if isinstance(message, Touches):
+        if isinstance(message, PageTouches):
             device.push(message, screen)
         elif hasattr(message, "screen"):
             screen = message.screen
         if n % 50 == 49:
             good = decode(json.dumps(MESSAGES[2]))
-            assert isinstance(good, Touches)
-            device.push(good, msgspec.convert(SCREEN, Screen))
+            assert isinstance(good, PageTouches)
+            device.push(good, msgspec.convert(SCREEN, PageScreen))
             frames += device.poll()
             assert [c.id for c in frames[-1].contacts] == [1]
     sizes = [c.size for f in frames for c in f.contacts if c.size is not None]

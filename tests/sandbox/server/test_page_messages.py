@@ -10,9 +10,9 @@ import pytest
 from models.errors import InputError
 from sandbox.server.connections.kept_token import kept_token
 from sandbox.server.page_server import PageServer
-from sandbox.server.protocol.contact_forces import HandSense, press
+from sandbox.server.protocol.contact_forces import HandFeedback, contact_forces
 from sandbox.server.protocol.describe import describe_scene
-from sandbox.server.protocol.protocol import Screen, Touches
+from sandbox.server.protocol.protocol import PageScreen, PageTouches
 from sandbox.server.protocol.skins import pack_skin
 from sandbox.server.web import WebDevice
 from sandbox.trial.settings import RunSettings
@@ -35,11 +35,11 @@ def test_a_kept_token_is_the_same_and_for_this_user_alone(tmp_path):
     assert kept_token(path) == token
     assert path.stat().st_mode & 0o077 == 0
     path.chmod(0o644)
-    with pytest.raises(InputError, match="others can read"):
+    with pytest.raises(InputError, match="other users can read"):
         kept_token(path)
     path.chmod(0o600)
     path.write_text("short")
-    with pytest.raises(InputError, match="not a token"):
+    with pytest.raises(InputError, match="does not hold a token"):
         kept_token(path)
 
 
@@ -49,13 +49,13 @@ def test_what_a_hand_presses_with_and_how_sure_its_labels_are_is_told(stage):
         snapshot = stage.session.advance()
         stage.server.publish(snapshot)
         assert page.until("frame")["state"]["hands"][0]["probability"] == 1.0
-        stage.server.publish(snapshot, senses=[HandSense((0.0, 1.5, 0.0, 0.0, 0.0), 0.25)])
+        stage.server.publish(snapshot, feedback=[HandFeedback((0.0, 1.5, 0.0, 0.0, 0.0), 0.25)])
         assert page.until("frame")["state"]["hands"][0]["probability"] == 0.25
 
 
 def test_fingers_press_what_they_hold_and_nothing_else():
     scene, data, _ = pinched()
-    forces = press(scene, data)[0]
+    forces = contact_forces(scene, data)[0]
     assert min(forces[:2]) > 0.1
     assert max(forces[2:]) == 0.0
 
@@ -85,11 +85,11 @@ def test_a_skin_comes_once_and_again_only_when_it_is_another(stage):
     assert set(names) <= set(bodies)
 
 
-def _touches(*contacts: tuple[int, float, float, float], **more) -> Touches:
-    return Touches(1, 0.0, list(contacts), **more)
+def _touches(*contacts: tuple[int, float, float, float], **more) -> PageTouches:
+    return PageTouches(1, 0.0, list(contacts), **more)
 
 
-SCREEN = Screen(100.0, 1000.0, 800.0, True)
+SCREEN = PageScreen(100.0, 1000.0, 800.0, True)
 
 
 def test_a_touch_beside_the_rectangle_is_none_and_a_dragged_one_stays_at_its_border():

@@ -22,7 +22,7 @@ from sandbox.devices.conformance import check_frames
 from sandbox.devices.mouse import GRAB_RADIUS, MouseDevice, default_hand
 from sandbox.devices.tuio.tuio import touch_frame
 from sandbox.devices.tuio.tuio_senders import Commit, Tuio
-from sandbox.server.protocol.protocol import Screen, Touches, decode
+from sandbox.server.protocol.protocol import PageScreen, PageTouches, decode
 from sandbox.server.web import WebDevice
 from tests.support.tuio_packets import alv, bundle, frame, frm, ptr
 
@@ -31,7 +31,7 @@ EVENTS = pytest.mark.parametrize("events", [1_000, pytest.param(10_000, marks=py
 
 SURFACE = Surface()
 WIDTH, HEIGHT = (float(length) for length in SURFACE.size)
-SCREEN = Screen(px_per_in=132.0, width_px=1024.0, height_px=768.0, calibrated=True)
+SCREEN = PageScreen(px_per_in=132.0, width_px=1024.0, height_px=768.0, calibrated=True)
 PERIOD = 1.0 / 60.0
 
 Scene = dict[int, tuple[int, float, float]]
@@ -163,7 +163,7 @@ def through_the_page(events: int) -> tuple[Told, list[tuple[frozenset[int], set[
             "cancelled": gone,
         }
         touches = decode(json.dumps(message))
-        assert isinstance(touches, Touches)
+        assert isinstance(touches, PageTouches)
         device.push(touches, SCREEN)
         (got,) = device.poll()
         told.append((got, scene))

@@ -15,7 +15,7 @@ from sandbox.cli.common.second_view import show_session, touched_pages
 from sandbox.cli.play.page import PagePlay
 from sandbox.options.scene_options import SceneOptions, plan
 from sandbox.server.page_server import PageServer
-from sandbox.server.protocol.protocol import Screen, Touches
+from sandbox.server.protocol.protocol import PageScreen, PageTouches
 from sandbox.server.protocol.rectangle import common, rectangle
 from sandbox.server.publishing import publish
 from sandbox.trial.assembly import build
@@ -102,7 +102,7 @@ def test_who_is_there_first_is_told_what_is_missing(
 
 
 def test_two_tablets_carry_a_tray_together(servers: tuple[PageServer, PageServer]) -> None:
-    size = common([rectangle(Screen(**SCREEN))] * 2)
+    size = common([rectangle(PageScreen(**SCREEN))] * 2)
     chosen = plan(OPTIONS)
     session = build(replace(chosen.settings, **size), chosen.makers)
     pages, touched = [], touched_pages(session)
@@ -144,5 +144,5 @@ def test_time_begins_with_whichever_hand_touches_first() -> None:
     ((hand, page),) = touched_pages(session)
     assert hand == 1
     assert _waiting(session)
-    page.push(Touches(1, 0.0, [(1, 300.0, 300.0, 20.0)]), Screen(**SCREEN))
+    page.push(PageTouches(1, 0.0, [(1, 300.0, 300.0, 20.0)]), PageScreen(**SCREEN))
     assert not _waiting(session)

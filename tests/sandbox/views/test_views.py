@@ -25,7 +25,7 @@ from sandbox.views import palette
 from sandbox.views.cameras import camera_above, film_camera, window_camera
 from sandbox.views.drawing import Drawing, Hidden
 from sandbox.views.lens import Lens
-from sandbox.views.overlay import Words, stickers
+from sandbox.views.overlay import OverlayTexts, stickers
 from sandbox.views.renderer import Renderer
 from tasks.score import Score, Status
 from tests.support.needs import require
@@ -232,7 +232,7 @@ def test_progress_reason_time_and_caption_are_written(v: Viewed) -> None:
         drawing.update(snapshot, camera_above(v.surface))
         lens = Lens.of(drawing.view, (960, 540))
         paper = Image.new("RGB", lens.size)
-        for s in stickers(snapshot, lens, v.surface, drawing.drop, Words(caption)):
+        for s in stickers(snapshot, lens, v.surface, drawing.drop, OverlayTexts(caption)):
             paper.paste(s.image, (s.x, s.y), s.image)
         return np.asarray(paper, float)
 
@@ -250,8 +250,11 @@ def test_progress_reason_time_and_caption_are_written(v: Viewed) -> None:
     assert rows.min() > 450 and columns.max() < 400
     assert like(named, palette.WARNING).sum() > 500
     guessed = Surface(calibrated=False).centred_at((0.0, 0.0, 0.022))
-    words = stickers(one, Lens.of(_drawn(v).view, (960, 540)), guessed, np.zeros(3), Words())
-    known = stickers(one, Lens.of(_drawn(v).view, (960, 540)), v.surface, np.zeros(3), Words())
+    lens = Lens.of(_drawn(v).view, (960, 540))
+    words = stickers(one, lens, guessed, np.zeros(3), OverlayTexts())
+    known = stickers(
+        one, Lens.of(_drawn(v).view, (960, 540)), v.surface, np.zeros(3), OverlayTexts()
+    )
     assert len(words) == len(known) + 1
 
 
@@ -271,7 +274,7 @@ def test_names_of_fingers_never_hide_each_other(places: list[tuple[float, float]
     drawing = _drawn(v)
     lens = Lens.of(drawing.view, (960, 540))
     snapshot = with_contacts(v.ghost, *contacts)
-    names = stickers(snapshot, lens, v.surface, drawing.drop, Words())[: len(contacts)]
+    names = stickers(snapshot, lens, v.surface, drawing.drop, OverlayTexts())[: len(contacts)]
     boxes = [(s.x, s.y, s.x + s.image.width, s.y + s.image.height) for s in names]
     for a, b in combinations(boxes, 2):
         assert a[2] <= b[0] or b[2] <= a[0] or a[3] <= b[1] or b[3] <= a[1]

@@ -18,7 +18,7 @@ from sandbox.devices.simulated.simulated import SimulatedDevice
 from sandbox.server import audience
 from sandbox.server.audience import SILENCE
 from sandbox.server.page_server import PageServer
-from sandbox.server.protocol.contact_forces import senses
+from sandbox.server.protocol.contact_forces import hand_feedback
 from sandbox.server.protocol.describe import describe_scene
 from sandbox.server.protocol.rectangle import rectangle
 from tasks.user import UserConfiguration
@@ -96,7 +96,7 @@ def test_fingers_on_the_page_bring_the_box_to_its_goal(
     while not session.over:
         snapshot = session.advance()
         user.show(snapshot)
-        stage.server.publish(snapshot, senses=senses(session))
+        stage.server.publish(snapshot, feedback=hand_feedback(session))
         # In step with the browser, however slow it is today: what the user's fingers do in this
         # period has arrived before the next one begins. Moves go out twenty times a second.
         wanted = px(user.poll(snapshot.time)[-1], *corner)

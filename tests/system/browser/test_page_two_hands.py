@@ -15,7 +15,7 @@ from models.surface import METRES_PER_INCH
 from sandbox.cli.common.second_view import show_session, touched_pages
 from sandbox.options.scene_options import SceneOptions, plan
 from sandbox.server.page_server import PageServer
-from sandbox.server.protocol.protocol import Screen
+from sandbox.server.protocol.protocol import PageScreen
 from sandbox.server.protocol.rectangle import rectangle
 from sandbox.server.publishing import publish
 from sandbox.session.messages import Snapshot
@@ -28,7 +28,7 @@ from tests.support.processes import PATIENCE
 TASK, SEED, PPI = "carry-together", 3, 64.0
 WIDTH, HEIGHT = 1500, 460
 """px of the page; its lift control lies beside the rectangle."""
-SCREEN = Screen(PPI, WIDTH, HEIGHT, True)
+SCREEN = PageScreen(PPI, WIDTH, HEIGHT, True)
 SIZE = rectangle(SCREEN, 2)["surface_in"]
 KNOWN = {
     f"hand-sandbox:px-per-inch:{HEIGHT}x{WIDTH}@1": str(PPI),

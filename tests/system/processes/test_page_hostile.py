@@ -1,4 +1,4 @@
-"""Strangers and sluggards at the page's door: the session goes on, and each of them is counted.
+"""Strangers and sluggards at the page's limits: the session goes on, and each of them is counted.
 
 A thousand strangers come in a second, ten thousand in ten with `--full`.
 """
@@ -22,10 +22,10 @@ from urllib.parse import urlsplit
 import pytest
 from websockets.exceptions import InvalidStatus
 
-from sandbox.server.connections.client import MOST_WORDS, Client
+from sandbox.server.connections.client import MOST_WAITING, Client
 from sandbox.server.connections.connection_limits import (
-    MOST_GUESTS,
-    MOST_STRANGERS,
+    MOST_AUTHENTICATED,
+    MOST_UNAUTHENTICATED,
     ConnectionLimits,
 )
 from sandbox.server.connections.counters import Counters
@@ -165,7 +165,7 @@ def test_a_thousand_strangers_a_second_are_counted_and_the_session_goes_on(stage
     assert left.answered > count / 200, "the player's touches are answered all the while"
     assert left.steps > 0
     # The system hands over a hundred at once, and who is sent away goes a moment later.
-    assert left.handles <= MOST_STRANGERS + 300
+    assert left.handles <= MOST_UNAUTHENTICATED + 300
     assert left.memory < 24 * MEGABYTE
     assert not live.over
     with Page(stage.server.url, "late", role="spectator") as late:
@@ -216,9 +216,9 @@ class Wire:
 def test_what_waits_for_a_page_that_does_not_read_is_bounded() -> None:
     counters, wire = Counters(), Wire()
     client = Client(wire, counters, time.monotonic)  # type: ignore[arg-type]
-    for _ in range(3 * MOST_WORDS):
+    for _ in range(3 * MOST_WAITING):
         client.say(b"echo")
-    assert len(client._words) == MOST_WORDS
+    assert len(client._waiting) == MOST_WAITING
     assert wire.aborted == 1
     assert counters.as_dict() == {"page that does not read": 1}
 
@@ -241,7 +241,7 @@ def test_a_skin_that_a_page_has_is_not_sent_again() -> None:
 
 
 def test_files_that_are_fetched_and_not_read_take_no_more_than_their_place(stage, live):
-    links = [asks_and_never_listens(stage.server.url) for _ in range(4 * MOST_GUESTS)]
+    links = [asks_and_never_listens(stage.server.url) for _ in range(4 * MOST_AUTHENTICATED)]
     assert wait_for(lambda: stage.server.counters["too many clients"] > 0)
     for link in links:
         link.close()
@@ -259,7 +259,7 @@ def is_let_in(url: str) -> bool:
 
 
 class Visitor:
-    """As much of a connection as the door looks at; it has not asked for anything yet."""
+    """As much of a connection as the limits need; it has not asked for anything yet."""
 
     request = None
 
@@ -273,16 +273,16 @@ class Visitor:
 
 def test_who_was_pushed_out_before_the_token_was_read_is_not_let_in_and_takes_no_place() -> None:
     """The request may be in already, and be read when its connection is gone."""
-    door = ConnectionLimits(Counters())
-    first, *others = visitors = [Visitor() for _ in range(MOST_STRANGERS + 1)]
+    limits = ConnectionLimits(Counters())
+    first, *others = visitors = [Visitor() for _ in range(MOST_UNAUTHENTICATED + 1)]
     for visitor in visitors:
-        door.come(visitor)  # type: ignore[arg-type]
-    assert [v.aborted for v in visitors] == [True] + [False] * MOST_STRANGERS
-    door.leave(first)  # type: ignore[arg-type]
-    assert not door.let_in(first)  # type: ignore[arg-type]
-    assert [door.let_in(v) for v in others] == [True] * MOST_GUESTS + [False] * (  # type: ignore
-        MOST_STRANGERS - MOST_GUESTS
+        limits.add(visitor)  # type: ignore[arg-type]
+    assert [v.aborted for v in visitors] == [True] + [False] * MOST_UNAUTHENTICATED
+    limits.remove(first)  # type: ignore[arg-type]
+    assert not limits.authenticate(first)  # type: ignore[arg-type]
+    assert [limits.authenticate(v) for v in others] == [True] * MOST_AUTHENTICATED + [False] * (  # type: ignore
+        MOST_UNAUTHENTICATED - MOST_AUTHENTICATED
     )
     for visitor in others:
-        door.leave(visitor)  # type: ignore[arg-type]
-    assert len(door) == 0
+        limits.remove(visitor)  # type: ignore[arg-type]
+    assert len(limits) == 0

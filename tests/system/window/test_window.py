@@ -19,7 +19,7 @@ from sandbox.devices.mouse import MouseDevice
 from sandbox.devices.wrappers.lift_keys import SPEED, LiftKeys
 from sandbox.session.messages import ContactView, Snapshot
 from sandbox.views.renderer import Renderer
-from sandbox.views.window import plainness
+from sandbox.views.window import drawing_quality
 from sandbox.views.window.window import Window
 from tests.support.processes import ROOT
 from tests.support.screen import Screen, screen
@@ -74,7 +74,7 @@ class Desk:
 @pytest.fixture(autouse=True)
 def never_slow(monkeypatch: pytest.MonkeyPatch) -> None:
     """However slow this machine is, the window is to look the same throughout a test."""
-    monkeypatch.setattr(plainness, "SLOW", np.inf)
+    monkeypatch.setattr(drawing_quality, "SLOW", np.inf)
 
 
 @pytest.fixture
@@ -275,7 +275,7 @@ def test_a_window_without_a_snapshot_is_empty_and_alive(display: Screen) -> None
 def test_on_a_slow_machine_the_window_draws_less_and_stays_as_exact(
     desk: Desk, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(plainness, "SLOW", 0.0)
+    monkeypatch.setattr(drawing_quality, "SLOW", 0.0)
     rich = np.asarray(desk.window.screenshot(), float)
     for i in range(1, 12):
         desk.snapshot = replace(desk.v.ghost, time=desk.v.ghost.time + 0.001 * i)

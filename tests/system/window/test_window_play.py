@@ -25,7 +25,7 @@ from sandbox.session.latency import LatencyLog
 from sandbox.trial.assembly import build
 from sandbox.trial.settings import RunSettings
 from sandbox.trial.timing import TimedDevice, Timing
-from sandbox.views.window import plainness
+from sandbox.views.window import drawing_quality
 from sandbox.views.window.window import SPEEDS
 from tests.support.page_client import Page
 from tests.support.processes import PATIENCE, ROOT
@@ -47,7 +47,7 @@ def display() -> Iterator[Screen]:
 
 @pytest.fixture
 def desk(display: Screen, monkeypatch: pytest.MonkeyPatch) -> Iterator[Desk]:
-    monkeypatch.setattr(plainness, "SLOW", np.inf)
+    monkeypatch.setattr(drawing_quality, "SLOW", np.inf)
     made = Desk(display, viewed())
     yield made
     made.window.close()
@@ -174,7 +174,7 @@ def test_all_of_the_surface_is_seen_in_any_window(
 def test_on_a_fine_screen_the_window_is_larger_and_touches_are_as_exact(
     display: Screen, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(plainness, "SLOW", np.inf)
+    monkeypatch.setattr(drawing_quality, "SLOW", np.inf)
     environment = {**os.environ, "DISPLAY": display.name}
     glfw.terminate()
     # The server forgets everything when its last guest leaves, so one stays.
@@ -314,7 +314,7 @@ class Game(Desk):
 def test_a_box_is_brought_to_its_goal_with_pointer_wheel_and_keys_alone(
     display: Screen, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    monkeypatch.setattr(plainness, "SLOW", np.inf)
+    monkeypatch.setattr(drawing_quality, "SLOW", np.inf)
     game = Game(display, seed=2)
     task = game.session.task
     start, goal = game.share(task.objects[0].position), game.share(task.goals[0].position)

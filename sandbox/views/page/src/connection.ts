@@ -2,7 +2,7 @@
 
 import { clientName, reload, socketAddress, spectator } from "./link";
 import { type Frame, parseFrame } from "./frame";
-import { type Down, PROTOCOL, type Refusal, type Scene, type Sheet, type Up, type Welcome } from "./protocol";
+import { type Down, PROTOCOL, type Refusal, type SceneMessage, type Sheet, type Up, type Welcome } from "./protocol";
 import { currentScreen } from "./screen";
 import { type Skin, parseSkin } from "./skin";
 
@@ -28,7 +28,7 @@ export type Condition = "connecting" | "open" | "lost" | "ended";
 export interface Listener {
   onCondition(condition: Condition, words: string): void;
   onWelcome(welcome: Welcome): void;
-  onScene(scene: Scene): void;
+  onScene(scene: SceneMessage): void;
   onSkin(skin: Skin): void;
   onTrouble(text: string): void;
   onSheet(sheet: Sheet): void;

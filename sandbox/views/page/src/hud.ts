@@ -2,7 +2,7 @@
 
 import type { Condition } from "./connection";
 import { make, show, write } from "./dom";
-import type { Scene, State, StudyView } from "./protocol";
+import type { SceneMessage, State, StudyView } from "./protocol";
 
 const TOAST_MS = 2600;
 
@@ -104,7 +104,7 @@ export class Hud {
     this.root.classList.add(...view.shows.map((what) => `shows-${what}`));
   }
 
-  setScene(scene: Scene): void {
+  setScene(scene: SceneMessage): void {
     write(this.task, this.study ? scene.task : title(scene.task));
     write(this.goal, scene.goal);
     write(this.hand, scene.hand === "right" ? "Right hand" : "Left hand");

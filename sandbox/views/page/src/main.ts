@@ -13,7 +13,7 @@ import { Lift } from "./lift";
 import { reload, spectator } from "./link";
 import { measureScreen } from "./measure";
 import { taskMenu } from "./menu";
-import type { Ask, Scene, StudyView, TaskName } from "./protocol";
+import type { PlayerRequest, SceneMessage, StudyView, TaskName } from "./protocol";
 import { type Ring, Rings } from "./rings";
 import { calibrated, currentScreen, pxPerInch, touchable } from "./screen";
 import { Sender } from "./sender";
@@ -53,7 +53,7 @@ class Page {
   private troubled = -Infinity;
   private inStudy: StudyView | null = null;
   private tasks: TaskName[] = [];
-  private scene: Scene | null = null;
+  private scene: SceneMessage | null = null;
   private frame: Frame | null = null;
   private fingers: Finger[] = [];
   private dirty = true;
@@ -153,7 +153,7 @@ class Page {
 
   // -- what the computer says -------------------------------------------------------------------
 
-  private open(scene: Scene): void {
+  private open(scene: SceneMessage): void {
     // Fingers that are still there from the trial before have touched that one.
     if (this.inStudy && scene.scene !== this.scene?.scene) this.glass?.cancelAll();
     this.scene = scene;
@@ -202,7 +202,7 @@ class Page {
     this.sender.touch(change);
   }
 
-  private ask(what: Ask["what"], value = ""): void {
+  private ask(what: PlayerRequest["what"], value = ""): void {
     if (this.player && !this.inStudy) this.connection.say({ type: "ask", what, value });
   }
 

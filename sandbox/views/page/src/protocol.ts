@@ -5,31 +5,31 @@ export const FRAME_KIND = 1;
 export const POSE_BYTES = 28;
 export const SKIN_KIND = 2;
 
-/** How large the page is: CSS pixels per inch, and pixels. The inches are what the encoder needs; `calibrated` says whether somebody measured them. */
-export interface Screen {
+/** Size of the page: CSS pixels per inch, and pixels. The encoder needs inches; `calibrated` is true if the person has measured them. */
+export interface PageScreen {
   px_per_in: number;
   width_px: number;
   height_px: number;
   calibrated: boolean;
 }
 
-/** The page's first message. `client` is the page's own random name, kept when it reloads. */
+/** The page's first message. `client` is the page's random name, which a reload keeps. */
 export interface Hello {
   type: "hello";
   protocol: number;
   client: string;
   role: "player" | "spectator";
-  screen: Screen;
+  screen: PageScreen;
 }
 
 /** The page's size or calibration has changed. */
 export interface Resized {
   type: "resized";
-  screen: Screen;
+  screen: PageScreen;
 }
 
-/** All contacts of the page at one moment. `contacts` holds id, x, y and width in CSS pixels, x right and y down from the touch rectangle's top left corner; `cancelled` the ids that the system took away since the last message; `lift` the lift control, where the page shows one. `seq` counts up from 1, `t` is the page's clock. */
-export interface Touches {
+/** All contacts of the page at one moment. `contacts` holds id, x, y and width in CSS pixels, x right and y down from the touch rectangle's top left corner; `cancelled` the ids that the system cancelled since the last message; `lift` the lift control, if the page shows one. `seq` counts up from 1, `t` is the page's clock. */
+export interface PageTouches {
   type: "touches";
   seq: number;
   t: number;
@@ -38,63 +38,63 @@ export interface Touches {
   lift?: number | null;
 }
 
-/** A frame has arrived; gives its credit back. Sent at once, before anything is drawn. */
+/** Acknowledges a frame and returns its credit. Sent at once, before the frame is drawn. */
 export interface Got {
   type: "got";
   frame: number;
 }
 
-/** A frame has been drawn, `after_ms` after the touch event that it answers had happened. */
+/** Reports that a frame was drawn, `after_ms` after the touch event that is visible in it. */
 export interface Drawn {
   type: "drawn";
   frame: number;
   after_ms: number;
 }
 
-/** Says that the page lives, and asks for an echo; `round_trip_ms` is the last echo's. */
+/** Heartbeat of the page, answered by an echo; `round_trip_ms` is that of the last echo. */
 export interface Beat {
   type: "beat";
   t: number;
   round_trip_ms?: number | null;
 }
 
-/** The person wants something: try again, another task, the other hand, or a stop of time. */
-export interface Ask {
+/** Request of the player: try again, another task, the other hand, pause or resume. */
+export interface PlayerRequest {
   type: "ask";
   what: "hand" | "pause" | "resume" | "retry" | "task";
   value?: string;
 }
 
-/** What somebody has filled in for an item of a study's sheet; null takes it back. */
-export interface Answer {
+/** A participant's answer to an item of a study's sheet; null removes it. */
+export interface ItemAnswer {
   type: "answer";
   sheet: number;
   item: string;
   value: string | number | null;
 }
 
-/** Somebody is through with a study's sheet, or says yes or no to it. */
+/** A participant has finished a study's sheet, or answers yes or no to it. */
 export interface Leave {
   type: "leave";
   sheet: number;
   how: "done" | "no" | "yes";
 }
 
-/** A task that can be chosen: its name, one line about it, whether it needs a lift control. */
+/** A task to choose: its name, its summary in a line, and whether it needs a lift control. */
 export interface TaskName {
   name: string;
   summary: string;
   lift: boolean;
 }
 
-/** A page in a study: its words by what they are for, in the participant's language, and which of task, goal, time, progress, fingers and sound a trial shows. */
+/** A page in a study: its texts by key, in the participant's language. `shows` lists which of task, goal, time, progress, fingers and sound a trial shows. */
 export interface StudyView {
   language: string;
   words: Record<string, string>;
   shows: (string)[];
 }
 
-/** The server's first message: what the page is (a player or a spectator), and what there is. In a study there are no menus. `touch`: the player's fingers on the page are a hand's; else something else plays, and every page only looks. */
+/** The server's first message: the role of the page, and the tasks to choose from. In a study there are no menus. `touch` is true if the player's touches drive a hand; otherwise another device does, and all pages are spectators. */
 export interface Welcome {
   type: "welcome";
   protocol: number;
@@ -106,7 +106,7 @@ export interface Welcome {
   touch?: boolean;
 }
 
-/** A shape on a body: MuJoCo's type and sizes, place (m) and turn (w, x, y, z) on the body. */
+/** A shape on a body: MuJoCo's type and sizes, position (m) and quaternion (w, x, y, z). */
 export interface Geom {
   body: number;
   kind: "box" | "capsule" | "cylinder" | "ellipsoid" | "plane" | "sphere";
@@ -126,8 +126,8 @@ export interface SurfaceView {
   calibrated: boolean;
 }
 
-/** A new scene. Frames of another `scene` number belong to one that is over. `bodies` names the rows of a frame's poses. `lift` is how far the hand rises at a lift control of 1, m; 0: the task has none. `size` of a geom is as in MuJoCo: half lengths and radii. `in_air`: hands move over a 3-D device, and nobody touches the page. */
-export interface Scene {
+/** A new scene. Frames with another `scene` number belong to an earlier one. `bodies` names the rows of a frame's poses. `lift` is the height (m) to which a lift control of 1 raises the hand; 0 if the task has none. `size` of a geom is as in MuJoCo: half lengths and radii. `in_air` is true if hands move over a 3-D device, without touches. */
+export interface SceneMessage {
   type: "scene";
   scene: number;
   task: string;
@@ -143,19 +143,19 @@ export interface Scene {
   in_air?: boolean;
 }
 
-/** Something that the person has to know before there is a scene, and what to do about it. */
+/** A problem that prevents a scene, and its remedy, as text for the person. */
 export interface Trouble {
   type: "trouble";
   text: string;
 }
 
-/** One of several answers: as it is kept, and as it is read. */
+/** One of several answers: its stored value, and the label that the person reads. */
 export interface Choice {
   value: string;
   label: string;
 }
 
-/** A question in the participant's language; `low_means` and `high_means` are a scale's ends. */
+/** A question in the participant's language; `low_means` and `high_means` label a scale. */
 export interface ItemView {
   name: string;
   kind: "choice" | "number" | "scale" | "text";
@@ -169,7 +169,7 @@ export interface ItemView {
   high_means: string;
 }
 
-/** What a study's participant has before them instead of the scene; `none` shows the scene. `answers` is what was filled in before, by item. A `rest` can be left after `seconds`. */
+/** A sheet that a study's participant sees instead of the scene; `none` shows the scene. `answers` has earlier answers by item. A `rest` can be left after `seconds`. */
 export interface Sheet {
   type: "sheet";
   sheet: number;
@@ -181,7 +181,7 @@ export interface Sheet {
   seconds: number;
 }
 
-/** An answer that is none, and why; without an item, the whole sheet. */
+/** Refusal of an answer, with the reason; with an empty item, of the whole sheet. */
 export interface Refusal {
   type: "refusal";
   sheet: number;
@@ -195,7 +195,7 @@ export interface Echo {
   t: number;
 }
 
-/** A contact as the session knows it: place (m) in the world, for those whose fingers are not on this screen; `force` (N) is what its fingertip presses things with. */
+/** A contact in the session. `position` (m) in the world is for fingers that are not on this screen; `force` (N) is that of its fingertip on objects. */
 export interface ContactState {
   id: number;
   label: number | null;
@@ -204,7 +204,7 @@ export interface ContactState {
   position: [number, number, number];
 }
 
-/** A hand: phase of its arrival, fingers that are solid, contacts, sureness of the labels. */
+/** A hand: phase of its arrival, solid fingers, contacts, probability of the labels. */
 export interface HandState {
   phase: string;
   solid: (number)[];
@@ -212,14 +212,14 @@ export interface HandState {
   probability: number;
 }
 
-/** Where a thing should go now: position (m) and turn about the vertical (rad). */
+/** Current goal of an object: position (m) and turn about the vertical (rad). */
 export interface GoalState {
   object: string;
   position: [number, number, number];
   yaw: number;
 }
 
-/** What changes besides poses; the tail of a frame. */
+/** Values of a frame besides poses, at its end. */
 export interface State {
   time: number;
   status: string;
@@ -233,6 +233,6 @@ export interface State {
   paused: boolean;
 }
 
-export type Up = Hello | Resized | Touches | Got | Drawn | Beat | Ask | Answer | Leave;
+export type Up = Hello | Resized | PageTouches | Got | Drawn | Beat | PlayerRequest | ItemAnswer | Leave;
 
-export type Down = Welcome | Scene | Trouble | Sheet | Refusal | Echo;
+export type Down = Welcome | SceneMessage | Trouble | Sheet | Refusal | Echo;

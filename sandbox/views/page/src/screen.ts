@@ -1,7 +1,7 @@
 // How many CSS pixels an inch of this screen has. Browsers do not tell, so it is guessed from what
 // kind of device this seems to be, until somebody holds a bank card to the screen.
 
-import type { Screen } from "./protocol";
+import type { PageScreen } from "./protocol";
 import { recall, remember } from "./memory";
 
 /** ISO/IEC 7810 ID-1: every bank card, in inches. */
@@ -42,7 +42,7 @@ export function calibrate(value: number): void {
   remember(key, String(measured));
 }
 
-export function currentScreen(): Screen {
+export function currentScreen(): PageScreen {
   return {
     px_per_in: pxPerInch(),
     width_px: window.innerWidth,

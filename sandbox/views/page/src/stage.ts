@@ -21,7 +21,7 @@ import type { Frame } from "./frame";
 import { Ghost } from "./ghost";
 import { matMaterial, outline } from "./ground";
 import { Lens } from "./lens";
-import type { Geom, Scene } from "./protocol";
+import type { Geom, SceneMessage } from "./protocol";
 import { Quality } from "./quality";
 import { geometry, place } from "./shapes";
 import { type Skin, wear } from "./skin";
@@ -38,7 +38,7 @@ export class Stage {
   private readonly quality: Quality;
   private readonly world = new World();
   private content = new Group();
-  private scene: Scene | null = null;
+  private scene: SceneMessage | null = null;
   private bodies: Bone[] = [];
   private skins = new Map<string, Skin>();
   private ghosts = new Map<string, Ghost>();
@@ -75,7 +75,7 @@ export class Stage {
   }
 
   /** Builds a new scene, and lets go of the last one. */
-  open(scene: Scene): void {
+  open(scene: SceneMessage): void {
     this.world.remove(this.content);
     this.content.traverse(dispose);
     this.content = new Group();
@@ -181,7 +181,7 @@ export class Stage {
   }
 
   /** The sun, and the part of the world where it casts shadows: round the touch rectangle. */
-  private light(scene: Scene): void {
+  private light(scene: SceneMessage): void {
     const [x, y] = scene.surface.origin;
     const reach = 0.2;
     this.key.target.position.set(x + 0.1, y - 0.08, 0.02);

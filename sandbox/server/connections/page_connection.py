@@ -1,8 +1,8 @@
-"""A connection that hears and speaks at once, where the library would wake a task for it.
+"""A WebSocket connection that receives and sends messages without waking a task.
 
-`recv` and `send` of `websockets` are coroutines: a message waits for one more round of the event
-loop before it is heard, and a frame for another one before it is sent. Beside a session that
-takes the processor's caches for itself, both cost a tenth of a millisecond together.
+`recv` and `send` of `websockets` are coroutines: every received message and every sent frame waits
+for one more round of the event loop. While a session occupies the processor's caches, both
+together take a tenth of a millisecond.
 """
 
 from __future__ import annotations
@@ -16,21 +16,21 @@ from websockets.http11 import Request, Response
 from websockets.protocol import State
 
 
-class Attentive(ServerConnection):
-    """A page's socket; all of it runs in the server's thread.
+class PageConnection(ServerConnection):
+    """The WebSocket connection of a page; runs in the server's thread.
 
     Attributes:
-        hear: Is called with every text that comes in one piece. Until it is set, and for everything
-            else, there is `recv`.
+        hear: Called with every text message that arrives in one frame. Other messages, and all
+            messages while it is None, are received by `recv`.
     """
 
     hear: Callable[[str], None] | None = None
 
     def process_event(self, event: Request | Response | Frame) -> None:
-        """Takes in what the library has found in the bytes."""
+        """Processes an event that the library has parsed."""
         text = None
         if self.hear and isinstance(event, Frame) and event.opcode is Opcode.TEXT and event.fin:
-            # The library closes a connection whose text is not valid.
+            # For invalid text the library closes the connection.
             with contextlib.suppress(UnicodeDecodeError):
                 text = str(event.data, "utf-8")
         if self.hear and text is not None:
@@ -44,6 +44,6 @@ class Attentive(ServerConnection):
         return self.state is State.OPEN and not self.transport.get_write_buffer_size()
 
     def send_now(self, message: bytes, text: bool) -> None:
-        """Sends a message over a free socket, in one piece and without waiting."""
+        """Sends a message over a free socket at once, in one frame."""
         (self.protocol.send_text if text else self.protocol.send_binary)(message)
         self.send_data()

@@ -7,22 +7,22 @@ from math import sqrt
 from sandbox.views.renderer import LARGEST, Renderer
 
 MOST_PIXELS = 2_600_000
-"""px that are drawn; a larger window's picture is stretched. Beyond, reading and writing pictures
-takes longer than drawing them."""
+"""px, largest number of drawn pixels; in a larger window the picture is stretched. Above it,
+copying pictures takes longer than drawing them."""
 SLOW, PATIENCE = 0.045, 4
-"""s for a picture, and how many slower ones in a row make the window draw more plainly."""
+"""s for a picture, and number of slower pictures in a row after which the quality is reduced."""
 PLAIN_SHRINK = 1.6
-"""Factor by which the drawing is smaller, and then stretched, without a graphics card."""
+"""Factor by which the drawing is smaller than the window at reduced quality."""
 
 
-class Plainness:
-    """Learns from how long pictures take."""
+class DrawingQuality:
+    """Chooses the drawing quality from the duration of pictures."""
 
     def __init__(self) -> None:
         self._slow, self._shrink = 0, 1.0
 
     def size(self, width: int, height: int) -> tuple[int, int]:
-        """px of the picture to draw for a window of so many."""
+        """px, size of the picture to draw for a window of a given size, px."""
         width, height = max(width, 16), max(height, 16)
         shrink = max(
             sqrt(width * height / MOST_PIXELS), width / LARGEST, height / LARGEST, self._shrink
@@ -30,9 +30,9 @@ class Plainness:
         return max(round(width / shrink), 16), max(round(height / shrink), 16)
 
     def took(self, seconds: float, renderer: Renderer) -> None:
-        """Notes what a picture took; slow ones cost first the shadows, then pixels.
+        """Notes the duration of a picture; slow ones first disable shadows, then reduce pixels.
 
-        Text stays sharp: it is drawn over the stretched picture.
+        Text stays sharp, as it is drawn over the stretched picture.
         """
         self._slow = self._slow + 1 if seconds > SLOW else 0
         if self._slow < PATIENCE:
