@@ -244,7 +244,7 @@ class MjcfObject:
             )
         if not np.any((model.geom_bodyid == 1) & (model.geom_contype | model.geom_conaffinity)):
             raise InputError(
-                "nothing of it is solid",
+                "it has no solid geom",
                 where=self._where,
                 expected="a geom with contype or conaffinity",
             )

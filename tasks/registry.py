@@ -91,7 +91,7 @@ def draw_task(kind: type[Task], seed: int, surface: Surface) -> Task:
     """
     where = f"{kind.name}, seed {seed}"
     if seed < 0:
-        raise InputError("no such seed", where="seed", got=seed, expected="0 or more")
+        raise InputError("the seed is out of range", where="seed", got=seed, expected="0 or more")
     task = _drawn(kind, seed, surface, where)
     check_names(task, where)
     if not is_built_in(kind):

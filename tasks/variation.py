@@ -55,7 +55,7 @@ class Variation:
             value = getattr(self, name)
             if not least <= value <= most:
                 raise InputError(
-                    f"no such {name}",
+                    f"{name} is out of range",
                     where="variation",
                     got=value,
                     expected=f"{least:g} to {most:g}",
@@ -203,7 +203,7 @@ def _moved(
                 for t, p in zip(objects, new, strict=True)
             )
     raise InputError(
-        "the surface has no room for starts so far away",
+        "the surface has no room for starts shifted so far",
         where=f"{task.name}, seed {task.seed}",
         got=f"{1000 * way:g} mm",
     )

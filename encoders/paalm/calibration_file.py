@@ -69,7 +69,9 @@ def write_calibration(hands: Mapping[str, HandCalibration], path: Path) -> None:
     try:
         path.write_text(json.dumps(record, indent=1, allow_nan=False) + "\n", encoding="utf-8")
     except OSError as error:
-        raise EncoderError(f"it cannot be written: {error}", where=str(path)) from error
+        raise EncoderError(
+            f"the calibration cannot be written: {error}", where=str(path)
+        ) from error
 
 
 def calibration_to_json(c: HandCalibration) -> dict[str, Any]:

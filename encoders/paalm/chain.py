@@ -67,7 +67,9 @@ class FingerChain:
     ) -> None:
         first, second, third = lengths
         if min(first, second) <= 0.0 or third < 0.0 or not 0.0 <= hidden < 1.0:
-            raise EncoderError("a finger has bones", got=(lengths, hidden), expected="lengths > 0")
+            raise EncoderError(
+                "the bone lengths are out of range", got=(lengths, hidden), expected="lengths > 0"
+            )
         self.lengths, self.coupling, self.limits, self.hidden = lengths, coupling, limits, hidden
         self.reach = first * (1.0 - hidden) + second + third
         pip = np.linspace(radians(limits.pip[0]), radians(limits.pip[1]), _ENTRIES)

@@ -128,7 +128,7 @@ class HandSizes:
             a.shape != expected or not np.isfinite(a).all() for a in arrays
         ):
             raise InputError(
-                "a hand's size takes five fingers in three spreads",
+                "the hand's size needs three spreads of five fingers",
                 where="calibration",
                 got=", ".join(str(a.shape) for a in arrays) or "nothing",
                 expected="three finite layouts of shape (5, 2)",
@@ -146,7 +146,7 @@ class HandSizes:
         size = HandSize(ratio, low, high, tuple(alone))
         if high / low > WIDEST or low <= SIZES[0] * 1.001 or high >= SIZES[1] / 1.001:
             raise InputError(
-                "the three spreads do not tell the hand's size",
+                "the three spreads do not determine the hand's size",
                 where="calibration",
                 got=f"{ratio:.2f}, but anything from {low:.2f} to {high:.2f}; the spreads alone "
                 + ", ".join(f"{n} {r:.2f}" for n, r in zip(SPREADS, alone, strict=True)),
@@ -179,7 +179,7 @@ class HandSizes:
             strange = float(off @ spread.shape @ off)
             if strange > STRANGEST:
                 raise InputError(
-                    "these five touches do not lie like a hand's",
+                    "these five touches are not arranged like those of a hand",
                     where=f"{name} spread",
                     got=f"a squared distance of {strange:.0f} from the trained hand's",
                     expected=f"{STRANGEST:g} or less",

@@ -61,7 +61,7 @@ class NaturalLayout:
     def __init__(self, layouts: ArrayLike) -> None:
         z = _complex(layouts)
         if not len(z):
-            raise CaptureError("no frame in it has five fingers down", expected="some")
+            raise CaptureError("no frame has five fingers down", expected="at least one")
         z = z - z.mean(axis=1, keepdims=True)
         mean = z.mean(axis=0)
         for _ in range(_ROUNDS):

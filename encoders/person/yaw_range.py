@@ -57,7 +57,7 @@ class YawRange:
         five = U[U[:, 10:].all(axis=1)]
         if len(five) < _FIVE:
             raise CaptureError(
-                "too few frames with five fingers to know how hands were turned",
+                "too few frames with five fingers to estimate the range of yaw",
                 got=len(five),
                 expected=f"{_FIVE} or more",
             )

@@ -214,4 +214,4 @@ class PcaIkEncoder(TouchIkEncoder):
         if self.start not in STARTS:
             raise EncoderError("no such start", got=self.start, expected=", ".join(STARTS))
         if self.components is not None and self.components < 0:
-            raise EncoderError("no such number of components", got=self.components)
+            raise EncoderError("the number of components is out of range", got=self.components)

@@ -109,7 +109,7 @@ class NullSpaceIkEncoder(TouchIkEncoder):
         if self.desired not in DESIRED:
             raise EncoderError("no such desired pose", got=self.desired, expected=str(DESIRED))
         if not 0 <= self.gain <= 1:
-            raise EncoderError("no such gain", got=self.gain, expected="0 to 1")
+            raise EncoderError("the gain is out of range", got=self.gain, expected="0 to 1")
 
 
 class MapIkEncoder(TouchIkEncoder):

@@ -230,7 +230,7 @@ class TouchIkEncoder(Encoder):
 
     def _check_options(self) -> None:
         if self.iterations < 0:
-            raise EncoderError("no such number of iterations", got=self.iterations)
+            raise EncoderError("the number of iterations is out of range", got=self.iterations)
         if not 0 <= self.settled < np.inf:
             raise EncoderError("settled must be 0 or more", got=self.settled)
         if self.pad_height is not None and not np.isfinite(self.pad_height):

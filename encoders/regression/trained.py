@@ -304,7 +304,7 @@ def load_model(path: Path | str, capture: Capture | None = None) -> TrainedModel
             where=where,
             got=header.get("schema"),
             expected=str(SCHEMA),
-            remedy="`sandbox train` makes it anew from its capture",
+            remedy="`sandbox train` trains it again on its capture",
         )
     meta, distrust = header.get("meta"), header.get("distrust")
     if not isinstance(meta, dict) or not _is_distrust(distrust):

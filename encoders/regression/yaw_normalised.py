@@ -154,7 +154,9 @@ class YawNormalisedEncoder(Encoder):
         """See `Encoder.restore`."""
         for ridge in (self.ridge, self.turned_ridge):
             if not is_ridge(ridge):
-                raise EncoderError("no such ridge", got=ridge, expected="0 or more, finite")
+                raise EncoderError(
+                    "the ridge is out of range", got=ridge, expected="0 or more, finite"
+                )
         return self.load(stored_coefficients(arrays, (1 + len(SPREADS), *_COEF)))
 
     def _check_learned(self) -> None:

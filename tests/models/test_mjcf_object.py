@@ -159,7 +159,7 @@ def test_a_file_with_its_mesh_beside_it_is_the_same_from_any_folder(tmp_path, mo
         (mjcf(SPHERE).replace("</worldbody>", f"<body>{SPHERE}</body></worldbody>"), "one rigid"),
         (mjcf(SPHERE + f'<body><joint type="hinge"/>{SPHERE}</body>'), "one rigid body"),
         (mjcf('<joint type="slide"/>' + SPHERE), "one rigid body"),
-        (mjcf('<geom size=".1" contype="0" conaffinity="0"/>'), "nothing of it is solid"),
+        (mjcf('<geom size=".1" contype="0" conaffinity="0"/>'), "it has no solid geom"),
         ("/no/such/file.xml", "no such file"),
     ],
 )

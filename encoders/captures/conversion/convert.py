@@ -60,7 +60,7 @@ def capture_from_touches(
     labelled = label_contacts(tracks, joints, clock_offset.offset, rules, report)
     if not labelled:
         raise CaptureError(
-            "no touch is where a fingertip is",
+            "no touch is near a fingertip",
             got="; ".join(f"{n} contacts: {reason}" for reason, n in report.contacts.items()),
             remedy="Check --offset, --side, --surface, and that the poses are in the frame of the "
             "surface",
@@ -90,7 +90,9 @@ def capture_from_poses(
         CaptureError: No finger comes near the surface, or never two at a time.
     """
     if not 0 < threshold < 0.05:
-        raise CaptureError("not a height of a touch", got=threshold, expected="0 to 0.05 m")
+        raise CaptureError(
+            "the touch height is out of range", got=threshold, expected="0 to 0.05 m"
+        )
     labelled = touches_from_tips(joints, threshold, rules, report)
     report.notes["touches"] = f"fingertips within {1000 * threshold:g} mm of the surface"
     return assemble(labelled, joints, 0.0, rules, report, meta)

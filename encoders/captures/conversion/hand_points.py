@@ -76,7 +76,7 @@ def joints_from_points(
     odd = int(hand.surprise.argmax())
     if hand.surprise[odd] > SURPRISE:
         raise CaptureError(
-            "a point is not where it ought to be on the hand",
+            "a point is not at its expected place on the hand",
             got=f"{names[odd]} as {chosen[odd].name}",
             remedy="Check the mapping for swapped names, and the side (--side)",
         )

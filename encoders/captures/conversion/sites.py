@@ -131,7 +131,7 @@ def recognised(names: Sequence[str], side: str, skeleton: Skeleton) -> dict[str,
             got=", ".join(names)[:200],
             expected="three points on the palm and one on every finger",
             remedy='Give a --mapping: lines like index_tip_marker = "index_tip_skin"; '
-            "`sandbox capture --help` tells the names",
+            "`sandbox capture --help` lists the names",
         )
     return best
 

@@ -96,10 +96,10 @@ def offset_by_taps(
     rival = int(counts[elsewhere].max()) if elsewhere.any() else 0
     if len(pairs) < NEEDED * possible or rival >= RIVAL * counts[best]:
         raise CaptureError(
-            "the taps do not tell one offset of the clocks",
+            "the taps do not determine the offset of the clocks",
             where="--sync tap",
             got=f"{len(pairs)} of {possible} touch-downs agree, and {rival} at another offset",
-            expected=f"{100 * NEEDED:g} % of them, and no rival with {100 * RIVAL:g} % as many",
+            expected=f"{100 * NEEDED:g} % of them, and no other with {100 * RIVAL:g} % as many",
             remedy="Tap unevenly, a few times, or give --sync clock --offset S",
         )
     spread = float(np.median(np.abs(pairs - coarse)) * 1.4826 / np.sqrt(len(pairs)))

@@ -53,7 +53,7 @@ class TouchLog:
         if (np.diff(self.frame) < 0).any() or not (
             self.frame[0] >= 0 and self.frame[-1] < len(self.time)
         ):
-            raise CaptureError("rows belong to no frame", where="touches")
+            raise CaptureError("some rows do not belong to any frame", where="touches")
 
 
 @dataclass(frozen=True)

@@ -119,7 +119,7 @@ def capture_from_hands(
     labelled = label_by_fingertips(tracks, here, clock.offset, rules, report)
     if not labelled:
         raise CaptureError(
-            "no touch is where a fingertip is",
+            "no touch is near a fingertip",
             got="; ".join(f"{n} contacts: {reason}" for reason, n in report.contacts.items()),
             remedy="Check --side and --surface",
         )
@@ -135,7 +135,7 @@ def _overlap(
     tracks: list[ContactTrack], track: HandTrack, slack: float | None, offset: float | None
 ) -> None:
     if not tracks:
-        raise CaptureError("no touch is left to go by", where="touches")
+        raise CaptureError("no usable touch is left", where="touches")
     if slack is None and offset is None:
         return
     shift, room = offset or 0.0, slack or 0.0

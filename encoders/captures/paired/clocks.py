@@ -53,7 +53,9 @@ def host_clock(device: Array, arrived: Array, where: str) -> HostClock:
         CaptureError: The two clocks do not match.
     """
     if len(device) < 2 or np.ptp(device) <= 0.0:
-        raise CaptureError("too few frames to tell its clock", where=where, got=len(device))
+        raise CaptureError(
+            "too few frames to relate its clock to the host's", where=where, got=len(device)
+        )
     middle = float(device.mean())
     keep = np.ones(len(device), bool)
     line = np.array([1.0, 0.0])
@@ -67,7 +69,7 @@ def host_clock(device: Array, arrived: Array, where: str) -> HostClock:
     # Short recordings do not determine the drift: jitter of the arrivals looks like one.
     if abs(drift) > MOST_DRIFT + 4.0 * spread / max(float(np.ptp(device)), 1e-9):
         raise CaptureError(
-            "its own times do not go with their arrival",
+            "the device's times do not match their arrivals",
             where=where,
             got=f"a second of {1.0 + drift:.4f} s",
             expected=f"within {100 * MOST_DRIFT:g} %",

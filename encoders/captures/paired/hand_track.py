@@ -96,7 +96,7 @@ def hand_track(
         seen.append(_tips(frame.hands, hand.ids, left))
     if len(rows) < 2 or len(rows) < 0.05 * len(frames):
         raise CaptureError(
-            f"the {calibration.side} hand is hardly in the recording of hands",
+            f"the {calibration.side} hand is hardly seen in the recording",
             got=f"{len(rows)} of {len(frames)} frames",
             remedy="Check --side, and that the hand is within the device's view",
         )

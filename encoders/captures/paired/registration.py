@@ -68,7 +68,7 @@ def first_guess(touches: Array, frame: NDArray[np.int64], tips: Array, near: flo
     usable = low.any(axis=1)
     if usable.sum() < 10:
         raise CaptureError(
-            "hardly any touch goes with a fingertip on the surface", got=int(usable.sum())
+            "hardly any touch matches a fingertip on the surface", got=int(usable.sum())
         )
     flat, low, touches = flat[usable], low[usable], touches[usable]
     middle = np.where(low[..., None], flat, 0.0).sum(axis=1) / low.sum(axis=1)[:, None]
@@ -90,7 +90,7 @@ def first_guess(touches: Array, frame: NDArray[np.int64], tips: Array, near: flo
     assert best is not None
     if best.miss > MOST_MISS:
         raise CaptureError(
-            "touches and fingertips do not fit each other",
+            "touches and fingertips do not match",
             got=f"{1000 * best.miss:.0f} mm between them (median)",
             expected=f"under {1000 * MOST_MISS:g} mm",
             remedy="Check --side and --surface, and that both were recorded together",
@@ -113,7 +113,7 @@ def registered(touches: Array, tips: Array) -> DevicePose:
     here = tips[known]
     if len(here) < 10 or np.linalg.svd(here - here.mean(axis=0), compute_uv=False)[1] < 0.01:
         raise CaptureError(
-            "too few touches to tell where the device is",
+            "too few touches to locate the device",
             got=f"{len(here)} fingertips that were seen touching",
             remedy="Touch all over the surface, with several fingers at a time",
         )

@@ -76,7 +76,7 @@ def simulate(
     """
     for name, value in (("seed", seed), ("day", day)):
         if value < 0:
-            raise InputError(f"no such {name}", got=value, expected="0 or more")
+            raise InputError(f"the {name} is out of range", got=value, expected="0 or more")
     c, surface = configuration, Surface()
     person = _person(seed, day, c, surface)
     play = np.random.default_rng([_PLAY, seed, day])

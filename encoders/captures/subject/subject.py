@@ -59,7 +59,7 @@ def simulate(
     """
     for name, value in (("seed", seed), ("day", day)):
         if value < 0:
-            raise InputError(f"no such {name}", got=value, expected="0 or more")
+            raise InputError(f"the {name} is out of range", got=value, expected="0 or more")
     person = _Person(configuration, seed, skeleton)
     session = _Session(person, day)
     takes = takes_of(day, np.random.default_rng([seed, DAY, day, 1]), configuration)

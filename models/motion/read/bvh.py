@@ -56,7 +56,7 @@ def read_bvh(path: Path, unit: float = CENTIMETRE) -> Motion:
     rows = [(n, line) for n, line in enumerate(lines[at:], start=at + 1) if line.strip()]
     if len(rows) != count:
         raise MotionError(
-            "the number of frames is not the one the file states",
+            "the number of frames differs from the one that the file states",
             where=str(path),
             got=len(rows),
             expected=str(count),
@@ -121,7 +121,7 @@ def _read_hierarchy(path: Path, lines: list[str]) -> tuple[_Hierarchy, int]:
             return out, n
         else:
             raise MotionError("this line has no meaning here", where=where, got=line.strip()[:40])
-    raise MotionError("it ends before its MOTION", where=str(path), expected="MOTION")
+    raise MotionError("the file ends before MOTION", where=str(path), expected="MOTION")
 
 
 def _take_channels(joint: _Joint, words: list[str], hierarchy: _Hierarchy, where: str) -> None:

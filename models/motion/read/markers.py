@@ -74,7 +74,7 @@ def read_markers(path: Path, unit: float = MILLIMETRE) -> MarkerTracks:
     rows = [(n, line) for n, line in enumerate(lines[at:], start=at + 1) if line.strip()]
     if len(rows) != frames:
         raise MotionError(
-            "the number of frames is not the one the file states",
+            "the number of frames differs from the one that the file states",
             where=str(path),
             got=len(rows),
             expected=str(frames),
@@ -110,7 +110,7 @@ def _names(path: Path, head: dict[str, list[str]]) -> tuple[str, ...]:
         )
     if "NO_OF_MARKERS" in head and _count(path, head, "NO_OF_MARKERS") != len(names):
         raise MotionError(
-            "the number of markers is not the one the file states",
+            "the number of markers differs from the one that the file states",
             where=str(path),
             got=len(names),
             expected=head["NO_OF_MARKERS"][0],

@@ -77,7 +77,7 @@ def test_taps_in_one_rhythm_are_refused_for_they_fit_many_offsets(joints):
     frames = np.concatenate([np.arange(i, i + 6) for i in range(180, 720, 60)])
     place = joints.tips[0, 1, :2] * [1, -1]
     log = TouchLog(time, frames, frames // 60, np.tile(place, (len(frames), 1)))
-    with pytest.raises(CaptureError, match="do not tell one offset"):
+    with pytest.raises(CaptureError, match="do not determine the offset"):
         converted(log, steady, "tap")
 
 
