@@ -182,7 +182,7 @@ class MjcfObject:
 
     @cached_property
     def height(self) -> float:
-        """m, height of its origin above the table when it stands as described."""
+        """Height in m of its origin above the table when it stands as described."""
         mujoco.mj_kinematics(self._compiled, self._measuring)
         lowest = min(self._distance(geom, "floor") for geom in self._solid) - _FLOOR
         return -self.size * lowest

@@ -163,12 +163,12 @@ class Wrench:
 
     @property
     def handle(self) -> tuple[float, float]:
-        """m along its x axis, where the handle begins and ends."""
+        """Begin and end of the handle, m along its x axis."""
         return self.size * HANDLE[0], self.size * HANDLE[1]
 
     @property
     def handle_width(self) -> float:
-        """m across the handle."""
+        """Width of the handle, m."""
         return self.size * HANDLE_WIDTH
 
     @property
@@ -178,7 +178,7 @@ class Wrench:
 
     @property
     def jaw(self) -> float:
-        """m along its x axis, the middle of its jaws."""
+        """Middle of its jaws, m along its x axis."""
         return self.size * JAW
 
     def bolt_place(self, middle: ArrayLike, yaw: float) -> tuple[float, float]:
@@ -381,12 +381,12 @@ class Tray:
 
     @property
     def grip(self) -> float:
-        """m, distance from the middle to the point where a hand closes on a handle."""
+        """Distance in m from the middle to the grip on a handle."""
         return self.size * TRAY_GRIP
 
     @property
     def handle(self) -> tuple[float, float, float]:
-        """(3,) m, half the edges of a handle."""
+        """Half the edges (3,) m of a handle."""
         a, b, c = (self.size * half for half in TRAY_HANDLE)
         return a, b, c
 

@@ -46,12 +46,12 @@ class BodyPoses(Protocol):
 
     @property
     def xpos(self) -> Array:
-        """(bodies, 3) m."""
+        """Positions (bodies, 3) m."""
         ...
 
     @property
     def xmat(self) -> Array:
-        """(bodies, 9) rotations."""
+        """Rotations (bodies, 9)."""
         ...
 
 

@@ -87,17 +87,17 @@ class Skeleton:
 
     @cached_property
     def lower(self) -> Array:
-        """(42,) rad, least legal rotation-vector components of all bones."""
+        """Least legal rotation-vector components (42,) rad of all bones."""
         return np.concatenate([b.lower for b in self.bones])
 
     @cached_property
     def upper(self) -> Array:
-        """(42,) rad, greatest legal rotation-vector components of all bones."""
+        """Greatest legal rotation-vector components (42,) rad of all bones."""
         return np.concatenate([b.upper for b in self.bones])
 
     @property
     def tip_radius(self) -> Array:
-        """(5,) m, radius of each fingertip's end sphere."""
+        """Radii (5,) m of the fingertips' end spheres."""
         last = [*(self.first_bone[1:] - 1), len(self.bones) - 1]
         return np.array([self.bones[i].radius for i in last])
 

@@ -64,7 +64,7 @@ class Surface:
 
     @property
     def size(self) -> NDArray[np.float64]:
-        """(2,) width and height, metres."""
+        """Width and height (2,), metres."""
         return np.array([self.width_in, self.height_in]) * METRES_PER_INCH
 
     @cached_property

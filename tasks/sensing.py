@@ -138,7 +138,7 @@ class Sensing:
         return up > SUPPORT * self._weights[name]
 
     def _sensor(self, name: str, other: str) -> Array:
-        """(4,) number of contacts, and force in N between two parts of the scene."""
+        """Number of contacts and force in N between two parts of the scene, as an array (4,)."""
         if (name, other) not in self._read:
             parts = {part for pair in self._read for part in pair}
             raise _unknown(name if name not in parts else other, parts)

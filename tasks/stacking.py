@@ -141,7 +141,7 @@ class Stacking(TaskDefaults):
 
     @cached_property
     def _ways(self) -> tuple[float, ...]:
-        """That distance in m for every goal's box at the start."""
+        """Distance in m from every goal's box to its place at the start."""
         start = {box.name: _Start(box) for box in self.objects}
         return tuple(self._way(i, start) for i in range(len(self.goals)))
 

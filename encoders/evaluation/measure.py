@@ -60,12 +60,12 @@ class Tests:
 
     @cached_property
     def q(self) -> Array:
-        """(T, 48) captured poses."""
+        """Captured poses (T, 48)."""
         return np.concatenate([c.q for c in self.captures])
 
     @cached_property
     def xy(self) -> Array:
-        """(T, 5, 2) m, touches."""
+        """Touches (T, 5, 2) m."""
         return np.concatenate([c.xy for c in self.captures])
 
     def smoothness(self, q: Array) -> Smoothness:

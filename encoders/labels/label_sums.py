@@ -22,8 +22,8 @@ _NEVER = 1e-300
 
 @cache
 def rows_of(count: int, places: tuple[int, ...]) -> NDArray[np.intp]:
-    """For the labellings (P,) of `count` contacts: the row in `hypotheses(len(places))` that gives
-    the contacts at these places the same labels."""
+    """Row (P,) in `hypotheses(len(places))` with the same labels of the contacts at these places,
+    for every labelling of `count` contacts."""
     if not places:
         return np.zeros(len(hypotheses(count)), np.intp)
     weights = len(FINGERS) ** np.arange(len(places))

@@ -61,7 +61,7 @@ class Track:
 
     @property
     def xy(self) -> Array:
-        """(2,) m, `place` as an array."""
+        """`place` as an array (2,), m."""
         return np.array(self.place)
 
     @property

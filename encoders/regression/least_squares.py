@@ -113,7 +113,7 @@ class LeastSquares:
         return solution / scale[:, None], int(rank)
 
     def ridge(self, ridges: Sequence[float]) -> Array:
-        """(len(ridges), K, n_outputs) coefficients, one set for every penalty; see `ridge_path`."""
+        """Coefficients (len(ridges), K, n_outputs), one set for every penalty; see `ridge_path`."""
         X, Q = self.stacked()
         whole = triangle(X, Q)
         # The constant comes first. The remainder orthogonal to it is the variation about the mean;
@@ -142,7 +142,7 @@ def triangle(X: Array, Q: Array, above: Array | None = None) -> Array:
 
 
 def ridge_path(X: Array, Q: Array, ridges: Sequence[float]) -> Array:
-    """(len(ridges), K, n_outputs) coefficients of terms X (T, K), one set for every penalty.
+    """Coefficients (len(ridges), K, n_outputs) of terms X (T, K), one set for every penalty.
 
     Penalties apply to standardised terms, except the constant. The costly part, the products of
     the terms, is computed once for all penalties.

@@ -28,7 +28,7 @@ class MeanEncoder(Encoder):
         return self
 
     def predict(self, U: ArrayLike) -> Array:
-        """(T, n) the mean for inputs (T, width), or (n,) for one input."""
+        """The mean (T, n) for inputs (T, width), or (n,) for one input."""
         return np.broadcast_to(self.mean_, (*np.shape(U)[:-1], len(self.mean_))).copy()
 
     def arrays(self) -> dict[str, NDArray[Any]]:

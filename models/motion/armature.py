@@ -96,12 +96,12 @@ class Armature:
 
     @cached_property
     def offsets(self) -> Array:
-        """(15, 3) m, each joint in its parent's frame."""
+        """Positions (15, 3) m of each joint in its parent's frame."""
         return np.array([(0.0, 0.0, 0.0), *(bone.anchor for bone in self.skeleton.bones)])
 
     @cached_property
     def ends(self) -> Array:
-        """(15, 3) m, fingertips in the frames of the last joints; NaN elsewhere."""
+        """Fingertips (15, 3) m in the frames of the last joints; NaN for other joints."""
         out = np.full((len(self.names), 3), np.nan)
         for j, bone in enumerate(self.skeleton.bones, start=1):
             if not self.children[j]:

@@ -47,7 +47,7 @@ class Motion:
 
     @property
     def time(self) -> Array:
-        """(T,) s from the first frame."""
+        """Times (T,) s from the first frame."""
         return np.arange(len(self), dtype=np.float64) * self.frame_time
 
     def index(self, name: str) -> int:

@@ -80,7 +80,7 @@ class BoxHandling:
         return choose_grasp(seen, turn, c)
 
     def pivot(self, seen: SeenObject) -> Array:
-        """Its middle."""
+        """The middle of the box."""
         return np.array(seen.position[:2])
 
     def reach(self, seen: SeenObject, grasp: Grasp, turn: float, c: UserConfiguration) -> float:

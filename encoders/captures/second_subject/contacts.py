@@ -30,7 +30,7 @@ class TakeSettings:
 
     @property
     def times(self) -> Array:
-        """(n,) s."""
+        """Times (n,) s from the take's beginning."""
         return np.arange(len(self.down)) / self.rate
 
 

@@ -178,17 +178,17 @@ _FIRST_BONE = np.array([0, 2, 5, 8, 11])
 
 
 def _about_x(angle: Array | float) -> Array:
-    """(..., 3, 3) rotation about x, rad."""
+    """Rotations (..., 3, 3) about x by angles in rad."""
     return _turn(np.asarray(angle, float), 1, 2)
 
 
 def _about_y(angle: Array | float) -> Array:
-    """(..., 3, 3) rotation about y, rad."""
+    """Rotations (..., 3, 3) about y by angles in rad."""
     return _turn(np.asarray(angle, float), 2, 0)
 
 
 def _about_z(angle: Array | float) -> Array:
-    """(..., 3, 3) rotation about z, rad."""
+    """Rotations (..., 3, 3) about z by angles in rad."""
     return _turn(np.asarray(angle, float), 0, 1)
 
 

@@ -56,7 +56,7 @@ def anatomy(
 
 
 def _freedoms() -> list[tuple[int, Array]]:
-    """(bone, axis) of every freedom of the fingers."""
+    """Bone and axis of every degree of freedom of the fingers."""
     thumb = [(0, FLEXION), (0, ABDUCTION), (0, TWIST), (1, FLEXION), (1, ABDUCTION)]
     fingers = [
         (2 + 3 * finger + bone, axis)

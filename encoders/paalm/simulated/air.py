@@ -91,7 +91,7 @@ class AirTake:
 
     @property
     def angles(self) -> Array:
-        """(T, 5, 4) degrees."""
+        """Joint angles (T, 5, 4), degrees."""
         return angles_of_joints(self.joints)
 
 

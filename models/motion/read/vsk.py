@@ -146,7 +146,7 @@ class _Reader:
         self.skeleton.markers[name] = (self.skeleton.names.index(segment), place)
 
     def _vector(self, element: ElementTree.Element, key: str, where: str) -> Array:
-        """(3,) numbers, or parameters by name."""
+        """Three numbers (3,) of an attribute, given as numbers or as names of parameters."""
         words = element.get(key, "0 0 0").split()
         return np.array(numbers([self._number(word) for word in words], 3, f"{where}, {key}"))
 
