@@ -147,14 +147,14 @@ class Hand:
         return OnePose(self.skeleton).tips
 
 
-def is_calm(impulse: float) -> bool:
+def is_gentle(impulse: float) -> bool:
     """True for a hand no stronger than `safe`, which also gets lower speeds and more armature."""
     return impulse <= IMPULSE_PROFILES["safe"]
 
 
 def finger_armature(impulse: float) -> float:
     """Armature factor for an impulse limit, to be used as `Hand.finger_armature`."""
-    return CALM_ARMATURE if is_calm(impulse) else 1.0
+    return CALM_ARMATURE if is_gentle(impulse) else 1.0
 
 
 def hand_default() -> Element:

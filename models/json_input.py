@@ -311,7 +311,7 @@ def _fault(value: Any, problem: Exception, form: Any) -> _Fault:
     if unknown := _UNKNOWN.fullmatch(message):
         return _Fault(f"{_name(unknown[1])} is not known here", field)
     if wanted := _EXPECTED.fullmatch(message):
-        return _Fault("", field, _shown(actual), _plain(wanted[1]))
+        return _Fault("", field, _shown(actual), _in_plain_words(wanted[1]))
     if message.startswith("Invalid enum value"):
         return _Fault("this value is not known here", field, _shown(actual))
     if message.endswith("out of range"):
@@ -350,7 +350,7 @@ def _field_at(value: Any, path: str, text: str, form: Any, key: bool) -> tuple[s
                 current, name = current[int(index)], f"{name}[{index}]"
             elif field is None and index is None and isinstance(current, dict):
                 emptied.append((current, dict(current)))
-                tried = _culprit(current, lambda: _says(value, form) == _without_got(text))
+                tried = _culprit(current, lambda: _msgspec_error(value, form) == _without_got(text))
                 current, name = current.get(tried), f"{name}[{tried[:_SHOWN]!r}]"
             else:
                 # The value itself could not be decoded.
@@ -372,7 +372,7 @@ def _culprit(items: dict[str, Any], same: Callable[[], bool]) -> str:
     return "..."
 
 
-def _says(value: Any, form: Any) -> str:
+def _msgspec_error(value: Any, form: Any) -> str:
     """Error of msgspec for a value; empty if the value fits."""
     try:
         _converted(value, form)
@@ -386,7 +386,7 @@ def _without_got(text: str) -> str:
     return re.sub(r", got .*?(?= - at |$)", "", text)
 
 
-def _plain(expected: str) -> str:
+def _in_plain_words(expected: str) -> str:
     """Expected type in an error of msgspec, in plain words."""
 
     def words(match: re.Match[str]) -> str:

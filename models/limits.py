@@ -45,7 +45,7 @@ class RateLimit:
     linear: float = 1.0
     angular: float = 12.0
 
-    def or_quicker(self, other: RateLimit) -> RateLimit:
+    def or_faster(self, other: RateLimit) -> RateLimit:
         """Limits that allow the higher speed of both, for linear and angular motion."""
         return RateLimit(max(self.linear, other.linear), max(self.angular, other.angular))
 

@@ -96,7 +96,7 @@ class Surface:
         """True if it faces the person and up on it is up in the world."""
         return bool(abs(self.rotation[2, 2]) < 0.5)
 
-    def stood_up(self, depth: float, low: float) -> Surface:
+    def placed_upright(self, depth: float, low: float) -> Surface:
         """The same rectangle, upright in front of the person like a picture on a wall.
 
         Its x is the world's, up the surface is up, and out of it is towards the person.

@@ -110,7 +110,7 @@ class Stacking(TaskDefaults):
             return f"the {name} box does not stand on the table"
         if any(sensing.rests_on(name, other.name) for other in self.objects[1:]):
             return f"the {name} box stands on another one"
-        return _restless(name, states[name])
+        return _reason_not_settled(name, states[name])
 
     def _missing(
         self, lower: Box, upper: Box, states: dict[str, ObjectState], sensing: Sensing
@@ -125,25 +125,27 @@ class Stacking(TaskDefaults):
         off = length((states[name].position - states[below].position)[:2])
         if off > OFFSET_TOLERANCE * 2 * min(lower.half_size[0], upper.half_size[0]):
             return f"the {name} box is {1000 * off:.0f} mm off the middle of the {below} box"
-        return _restless(name, states[name])
+        return _reason_not_settled(name, states[name])
 
     def _progress(self, states: dict[str, ObjectState], done: int) -> float:
         """Share of the upper boxes that are in place, plus the progress of the next one."""
         if done == len(self.goals):
             return 1.0
-        way = min(max(1.0 - self._way(done, states) / self._ways[done], 0.0), 1.0)
+        way = min(
+            max(1.0 - self._distance_to_place(done, states) / self._start_distances[done], 0.0), 1.0
+        )
         return (done + 0.99 * way) / len(self.goals)
 
-    def _way(self, i: int, poses: Mapping[str, Posed]) -> float:
+    def _distance_to_place(self, i: int, poses: Mapping[str, Posed]) -> float:
         """Distance in m from a goal's box to its current place."""
         goal = place(self.goals[: i + 1], poses)[i]
         return length(poses[goal.object].position - goal.position)
 
     @cached_property
-    def _ways(self) -> tuple[float, ...]:
+    def _start_distances(self) -> tuple[float, ...]:
         """Distance in m from every goal's box to its place at the start."""
         start = {box.name: _Start(box) for box in self.objects}
-        return tuple(self._way(i, start) for i in range(len(self.goals)))
+        return tuple(self._distance_to_place(i, start) for i in range(len(self.goals)))
 
 
 class _Start:
@@ -155,7 +157,7 @@ class _Start:
         self.rotation = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
 
 
-def _restless(name: str, state: ObjectState) -> str:
+def _reason_not_settled(name: str, state: ObjectState) -> str:
     if state.lean > LEAN_TOLERANCE:
         return f"the {name} box is tilted by {np.rad2deg(state.lean):.0f} degrees"
     if state.held:

@@ -104,7 +104,7 @@ class WrenchTask(TaskDefaults, ABC):
     def measure(self, sensing: Sensing) -> Measure:
         """Tests whether the wrench is at its goal, let go and at rest now."""
         wrench = sensing.object(NAME)
-        reason = self._missing(wrench) or _restless(wrench)
+        reason = self._missing(wrench) or _reason_not_settled(wrench)
         # Only success is 1.
         progress = 1.0 if not reason else float(min(self._progress(wrench), 0.99))
         return Measure(not reason, progress, reason, self._lost(wrench))
@@ -136,7 +136,7 @@ def share(left: float, whole: float, tolerance: float) -> float:
     return min(max(1.0 - max(left - tolerance, 0.0) / (whole - tolerance), 0.0), 1.0)
 
 
-def _restless(wrench: ObjectState) -> str:
+def _reason_not_settled(wrench: ObjectState) -> str:
     if wrench.held:
         return "a hand still touches the wrench"
     return "the wrench is still moving" if wrench.speed > SPEED_TOLERANCE else ""

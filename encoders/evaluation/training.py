@@ -17,7 +17,7 @@ from encoders.evaluation.methods import EncoderMethod, Method
 from encoders.labels.assignment import AssignmentLabels
 from encoders.labels.belief import builtin_belief
 from encoders.labels.labelling import Labeller, PaperLabels
-from encoders.regression.registry import ENCODERS, find_encoder, is_outside
+from encoders.regression.registry import ENCODERS, find_encoder, is_external
 from encoders.regression.stored_encoder import predicted
 from encoders.regression.trained import TrainedModel, load_model
 from models.errors import EncoderError
@@ -70,7 +70,7 @@ class Training:
             return EncoderMethod(
                 name, model.encoder, lambda: AssignmentLabels(model), fresh=ENCODERS[name]
             )
-        if is_outside(name):
+        if is_external(name):
             return self._fitted(_shown(name), find_encoder(name))
         if name == "best":
             return self._best(progress)
@@ -154,7 +154,7 @@ def check_names(names: tuple[str, ...]) -> None:
         path = Path(name)
         if name in NAMES:
             continue
-        if is_outside(name):
+        if is_external(name):
             find_encoder(name)
             continue
         if path.suffix != ".npz":

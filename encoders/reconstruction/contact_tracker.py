@@ -163,7 +163,7 @@ class ContactTracker:
 
     def _arrive(self, contact: Contact, time: float, share: float) -> None:
         xy = np.array([contact.x, contact.y])
-        why = self._unfit(contact, xy)
+        why = self._reason_to_ignore(contact, xy)
         if why:
             self._ignored_ids[contact.id] = why
             self._count(why)
@@ -183,7 +183,7 @@ class ContactTracker:
         )
         self._next_id += 1
 
-    def _unfit(self, contact: Contact, xy: Array) -> str:
+    def _reason_to_ignore(self, contact: Contact, xy: Array) -> str:
         """Reason why a new contact is not a finger of this hand; empty if it is one."""
         if contact.size is not None and contact.size > self.settings.blob:
             return "palm"

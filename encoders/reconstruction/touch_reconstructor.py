@@ -143,7 +143,7 @@ class TouchReconstructor:
     ) -> None:
         self.model, self.labeller, self.surface = model, labeller, surface
         self.settings = settings or ReconstructorSettings()
-        self._rate_above = self.settings.rate.or_quicker(RateLimit())
+        self._rate_above = self.settings.rate.or_faster(RateLimit())
         self._kinematics = Kinematics(skeleton)
         s = self.settings
         self._correction = (

@@ -20,7 +20,7 @@ from time import perf_counter
 from encoders.discovery import offered, source_digest
 from encoders.encoder import Encoder
 from encoders.regression.pca_ik import PcaIkEncoder
-from encoders.regression.registry import find_encoder, is_outside, origin_of
+from encoders.regression.registry import find_encoder, is_external, origin_of
 from encoders.regression.trained import (
     BUILTIN,
     SCHEMA,
@@ -88,7 +88,7 @@ def find_model(name: str, tell: Callable[[str], None]) -> TrainedModel:
         return builtin(name)
     if name == PCA_IK:
         return pca_ik_model()
-    if is_outside(name):
+    if is_external(name):
         return _trained(find_encoder(name), tell)
     if not Path(name).exists():
         known = ", ".join((*MODELS, *sorted(offered())))

@@ -54,12 +54,12 @@ def find_encoder(name: str) -> type[Encoder]:
     return encoder
 
 
-def is_outside(name: str) -> bool:
+def is_external(name: str) -> bool:
     """True for the name of an external encoder: a place, or one of an installed package."""
     return is_place(name) or (name not in ENCODERS and name in offered())
 
 
-def kind_of(encoder: Encoder) -> str | None:
+def builtin_name(encoder: Encoder) -> str | None:
     """First name of a built-in encoder; None for an external one."""
     if type(encoder) not in ENCODERS.values():
         return None
@@ -68,7 +68,7 @@ def kind_of(encoder: Encoder) -> str | None:
 
 def origin(name: str) -> dict[str, Any]:
     """Origin of an external encoder (see `origin_of`); empty for a built-in one."""
-    return origin_of(find_encoder(name)) if is_outside(name) else {}
+    return origin_of(find_encoder(name)) if is_external(name) else {}
 
 
 def origin_of(kind: type[Encoder]) -> dict[str, Any]:

@@ -27,7 +27,7 @@ _FLOOR = 1e-12
 """m2 per m2 and rad2, lower bound of a step's cost, which avoids a division by zero."""
 
 
-def leaving_tips(wish: Array, J: Array, cost: Array) -> Array:
+def null_space_part(wish: Array, J: Array, cost: Array) -> Array:
     """Null-space part (n, 48) of wished changes of pose, which does not move the fingertips.
 
     Args:
@@ -101,7 +101,7 @@ class NullSpaceIkEncoder(TouchIkEncoder):
         back = np.swapaxes(J / self._cost, 1, 2)
         damped = J @ back + np.eye(J.shape[1])
         to_tips = (back @ np.linalg.solve(damped, off[..., None]))[..., 0]
-        return to_tips + leaving_tips(self.gain * (start - q), J, self._cost)
+        return to_tips + null_space_part(self.gain * (start - q), J, self._cost)
 
     def _check_options(self) -> None:
         super()._check_options()

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from encoders.discovery import guarded, source_digest
 from encoders.encoder import Encoder
-from encoders.regression.registry import ENCODERS, find_encoder, kind_of
+from encoders.regression.registry import ENCODERS, builtin_name, find_encoder
 from models.arithmetic.arrays import Array
 from models.errors import EncoderError
 from models.outside import how_to_get, place_of
@@ -38,9 +38,9 @@ _TRIED = 100
 """Number of frames on which a restored encoder is tested."""
 
 
-def described(encoder: Encoder) -> dict[str, Any]:
+def header_fields(encoder: Encoder) -> dict[str, Any]:
     """Header fields of an encoder, as JSON values; with its arrays they define it completely."""
-    ours = kind_of(encoder)
+    ours = builtin_name(encoder)
     if ours is not None:
         return {"kind": ours, **encoder.configuration()}
     return {
@@ -78,7 +78,7 @@ def restored(
     return complete
 
 
-def as_stored(encoder: Encoder, U: Array, Q: Array) -> Encoder:
+def as_restored(encoder: Encoder, U: Array, Q: Array) -> Encoder:
     """The encoder as restored from a file.
 
     Args:
@@ -89,7 +89,7 @@ def as_stored(encoder: Encoder, U: Array, Q: Array) -> Encoder:
     Raises:
         EncoderError: It cannot be stored, or the restored encoder differs.
     """
-    ours = kind_of(encoder)
+    ours = builtin_name(encoder)
     if ours is not None:
         return restored(ENCODERS[ours], encoder.configuration(), encoder.arrays(), U, Q)
     kind = type(encoder)

@@ -151,7 +151,7 @@ class TouchIkEncoder(Encoder):
 
     def _iterate(self, start: Array, fingers: Mask, targets: Array) -> IkSolution:
         """Iterates from poses (n, 48) until fingertips are at their targets (n, k, 3)."""
-        tips_and_jacobian = self._walker(fingers, len(start))
+        tips_and_jacobian = self._tips_and_jacobian_of(fingers, len(start))
         q = start.copy()
         taken = np.zeros(len(q), np.int64)
         moving = np.arange(len(q))
@@ -175,7 +175,9 @@ class TouchIkEncoder(Encoder):
         off = targets - self._kinematics.tips(q)[:, fingers]
         return IkSolution(q, np.sqrt(np.sum(off**2, axis=2).max(axis=1)), taken)
 
-    def _walker(self, fingers: Mask, many: int) -> Callable[[Array], tuple[Array, Array]]:
+    def _tips_and_jacobian_of(
+        self, fingers: Mask, many: int
+    ) -> Callable[[Array], tuple[Array, Array]]:
         """Function from poses (n, 48) to tips (n, k, 3) and Jacobians (n, k, 3, 48) of fingers.
 
         For the single poses of sessions, a quicker function gives the same bits.

@@ -29,9 +29,9 @@ from encoders.regression.registry import ENCODERS, origin_of
 from encoders.regression.stored_encoder import (
     MODEL_ARRAYS,
     OUTSIDE,
-    as_stored,
+    as_restored,
     class_of_origin,
-    described,
+    header_fields,
     predicted,
     restored,
 )
@@ -100,7 +100,7 @@ class TrainedModel:
         for array in arrays:
             hash_.update(np.ascontiguousarray(array, np.float32).tobytes())
         hash_.update(json.dumps(self.meta, sort_keys=True).encode())
-        hash_.update(json.dumps(described(self.encoder), sort_keys=True).encode())
+        hash_.update(json.dumps(header_fields(self.encoder), sort_keys=True).encode())
         return hash_.hexdigest()
 
 
@@ -228,7 +228,7 @@ def rounded(model: TrainedModel) -> TrainedModel:
         )
     return replace(
         model,
-        encoder=as_stored(model.encoder, training_u, training_pose),
+        encoder=as_restored(model.encoder, training_u, training_pose),
         residual_covariance=covariance,
         training_u=training_u,
         training_pose=training_pose,
@@ -268,7 +268,12 @@ def save_model(model: TrainedModel, path: Path | str, training: bool = True) -> 
     Raises:
         EncoderError: The encoder cannot be stored.
     """
-    header = {"schema": SCHEMA, "name": model.name, "meta": model.meta, **described(model.encoder)}
+    header = {
+        "schema": SCHEMA,
+        "name": model.name,
+        "meta": model.meta,
+        **header_fields(model.encoder),
+    }
     if header["kind"] == OUTSIDE:
         header["from"] = origin_of(type(model.encoder))
     arrays = {"covariance": single(model.residual_covariance)}

@@ -86,13 +86,13 @@ class YawNormalisedEncoder(Encoder):
             )
         stages: list[PolynomialEncoder] = [QuadraticEncoder(self.ridge).fit(U, Q)]
         rng = np.random.default_rng(0)
-        turn = turn_of(Q)
+        turn = yaw_of(Q)
         for spread in SPREADS:
             wrong = np.concatenate([turn + rng.normal(0, spread, len(Q)) for _ in range(_COPIES)])
-            inputs, middle = turned_touches(np.tile(U, (_COPIES, 1)), wrong)
-            outputs = _turned_back(np.tile(Q, (_COPIES, 1)), wrong, middle)
+            inputs, middle = normalised_touches(np.tile(U, (_COPIES, 1)), wrong)
+            outputs = _to_normalised(np.tile(Q, (_COPIES, 1)), wrong, middle)
             stages.append(QuadraticEncoder(self.turned_ridge).fit(inputs, outputs))
-        return self._made_of(stages)
+        return self._from_stages(stages)
 
     def load(self, coef: ArrayLike) -> Self:
         """Takes over coefficients (1 + rounds, 136, 48) learned earlier.
@@ -108,7 +108,7 @@ class YawNormalisedEncoder(Encoder):
                 expected=f"(n, {_COEF[0]}, {_COEF[1]})",
             )
         ridges = [self.ridge, *([self.turned_ridge] * (len(coef) - 1))]
-        return self._made_of(
+        return self._from_stages(
             [
                 PolynomialEncoder(2, ridge).load(c, CONTACT_VECTOR_SIZE)
                 for ridge, c in zip(ridges, coef, strict=True)
@@ -135,9 +135,9 @@ class YawNormalisedEncoder(Encoder):
         first, *others = self._stages
         Q = first.predict(rows)
         for stage in others:
-            turn = turn_of(Q)
-            inputs, middle = turned_touches(rows, turn)
-            Q = _turned_forth(stage.predict(inputs), turn, middle)
+            turn = yaw_of(Q)
+            inputs, middle = normalised_touches(rows, turn)
+            Q = _from_normalised(stage.predict(inputs), turn, middle)
         result: Array = Q.reshape(*U.shape[:-1], POSE_SIZE)
         return result
 
@@ -163,7 +163,7 @@ class YawNormalisedEncoder(Encoder):
         if not self._learned:
             raise EncoderError("the encoder has learned nothing yet", remedy="Call fit first")
 
-    def _made_of(self, stages: list[PolynomialEncoder]) -> Self:
+    def _from_stages(self, stages: list[PolynomialEncoder]) -> Self:
         self._stages = stages
         self.coef_ = np.stack([s.coef_ for s in stages])
         self._one = YawNormalisedPose(self.coef_)
@@ -171,7 +171,7 @@ class YawNormalisedEncoder(Encoder):
         return self
 
 
-def turn_of(q: ArrayLike) -> Array:
+def yaw_of(q: ArrayLike) -> Array:
     """Yaw (...) rad of poses (..., 48) about the surface's normal; 0 is straight up the screen.
 
     It is the rotation about the normal that is nearest to the root's rotation.
@@ -180,7 +180,7 @@ def turn_of(q: ArrayLike) -> Array:
     return np.arctan2(R[..., 1, 0] - R[..., 0, 1], R[..., 0, 0] + R[..., 1, 1])
 
 
-def turned_touches(U: Array, turn: Array) -> tuple[Array, Array]:
+def normalised_touches(U: Array, turn: Array) -> tuple[Array, Array]:
     """Rotates touches back by a yaw about their middle.
 
     Args:
@@ -201,7 +201,7 @@ def turned_touches(U: Array, turn: Array) -> tuple[Array, Array]:
     return np.hstack([turned.reshape(len(U), -1), down]), middle * METRES_PER_INCH
 
 
-def _turned_back(Q: Array, turn: Array, middle: Array) -> Array:
+def _to_normalised(Q: Array, turn: Array, middle: Array) -> Array:
     """Transforms relative poses (T, 48) to the normalised frame, with the touches' middle as
     origin."""
     back = _about_normal(-turn)
@@ -210,8 +210,8 @@ def _turned_back(Q: Array, turn: Array, middle: Array) -> Array:
     return _rotated(out, back)
 
 
-def _turned_forth(Q: Array, turn: Array, middle: Array) -> Array:
-    """Inverse of `_turned_back`."""
+def _from_normalised(Q: Array, turn: Array, middle: Array) -> Array:
+    """Inverse of `_to_normalised`."""
     out = _rotated(Q, _about_normal(turn))
     out[:, :2] += middle
     return out
@@ -292,9 +292,9 @@ class YawNormalisedPose:
         mx, my = sum(x) / len(x), sum(y) / len(y)
         x, y = [a - mx for a in x], [a - my for a in y]
         for stage in others[:-1]:
-            w = stage(_turned(x, y, turn))
+            w = stage(_normalised_inputs(x, y, turn))
             turn = turn_about_normal(turned_about_normal(w, turn))
-        q = others[-1](_turned(x, y, turn))
+        q = others[-1](_normalised_inputs(x, y, turn))
         c, s = cos(turn), sin(turn)
         px, py = float(q[0]), float(q[1])
         q[0] = c * px - s * py + mx * METRES_PER_INCH
@@ -319,7 +319,7 @@ class YawNormalisedPose:
         return self._sets[flags]
 
 
-def _turned(x: Sequence[float], y: Sequence[float], turn: float) -> Array:
+def _normalised_inputs(x: Sequence[float], y: Sequence[float], turn: float) -> Array:
     """Vector of 1 and the coordinates relative to the touches' middle, y up, rotated back by
     `turn`."""
     c, s = cos(turn), sin(turn)

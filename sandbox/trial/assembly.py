@@ -21,7 +21,7 @@ from encoders.reconstruction.touch_reconstructor import ReconstructorSettings, T
 from encoders.regression.model_registry import find_model
 from encoders.regression.trained import TrainedModel
 from models.errors import CaptureError, InputError
-from models.hand import Hand, finger_armature, is_calm
+from models.hand import Hand, finger_armature, is_gentle
 from models.limits import GENTLE, RateLimit
 from models.skeleton import ADULT
 from models.surface import Surface
@@ -101,7 +101,7 @@ def reconstructor_settings(settings: RunSettings, lift_range: float = 0.0) -> Re
         lift=LiftSettings(reach=lift_range / settings.hands[0].size),
         correction=CorrectionSettings() if settings.correction else None,
         encode=settings.encode,
-        rate=GENTLE if is_calm(settings.impulse) else RateLimit(),
+        rate=GENTLE if is_gentle(settings.impulse) else RateLimit(),
     )
     return chosen if settings.smoothing else replace(chosen, posture_tau=0.0)
 
@@ -121,7 +121,7 @@ def place_surface(surface: Surface, task: type[Task]) -> Surface:
     world y = 0, the depth of the objects of an upright task.
     """
     if task.plane == "front":
-        return surface.stood_up(-task.touch_height, -BELOW_TABLE)
+        return surface.placed_upright(-task.touch_height, -BELOW_TABLE)
     return surface.centred_at((0.0, 0.0, task.touch_height))
 
 

@@ -67,14 +67,14 @@ def roomiest_grasp(
         width, face = (half[0], half[1]) if quarter % 2 == 0 else (half[1], half[0])
         grasp = Grasp(axis, 2 * width, 2 * face)
         cost = max(abs(wrapped(start)), abs(wrapped(end)))
-        cost += _CROWDED * _short_of_room(grasp, turn, box, c, around)
+        cost += _CROWDED * _missing_room(grasp, turn, box, c, around)
         if failed and abs(wrapped(axis - failed.axis)) < np.pi / 4:
             cost += _AGAIN
         options.append((cost, quarter, grasp))
     return min(options, key=lambda o: o[:2])[2]
 
 
-def _short_of_room(
+def _missing_room(
     grasp: Grasp, turn: float, box: SeenObject, c: UserConfiguration, around: Surroundings
 ) -> float:
     """Missing room in m: beside neighbours, at the border, and at the border at the goal."""

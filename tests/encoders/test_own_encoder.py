@@ -16,7 +16,7 @@ from encoders.discovery import source_digest
 from encoders.encoder import Encoder
 from encoders.regression.mean import MeanEncoder
 from encoders.regression.model_registry import cache_folder, find_model, pca_ik_model
-from encoders.regression.registry import ENCODERS, find_encoder, is_outside, kind_of, origin
+from encoders.regression.registry import ENCODERS, builtin_name, find_encoder, is_external, origin
 from encoders.regression.trained import (
     builtin_capture,
     load_model,
@@ -102,7 +102,7 @@ def test_the_example_is_trained_into_a_file_that_is_loaded_again(capture, tmp_pa
     assert main(["train", "--encoder", NAME, "--capture", str(path), "--out", str(out)]) == 0
     assert "KernelRidge" in capsys.readouterr().out
     model, again = find_model(str(out), print), train_encoder(capture, "k", find_encoder(NAME))
-    assert model.digest == again.digest and kind_of(model.encoder) is None
+    assert model.digest == again.digest and builtin_name(model.encoder) is None
     np.testing.assert_array_equal(
         model.encoder.predict(model.training_u), again.encoder.predict(model.training_u)
     )
@@ -306,8 +306,8 @@ def test_without_scikit_learn_the_example_says_what_to_install(monkeypatch, tmp_
 
 
 def test_names_and_places_are_told_apart():
-    assert not any(is_outside(name) for name in (*ENCODERS, "mine.npz", "best", "nobody"))
-    assert is_outside(NAME) and is_outside("my_lab.encoders:Mine")
+    assert not any(is_external(name) for name in (*ENCODERS, "mine.npz", "best", "nobody"))
+    assert is_external(NAME) and is_external("my_lab.encoders:Mine")
     assert all(origin(name) == {} for name in ENCODERS)
     assert find_encoder("tests.encoders.test_own_encoder:Mean").__name__ == "Mean"
     with pytest.raises(EncoderError, match=r"linear, .* or FILE\.py:CLASS"):
@@ -334,8 +334,8 @@ def test_built_in_classes_are_recognised_and_subclasses_are_not():
     class Heir(MeanEncoder):
         pass
 
-    assert kind_of(MeanEncoder()) == "mean" and kind_of(Heir()) is None
-    assert kind_of(ENCODERS["linear"]()) == "polynomial"
+    assert builtin_name(MeanEncoder()) == "mean" and builtin_name(Heir()) is None
+    assert builtin_name(ENCODERS["linear"]()) == "polynomial"
 
 
 def test_a_recording_whose_encoder_has_changed_or_is_gone_is_refused(tmp_path):

@@ -38,7 +38,7 @@ UPRIGHT = place_surface(Surface(), StackVertical)
 def test_up_the_surface_is_up_in_the_world_and_out_of_it_is_towards_the_person(
     surface, depth, low, xy, step
 ):
-    upright = surface.stood_up(depth, low)
+    upright = surface.placed_upright(depth, low)
     assert upright.upright and not surface.upright
     here = upright.to_world(xy)
     x, y = xy

@@ -45,7 +45,7 @@ def assemble(
     """
     if not tracks:
         raise CaptureError(
-            "no contact is left", remedy=f"Dropped: {_spoken(report)}. Check clock and frame"
+            "no contact is left", remedy=f"Dropped: {_dropped_text(report)}. Check clock and frame"
         )
     begin = min(one.track.start for one in tracks)
     end = max(one.track.end for one in tracks)
@@ -67,7 +67,7 @@ def assemble(
     report.drop_frames("without a pose", int(((fingers > 1) & ~posed).sum()))
     keep = np.flatnonzero((fingers > 1) & posed)
     if not len(keep):
-        raise CaptureError("no frame is left", remedy=f"Dropped: {_spoken(report)}")
+        raise CaptureError("no frame is left", remedy=f"Dropped: {_dropped_text(report)}")
     report.notes["kept_frames"] = len(keep)
     report.notes["kept_contacts"] = len(tracks)
     meta = {**meta, "rate_hz": rules.rate, "conversion": report.as_json()}
@@ -87,6 +87,6 @@ def _takes(time: Array, rules: ConversionRules) -> NDArray[np.int64]:
     return take
 
 
-def _spoken(report: ConversionReport) -> str:
+def _dropped_text(report: ConversionReport) -> str:
     counts = {**report.contacts, **report.frames}
     return "; ".join(f"{count} {reason}" for reason, count in counts.items()) or "nothing"

@@ -27,7 +27,7 @@ from encoders.captures.conversion.synchronise import ClockOffset, offset_by_taps
 from encoders.captures.conversion.touch_log import ContactTrack, TouchLog, valid_contacts
 from encoders.captures.paired.hand_track import HandTrack, hand_track
 from encoders.captures.paired.labels import label_by_fingertips
-from encoders.captures.paired.registration import DevicePose, first_guess, registered
+from encoders.captures.paired.registration import DevicePose, first_guess, register
 from encoders.correction import FingertipCorrection
 from encoders.paalm import Paalm
 from encoders.paalm.calibration import HandCalibration
@@ -114,7 +114,7 @@ def capture_from_hands(
             break
         if offset is None:
             clock = refined_by_motion(clock, labelled, here, rules)
-        place = registered(*_pairs(labelled, track, clock.offset, rules))
+        place = register(*_pairs(labelled, track, clock.offset, rules))
     here = track.placed(place)
     labelled = label_by_fingertips(tracks, here, clock.offset, rules, report)
     if not labelled:

@@ -98,7 +98,7 @@ def first_guess(touches: Array, frame: NDArray[np.int64], tips: Array, near: flo
     return best
 
 
-def registered(touches: Array, tips: Array) -> DevicePose:
+def register(touches: Array, tips: Array) -> DevicePose:
     """Estimates the rigid motion that brings fingertips to their touches, without outliers.
 
     Args:

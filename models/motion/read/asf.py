@@ -112,7 +112,7 @@ def read_amc(path: Path, skeleton: AcclaimSkeleton, rate: float | None = None) -
     """
     lines = read_lines(path, "an AMC file")
     if rate is None:
-        rate = _remarked_rate(lines, str(path))
+        rate = _rate_in_comment(lines, str(path))
     if not 0 < rate < np.inf:
         raise MotionError("not a frame rate", got=rate, expected="a positive number of Hz")
     degrees = skeleton.degrees
@@ -152,7 +152,7 @@ def read_amc(path: Path, skeleton: AcclaimSkeleton, rate: float | None = None) -
     return _motion(skeleton, columns, len(frames), degrees, 1.0 / rate)
 
 
-def _remarked_rate(lines: list[str], where: str) -> float:
+def _rate_in_comment(lines: list[str], where: str) -> float:
     """Rate in Hz from a comment before the first frame."""
     for line in lines[:20]:
         if line.startswith(RATE_REMARK):

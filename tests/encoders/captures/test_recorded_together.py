@@ -15,7 +15,7 @@ from encoders.captures.paired.capture_from_hands import capture_from_hands, open
 from encoders.captures.paired.clocks import host_clock
 from encoders.captures.paired.guide import SETS, Guide
 from encoders.captures.paired.hand_track import _smooth, skeleton_of
-from encoders.captures.paired.registration import registered
+from encoders.captures.paired.registration import register
 from encoders.captures.paired.simulated import FROZEN_PAIRED, PairedSession, simulate_paired
 from encoders.regression.bone_fit import tip_targets
 from encoders.store import load_capture
@@ -211,7 +211,7 @@ def test_registration_finds_any_rigid_motion_through_outliers():
     rotation, shift = exp(rng.normal(0, 1, 3)), rng.normal(0, 1, 3)
     tips = (points - shift) @ rotation
     tips[::10] += 0.05
-    found = registered(touches, tips)
+    found = register(touches, tips)
     assert np.allclose(found.rotation, rotation, atol=1e-6)
     assert np.allclose(found.shift, shift, atol=1e-6)
 
@@ -219,7 +219,7 @@ def test_registration_finds_any_rigid_motion_through_outliers():
 def test_touches_on_one_line_do_not_determine_the_device_pose():
     touches = np.column_stack([np.linspace(0, 0.1, 50), np.zeros(50)])
     with pytest.raises(CaptureError, match="to locate the device"):
-        registered(touches, np.column_stack([touches, np.zeros(50)]))
+        register(touches, np.column_stack([touches, np.zeros(50)]))
 
 
 def guided(each: float) -> Guide:

@@ -6,7 +6,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from encoders.regression.regularised_ik import MapIkEncoder, NullSpaceIkEncoder, leaving_tips
+from encoders.regression.regularised_ik import MapIkEncoder, NullSpaceIkEncoder, null_space_part
 from encoders.regression.trained import builtin_capture
 from tests.encoders.regression.ik_frames import KINEMATICS, pca, poses, row, targets_of, touches
 from tests.support.simulation import random_pose
@@ -27,12 +27,12 @@ def test_what_is_projected_into_the_null_space_leaves_fingertips_to_first_order(
     J = jacobian[fingers].reshape(1, -1, 48)
     cost = rng.uniform(0.1, 10, 48)
     wish = rng.normal(0, 1, (1, 48))
-    left = leaving_tips(wish, J, cost)
+    left = null_space_part(wish, J, cost)
     h = 1e-5
     moved = (KINEMATICS.tips(q + h * left[0]) - KINEMATICS.tips(q - h * left[0])) / (2 * h)
     np.testing.assert_allclose(moved[fingers], 0.0, atol=1e-7)
     # Twice is once, and nothing that leaves them already is taken away.
-    np.testing.assert_allclose(leaving_tips(left, J, cost), left, atol=1e-9)
+    np.testing.assert_allclose(null_space_part(left, J, cost), left, atol=1e-9)
     # What was taken away is the cheapest that does: orthogonal, in its costs, to what is left.
     assert abs(np.sum((wish - left) * cost * left)) < 1e-8
 
@@ -59,7 +59,7 @@ def test_the_null_space_variant_ends_as_near_to_its_wish_as_fingertips_let_it():
     J = jacobian[:, :3].reshape(1, 9, 48)
     cost = np.full(48, 25e-4)
     cost[:3] = 0.1
-    np.testing.assert_allclose(leaving_tips(encoder.mean_ - q, J, cost), 0.0, atol=1e-5)
+    np.testing.assert_allclose(null_space_part(encoder.mean_ - q, J, cost), 0.0, atol=1e-5)
 
 
 def test_the_most_likely_pose_is_a_local_maximum_of_the_posterior():

@@ -16,8 +16,8 @@ from encoders.regression.trained import builtin_capture
 from encoders.regression.yaw_normalised import (
     SPREADS,
     YawNormalisedEncoder,
-    turn_of,
-    turned_touches,
+    normalised_touches,
+    yaw_of,
 )
 from models.errors import EncoderError
 from models.pose import absolute_pose, joint_vectors, relative_pose
@@ -107,8 +107,8 @@ def test_the_normalised_frame_does_not_depend_on_the_hands_turn_and_place(seed, 
     xy[:, 0] = 0.1
     before, after = xy, turned_places(xy, more, shift)
     turn = np.full(6, angle)
-    inputs, _ = turned_touches(contact_vectors(before)[0], turn)
-    same, _ = turned_touches(contact_vectors(after)[0], turn + more)
+    inputs, _ = normalised_touches(contact_vectors(before)[0], turn)
+    same, _ = normalised_touches(contact_vectors(after)[0], turn + more)
     np.testing.assert_allclose(same, inputs, atol=1e-9)
 
 
@@ -118,7 +118,7 @@ def test_the_middle_of_turned_touches_is_zero_and_so_are_lifted_fingers(seed, an
     xy = rng.uniform(0, 0.2, (1, 5, 2))
     xy[0, rng.permutation(5)[: seed % 5]] = np.nan
     u, leftmost = contact_vectors(xy)
-    inputs, middle = turned_touches(u, np.array([angle]))
+    inputs, middle = normalised_touches(u, np.array([angle]))
     places, down = inputs[:, :10].reshape(5, 2), u[0, 10:] == 1
     np.testing.assert_array_equal(inputs[:, 10:], u[:, 10:])
     np.testing.assert_array_equal(places[~down], 0.0)
@@ -132,8 +132,8 @@ def test_the_middle_of_turned_touches_is_zero_and_so_are_lifted_fingers(seed, an
 def test_the_turn_of_a_pose_is_what_it_was_turned_by_whatever_its_tilt(tilt, angle, more):
     q = np.zeros(48)
     q[3:6] = log(exp([0.0, 0.0, angle]) @ exp([*tilt, 0.0]))
-    assert turn_of(q) == pytest.approx(angle, abs=1e-9)
-    gap = turn_of(turned_pose(q, more, (0.1, -0.2))) - angle - more
+    assert yaw_of(q) == pytest.approx(angle, abs=1e-9)
+    gap = yaw_of(turned_pose(q, more, (0.1, -0.2))) - angle - more
     assert (gap + np.pi) % (2 * np.pi) - np.pi == pytest.approx(0.0, abs=1e-9)
 
 
