@@ -94,7 +94,7 @@ def test_a_hand_that_never_taps_cannot_be_synchronised_by_taps(truth, joints):
 
 
 def test_a_wrong_offset_is_noticed(truth, joints):
-    with pytest.raises(CaptureError, match=r"no touch is where|no contact|no frame"):
+    with pytest.raises(CaptureError, match=r"no touch is near|no contact|no frame"):
         converted(touch_log(truth), joints, "clock", 100.0)
 
 
