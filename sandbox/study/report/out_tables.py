@@ -10,8 +10,9 @@ import numpy as np
 from sandbox.study.report.models.analysis import Analysis, MeasureModel, MeasureSummary, adjusted
 from sandbox.study.report.models.answers import adjusted as adjusted_scales
 from sandbox.study.report.models.censored import Censored
-from sandbox.study.report.models.comparisons import Difference, pairs_of
+from sandbox.study.report.models.comparisons import Difference, Pair, pairs_of
 from sandbox.study.report.models.exclusions import endings, flow
+from sandbox.study.report.models.intervals import Estimate
 from sandbox.study.report.models.mixed import Mixed
 from sandbox.study.report.models.quantities import LOG
 from sandbox.study.report.models.success import ShareDifference
@@ -188,8 +189,12 @@ def csv_bytes(rows: Sequence[Row], columns: Sequence[str]) -> bytes:
     return text.encode()
 
 
-def _interval(e: Any) -> Row:
-    return {"mean": _known(e.value), "low": _known(e.low), "high": _known(e.high)}
+def _interval(estimate: Estimate) -> Row:
+    return {
+        "mean": _known(estimate.value),
+        "low": _known(estimate.low),
+        "high": _known(estimate.high),
+    }
 
 
 def _known(value: float) -> float | None:
@@ -244,17 +249,10 @@ def _differences(measure: str, model: str, kind: str, some: Sequence[Difference]
         {
             "measure": measure,
             "model": model,
-            "factor": d.pair.factor.name,
-            "first": d.pair.first,
-            "second": d.pair.second,
             "kind": kind,
-            "estimate": _known(change(d.estimate.value)),
-            "low": _known(change(d.estimate.low)),
-            "high": _known(change(d.estimate.high)),
             "error": _known(d.error),
             "freedom": _known(d.freedom),
-            "p": _known(d.p),
-            "p_holm": _known(p),
+            **_pair_cells(d.pair, d.estimate.mapped(change), d.p, p),
         }
         for d, p in zip(some, adjusted(some), strict=True)
     ]
@@ -265,18 +263,25 @@ def _shares(measure: str, some: Sequence[ShareDifference]) -> list[Row]:
         {
             "measure": measure,
             "model": SHARES,
-            "factor": d.pair.factor.name,
-            "first": d.pair.first,
-            "second": d.pair.second,
             "kind": "difference",
-            "estimate": _known(d.estimate.value),
-            "low": _known(d.estimate.low),
-            "high": _known(d.estimate.high),
-            "p": _known(d.p),
-            "p_holm": _known(p),
+            **_pair_cells(d.pair, d.estimate, d.p, p),
         }
         for d, p in zip(some, adjusted(some), strict=True)
     ]
+
+
+def _pair_cells(pair: Pair, estimate: Estimate, p: float, p_holm: float) -> Row:
+    """Cells of a comparison between two levels; `factor` is left out where it is not a column."""
+    return {
+        "factor": pair.factor.name,
+        "first": pair.first,
+        "second": pair.second,
+        "estimate": _known(estimate.value),
+        "low": _known(estimate.low),
+        "high": _known(estimate.high),
+        "p": _known(p),
+        "p_holm": _known(p_holm),
+    }
 
 
 def _models(analysis: Analysis) -> list[Row]:
@@ -354,13 +359,7 @@ def _score_comparisons(analysis: Analysis) -> list[Row]:
         {
             "questionnaire": s.questionnaire,
             "scale": s.scale,
-            "first": d.pair.first,
-            "second": d.pair.second,
-            "estimate": _known(d.estimate.value),
-            "low": _known(d.estimate.low),
-            "high": _known(d.estimate.high),
-            "p": _known(d.p),
-            "p_holm": _known(p),
+            **_pair_cells(d.pair, d.estimate, d.p, p),
         }
         for s in analysis.scales
         for d, p in zip(s.differences, adjusted_scales(s), strict=True)

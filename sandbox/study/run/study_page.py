@@ -129,7 +129,7 @@ class StudyPage:
         if (silent > GONE) != self._gone:
             self._gone = silent > GONE
             if self._came and self._gone:
-                self.say("the participant's page is gone; it comes back, or is opened anew")
+                self.say("the participant's page is gone; reload it, or open it again")
             elif self._came:
                 self.say("the participant's page is back")
         if silent <= GONE and not self._came:
@@ -153,15 +153,15 @@ class StudyPage:
 
     def wait_until_open(self, poll: Callable[[], None]) -> None:
         """Waits until the page is open; `poll` is called meanwhile, and may raise an exception."""
-        told = False
+        announced = False
         while True:
             poll()
             self.check_connection()
             if not self._gone:
                 return
-            if not told:
+            if not announced:
                 self.say("waiting for the participant's page")
-                told = True
+                announced = True
             time.sleep(TICK)
 
 

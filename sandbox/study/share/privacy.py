@@ -98,7 +98,7 @@ def anonymise(study: StudyFolder, out: Path, masking: Masking, say: Say) -> Anon
         p: some for p, some in sessions.items() if all(s.state.consent is not False for s in some)
     }
     if not agreed:
-        raise StudyError("there is nobody to export", where=str(study.path))
+        raise StudyError("the study has no participant to export", where=str(study.path))
     names = _new_names(agreed)
     new_id = str(uuid4())
     with new_folder(out) as work:
