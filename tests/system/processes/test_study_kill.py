@@ -200,7 +200,7 @@ def test_a_session_whose_recording_never_reaches_the_disk_finishes_no_trial(
         time.sleep(2.5 * SYNC)
         recording.unlink()
         recording.write_text("as if nothing had been")
-        with pytest.raises(StudyError, match="the disk did not take"):
+        with pytest.raises(StudyError, match="could not be written to the disk"):
             session.finish(trial, HELD)
         assert trial.id not in session.state.finished
         assert session.journal.records[-1]["kind"] == "trial_start"
