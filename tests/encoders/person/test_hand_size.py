@@ -182,8 +182,8 @@ def test_one_misunderstood_spread_does_not_decide_alone():
         (lambda spreads: [*spreads[:2], np.full((5, 2), np.nan)], "three spreads"),
         (lambda spreads: [spreads[0]] * 3, "hardly different"),
         (lambda spreads: [spreads[0] * 1.02**i for i in range(3)], "hardly different"),
-        (lambda spreads: [s * CROSS for s in (1.0, 1.7, 2.5)], "like a hand's"),
-        (lambda spreads: [3 * xy for xy in spreads], "do not tell"),
+        (lambda spreads: [s * CROSS for s in (1.0, 1.7, 2.5)], "like those of a hand"),
+        (lambda spreads: [3 * xy for xy in spreads], "do not determine"),
     ],
 )
 def test_layouts_that_do_not_determine_the_size_are_refused_with_the_reason(
