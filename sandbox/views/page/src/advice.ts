@@ -1,12 +1,12 @@
-// What has to be known before play: an iPad takes gestures of four fingers away, and a phone is
-// small. Each is told once.
+// Advice before play: an iPad reserves gestures of four fingers, and a phone is small. Each advice is
+// shown once.
 
 import { make } from "./dom";
 import { recall, remember } from "./memory";
 import { ipad, small, touchable } from "./screen";
 import type { Sheets } from "./sheet";
 
-/** @param done Is called when everything has been read, or there is nothing to tell. */
+/** @param done Called when all advice has been read, or none is needed. */
 export function advise(sheets: Sheets, done: () => void): void {
   if (!touchable || recall("advised") === "yes") {
     done();

@@ -1,4 +1,4 @@
-// The one socket: says hello, gives credit back, beats, and comes back by itself when it is lost.
+// The WebSocket: sends hello, acknowledgements and heartbeats, and reconnects when it is lost.
 
 import { clientName, reload, socketAddress, spectator } from "./link";
 import { type Frame, parseFrame } from "./frame";
@@ -7,7 +7,7 @@ import { currentScreen } from "./screen";
 import { type Skin, parseSkin } from "./skin";
 
 const BEAT_MS = 500;
-/** Without any word for so long, the socket is dead; tablets notice that minutes later. */
+/** After this silence the socket counts as dead; tablets notice that only minutes later. */
 const SILENCE_MS = 4000;
 const SHORTEST_WAIT_MS = 250;
 const LONGEST_WAIT_MS = 5000;
@@ -47,7 +47,7 @@ export class Connection {
 
   constructor(private readonly listener: Listener) {
     window.setInterval(() => this.beat(), BEAT_MS);
-    // A tablet that wakes up has lost its socket, and is not told.
+    // A tablet that wakes up has lost its socket without an event.
     document.addEventListener("visibilitychange", () => {
       if (document.visibilityState === "visible") this.retryNow();
     });
@@ -59,7 +59,7 @@ export class Connection {
     return this.socket?.readyState === WebSocket.OPEN;
   }
 
-  /** Whether what was sent is still waiting to leave. */
+  /** True while sent messages are still in the socket's buffer. */
   get stalled(): boolean {
     return (this.socket?.bufferedAmount ?? 0) > MOST_WAITING;
   }
@@ -103,7 +103,7 @@ export class Connection {
         if (skin) this.listener.onSkin(skin);
         return;
       }
-      // At once, before anything is drawn: what is slow here must not slow down the stream.
+      // At once, before anything is drawn: slow drawing must not slow down the stream.
       this.say({ type: "got", frame: frame.number });
       this.listener.onFrame(frame);
       return;
@@ -136,7 +136,7 @@ export class Connection {
   }
 
   private beat(): void {
-    // One that only tries to connect counts as well: a tablet would try for a minute or two.
+    // A socket that is still connecting counts as well: a tablet would try for a minute or two.
     if (this.socket && performance.now() - this.heard > SILENCE_MS) {
       this.socket.close();
       this.lose(0);

@@ -1,4 +1,4 @@
-// Elements in one line each.
+// Short functions that make DOM elements.
 
 type Options = { text?: string; onTap?: () => void; label?: string };
 
@@ -17,7 +17,7 @@ export function make<K extends keyof HTMLElementTagNameMap>(
   return element;
 }
 
-/** Writes only what has changed: layout costs more than a comparison. */
+/** Writes a text only if it has changed, as layout takes longer than a comparison. */
 export function write(element: HTMLElement, text: string): void {
   if (element.textContent !== text) element.textContent = text;
 }

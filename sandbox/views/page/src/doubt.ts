@@ -10,7 +10,7 @@ const LASTS = 700;
 export class Doubt {
   private since = 0;
 
-  /** Whether the person should be told, at a time in ms. */
+  /** True if the person should be told, at a time in ms. */
   now(state: State, at: number): boolean {
     const doubtful = state.hands.some((hand) => {
       const active = hand.contacts.filter((c) => c.state === "active");

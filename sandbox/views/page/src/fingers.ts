@@ -1,5 +1,5 @@
-// Fingers on the glass. Pointer Events become contacts with ids of our own; every contact that ends
-// is told apart: lifted by the person, or cancelled by the system.
+// Fingers on the screen. Pointer Events become contacts with new ids; the end of a contact is either
+// a lift by the person or a cancellation by the system.
 
 /** One finger, in CSS pixels of the page. */
 export interface Finger {
@@ -13,11 +13,11 @@ export interface Finger {
 export interface Change {
   fingers: Finger[];
   cancelled: number[];
-  /** Of the event itself; what the system took from there to here counts as latency. */
+  /** ms, time of the event itself; the system's delay until now counts as latency. */
   at: number;
 }
 
-/** No more than the protocol takes. */
+/** Largest number of contacts that the protocol allows. */
 const MOST = 20;
 
 export class Fingers {
@@ -27,8 +27,8 @@ export class Fingers {
   private moved = 0;
 
   /**
-   * @param stage Where a touch is a contact; touches that begin on a button are none.
-   * @param tell Is told of every change; of moves when the page settles them.
+   * @param stage Element on which a touch is a contact; touches that begin on a button are ignored.
+   * @param tell Called for every change; for moves once per picture.
    */
   constructor(
     stage: HTMLElement,
@@ -47,7 +47,7 @@ export class Fingers {
     });
     for (const gesture of ["gesturestart", "gesturechange", "contextmenu", "selectstart", "dragstart"])
       document.addEventListener(gesture, (e) => {
-        // In a study's form there are fields to be written in.
+        // The fields of a study's form must stay usable.
         if (!(e.target instanceof Element && e.target.closest("input, textarea"))) e.preventDefault();
       });
   }
@@ -56,7 +56,7 @@ export class Fingers {
     return [...this.down.values()];
   }
 
-  /** The page loses its fingers: turned, hidden, or cut off from the computer. */
+  /** Cancels all contacts when the page is turned, hidden, or disconnected from the computer. */
   cancelAll(): void {
     if (!this.down.size) return;
     this.cancelled.push(...this.all.map((f) => f.id));
@@ -64,7 +64,7 @@ export class Fingers {
     this.flush(performance.now());
   }
 
-  /** Five fingers move by five events; they are one message, and one picture. Called before each
+  /** Sends the moves of all fingers, which come as one event each, as one message. Called before each
    * picture is drawn, so that neither the message nor the rings wait for the next one. */
   settle(): void {
     if (this.moved) this.flush(this.moved);
@@ -81,7 +81,7 @@ export class Fingers {
     const finger = this.down.get(event.pointerId);
     if (!finger) return;
     if (finger.mouse && !(event.buttons & 1)) {
-      // The button was let go of outside of the window.
+      // The button was released outside the window.
       this.onUp(event);
       return;
     }

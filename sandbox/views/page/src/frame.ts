@@ -1,4 +1,4 @@
-// Takes a binary frame apart; the layout is in sandbox/server/protocol/frames.py.
+// Decodes a binary frame; the layout is in sandbox/server/protocol/frames.py.
 
 import { FRAME_KIND, POSE_BYTES, PROTOCOL, type State } from "./protocol";
 
@@ -8,7 +8,7 @@ const text = new TextDecoder();
 export interface Frame {
   scene: number;
   number: number;
-  /** Seq of the newest touch message that took effect in it. */
+  /** Sequence number of the newest touch message that took effect in it. */
   touch: number;
   time: number;
   /** Seven numbers per body: position (m) and quaternion (w, x, y, z). */
@@ -16,7 +16,7 @@ export interface Frame {
   state: State;
 }
 
-/** The frame in a message, or null if it is none of this protocol. */
+/** The frame in a message, or null if the message is not a frame of this protocol. */
 export function parseFrame(data: ArrayBuffer): Frame | null {
   if (data.byteLength < HEADER_BYTES) return null;
   const view = new DataView(data);

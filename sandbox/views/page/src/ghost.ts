@@ -1,4 +1,4 @@
-// The goal: a thing's translucent twin, whose edges carry the picture.
+// The goal: a translucent copy of an object, with visible edges.
 
 import {
   CylinderGeometry,
@@ -33,11 +33,11 @@ export class Ghost {
   });
   private readonly lines = new LineBasicMaterial({ color: GOAL });
 
-  /** @param geoms Of the thing's body. */
+  /** @param geoms Geoms of the object's body. */
   constructor(geoms: Geom[]) {
     for (const geom of geoms) {
       const shape = geometry(geom);
-      // A little larger than the thing, so that the two do not fight where they meet.
+      // A little larger than the object, so that coinciding faces do not flicker.
       const body = new Mesh(shape.clone().scale(1.006, 1.006, 1.006), this.inside);
       place(body, geom);
       body.renderOrder = 2;

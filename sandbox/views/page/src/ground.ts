@@ -1,5 +1,4 @@
-// The table: a dark mat with a grid, so that one sees how large things are, and the rectangle that
-// fingers may touch.
+// The table: a dark mat with a grid that shows the scale, and the touch rectangle.
 
 import {
   BufferGeometry,
@@ -15,10 +14,10 @@ import { OUTLINE, TABLE } from "./colours";
 import { METRES_PER_INCH } from "./lens";
 import type { SurfaceView } from "./protocol";
 
-/** m, side of the piece of mat that is repeated: 5 fields of 2 cm. */
+/** m, side of the repeated tile of the mat: 5 fields of 2 cm. */
 const PIECE = 0.1;
 
-/** Of a plane with sides of so many metres. */
+/** The material of the mat, a plane of a given width and height in m. */
 export function matMaterial(width: number, height: number): MeshStandardMaterial {
   const canvas = document.createElement("canvas");
   canvas.width = canvas.height = 512;

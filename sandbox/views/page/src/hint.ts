@@ -1,12 +1,12 @@
-// Three steps for somebody who has never played, each of which goes away once it is done. After
-// the first success, or when it is closed, it never comes again.
+// A hint in three steps for a new player; each step disappears once it is done. After the first
+// success, or when it is closed, the hint is not shown again.
 
 import { make, write } from "./dom";
 import { recall, remember } from "./memory";
 import type { State } from "./protocol";
 import { touchable } from "./screen";
 
-/** CSS pixels that a finger has to slide. */
+/** CSS pixels that a finger has to slide to complete the step. */
 const FAR = 60;
 
 export class Hint {
@@ -34,11 +34,11 @@ export class Hint {
     this.go(this.step);
   }
 
-  /** Where the fingers are now, and how the trial goes. */
+  /** Updates the step from the fingers and the trial's state. */
   follow(fingers: { x: number; y: number; mouse: boolean }[], state: State): void {
     if (this.root.hidden) return;
     if (state.held) this.finish();
-    // Once a trial is over there is something else to say; the hint comes back with the next one.
+    // After a trial the result is shown instead; the hint comes back with the next trial.
     if (state.status !== "running") this.root.hidden = true;
     const first = fingers[0];
     if (!first) {

@@ -1,4 +1,4 @@
-// What is written round the scene: task, time, progress, connection, and words to the person.
+// Text around the scene: task, time, progress, connection, and messages to the person.
 
 import type { Condition } from "./connection";
 import { make, show, write } from "./dom";
@@ -74,7 +74,7 @@ export class Hud {
       "hud",
       {},
       make("header", "top", {}, words, score),
-      // Buttons are at the edge that the hand comes from: no task needs a finger there.
+      // Buttons are at the edge that the hand comes from, where no task needs a finger.
       make("footer", "bottom", {}, state, this.size, this.caption, this.looking, this.buttons),
       this.toast,
       this.end,
@@ -86,19 +86,19 @@ export class Hud {
     this.setLooking("");
   }
 
-  /** A player has buttons; who only looks has none. */
+  /** Shows buttons to a player, and none to a spectator. */
   setPlayer(player: boolean): void {
     show(this.buttons, player);
     this.root.classList.toggle("looking", !player);
   }
 
-  /** Who plays, where somebody might think that they do themselves; empty: nothing to tell. */
+  /** Shows who plays, if it is not the person at this page; empty shows nothing. */
   setLooking(words: string): void {
     write(this.looking, words);
     show(this.looking, words !== "");
   }
 
-  /** In a study there is what its design wants seen, in the participant's language. */
+  /** Shows only what a study's design chooses, in the participant's language. */
   setStudy(view: StudyView): void {
     this.study = view;
     this.root.classList.add(...view.shows.map((what) => `shows-${what}`));
@@ -146,7 +146,7 @@ export class Hud {
     show(this.end, over && player);
   }
 
-  /** No score, no debugging: only what somebody has to know to go on. */
+  /** Shows neither score nor diagnostics, only what the person needs to go on. */
   private tellInStudy(state: State, words: Record<string, string>): void {
     const over = state.status !== "running";
     const end = state.held ? "success" : state.status === "timeout" ? "time_up" : "over";
@@ -172,7 +172,7 @@ export class Hud {
     show(this.size, guessed);
   }
 
-  /** A word that goes away by itself. */
+  /** Shows a message that disappears by itself. */
   say(text: string): void {
     write(this.toast, text);
     show(this.toast, true);

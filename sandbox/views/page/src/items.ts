@@ -1,31 +1,31 @@
-// The questions of a study's form: one field for every kind of item. None has a value before
-// somebody has given one.
+// The questions of a study's form: one field for every kind of item. A field has no value before the
+// participant gives one.
 
 import { make, show, write } from "./dom";
 import type { ItemView } from "./protocol";
 
 export type Value = string | number | null;
 
-/** Positions of a scale up to which each is a button; of more, it is a line. */
+/** Largest number of positions at which a scale is shown as buttons; beyond it as a line. */
 const MOST_BUTTONS = 11;
-/** Positions up to which a line has marks. */
+/** Largest number of positions at which a line has marks. */
 const MOST_MARKS = 41;
-/** ms after the last key that words are sent. */
+/** ms after the last key until a text is sent. */
 const TYPED_MS = 300;
 
 export interface Field {
   readonly item: ItemView;
   readonly root: HTMLElement;
   readonly value: Value;
-  /** What was answered before; tells nobody. */
+  /** Shows an earlier answer, without sending it. */
   put(value: Value): void;
-  /** Says what is wrong; nothing: it is right. */
+  /** Shows what is wrong with the answer; an empty text means that it is valid. */
   complain(text: string): void;
   /** Sends what is still being typed. */
   settle(): void;
 }
 
-/** @param tell Is told of every answer. */
+/** @param tell Called with every answer. */
 export function makeField(
   item: ItemView,
   words: Record<string, string>,
@@ -76,7 +76,7 @@ type Maker = (
   complain: (text: string) => void,
 ) => Control;
 
-/** Buttons of which one is chosen; an optional answer is taken back by a second tap. */
+/** Buttons of which one is chosen; a second tap removes an optional answer. */
 function buttons(
   name: string,
   item: ItemView,
@@ -125,7 +125,7 @@ const steps = (item: ItemView): number => Math.floor((item.high - item.low) / it
 const at = (item: ItemView, step: number): number =>
   Number((item.low + step * item.step).toPrecision(12));
 
-/** A line to be touched anywhere; there is no mark on it before. */
+/** A line that can be touched anywhere; it has no mark before the first touch. */
 function line(item: ItemView, words: Record<string, string>, give: (v: Value) => void): Control {
   const last = steps(item);
   const mark = make("div", "mark");

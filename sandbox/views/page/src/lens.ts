@@ -12,15 +12,15 @@ import type { SurfaceView } from "./protocol";
 export const METRES_PER_INCH = 0.0254;
 const NEAR = 0.02;
 const FAR = 8;
-/** m, of the eye before the surface's middle: along its x, up it, and out of it. */
+/** m, position of the eye from the surface's centre: along its x, up it, and out of it. */
 const EYE_FLAT = new Vector3(0, 0.07, 0.7);
 const EYE_UPRIGHT = new Vector3(0, 0.12, 0.55);
 
-/** m over the surface up to which somebody who only looks sees everything: hands on it, with what
- * they lift; hands in the air. */
+/** m above the surface up to which a spectator sees everything: for hands on it with lifted objects,
+ * and for hands in the air. */
 const ABOVE_TOUCHED = 0.13;
 const ABOVE_IN_AIR = 0.3;
-/** Of the page's height, above and below: there is writing. */
+/** Shares of the page's height above and below that are kept free for text. */
 const FREE_ABOVE = 0.1;
 const FREE_BELOW = 0.03;
 
@@ -36,14 +36,14 @@ export class Lens {
   private readonly axes = new Matrix4();
   private readonly centre = new Vector3();
   private readonly seen = new Vector3();
-  /** CSS pixels of an inch of the surface, about: fingers' rings are as large as fingertips. */
+  /** Approximate CSS pixels of an inch of the surface, so that rings are as large as fingertips. */
   pxPerInch = 1;
   private size = { width: 1, height: 1 };
 
   /**
    * @param surface The touch rectangle.
    * @param pxPerInch CSS pixels.
-   * @param width Of the page, CSS pixels; its middle is the rectangle's.
+   * @param width Width of the page, CSS pixels; its centre is that of the rectangle.
    */
   aim(surface: SurfaceView, pxPerInch: number, width: number, height: number): void {
     const r = surface.rotation;
@@ -68,7 +68,7 @@ export class Lens {
     camera.position.copy(eye).applyMatrix4(this.axes).add(this.centre);
     camera.quaternion.setFromRotationMatrix(this.axes);
     camera.updateMatrixWorld(true);
-    // Not updateProjectionMatrix: it knows symmetric frustums only.
+    // Not updateProjectionMatrix, which supports symmetric frustums only.
     camera.projectionMatrix.makePerspective(
       (-halfWidth - eye.x) * shrink,
       (halfWidth - eye.x) * shrink,
@@ -80,9 +80,9 @@ export class Lens {
     camera.projectionMatrixInverse.copy(camera.projectionMatrix).invert();
   }
 
-  /** The camera of somebody who only looks: all of the surface, from the side of the thumb, where
-   * the arm is not in the way. Hands in the air are seen from farther away, and more from the side:
-   * how high they are is what one has to see. */
+  /** The camera of a spectator: the whole surface, from the side of the thumb, where the arm does not
+   * hide it. Hands in the air are seen from farther away and more from the side, to show their
+   * height. */
   overlook(
     surface: SurfaceView,
     hand: "left" | "right",
@@ -112,7 +112,7 @@ export class Lens {
     camera.updateMatrixWorld(true);
   }
 
-  /** m from the target at which all of the surface is seen, and what is above it. */
+  /** m from the target at which the whole surface and the space above it are visible. */
   private farEnough(surface: SurfaceView, above: number, target: Vector3): number {
     const [x, y, back] = [new Vector3(), new Vector3(), new Vector3()];
     this.camera.matrixWorld.extractBasis(x, y, back);
@@ -122,7 +122,7 @@ export class Lens {
     for (const right of [-0.5, 0.5])
       for (const far of [-0.5, 0.5])
         for (const height of [0, above]) {
-          // What is lifted is farther in than what lies at the edge.
+          // Lifted objects are farther inside than those at the edge.
           const share = METRES_PER_INCH * (height ? 0.5 : 1);
           const point = new Vector3(
             right * surface.width_in * share,
@@ -139,7 +139,7 @@ export class Lens {
     return distance;
   }
 
-  /** Where a place in the world is on the page, CSS pixels. */
+  /** CSS pixels on the page of a point in the world. */
   project(place: readonly [number, number, number]): { x: number; y: number } {
     this.seen.set(...place).project(this.camera);
     return {
@@ -149,7 +149,7 @@ export class Lens {
   }
 }
 
-/** The touch rectangle on the page, in CSS pixels: in its middle. */
+/** The touch rectangle in the centre of the page, in CSS pixels. */
 export function touchRectangle(
   surface: SurfaceView,
   pxPerInch: number,

@@ -1,5 +1,5 @@
-// The lift control: a tall slider under the other thumb. It stays where it is let go of, since a
-// hand that held something up and dropped it because a thumb slipped would be no help.
+// The lift control: a tall slider under the other thumb. It keeps its position when it is released,
+// so that a slipped thumb does not make the hand drop an object.
 
 import { make } from "./dom";
 
@@ -25,7 +25,7 @@ export class Lift {
       window.addEventListener(end, (e) => {
         if (e.pointerId === this.pointer) this.pointer = null;
       });
-    // With a mouse as the only finger, wheel and arrow keys lift.
+    // With a mouse as the only finger, the wheel and the arrow keys control the lift.
     window.addEventListener("wheel", (e) => this.set(this.value - e.deltaY * WHEEL), {
       passive: true,
     });
@@ -35,7 +35,7 @@ export class Lift {
     });
   }
 
-  /** A trial begins: the control is shown where it is needed, away from the playing hand. */
+  /** Begins a trial: shows the control if the task needs it, away from the playing hand. */
   open(needed: boolean, hand: "left" | "right"): void {
     this.root.hidden = !needed;
     this.root.classList.toggle("at-right", hand === "left");
@@ -43,7 +43,7 @@ export class Lift {
     this.put(0);
   }
 
-  /** What the control is called. */
+  /** Label of the control. */
   call(word: string): void {
     this.word.textContent = word;
   }

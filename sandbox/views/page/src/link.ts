@@ -1,5 +1,5 @@
-// The link that opened the page: its token goes out of sight, since links are photographed and
-// sent around, and stays in this tab so that the page can reconnect and reload.
+// The link that opened the page: its token is removed from the address bar, since links are
+// photographed and shared, and stored in this tab so that the page can reconnect and reload.
 
 import { recallHere, rememberHere } from "./memory";
 
@@ -8,7 +8,7 @@ const query = new URLSearchParams(location.search);
 export const token = query.get("token") ?? recallHere("token") ?? "";
 export const spectator = query.get("role") === "spectator";
 
-/** The page's own random name: the same after a reload, so that it gets its own seat back. */
+/** The page's random name, kept after a reload, so that it remains the player. */
 export const clientName = recallHere("client") ?? randomName();
 
 rememberHere("token", token);
@@ -25,7 +25,7 @@ export function socketAddress(): string {
   return `${location.protocol === "https:" ? "wss" : "ws"}://${location.host}${withToken()}`;
 }
 
-/** Loads the page anew; a plain reload would come without the token, and be refused. */
+/** Reloads the page with the token; a plain reload would lack it and be refused. */
 export function reload(): void {
   location.replace(withToken());
 }

@@ -1,4 +1,4 @@
-// The page: puts its parts together, and lets them talk to each other.
+// The page: creates its parts and connects them.
 
 import { advise } from "./advice";
 import { Connection } from "./connection";
@@ -22,11 +22,11 @@ import { Sound } from "./sound";
 import { Study } from "./study";
 import { Stage } from "./stage";
 
-/** ms between two reports of how long a touch took to be drawn. */
+/** ms between two reports of the latency from touch to picture. */
 const REPORT_MS = 100;
-/** ms within which another scene is what there is instead of the one that cannot be had. */
+/** ms within which a new scene counts as the substitute for one that is not available. */
 const REFUSED_MS = 1000;
-/** Share by which the page has to change before the trial is laid out anew. */
+/** Share by which the page's size has to change before the trial is restarted with a new layout. */
 const CHANGED = 0.08;
 
 class Page {
@@ -47,9 +47,9 @@ class Page {
 
   private glass: Fingers | null = null;
   private player = false;
-  /** Whether the player's fingers are a hand's: something else may play. */
+  /** True if the player's touches drive a hand; otherwise another device does. */
   private counts = true;
-  /** When there was last no scene to be had, ms. */
+  /** ms, time at which a scene was last not available. */
   private troubled = -Infinity;
   private inStudy: StudyView | null = null;
   private tasks: TaskName[] = [];
@@ -90,7 +90,7 @@ class Page {
       this.curtain,
     );
     this.sheets = new Sheets(document.body, (open) => this.ask(open ? "pause" : "resume"));
-    // Whether there are menus is not known before the computer has said what this is.
+    // Menus are shown or hidden only once the computer has sent its first message.
     for (const element of [this.again, this.trouble, this.curtain, this.hud.root])
       show(element, false);
 
@@ -139,7 +139,7 @@ class Page {
     requestAnimationFrame((now) => this.draw(now));
   }
 
-  /** Nothing but the task, and no wishes: the experimenter has those. */
+  /** Shows only the task, without requests, which are the experimenter's. */
   private enterStudy(view: StudyView): void {
     if (this.inStudy) return;
     this.inStudy = view;
@@ -151,17 +151,17 @@ class Page {
     this.sound.muted = !view.shows.includes("sound");
   }
 
-  // -- what the computer says -------------------------------------------------------------------
+  // -- messages of the computer -----------------------------------------------------------------
 
   private open(scene: SceneMessage): void {
-    // Fingers that are still there from the trial before have touched that one.
+    // Fingers that are still down belong to the trial before.
     if (this.inStudy && scene.scene !== this.scene?.scene) this.glass?.cancelAll();
     this.scene = scene;
     this.frame = null;
     this.pressed.clear();
     this.wasHeld = false;
     this.laidOut = currentScreen();
-    // What was asked for cannot be had, and what there was goes on.
+    // The requested scene is not available, and the current one continues.
     if (performance.now() - this.troubled < REFUSED_MS) this.hud.say(this.trouble.textContent ?? "");
     this.troubled = -Infinity;
     show(this.trouble, false);
@@ -192,12 +192,12 @@ class Page {
     this.wasHeld = state.held;
   }
 
-  // -- what the person does ---------------------------------------------------------------------
+  // -- input of the person ----------------------------------------------------------------------
 
   private touch(change: Change): void {
     this.fingers = change.fingers;
     this.dirty = true;
-    // While a hand is on the glass it is nowhere else: what it brushes is no button.
+    // While a hand is on the screen, accidental touches of buttons are ignored.
     document.body.classList.toggle("touching", change.fingers.length > 0);
     this.sender.touch(change);
   }
@@ -208,7 +208,7 @@ class Page {
 
   private key(event: KeyboardEvent): void {
     if (event.repeat || event.metaKey || event.altKey) return;
-    // A plain reload would come without the token.
+    // A plain reload would lack the token.
     if (event.key === "F5" || (event.ctrlKey && event.key === "r")) {
       event.preventDefault();
       reload();
@@ -232,11 +232,11 @@ class Page {
     measureScreen(this.sheets, () => this.resized(true));
   }
 
-  /** Questions that come before the first trial on this screen, one after the other. */
+  /** Shows the questions before the first trial on this screen, one after the other. */
   private firstTime(): void {
     if (this.sheets.isOpen) return;
     const then = (): void => advise(this.sheets, () => undefined);
-    // Under a mouse, things need no true size.
+    // With a mouse, objects need not have their true size.
     if (calibrated() || this.asked || (!touchable && !this.inStudy)) then();
     else
       measureScreen(this.sheets, () => {
@@ -248,12 +248,12 @@ class Page {
 
   // -- layout -----------------------------------------------------------------------------------
 
-  /** Whether fingers on this page are the hand's. */
+  /** True if touches on this page drive the hand. */
   private get touches(): boolean {
     return this.player && this.counts && !this.scene?.in_air;
   }
 
-  /** Says to who only looks why nothing happens, or that another page plays. */
+  /** Tells a spectator that another page plays, or that there is no player yet. */
   private lookOn(): void {
     this.hud.setLooking(this.player || spectator || this.inStudy ? "" : "another page plays");
     if (!this.scene && !this.player && !this.inStudy) this.tell("Nobody plays yet.");
@@ -285,7 +285,7 @@ class Page {
     this.settling = window.setTimeout(() => this.resized(false), 300);
   }
 
-  /** Tells the computer the page's size; if it is another one, the trial is laid out anew. */
+  /** Sends the page's size; if it has changed, the trial is restarted with a new layout. */
   private resized(measured: boolean): void {
     const screen = currentScreen();
     this.connection.say({ type: "resized", screen });
@@ -322,8 +322,8 @@ class Page {
     show(this.again, this.player && this.doubt.now(frame.state, now));
   }
 
-  /** Rings of the fingers on this glass, where they are now; of others, where the computer has
-   * them. */
+  /** Rings of the fingers on this screen at their current places; of others, at the places that the
+   * computer sent. */
   private ringsNow(): Ring[] {
     const contacts = this.frame?.state.hands.flatMap((hand) => hand.contacts) ?? [];
     if (this.player && !this.scene?.caption) {
@@ -347,7 +347,7 @@ class Page {
     }));
   }
 
-  /** How long it took from a touch to the first picture that has it, now and then. */
+  /** Reports now and then the latency from a touch to the first picture that contains it. */
   private report(frame: Frame): void {
     const after = this.sender.since(frame.touch);
     const now = performance.now();

@@ -1,4 +1,4 @@
-// How large is this screen? An outline is fitted to a bank card, which is the same size everywhere.
+// Calibration of the screen's size: the person fits an outline to a bank card.
 
 import { make, write } from "./dom";
 import { CARD_HEIGHT, CARD_WIDTH, FEWEST, MOST, calibrate, pxPerInch } from "./screen";
@@ -7,7 +7,7 @@ import type { Sheets } from "./sheet";
 /** CSS pixels beside the card. */
 const MARGIN = 90;
 
-/** @param done Is called once the size is known, or the person did not want to tell. */
+/** @param done Called once the size is known, or the person has skipped the calibration. */
 export function measureScreen(sheets: Sheets, done: () => void): void {
   let value = pxPerInch();
   const card = make("div", "card", {}, make("span", "", { text: "your card" }));
@@ -20,7 +20,7 @@ export function measureScreen(sheets: Sheets, done: () => void): void {
   const fit = (px: number): void => {
     value = Math.min(Math.max(px, FEWEST), MOST);
     slider.value = String(value);
-    // Where it does not fit lying, it stands.
+    // If the card does not fit in landscape, it is shown in portrait.
     const lies = CARD_WIDTH * value < window.innerWidth - MARGIN;
     card.style.width = `${(lies ? CARD_WIDTH : CARD_HEIGHT) * value}px`;
     card.style.height = `${(lies ? CARD_HEIGHT : CARD_WIDTH) * value}px`;

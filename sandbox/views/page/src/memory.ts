@@ -1,4 +1,4 @@
-// What the page remembers. A browser may forbid it; then the page forgets, and works all the same.
+// The page's storage. A browser may forbid it; then nothing is stored, and the page still works.
 
 function read(store: () => Storage, key: string): string | null {
   try {

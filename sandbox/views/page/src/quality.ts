@@ -1,15 +1,15 @@
-// Draws less on a device that cannot keep up: first no shadows, then fewer pixels. What a device can
-// do is remembered, so that it begins there the next time.
+// Reduces the quality on a device that cannot keep up: first no shadows, then fewer pixels. The level
+// is stored for the next start.
 
 import type { WebGLRenderer } from "three";
 import { recall, remember } from "./memory";
 
-/** ms a picture may take in the mean; 60 Hz leaves 17, and one more step is too much at 30 Hz. */
+/** ms, largest mean duration of a picture; 60 Hz leaves 17. */
 const TOO_LONG = 24;
 const PICTURES = 45;
-/** ms without a picture that are no sign of slowness: the stream has paused. */
+/** ms without a picture above which the stream has paused, and the device is not slow. */
 const PAUSE = 1000;
-/** Levels: everything; no shadows; one pixel per CSS pixel; fewer, and rough edges. */
+/** Levels: full quality; no shadows; one pixel per CSS pixel; fewer pixels, and jagged edges. */
 const LOWEST = 3;
 const PIXELS = [2, 2, 1, 0.7];
 
@@ -22,12 +22,12 @@ export class Quality {
 
   constructor(private readonly changed: () => void) {}
 
-  /** Whether edges are to be smoothed; has to be known when the canvas is made. */
+  /** True if edges are smoothed; needed when the canvas is made. */
   get smooth(): boolean {
     return this.level < LOWEST;
   }
 
-  /** Sets a renderer to what this device can do. */
+  /** Applies the current level to a renderer. */
   apply(renderer: WebGLRenderer): void {
     this.renderer = renderer;
     renderer.shadowMap.enabled = this.level === 0;
@@ -35,7 +35,7 @@ export class Quality {
     renderer.setPixelRatio(most < 1 ? most : Math.min(window.devicePixelRatio, most));
   }
 
-  /** One more picture has been drawn, at a time in ms. */
+  /** Notes that a picture was drawn, at a time in ms. */
   note(now: number): void {
     const passed = now - this.last;
     this.last = now;

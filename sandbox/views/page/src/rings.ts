@@ -1,19 +1,19 @@
-// Rings under the fingers, on a canvas of their own above the scene. They follow the glass, not the
-// network: what the computer adds is the finger's name, colour and force.
+// Rings around the fingers, on their own canvas above the scene. They follow the touches without the
+// network; the computer adds the finger's name, colour and force.
 
 import { fingerColour, fingerName } from "./colours";
 
 export interface Ring {
   x: number;
   y: number;
-  /** Thumb 0 to little finger 4; null while it has no name. */
+  /** Label, thumb 0 to little finger 4; null before it is labelled. */
   label: number | null;
-  /** N. */
+  /** Force on objects, N. */
   force: number;
   ignored: boolean;
 }
 
-/** In, of the ring: it has to be seen round a fingertip. */
+/** In inches, size of the ring, which must be visible around a fingertip. */
 const RADIUS = 0.42;
 const NAME_ABOVE = 0.3;
 const PLAIN = "#dfe8ef";
@@ -21,7 +21,7 @@ const PLAIN = "#dfe8ef";
 export class Rings {
   private readonly pen: CanvasRenderingContext2D;
   private empty = true;
-  /** Only where fingers are: no names, no colours, no forces. */
+  /** Shows only the positions of fingers: no names, colours or forces. */
   plain = false;
 
   constructor(private readonly canvas: HTMLCanvasElement) {
@@ -44,7 +44,7 @@ export class Rings {
     const radius = Math.max(RADIUS * pxPerInch, 22);
     for (const ring of rings) this.drawRing(ring, radius);
     if (this.plain) return;
-    // Names lie above all rings: those of fingers side by side would cover each other's.
+    // Names are drawn over all rings, as fingers side by side would cover each other's names.
     const above = radius + NAME_ABOVE * Math.min(pxPerInch, 90);
     for (const ring of rings) if (!ring.ignored) this.drawName(ring, ring.y - above);
   }
@@ -55,7 +55,7 @@ export class Rings {
 
   private drawRing(ring: Ring, radius: number): void {
     const pen = this.pen;
-    // From a thin line in the air to a thick one at 3 N.
+    // From a thin line without force to a thick one at 3 N.
     const thick = 3 + (this.plain ? 0 : 7 * Math.min(ring.force / 3, 1));
     pen.lineWidth = thick + 3;
     pen.strokeStyle = "rgba(8, 12, 15, 0.55)";

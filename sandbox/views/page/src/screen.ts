@@ -1,5 +1,5 @@
-// How many CSS pixels an inch of this screen has. Browsers do not tell, so it is guessed from what
-// kind of device this seems to be, until somebody holds a bank card to the screen.
+// CSS pixels per inch of this screen. Browsers do not report it, so it is guessed from the kind of
+// device until the person calibrates it with a bank card.
 
 import type { PageScreen } from "./protocol";
 import { recall, remember } from "./memory";
@@ -51,6 +51,6 @@ export function currentScreen(): PageScreen {
   };
 }
 
-/** Whether a hand has too little room on it: less than about 9 cm on the short side. */
+/** True if the screen is too small for a hand: less than about 9 cm on the short side. */
 export const small = (): boolean =>
   Math.min(window.innerWidth, window.innerHeight) / pxPerInch() < 3.6;

@@ -1,5 +1,5 @@
-// Sends touches: every change, and while fingers are down something ten times a second, since a
-// page that falls silent loses them.
+// Sends touches: every change, and a message ten times a second while fingers are down, since the
+// touches of a silent page are cancelled.
 
 import type { Connection } from "./connection";
 import type { Change, Finger } from "./fingers";
@@ -13,12 +13,12 @@ export class Sender {
   private fingers: Finger[] = [];
   private unsent: number[] = [];
   private lift: number | null = null;
-  /** When the lift control was moved and nobody has been told; null: never. */
+  /** Time of the lift control's last unsent move; null without one. */
   private lifted: number | null = null;
   private readonly times = new Map<number, number>();
   /** Top left corner of the touch rectangle in CSS pixels. */
   corner = { x: 0, y: 0 };
-  /** Whether touches are wanted: somebody plays, and is no spectator. */
+  /** True if touches are used, which is so for a player. */
   active = false;
 
   constructor(private readonly connection: Connection) {
@@ -29,25 +29,25 @@ export class Sender {
     const moves = change.fingers.length === this.fingers.length && !change.cancelled.length;
     this.fingers = change.fingers;
     this.unsent.push(...change.cancelled);
-    // Of moves only the newest counts; going down and up is never held back.
+    // Of several moves only the newest counts; touch-down and touch-up are never delayed.
     if (moves && this.connection.stalled) return;
     this.send(change.at);
   }
 
-  /** The lift control, 0 to 1; null where the task has none. */
+  /** The lift control, 0 to 1; null if the task has none. */
   setLift(lift: number | null): void {
     this.lift = lift;
     if (lift !== null) this.lifted ??= performance.now();
   }
 
-  /** Sends what has been moved besides fingers. Called before each picture, after theirs: control and
-   * fingers that move together are one message, of which a tablet of 120 Hz makes enough. */
+  /** Sends a move of the lift control. Called before each picture, after the moves of the fingers, so
+   * that both go into one message. */
   settle(): void {
     if (this.lifted !== null) this.send(this.lifted);
   }
 
-  /** ms since the newest touch event happened that is in a message or in one before it; null if that
-   * has been asked for before. */
+  /** ms since the newest touch event in a message or an earlier one; null if it was returned
+   * before. */
   since(seq: number): number | null {
     let at: number | null = null;
     for (const [sent, happened] of this.times) {

@@ -12,10 +12,10 @@ import {
 } from "three";
 import type { Geom } from "./protocol";
 
-/** m, half the length of a side of a plane that MuJoCo takes for endless. */
+/** m, half the side of a plane that is endless in MuJoCo. */
 const FAR = 2;
 
-/** The shape of a geom; `fine` is for what is looked at closely. */
+/** The shape of a geom; `fine` uses more facets. */
 export function geometry(geom: Geom, fine = false): BufferGeometry {
   const [a, b, c] = geom.size;
   const around = fine ? 32 : 20;
@@ -41,6 +41,6 @@ export function place(object: Object3D, geom: Geom): void {
   object.quaternion.copy(quaternion(geom.quaternion));
 }
 
-/** From w, x, y, z. */
+/** A three.js quaternion from w, x, y, z. */
 export const quaternion = ([w, x, y, z]: readonly [number, number, number, number]): Quaternion =>
   new Quaternion(x, y, z, w);

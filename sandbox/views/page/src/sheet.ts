@@ -1,4 +1,4 @@
-// A sheet of paper above the scene: a menu or a question. One at a time; time stands still.
+// A sheet over the scene, with a menu or a question. One at a time; the trial is paused.
 
 import { make } from "./dom";
 

@@ -17,7 +17,7 @@ import { POSE_BYTES, PROTOCOL, SKIN_KIND } from "./protocol";
 const HEADER_BYTES = 16;
 const text = new TextDecoder();
 
-/** A skin as it came. */
+/** A decoded skin. */
 export interface Skin {
   /** Names of the bodies that carry it, palm first. */
   names: string[];
@@ -25,7 +25,7 @@ export interface Skin {
   inverses: Matrix4[];
 }
 
-/** The skin in a message, or null if it is none. */
+/** The skin in a message, or null if the message is not a skin. */
 export function parseSkin(data: ArrayBuffer): Skin | null {
   if (data.byteLength < HEADER_BYTES) return null;
   const view = new DataView(data);
@@ -57,7 +57,7 @@ export function parseSkin(data: ArrayBuffer): Skin | null {
   return { names, geometry, inverses: names.map((_, i) => inverse(bind.subarray(7 * i))) };
 }
 
-/** A skin on the bodies of a scene, or null if they are not there. */
+/** A skin on the bodies of a scene, or null if the scene lacks them. */
 export function wear(
   skin: Skin,
   bodies: Bone[],
@@ -67,7 +67,7 @@ export function wear(
   const bones = skin.names.map((name) => bodies[names.indexOf(name)]);
   if (bones.some((bone) => !bone)) return null;
   const mesh = new SkinnedMesh(skin.geometry, material);
-  // Bodies are where they are in the world, whatever the mesh is hung on.
+  // Bodies have world poses, independent of the mesh's parent.
   mesh.bindMode = "detached";
   mesh.bind(new Skeleton(bones as Bone[], skin.inverses), new Matrix4());
   mesh.frustumCulled = false;
@@ -82,7 +82,7 @@ function inverse(pose: Float32Array): Matrix4 {
     .invert();
 }
 
-/** Light of sRGB bytes: three.js wants vertex colours so. */
+/** Linear colours from sRGB bytes, as three.js needs for vertices. */
 function linear(colours: Uint8Array, n: number): Float32Array {
   const out = new Float32Array(3 * n);
   const colour = new Color();

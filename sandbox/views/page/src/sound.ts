@@ -1,4 +1,4 @@
-// Short tones, made on the spot: a tick when a finger meets a thing, a chord at success.
+// Short synthesised tones: a tick when a finger touches an object, a chord at success.
 
 import { recall, remember } from "./memory";
 
@@ -7,7 +7,7 @@ export class Sound {
   muted = recall("muted") === "yes";
 
   constructor() {
-    // A browser lets a page sound only after a touch.
+    // A browser allows sound only after a touch.
     window.addEventListener("pointerup", () => this.wake());
     window.addEventListener("keydown", () => this.wake());
   }
@@ -18,7 +18,7 @@ export class Sound {
     return this.muted;
   }
 
-  /** A finger meets a thing. */
+  /** Plays the tick of a finger that touches an object. */
   contact(label: number): void {
     this.tone(190 + 40 * label, 0, 0.07, 0.1, "triangle");
   }

@@ -26,9 +26,9 @@ import { Quality } from "./quality";
 import { geometry, place } from "./shapes";
 import { type Skin, wear } from "./skin";
 
-/** How much of a hand shows that passes through things. */
+/** Opacity of a hand that passes through objects. */
 const GHOSTLY = 0.5;
-/** The same for a hand that waits, with no finger down. */
+/** Opacity of a waiting hand, without a finger down. */
 const FAINT = 0.22;
 const NO_COLOUR = new MeshBasicMaterial({ colorWrite: false, transparent: true });
 
@@ -44,7 +44,7 @@ export class Stage {
   private ghosts = new Map<string, Ghost>();
   private skin = handMaterial(SKIN);
   private skinned = handMaterial(0xffffff);
-  /** What a hand's shadow is cast by. */
+  /** Meshes that cast a hand's shadow. */
   private hands: Mesh[] = [];
   private key = keyLight();
 
@@ -58,7 +58,7 @@ export class Stage {
     this.renderer = new WebGLRenderer({ canvas, antialias: this.quality.smooth });
     this.renderer.shadowMap.type = PCFShadowMap;
     this.quality.apply(this.renderer);
-    // A lost context comes back empty; to load the page anew is simpler than to fill it again.
+    // A lost context comes back empty; reloading the page is simpler than filling it again.
     canvas.addEventListener("webglcontextlost", (event) => {
       event.preventDefault();
       window.setTimeout(reload, 500);
@@ -74,7 +74,7 @@ export class Stage {
     this.renderer.setSize(window.innerWidth, window.innerHeight, false);
   }
 
-  /** Builds a new scene, and lets go of the last one. */
+  /** Builds a new scene, and frees the last one. */
   open(scene: SceneMessage): void {
     this.world.remove(this.content);
     this.content.traverse(dispose);
@@ -102,11 +102,11 @@ export class Stage {
     for (const skin of this.skins.values()) this.wear(skin);
   }
 
-  /** A hand's skin has come; it is kept for later scenes. */
+  /** Takes a hand's skin, which is kept for later scenes. */
   dress(skin: Skin): void {
     const palm = skin.names[0] ?? "";
     if (this.skins.has(palm) && this.scene) {
-      // Another hand of the same name: the scene is built anew without the old one.
+      // Another hand of the same name: the scene is rebuilt without the old one.
       this.skins.delete(palm);
       this.open(this.scene);
     }
@@ -114,7 +114,7 @@ export class Stage {
     this.wear(skin);
   }
 
-  /** Puts everything where a frame has it. */
+  /** Sets all poses from a frame. */
   move(frame: Frame): void {
     const poses = frame.poses;
     this.bodies.forEach((body, i) => {
@@ -133,7 +133,7 @@ export class Stage {
     const down = hands.some((hand) => hand.contacts.length);
     const opacity = hands.some((hand) => hand.solid.length) ? 1 : down ? GHOSTLY : FAINT;
     this.skin.opacity = this.skinned.opacity = opacity;
-    // A hand that waits in the air is hardly there, and hides nothing in its shadow.
+    // A hand that waits in the air is nearly transparent, and casts no shadow.
     for (const mesh of this.hands) mesh.castShadow = down || opacity === 1;
   }
 
@@ -170,8 +170,8 @@ export class Stage {
     return mesh;
   }
 
-  /** A hand's nearest surface, written to depth alone and before its colour: of a translucent hand
-   * one sees one skin, not every bone inside. */
+  /** Draws a hand's nearest surface into the depth buffer before its colour, so that a translucent
+   * hand shows one skin, and not every bone inside. */
   private veil(mesh: Mesh): Mesh {
     const veil = new Mesh(mesh.geometry, NO_COLOUR);
     veil.position.copy(mesh.position);
@@ -180,7 +180,7 @@ export class Stage {
     return veil;
   }
 
-  /** The sun, and the part of the world where it casts shadows: round the touch rectangle. */
+  /** Adds the sun, with shadows around the touch rectangle. */
   private light(scene: SceneMessage): void {
     const [x, y] = scene.surface.origin;
     const reach = 0.2;
@@ -228,7 +228,7 @@ function material(geom: Geom): MeshStandardMaterial {
 
 function dispose(object: Object3D): void {
   if (!(object instanceof Mesh)) return;
-  // A skin's shape serves every scene; what it costs is a picture of its bones.
+  // The geometry of a skin is shared by all scenes; only the skeleton's texture is freed.
   if (object instanceof SkinnedMesh) object.skeleton.dispose();
   else object.geometry.dispose();
   for (const m of [object.material].flat()) {

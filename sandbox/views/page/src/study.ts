@@ -1,5 +1,5 @@
-// A study's sheets: consent, instructions, forms and breaks, above the scene. What is on them is the
-// computer's; answers go there at once, and are only right once they have been looked at there.
+// A study's sheets over the scene: consent, instructions, forms and breaks. Their contents come from
+// the computer; answers are sent there at once, and are valid only after it has checked them.
 
 import { make, show, write } from "./dom";
 import { type Field, type Value, makeField } from "./items";
@@ -21,7 +21,7 @@ export class Study {
     show(this.root, false);
   }
 
-  /** Whether the session is over, and the computer need not be there any more. */
+  /** True once the session is over, and the connection no longer needed. */
   get over(): boolean {
     return this.sheet?.kind === "end";
   }
@@ -36,7 +36,7 @@ export class Study {
     const again = sheet.sheet === this.sheet?.sheet && sheet.kind === "form" && this.fields.length;
     this.sheet = sheet;
     if (again) {
-      // The page was away for a moment: what it had not sent is not answered.
+      // The page has reconnected: answers that the computer did not receive are discarded.
       for (const field of this.fields) field.put(sheet.answers[field.item.name] ?? null);
       return;
     }
@@ -124,7 +124,7 @@ export class Study {
     this.turn(!started ? 0 : open < 0 ? this.pages.length - 1 : open);
   }
 
-  /** As many questions on each page as the screen has room for. */
+  /** Splits the questions into pages that fit on the screen. */
   private divide(list: HTMLElement): void {
     list.append(...this.fields.map((f) => f.root));
     const foot = this.root.querySelector<HTMLElement>(".foot")!;
@@ -182,7 +182,7 @@ export class Study {
   }
 }
 
-/** Paragraphs are parted by empty lines, as they are typed; lines that begin with - are a list. */
+/** Makes paragraphs of a text, separated by empty lines; lines that begin with - become a list. */
 function paragraphs(text: string): HTMLElement[] {
   return text
     .trim()
