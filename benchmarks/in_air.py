@@ -20,7 +20,7 @@ from benchmarks.judged_air import air_seeds
 from models.surface import Surface
 from sandbox.devices.simulated.leap_disturbance import LeapDisturbance
 from sandbox.devices.simulated.leap_user import SimulatedLeap
-from sandbox.options.leap_devices import over_one
+from sandbox.options.leap_devices import split_by_side
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
 from sandbox.trial.device_makers import DeviceMaker
@@ -106,7 +106,7 @@ def play(
 
     makers = tuple(map(maker, range(len(hands))))
     if two:
-        makers = over_one(makers, makers[0], settings)
+        makers = split_by_side(makers, makers[0], settings)
     result = run_trial(settings, makers, depth.watch)
     return result, sum(device.user.grasps for device in made)
 

@@ -20,7 +20,7 @@ from models.motion.armature import Y_UP, Armature, Keys
 from models.motion.read.bvh import read_bvh
 from models.motion.write.bvh import BvhWriter
 from models.skeleton import ADULT
-from sandbox.stream.lines import BLENDER, MAYA, HandLines, Target
+from sandbox.stream.lines import BLENDER, MAYA, HandLines, StreamTarget
 from sandbox.stream.script import script
 from sandbox.stream.sender import Sender
 from tests.sandbox.stream.command_port import CommandPort, Manners
@@ -29,7 +29,7 @@ from tests.support.motion_poses import moving
 MOMENTS = 240
 
 
-def moments(target: Target) -> tuple[Keys, HandLines, list[Keys]]:
+def moments(target: StreamTarget) -> tuple[Keys, HandLines, list[Keys]]:
     """A lively hand at 60 Hz."""
     armature = Armature(ADULT)
     keys = armature.keys(moving(ADULT, MOMENTS, 3))

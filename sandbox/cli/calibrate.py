@@ -1,4 +1,4 @@
-"""`sandbox calibrate`: how large a person's hand is against the trained one."""
+"""`sandbox calibrate`: measures the size of a person's hand relative to the trained hand."""
 
 from __future__ import annotations
 
@@ -21,6 +21,7 @@ from models.surface import Surface
 from sandbox.cli.common.parse import parse
 from sandbox.devices.simulated.spreads import SimulatedSpreads
 from sandbox.devices.tuio.tuio import DEFAULT_PORT, LOOPBACK
+from sandbox.options.metavars import choices
 from sandbox.options.profiles import Profile, default_path, save_profile
 from sandbox.options.scene_options import Plan, SceneOptions, plan
 from sandbox.recording.recording import is_recording
@@ -37,45 +38,48 @@ _ASKED = {
 
 @dataclass(frozen=True)
 class CalibrateOptions:
-    """Measures a hand from five fingers put down three times: relaxed, close together, wide apart.
+    """Measures a hand: put down five fingers three times, relaxed, close together and wide apart.
 
-    What is stored is the hand's length against that of the trained hand, so that touches can be
-    scaled to it. `sandbox play` with a touch device then uses it; everything else needs --profile.
+    The profile stores the length of the hand relative to the trained hand, by which touches are
+    scaled. `sandbox play` with a touch device uses the profile automatically; other commands need
+    --profile.
 
     Try: sandbox calibrate --device simulated --hand-size 0.9 --out profile.json
     """
 
-    device: Annotated[str, tyro.conf.arg(metavar="{tuio,simulated,FILE}")] = "tuio"
-    """Where touches come from: a TUIO sender, a simulated person (for a try), or a file: a
-    recording of ours, or a capture of TUIO packets."""
+    device: Annotated[str, tyro.conf.arg(metavar=choices("tuio", "evdev", "simulated", "FILE"))] = (
+        "tuio"
+    )
+    """Source of touches: a TUIO sender, a touch screen (evdev), a simulated person (to try the
+    command), or a file: a recording of this program or a capture of TUIO packets."""
 
     hand: Literal["right", "left"] | None = None
-    """Which hand; the right one unless a recording says otherwise."""
+    """Which hand. Default: that of the recording, else right."""
 
     turn: Literal[0, 90, 180, 270] | None = None
-    """Where the person sits: 0 at the screen's lower edge, 90 at its right one, and so on."""
+    """Edge of the screen at which the person sits: 0 lower, 90 right, 180 upper, 270 left."""
 
     surface: Annotated[str | None, tyro.conf.arg(metavar="SIZE")] = None
-    """Size of the touch surface: 7.76x5.82in, 197x148mm or a preset such as ipad2. Needed where the
-    device does not tell it: a guess here would be an error of the hand's size."""
+    """Size of the touch surface: 7.76x5.82in, 197x148mm, or a preset such as ipad2. Required if the
+    device does not report it, since an error here becomes an error of the hand's size."""
 
     out: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
-    """Where the profile goes; this user's own profile unless given."""
+    """File for the profile. Default: this user's own profile."""
 
     hand_size: Annotated[float, tyro.conf.arg(metavar="RATIO")] = 1.0
     """True size of the simulated person's hand."""
 
     seed: int = 0
-    """Of the simulated person."""
+    """Seed of the simulated person."""
 
     seconds: float = 120.0
-    """How long a live device is waited for."""
+    """Timeout for a live device, in seconds."""
 
     port: int = DEFAULT_PORT
     """UDP port for TUIO; 0 takes a free one."""
 
     bind: Annotated[str, tyro.conf.arg(metavar="ADDRESS")] = LOOPBACK
-    """Address for TUIO; 127.0.0.1 is reached from this machine only, 0.0.0.0 from the network."""
+    """Address for TUIO. 127.0.0.1: reachable from this machine only; 0.0.0.0: from the network."""
 
 
 def main(argv: list[str]) -> int:
@@ -86,7 +90,7 @@ def main(argv: list[str]) -> int:
             "a mouse has no hand to measure", where="--device mouse", expected="a touch device"
         )
     if not options.seconds > 0.0:
-        raise InputError("no time to wait", where="--seconds", got=options.seconds)
+        raise InputError("expected a positive time", where="--seconds", got=options.seconds)
     console = Console()
     simulated = options.device == "simulated"
     chosen = plan(
@@ -132,23 +136,23 @@ def _opened(chosen: Plan, surface: Surface) -> Device:
 
 
 def _check_surface(options: CalibrateOptions, settings: RunSettings) -> None:
-    """A surface whose size is a guess cannot measure anything."""
+    """Checks that the size of the surface is known, since a guess cannot measure a hand."""
     file = Path(options.device)
     recorded = file.is_file() and is_recording(file)
-    # A recording holds metres already; a size given now would come too late.
-    told = settings.surface_calibrated and (recorded or not file.is_file())
-    if not told and (recorded or options.surface is None):
+    # A recording is in metres already, so a size given now has no effect.
+    known = settings.surface_calibrated and (recorded or not file.is_file())
+    if not known and (recorded or options.surface is None):
         raise InputError(
             "the size of the touch surface is not known",
             where=f"--device {options.device}",
-            remedy="Record anew with --surface"
+            remedy="Record again with --surface"
             if recorded
             else "Measure the touch area with a ruler, for example --surface 197x148mm",
         )
 
 
 def _collect(device: Device, live: bool, seconds: float, console: Console) -> list[Array]:
-    """Layouts of the first three rests of five fingers, m on the screen."""
+    """Returns the layouts of the first three rests of five fingers, m on the screen."""
     collector = SpreadCollector()
     if device.address:
         console.print(f"listening for TUIO on [bold]{device.address}[/]")
@@ -198,6 +202,6 @@ def _report(size: HandSize, console: Console) -> None:
 
 
 def _rounded(size: HandSize, person: Person) -> tuple[float, float]:
-    """The interval in as many digits as the size, which stays within it."""
+    """Returns the interval, rounded like the size and still containing it."""
     low, high = round(size.low, 4), round(size.high, 4)
     return min(low, person.hand_size), max(high, person.hand_size)

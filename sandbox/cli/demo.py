@@ -1,4 +1,4 @@
-"""`sandbox demo`: the whole path in a few seconds, with nothing but this machine."""
+"""`sandbox demo`: shows the whole program in a few seconds, without any device."""
 
 from __future__ import annotations
 
@@ -32,9 +32,9 @@ FILM_RATE = 15
 CAPTION = "simulated user"
 
 _WORDS = {
-    "away": "the user looks; the hand waits in the air",
+    "away": "the user looks at the scene; the hand waits in the air",
     "waiting": "fingers touch the tablet: which finger is which?",
-    "above": "fingers named; the hand moves to its place, still a ghost",
+    "above": "fingers labelled; the hand moves above its place, still a ghost",
     "coming down": "the hand comes down around the box",
     "down": "the hand follows the touches",
 }
@@ -42,18 +42,18 @@ _WORDS = {
 
 @dataclass(frozen=True)
 class DemoOptions:
-    """Plays a recording of the simulated user who drags a box to its goal by touching a tablet.
+    """Plays recorded touches of a simulated user, who drags a box to its goal.
 
-    The touches are recorded; labels, hand pose, physics and score are computed here and now. With a
-    display it opens a window and plays live, without one it draws off screen. Ends with the score,
-    a film and a picture.
+    Labels, hand pose, physics and score are computed while it plays. With a display, it plays in a
+    window; without one, it only draws the film. At the end it prints the score and writes a film
+    and a picture.
     """
 
     out: Annotated[Path, tyro.conf.arg(metavar="DIR")] = Path("sandbox-demo")
-    """Folder for the film and the picture; those of an earlier demo are replaced."""
+    """Folder for the film and the picture; existing ones are replaced."""
 
     view: Annotated[str, tyro.conf.arg(metavar="{auto,window,film,none}")] = "auto"
-    """auto: a window where there is a display, a film where there is OpenGL."""
+    """auto: a window if there is a display, and a film if there is OpenGL. none: neither."""
 
 
 def main(argv: list[str]) -> int:
@@ -83,18 +83,18 @@ def main(argv: list[str]) -> int:
     )
     if options.view != "none" and kept:
         _pictures(session, kept, options.out, console)
-    console.print("Next: [bold]sandbox[/] lists what else there is.")
+    console.print("Next: [bold]sandbox[/] lists all commands, tasks and devices.")
     return 0
 
 
 def _keep(kept: list[Snapshot], snapshot: Snapshot) -> None:
-    """Keeps as many snapshots as a film needs."""
+    """Keeps a snapshot if the next picture of the film is due."""
     if not kept or snapshot.time >= kept[-1].time + 1.0 / FILM_RATE - 1e-9:
         kept.append(snapshot)
 
 
 def _live(session: Session, kept: list[Snapshot], console: Console) -> bool:
-    """Plays in a window at real time; False when there can be none, and nothing has been played."""
+    """Plays in a window in real time; returns False if no window can be opened."""
     from sandbox.views.window.window import Window
 
     surface = session.whole_surface
@@ -135,7 +135,7 @@ def _headless(
 
 
 def _pictures(session: Session, kept: list[Snapshot], out: Path, console: Console) -> None:
-    """The film, and a picture of the moment at which the box is being dragged."""
+    """Draws the film, and a picture of the box being dragged."""
     from sandbox.views.film import FilmView
 
     surface = session.whole_surface

@@ -1,4 +1,4 @@
-"""`sandbox doctor`: what this machine can do, and what to do about the rest."""
+"""`sandbox doctor`: checks what works on this machine, and how to fix the rest."""
 
 from __future__ import annotations
 
@@ -28,22 +28,22 @@ GROUPS = ("program", "pictures", "devices", "files", "extras")
 
 @dataclass(frozen=True)
 class DoctorOptions:
-    """Looks at this machine: what works, what is missing, and what to do about it.
+    """Checks this machine: what works, what is missing, and how to fix it.
 
-    Nothing is changed. What may crash a program (OpenGL without a screen) is tried in another one.
+    It changes nothing. Checks that may crash (OpenGL without a screen) run in another process.
     """
 
     json: tyro.conf.FlagCreatePairsOff[bool] = False
-    """Prints everything as JSON."""
+    """Print all results as JSON."""
 
     strict: tyro.conf.FlagCreatePairsOff[bool] = False
-    """Ends with 1 where anything is missing, for scripts."""
+    """Exit status 1 if anything is missing, for scripts."""
 
 
 def main(argv: list[str]) -> int:
     """Runs `sandbox doctor ...`."""
     options = parse(DoctorOptions, "sandbox doctor", argv)
-    checks = examine()
+    checks = run_checks()
     if options.json:
         print(json.dumps(as_json(checks), indent=1))
     else:
@@ -51,15 +51,15 @@ def main(argv: list[str]) -> int:
     return int(options.strict and any(not c.ok for c in checks))
 
 
-def examine() -> list[Check]:
-    """Every check, in the order of its group."""
+def run_checks() -> list[Check]:
+    """Runs all checks; returns them in the order of groups."""
     checks = [*system_checks(), speed_check(), *package_checks()]
     checks += [*graphics_checks(), *device_checks()]
     return sorted(checks, key=lambda check: GROUPS.index(check.group))
 
 
 def as_json(checks: list[Check]) -> dict[str, Any]:
-    """For programs."""
+    """Returns the checks as JSON values."""
     return {
         "schema": SCHEMA,
         "checks": [check.as_json() for check in checks],
@@ -69,7 +69,7 @@ def as_json(checks: list[Check]) -> dict[str, Any]:
 
 
 def show(checks: list[Check], console: Console) -> None:
-    """A table, then what to do about what is missing."""
+    """Prints a table of the checks, then remedies for missing items."""
     table = Table("", "what", "state", "found", box=None, pad_edge=False)
     last = ""
     for check in checks:
@@ -82,7 +82,7 @@ def show(checks: list[Check], console: Console) -> None:
     if not missing:
         console.print("\nNothing is missing.")
         return
-    console.print("\n[bold]what is missing, what for, and what to do[/]")
+    console.print("\n[bold]missing items, their use, and remedies[/]")
     for check in missing:
         use = f", for {check.needed_for}" if check.needed_for else ""
         console.print(f"[yellow]{check.name}[/]{escape(use)}", soft_wrap=True, highlight=False)

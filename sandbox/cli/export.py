@@ -1,4 +1,4 @@
-"""`sandbox export`: hands in motion, into files that other programs open."""
+"""`sandbox export`: writes the motion of hands to files for other programs."""
 
 from __future__ import annotations
 
@@ -26,9 +26,9 @@ Order = Literal["XYZ", "XZY", "YXZ", "YZX", "ZXY", "ZYX"]
 
 @dataclass(frozen=True)
 class ExportOptions:
-    """Writes a recorded hand's motion for other programs: keys at an even rate.
+    """Writes the motion of recorded hands for other programs, as keys at a constant rate.
 
-    The end of the name chooses the format:
+    The suffix of the file chooses the format:
 
         .bvh   skeleton and motion; Blender, Maya, MotionBuilder, ..
         .glb   glTF 2.0: the skinned hand in motion; browsers, Blender, game engines
@@ -38,9 +38,9 @@ class ExportOptions:
         .c3d   fingertips as points (--points joints adds the joints)
         .csv   the same as a table: time, then x, y, z of each point, in m
 
-    docs/formats.md tells axes, units and Euler orders of each, and what each keeps and loses. Two
-    hands go into one .glb, .c3d or .csv, and into a file for each otherwise: out-right.bvh,
-    out-left.bvh. A running session writes the same with `sandbox run --motion FILE`.
+    docs/formats.md lists axes, units and Euler orders, and what each format keeps. Two hands are
+    written to one .glb, .c3d or .csv, but to two files in other formats: out-right.bvh,
+    out-left.bvh. `sandbox run --motion FILE` writes the same during a run.
 
     Try:
 
@@ -53,34 +53,35 @@ class ExportOptions:
     """
 
     file: Annotated[str, tyro.conf.Positional, tyro.conf.arg(metavar="RECORDING|TRIAL|CAPTURE")]
-    """A recording (--record), a trial of a study (NAME/PARTICIPANT/S001/T007, as `sandbox replay`
-    takes it), or a capture (.npz)."""
+    """A recording (--record), a trial of a study (NAME/PARTICIPANT/S001/T007, as for `sandbox
+    replay`), or a capture (.npz)."""
 
     to: Annotated[Path, tyro.conf.arg(metavar="FILE")]
-    """What is written; a file that is there is replaced."""
+    """File to write; an existing file is replaced."""
 
     rate: Annotated[float, tyro.conf.arg(metavar="HZ")] = 60.0
-    """Keys a second. Recordings have 62.5 poses a second; between two, the hand moves evenly."""
+    """Keys per second. Recordings have 62.5 poses per second; between them, poses are
+    interpolated."""
 
     of: Literal["simulated", "commanded"] = "simulated"
-    """Of a recording: the hand as it moved, or the pose it was told to take. The latter is not in
-    the file: the recording is played again, which takes longer."""
+    """simulated: the hand as it moved. commanded: the pose that the touches asked for, for which
+    the recording is replayed; this takes longer. For recordings only."""
 
     euler: Order = "ZXY"
-    """Order in which the rotations of a BVH file apply. The first is always the axis of flexion,
-    the last that of spreading (with a Y first, of twisting): no order makes angles jump."""
+    """Order of the rotations in a BVH file. The first axis is always that of flexion, the last that
+    of spreading (or of twisting, if the order begins with Y), so that angles never jump."""
 
     points: Literal["tips", "joints"] = "tips"
-    """What .c3d and .csv hold: fingertips, or joints and wrist, too."""
+    """Points in .c3d and .csv: fingertips only, or also joints and wrist."""
 
     fingers: tuple[Finger, ...] = ("thumb", "index", "middle", "ring", "little")
-    """Whose points .c3d and .csv hold."""
+    """Fingers whose points .c3d and .csv contain."""
 
     take: Annotated[int, tyro.conf.arg(metavar="N")] = 1
-    """Which take of a capture, from 1: its takes do not follow one another without a gap."""
+    """Number of the take in a capture, from 1; one take is exported at a time."""
 
     out: Annotated[Path, tyro.conf.arg(metavar="DIR")] = Path("studies")
-    """Where studies are kept."""
+    """Folder of studies."""
 
 
 def main(argv: list[str]) -> int:
@@ -89,9 +90,9 @@ def main(argv: list[str]) -> int:
     console, errors = Console(), Console(stderr=True)
     settings = _settings(options)
     format_of(options.to)
-    file = _found(options)
+    file = _input_file(options)
     if options.to.absolute() == file.absolute():
-        raise InputError("this would replace what is read", where=f"--to {options.to}")
+        raise InputError("the output would replace the input", where=f"--to {options.to}")
     source = open_source(file, options.of, options.take)
     with Progress(console=errors, transient=True, disable=not errors.is_terminal) as progress:
         bar = progress.add_task("writing keys", total=source.duration or None)
@@ -116,7 +117,7 @@ def main(argv: list[str]) -> int:
         if isinstance(writer, BvhWriter):
             step = float(np.rad2deg(writer.euler.biggest_step))
             console.print(
-                f"{writer.paths[0].name}: angles in {options.euler} order, the greatest step "
+                f"{writer.paths[0].name}: angles in {options.euler} order, greatest step "
                 f"between two keys {step:.1f} degrees",
                 soft_wrap=True,
                 markup=False,
@@ -124,12 +125,12 @@ def main(argv: list[str]) -> int:
     return 0
 
 
-def _found(options: ExportOptions) -> Path:
-    """The one file that is meant."""
+def _input_file(options: ExportOptions) -> Path:
+    """Returns the file that the options name."""
     files = find_recordings(options.file, options.out)
     if len(files) > 1:
         raise InputError(
-            "one motion is written at a time",
+            "only one recording can be exported at a time",
             where=options.file,
             got=f"{len(files)} recordings",
             remedy=f"Name one of them, such as {files[0].stem}",

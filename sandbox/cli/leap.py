@@ -1,4 +1,4 @@
-"""`sandbox leap`: a fake leapd, simulated recordings, and what is understood."""
+"""`sandbox leap`: a fake leapd, simulated recordings, and a list of formats."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def main(argv: list[str]) -> int:
         "simulate": simulate,
         "formats": formats,
     }
-    about = "Leap Motion without one: recordings, simulated hands, a fake service."
+    about = "Replaces a Leap Motion device: a fake service, simulated recordings, formats."
     return subcommand(commands, "sandbox leap", about, argv)
 
 
@@ -43,17 +43,17 @@ def fake(
     loop: tyro.conf.FlagCreatePairsOff[bool] = False,
     seconds: float = math.inf,
 ) -> int:
-    """Plays a recording as a running leapd would send it; Ctrl-C ends.
+    """Plays a recording as a running leapd would send it; Ctrl-C stops.
 
-    The first line on stdout is JSON, {"event": "listening", "address"}. Then, in another terminal:
+    The first line on stdout is JSON: {"event": "listening", "address"}. Then, in another terminal:
 
         sandbox paalm show --device leap
 
     Args:
-        file: A recording; `sandbox leap formats` lists which.
-        bind: Which of this machine's addresses to listen on.
+        file: A Leap recording; `sandbox leap formats` lists the formats.
+        bind: Address to listen on. 127.0.0.1: reachable from this machine only.
         port: TCP port; 0 takes a free one.
-        rate: Frames a second; the device's fastest is 290.
+        rate: Frames per second; a Leap sends 290 at most.
         loop: Begin again at the end.
         seconds: Stop after this many seconds.
     """
@@ -84,20 +84,20 @@ def simulate(
     drop_outs: bool = True,
     capture: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None,
 ) -> int:
-    """Makes SIMULATED recordings: a hand, and what a Leap would have said of it.
+    """Makes SIMULATED recordings of a hand over a Leap.
 
-    v1 is the first software: fingers in no order, lengths that shrink as fingers bend, fingers that
-    vanish. The truth is in the file beside every frame, and `sandbox evaluate --paalm FOLDER` uses
-    it. Device and hands are those of a frozen configuration (docs/paalm.md).
+    v1 is the first software of the Leap: fingers in no order, lengths that shrink as fingers bend,
+    fingers that vanish. Every frame in the file comes with the true pose, for `sandbox evaluate
+    --paalm FOLDER`. Device and hands have a frozen configuration (docs/paalm.md).
 
     Args:
-        out: A file, or for several takes a folder, which is made.
-        seed: Of person, motion and device; take i has seed + i.
-        takes: How many recordings.
+        out: File for the recording, or a new folder for several takes.
+        seed: Seed of person, motion and device; take i has seed + i.
+        takes: Number of recordings.
         hand: Which hand.
-        dialect: v1, or v3 with joints and names.
-        drop_outs: --no-drop-outs sees every finger always.
-        capture: Take the hand's motion from a capture of touches, one recording a trial, instead.
+        dialect: v1 (2013), or v3 with joints and names of fingers.
+        drop_outs: With --no-drop-outs, the device sees every finger at all times.
+        capture: Capture of touches whose hand motion is used; one recording for each take.
     """
     if seed < 0 or takes < 1:
         raise InputError("out of range", where="--seed, --takes", expected="0 or more, 1 or more")
@@ -110,19 +110,19 @@ def simulate(
     try:
         (out if many else out.absolute().parent).mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise InputError(f"it cannot be made: {error}", where=f"--out {out}") from error
+        raise InputError(f"the folder cannot be made: {error}", where=f"--out {out}") from error
     for i, motion in enumerate(motions):
         take = leap_take(motion, seed + i, dialect, drop_outs)
         path = out / f"take-{seed + i:04d}.json" if many else out
         made_from = {"seed": seed + i, "capture": str(capture) if capture else None}
         write_take(take, path, made_from)
-    told = "1 simulated recording" if len(motions) == 1 else f"{len(motions)} simulated recordings"
-    Console(stderr=True).print(Text(f"{told} ({dialect}): {out}"))
+    count = "1 simulated recording" if len(motions) == 1 else f"{len(motions)} simulated recordings"
+    Console(stderr=True).print(Text(f"{count} ({dialect}): {out}"))
     return 0
 
 
 def formats() -> int:
-    """Lists the services and files that are understood."""
+    """Lists the services and file formats that this program reads."""
     table = Table("what", "how", "understood")
     table.add_row("leapd, Orion, Ultraleap bridge", "--device leap", "ws://127.0.0.1:6437/v6.json")
     table.add_row("v1 (2013)", "service, FILE", "directions and lengths, no names, no bones")

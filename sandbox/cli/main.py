@@ -1,4 +1,4 @@
-"""`sandbox COMMAND ...`: finds the command's module, and turns our errors into one clear line."""
+"""`sandbox COMMAND ...`: runs the command's module and prints errors in one line."""
 
 from __future__ import annotations
 
@@ -9,23 +9,23 @@ import sys
 from models.errors import HandSandboxError, InputError
 
 COMMANDS: dict[str, str] = {
-    "demo": "the simulated user brings a box to its goal; ends with score, film and picture",
+    "demo": "watch the simulated user move a box to its goal; makes a film and a picture",
     "play": "do a task in a window, with the mouse or a tablet as fingers",
     "run": "do a task without a window, as fast as it goes",
-    "regress": "success over many seeds, and whether it is less than it was",
+    "regress": "measure success over many seeds, and compare it with a baseline",
     "replay": "play a recording again and check every state",
     "subject": "make a capture of a simulated subject: touches and poses at the same time",
-    "capture": "make a capture of your own recordings of touches and hands",
+    "capture": "make a capture from your own recordings of touches and hands",
     "export": "write a hand's motion for other programs: BVH, glTF, AMC, Vicon, C3D, CSV",
     "stream": "send a hand's motion, live, to Maya or Blender",
-    "train": "train an encoder on a capture, or the built-in ones anew",
-    "evaluate": "measure how well methods reconstruct hands and name fingers: the paper's tables",
-    "calibrate": "measure a hand against the trained one, so that it fits any person's",
-    "study": "user studies: designs, sessions, and a record that nothing can lose",
-    "doctor": "what this machine can do, and what to do about the rest",
-    "paalm": "joint angles of hands over a Leap, the paper of 2013; show and calibrate",
-    "leap": "a Leap without one: simulated recordings, a fake service, what is understood",
-    "touches": "show, send and describe touches: the first thing to try with a new tablet",
+    "train": "train an encoder on a capture, or train the built-in ones again",
+    "evaluate": "measure how well encoders reconstruct hands and label fingers: the paper's tables",
+    "calibrate": "measure the size of a person's hand, so that the reconstruction fits it",
+    "study": "design, run, report and share user studies",
+    "doctor": "check what works on this machine, and what to install for the rest",
+    "paalm": "joint angles of hands over a Leap, by the paper of 2013: show and calibrate",
+    "leap": "replace a Leap: simulated recordings, a fake service; list the formats",
+    "touches": "show, record and send touches: the first thing to try with a new tablet",
 }
 """Command -> one line of help. Each is `main(argv) -> int` in sandbox/cli/COMMAND.py, or in
 sandbox/cli/COMMAND/command.py where it is in `IN_FOLDERS`."""
@@ -64,7 +64,7 @@ def main(argv: list[str] | None = None) -> int:
                 "no such command",
                 got=name,
                 expected=", ".join(COMMANDS),
-                remedy="`sandbox` alone lists what there is",
+                remedy="`sandbox` without arguments lists them",
             )
         module = importlib.import_module(
             f"sandbox.cli.{name}.command" if name in IN_FOLDERS else f"sandbox.cli.{name}"

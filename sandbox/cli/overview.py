@@ -1,4 +1,4 @@
-"""`sandbox` alone: commands, tasks, devices and what to try first, all read from the code."""
+"""`sandbox` without arguments: lists of commands, tasks, devices and first steps."""
 
 from __future__ import annotations
 
@@ -13,32 +13,32 @@ from sandbox.views.display import has_display
 
 
 def overview(commands: Mapping[str, str]) -> str:
-    """Overview of the program's functions, one line each.
+    """Returns the lists of commands, tasks, devices and first steps.
 
     Args:
-        commands: Command -> what it does.
+        commands: Command -> one line of help.
     """
     from tasks.registry import TASKS
 
     tasks = {name: _first_sentence(task.__doc__ or "") for name, task in TASKS.items()}
-    tasks["FILE.py"] = "one of your own"
+    tasks["FILE.py"] = "a task of your own"
     lines = ["usage: sandbox COMMAND [--help], sandbox --version"]
     lines += ["", "commands", *_columns(commands)]
-    lines += ["", "tasks", *_columns(tasks), *_own_tasks()]
-    lines += ["", "devices", *_columns(devices()), *_own_devices()]
+    lines += ["", "tasks", *_columns(tasks), *_installed_tasks()]
+    lines += ["", "devices", *_columns(devices()), *_installed_devices()]
     lines += ["", "try first", *(f"  {line}" for line in first_steps())]
     return "\n".join(lines)
 
 
 def devices() -> dict[str, str]:
-    """Device -> the first sentence of its class; nothing of it is imported."""
+    """Returns device -> first sentence of its class, read from the source without an import."""
     places = {name: (entry.module, entry.member) for name, entry in DEVICES.items()}
     places["FILE"] = ("sandbox.recording.recorded_device", "RecordedDevice")
     return {name: _sentence_of(*place) for name, place in places.items()}
 
 
 def first_steps() -> list[str]:
-    """Command lines, the easiest first: made of the first task, and of the first that lifts."""
+    """Returns command lines to begin with, the easiest first."""
     from tasks.registry import TASKS
 
     first = next(iter(TASKS))
@@ -58,7 +58,7 @@ def _columns(rows: Mapping[str, str]) -> list[str]:
     return [f"  {name:<{width}}  {text}" for name, text in rows.items()]
 
 
-def _own_tasks() -> list[str]:
+def _installed_tasks() -> list[str]:
     """Tasks of installed packages, with the reason for those that cannot be used."""
     if not entry_points(group="hand_sandbox.tasks"):
         return []
@@ -69,14 +69,14 @@ def _own_tasks() -> list[str]:
     return own + [f"  {name}: {why}" for name, why in sorted(broken.items())]
 
 
-def _own_devices() -> list[str]:
+def _installed_devices() -> list[str]:
     """Devices of installed packages, which are checked only when they are used."""
     names = sorted({entry.name for entry in entry_points(group="hand_sandbox.devices")})
     return [f"  {name}" for name in names]
 
 
 def _sentence_of(module: str, name: str) -> str:
-    """The first sentence of a class's docstring, out of its source."""
+    """Returns the first sentence of a class's docstring, read from the source."""
     spec = importlib.util.find_spec(module)
     assert spec is not None and spec.origin is not None
     tree = ast.parse(Path(spec.origin).read_text(encoding="utf-8"))
@@ -85,7 +85,7 @@ def _sentence_of(module: str, name: str) -> str:
 
 
 def _first_sentence(text: str) -> str:
-    """Without its full stop, starting small, as the other lines do."""
+    """Returns the first sentence without full stop and with a small first letter."""
     line = (text.strip().splitlines() or [""])[0].split(". ")[0].rstrip(".")
-    known_by_its_letters = line[1:2].isupper()
-    return line if known_by_its_letters else line[:1].lower() + line[1:]
+    is_abbreviation = line[1:2].isupper()
+    return line if is_abbreviation else line[:1].lower() + line[1:]

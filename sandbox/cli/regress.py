@@ -18,7 +18,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 
 from models.errors import InputError
 from sandbox.cli.common.json_out import check_output
-from sandbox.cli.common.parse import in_one_line, parse
+from sandbox.cli.common.parse import parse, with_one_line_errors
 from sandbox.regress.breaking_off import BreakOff
 
 if TYPE_CHECKING:
@@ -149,7 +149,7 @@ def main(argv: list[str]) -> int:
 
 def parse_known(argv: list[str]) -> tuple[RegressOptions, list[str]]:
     """Our options, and those that are left for `sandbox run`."""
-    parsed: tuple[RegressOptions, list[str]] = in_one_line(
+    parsed: tuple[RegressOptions, list[str]] = with_one_line_errors(
         lambda: tyro.cli(
             RegressOptions,
             prog="sandbox regress",

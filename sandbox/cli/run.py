@@ -1,4 +1,4 @@
-"""`sandbox run`: a task without a window, as fast as it goes."""
+"""`sandbox run`: runs a task without a window, as fast as the machine can."""
 
 from __future__ import annotations
 
@@ -36,20 +36,20 @@ from tasks.task import Task
 
 @dataclass(frozen=True)
 class RunOptions(LslOptions, SceneOptions):
-    """Runs a task without a window, as fast as it goes, and prints its score.
+    """Runs a task without a window, as fast as the machine can, and prints its score.
 
     Try: sandbox run box-to-goal --device simulated --seed 3 --json -
     """
 
     json: Annotated[Path | None, tyro.conf.arg(metavar="OUT")] = None
-    """Writes the result as JSON; - is the terminal."""
+    """File for the result as JSON; - is the terminal."""
 
     film: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
-    """Draws a film: .webp, .gif, or .mp4 with the extra `film`."""
+    """File for a film: .webp, .gif, or .mp4 with the extra `film`."""
 
     motion: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
-    """Writes the hands' motion as it happens, 60 keys a second: .bvh, .glb, .amc, .v, .c3d, .csv.
-    `sandbox export` does the same with a recording, and has more to choose from."""
+    """File for the motion of the hands, 60 keys per second: .bvh, .glb, .amc, .v, .c3d, .csv.
+    `sandbox export` does the same with a recording and has more options."""
 
 
 def main(argv: list[str]) -> int:
@@ -58,7 +58,7 @@ def main(argv: list[str]) -> int:
 
 
 def perform(options: RunOptions) -> int:
-    """Does what the options say."""
+    """Runs the trial that the options describe, and reports its result."""
     chosen = plan(options)
     if options.device == "mouse":
         raise InputError(
@@ -66,7 +66,7 @@ def perform(options: RunOptions) -> int:
         )
     check_output(options.json)
     events = EventLog(options.events)
-    # Nothing but the result goes to standard output when it is asked for there.
+    # With `--json -`, only the result goes to standard output.
     console = Console(stderr=options.json == TERMINAL)
     try:
         with streaming(options.lsl, console):
@@ -139,7 +139,7 @@ def _run(options: RunOptions, chosen: Plan, events: EventLog, console: Console) 
 
 
 def report_end(result: TrialResult, console: Console) -> None:
-    """Says how a trial ended, and where the last states of a simulation are that diverged."""
+    """Prints how a trial ended, and the recording of the last states of a diverged simulation."""
     if result.diverged:
         console.print(f"[red]the simulation diverged: {result.diverged}[/]")
     if result.dump:

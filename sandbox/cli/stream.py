@@ -1,4 +1,4 @@
-"""`sandbox stream`: hands in motion, live, into Maya or Blender."""
+"""`sandbox stream`: sends the motion of hands live to Maya or Blender."""
 
 from __future__ import annotations
 
@@ -19,12 +19,13 @@ from sandbox.cli.common.page_options import PageOptions
 from sandbox.cli.common.parse import parse
 from sandbox.devices.registry import DEVICES
 from sandbox.devices.tuio.tuio import DEFAULT_PORT, LOOPBACK
-from sandbox.export.sources import Source, open_source
+from sandbox.export.sources import MotionSource, open_source
 from sandbox.options.leap_devices import LeapOptions, is_leap
+from sandbox.options.metavars import choices
 from sandbox.options.scene_options import SceneOptions, plan
 from sandbox.recording.recording import is_recording
-from sandbox.stream.lines import BLENDER, MAYA, MAYA_MEL, Target
-from sandbox.stream.player import Pace, Player
+from sandbox.stream.lines import BLENDER, MAYA, MAYA_MEL, StreamTarget
+from sandbox.stream.player import StreamPace, StreamPlayer
 from sandbox.stream.script import script
 from sandbox.stream.sender import Moment, Sender, parse_address
 from sandbox.study.record.trial_files import find_recordings
@@ -35,91 +36,89 @@ if TYPE_CHECKING:
 
 LIVE = tuple(name for name in DEVICES if name != "mouse")
 PAGE_PATIENCE = 600.0
-"""s in which somebody has to open the page."""
-LAST_WORD = 5.0
-"""s in which the other program has to take the order to stop."""
+"""s within which somebody must open the page."""
+STOP_TIMEOUT = 5.0
+"""s within which the other program must accept the command to stop."""
 KEY_PATIENCE = 10.0
-"""s for which a key of a recording waits for the one before to be sent."""
+"""s for which a key of a recording waits until the previous one is sent."""
 
 
 @dataclass(frozen=True)
 class StreamOptions(LeapOptions, PageOptions):
-    """Sends hands, live, to Maya or Blender, where any rig's fingers follow them.
+    """Sends the motion of hands live to Maya or Blender, where the fingers of any rig follow.
 
-    In Maya, paste the script into the script editor (Python), run it, select the first joints of
-    one to five chains, thumb first, and run open_port() and start():
+    In Maya, paste the script into the script editor (Python) and run it. Select the first joints
+    of one to five chains, thumb first, and run open_port() and start():
 
         sandbox stream --script maya > hand_sandbox_maya.py
         sandbox stream --device leap --maya :7002
 
-    It was NEVER RUN IN A REAL MAYA; docs/stream.md says what speaks for it. In Blender:
+    The script was NEVER RUN IN A REAL MAYA; docs/stream.md says how it was tested. In Blender:
 
         sandbox stream --script blender > hand_sandbox_blender.py
         blender -P hand_sandbox_blender.py
         sandbox stream --device leap --blender :7004
 
-    Try, without a device: a recorded hand, and a simulated person at a task:
+    Try it without a device, with a recorded hand or a simulated person:
 
         sandbox run box-to-goal --device simulated --seed 3 --record run.jsonl
         sandbox stream run.jsonl --blender :7004
         sandbox stream --device leap-simulated --maya :7002
 
-    The other program may be started later, stall, or be started again. Ctrl-C ends the stream and
-    tells it to bake. `--print` shows what would be sent.
+    The other program may start later, stall, or be restarted. Ctrl-C ends the stream and makes the
+    other program bake the motion. --print shows the commands instead of sending them.
     """
 
     file: Annotated[
         Path | None, tyro.conf.Positional, tyro.conf.arg(metavar="RECORDING|TRIAL|CAPTURE")
     ] = None
-    """A recording (--record), a trial of a study, or a capture (.npz): its hand as it was, every
-    key of it. Or use --device."""
+    """A recording (--record), a trial of a study, or a capture (.npz), of which every key is sent.
+    Or use --device."""
 
     maya: Annotated[str | None, tyro.conf.arg(metavar="HOST:PORT")] = None
-    """Maya's command port."""
+    """Address of Maya's command port."""
 
     blender: Annotated[str | None, tyro.conf.arg(metavar="HOST:PORT")] = None
-    """Where the script in Blender listens."""
+    """Address on which the script in Blender listens."""
 
     script: Literal["maya", "blender"] | None = None
-    """Prints the script for that program: one file that needs nothing else."""
+    """Print the script for this program and exit; the script needs no other files."""
 
     print: tyro.conf.FlagCreatePairsOff[bool] = False
-    """Prints the commands instead of sending them, in Maya's form unless --blender is given."""
+    """Print the commands instead of sending them, in Maya's form unless --blender is given."""
 
-    device: Annotated[str | None, tyro.conf.arg(metavar="{leap,leap-simulated,tuio,web,FILE}")] = (
-        None
-    )
-    """Where live hands come from: a Leap, a TUIO sender, a page in a browser, a file that plays as
-    a device, or a simulated person (leap-simulated, simulated). Physics runs for simulated people
-    only, who look at what they do."""
+    device: Annotated[str | None, tyro.conf.arg(metavar=choices(*LIVE, "FILE"))] = None
+    """Source of live hands: a page in a browser (web), a TUIO sender, a touch screen (evdev),
+    a Leap, a simulated person (simulated, leap-simulated), or a file that plays as a device.
+    Physics is simulated only for simulated persons, since they react to what they see."""
 
     of: Literal["simulated", "commanded"] | None = None
-    """The hand as physics moves it, or what it is told to do: of a recording the first unless said
-    otherwise, of a device the second."""
+    """simulated: the hand as physics moves it, the default for a recording. commanded: the pose
+    that the input asks for, the default for a device."""
 
     rate: Annotated[float, tyro.conf.arg(metavar="HZ")] = 60.0
-    """Moments a second."""
+    """Poses per second."""
 
     speed: float = 1.0
-    """Of a recording: seconds of it in a second."""
+    """Playback speed of a recording: 2 is twice as fast."""
 
     language: Literal["python", "mel"] = "python"
-    """What Maya's command port was opened for (sourceType)."""
+    """Language of Maya's command port (sourceType)."""
 
     task: str = "box-to-goal"
-    """Whose workspace it is; a simulated person does it."""
+    """Task whose workspace is used; a simulated person performs it."""
 
     hand: Literal["right", "left"] | None = None
     """Which hand."""
 
     encoder: str = "best"
-    """From touches to the hand, as for `sandbox run`."""
+    """Encoder, as for `sandbox run`."""
 
     surface: Annotated[str | None, tyro.conf.arg(metavar="SIZE")] = None
     """Size of the touch surface, such as 197x148mm or ipad2."""
 
     seed: int | None = None
-    """Of the simulated person and the task."""
+    """Seed of the simulated person and of the task."""
 
     port: int = DEFAULT_PORT
     """UDP port for TUIO."""
@@ -128,13 +127,13 @@ class StreamOptions(LeapOptions, PageOptions):
     """Address for TUIO."""
 
     take: Annotated[int, tyro.conf.arg(metavar="N")] = 1
-    """Which take of a capture."""
+    """Number of the take in a capture, from 1."""
 
     out: Annotated[Path, tyro.conf.arg(metavar="DIR")] = Path("studies")
-    """Where studies are kept."""
+    """Folder of studies."""
 
     json: Annotated[Path | None, tyro.conf.arg(metavar="OUT")] = None
-    """Writes what was sent, dropped and answered as JSON; - is the terminal."""
+    """File for counts of sent and dropped poses and of answers, as JSON; - is the terminal."""
 
 
 def main(argv: list[str]) -> int:
@@ -147,8 +146,10 @@ def main(argv: list[str]) -> int:
     _check(options)
     console, stop = Console(stderr=True), threading.Event()
     with _open(options, stop, console) as (source, live):
-        pace = Pace(options.rate, 0.0 if live else options.speed, 0.0 if live else KEY_PATIENCE)
-        player = Player(source, target, pace)
+        pace = StreamPace(
+            options.rate, 0.0 if live else options.speed, 0.0 if live else KEY_PATIENCE
+        )
+        player = StreamPlayer(source, target, pace)
         if address is None:
             return _print(player, console)
         host, port = address
@@ -160,22 +161,22 @@ def main(argv: list[str]) -> int:
                 soft_wrap=True,
                 highlight=False,
             )
-            with _interruptible(stop), _telling(sender, console):
+            with _interruptible(stop), _reporting_connection(sender, console):
                 damage = player.play(sender, stop)
-            reached = sender.flush(LAST_WORD)
+            reached = sender.flush(STOP_TIMEOUT)
         finally:
             sender.close()
     _report(options, player, sender, reached, damage, console)
     return 0
 
 
-def _target(options: StreamOptions) -> tuple[Target, tuple[str, int] | None]:
+def _target(options: StreamOptions) -> tuple[StreamTarget, tuple[str, int] | None]:
     if options.print and not (options.maya and options.blender):
         maya = MAYA_MEL if options.language == "mel" else MAYA
         return BLENDER if options.blender is not None else maya, None
     if (options.maya is None) == (options.blender is None):
         raise InputError(
-            "say where the hand goes",
+            "the receiver is missing or not unique",
             got="both" if options.maya else "neither",
             expected="--maya HOST:PORT, --blender HOST:PORT, --print or --script",
         )
@@ -188,7 +189,7 @@ def _check(options: StreamOptions) -> None:
     check_output(options.json)
     if (options.file is None) == (options.device is None):
         raise InputError(
-            "say where the hand comes from",
+            "the source of the hand is missing or not unique",
             got="both" if options.file else "neither",
             expected="a recording, or --device",
         )
@@ -205,8 +206,8 @@ def _check(options: StreamOptions) -> None:
 @contextmanager
 def _open(
     options: StreamOptions, stop: threading.Event, console: Console
-) -> Iterator[tuple[Source, bool]]:
-    """Where poses come from, and whether it goes by a clock of its own."""
+) -> Iterator[tuple[MotionSource, bool]]:
+    """Opens the source of poses; the flag is True for a live source."""
     path = options.file
     if options.device and Path(options.device).is_file() and not is_leap(options.device):
         given = Path(options.device)
@@ -215,11 +216,13 @@ def _open(
         files = find_recordings(str(path), options.out)
         if len(files) > 1:
             raise InputError(
-                "one motion is streamed at a time", where=str(path), got=f"{len(files)} recordings"
+                "only one recording can be streamed at a time",
+                where=str(path),
+                got=f"{len(files)} recordings",
             )
         yield open_source(files[0], options.of or "simulated", options.take), False
         return
-    # Simulating loads far more than reading does.
+    # This import loads the simulation, which recordings do not need.
     from sandbox.stream.motion import source_of_session
     from sandbox.trial.assembly import build
 
@@ -268,9 +271,9 @@ def _session(options: StreamOptions, console: Console) -> tuple[RunSettings, Dev
     return replace(chosen.settings, surface_in=size), (lambda task, surface: page,)
 
 
-def _print(player: Player, console: Console) -> int:
+def _print(player: StreamPlayer, console: Console) -> int:
     class Printer:
-        """Stands for a sender."""
+        """Prints commands in place of a `Sender`."""
 
         def show(self, hand: str, moment: Moment, wait: float = 0.0) -> bool:
             print("\n".join(moment()))
@@ -290,7 +293,7 @@ def _print(player: Player, console: Console) -> int:
 
 @contextmanager
 def _interruptible(stop: threading.Event) -> Iterator[None]:
-    """Ctrl-C ends the stream, not the program, so that the other side is told."""
+    """Context in which Ctrl-C sets `stop`, so that the receiver can still be told to stop."""
     before = signal.signal(signal.SIGINT, lambda *_: stop.set())
     try:
         yield
@@ -299,8 +302,8 @@ def _interruptible(stop: threading.Event) -> Iterator[None]:
 
 
 @contextmanager
-def _telling(sender: Sender, console: Console) -> Iterator[None]:
-    """Says when the other program is there, and when it is gone."""
+def _reporting_connection(sender: Sender, console: Console) -> Iterator[None]:
+    """Context that prints when the other program connects and disconnects."""
     done = threading.Event()
 
     def watch() -> None:
@@ -308,12 +311,14 @@ def _telling(sender: Sender, console: Console) -> Iterator[None]:
         silent = 0.0
         while not done.wait(0.25):
             now = sender.connected.is_set()
-            # A port that closes after every command is not gone.
+            # A port that closes after every command counts as connected.
             silent = 0.0 if now else silent + 0.25
             state = True if now else False if silent >= 1.0 else last
             if state != last:
-                word = "connected" if state else f"waiting for it ({sender.trouble})"
-                console.print(f"[dim]{word}[/]", soft_wrap=True, highlight=False)
+                state_text = (
+                    "connected" if state else f"waiting for the receiver ({sender.trouble})"
+                )
+                console.print(f"[dim]{state_text}[/]", soft_wrap=True, highlight=False)
                 last = state
 
     thread = threading.Thread(target=watch, name="stream words", daemon=True)
@@ -327,7 +332,7 @@ def _telling(sender: Sender, console: Console) -> Iterator[None]:
 
 def _report(
     options: StreamOptions,
-    player: Player,
+    player: StreamPlayer,
     sender: Sender,
     reached: bool,
     damage: str,
@@ -343,14 +348,15 @@ def _report(
         "stopped": reached,
         "damage": damage,
     }
-    for word in (
+    for warning in (
         damage,
         ""
         if reached
-        else f"it was not told to stop: {sender.trouble or 'it took nothing in'}; run stop() there",
+        else f"the command to stop was not sent: {sender.trouble or 'no data accepted'}; "
+        "run stop() there",
     ):
-        if word:
-            console.print(word, style="yellow", soft_wrap=True, markup=False)
-    said = ", ".join(f"{what}: {n}" for what, n in counts.items())
-    console.print(f"{player.moments} moments; {said or 'nothing was sent'}", soft_wrap=True)
+        if warning:
+            console.print(warning, style="yellow", soft_wrap=True, markup=False)
+    counted = ", ".join(f"{what}: {n}" for what, n in counts.items())
+    console.print(f"{player.moments} moments; {counted or 'nothing was sent'}", soft_wrap=True)
     write_json(options.json, result)

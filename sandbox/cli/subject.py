@@ -1,4 +1,4 @@
-"""`sandbox subject`: captures of the simulated subject."""
+"""`sandbox subject`: makes captures of a simulated subject."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ from sandbox.cli.common.parse import parse
 
 @dataclass(frozen=True)
 class SubjectOptions:
-    """Makes a capture of a SIMULATED subject: what its fingers touch, and how its hand is posed.
+    """Makes a capture of a SIMULATED subject: touches of its fingers, and poses of its hand.
 
-    It stands for the motion capture of a person, which no public recording can replace, and is
-    never real data. Every seed is another subject. Day 0 is the training script: all 26 sets of 2
-    to 5 fingers, each moving, grasping, pinching and rotating, 7,083 frames. Every later day is
-    free play with markers placed anew, 2,538 frames, to test on. The same seed and day make the
-    same file. A capture is npz: time (s), trial, ids, xy (m on the surface, x right, y down, by
-    finger), q (48 numbers in m and rad), and a header.
+    The simulated subject replaces the motion capture of a person, since no such recording is
+    public; its data are never real. Every seed is another subject. Day 0 is the training script:
+    all 26 sets of 2 to 5 fingers, each moving, grasping, pinching and rotating, 7,083 frames.
+    Every later day is free play with newly placed markers, 2,538 frames, for tests. The same seed
+    and day make the same file. A capture is an .npz file: time (s), trial, ids, xy (m on the
+    surface, x right, y down, by finger), q (48 numbers in m and rad), and a header.
 
     Try:
 
@@ -35,13 +35,13 @@ class SubjectOptions:
     """
 
     out: Annotated[Path, tyro.conf.arg(metavar="FILE")]
-    """Where the capture goes; a file that is there is replaced."""
+    """File for the capture; an existing file is replaced."""
 
     seed: int = SEED
-    """Which subject. The built-in models are trained on subject 0."""
+    """Number of the subject. The built-in models are trained on subject 0."""
 
     day: int = 0
-    """0 the training script, 1 and later free play."""
+    """Day: 0 is the training script, 1 and later are free play."""
 
 
 def main(argv: list[str]) -> int:

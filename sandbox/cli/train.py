@@ -1,4 +1,4 @@
-"""`sandbox train`: encoders from captures, and the built-in ones anew."""
+"""`sandbox train`: trains encoders on captures, and the built-in ones again."""
 
 from __future__ import annotations
 
@@ -31,30 +31,30 @@ from models.errors import InputError
 from sandbox.cli.common.parse import parse
 
 SAME_POSE = 1e-4
-"""m and rad: two poses that differ by less are the same."""
+"""m and rad; poses that differ by less count as equal."""
 
 DIFFERENT_FRAMES = 0.01
-"""Share of frames that may differ: solvers of other processors round differently, and where two
-postures are equally likely, one rounding may decide between them."""
+"""Share of frames that may differ: processors round differently, and where two postures are equally
+likely, rounding may decide between them."""
 
 SAME_PREDICTION = 1e-3
-"""m and rad, root mean square: what that may change in predictions."""
+"""m and rad; greatest root mean square difference of predictions."""
 
 
 @dataclass(frozen=True)
 class TrainOptions:
-    """Trains an encoder: the whole hand's pose from the touches.
+    """Trains an encoder, which estimates the pose of the whole hand from touches.
 
-    Without --degree it is the method of `best`: what wins on takes held out in turn, with the
-    bones of the captured person and a validated trust in the touches. With --degree it is one of
-    the paper's polynomials. With --encoder it is one of your own: see
-    docs/write-an-encoder.md.
+    The method is that of `best`: the encoder that wins a cross-validation over takes, with the
+    bones of the captured person and a validated weight of the touches. --degree chooses a
+    polynomial of the paper instead, and --encoder an encoder of your own
+    (docs/write-an-encoder.md).
 
-    With --capture, on a capture made by `sandbox subject`, `sandbox capture` or of your own in the
-    same format. With --builtin, the models that come with the program are made anew from the
-    simulated subject and compared with the shipped ones: at most 1 % of frames may differ by more
-    than 0.0001 (m, rad), and predictions by 0.001 (root mean square); exit status 1 if they do.
-    It takes a minute or two.
+    --capture names the data: a capture by `sandbox subject` or `sandbox capture`, or your own in
+    the same format. --builtin trains the built-in models again on the simulated subject and
+    compares them with the shipped ones: at most 1 % of frames may differ by more than 0.0001 (m,
+    rad), and predictions by 0.001 (root mean square); exit status 1 if they do. This takes a
+    minute or two.
 
     Try:
 
@@ -64,24 +64,25 @@ class TrainOptions:
     """
 
     out: Annotated[Path, tyro.conf.arg(metavar="MODEL|DIR")]
-    """The model's file; with --builtin the folder of all of them."""
+    """File for the model; with --builtin, folder for all models."""
 
     capture: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
-    """Trains on this capture; with --encoder, the built-in one unless another is named."""
+    """Capture to train on. With --encoder, the default is the built-in capture."""
 
     builtin: bool = False
-    """Makes the built-in models anew and compares them."""
+    """Train the built-in models again and compare them with the shipped ones."""
 
     degree: int | None = None
-    """Trains a polynomial of this degree: 1, 2 (the paper's, also with --ridge alone) or 3."""
+    """Train a polynomial of this degree: 1, 2 (that of the paper, and the default with --ridge) or
+    3."""
 
     ridge: float | None = None
-    """Penalty on that polynomial's coefficients; 0 is least squares, as in the paper. Without it,
-    it is chosen by cross-validation that never splits a take."""
+    """Ridge penalty on the polynomial's coefficients; 0 is least squares, as in the paper. Default:
+    chosen by cross-validation over takes."""
 
     encoder: Annotated[str | None, tyro.conf.arg(metavar="NAME|FILE.py:CLASS")] = None
-    """Trains an encoder of your own, in a file or a module (MODULE:CLASS), or offered by an
-    installed package under NAME."""
+    """Train an encoder of your own: FILE.py:CLASS, MODULE:CLASS, or its NAME in an installed
+    package."""
 
 
 def main(argv: list[str]) -> int:
@@ -94,10 +95,10 @@ def main(argv: list[str]) -> int:
             ("--ridge", options.ridge is not None),
         ):
             if given:
-                raise InputError("an encoder of your own has its own options", where=name)
+                raise InputError("this option does not apply to an encoder of your own", where=name)
     elif options.builtin == (options.capture is not None):
         raise InputError(
-            "either a capture or the built-in models",
+            "expected either a capture or the built-in models",
             where="sandbox train",
             expected="--capture FILE or --builtin",
         )
@@ -109,7 +110,7 @@ def main(argv: list[str]) -> int:
         return _one(options, capture, console)
     except OSError as error:
         raise InputError(
-            "it cannot be written", where=f"--out {options.out}", got=str(error)
+            "the model cannot be written", where=f"--out {options.out}", got=str(error)
         ) from error
 
 
@@ -118,7 +119,7 @@ def _one(options: TrainOptions, capture: Capture, console: Console) -> int:
         raise InputError("no such folder", where=f"--out {options.out}")
     degree = 2 if options.degree is None and options.ridge is not None else options.degree
     bars = Console(stderr=True)
-    # Where nothing can be erased, a bar would leave an empty line beside an error's one line.
+    # Without a terminal, a bar would leave an empty line beside an error.
     with Progress(console=bars, transient=True, disable=not bars.is_terminal) as progress:
         bar = progress.add_task("training", total=1.0)
 
@@ -143,8 +144,8 @@ def _report(console: Console, path: Path, model: TrainedModel) -> None:
     source = "simulated" if model.meta["simulated"] else "not marked as simulated"
     console.print(
         f"{path}: {_kind(model)}, "
-        f"{len(model.training_u):,} frames ({source}); on takes it had not seen the wrist is "
-        f"{wrist:.1f} cm off (root mean square, outliers bounded)",
+        f"{len(model.training_u):,} frames ({source}); error of the wrist on unseen takes "
+        f"{wrist:.1f} cm (root mean square, outliers bounded)",
         soft_wrap=True,
     )
 
@@ -166,7 +167,7 @@ def _builtin(folder: Path, console: Console) -> int:
         made = simulate(FROZEN, SEED, 0, lambda share: progress.update(bar, completed=share))
         path = folder / "capture.npz"
         save_capture(made, path, np.float32)
-        # What the models learn from is the capture as everyone reads it, in single precision.
+        # The models learn from the capture as it is read, in single precision.
         capture = load_capture(path)
         models = []
         for name, (degree, ridge) in POLYNOMIALS.items():

@@ -35,27 +35,27 @@ class Check:
     remedy: str = ""
 
     def as_json(self) -> dict[str, Any]:
-        """Everything, with the state as a word."""
+        """Returns all values, with the state as a word."""
         values = asdict(self)
         values["state"] = "ok" if values.pop("ok") else "missing"
         return values
 
 
 @dataclass(frozen=True)
-class Answer:
+class ProbeResult:
     """Result of a probe: whether it succeeded, and its last line."""
 
     ok: bool
     text: str
 
 
-def ask(code: str, patience: float = PATIENCE, **environment: str) -> Answer:
-    """Runs Python code in a process of its own: a driver that aborts cannot be caught otherwise.
+def run_probe(code: str, patience: float = PATIENCE, **environment: str) -> ProbeResult:
+    """Runs Python code in another process, so that a crash of a driver does not end this one.
 
     Args:
-        code: Prints its answer as the last line of standard output.
-        patience: s after which it is given up.
-        environment: Variables that differ from ours.
+        code: Code that prints its result as the last line of standard output.
+        patience: Timeout, s.
+        environment: Additional environment variables.
     """
     root = str(Path(__file__).resolve().parents[2])
     path = os.pathsep.join(filter(None, [root, os.environ.get("PYTHONPATH", "")]))
@@ -70,11 +70,11 @@ def ask(code: str, patience: float = PATIENCE, **environment: str) -> Answer:
             check=False,
         )
     except subprocess.TimeoutExpired:
-        return Answer(False, f"the probe had no answer after {patience:.0f} s")
+        return ProbeResult(False, f"the probe had no answer after {patience:.0f} s")
     if done.returncode < 0:
         number = -done.returncode
         known = {s.value: s.name for s in signal.Signals}
-        return Answer(False, f"the probe was ended by {known.get(number, f'signal {number}')}")
+        return ProbeResult(False, f"the probe was ended by {known.get(number, f'signal {number}')}")
     lines = (done.stdout if done.returncode == 0 else done.stderr).strip().splitlines()
     last = lines[-1].strip() if lines else f"the probe ended with {done.returncode}"
-    return Answer(done.returncode == 0, last)
+    return ProbeResult(done.returncode == 0, last)

@@ -1,4 +1,4 @@
-"""Ways in for touches: network, ports, input devices of Linux, and a browser."""
+"""Checks of devices: network, ports, input devices of Linux, and a browser."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stab
 
 
 def device_checks() -> list[Check]:
-    """All of them."""
+    """Checks of all devices."""
     return [
         _network(),
         *(port_check(kind, TUIO_PORT) for kind in ("UDP", "TCP")),
@@ -39,7 +39,7 @@ def port_check(kind: str, port: int) -> Check:
         socket.AF_INET, socket.SOCK_STREAM if stream else socket.SOCK_DGRAM
     ) as probe:
         if stream and os.name == "posix":
-            # As a server does: what a connection left behind a minute ago is in nobody's way.
+            # As a server does: a connection closed a minute ago does not block the port.
             probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         try:
             probe.bind(("127.0.0.1", port))
@@ -84,14 +84,14 @@ def _browser() -> Check:
 
 
 def _inputs() -> list[Check]:
-    """Devices of Linux that can be read."""
+    """Checks that input devices of Linux can be read."""
     if sys.platform != "linux":
         return []
     folder = Path("/dev/input")
     events = sorted(folder.glob("event*")) if folder.is_dir() else []
     readable = [p for p in events if os.access(p, os.R_OK)]
     if not events:
-        summary = "there are none here, as in most containers"
+        summary = "no input devices, as in most containers"
         remedy = "Connect a touch screen or trackpad to this machine itself"
     elif not readable:
         summary = f"{len(events)} devices, none of which may be read"

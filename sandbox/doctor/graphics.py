@@ -1,11 +1,11 @@
-"""OpenGL: in a window, and without a screen. Every probe has a process of its own."""
+"""Checks of OpenGL, in a window and without a screen, each in a process of its own."""
 
 from __future__ import annotations
 
 import os
 import sys
 
-from sandbox.doctor.check import Answer, Check, ask
+from sandbox.doctor.check import Check, ProbeResult, run_probe
 from sandbox.views.display import VARIABLES
 from sandbox.views.errors import DEBIAN_PACKAGES
 
@@ -42,7 +42,7 @@ _BY_SOFTWARE = ("llvmpipe", "softpipe", "swrast", "swiftshader")
 
 
 def graphics_checks() -> list[Check]:
-    """The display, a window on it, and pictures without a screen."""
+    """Checks of the display, of a window on it, and of pictures without a screen."""
     display, shown = _display()
     checks = [
         Check(
@@ -58,7 +58,7 @@ def graphics_checks() -> list[Check]:
         )
     ]
     if display:
-        window = ask(_WINDOW)
+        window = run_probe(_WINDOW)
         checks.append(
             Check(
                 "pictures",
@@ -70,7 +70,7 @@ def graphics_checks() -> list[Check]:
             )
         )
     answers = {
-        name: ask(_OFFSCREEN, MUJOCO_GL=backend, PYOPENGL_PLATFORM=backend)
+        name: run_probe(_OFFSCREEN, MUJOCO_GL=backend, PYOPENGL_PLATFORM=backend)
         for name, backend in (("EGL", "egl"), ("OSMesa", "osmesa"))
         if sys.platform == "linux"
     }
@@ -95,7 +95,7 @@ def graphics_checks() -> list[Check]:
     return checks
 
 
-def _told(answer: Answer) -> str:
+def _told(answer: ProbeResult) -> str:
     slow = answer.ok and any(word in answer.text.lower() for word in _BY_SOFTWARE)
     return answer.text + (" (by software: slower, and good enough)" if slow else "")
 

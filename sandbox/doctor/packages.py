@@ -1,4 +1,4 @@
-"""Python packages: what the program needs, and which extras are installed."""
+"""Checks of Python packages: requirements and optional extras."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from sandbox.doctor.check import Check
 
 NAME = "hand-sandbox"
 DEVELOPERS = ("test", "lint", "dev")
-"""Extras that only those need who change the program."""
+"""Extras for development only."""
 
 USES = {
     "film": "films as mp4 (GIF and WebP need nothing)",
     "plots": "figures of evaluations and regression runs",
     "fast": "faster batches of contact vectors (numba)",
-    "skin": "making the hand's skin anew",
+    "skin": "regenerating the hand's skin",
     "ray": "regression runs on a cluster",
     "gym": "tasks as Gymnasium environments",
     "bullet": "comparison with Bullet",
@@ -45,7 +45,7 @@ class Requirement:
     bounds: str
 
     def unmet(self) -> str:
-        """Why it is not fulfilled here; empty where it is."""
+        """Reason why the requirement is not met; empty if it is met."""
         try:
             installed = version(self.package)
         except PackageNotFoundError:
@@ -69,7 +69,7 @@ def within(found: str, bounds: str) -> bool:
 
 
 def declared() -> dict[str, list[Requirement]]:
-    """Declared requirements by extra; those that are always needed have the key ``.
+    """Declared requirements by extra; the key of mandatory ones is empty.
 
     A checkout's own file is preferred, since the metadata of an older installation may be outdated.
     """
@@ -89,7 +89,7 @@ def declared() -> dict[str, list[Requirement]]:
 
 
 def package_checks() -> list[Check]:
-    """The packages that are always needed, and one check for each extra."""
+    """Checks of the mandatory packages and of each extra."""
     known = declared()
     wrong = list(filter(None, (r.unmet() for r in known[""])))
     line = _pip("")
@@ -126,7 +126,7 @@ def _checkout() -> Path:
 
 
 def _pip(extra: str) -> str:
-    """The line that installs an extra into this very Python."""
+    """Returns the command that installs an extra into this Python."""
     brackets = f"[{extra}]" if extra else ""
     root = _checkout()
     if (root / "pyproject.toml").is_file():

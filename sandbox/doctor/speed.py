@@ -1,11 +1,11 @@
-"""Checks whether this machine simulates in real time."""
+"""Check that this machine simulates in real time."""
 
 from __future__ import annotations
 
-from sandbox.doctor.check import Check, ask
+from sandbox.doctor.check import Check, run_probe
 
 ENOUGH = 1.5
-"""Simulated seconds per second from which on a session has time to spare for its views."""
+"""Simulated seconds per second that leave a session enough time for its views."""
 
 _PROBE = """
 import time
@@ -25,8 +25,8 @@ print((session.time - since) / (time.perf_counter() - begun))
 
 
 def speed_check() -> Check:
-    """A hand of three fingers beside a box, for a second of simulated time."""
-    answer = ask(_PROBE, OMP_NUM_THREADS="1")
+    """Simulates a hand with three fingers beside a box for one second, and measures the speed."""
+    answer = run_probe(_PROBE, OMP_NUM_THREADS="1")
     use = "sessions in real time"
     if not answer.ok:
         return Check(

@@ -1,4 +1,4 @@
-"""Python, the processor, clocks, files and this user's profile."""
+"""Checks of Python, MuJoCo, clocks, folders and this user's profile."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from sandbox.recording.versions import versions
 
 PYTHON = (3, 11)
 LATE = 0.005
-"""s by which a sleep of 1 ms may last longer before touches would feel it."""
+"""s by which a sleep of 1 ms may be late; a longer delay would be felt in touches."""
 WAITS = 20
 
 
@@ -120,7 +120,7 @@ def _ffmpeg() -> Check:
 def folder_check(
     folder: Path, name: str = "this folder", use: str = "films and recordings"
 ) -> Check:
-    """True if a file can be written in a folder, or in its nearest existing parent."""
+    """Checks that a file can be written in a folder, or in its nearest existing parent."""
     there = folder
     while not there.exists() and there != there.parent:
         there = there.parent
@@ -150,7 +150,7 @@ def _profile() -> Check:
             "files",
             "your profile",
             True,
-            "none: your hand is taken to be of the trained size; `sandbox calibrate` measures it",
+            "none: the trained hand size is assumed; `sandbox calibrate` measures yours",
         )
     try:
         return Check("files", "your profile", True, find_profile(str(path)).line)
@@ -161,5 +161,5 @@ def _profile() -> Check:
             False,
             str(error),
             "your own hand's size",
-            f"Move {path} away, or measure anew: `sandbox calibrate`",
+            f"Move {path} away, or measure again: `sandbox calibrate`",
         )

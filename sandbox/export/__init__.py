@@ -1,1 +1,1 @@
-"""Hands in motion: out of recordings, captures and sessions, into other programs' files."""
+"""Export of hand motion from recordings, captures and sessions to files of other programs."""

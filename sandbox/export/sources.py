@@ -39,11 +39,11 @@ if TYPE_CHECKING:
 HAND_JOINTS = 3 + 4 * 15
 """Joint positions of one hand in a scene; hands come before objects."""
 
-Take = Callable[[Poses], None]
+PoseCallback = Callable[[Poses], None]
 
 
 @dataclass(frozen=True)
-class Source:
+class MotionSource:
     """Poses of hands over time.
 
     Attributes:
@@ -59,20 +59,20 @@ class Source:
     names: tuple[str, ...]
     duration: float
     what: str
-    play: Callable[[Take], str]
+    play: Callable[[PoseCallback], str]
 
 
-def open_source(path: Path, of: str = "simulated", take: int = 1) -> Source:
+def open_source(path: Path, of: str = "simulated", take: int = 1) -> MotionSource:
     """Opens a recording or a capture, distinguished by content.
 
     Args:
         path: The file.
         of: `simulated` hands of a recording; or `commanded` poses, for which the recording is
             played again.
-        take: Take of a capture, from 1.
+        take: Number of the take of a capture, from 1.
 
     Raises:
-        InputError: It is neither, or has no poses.
+        InputError: The file is neither, or has no poses.
     """
     if not stored(path).exists():
         raise InputError("no such file", where=str(path))
@@ -114,19 +114,19 @@ def hands_of(settings: RunSettings) -> tuple[tuple[Armature, ...], tuple[str, ..
     )
 
 
-def _simulated(path: Path) -> Source:
+def _simulated(path: Path) -> MotionSource:
     settings = RunSettings.from_json(read_header(first_line(path), path)["settings"])
     armatures, names = hands_of(settings)
     timestep = settings.timestep
 
-    def run(take: Take) -> str:
+    def run(take: PoseCallback) -> str:
         any_rows = False
         for steps, qpos, damage in _tracks(path):
             if damage:
                 return damage
             if qpos.shape[1] < len(names) * HAND_JOINTS:
                 raise RecordingError(
-                    "its poses are another scene's",
+                    "its poses are those of another scene",
                     where=str(path),
                     got=f"{qpos.shape[1]} joint positions",
                     expected=f"at least {len(names) * HAND_JOINTS}",
@@ -135,17 +135,17 @@ def _simulated(path: Path) -> Source:
             any_rows = True
         if not any_rows:
             raise RecordingError(
-                "it holds no poses: it breaks off before the first, or an older version made it",
+                "it holds no poses: it ends before the first one, or an older version made it",
                 where=str(path),
-                remedy="--of commanded plays it again and exports what the hand was told to do",
+                remedy="--of commanded replays it and exports the commanded pose",
             )
         return ""
 
-    return Source(armatures, names, _length(path, timestep), "the simulated hand", run)
+    return MotionSource(armatures, names, _length(path, timestep), "the simulated hand", run)
 
 
-def _commanded(path: Path) -> Source:
-    # Simulating loads far more than reading does.
+def _commanded(path: Path) -> MotionSource:
+    # This import loads the simulation, which other exports do not need.
     from sandbox.trial.replay import replay
 
     recording = load_recording(path)
@@ -153,7 +153,7 @@ def _commanded(path: Path) -> Source:
     armatures, names = hands_of(settings)
     duration = recording.end["step"] * settings.timestep if recording.end else 0.0
 
-    def run(take: Take) -> str:
+    def run(take: PoseCallback) -> str:
         def show(snapshot: Snapshot) -> None:
             take(commanded_poses(snapshot))
 
@@ -163,9 +163,9 @@ def _commanded(path: Path) -> Source:
         _, verification = replay(recording, views)
         if verification.exact:
             return recording.damage
-        return "played again, the states are not the recorded ones: so may be what is commanded"
+        return "the replay differs from the recording, so the commanded poses may differ, too"
 
-    return Source(armatures, names, duration, "what the hand was told to do", run)
+    return MotionSource(armatures, names, duration, "the commanded pose", run)
 
 
 def commanded_poses(snapshot: Snapshot) -> Poses:
@@ -182,11 +182,11 @@ def together(hands: Sequence[Poses]) -> Poses:
     )
 
 
-def _capture(capture: Capture, where: str, take: int) -> Source:
+def _capture(capture: Capture, where: str, take: int) -> MotionSource:
     trials = np.unique(capture.trial)
     if not 1 <= take <= len(trials):
         raise InputError(
-            "it has no such take",
+            "the capture has no such take",
             where=f"{where}, --take",
             got=take,
             expected=f"1 to {len(trials)}",
@@ -194,13 +194,13 @@ def _capture(capture: Capture, where: str, take: int) -> Source:
     one = capture.select(capture.trial == trials[take - 1])
     time = one.time - one.time[0]
 
-    def run(give: Take) -> str:
+    def run(give: PoseCallback) -> str:
         for a in range(0, len(time), CHUNK):
             give(poses_of(time[a : a + CHUNK], one.q[a : a + CHUNK]))
         return ""
 
     what = f"take {take} of {len(trials)}, in the frame of the surface"
-    return Source((Armature(ADULT),), ("right",), float(time[-1]), what, run)
+    return MotionSource((Armature(ADULT),), ("right",), float(time[-1]), what, run)
 
 
 def _tracks(path: Path) -> Iterator[tuple[Array, Array, str]]:
@@ -212,7 +212,7 @@ def _tracks(path: Path) -> Iterator[tuple[Array, Array, str]]:
     try:
         for text in _lines(path):
             number += 1
-            # What else is in a line is of no use here, and most of the file.
+            # The other fields, which are most of the file, are not needed here.
             begins = text[:40].replace(b" ", b"")
             ended = begins.startswith(b'{"kind":"end"') and text.endswith(b"\n")
             if not begins.startswith(b'{"kind":"track"'):
@@ -240,7 +240,7 @@ def _lines(path: Path) -> Iterator[bytes]:
 
 
 class _End(Struct):
-    """The field of a recording's last line that tells its length, in steps."""
+    """Field of a recording's last line with its length in steps."""
 
     step: int
 

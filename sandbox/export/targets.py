@@ -93,36 +93,34 @@ def _points(
 
 @dataclass(frozen=True)
 class Format:
-    """A kind of file.
+    """A file format.
 
     Attributes:
-        make: Opens a writer.
-        together: Holds all hands; otherwise there is a file for each.
-        what: In words.
+        make: Function that opens a writer.
+        all_hands: True if one file holds all hands; otherwise each hand has a file.
     """
 
     make: Maker
-    together: bool
-    what: str
+    all_hands: bool
 
 
 FORMATS: dict[str, Format] = {
-    ".bvh": Format(_bvh, False, "skeleton and motion, y up, cm, degrees"),
-    ".glb": Format(_glb, True, "skinned hands in motion, y up, m, quaternions"),
-    ".amc": Format(_amc, False, "motion, with its skeleton in .asf; y up, cm, degrees"),
-    ".asf": Format(_amc, False, "the same"),
-    ".v": Format(_v, False, "motion, with its skeleton in .vsk; z up, mm, rad"),
-    ".vsk": Format(_vsk, False, "the skeleton alone"),
-    ".c3d": Format(_c3d, True, "points in motion, z up, mm"),
-    ".csv": Format(_csv, True, "points in motion, z up, m"),
+    ".bvh": Format(_bvh, False),  # skeleton and motion, y up, cm, degrees
+    ".glb": Format(_glb, True),  # skinned hands in motion, y up, m, quaternions
+    ".amc": Format(_amc, False),  # motion, with its skeleton in .asf; y up, cm, degrees
+    ".asf": Format(_amc, False),  # the same
+    ".v": Format(_v, False),  # motion, with its skeleton in .vsk; z up, mm, rad
+    ".vsk": Format(_vsk, False),  # the skeleton alone
+    ".c3d": Format(_c3d, True),  # points in motion, z up, mm
+    ".csv": Format(_csv, True),  # points in motion, z up, m
 }
 
 
 def format_of(path: Path) -> Format:
-    """The format that a file's name asks for.
+    """Returns the format of a file's suffix.
 
     Raises:
-        InputError: There is none.
+        InputError: The suffix is unknown.
     """
     export_format = FORMATS.get(path.suffix.lower())
     if export_format is None:
@@ -147,7 +145,7 @@ class Exporter:
         settings: Settings of written motion.
 
     Raises:
-        InputError: The file cannot be written there, or in this way.
+        InputError: The file cannot be written, or not with these settings.
     """
 
     def __init__(
@@ -164,7 +162,7 @@ class Exporter:
         self._sampler = Sampler(tuple(armatures), settings.rate)
         self.writers: list[tuple[MotionWriter, tuple[int, ...]]] = []
         with ExitStack() as undo:
-            for file, hands in _files(path, names, chosen.together):
+            for file, hands in _files(path, names, chosen.all_hands):
                 some = [armatures[i] for i in hands]
                 writer = chosen.make(file, some, [names[i] for i in hands], settings)
                 undo.callback(writer.abort)
@@ -184,7 +182,7 @@ class Exporter:
         return [path for writer, _ in self.writers for path in writer.paths]
 
     def take(self, poses: Poses) -> None:
-        """Writes the keys up to the last of some poses."""
+        """Resamples poses and writes the keys up to the last one."""
         keys = self._sampler.add(poses)
         if keys is not None:
             self.write(keys)
@@ -206,9 +204,9 @@ class Exporter:
         self._open.__exit__(kind, error, trace)
 
 
-def _files(path: Path, names: Sequence[str], together: bool) -> list[tuple[Path, tuple[int, ...]]]:
+def _files(path: Path, names: Sequence[str], all_hands: bool) -> list[tuple[Path, tuple[int, ...]]]:
     """Files, and the hands that each holds."""
     every = tuple(range(len(names)))
-    if together or len(names) == 1:
+    if all_hands or len(names) == 1:
         return [(path, every)]
     return [(path.with_stem(f"{path.stem}-{name}"), (i,)) for i, name in enumerate(names)]

@@ -1,4 +1,4 @@
-"""Figures that need no screen, all in one style."""
+"""Figures in a common style, drawn without a screen."""
 
 from __future__ import annotations
 
@@ -34,10 +34,10 @@ DPI = 150
 
 
 def need_matplotlib() -> None:
-    """Says how to get matplotlib where it is missing.
+    """Checks that matplotlib is installed.
 
     Raises:
-        InputError: It is.
+        InputError: matplotlib is not installed.
     """
     if find_spec("matplotlib") is None:
         raise InputError(
@@ -48,7 +48,7 @@ def need_matplotlib() -> None:
 
 
 def figure(width: float, height: float) -> Figure:
-    """An empty figure of so many inches.
+    """Returns an empty figure; width and height in inches.
 
     Raises:
         InputError: matplotlib is not installed.

@@ -23,7 +23,7 @@ PAPER = "paper (another data set: one real hand)"
 
 
 def errors(report: Report) -> Figure:
-    """Table 1: wrist and joints, with true labels and with own ones."""
+    """Draws Table 1: errors of wrist and joints, with true and with estimated labels."""
     from matplotlib import rc_context
 
     methods, paper = report["encoders"], report["paper"]["table_1"]
@@ -51,7 +51,7 @@ def errors(report: Report) -> Figure:
 
 
 def labels(report: Report) -> Figure:
-    """Table 2: frames with all fingers named right."""
+    """Draws Table 2: share of frames with all fingers labelled correctly."""
     from matplotlib import rc_context
 
     methods, paper = report["encoders"], report["paper"]["table_2"]
@@ -86,7 +86,7 @@ def labels(report: Report) -> Figure:
 
 
 def by_fingers(report: Report) -> Figure:
-    """Errors with true labels by number of touching fingers."""
+    """Draws errors with true labels by number of touching fingers."""
     from matplotlib import rc_context
 
     methods = report["encoders"]
@@ -117,7 +117,7 @@ def by_fingers(report: Report) -> Figure:
 
 
 def variance(report: Report) -> Figure:
-    """Variance of the training poses in principal components."""
+    """Draws the variance of the training poses in principal components."""
     from matplotlib import rc_context
 
     shares = report["training"]["pca_variance_percent"]
@@ -151,7 +151,7 @@ def _bars(
     colour: str,
     label: str,
 ) -> None:
-    """Bars with intervals; what was not measured leaves a gap."""
+    """Draws bars with intervals; missing values leave a gap."""
     y = np.array([np.nan if v is None else v for v in values], float)
     ends = np.array([[np.nan if v is None else v for v in pair] for pair in intervals], float)
     axis.bar(x, np.nan_to_num(y), width, color=colour, label=label)
@@ -176,10 +176,10 @@ def _marks(axis: Axes, known: Sequence[tuple[float, float]], half: float) -> Non
 
 
 def _finish(made: Figure, axis: Axes, title: str, subtitle: str) -> None:
-    """Title, whose frames, and one legend below everything, the paper's lines last in it."""
+    """Adds title, description of the frames, and one legend below, with the paper's lines last."""
     handles, names = axis.get_legend_handles_labels()
     order = sorted(range(len(names)), key=lambda i: names[i] == PAPER)
-    # About how wide a single row would be, inches; as many rows as it takes.
+    # Approximate width of a single row in inches, which gives the number of rows.
     rows = math.ceil(sum(0.6 + 0.068 * len(name) for name in names) / made.get_figwidth())
     made.legend(
         [handles[i] for i in order],

@@ -1,4 +1,4 @@
-"""The paper's Figure 2: the captured hand beside each method's, from touches it has not seen.
+"""The paper's Figure 2: the captured hand beside that of each method, for unseen touches.
 
 Hands are drawn as the sandbox draws them where there is OpenGL, and as bones otherwise. All of a
 row are seen from the same place. Which frames are drawn follows from the numbers: for every number
@@ -71,7 +71,7 @@ def typical_frames(results: Mapping[str, MethodResult], tests: Tests) -> list[in
 def side_by_side(
     report: dict[str, Any], results: Mapping[str, MethodResult], tests: Tests
 ) -> Figure:
-    """One row for every typical frame: the captured hand, then every method's."""
+    """Draws one row for every typical frame: the captured hand, then that of every method."""
     from matplotlib import rc_context
 
     moments = [Moment(f, tests.xy[f], tests.q[f]) for f in typical_frames(results, tests)]
@@ -189,7 +189,7 @@ def _rendered(moments: Sequence[Moment], poses: Sequence[Array]) -> list[list[An
 
 
 def _bones(axis: Axes, moment: Moment, poses: Array, which: int) -> None:
-    """A hand as bones seen at a slant, with its touches as rings."""
+    """Draws a hand as bones in oblique view, with its touches as rings."""
     placed = _KINEMATICS.place(poses)
     tips = placed.tips
     middle = placed.joints[0].mean(axis=0)
@@ -210,5 +210,5 @@ def _bones(axis: Axes, moment: Moment, poses: Array, which: int) -> None:
 
 
 def _slanted(points: Array) -> Array:
-    """(n, 2) of points (n, 3) seen from the person's side, half from above."""
+    """Projects points (n, 3) to (n, 2), seen from the person's side and obliquely from above."""
     return np.column_stack([points[:, 0], 0.75 * points[:, 1] + 0.66 * points[:, 2]])

@@ -20,7 +20,7 @@ ACROSS = 3
 
 
 def check_plot(path: Path) -> None:
-    """Refuses, before anything is run, a picture that could not be drawn.
+    """Checks, before the trials run, that the picture can be drawn.
 
     Raises:
         InputError: matplotlib is not installed, or the file cannot be a picture.
@@ -39,7 +39,7 @@ def check_plot(path: Path) -> None:
 
 
 def draw(found: Sweep) -> Figure:
-    """Success in percent with Wilson intervals; a ring where it breaks."""
+    """Draws success in percent with Wilson intervals, and a ring where success breaks off."""
     from matplotlib import rc_context
 
     kinds = list(dict.fromkeys(curve.kind for curve in found.curves))
@@ -81,7 +81,7 @@ def save_plot(made: Figure, path: Path) -> None:
     """Writes a figure; equal figures give equal files.
 
     Raises:
-        InputError: It cannot be written.
+        InputError: The figure cannot be written.
     """
     from matplotlib import rc_context
 
@@ -129,7 +129,7 @@ def _line(panel: Axes, curve: Curve, colour: str) -> None:
 
 
 def _logarithmic(panel: Axes, values: list[float]) -> None:
-    """A factor and its inverse lie equally far from 1."""
+    """Makes the axis logarithmic, so that a factor and its inverse are equally far from 1."""
     from matplotlib.ticker import FixedLocator, NullLocator
 
     ticks = sorted(set(values))

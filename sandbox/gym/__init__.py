@@ -33,13 +33,13 @@ NAMESPACE = "hand_sandbox"
 
 
 def register_task(task: str) -> tuple[str, str]:
-    """Registers a task: ours do it by themselves, one in a file needs it.
+    """Registers a task of your own; built-in and installed ones are registered on import.
 
     Args:
-        task: Its name, or its place such as `FILE.py:Class`.
+        task: Name of the task, or its place such as `FILE.py:Class`.
 
     Returns:
-        Its ids, with touches and with poses as actions.
+        The two ids, with touches and with poses as actions.
 
     Raises:
         InputError: The task is unknown, or cannot be used.
@@ -62,5 +62,5 @@ for _name in task_names():
     try:
         register_task(_name)
     except InputError as _error:
-        # Of all tasks this one alone is missing, and whoever asks for it is told so by its id.
+        # Only this task is missing; gymnasium.make then reports an unknown id.
         warnings.warn(str(_error), stacklevel=1)

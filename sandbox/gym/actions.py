@@ -20,19 +20,19 @@ from sandbox.session.device import Device
 from tasks.task import Task
 
 SLOTS = len(FINGERS)
-"""Touches at a time, as many as a hand has fingers."""
+"""Number of simultaneous touches, one for each finger."""
 
 REACH = ((-0.40, -0.40, -0.05), (0.40, 0.40, 0.50))
-"""m in the world, where the root of a hand may be commanded."""
+"""m in the world; bounds of the commanded root position of a hand."""
 
 
 class Hands(Device):
     """Device of an agent, which converts its actions to the session's input.
 
     Attributes:
-        low: Least values of an action.
-        high: Greatest values of an action.
-        touch_ids: Id of the contact in every slot; None where there is none.
+        low: Lower bounds of an action.
+        high: Upper bounds of an action.
+        touch_ids: Id of the contact in every slot; None in an empty slot.
     """
 
     name, finished = "gymnasium", False
@@ -45,12 +45,12 @@ class Hands(Device):
         """Takes an action, finite and within its bounds, for the next control period."""
 
     @abstractmethod
-    def worn(self, touched: Reconstructor) -> Reconstructor:
-        """The reconstructor to use, from the one that reconstructs from touches."""
+    def reconstructor_for(self, touched: Reconstructor) -> Reconstructor:
+        """Returns the reconstructor to use; `touched` is the one for touches."""
 
 
 class TouchHands(Hands):
-    """Five touches, and the lift control where the task has one.
+    """Actions that are five touches, and the lift control if the task has one.
 
     An action is (15,): for every slot a touch flag (0.5 or more touches), x and y in metres on the
     surface, right and down of its top left corner; or (16,) with the lift, 0 (down) to 1. A slot
@@ -83,26 +83,26 @@ class TouchHands(Hands):
                 id, self._next = self._next, self._next + 1
                 self.touch_ids[slot] = id
             contacts.append(Contact(id, float(x), float(y)))
-        # As a device tells them: in the order in which they came.
+        # Contacts are in the order of touch-down, as on a device.
         self._contacts = tuple(sorted(contacts, key=lambda c: c.id))
         if self._lifts:
             self._lift = float(action[-1])
 
     def poll(self, now: float) -> Sequence[TouchFrame]:
-        """The touches now."""
+        """Returns the current touches."""
         return [TouchFrame(now, self._contacts, self._lift, source=self.name)]
 
-    def worn(self, touched: Reconstructor) -> Reconstructor:
-        """Touches are reconstructed as always."""
+    def reconstructor_for(self, touched: Reconstructor) -> Reconstructor:
+        """Returns the reconstructor for touches unchanged."""
         return touched
 
 
 class PoseHands(Hands):
-    """A whole pose, past labels and encoder.
+    """Actions that are whole poses, without labels and encoder.
 
     An action is (53,): the pose (48,) in the world, m and rad (see `models.pose`), then for every
-    finger whether it may be solid (0.5 or more). Joints are kept within their ranges and speeds
-    within those of any session, and a finger turns solid only outside of things.
+    finger whether it may be solid (0.5 or more). Joints are clipped to their ranges, speeds to the
+    limits of a session, and a finger becomes solid only outside of objects.
 
     Args:
         skeleton: The hand's skeleton.
@@ -130,16 +130,16 @@ class PoseHands(Hands):
         """No touches."""
         return []
 
-    def worn(self, touched: Reconstructor) -> Reconstructor:
-        """Follows the poses; starts where a hand without touches waits."""
-        return _Followed(self, touched)
+    def reconstructor_for(self, touched: Reconstructor) -> Reconstructor:
+        """Returns a reconstructor that follows the poses, from the waiting pose of a hand."""
+        return _PoseFollower(self, touched)
 
     def wanted(self) -> tuple[Array | None, frozenset[int]]:
         """The pose (48,) last commanded, None before the first, and the fingers to be solid."""
         return self._pose, self._solid
 
 
-class _Followed:
+class _PoseFollower:
     """A reconstructor that passes through the agent's pose."""
 
     def __init__(self, hands: PoseHands, touched: Reconstructor) -> None:

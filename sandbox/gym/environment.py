@@ -1,4 +1,4 @@
-"""A task as an environment of Gymnasium: a session that an agent drives, step by step."""
+"""A task as a Gymnasium environment: a session that an agent drives step by step."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ from tasks.sensing import Sensing
 Observation = dict[str, Array]
 
 SEEDS = 2**31
-"""Trials that a reset without a seed chooses from."""
+"""Number of seeds from which a reset without a seed draws."""
 
 
 class HandSandboxEnv(gymnasium.Env[Observation, Array]):
@@ -42,7 +42,7 @@ class HandSandboxEnv(gymnasium.Env[Observation, Array]):
     control have (16,), the last being the lift, 0 (down) to 1. Which finger a touch is, and where
     the hand goes, is reconstructed as for any person.
     With `action="pose"`, (53,) float64: the pose (48,) of the hand in the world, m and rad, then
-    for each finger whether it may be solid (0.5 or more). What is out of bounds is clipped.
+    for each finger whether it may be solid (0.5 or more). Values out of bounds are clipped.
     In a task for two hands, an action is that of the right hand and then that of the left one;
     touches are in metres on a surface of each hand's own.
 
@@ -50,17 +50,17 @@ class HandSandboxEnv(gymnasium.Env[Observation, Array]):
     `pose`, `tips`, `solid` and `labels` have one row for each, (2, 48) and so on:
         pose (48,): the simulated hand: root position m, root and 14 joints' rotation vectors, rad.
         tips (5, 3): its fingertips, m, thumb first.
-        solid (5,): 1 where a finger can touch things now, thumb first.
-        labels (5,): which finger (0 thumb to 4 little) the touch in each slot was taken for, or -1.
-        objects (n, 13): of each thing position m, quaternion (w, x, y, z; w >= 0), velocity m/s
+        solid (5,): 1 if a finger can collide with objects now, thumb first.
+        labels (5,): finger (0 thumb to 4 little) assigned to the touch in each slot, or -1.
+        objects (n, 13): of each object position m, quaternion (w, x, y, z; w >= 0), velocity m/s
             and angular velocity rad/s, in the order of the task's `objects`.
         goals (g, 4): position m and yaw rad (-pi to pi), in the order of the task's `goals`; absent
-            where there are none.
+            in tasks without goals.
         time (1,): s since the start.
 
-    Reward: by how much the task's progress (0 to 1) has grown in this step, and 1 more at the step
-    at which success is certain, so that an episode's sum is the progress made plus success. With
-    `reward="sparse"` only the latter.
+    Reward: increase of the task's progress (0 to 1) in this step, plus 1 at the step at which
+    success is certain, so that an episode's sum is progress plus success. With `reward="sparse"`
+    only the latter.
 
     `terminated`: success was held for the task's hold time and looked at a second later, or what
     was done cannot be undone (`info["trial"]["status"]` is then `failed`), or the
@@ -75,7 +75,7 @@ class HandSandboxEnv(gymnasium.Env[Observation, Array]):
     `trial`: what `sandbox run --json` prints of it.
 
     Args:
-        task: Its name, or its place such as `FILE.py:Class`.
+        task: Name of the task, or its place such as `FILE.py:Class`.
         action: `touch` or `pose`.
         reward: `progress` or `sparse`.
         render_mode: None, or `rgb_array`, for which this machine needs OpenGL.
@@ -155,11 +155,11 @@ class HandSandboxEnv(gymnasium.Env[Observation, Array]):
         self.close()
         self._hands = self._make_hands()
         settings = replace(self.settings, seed=trial)
-        wearing = iter(self._hands)
+        remaining_hands = iter(self._hands)
         self.session = build(
             settings,
             tuple(_given(hand) for hand in self._hands),
-            wrap_reconstructor=lambda touched: next(wearing).worn(touched),
+            wrap_reconstructor=lambda touched: next(remaining_hands).reconstructor_for(touched),
         )
         self._trial = Trial(self.session)
         self._snapshot = self.session.snapshot()

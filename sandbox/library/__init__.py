@@ -1,1 +1,1 @@
-"""The library behind `import sandbox`: trials, replays and exports as functions."""
+"""Public functions of `import sandbox`: trials, replays and exports."""

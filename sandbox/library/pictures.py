@@ -19,13 +19,13 @@ class PictureView(Closeable):
     """A view of a session that draws pictures at an even rate and keeps them.
 
     Args:
-        session: Is drawn.
+        session: Session to draw.
         size: Width and height, px.
-        caption: Written on every picture: who plays.
+        caption: Name of the player, written on every picture.
 
     Raises:
-        GraphicsError: There is no OpenGL on this machine.
-        InputError: The size cannot be used.
+        GraphicsError: OpenGL is missing on this machine.
+        InputError: The size is invalid.
     """
 
     def __init__(self, session: Session, size: tuple[int, int], caption: str) -> None:
@@ -45,5 +45,5 @@ class PictureView(Closeable):
         return np.array(self._pictures, np.uint8).reshape(-1, height, width, 3)
 
     def close(self) -> None:
-        """Gives the OpenGL context back; may be called twice."""
+        """Frees the OpenGL context; may be called twice."""
         self._renderer.close()

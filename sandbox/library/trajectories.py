@@ -29,12 +29,12 @@ POSE_COLUMNS = tuple(
 """Column names of the 48 numbers of a pose, in the pose's order."""
 
 UNNAMED = -1
-"""Finger of a touch that has no finger's name yet."""
+"""Finger of a touch that is not labelled yet."""
 
 
 @dataclass(frozen=True)
 class ObjectTrajectory:
-    """Where one object is, in the world; T control periods.
+    """Trajectory of one object in the world; T control periods.
 
     Attributes:
         position: (T, 3) m, its centre.
@@ -52,14 +52,14 @@ class ObjectTrajectory:
 
 @dataclass(frozen=True)
 class HandTrajectory:
-    """Where one hand is, in the world; T control periods.
+    """Trajectory of one hand in the world; T control periods.
 
     Attributes:
         q: (T, 48) pose of the simulated hand: root position (m), root rotation vector (rad), then
             the rotation vectors of 14 ball joints (rad).
         commanded: (T, 48) pose that the touches ask for; the servos follow it.
         tips: (T, 5, 3) m, fingertips of the simulated hand, thumb to little finger.
-        solid: (T, 5) True where a finger collides with objects; False for a ghost.
+        solid: (T, 5) True if a finger collides with objects; False for a ghost.
     """
 
     q: Array
@@ -69,16 +69,16 @@ class HandTrajectory:
 
 
 @dataclass(frozen=True)
-class Touches:
+class TouchTable:
     """All touches of a trial, one row a touch and control period; n rows, sorted by time.
 
     Attributes:
         time: (n,) s of simulated time since the trial's start.
         hand: (n,) index of the hand whose device was touched.
         contact: (n,) id of the contact, from touch-down to touch-up.
-        finger: (n,) 0 for the thumb to 4 for the little finger; -1 while it has no name.
+        finger: (n,) 0 for the thumb to 4 for the little finger; -1 until it is labelled.
         xy: (n, 2) m on the surface, from its top left corner, x right and y down.
-        state: (n,) `active`, `lost` (carried on for a moment) or `ignored`.
+        state: (n,) `active`, `lost` (predicted for a moment) or `ignored`.
     """
 
     time: Array
@@ -91,30 +91,30 @@ class Touches:
 
 @dataclass(frozen=True)
 class Trajectories:
-    """Everything that moved in a trial; T control periods of 16 ms.
+    """Trajectories of a trial; T control periods of 16 ms.
 
-    Objects and fingertips are where views and study tables see them: MuJoCo places bodies at the
-    beginning of a physics step, so that they are one step (2 ms) older than `time` and `q`.
+    Objects and fingertips are as in views and study tables: MuJoCo computes positions of bodies at
+    the start of a physics step, so that they are one step (2 ms) older than `time` and `q`.
 
     Attributes:
         time: (T,) s of simulated time since the trial's start, at the end of each period.
         step: (T,) physics steps since the trial's start.
-        objects: By name.
-        hands: One for each hand.
-        touches: Touches of all hands.
+        objects: Trajectories by name of the object.
+        hands: Trajectories of the hands.
+        touches: TouchTable of all hands.
     """
 
     time: Array
     step: Integers
     objects: dict[str, ObjectTrajectory]
     hands: tuple[HandTrajectory, ...]
-    touches: Touches
+    touches: TouchTable
 
     def write_csv(self, folder: Path | str) -> tuple[Path, ...]:
         """Writes `objects.csv`, `hands.csv` and `touches.csv`; existing files are replaced.
 
         Args:
-            folder: Where to; it is made if it is missing.
+            folder: Folder for the files; it is created if it is missing.
 
         Returns:
             The files.
@@ -213,7 +213,7 @@ class TrajectoryView:
             np.array([_solid(view) for view in views], bool),
         )
 
-    def _touches(self) -> Touches:
+    def _touches(self) -> TouchTable:
         rows = [
             (shot.time, number, contact)
             for shot in self._snapshots
@@ -222,7 +222,7 @@ class TrajectoryView:
         ]
         places = [self._surfaces[number].to_surface(c.position) for _, number, c in rows]
         fingers = [UNNAMED if c.label is None else c.label for _, _, c in rows]
-        return Touches(
+        return TouchTable(
             np.array([time for time, _, _ in rows], float),
             np.array([number for _, number, _ in rows], np.int64),
             np.array([c.id for _, _, c in rows], np.int64),

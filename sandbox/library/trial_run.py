@@ -42,12 +42,12 @@ class TrialRun:
     """A trial that was played to its end.
 
     Attributes:
-        score: Success, how it ended, how long it took, and what was missing.
+        score: Success, status at the end, duration, and reason for a failure.
         state_hash: Chained hash of all states; equal hashes mean equal trials.
-        trajectories: Everything that moved; None where it was not asked for.
-        pictures: (n, height, width, 3) uint8 RGB, 15 a second; None where none were asked for.
-        verification: Comparison of a replay with its recording; None for a trial played anew.
-        result: What `sandbox run --json` writes; empty for a replay.
+        trajectories: Trajectories of objects, hands and touches; None if not requested.
+        pictures: (n, height, width, 3) uint8 RGB, 15 per second; None if not requested.
+        verification: Comparison of a replay with its recording; None for a new trial.
+        result: Values of `sandbox run --json`; empty for a replay.
     """
 
     score: Score
@@ -75,7 +75,7 @@ def run_trial(
     real_time: bool | None = None,
     **options: Any,
 ) -> TrialRun:
-    """Plays one trial without a window and returns its score and what moved.
+    """Plays one trial without a window and returns its score and trajectories.
 
     Args:
         task: A task's name, `FILE.py`, `FILE.py:CLASS`, or a task class.
@@ -86,7 +86,7 @@ def run_trial(
         record: Writes a recording; the file must not exist.
         film: Writes a film: .webp, .gif, or .mp4 with the extra `film`.
         pictures: Width and height in px of pictures to return; None draws none.
-        trajectories: Whether to return trajectories.
+        trajectories: True to return trajectories.
         real_time: True plays at the speed of the clock, False as fast as it goes. None: real time
             for a device that a person or another program drives by its name, else as fast as it
             goes.
@@ -100,8 +100,8 @@ def run_trial(
         UserWarning: NumPy was imported before `sandbox`: states depend on the processor.
 
     Raises:
-        InputError: The task, device or an option cannot be used.
-        GraphicsError: A film or pictures are asked for and this machine has no OpenGL.
+        InputError: The task, device or an option is invalid.
+        GraphicsError: A film or pictures are requested and OpenGL is missing.
     """
     _warn_if_states_depend_on_the_processor()
     named = device if isinstance(device, str) else "simulated"
@@ -132,7 +132,7 @@ def replay_recording(
     pictures: tuple[int, int] | None = None,
     trajectories: bool = True,
 ) -> TrialRun:
-    """Plays a recording again, compares every state with it, and returns what moved.
+    """Replays a recording, compares every state, and returns the trajectories.
 
     Args:
         path: A recording: `record=FILE`, `--record FILE`, or a trial of a study.
@@ -243,7 +243,7 @@ def _scene_options(**values: Any) -> SceneOptions:
 
 
 def _place(task: str | type[Task]) -> str:
-    """The text by which a task is found: its name, or `module:Class`."""
+    """Returns the text by which a task is found: its name, or `module:Class`."""
     if isinstance(task, str):
         return task
     return task.name if TASKS.get(task.name) is task else f"{task.__module__}:{task.__qualname__}"

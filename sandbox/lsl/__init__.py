@@ -1,1 +1,1 @@
-"""Lab Streaming Layer."""
+"""Streams of a session over Lab Streaming Layer."""

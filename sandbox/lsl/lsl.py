@@ -44,11 +44,11 @@ KINDS: dict[str, tuple[str, tuple[str, ...], float]] = {
 """By kind of stream: LSL's type, channels, samples per second (0: irregular)."""
 NAMES = ("sandbox_touch", "sandbox_hand", "sandbox_markers")
 TRIES = 9
-"""Measurements of the clocks' offset, of which the quickest counts."""
+"""Number of measurements of the clocks' offset, of which the fastest one counts."""
 
 
 def touch_sample(step: int, time_: float, frame: TouchFrame) -> Array:
-    """A touch frame as numbers, as `TOUCH_CHANNELS` names them; NaN where there is nothing."""
+    """Returns a touch frame in the order of `TOUCH_CHANNELS`; NaN for missing values."""
     sample = np.full(len(TOUCH_CHANNELS), np.nan)
     sample[:2] = step, time_
     for i, contact in enumerate(sorted(frame.contacts, key=lambda c: c.id)[:CONTACTS]):
@@ -60,15 +60,15 @@ def touch_sample(step: int, time_: float, frame: TouchFrame) -> Array:
 
 
 def hand_sample(step: int, time_: float, q: Array) -> Array:
-    """A pose as numbers, as `HAND_CHANNELS` names them."""
+    """Returns a pose in the order of `HAND_CHANNELS`."""
     return np.concatenate([[step, time_], q])
 
 
 class LslOutlets:
-    """Streams of this program; implements `sandbox.lsl.lsl_listening.Listener`.
+    """Streams of this program; implements `sandbox.lsl.lsl_listening.SessionListener`.
 
     Raises:
-        DeviceError: pylsl or its library is not there.
+        DeviceError: pylsl or its library is missing.
     """
 
     def __init__(self) -> None:
@@ -88,10 +88,10 @@ class LslOutlets:
         return bool(self._streams[NAMES[-1]].wait_for_consumers(seconds))
 
     def close(self) -> None:
-        """Sends what is left, and ends the streams.
+        """Sends the rest of the queue, and closes the streams.
 
         Raises:
-            DeviceError: Something could not be sent; everything else was.
+            DeviceError: Some samples or markers could not be sent.
         """
         self._queue.put(None)
         self._thread.join()
@@ -99,33 +99,34 @@ class LslOutlets:
         self._streams.clear()
         if self._lost:
             raise DeviceError(
-                "Lab Streaming Layer did not take everything",
+                "samples or markers were not sent over Lab Streaming Layer",
                 where="--lsl",
                 got=f"{self._lost} samples or markers lost: {self._why}",
-                remedy="Recordings and journals have all of it",
+                remedy="Recordings and journals are complete",
             )
 
     def begin(self, header: Mapping[str, Any]) -> None:
-        """See `Listener`."""
+        """See `SessionListener`."""
         settings = header.get("settings", {})
         about = {k: settings[k] for k in ("task", "seed", "encoder") if k in settings}
         self.event("trial_start", {**about, **header.get("study", {})})
 
     def input(self, step: int, time: float, hand: int, frame: Frame) -> None:
-        """See `Listener`; for hands in the air only poses are sent, since they have no touches."""
+        """See `SessionListener`; for hands in the air only poses are sent, since they have no
+        touches."""
         if isinstance(frame, TouchFrame):
             self._put(_named("touch", hand), (touch_sample, step, time, frame))
 
     def pose(self, step: int, time: float, hand: int, q: Array) -> None:
-        """See `Listener`."""
+        """See `SessionListener`."""
         self._put(_named("hand", hand), (hand_sample, step, time, q))
 
     def event(self, what: str, details: Mapping[str, Any]) -> None:
-        """See `Listener`."""
+        """See `SessionListener`."""
         self._put(NAMES[-1], {"event": what, **details})
 
     def clock(self) -> dict[str, float]:
-        """LSL's clock less ours, s, and ours at that moment."""
+        """Returns LSL's clock minus ours, s, and our clock at that moment."""
         self._offset = self._measure()
         return {"lsl_minus_monotonic_s": self._offset, "monotonic_s": round(time.monotonic(), 6)}
 
@@ -136,7 +137,7 @@ class LslOutlets:
         while (waiting := self._queue.get()) is not None:
             try:
                 self._push(*waiting)
-            except Exception as error:  # what cannot be sent must not end what can; `close` says so
+            except Exception as error:  # one failure must not stop the rest; `close` reports it
                 self._lost, self._why = self._lost + 1, self._why or str(error)
 
     def _push(self, stream: str, what: Any, stamp: float) -> None:
@@ -146,12 +147,12 @@ class LslOutlets:
         else:
             sample = [json.dumps(what, ensure_ascii=False)]
         if stream not in self._streams:
-            # A second hand is known of when it is there.
+            # The stream of a second hand opens with its first sample.
             self._open(stream)
         self._streams[stream].push_sample(sample, stamp + self._offset)
 
     def _measure(self) -> float:
-        """LSL's clock less ours, s: the quickest of some measurements."""
+        """Returns LSL's clock minus ours, s, by the fastest of several measurements."""
         measurements = []
         for _ in range(TRIES):
             before = time.monotonic()
@@ -170,9 +171,9 @@ class LslOutlets:
         about = info.desc()
         about.append_child_value("manufacturer", "Hand Sandbox")
         about.append_child_value("version", versions()["hand-sandbox"])
-        told = about.append_child("channels")
+        channel_list = about.append_child("channels")
         for label in channels:
-            channel = told.append_child("channel")
+            channel = channel_list.append_child("channel")
             channel.append_child_value("label", label)
             channel.append_child_value("unit", _unit(label))
         self._streams[name] = self._lsl.StreamOutlet(info)
@@ -190,7 +191,7 @@ def _unit(channel: str) -> str:
 
 
 def _pylsl() -> Any:
-    """pylsl, with its library."""
+    """Imports pylsl and its library."""
     try:
         import pylsl
     except ImportError:
@@ -200,7 +201,7 @@ def _pylsl() -> Any:
             remedy="pip install 'hand-sandbox[lsl]'",
         ) from None
     except RuntimeError as error:
-        # Its wheel for older systems comes without the library, and says so only now.
+        # The wheel of pylsl for older systems lacks the library, which shows only now.
         raise DeviceError(
             "pylsl has no library",
             where="--lsl",
@@ -209,7 +210,7 @@ def _pylsl() -> Any:
             "PYLSL_LIB to its file",
         ) from None
     if not any(path.is_file() for path in _settings_files()):
-        # Where nobody has settings of their own, it tells errors only.
+        # Without settings of the user, only errors are logged.
         pylsl.set_config_content("[log]\nlevel = -2\n")
     return pylsl
 

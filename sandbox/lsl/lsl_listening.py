@@ -23,35 +23,36 @@ CLOCK_PERIOD = 10.0
 STATES_PER_CLOCK = round(CLOCK_PERIOD / CONTROL_PERIOD)
 
 
-class Listener(Protocol):
-    """Hears sessions."""
+class SessionListener(Protocol):
+    """Contract of listeners, which receive the calls of a recorder."""
 
     def begin(self, header: Mapping[str, Any]) -> None:
-        """A trial begins; the header of its recording."""
+        """Takes the start of a trial, with the header of its recording."""
         ...
 
     def input(self, step: int, time: float, hand: int, frame: Frame) -> None:
-        """A frame takes effect at a physics step, s of simulated time."""
+        """Takes a frame that takes effect at a physics step; time in s of simulated time."""
         ...
 
     def pose(self, step: int, time: float, hand: int, q: Array) -> None:
-        """(48,) commanded pose of a hand in the period that ended at a physics step."""
+        """Takes the commanded pose (48,) of a hand in the control period that ended at a step."""
         ...
 
     def event(self, what: str, details: Mapping[str, Any]) -> None:
-        """Something else has happened."""
+        """Takes another event."""
         ...
 
     def clock(self) -> dict[str, float]:
-        """Offset of the listener's clock from ours; JSON values for the recording."""
+        """Returns the offset of the listener's clock from ours, as JSON values for the
+        recording."""
         ...
 
 
-_LISTENERS: list[Listener] = []
+_LISTENERS: list[SessionListener] = []
 
 
 @contextmanager
-def listened_to(listener: Listener) -> Iterator[None]:
+def forwarding_to(listener: SessionListener) -> Iterator[None]:
     """Context in which all recorded trials are forwarded to a listener, too."""
     _LISTENERS.append(listener)
     try:
@@ -61,7 +62,7 @@ def listened_to(listener: Listener) -> Iterator[None]:
 
 
 def tell(what: str, details: Mapping[str, Any]) -> None:
-    """Tells all listeners of something outside of trials, such as a break."""
+    """Sends all listeners an event outside of trials, such as a break."""
     for listener in _LISTENERS:
         listener.event(what, details)
 
@@ -69,10 +70,10 @@ def tell(what: str, details: Mapping[str, Any]) -> None:
 def with_listeners(recorder: Recorder, header: Mapping[str, Any]) -> Recorder:
     """Wraps a recorder to forward calls to the current listeners; returns it unchanged without
     any."""
-    return Told(recorder, tuple(_LISTENERS), header) if _LISTENERS else recorder
+    return ForwardingRecorder(recorder, tuple(_LISTENERS), header) if _LISTENERS else recorder
 
 
-class Told:
+class ForwardingRecorder:
     """Recorder that forwards all calls to listeners.
 
     Args:
@@ -82,7 +83,7 @@ class Told:
     """
 
     def __init__(
-        self, recorder: Recorder, listeners: Sequence[Listener], header: Mapping[str, Any]
+        self, recorder: Recorder, listeners: Sequence[SessionListener], header: Mapping[str, Any]
     ) -> None:
         self._recorder, self._listeners = recorder, tuple(listeners)
         self._session: Session | None = None
@@ -122,16 +123,18 @@ class Told:
         self._pose()
 
     def end(self, result: Mapping[str, Any]) -> None:
-        """The trial is over."""
+        """Forwards the end of the trial."""
         self._pose()
         if self._session is not None:
             self._compare_clocks(self._session.step)
-        told = {k: result[k] for k in ("status", "success", "time_s", "state_hash") if k in result}
+        outcome = {
+            k: result[k] for k in ("status", "success", "time_s", "state_hash") if k in result
+        }
         for listener in self._listeners:
-            listener.event("trial_end", told)
+            listener.event("trial_end", outcome)
 
     def _pose(self) -> None:
-        """Tells the poses of the period that has just ended."""
+        """Forwards the poses of the period that has just ended."""
         session = self._session
         if session is None or session.step == self._posed:
             return

@@ -1,4 +1,4 @@
-"""What can be asked for, and the settings and devices it makes.
+"""Options of the command line, and the settings and devices that are made from them.
 
-Commands, studies and regression runs share it.
+Commands, studies and regression runs share these modules.
 """

@@ -1,4 +1,4 @@
-"""The limit of every servo on the command line: a profile's name, or a number."""
+"""Option `--impulse`: the limit of every servo, as a profile's name or a number."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from models.hand import IMPULSE_PROFILES
 
 
 def impulse_limit(text: str) -> float:
-    """N s per 1/60 s.
+    """Returns the impulse limit in N s per 1/60 s.
 
     Raises:
         InputError: The text is neither a profile nor a positive number.
@@ -20,7 +20,7 @@ def impulse_limit(text: str) -> float:
             raise ValueError
     except ValueError:
         raise InputError(
-            "this is no impulse limit",
+            "not an impulse limit",
             where="--impulse",
             got=text,
             expected="paper, safe or a positive number of N s per 1/60 s",

@@ -1,4 +1,4 @@
-"""Hands in the air on the command line: which devices are 3-D ones, and what they need."""
+"""Options for hands in the air over 3-D devices, and how those devices are opened."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from sandbox.devices.leap.leap import DEFAULT_ADDRESS, LeapDevice, LeapFileDevic
 from sandbox.devices.leap.leap_file import LeapRecording, check_side, read_leap
 from sandbox.devices.leap.shared_leap import MergedLeap, SharedLeap
 from sandbox.devices.registry import built_in, open_built_in
-from sandbox.options.own_hand import chosen_file
+from sandbox.options.leap_calibration import chosen_calibration
 from sandbox.recording.recording import Recording
 from sandbox.session.device import Device
 from sandbox.trial.device_makers import DeviceMaker, DeviceMakers
@@ -32,33 +32,33 @@ from tasks.user import UserConfiguration
 
 LIVE, SIMULATED = "leap", "leap-simulated"
 SUFFIXES = (".json", ".lz")
-"""Of Leap recordings; touches are in files of other names."""
+"""Suffixes of Leap recordings; recordings of touches have other suffixes."""
 PATIENCE = 3.0
-"""s that a live device has to say something."""
-_USED = ("frames", "handshakes", "connections")
-"""Of a device's counts, those of nothing that was wrong."""
+"""s within which a live device must send its first frame."""
+_NORMAL_COUNTS = ("frames", "handshakes", "connections")
+"""Counts of a device that do not report a problem."""
 OPEN_FRAMES = 100
-"""Frames of a recorded open hand that measure it, as in `sandbox paalm show`."""
+"""Number of frames of an open hand that calibrate a recording, as in `sandbox paalm show`."""
 
 
 @dataclass(frozen=True)
 class LeapOptions:
-    """Of hands in the air."""
+    """Options for hands in the air."""
 
     leap: Annotated[str, tyro.conf.arg(metavar="URL")] = DEFAULT_ADDRESS
-    """Where --device leap finds leapd or the Ultraleap bridge."""
+    """WebSocket address of leapd or of the Ultraleap bridge, for --device leap."""
 
     leap_at: Annotated[str, tyro.conf.arg(metavar="X,Y,Z")] = ",".join(f"{c:g}" for c in UNDER)
-    """Where the Leap is in the scene, m from the middle of the table's top: right, away, up. A hand
-    20 cm over the device is 10 cm over the table unless this says otherwise."""
+    """Position of the Leap in the scene, in m from the centre of the table top: right, away, up.
+    With the default, a hand 20 cm above the device is 10 cm above the table."""
 
     calibration: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
-    """Your hand, as `sandbox paalm calibrate --out FILE` measured it; --profile takes it, too.
-    Without one: an average hand, or what a recording's open hand or the device's bones say."""
+    """Your hand as measured by `sandbox paalm calibrate --out FILE`; --profile FILE works, too.
+    Default: the open hand in a recording, the bones that the device reports, or an average hand."""
 
 
 def is_leap(device: str) -> bool:
-    """Whether a device's name means a 3-D one: `leap`, `leap-simulated`, or a Leap recording."""
+    """True if a device is 3-D: `leap`, `leap-simulated`, or a Leap recording."""
     entry = built_in(device)
     if entry is not None:
         return entry.in_air
@@ -66,28 +66,28 @@ def is_leap(device: str) -> bool:
     return path.suffix in SUFFIXES and path.is_file()
 
 
-def from_one(options: Any) -> bool:
-    """Whether both hands, where there are two, are over the same device."""
+def both_over_one_device(options: Any) -> bool:
+    """True if two hands, should there be two, are over the same 3-D device."""
     return is_leap(options.device) and options.second_device in (None, options.device)
 
 
-def with_leaps(
+def with_leap_hands(
     settings: RunSettings, options: Any, second_recording: Recording | None
 ) -> RunSettings:
-    """The settings with what has to be known of 3-D devices.
+    """Returns settings with position and calibration of the hands over 3-D devices.
 
     Args:
-        settings: Of both hands.
+        settings: Settings with all hands.
         options: `LeapOptions` with `device` and `second_device`.
-        second_recording: What the second hand's device plays, where it is another recording.
+        second_recording: Recording that the second hand's device plays; None otherwise.
 
     Raises:
-        InputError: A place or a calibration cannot be used, or both hands are of one side.
+        InputError: A position or calibration is unusable, or both hands are of one side.
     """
     first, *others = settings.hands
     if is_leap(options.device):
         if settings.variation.degrades_touches:
-            raise InputError("touches can be spoiled, hands in the air cannot", where="--vary")
+            raise InputError("touches can be degraded, hands in the air cannot", where="--vary")
         first = replace(first, in_air=hand_input(options, options.device, first.side))
         settings = replace(settings, hands=(first, *others))
     if not others:
@@ -101,55 +101,57 @@ def with_leaps(
         in_air = hand_input(options, other, second.side)
     else:
         return settings
-    if from_one(options) and first.side == second.side:
+    if both_over_one_device(options) and first.side == second.side:
         raise InputError(
-            "one Leap tells two hands by their sides", where="--hand", got=f"two {second.side} ones"
+            "two hands over one Leap must be a right and a left hand",
+            where="--hand",
+            got=f"two {second.side} hands",
         )
     one_surface = settings.one_surface and in_air is None
     return replace(settings, hands=(first, replace(second, in_air=in_air)), one_surface=one_surface)
 
 
 def hand_input(options: LeapOptions, device: str, side: str) -> HandInput:
-    """Place and calibration of one hand.
+    """Returns position of the device and calibration of one hand.
 
     Raises:
-        InputError: They cannot be used.
+        InputError: The position or the calibration is unusable.
     """
     try:
         x, y, z = map(float, options.leap_at.split(","))
     except ValueError:
         raise InputError(
-            "this is no place", where="--leap-at", got=options.leap_at, expected="X,Y,Z in m"
+            "not a position", where="--leap-at", got=options.leap_at, expected="X,Y,Z in m"
         ) from None
-    found: HandCalibration | None = None
-    file = chosen_file(options)
+    calibration: HandCalibration | None = None
+    file = chosen_calibration(options)
     if file is not None:
-        found = read_hand(file, side)
+        calibration = read_hand(file, side)
     elif (entry := built_in(device)) is None:
-        found = _recorded(read_leap(Path(device)), side, device)
+        calibration = _recorded(read_leap(Path(device)), side, device)
     elif not entry.simulated:
-        _say(f"no --calibration: your {side} hand is taken for an average one")
-    return HandInput.of((x, y, z), found)
+        _warn(f"no --calibration: an average {side} hand is assumed")
+    return HandInput.of((x, y, z), calibration)
 
 
 def leap_maker(options: Any, settings: RunSettings, user: UserConfiguration, hand: int) -> Any:
-    """What opens a 3-D device for one hand.
+    """Returns a function that opens the 3-D device of one hand.
 
     Args:
         options: `LeapOptions` with `device`.
-        settings: Of the run.
-        user: Who moves the hand over a simulated device.
-        hand: Whose.
+        settings: Settings of the run.
+        user: Simulated user, who moves the hand over a simulated device.
+        hand: Index of the hand in `settings.hands`.
 
     Raises:
-        InputError: There is no such dialect, or the file cannot be read.
+        InputError: The dialect is unknown, or the file cannot be read.
     """
     device: str = options.device
     if device == LIVE:
         return lambda task, surface: open_leap(options.leap, tell=True)
     if built_in(device) is None:
         recording = read_leap(Path(device))
-        _tell_left_out(recording.counts)
+        _report_left_out(recording.counts)
         return lambda task, surface: LeapFileDevice(recording)
     if device.partition(":")[0] != SIMULATED:
         return lambda task, surface: open_built_in(device, surface)
@@ -158,21 +160,24 @@ def leap_maker(options: Any, settings: RunSettings, user: UserConfiguration, han
     from sandbox.devices.simulated.leap_user import SimulatedLeap
 
     dialect, trouble = parse_simulated(device.partition(":")[2])
-    whose = settings.hands[hand]
-    assert whose.in_air is not None
-    person, at = whose.person, whose.in_air.at
+    hand_settings = settings.hands[hand]
+    assert hand_settings.in_air is not None
+    person, at = hand_settings.person, hand_settings.in_air.at
     return lambda task, surface: SimulatedLeap(
         task, user, settings.seed, at, dialect, person, hand, trouble=trouble
     )
 
 
-def over_one(makers: DeviceMakers | None, make: DeviceMaker, settings: RunSettings) -> DeviceMakers:
-    """Opens one device for both hands, split by side.
+def split_by_side(
+    makers: DeviceMakers | None, make: DeviceMaker, settings: RunSettings
+) -> DeviceMakers:
+    """Returns makers of two devices that share one 3-D device, each with the hand of one side.
 
     Args:
-        makers: Of two simulated people, who share one; None where a single device sees both.
-        make: Of the single device.
-        settings: Of the run.
+        makers: Open the hands of two simulated people over a shared device; None if one device
+            sees both hands.
+        make: Opens the single device.
+        settings: Settings of the run.
     """
     parts: list[Device] = []
     first_side, second_side = (hand.side for hand in settings.hands)
@@ -191,28 +196,28 @@ def over_one(makers: DeviceMakers | None, make: DeviceMaker, settings: RunSettin
     return first, second
 
 
-class TellingLeap(LeapDevice):
-    """A live device that says at its end what it left out, and how often it had to be called."""
+class ReportingLeapDevice(LeapDevice):
+    """A live device that prints, when closed, its unusable frames and repeated connections."""
 
     def close(self) -> None:
         """Ends the connection, once."""
         closed = self._stop.is_set()
         super().close()
         if not closed:
-            _tell_left_out(self.counts)
+            _report_left_out(self.counts)
 
 
 def open_leap(address: str = DEFAULT_ADDRESS, tell: bool = False) -> LeapDevice:
-    """A running service that says something.
+    """Connects to a running Leap service and waits for its first message.
 
     Args:
         address: WebSocket URL.
-        tell: Say at the end what was left out.
+        tell: Print unusable frames and repeated connections when the device is closed.
 
     Raises:
-        DeviceError: It does not.
+        DeviceError: The service sends nothing.
     """
-    device = TellingLeap(address) if tell else LeapDevice(address)
+    device = ReportingLeapDevice(address) if tell else LeapDevice(address)
     if not device.wait(PATIENCE):
         device.close()
         raise device.silent(PATIENCE)
@@ -220,25 +225,25 @@ def open_leap(address: str = DEFAULT_ADDRESS, tell: bool = False) -> LeapDevice:
 
 
 def _recorded(recording: LeapRecording, side: str, name: str) -> HandCalibration:
-    """The hand of a recording: measured where it is held open, else an average one."""
+    """Returns the hand in a recording: measured if it is held open, else an average hand."""
     check_side(recording.frames, side, name, "--hand")
     paalm = Paalm()
     try:
         return paalm.calibrate(recording.frames, cast(Any, side), OPEN_FRAMES)[side]
     except EncoderError as error:
-        _say(f"taken for an average hand, because {error}")
+        _warn(f"an average hand is assumed, because {error}")
         return average_calibration(recording.frames, side, paalm.options)
 
 
-def _tell_left_out(counts: Counter[str]) -> None:
-    """Says what of a device's frames could not be used, where anything could not."""
-    left = {what: n for what, n in counts.items() if n and what not in _USED}
-    # One call is how it begins.
+def _report_left_out(counts: Counter[str]) -> None:
+    """Prints counts of frames that could not be used, if there were any."""
+    left = {what: n for what, n in counts.items() if n and what not in _NORMAL_COUNTS}
+    # The first connection is the normal start.
     if counts["connections"] > 1:
         left["new connections"] = counts["connections"] - 1
     if left:
-        _say("left out: " + ", ".join(f"{n} {what}" for what, n in left.items()))
+        _warn("left out: " + ", ".join(f"{n} {what}" for what, n in left.items()))
 
 
-def _say(text: str) -> None:
+def _warn(text: str) -> None:
     Console(stderr=True).print(Text(text, style="yellow"))

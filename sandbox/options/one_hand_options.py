@@ -1,4 +1,4 @@
-"""Options of commands that run a scene: what runs, and how, by one hand."""
+"""Options of commands that run a scene with one hand."""
 
 from __future__ import annotations
 
@@ -8,8 +8,10 @@ from typing import Annotated, Literal
 
 import tyro
 
+from encoders.regression.model_registry import MODELS
 from sandbox.devices.tuio.tuio import DEFAULT_PORT, LOOPBACK, Transport
 from sandbox.devices.tuio.tuio_streams import DEFAULT_WEBSOCKET_PORT
+from sandbox.options.metavars import choices, device_choices
 
 Part = Literal[
     "correction", "smoothing", "arrival", "ghost", "distal", "stitch", "encoder", "history"
@@ -19,108 +21,109 @@ Part = Literal[
 
 @dataclass(frozen=True)
 class OneHandOptions:
-    """What runs, and how, by one hand."""
+    """Task, device, encoder, physics and recording options for one hand."""
 
     task: Annotated[str, tyro.conf.Positional, tyro.conf.arg(metavar="TASK")] = "box-to-goal"
-    """Task to do; `sandbox` lists them. Or FILE.py with one of your own."""
+    """Name of a task (`sandbox` lists them), or FILE.py with a task of your own."""
 
-    device: Annotated[str, tyro.conf.arg(metavar="{simulated,tuio,mouse,evdev,leap,FILE}")] = (
+    device: Annotated[str, tyro.conf.arg(metavar=device_choices(without=("mouse", "web")))] = (
         "simulated"
     )
-    """Where touches come from: the simulated user, a TUIO sender, the mouse in the window, a touch
-    screen of this Linux machine, a device of your own (docs/write-a-device.md), or a file: a
-    recording of ours, what `touches record` wrote, or a capture of TUIO packets. Or a hand in the
-    air, over a Leap: leap, a Leap recording (.json, .json.lz), or leap-simulated, a simulated
-    person; leap-simulated:v1 is over the first Leap, and leap-simulated:v1,noise=2,lose=1 over one
-    with twice the noise, which loses the hand for 1 s while it carries something."""
+    """Source of the input. simulated: a simulated user. tuio: a TUIO sender. evdev: a touch screen
+    of this Linux machine. leap: a hand in the air over a Leap. leap-simulated: a simulated person
+    over a Leap (leap-simulated:v1: over the first Leap; leap-simulated:v1,noise=2,lose=1: with
+    twice the noise, and the hand is lost for 1 s while it carries something). FILE: a recording of
+    this program, a file by `touches record`, a capture of TUIO packets, or a Leap recording (.json,
+    .json.lz). Or a device of your own (docs/write-a-device.md)."""
 
-    encoder: Annotated[
-        str, tyro.conf.arg(metavar="{paper,linear,quadratic,cubic,pca-ik,best,FILE}")
-    ] = "best"
-    """From touches to the hand. paper: least squares, the paper's labels, no correction, no
-    smoothing. The others share labels, correction and smoothing of best. FILE is what `sandbox
-    train` wrote, or FILE.py:CLASS (MODULE:CLASS), an encoder of your own
-    (docs/write-an-encoder.md)."""
+    encoder: Annotated[str, tyro.conf.arg(metavar=choices(*MODELS, "FILE"))] = "best"
+    """Encoder, which estimates the hand's pose from the touches. paper: least squares with the
+    paper's labels, without correction and smoothing. The others use the labels, correction and
+    smoothing of best. FILE: a model by `sandbox train`, or FILE.py:CLASS or MODULE:CLASS, an
+    encoder of your own (docs/write-an-encoder.md)."""
 
     bare: tyro.conf.FlagCreatePairsOff[bool] = False
-    """Any encoder as bare as paper's: its labels, no correction, no smoothing."""
+    """Use the paper's labels, and no correction or smoothing, with any encoder."""
 
     without: tuple[Part, ...] = ()
-    """Takes parts of the pipeline away, to see what they are worth."""
+    """Switch off a part of the pipeline, to measure what it contributes."""
 
     seed: Annotated[int | None, tyro.conf.arg(metavar="INT")] = None
-    """Start, goal and simulated user come from it; 0 unless a recording says otherwise."""
+    """Seed of start, goal and simulated user. Default: that of the recording, else 0."""
 
     impulse: Annotated[str, tyro.conf.arg(metavar="{paper,safe,N}")] = "paper"
-    """Limit of every servo in N s per 1/60 s: paper is 100, safe is 0.5. From safe down a hand that
-    is down is slower, and its fingers are heavier."""
+    """Limit of every servo in N s per 1/60 s: paper is 100, safe is 0.5. At 0.5 and below, a
+    lowered hand moves more slowly and its fingers are heavier."""
 
     contact: Literal["hard", "soft", "none"] = "hard"
-    """How the hand touches things: soft gives way and pushes with 3 N at most, none passes through
-    everything. `c` changes it in the window."""
+    """Contact between hand and objects. soft: the hand yields and pushes with 3 N at most. none: it
+    passes through everything. Key c in the window switches."""
 
     servo: Literal["orientation", "position"] = "orientation"
-    """One servo on the rotation of each ball joint, or three on its components."""
+    """orientation: one servo on the rotation of each ball joint. position: three servos, one on
+    each component."""
 
     hand: Literal["right", "left"] | None = None
-    """Which hand touches; the right one unless a recording or a profile says otherwise."""
+    """Which hand. Default: that of the recording or profile, else right."""
 
     hand_size: Annotated[float | None, tyro.conf.arg(metavar="RATIO")] = None
-    """Length of the hand against the trained one, 0.6 to 1.6; `sandbox calibrate` measures it."""
+    """Length of the hand relative to the trained hand, 0.6 to 1.6; `sandbox calibrate` measures
+    it."""
 
     turn: Literal[0, 90, 180, 270] | None = None
-    """Where the person sits: 0 at the screen's lower edge, 90 at its right one, 180 at its upper
-    one, 270 at its left one."""
+    """Edge of the screen at which the person sits: 0 lower, 90 right, 180 upper, 270 left."""
 
     profile: Annotated[str | None, tyro.conf.arg(metavar="{default,none,FILE}")] = None
-    """Hand, size and seat as `sandbox calibrate` found them: default is this user's own profile.
-    Without it, none is used, save by `sandbox play` with a touch device. Over a Leap, also what
-    `sandbox paalm calibrate` wrote; default is then this user's own measured hand."""
+    """Profile of a person by `sandbox calibrate`: side and size of the hand, and seat. default:
+    this user's own profile, which `sandbox play` with a touch device uses even without this
+    option. Over a Leap: a calibration by `sandbox paalm calibrate`; default is this user's own
+    measured hand."""
 
     surface: Annotated[str | None, tyro.conf.arg(metavar="SIZE")] = None
-    """Size of the touch surface: 7.76x5.82in, 197x148mm or a preset such as ipad2."""
+    """Size of the touch surface: 7.76x5.82in, 197x148mm, or a preset such as ipad2."""
 
     fingers: int = 3
-    """Of the simulated user, 2 to 5."""
+    """Number of fingers that the simulated user touches with, 2 to 5."""
 
     user: Literal["skilled", "idle", "random"] = "skilled"
-    """The simulated user; idle and random are control arms that must not succeed."""
+    """Simulated user. idle and random are control conditions, which should not succeed."""
 
     tell_labels: tyro.conf.FlagCreatePairsOff[bool] = False
-    """The simulated user says which finger touches: an upper bound for labelling."""
+    """The simulated user reports which finger touches: an upper bound for labelling."""
 
     drop_outs: float = 0.0
-    """Times per second that the simulated user's screen loses each touch, for 0.1 s; it comes back
-    under another id."""
+    """Times per second that the simulated user's screen loses each touch. A lost touch returns
+    after 0.1 s with another id."""
 
     vary: Annotated[str, tyro.conf.arg(metavar="NAME=VALUE,...")] = ""
-    """Another trial than the task draws, or a worse screen, such as size=0.8,latency=50: factors
-    size, mass, friction, hand-size; mm start, noise; a second dropped, ghosts; ms latency."""
+    """Change the trial or degrade the touches, such as size=0.8,latency=50. size, mass, friction,
+    hand-size: factors. start, noise: mm. dropped, ghosts: times per second. latency: ms."""
 
     port: int = DEFAULT_PORT
     """UDP and TCP port for TUIO; 0 takes a free one."""
 
     bind: Annotated[str, tyro.conf.arg(metavar="ADDRESS")] = LOOPBACK
-    """Address for TUIO; 127.0.0.1 is reached from this machine only, 0.0.0.0 from the network."""
+    """Address for TUIO. 127.0.0.1: reachable from this machine only; 0.0.0.0: from the network."""
 
     tuio_transport: Transport = "udp"
-    """How TUIO comes: udp, tcp, websocket, or all three."""
+    """Transport of TUIO: udp, tcp, websocket, or all three."""
 
     websocket_port: int = DEFAULT_WEBSOCKET_PORT
     """TCP port for TUIO over WebSockets; 0 takes a free one."""
 
     tuio_connect: Annotated[str, tyro.conf.arg(metavar="URL")] = ""
-    """Calls a TUIO sender that waits for it, such as tcp://HOST:3333 or ws://HOST:8080."""
+    """Connect to a TUIO sender that waits for connections, such as tcp://HOST:3333 or
+    ws://HOST:8080."""
 
     grab: tyro.conf.FlagCreatePairsOff[bool] = False
-    """evdev: keep the touches from the desktop, so that a trackpad's pointer stays where it is."""
+    """evdev: hide the touches from the desktop, so that a trackpad does not move the pointer."""
 
     record: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
-    """Writes a recording that `sandbox replay` plays to the bit."""
+    """Write a recording, which `sandbox replay` reproduces bit for bit."""
 
     dump: Annotated[Path, tyro.conf.arg(metavar="DIR")] = Path()
-    """Folder for a recording of the last states, should the simulation diverge; with --record it is
-    written beside that."""
+    """Folder for a recording of the last states, written if the simulation diverges. With --record,
+    it is written beside the recording instead."""
 
     events: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
-    """Appends events as JSON lines: listening, trial_start, trial_end, warning."""
+    """Append events to this file as JSON lines: listening, trial_start, trial_end, warning."""

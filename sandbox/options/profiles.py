@@ -1,7 +1,7 @@
-"""Profiles: what `sandbox calibrate` found out about a person, kept in a file of theirs.
+"""Profiles of persons: side, size and seat as measured by `sandbox calibrate`, in a file.
 
-A profile is for people who play. What is measured and compared ignores it unless asked to use it,
-and every recording holds the values themselves, so that it replays without any profile.
+A profile is for people who play. Measurements and comparisons ignore it unless --profile is given.
+A recording holds the values themselves, so that it replays without a profile.
 """
 
 from __future__ import annotations
@@ -23,10 +23,10 @@ SCHEMA = 1
 
 KIND = "hand-sandbox profile"
 DEFAULT = "default"
-"""Name of the profile that `sandbox calibrate` writes unless told where."""
+"""Name of the profile that `sandbox calibrate` writes without --out."""
 
 _UNSOUND = "a value of the profile cannot be used"
-_REMEDY = "`sandbox calibrate` makes a sound one"
+_REMEDY = "`sandbox calibrate` makes a valid one"
 
 
 class _ProfileFile(Struct, forbid_unknown_fields=True):
@@ -44,13 +44,13 @@ class _ProfileFile(Struct, forbid_unknown_fields=True):
 
 @dataclass(frozen=True)
 class Profile:
-    """A person, as calibrated.
+    """A calibrated person.
 
     Attributes:
-        person: Hand, size and seat.
-        interval: The 95 % interval of the size.
-        device: What it was measured with.
-        simulated: Nobody real was measured.
+        person: Side, size and seat.
+        interval: 95 % interval of the size, a ratio.
+        device: Device of the measurement.
+        simulated: True if a simulated person was measured.
     """
 
     person: Person
@@ -60,18 +60,18 @@ class Profile:
 
     @property
     def line(self) -> str:
-        """A line for the person."""
+        """Summary in one line."""
         low, high = self.interval
         who = "a SIMULATED person's " if self.simulated else ""
         seat = f", from {self.person.turn} degrees round the screen" if self.person.turn else ""
         return (
             f"{who}{self.person.hand} hand, {self.person.hand_size:.2f} times as long as the "
-            f"trained one ({low:.2f} to {high:.2f}){seat}"
+            f"trained hand ({low:.2f} to {high:.2f}){seat}"
         )
 
 
 def default_path() -> Path:
-    """Where this user's profile is, by the custom of the system."""
+    """Returns the path of this user's profile, in the system's folder for settings."""
     if sys.platform == "win32":
         base = os.environ.get("APPDATA") or Path.home() / "AppData" / "Roaming"
     elif sys.platform == "darwin":
@@ -82,7 +82,7 @@ def default_path() -> Path:
 
 
 def save_profile(profile: Profile, path: Path) -> None:
-    """Writes a profile, whole or not at all.
+    """Writes a profile atomically.
 
     Raises:
         InputError: The file cannot be written.
@@ -110,7 +110,7 @@ def load_profile(path: Path) -> Profile:
     """Reads a profile.
 
     Raises:
-        InputError: There is no such file, it is no profile, or a value of it is none.
+        InputError: The file is missing, is not a profile, or holds an invalid value.
     """
     where = str(path)
     data = read_bytes(path, InputError, what="the profile cannot be read", remedy=_REMEDY)
@@ -122,7 +122,7 @@ def load_profile(path: Path) -> Profile:
 
 
 def find_profile(name: str) -> Profile:
-    """The profile of a name: `default`, or a file."""
+    """Returns the profile of a name: `default`, or a file."""
     return load_profile(default_path() if name == DEFAULT else Path(name))
 
 

@@ -1,4 +1,4 @@
-"""What the options of commands that run a scene mean: settings, and how devices are opened."""
+"""Options of commands that run a scene, and the settings and devices made from them."""
 
 from __future__ import annotations
 
@@ -14,19 +14,19 @@ from sandbox.devices.registry import DEVICES, built_in
 from sandbox.devices.simulated.simulated import NEXT_PERSON, SimulatedDevice
 from sandbox.devices.wrappers.degraded import DegradedDevice
 from sandbox.options.impulse import impulse_limit
+from sandbox.options.leap_calibration import uses_touch_profile
 from sandbox.options.leap_devices import (
     LeapOptions,
-    from_one,
+    both_over_one_device,
     is_leap,
     leap_maker,
-    over_one,
-    with_leaps,
+    split_by_side,
+    with_leap_hands,
 )
 from sandbox.options.one_hand_options import OneHandOptions
-from sandbox.options.own_hand import of_touches
 from sandbox.options.profiles import find_profile
-from sandbox.options.second_hand import SecondOptions, with_second
-from sandbox.options.touch_devices import guesses_size, live_maker, native_surface, open_file
+from sandbox.options.second_hand import SecondOptions, with_second_hand
+from sandbox.options.touch_devices import has_unknown_size, live_maker, native_surface, open_file
 from sandbox.options.variations import parse_variation
 from sandbox.recording.recorded_device import RecordedDevice
 from sandbox.recording.recorded_task import recorded_task
@@ -52,21 +52,21 @@ _PARTS: dict[str, dict[str, Any]] = {
 }
 
 
-# Bases from the last to the first are the order of `--help`: what most people need comes first.
+# `--help` lists the options of the last base first: those that most people need.
 @dataclass(frozen=True)
 class SceneOptions(LeapOptions, SecondOptions, OneHandOptions):
-    """What runs, and how."""
+    """Options of a scene with one or two hands."""
 
 
 @dataclass(frozen=True)
 class Plan:
-    """Options made definite.
+    """Settings of a run and makers of its devices, resolved from options.
 
     Attributes:
-        settings: Of the run.
-        about: For header and result: device and simulated user.
-        live: A person or another program drives it, so that it runs at real time.
-        makers: Open the devices, one for every hand.
+        settings: Settings of the run.
+        about: Device and simulated user, for the recording's header and the result.
+        live: True if a person or another program drives the run, which is then in real time.
+        makers: One function for each hand, which opens its device.
     """
 
     settings: RunSettings
@@ -76,16 +76,16 @@ class Plan:
 
 
 def plan(options: SceneOptions) -> Plan:
-    """What the options mean.
+    """Resolves options into settings and makers of devices.
 
     Raises:
-        InputError: An option's value is none of those it has.
+        InputError: An option has an invalid value, or options contradict each other.
     """
     recording = _recording(options.device)
-    settings = with_second(_settings(options, recording), options, options.device, recording)
+    settings = with_second_hand(_settings(options, recording), options, options.device, recording)
     if recording is None:
         played = _recording(options.second_device) if options.second_device else None
-        settings = with_leaps(settings, options, played)
+        settings = with_leap_hands(settings, options, played)
     first = _plan(options, recording, settings, 0)
     if len(settings.hands) == 1:
         return first
@@ -94,25 +94,25 @@ def plan(options: SceneOptions) -> Plan:
     more = replace(options, device=other, port=options.port and options.port + 1)
     if options.second_user:
         more = replace(more, user=options.second_user)
-    if from_one(options):
-        next_ = _plan(replace(more, device=options.device), None, settings, 1)
-        two = (*first.makers, *next_.makers) if "user" in next_.about else None
-        return replace(first, makers=over_one(two, make_first, settings))
+    if both_over_one_device(options):
+        second = _plan(replace(more, device=options.device), None, settings, 1)
+        two = (*first.makers, *second.makers) if "user" in second.about else None
+        return replace(first, makers=split_by_side(two, make_first, settings))
     shared = settings.one_surface and recording is None
     if shared and options.device != "simulated":
         return replace(first, makers=sharing(make_first, settings))
-    next_ = _plan(more, _recording(other), settings, 1)
-    makers = (*first.makers, *next_.makers)
-    about = first.about | {"second": next_.about}
+    second = _plan(more, _recording(other), settings, 1)
+    makers = (*first.makers, *second.makers)
+    about = first.about | {"second": second.about}
     if shared:
         return replace(first, about=about, makers=sharing(merging(makers), settings))
-    return replace(first, about=about, live=first.live or next_.live, makers=makers)
+    return replace(first, about=about, live=first.live or second.live, makers=makers)
 
 
 def _plan(
     options: SceneOptions, recording: Recording | None, settings: RunSettings, hand: int
 ) -> Plan:
-    """What the options mean for one hand."""
+    """Resolves the options of one hand."""
     about: dict[str, Any] = {"device": options.device}
     entry = built_in(options.device)
     if is_leap(options.device):
@@ -120,38 +120,38 @@ def _plan(
     elif options.device in _OPENERS:
         opens = _OPENERS[options.device](options, settings, hand)
     elif (make := live_maker(options)) is not None:
-        return _keeping(settings, about, entry is None or entry.live, _on_surface(make))
+        return _with_variation(settings, about, entry is None or entry.live, _on_surface(make))
     elif recording is not None:
         about["user"] = recording.header.get("user")
         opens = _recorded(recording, hand)
     else:
         path = Path(options.device)
-        # What is wrong with the file is said before anything is built.
+        # Errors of the file are reported before anything is built.
         open_file(path, None).device.close()
         opens = _on_surface(lambda surface: open_file(path, surface).device)
     if entry is not None and entry.simulated:
         about["user"] = _user(options).as_json()
         if not entry.in_air:
             about["drop_outs"] = options.drop_outs
-    # Only chance of simulated users and of 3-D devices differs from hand to hand.
+    # Only simulated users and 3-D devices have random numbers that differ between hands.
     differs = is_leap(options.device) or options.device == "simulated"
     live = entry is not None and entry.live
-    return _keeping(settings, about, live, opens, hand if differs else 0)
+    return _with_variation(settings, about, live, opens, hand if differs else 0)
 
 
 def _on_surface(make: Callable[[Surface], Device]) -> DeviceMaker:
-    """Opens a device that needs nothing of the task."""
+    """Returns a maker of a device that does not depend on the task."""
     return lambda task, surface: make(surface)
 
 
 def _recorded(recording: Recording, hand: int) -> DeviceMaker:
-    """Plays a hand of a recording; where it has one hand only, that one."""
-    whose = hand if hand in recording.inputs else 0
-    return lambda task, surface: RecordedDevice(recording, whose)
+    """Returns a device that plays one hand of a recording, or its only hand."""
+    recorded_hand = hand if hand in recording.inputs else 0
+    return lambda task, surface: RecordedDevice(recording, recorded_hand)
 
 
 def _simulated(options: SceneOptions, settings: RunSettings, hand: int) -> DeviceMaker:
-    """Opens the screen of a simulated user."""
+    """Returns a maker of a simulated user's screen."""
     user = _user(options)
     return lambda task, surface: SimulatedDevice(
         task,
@@ -167,14 +167,14 @@ def _simulated(options: SceneOptions, settings: RunSettings, hand: int) -> Devic
 
 
 def _mouse(options: SceneOptions, settings: RunSettings, hand: int) -> DeviceMaker:
-    """Opens the mouse in the window."""
+    """Returns a maker of the mouse in the window."""
     from sandbox.devices.mouse import MouseDevice
 
     return lambda task, surface: MouseDevice(surface, settings.hands[hand].person)
 
 
 def _web(options: SceneOptions, settings: RunSettings, hand: int) -> DeviceMaker:
-    """Opens the page's touches."""
+    """Returns a maker of the device for touches on the page."""
     return _on_surface(WebDevice)
 
 
@@ -183,10 +183,10 @@ _OPENERS: dict[str, Callable[[SceneOptions, RunSettings, int], DeviceMaker]] = {
     "mouse": _mouse,
     "web": _web,
 }
-"""Built-in touch devices that need more of a scene than its surface."""
+"""Makers of built-in touch devices that depend on more of the scene than its surface."""
 
 
-def _keeping(
+def _with_variation(
     settings: RunSettings, about: dict[str, Any], live: bool, make: DeviceMaker, hand: int = 0
 ) -> Plan:
     variation = settings.variation
@@ -211,7 +211,7 @@ def _recording(device: str) -> Recording | None:
         return None
     if not path.exists():
         raise InputError(
-            "there is no such device or file",
+            "no such device or file",
             where="--device",
             got=device,
             expected=", ".join(DEVICES) + " or a file",
@@ -223,12 +223,9 @@ def _recording(device: str) -> Recording | None:
 def _settings(options: SceneOptions, recording: Recording | None) -> RunSettings:
     variation, size = parse_variation(options.vary)
     if recording is not None and options.vary:
-        raise InputError(
-            "what is recorded cannot be varied", where="--vary", got=str(recording.path)
-        )
+        raise InputError("a recording cannot be varied", where="--vary", got=str(recording.path))
     if recording is not None:
-        # A recording brings its own task, seed and surface; what is asked for otherwise is tried on
-        # the recorded touches.
+        # A recording has its own task, seed and surface; other options apply to its touches.
         base = RunSettings.from_json(recording.header["settings"])
         header, where = recording.header, str(recording.path)
         base = replace(
@@ -239,7 +236,7 @@ def _settings(options: SceneOptions, recording: Recording | None) -> RunSettings
     else:
         base = RunSettings(task=options.task)
     base = replace(base, seed=base.seed if options.seed is None else options.seed)
-    if recording is not None and _defaults_apart_from_input(options):
+    if recording is not None and _keeps_recorded_settings(options):
         return base
     values: dict[str, Any] = {
         "encoder": options.encoder,
@@ -254,7 +251,7 @@ def _settings(options: SceneOptions, recording: Recording | None) -> RunSettings
     if options.tell_labels:
         values["labels"] = "device"
     first, *others = base.hands
-    if of_touches(options, is_leap(options.device)):
+    if uses_touch_profile(options, is_leap(options.device)):
         own = HandSettings.of(find_profile(str(options.profile)).person)
         first = replace(own, in_air=first.in_air)
     asked: dict[str, Any] = {
@@ -272,14 +269,14 @@ def _settings(options: SceneOptions, recording: Recording | None) -> RunSettings
         values["surface_in"] = (surface.width_in, surface.height_in)
     elif (native := native_surface(options.device)) is not None:
         values["surface_in"] = (native.width_in, native.height_in)
-    elif guesses_size(options.device):
-        # TUIO tells no sizes: without one, inches are a guess, and views say so.
+    elif has_unknown_size(options.device):
+        # TUIO does not transmit a size: without --surface, inches are a guess, and views say so.
         values["surface_calibrated"] = False
     return replace(base, **values)
 
 
-def _defaults_apart_from_input(options: SceneOptions) -> bool:
-    """Whether a recording is to be run just as it was."""
+def _keeps_recorded_settings(options: SceneOptions) -> bool:
+    """True if no option changes the run of a recording except its input."""
     plain = SceneOptions()
     pipeline = (
         "encoder",
@@ -298,14 +295,14 @@ def _defaults_apart_from_input(options: SceneOptions) -> bool:
 def _user(options: SceneOptions) -> UserConfiguration:
     if not 2 <= options.fingers <= 5:
         raise InputError(
-            "the simulated user cannot do this",
+            "the simulated user touches with 2 to 5 fingers",
             where="--fingers",
             got=options.fingers,
             expected="2 to 5",
         )
     if not 0.0 <= options.drop_outs <= 10.0:
         raise InputError(
-            "no screen loses touches like this",
+            "out of range",
             where="--drop-outs",
             got=options.drop_outs,
             expected="0 to 10 times per second",

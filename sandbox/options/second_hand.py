@@ -1,4 +1,4 @@
-"""A second hand on the command line: options that are given twice, and what they mean."""
+"""Options for a second hand, which are given by their own names or by repeating the first."""
 
 from __future__ import annotations
 
@@ -15,73 +15,77 @@ from sandbox.trial.settings import RunSettings
 from tasks.registry import find_task, hands_of
 
 TWICE = ("--device", "--hand", "--hand-size", "--turn", "--user")
-"""Options of which the second one is for the second hand."""
+"""Options whose second occurrence is for the second hand."""
 
 ONE_HAND_EACH = tuple(name for name, entry in DEVICES.items() if entry.one_hand)
-"""Devices that are one hand's: in a task for two, a simulated user joins in."""
+"""Devices for a single hand: in a task for two hands, a simulated user moves the other one."""
 
 
 @dataclass(frozen=True)
 class SecondOptions:
-    """Of a second hand."""
+    """Options of a second hand."""
 
     second_device: Annotated[str | None, tyro.conf.arg(metavar="DEVICE")] = None
-    """A device for a second hand; a second --device is the same, and so are a second --hand,
-    --hand-size, --turn and --user; web gives it a page of its own. The first hand is the one to
-    the right, unless it is a left one and the second a right one. Tasks for two hands have a second
-    one in any case."""
+    """Device of a second hand; web gives it a page of its own. A second --device, --hand,
+    --hand-size, --turn or --user means the same as the option with --second. The first hand is at
+    the right, unless it is a left hand and the second one is a right hand. Tasks for two hands
+    always have a second hand."""
 
     second_hand: Literal["right", "left"] | None = None
-    """Which hand the second one is: the other one of the first, unless said otherwise."""
+    """Side of the second hand. Default: opposite to the first."""
 
     second_hand_size: Annotated[float | None, tyro.conf.arg(metavar="RATIO")] = None
-    """Length of the second hand; the first one's, unless said otherwise."""
+    """Length of the second hand, as --hand-size. Default: that of the first."""
 
     second_turn: Literal[0, 90, 180, 270] | None = None
-    """Where the second hand's owner sits, as --turn."""
+    """Seat of the second hand's person, as --turn."""
 
     second_user: Literal["skilled", "idle", "random"] | None = None
-    """The second hand's simulated user; as the first one, unless said otherwise."""
+    """Simulated user of the second hand. Default: that of the first."""
 
     one_surface: tyro.conf.FlagCreatePairsOff[bool] = False
-    """Both hands touch one surface, and its contacts are split between them."""
+    """Both hands touch one surface; its contacts are divided between them."""
 
 
-def named(argv: Sequence[str]) -> list[str]:
-    """The command line with the second `--device` as `--second-device`, and others alike.
+def with_second_names(argv: Sequence[str]) -> list[str]:
+    """Returns the command line with a repeated `--device` renamed to `--second-device`, and so on.
 
     Raises:
-        InputError: An option is there three times: there are no more than two hands.
+        InputError: An option is given three times.
     """
     seen: dict[str, int] = {}
-    found = []
+    renamed = []
     for word in argv:
         name, equals, value = word.partition("=")
         if name in TWICE:
             seen[name] = seen.get(name, 0) + 1
             if seen[name] > 2:
                 raise InputError(
-                    "there are no more than two hands", where=name, expected="once, or twice"
+                    "there are at most two hands",
+                    where=name,
+                    got="three times",
+                    expected="once or twice",
                 )
             if seen[name] == 2:
                 name = "--second-" + name.removeprefix("--")
-        found.append(name + equals + value)
-    return found
+        renamed.append(name + equals + value)
+    return renamed
 
 
-def with_second(
+def with_second_hand(
     settings: RunSettings, options: SecondOptions, device: str, recording: Recording | None
 ) -> RunSettings:
-    """The settings with a second hand where the task, or who asks, wants one.
+    """Returns settings with a second hand if the task or the options need one.
 
     Args:
-        settings: Of the first hand.
-        options: What is asked for.
-        device: Of the first hand.
-        recording: What the first device plays, if it does; it brings its own second hand along.
+        settings: Settings with the first hand.
+        options: Options of the second hand.
+        device: Device of the first hand.
+        recording: Recording that the first device plays, which brings its own second hand; None
+            if it plays none.
 
     Raises:
-        InputError: What is asked for is not one hand more.
+        InputError: The options contradict each other.
     """
     asked = {
         "side": options.second_hand,
@@ -96,21 +100,21 @@ def with_second(
     if not (for_two or wanted):
         if given or options.second_user:
             raise InputError(
-                "there is one hand only",
+                "an option of a second hand is given, and there is only one hand",
                 where="--hand, --turn or --user twice",
-                remedy="--device twice, or --one-surface",
+                remedy="Give --device twice, or --one-surface",
             )
         return settings
     simulated = (device, options.second_device or "simulated") == ("simulated",) * 2
     if options.one_surface and not simulated and options.second_device is not None:
         raise InputError(
-            "one surface is one device",
+            "one surface has one device",
             where="--one-surface",
             got=f"{device} and {options.second_device}",
-            remedy="Leave the second --device out",
+            remedy="Leave out the second --device",
         )
     if options.one_surface and device == "mouse":
-        raise InputError("this device is one hand's", where="--one-surface", got=device)
+        raise InputError("this device takes only one hand", where="--one-surface", got=device)
     alone = options.second_device is None and device not in ONE_HAND_EACH
     first = settings.hands[0]
     return replace(
@@ -121,7 +125,7 @@ def with_second(
 
 
 def _for_two(task: str) -> bool:
-    """Whether a task is for two hands; one that there is not is refused where it is drawn."""
+    """True if a task is for two hands; an unknown task is refused later, when it is drawn."""
     try:
         return hands_of(find_task(task)) > 1
     except InputError:

@@ -1,4 +1,4 @@
-"""Opens what touches come from: a live device, one of somebody else's, or a file."""
+"""Options for touch devices, and how devices and files of touches are opened."""
 
 from __future__ import annotations
 
@@ -19,75 +19,78 @@ from sandbox.devices.registry import DEVICES, built_in, open_by_name
 from sandbox.devices.tuio.touch_capture import CaptureDevice, read_capture
 from sandbox.devices.tuio.tuio import DEFAULT_PORT, LOOPBACK, Tap, Transport, TuioDevice
 from sandbox.devices.tuio.tuio_streams import DEFAULT_WEBSOCKET_PORT
+from sandbox.options.metavars import TOUCH_DEVICE_CHOICES
 from sandbox.session.device import Device
 
 SERVED = ("web",)
-"""Built-in devices that a server opens, with a page."""
+"""Built-in devices that are opened by the page server."""
 
 _LONGEST_LINE = 1_000_000
 
 
 @dataclass(frozen=True)
 class TouchOptions:
-    """Where touches come from."""
+    """Source of touches."""
 
-    device: Annotated[str, tyro.conf.arg(metavar="{tuio,web,evdev,FILE,...}")] = "tuio"
-    """tuio: senders of TUIO 1.1 and 2.0. web: a page in a browser, --tablet for one in the network.
-    evdev, evdev:NODE: a touch screen or trackpad of this Linux machine. A file: what `touches
-    record` wrote, a recording of `sandbox`, a capture of packets. Or a device of your own:
-    FILE.py:CLASS[:ARGUMENT], or the name under which a package offers it."""
+    device: Annotated[str, tyro.conf.arg(metavar=TOUCH_DEVICE_CHOICES)] = "tuio"
+    """Source of the touches. tuio: senders of TUIO 1.1 and 2.0. web: a page in a browser; add
+    --tablet for a tablet in the network. evdev, evdev:NODE: a touch screen or trackpad of this
+    Linux machine. FILE: a file by `touches record`, a recording of this program, or a capture of
+    TUIO packets. Or a device of your own: FILE.py:CLASS[:ARGUMENT], or its name in an installed
+    package."""
 
     bind: Annotated[str, tyro.conf.arg(metavar="ADDRESS")] = LOOPBACK
-    """Which of this machine's addresses TUIO is listened for on. 127.0.0.1 is reached from this
-    machine only, 0.0.0.0 from the whole network."""
+    """Address on which this program listens for TUIO. 127.0.0.1: reachable from this machine only;
+    0.0.0.0: from the network."""
 
     port: int = DEFAULT_PORT
-    """UDP and TCP port for TUIO; 0 takes a free one and tells which."""
+    """UDP and TCP port for TUIO; 0 takes a free one and prints it."""
 
     tuio_transport: Transport = "udp"
-    """How TUIO comes: udp, tcp, websocket, or all three."""
+    """Transport of TUIO: udp, tcp, websocket, or all three."""
 
     websocket_port: int = DEFAULT_WEBSOCKET_PORT
     """TCP port for TUIO over WebSockets; 0 takes a free one."""
 
     tuio_connect: Annotated[str, tyro.conf.arg(metavar="URL")] = ""
-    """Calls a TUIO sender that waits for it, such as tcp://HOST:3333 or ws://HOST:8080."""
+    """Connect to a TUIO sender that waits for connections, such as tcp://HOST:3333 or
+    ws://HOST:8080."""
 
     surface: Annotated[str | None, tyro.conf.arg(metavar="SIZE")] = None
     """Size of the touch area: 7.76x5.82in, 197x148mm, or a preset (ipad2, ipad-11, ipad-13,
-    ipad-mini). TUIO carries no sizes, so without this inches are a guess; the page is measured on
-    the page, and most touch screens know their own."""
+    ipad-mini). TUIO does not transmit the size, so without this option inches are a guess. A
+    browser page is measured on the page, and most touch screens report their size."""
 
     stale_after: float = 2.0
-    """Lift the touches of a TUIO sender after this many seconds without a packet."""
+    """Seconds without a packet after which the touches of a TUIO sender are lifted."""
 
     tablet: tyro.conf.FlagCreatePairsOff[bool] = False
-    """The page on a tablet in the same network: prints a code to be photographed."""
+    """Open the page on a tablet in the same network: prints a QR code to scan."""
 
     lan: Annotated[str | None, tyro.conf.arg(metavar="ADDRESS")] = None
-    """Serves the page on this address instead."""
+    """Address on which the page is served, in place of the one that --tablet finds."""
 
     page_port: int = 0
     """TCP port of the page; 0 takes a free one."""
 
     grab: tyro.conf.FlagCreatePairsOff[bool] = False
-    """evdev: keep the touches from the desktop, so that a trackpad's pointer stays where it is."""
+    """evdev: hide the touches from the desktop, so that a trackpad does not move the pointer."""
 
 
 @dataclass(frozen=True)
 class Opened:
-    """A device and how large its surface is."""
+    """An open device and its surface."""
 
     device: Device
     surface: Surface
 
 
 def live_maker(options: Any, tap: Tap | None = None) -> Callable[[Surface], Device] | None:
-    """What opens a live device of these options, given its surface; None: they name none.
+    """Returns a function that opens the live device of options; None if they name no live device.
 
     Args:
         options: `TouchOptions`, or others with the same names.
-        tap: Is told of every TUIO packet.
+        tap: Called with every TUIO packet.
     """
     name: str = options.device
     if name == "tuio":
@@ -110,23 +113,23 @@ def live_maker(options: Any, tap: Tap | None = None) -> Callable[[Surface], Devi
 
 
 def touch_devices() -> list[str]:
-    """Built-in devices that `sandbox touches` takes."""
+    """Returns the names of built-in devices that `sandbox touches` takes."""
     return [name for name, entry in DEVICES.items() if not entry.in_scene]
 
 
-def guesses_size(name: str) -> bool:
-    """Whether a device does not tell how large its surface is."""
+def has_unknown_size(name: str) -> bool:
+    """True if a device does not report the size of its surface."""
     entry = built_in(name)
     return entry is not None and entry.guessed_size
 
 
 def is_evdev(name: str) -> bool:
-    """Whether a device's name means a touch screen or trackpad of this machine."""
+    """True if a device is a touch screen or trackpad of this machine."""
     return name == "evdev" or name.startswith("evdev:")
 
 
 def native_surface(name: str) -> Surface | None:
-    """The size that a device, or a file of recorded frames, knows; None where it does not."""
+    """Returns the surface that a device or a file of frames reports; None if it reports none."""
     path = Path(name)
     if path.is_file():
         return read_frame_file(path).surface if "surface_in" in first_line(path) else None
@@ -140,10 +143,10 @@ def native_surface(name: str) -> Surface | None:
 
 
 def open_touches(options: TouchOptions, tap: Tap | None = None) -> Opened:
-    """Opens a live device or a file; not the page.
+    """Opens a live device or a file, but not the page.
 
     Raises:
-        InputError: There is no such device or file, or it cannot be opened.
+        InputError: The device or file is missing or cannot be opened.
     """
     given = parse_surface(options.surface) if options.surface else None
     maker = live_maker(options, tap)
@@ -154,19 +157,19 @@ def open_touches(options: TouchOptions, tap: Tap | None = None) -> Opened:
 
 
 def open_file(path: Path, surface: Surface | None, stale_after: float = 2.0) -> Opened:
-    """A file as a device; what it is is told by its content.
+    """Opens a file as a device; its content decides the format.
 
     Args:
-        path: A capture of packets, recorded frames, or a recording of ours.
-        surface: Its size; None: as the file says, or a guess.
-        stale_after: For captures of TUIO packets, s.
+        path: A capture of TUIO packets, recorded frames, or a recording of this program.
+        surface: Touch surface; None: that of the file, or a guess.
+        stale_after: For captures of TUIO packets: s without a packet until touches are lifted.
 
     Raises:
-        InputError: There is no such file, or it is none of these.
+        InputError: The file is missing or has none of these formats.
     """
     if not path.exists():
         raise InputError(
-            "there is no such device or file",
+            "no such device or file",
             where="--device",
             got=str(path),
             expected=", ".join([*touch_devices(), *offered_devices(), "or a file"]),
@@ -174,7 +177,7 @@ def open_file(path: Path, surface: Surface | None, stale_after: float = 2.0) -> 
         )
     if path.suffix == ".py":
         raise DeviceError(
-            "the class of this device is missing",
+            "the name of the device class is missing",
             where="--device",
             got=str(path),
             expected=f"such as {path}:CLASS",
@@ -193,22 +196,22 @@ def open_file(path: Path, surface: Surface | None, stale_after: float = 2.0) -> 
 
 
 def _recording(path: Path, surface: Surface | None) -> Opened | None:
-    """The touches of a recording of ours; None: it is none."""
-    # It knows scenes, which take long to load; other touches need none.
+    """Opens the touches of a recording; returns None if the file is not a recording."""
+    # This import loads scenes, which is slow; other touches do not need it.
     from sandbox.recording.recording import is_recording, load_recording
 
     if not is_recording(path):
         return None
     recording = load_recording(path)
-    told = recording.header["settings"].get("surface_in")
+    size_in = recording.header["settings"].get("surface_in")
     frames = recording.touches()
     damage = RecordingError(recording.damage, where=str(path)) if recording.damage else None
-    size = Surface(float(told[0]), float(told[1])) if told else guessed_surface()
+    size = Surface(float(size_in[0]), float(size_in[1])) if size_in else guessed_surface()
     return Opened(FramesDevice(frames, damage), surface or size)
 
 
 def first_line(path: Path) -> dict[str, object]:
-    """The first line of a JSON lines file; empty where it is none.
+    """Returns the first line of a JSON lines file; empty if it is not JSON.
 
     Raises:
         RecordingError: The file cannot be read.
@@ -219,13 +222,13 @@ def first_line(path: Path) -> dict[str, object]:
     except OSError as error:
         raise RecordingError("cannot be read", where=str(path), got=error.strerror) from None
     try:
-        return decoded_record(line, RecordingError, what="no JSON lines", where=str(path))
+        return decoded_record(line, RecordingError, what="not JSON lines", where=str(path))
     except RecordingError:
         return {}
 
 
 def guessed_surface() -> Surface:
-    """The size that is assumed where nobody knows it."""
+    """Returns the surface that is assumed when its size is not known."""
     return replace(parse_surface("ipad2"), calibrated=False)
 
 

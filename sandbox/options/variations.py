@@ -1,4 +1,4 @@
-"""Variations by name, as they are asked for on the command line, with units for people."""
+"""Option `--vary`: quantities of a trial or a screen that can be varied, with their units."""
 
 from __future__ import annotations
 
@@ -12,16 +12,16 @@ from tasks.variation import RANGES, Variation
 
 @dataclass(frozen=True)
 class Kind:
-    """One thing that can be varied.
+    """A quantity that can be varied.
 
     Attributes:
-        name: On the command line.
-        about: What it is, for tables and axes.
-        neutral: Value at which nothing is varied.
-        unit: Of its values; empty: a factor.
-        scale: SI units in one of these.
-        down: Values below the neutral one that are tried one after the other until success breaks.
-        up: The same, above.
+        name: Name on the command line.
+        about: Description, for tables and axes.
+        neutral: Value without variation.
+        unit: Unit of the values; empty for a factor.
+        scale: One unit in SI units.
+        down: Values below the neutral one, which a sweep tries in turn until success breaks off.
+        up: The same, above the neutral one.
     """
 
     name: str
@@ -34,20 +34,20 @@ class Kind:
 
     @property
     def field(self) -> str:
-        """Attribute of `Variation`, or of the run's settings for the hand."""
+        """Name of the attribute of `Variation`, or of the hand's settings."""
         return self.name.replace("-", "_")
 
     def text(self, value: float) -> str:
-        """A value with its unit."""
+        """Returns a value with its unit."""
         return f"{value:g} {self.unit}".rstrip()
 
 
-HAND = "hand-size"
-"""The hand is no part of a trial: it is the run's own setting, which this multiplies."""
+HAND_SIZE = "hand-size"
+"""Name of the factor on the hand's size, which is a setting of the run and not of the trial."""
 
 KINDS = {
-    kind.name: kind
-    for kind in (
+    quantity.name: quantity
+    for quantity in (
         Kind(
             "size",
             "edges of the objects",
@@ -78,7 +78,7 @@ KINDS = {
             up=(10.0, 20.0, 30.0, 40.0),
         ),
         Kind(
-            HAND,
+            HAND_SIZE,
             "hand, against the one that touches",
             1.0,
             down=(0.95, 0.9, 0.85, 0.8, 0.7),
@@ -103,27 +103,25 @@ KINDS = {
         ),
     )
 }
-"""By name."""
+"""Quantities by name."""
 
 
 def find_kind(name: str) -> Kind:
-    """What a name stands for.
+    """Returns the quantity of a name.
 
     Raises:
-        InputError: Nothing.
+        InputError: The name is unknown.
     """
     if name not in KINDS:
-        raise InputError(
-            "this cannot be varied", where="--vary", got=name, expected=", ".join(KINDS)
-        )
+        raise InputError("unknown quantity", where="--vary", got=name, expected=", ".join(KINDS))
     return KINDS[name]
 
 
-def parse_value(kind: Kind, text: str) -> float:
-    """A value as written.
+def parse_value(quantity: Kind, text: str) -> float:
+    """Parses a value of a quantity.
 
     Raises:
-        InputError: It is no number, or none that this can have.
+        InputError: The text is not a number or is out of range.
     """
     try:
         value = float(text)
@@ -131,60 +129,66 @@ def parse_value(kind: Kind, text: str) -> float:
             raise ValueError
     except ValueError:
         raise InputError(
-            "this is no number",
-            where=f"--vary {kind.name}",
+            "not a number",
+            where=f"--vary {quantity.name}",
             got=text,
-            expected=f"such as {kind.name}={(kind.up or kind.down)[0]:g}",
+            expected=f"such as {quantity.name}={(quantity.up or quantity.down)[0]:g}",
         ) from None
-    made([(kind, value)])
+    combined([(quantity, value)])
     return value
 
 
 def parse_variation(text: str) -> tuple[Variation, float]:
-    """`size=0.8,latency=50` as a variation, and the factor on the hand's size.
+    """Parses a text such as `size=0.8,latency=50`.
+
+    Returns:
+        The variation, and the factor on the hand's size.
 
     Raises:
-        InputError: It is not like that.
+        InputError: `text` is not NAME=VALUE,...
     """
     chosen: list[tuple[Kind, float]] = []
     for part in filter(None, (p.strip() for p in text.split(","))):
         name, equals, value = part.partition("=")
-        kind = find_kind(name.strip())
+        quantity = find_kind(name.strip())
         if not equals:
             raise InputError(
-                "how much is missing",
+                "the value is missing",
                 where=f"--vary {text}",
                 got=part,
-                expected=f"such as {name}={(kind.up or kind.down)[0]:g}",
+                expected=f"such as {name}={(quantity.up or quantity.down)[0]:g}",
             )
-        if kind in (k for k, _ in chosen):
-            raise InputError("it is varied twice", where=f"--vary {text}", got=name)
-        chosen.append((kind, parse_value(kind, value)))
-    return made(chosen)
+        if quantity in (k for k, _ in chosen):
+            raise InputError("given twice", where=f"--vary {text}", got=name)
+        chosen.append((quantity, parse_value(quantity, value)))
+    return combined(chosen)
 
 
-def made(chosen: Sequence[tuple[Kind, float]]) -> tuple[Variation, float]:
-    """What some values, in their own units, make together.
+def combined(chosen: Sequence[tuple[Kind, float]]) -> tuple[Variation, float]:
+    """Combines values into a variation, and the factor on the hand's size.
+
+    Args:
+        chosen: Quantities with values in their own units.
 
     Raises:
-        InputError: One is out of range.
+        InputError: A value is out of range.
     """
-    values = {kind.field: value * kind.scale for kind, value in chosen}
-    hand = values.pop(KINDS[HAND].field, 1.0)
+    values = {quantity.field: value * quantity.scale for quantity, value in chosen}
+    hand = values.pop(KINDS[HAND_SIZE].field, 1.0)
     if not 0.0 < hand < 10.0:
         raise InputError(
-            "no hand is of this size",
-            where=f"--vary {HAND}",
+            "out of range",
+            where=f"--vary {HAND_SIZE}",
             got=hand,
             expected="more than 0, less than 10",
         )
-    for kind, value in chosen:
-        least, most = RANGES.get(kind.field, (-inf, inf))
-        if not least <= value * kind.scale <= most:
+    for quantity, value in chosen:
+        least, most = RANGES.get(quantity.field, (-inf, inf))
+        if not least <= value * quantity.scale <= most:
             raise InputError(
-                "this is out of range",
-                where=f"--vary {kind.name}",
-                got=kind.text(value),
-                expected=f"{least / kind.scale:g} to {kind.text(most / kind.scale)}",
+                "out of range",
+                where=f"--vary {quantity.name}",
+                got=quantity.text(value),
+                expected=f"{least / quantity.scale:g} to {quantity.text(most / quantity.scale)}",
             )
     return Variation(**values), hand

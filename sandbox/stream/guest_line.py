@@ -1,5 +1,5 @@
-"""Reads lines of the stream inside Maya and Blender, and refuses what is not exactly as it should
-be: whatever program may write to the port they come from. Python 3.7 and later."""
+"""Parser of the stream's lines inside Maya and Blender. It is strict, since any program may write
+to their port. Runs with Python 3.7 and later."""
 
 from __future__ import annotations
 

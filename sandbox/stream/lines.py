@@ -7,9 +7,9 @@
 `p` is the palm: m, and a unit quaternion world from palm (palm: x towards the little finger of a
 right hand and the thumb of a left one, y along the fingers, z out of its back). `c` is finger K:
 from its first joint to its tip, in the palm's frame, divided by the length L (m) of its bones, so
-that 1 is a straight finger (direction times length ratio, PAALM section 5); and the way in which it
-bulges when it bends. `j` is joint J's turn, parent from joint. A `rig` line describes the hand
-itself: joints at zero, and fingertips.
+that 1 is a straight finger (direction times length ratio, PAALM section 5); and the direction in
+which it bulges when it bends. `j` is the rotation of joint J, parent from joint. A `rig` line
+describes the hand itself: joints at zero, and fingertips.
 
 Every line holds the palm, so that any line may be lost; a line is shorter than Maya's command port
 allows. Only letters, digits, `.`, `-`, `_` and spaces occur, so that any language can quote it.
@@ -34,18 +34,18 @@ LIMIT = 4096
 
 VERSION = "hs1"
 STRAIGHT = 0.9999
-"""Greatest length ratio sent: a target out of reach makes solvers of IK shake."""
+"""Greatest length ratio sent: with a target out of reach, IK solvers oscillate."""
 
 
 @dataclass(frozen=True)
-class Target:
-    """A kind of program that lines are sent to.
+class StreamTarget:
+    """A program that receives lines.
 
     Attributes:
-        name: In words.
-        up: (3, 3) its world from ours.
-        turns: Also send the turns of all joints.
-        wrap: Makes a command of a line, without the line's end.
+        name: Name for people.
+        up: (3, 3) rotation, its world from ours.
+        turns: True if the rotations of all joints are sent, too.
+        wrap: Converts a line to a command, without newline.
     """
 
     name: str
@@ -54,9 +54,9 @@ class Target:
     wrap: Callable[[str], str]
 
 
-MAYA = Target("Maya", Y_UP, False, "hand_sandbox('{}')".format)
-MAYA_MEL = Target("Maya (MEL)", Y_UP, False, "python(\"hand_sandbox('{}')\");".format)
-BLENDER = Target("Blender", Z_UP, True, "{}".format)
+MAYA = StreamTarget("Maya", Y_UP, False, "hand_sandbox('{}')".format)
+MAYA_MEL = StreamTarget("Maya (MEL)", Y_UP, False, "python(\"hand_sandbox('{}')\");".format)
+BLENDER = StreamTarget("Blender", Z_UP, True, "{}".format)
 
 
 class HandLines:
@@ -74,7 +74,7 @@ class HandLines:
         self,
         armature: Armature,
         side: str,
-        target: Target,
+        target: StreamTarget,
         limit: int = LIMIT,
         run: str | None = None,
     ) -> None:
@@ -100,7 +100,7 @@ class HandLines:
 
     @property
     def stop(self) -> str:
-        """The command that ends it: bake, and let go."""
+        """Command that ends the stream: bake the keys and release the rig."""
         return self._command(f"{self._head} stop")
 
     def lines(self, time: float, keys: Keys) -> list[str]:
@@ -111,7 +111,7 @@ class HandLines:
             keys: One moment, shapes (1, 3) and (1, 15, 3, 3).
 
         Raises:
-            InputError: Not even one finger fits.
+            InputError: A single finger exceeds the limit.
         """
         items = self._items(keys)
         head = f"{self._head} {self._sent} {time:.4f} {items[0]}"
@@ -133,7 +133,7 @@ class HandLines:
         for k, chain in enumerate(self._chains):
             reach = palm.T @ (tips[0, k] - joints[0, chain[0]]) / self._lengths[k]
             reach *= min(1.0, STRAIGHT / max(float(np.linalg.norm(reach)), 1e-9))
-            # Half-way along the finger, its back is the way in which it bulges.
+            # Half-way along the finger, its back is the direction in which it bulges.
             first, second = turns[chain[0]], turns[chain[1]]
             back = (first @ second)[:, 2]
             numbers = f"{_numbers(reach, 5)} {_numbers(back, 4)} {self._lengths[k]:.5f}"
@@ -168,7 +168,7 @@ def _length(armature: Armature, chain: list[int]) -> float:
 
 
 def _numbers(values: Array, decimals: int) -> str:
-    # No number is written as -0: it would be a byte of nothing.
+    # Adding 0.0 avoids -0, which would cost a byte.
     return " ".join(f"{v:.{decimals}f}" for v in (np.round(values, decimals) + 0.0).tolist())
 
 

@@ -69,12 +69,12 @@ TOLD = 3  # warnings about lines that cannot be used; more would fill the script
 # Published stubs of maya.cmds know no query together with another flag.
 asked: Any = cmds
 
-hands: Dict[str, "Hand"] = {}
+hands: Dict[str, "HandRig"] = {}
 waiting: Dict[str, Dict[str, Any]] = {}
 counts: Dict[str, int] = {"lines": 0, "lines refused": 0}
 
 
-class Hand:
+class HandRig:
     """A rig that follows one streamed hand.
 
     Everything hangs in one group: a transform for the palm, in which each chain has a locator for
@@ -310,7 +310,7 @@ def _hand(
     side: str,
     root: Optional[str],
     **options: Any,
-) -> Hand:
+) -> HandRig:
     if len(chosen) not in BY_COUNT:
         raise Refused("%d joints are selected: take the first of 1 to 5 chains" % len(chosen))
     wanted = BY_COUNT[len(chosen)] if fingers is None else tuple(fingers)
@@ -325,7 +325,7 @@ def _hand(
         root = above.pop() if len(above) == 1 else ""
     if root and not cmds.objExists(root):
         raise Refused("there is no %s" % root)
-    return Hand(chains, wanted, side, root or None, **options)
+    return HandRig(chains, wanted, side, root or None, **options)
 
 
 def _chain(joint: str) -> List[str]:

@@ -1,6 +1,6 @@
-"""Source of streamed hands: a session whose hands are commanded, without physics.
+"""Source of streamed hands: a session that computes commanded poses without physics.
 
-Simulated people look at the scene before they move, so for them the physics runs, too.
+Simulated persons look at the scene before they move, so with them the physics runs, too.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ import numpy as np
 from models.motion.armature import Armature
 from models.motion.sampling import Poses
 from models.scene import CONTROL_PERIOD
-from sandbox.export.sources import Source, Take, commanded_poses, poses_of, together
+from sandbox.export.sources import MotionSource, PoseCallback, commanded_poses, poses_of, together
 from sandbox.export.view import simulated_poses
 from sandbox.session.latest_frame import LatestFrame
 from sandbox.session.session import Session
@@ -21,7 +21,9 @@ from sandbox.trial.driver import Trial
 from sandbox.trial.pacing import Pace, RealTime
 
 
-def source_of_session(session: Session, stop: threading.Event, of: str = "commanded") -> Source:
+def source_of_session(
+    session: Session, stop: threading.Event, of: str = "commanded"
+) -> MotionSource:
     """Yields the hands of a session in real time, until it is over or `stop` is set.
 
     Args:
@@ -34,21 +36,21 @@ def source_of_session(session: Session, stop: threading.Event, of: str = "comman
     play = _with_physics if physics else _without_physics
     names = tuple(rig.hand.name for rig in session.rigs)
     armatures = tuple(Armature.of_hand(rig.hand) for rig in session.rigs)
-    what = "the simulated hand" if of == "simulated" else "what the hand is told to do"
+    what = "the simulated hand" if of == "simulated" else "the commanded pose"
 
-    def run(take: Take) -> str:
+    def run(take: PoseCallback) -> str:
         return play(session, stop, of, take)
 
-    return Source(armatures, names, 0.0, what, run)
+    return MotionSource(armatures, names, 0.0, what, run)
 
 
-def _with_physics(session: Session, stop: threading.Event, of: str, take: Take) -> str:
+def _with_physics(session: Session, stop: threading.Event, of: str, take: PoseCallback) -> str:
     poses: Callable[..., Poses] = commanded_poses if of == "commanded" else simulated_poses
     Trial(session, [lambda snapshot: take(poses(snapshot))]).run(Pace(), stop=stop.is_set)
     return f"the simulation diverged: {session.diverged}" if session.diverged else ""
 
 
-def _without_physics(session: Session, stop: threading.Event, of: str, take: Take) -> str:
+def _without_physics(session: Session, stop: threading.Event, of: str, take: PoseCallback) -> str:
     rigs = session.rigs
     newest = [LatestFrame(rig.reconstructor.empty) for rig in rigs]
     clock, ticks = RealTime(), 0

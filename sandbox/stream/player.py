@@ -1,4 +1,4 @@
-"""Poses from a source, as commands at an even rate, to a sender."""
+"""Player of a source of poses, which sends commands at a constant rate."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ from typing import Protocol
 
 from models.motion.armature import Keys
 from models.motion.sampling import Poses, Sampler
-from sandbox.export.sources import Source
-from sandbox.stream.lines import HandLines, Target
+from sandbox.export.sources import MotionSource
+from sandbox.stream.lines import HandLines, StreamTarget
 from sandbox.stream.sender import Moment
 from sandbox.trial.pacing import RealTime
 
 
-class Receiver(Protocol):
+class CommandReceiver(Protocol):
     """Contract of receivers of commands: a `Sender`, or a printer."""
 
     def show(self, hand: str, moment: Moment, wait: float = 0.0) -> bool:
@@ -24,7 +24,7 @@ class Receiver(Protocol):
         ...
 
     def order(self, command: str) -> None:
-        """Takes what must not be lost."""
+        """Takes a command that must not be lost."""
         ...
 
 
@@ -33,8 +33,8 @@ class Stopped(Exception):  # noqa: N818
 
 
 @dataclass(frozen=True)
-class Pace:
-    """Pace of the moments.
+class StreamPace:
+    """Rate and speed of the stream.
 
     Attributes:
         rate: Hz of the moments.
@@ -47,13 +47,13 @@ class Pace:
     wait: float = 0.0
 
 
-class Player:
+class StreamPlayer:
     """Streams the hands of a source.
 
     Args:
         source: Source of poses.
-        target: Receiver of commands.
-        pace: Pace of the moments.
+        target: Program that receives the commands.
+        pace: Rate and speed of the stream.
 
     Attributes:
         hands: Writers of lines, one for each hand.
@@ -61,7 +61,7 @@ class Player:
         work: s of processor time that writing lines took, in the sender's thread.
     """
 
-    def __init__(self, source: Source, target: Target, pace: Pace) -> None:
+    def __init__(self, source: MotionSource, target: StreamTarget, pace: StreamPace) -> None:
         self._source, self._pace = source, pace
         self._sampler = Sampler(source.armatures, pace.rate)
         self.hands = [
@@ -77,7 +77,7 @@ class Player:
         """Commands for the beginning of a connection."""
         return [hand.rig for hand in self.hands]
 
-    def play(self, sender: Receiver, stop: threading.Event) -> str:
+    def play(self, sender: CommandReceiver, stop: threading.Event) -> str:
         """Streams to the end of the source, then orders the other side to stop.
 
         Args:
@@ -85,7 +85,7 @@ class Player:
             stop: Ends it early.
 
         Returns:
-            What was wrong with the source, or nothing.
+            Error text of the source; empty without an error.
         """
 
         def take(poses: Poses) -> None:
@@ -107,7 +107,7 @@ class Player:
             for hand in self.hands:
                 sender.order(hand.stop)
 
-    def _show(self, sender: Receiver, hands: list[Keys]) -> None:
+    def _show(self, sender: CommandReceiver, hands: list[Keys]) -> None:
         moment = self.moments / self._pace.rate
         if self._pace.speed:
             self._clock = self._clock or RealTime(self._pace.speed)
@@ -117,7 +117,7 @@ class Player:
         self.moments += 1
 
     def _commands(self, lines: HandLines, moment: float, keys: Keys) -> list[str]:
-        """In the sender's thread."""
+        """Returns the commands of a moment; called in the sender's thread."""
         begin = time.thread_time()
         commands = lines.lines(moment, keys)
         self.work += time.thread_time() - begin

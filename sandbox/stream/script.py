@@ -1,4 +1,4 @@
-"""One file for another program's script editor, out of the modules that it is written in."""
+"""Builds the scripts for Maya and Blender: one file from several modules."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ PARTS = {
     "maya": ("guest_math", "guest_line", "maya_side"),
     "blender": ("guest_math", "guest_line", "blender_rigs", "blender_side"),
 }
-"""Modules of each script; the last one's docstring is the script's."""
+"""Modules of each script; the docstring of the last one becomes that of the script."""
 
 
 def script(program: str) -> str:
-    """The file for `maya` or `blender`; it needs nothing of ours.
+    """Returns the script for `maya` or `blender`, which needs no other files.
 
     Raises:
-        InputError: There is none for such a program.
+        InputError: The program is unknown.
     """
     if program not in PARTS:
         raise InputError(
@@ -35,7 +35,7 @@ def script(program: str) -> str:
 
 
 def _body(source: str) -> str:
-    """A module without its docstring and what it imports of ours."""
+    """Returns a module without its docstring and its imports of this package."""
     lines: list[str | None] = list(source.splitlines())
     for node in ast.parse(source).body:
         ours = isinstance(node, ast.ImportFrom) and (node.module or "").partition(".")[0] in (

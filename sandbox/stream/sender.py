@@ -24,32 +24,32 @@ from models.errors import DeviceError, InputError
 FIRST_PAUSE, LONGEST_PAUSE = 0.1, 2.0
 """s, between attempts to connect; doubled each time."""
 PATIENCE = 0.05
-"""s for which an answer is waited for, where answers came before; three frames at 60 Hz."""
+"""s to wait for an answer if there were answers before; three frames at 60 Hz."""
 FIRST_PATIENCE = 1.0
-"""s for which the greeting's answer is waited for, to learn what kind of port it is."""
+"""s to wait for the answer to the greeting, which shows the kind of port."""
 LINGER = 0.05
-"""s after the greeting's answer in which a port that dies of answers does so."""
+"""s after the greeting's answer within which a port that fails on answers closes."""
 DEATH_PATIENCE = 5.0
-"""s for which the end of a connection is waited for, where every command ended one."""
+"""s to wait for the end of a connection if every command ended one."""
 SEND_TIMEOUT = 2.0
-"""s after which a program that takes nothing in counts as gone."""
+"""s after which a program that accepts no data counts as disconnected."""
 CONNECT_TIMEOUT = 2.0
-"""s."""
+"""s to wait for a connection."""
 SMALL_BUFFER = 8192
 """Size of the system's send buffer in bytes; a larger one would only delay data."""
 MOST_ORDERS = 16
-"""Orders that wait; a session has one for each hand."""
+"""Greatest number of queued orders; a session has one for each hand."""
 _GREETING, _ORDER = "greeting", "order"
 
 Moment = Callable[[], list[str]]
-"""Makes the commands of one moment of a hand."""
+"""Function that makes the commands of one moment of a hand."""
 
 
 def parse_address(text: str, default_host: str = "127.0.0.1") -> tuple[str, int]:
-    """Host and port of `HOST:PORT`, `:PORT` or `PORT`.
+    """Parses `HOST:PORT`, `:PORT` or `PORT`.
 
     Raises:
-        InputError: It is none of these.
+        InputError: The text has none of these forms.
     """
     host, _, port = text.strip().rpartition(":")
     host = host.strip("[]") or default_host
@@ -101,15 +101,15 @@ class Sender:
             return dict(self._counts)
 
     def show(self, hand: str, moment: Moment, wait: float = 0.0) -> bool:
-        """Hands over a moment of a hand; the one that still waits is dropped.
+        """Queues a moment of a hand; a queued older one is dropped.
 
         Args:
-            hand: Whose.
-            moment: Makes its commands, in the sender's thread and only if they are sent.
-            wait: s for which to wait for the last moment to be sent, where none may be lost.
+            hand: Name of the hand.
+            moment: Makes the commands, in the sender's thread and only if they are sent.
+            wait: s to wait until the last moment is sent, if none may be lost.
 
         Returns:
-            Whether the last moment had been sent.
+            True if no moment was dropped.
         """
         with self._news:
             if wait > 0.0:
@@ -122,10 +122,10 @@ class Sender:
         return free
 
     def order(self, command: str) -> None:
-        """Hands over what must not be lost; sent after the moments that wait.
+        """Queues a command that must not be lost; it is sent after the queued moments.
 
         Raises:
-            DeviceError: Too many wait already.
+            DeviceError: Too many orders are queued.
         """
         with self._news:
             if len(self._orders) >= MOST_ORDERS:
@@ -134,12 +134,12 @@ class Sender:
             self._news.notify_all()
 
     def flush(self, seconds: float) -> bool:
-        """Waits until everything was sent; False where that took too long."""
+        """Waits until everything is sent; returns False after a timeout."""
         with self._news:
             return self._news.wait_for(lambda: not (self._pending or self._busy), seconds)
 
     def close(self) -> None:
-        """Ends connection and thread; what still waits is lost. May be called twice."""
+        """Ends connection and thread; queued commands are lost. May be called twice."""
         with self._news:
             self._closing = True
             self._news.notify_all()
@@ -183,13 +183,13 @@ class Sender:
             pause = min(2.0 * pause, LONGEST_PAUSE)
 
     def _prepare(self, channel: socket.socket) -> None:
-        # Each command a packet of its own: what is merged, or cut in two, Maya may not understand.
+        # Each command is a packet of its own: Maya may not understand merged or split commands.
         channel.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         channel.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, SMALL_BUFFER)
         channel.settimeout(SEND_TIMEOUT)
 
     def _talk(self, channel: socket.socket) -> int:
-        """Sends until the connection ends; how many commands were sent."""
+        """Sends until the connection ends; returns the number of commands sent."""
         sent = 0
         while True:
             with self._news:
@@ -248,7 +248,7 @@ class Sender:
             self._news.notify_all()
 
     def _give_back(self, key: str, commands: list[str]) -> None:
-        """Puts back what was not sent, unless there is something newer."""
+        """Queues unsent commands again, unless there are newer ones."""
         with self._news:
             self._busy = False
             if not commands:
@@ -265,8 +265,7 @@ class Sender:
             self._news.notify_all()
 
     def _send(self, channel: socket.socket, command: str, first: bool) -> bool:
-        """Sends a command, and listens where that is of use; whether the other side is there
-        still."""
+        """Sends a command and reads answers if useful; returns True if the connection is alive."""
         channel.sendall(command.encode("ascii") + b"\n")
         if self._dies:
             return self._drain(channel, DEATH_PATIENCE, DEATH_PATIENCE)
@@ -279,8 +278,8 @@ class Sender:
 
         Args:
             channel: The socket.
-            wait: s for the first of them.
-            linger: s, once one has come, for the connection's end.
+            wait: s to wait for the first answer.
+            linger: s to wait after an answer for the end of the connection.
         """
         until = time.monotonic() + wait
         self._heard = False

@@ -25,7 +25,7 @@ from models.hand import Hand, finger_armature, is_gentle
 from models.limits import GENTLE, RateLimit
 from models.skeleton import ADULT
 from models.surface import Surface
-from sandbox.lsl.lsl_listening import Told
+from sandbox.lsl.lsl_listening import ForwardingRecorder
 from sandbox.session.collision_gating import CollisionGatingRules
 from sandbox.session.session import Recorder, Rig, Session
 from sandbox.trial.device_makers import DeviceMakers, check_count
@@ -194,7 +194,7 @@ def build(
         for rig in rigs:
             rig.device.close()
         raise
-    if isinstance(recorder, Told):
+    if isinstance(recorder, ForwardingRecorder):
         recorder.watch(session)
     return session
 

@@ -8,7 +8,7 @@ from typing import Any
 from msgspec.structs import replace
 
 from models.errors import RecordingError
-from sandbox.lsl.lsl_listening import Told, with_listeners
+from sandbox.lsl.lsl_listening import ForwardingRecorder, with_listeners
 from sandbox.recording.dump import DivergenceRecorder, dump_path
 from sandbox.recording.recording import RecordingWriter
 from sandbox.session.session import Recorder, Session
@@ -60,7 +60,7 @@ class TrialRecorder:
                 result = replace(result, dump=dump)
             except RecordingError as error:
                 result = replace(result, dump="", dump_error=str(error))
-        if isinstance(self.recorder, Told):
+        if isinstance(self.recorder, ForwardingRecorder):
             self.recorder.end(result.as_json())
         self._box.end(session.step, result.as_json())
         return result

@@ -18,7 +18,7 @@ from models.surface import Surface, enclosing
 from sandbox.cli.main import main
 from sandbox.devices.simulated.simulated import SimulatedDevice
 from sandbox.options.scene_options import SceneOptions, plan
-from sandbox.options.second_hand import named
+from sandbox.options.second_hand import with_second_names
 from sandbox.recording.recording import load_recording
 from sandbox.regress.plan import RegressionPlan
 from sandbox.trial.assembly import build
@@ -236,7 +236,7 @@ def test_the_rectangle_that_encloses_one_surface_is_that_surface():
 
 def test_an_option_given_twice_applies_to_the_second_hand():
     words = ["box-to-goal", "--device", "a", "--hand=left", "--device=b", "--hand", "right"]
-    assert named(words) == [
+    assert with_second_names(words) == [
         "box-to-goal",
         "--device",
         "a",
@@ -246,14 +246,14 @@ def test_an_option_given_twice_applies_to_the_second_hand():
         "right",
     ]
     with pytest.raises(InputError, match="two hands"):
-        named(["--device", "a", "--device", "b", "--device", "c"])
+        with_second_names(["--device", "a", "--device", "b", "--device", "c"])
 
 
 def test_invalid_options_for_a_second_hand_are_refused():
     for options, what in (
-        ({"second_hand": "left"}, "one hand only"),
+        ({"second_hand": "left"}, "only one hand"),
         ({"task": TASK, "one_surface": True}, "too small"),
-        ({"task": TASK, "one_surface": True, "device": "mouse"}, "one hand's"),
+        ({"task": TASK, "one_surface": True, "device": "mouse"}, "only one hand"),
         ({"task": TASK, "one_surface": True, "device": "tuio", "second_device": "tuio"}, "one dev"),
         ({"task": TASK, "second_hand_size": 7.0}, "the hand size is out of range"),
     ):

@@ -1,7 +1,7 @@
-"""`sandbox capture`: recordings of touches and hands become a capture to train on.
+"""`sandbox capture`: makes a capture for training from recordings of touches and hands.
 
-`sandbox capture record` makes such recordings with a Leap, `sandbox capture simulate` makes them
-without one; both have modules of their own.
+`sandbox capture record` makes such recordings with a Leap, `sandbox capture simulate` without one;
+both have modules of their own.
 """
 
 from __future__ import annotations
@@ -34,14 +34,14 @@ from sandbox.cli.common.parse import parse
 
 @dataclass(frozen=True)
 class CaptureOptions:
-    """Makes a capture of your own recordings: what fingers touched, and how the hand was posed.
+    """Makes a capture, on which an encoder can be trained, from your own recordings.
 
-    Give --touches and --joints, recorded at the same time; or --markers (or --joints) alone, and
-    touches are where fingertips come near the surface.
+    Give --touches and --joints, recorded at the same time. Or give --markers or --joints alone:
+    a fingertip near the surface then counts as a touch.
 
     Touches: a recording of this program, a capture of TUIO packets (with --surface), or the output
     of `sandbox touches show --json`. Joints: BVH, AMC (with its ASF) or Vicon V (with its VSK),
-    whose joints our skeleton is fitted to, or CSV with `time`, `root_x` .. `root_rz`,
+    to which the program's skeleton is fitted, or CSV with `time`, `root_x` .. `root_rz`,
     `index_mcp_rx` .. in m and rad. Markers: a Qualisys TSV file, plain or packed. Joints and
     markers that are named as in Mixamo rigs or Qualisys glove recordings are recognised; others
     need a --mapping file:
@@ -60,16 +60,17 @@ class CaptureOptions:
     the recording's own units, or names of markers that lie on them.
 
     Each touch gets the finger whose tip is nearest. Dropped and counted are: frames with one
-    finger, frames without a pose, contacts shorter than 50 ms, places that jump faster than 3 m/s,
-    the ends of touches that never end, frames whose time runs backwards, contacts with no
+    finger, frames without a pose, contacts shorter than 50 ms, positions that jump faster than 3
+    m/s, the ends of touches that never end, frames whose time runs backwards, contacts with no
     fingertip within 25 mm, and contacts that are nearer to another finger for a fifth of their
-    time. docs/captures.md tells how to record.
+    time. docs/captures.md explains how to record.
 
-    With a Leap instead of a studio (docs/own-hand.md): --recorded FOLDER of `sandbox capture
-    record`, which guides you through it, or of `sandbox capture simulate`. The clocks' offset is
-    found from taps, the device's place from touches, and --joints, --mapping are not needed.
+    With a Leap instead of motion capture (docs/own-hand.md): --recorded FOLDER, a folder by
+    `sandbox capture record`, which guides you, or by `sandbox capture simulate`. The offset of the
+    clocks is estimated from taps and the position of the Leap from touches; --joints and --mapping
+    are not needed.
 
-    Try, with a simulated session, then with recordings of your own:
+    Try it with a simulated session, then with recordings of your own:
 
         sandbox capture simulate --out session
         sandbox capture --recorded session --out c.npz
@@ -78,73 +79,77 @@ class CaptureOptions:
     """
 
     out: Annotated[Path, tyro.conf.arg(metavar="FILE")]
-    """Where the capture goes; a file that is there is replaced."""
+    """File for the capture; an existing file is replaced."""
 
     touches: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
-    """The touches."""
+    """Recording of the touches."""
 
     joints: Annotated[Path | None, tyro.conf.arg(metavar="FILE.bvh|.amc|.v|.csv")] = None
-    """The hand's joints."""
+    """Recording of the hand's joints."""
 
     skeleton: Annotated[Path | None, tyro.conf.arg(metavar="FILE.asf|.vsk")] = None
-    """The skeleton of an .amc or .v; otherwise the file of the same name beside it."""
+    """Skeleton of an .amc or .v file. Default: the file of the same name in its folder."""
 
     joints_rate: Annotated[float | None, tyro.conf.arg(metavar="HZ")] = None
-    """Frames a second of an .amc, which does not tell; 120 unless it is one of our own."""
+    """Frames per second of an .amc file, which does not store them. Default: 120, or the true rate
+    of a file by this program."""
 
     markers: Annotated[Path | None, tyro.conf.arg(metavar="FILE.tsv")] = None
-    """Markers on the hand, instead of joints."""
+    """Recording of markers on the hand, in place of --joints."""
 
     recorded: Annotated[Path | None, tyro.conf.arg(metavar="FOLDER")] = None
-    """Touches and hand of one session with a Leap, by `sandbox capture record`."""
+    """Folder by `sandbox capture record`, with touches and hand of a session with a Leap."""
 
     hands: Annotated[Path | None, tyro.conf.arg(metavar="FILE.json|.jsonl")] = None
-    """The hand as a Leap saw it, with --touches recorded at the same time."""
+    """Recording of the hand by a Leap, with --touches recorded at the same time."""
 
     calibration: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
-    """Of --hands or --recorded: the open hand by `sandbox paalm calibrate`; without it, it is
-    measured where the recording begins."""
+    """For --hands and --recorded: calibration by `sandbox paalm calibrate`. Default: measured at
+    the start of the recording, where the hand must be open."""
 
     correct: Literal["unseen", "all", "none"] = "unseen"
-    """Of --hands or --recorded: which touching fingertips are brought to their touches: those that
-    the Leap does not see at the moment, all, or none."""
+    """For --hands and --recorded: fingertips that are moved to their touches: those that the Leap
+    does not see at the moment, all, or none."""
 
     sync: Literal["clock", "tap"] | None = None
-    """clock: both clocks differ by --offset. tap: taps tell by how much; refused if they do not.
-    Without it: tap for --hands and --recorded, clock otherwise."""
+    """Synchronisation. clock: the clocks differ by --offset. tap: the offset is estimated from
+    taps; an error if that fails. Default: tap for --hands and --recorded, else clock."""
 
     offset: Annotated[float, tyro.conf.arg(metavar="S")] = 0.0
-    """Seconds that the joints' clock is ahead of the touches' (with --sync clock)."""
+    """Seconds by which the clock of the joints is ahead of that of the touches, for --sync
+    clock."""
 
     side: Literal["right", "left"] | None = None
-    """Of the hand; right unless --recorded says otherwise. A left hand is mirrored: encoders learn
-    right hands only."""
+    """Side of the hand. Default: that of --recorded, else right. A left hand is mirrored, since
+    encoders learn right hands only."""
 
     surface: Annotated[str | None, tyro.conf.arg(metavar="SIZE")] = None
-    """Size of the touch area: 7.76x5.82in, 197x148mm, or a preset (ipad2, ..)."""
+    """Size of the touch surface: 7.76x5.82in, 197x148mm, or a preset such as ipad2."""
 
     mapping: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
-    """TOML or JSON: what the recording's names mean, and where the surface is."""
+    """File (TOML or JSON) with the meaning of the recording's names, and the corners of the
+    surface."""
 
     unit: Annotated[float | None, tyro.conf.arg(metavar="M")] = None
-    """Metres in the recording's unit of length; otherwise 0.01 for BVH, 0.001 for Vicon and
-    markers, and for .amc what its skeleton says."""
+    """Unit of length of the recording in metres. Default: 0.01 for BVH, 0.001 for Vicon and
+    markers, and that of the skeleton for .amc."""
 
     scale: float = 1.0
-    """Size of a CSV file's hand against the program's own adult; the size of others is fitted."""
+    """Size of the hand in a CSV file relative to the program's adult hand. In other formats, the
+    size is fitted."""
 
     threshold: Annotated[float, tyro.conf.arg(metavar="MM")] = 5.0
-    """Millimetres above the surface within which a fingertip touches, where no touches are given;
-    also how flat a surface must be to be found. Soft ones need more."""
+    """Height in mm below which a fingertip touches the surface, if --touches is missing; also the
+    flatness required to find the surface. Soft surfaces need more."""
 
     rate: Annotated[float, tyro.conf.arg(metavar="HZ")] = 30.0
-    """Frames a second of the capture."""
+    """Frames per second of the capture."""
 
     subject: str = "unnamed"
-    """Who it was; a pseudonym."""
+    """Pseudonym of the person."""
 
     simulated: bool = False
-    """Marks the capture as simulated, so that nobody takes it for a person's."""
+    """Mark the capture as simulated."""
 
 
 def main(argv: list[str]) -> int:
@@ -162,7 +167,7 @@ def main(argv: list[str]) -> int:
     options = replace(options, sync=options.sync or ("tap" if seen else "clock"))
     hand_file = _checked(options)
     if seen:
-        return _of_hands(options)
+        return _capture_from_leap(options)
     sync: Literal["clock", "tap"] = "tap" if options.sync == "tap" else "clock"
     options = replace(options, side=options.side or "right")
     mapping = read_mapping(options.mapping)
@@ -202,14 +207,14 @@ def main(argv: list[str]) -> int:
     return 0
 
 
-def _of_hands(options: CaptureOptions) -> int:
-    """The same of a Leap's hand."""
+def _capture_from_leap(options: CaptureOptions) -> int:
+    """Makes a capture from the hand of a Leap."""
     from sandbox.cli.capture.hands import capture_of_hands
 
     report, rules = ConversionReport(), ConversionRules(rate=options.rate)
     surface = parse_surface(options.surface) if options.surface else None
     errors = Console(stderr=True)
-    with errors.status("poses, clocks, the device's place"):
+    with errors.status("poses, clocks, the device's position"):
         capture, damage = capture_of_hands(options, surface, rules, report)
     _write(options, capture)
     for text in damage:
@@ -228,7 +233,7 @@ def _write(options: CaptureOptions, capture: Capture) -> None:
 
 
 def _checked(options: CaptureOptions) -> Path:
-    """The file that holds the hand."""
+    """Checks the options, and returns the file that holds the hand."""
     kinds = (options.joints, options.markers, options.hands, options.recorded)
     hands = [path for path in kinds if path is not None]
     if len(hands) != 1 or (options.recorded is not None and options.touches is not None):
@@ -254,7 +259,7 @@ def _checked(options: CaptureOptions) -> Path:
                 "out of range", where=name, got=value, expected=f"above 0, below {greatest:g}"
             )
     if not np.isfinite(options.offset):
-        raise InputError("this is no time", where="--offset", got=options.offset)
+        raise InputError("not a number of seconds", where="--offset", got=options.offset)
     return hands[0]
 
 
@@ -264,7 +269,7 @@ def _meta(
     meta: dict[str, Any] = {
         "simulated": options.simulated,
         "subject": options.subject,
-        # What the poses are; a left hand's were mirrored into a right hand's.
+        # The poses are those of a right hand; a left hand was mirrored.
         "side": "right",
         "recorded_side": options.side,
         "skeleton": joints.skeleton.name,

@@ -1,4 +1,4 @@
-"""Hands from files of motion capture, and what a mapping file says of their names."""
+"""Reads hands from files of motion capture, and mapping files for their names."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ from models.pose import mirrored
 from models.skeleton import ADULT
 
 SKELETONS = {"amc": ".asf", "v": ".vsk"}
-"""Kinds of motion that need a skeleton from another file, and what that is called."""
+"""Suffix of a motion file -> suffix of its skeleton file."""
 
 _Coordinate = Annotated[float, Meta(ge=-1e9, le=1e9)]
 Place = tuple[_Coordinate, _Coordinate, _Coordinate]
@@ -50,7 +50,7 @@ class _Corners(Struct, forbid_unknown_fields=True):
 
 
 class _MappingFile(Struct, forbid_unknown_fields=True):
-    """A mapping file; what may stand for a point is checked where the points are looked up."""
+    """A mapping file; values of points are checked when they are used."""
 
     points: dict[str, Any] = {}
     surface: _Corners | None = None
@@ -61,9 +61,10 @@ class Mapping:
     """Content of a mapping file.
 
     Attributes:
-        points: Recording's name -> site, or a table with bone and place; empty: recognise them.
-        corners: The surface's, each three numbers in the recording's units or the name of a point;
-            empty: it is not said.
+        points: Name in the recording -> site, or a table with bone and position; empty: names are
+            recognised.
+        corners: Corners of the surface, each three numbers in the recording's units or the name of
+            a point; empty: unknown.
     """
 
     points: dict[str, Any] = field(default_factory=dict)
@@ -74,7 +75,7 @@ def read_mapping(path: Path | None) -> Mapping:
     """Reads a mapping file, TOML or JSON.
 
     Raises:
-        InputError: It cannot be read, or holds something else.
+        InputError: The file cannot be read, or has other content.
     """
     if path is None:
         return Mapping()
@@ -108,23 +109,23 @@ def read_hand(
     skeleton_file: Path | None = None,
     rate: float | None = None,
 ) -> JointTrack:
-    """The poses in a file, its kind told by its name's end.
+    """Reads the poses in a file, whose suffix decides the format.
 
     Args:
         path: `.bvh`, `.amc`, `.v`, `.csv`, or `.tsv` and `.tsv.gz`.
-        mapping: What the file's names mean.
-        report: Takes residuals and counts.
-        left: Whether it is a left hand; it is mirrored into a right one.
-        unit: m, the file's unit of length; None is the usual one of its kind.
-        scale: Size of a table's hand against the adult's; the size of others is fitted.
-        find_surface: Whether the surface may be found from fingertips where it is not told.
-        tolerance: m from it within which a fingertip then rests on it.
+        mapping: Meaning of the names in the file.
+        report: Collects residuals and counts.
+        left: True for a left hand, which is mirrored into a right one.
+        unit: Unit of length of the file in m; None: the usual one of its format.
+        scale: Size of the hand in a CSV file relative to the adult hand; else the size is fitted.
+        find_surface: True if an unknown surface may be estimated from fingertips.
+        tolerance: m; distance from that surface within which a fingertip rests on it.
         progress: Called with the share done, 0 to 1.
-        skeleton_file: `.asf` of an `.amc`, `.vsk` of a `.v`; None: beside it, of the same name.
-        rate: Hz of an `.amc`, which does not tell it.
+        skeleton_file: `.asf` of an `.amc`, `.vsk` of a `.v`; None: the file of the same name.
+        rate: Hz of an `.amc`, which does not store it.
 
     Raises:
-        InputError: The file cannot be used.
+        InputError: The file is unusable.
     """
     suffix = path.name.lower().removesuffix(".gz").rpartition(".")[2]
     if suffix == "csv":
@@ -175,14 +176,14 @@ def read_hand(
 def _with_skeleton(
     path: Path, kind: str, skeleton: Path | None, unit: float | None, rate: float | None
 ) -> tuple[Motion, float]:
-    """A motion with the skeleton of another file; and m, the unit of their lengths."""
+    """Reads a motion and the skeleton in another file; also returns their unit of length, m."""
     beside = skeleton or path.with_suffix(SKELETONS[kind])
     if not beside.exists():
         raise InputError(
-            "its skeleton is not there",
+            "the skeleton file is missing",
             where=str(path),
             got=str(beside),
-            remedy=f"Put it there, or say where it is: --skeleton FILE{SKELETONS[kind]}",
+            remedy=f"Put it there, or give --skeleton FILE{SKELETONS[kind]}",
         )
     if kind == "amc":
         bones = read_asf(beside, unit)
@@ -192,7 +193,7 @@ def _with_skeleton(
 
 
 def _points_of(motion: Motion) -> dict[str, Array]:
-    """Joints by name, and the ends of bones as `NAME end`."""
+    """Returns positions of joints by name, and of the ends of bones as `NAME end`."""
     placed = motion.place()
     points = {name: placed.positions[:, j] for j, name in enumerate(motion.names)}
     for j, name in enumerate(motion.names):
@@ -208,7 +209,7 @@ def _surface(
         return frame_from_corners(*(_corner(corner, points, unit) for corner in mapping.corners))
     if not find:
         raise CaptureError(
-            "where the touch surface is in this recording is not known",
+            "the position of the touch surface in this recording is unknown",
             where=str(path),
             remedy="Give a --mapping file with [surface] top_left, top_right and bottom_left, "
             "each [x, y, z] in the recording's units or a point's name",
@@ -217,16 +218,16 @@ def _surface(
 
 
 def _corner(corner: str | Place, points: dict[str, Array], unit: float) -> Array:
-    """(3,) m, a corner told by three numbers, or by the name of a point that lies on it."""
+    """Returns a corner (3,), m, given by three numbers or by the name of a point on it."""
     if not isinstance(corner, str):
         return unit * np.array(corner)
     seen = points.get(corner, np.full((1, 3), np.nan))
     seen = seen[np.isfinite(seen).all(axis=1)]
     if not len(seen):
         raise InputError(
-            "the corner cannot be found",
+            "unknown corner",
             where="[surface]",
             got=corner[:40],
-            expected="three numbers, or the name of a point that is seen",
+            expected="three numbers, or the name of a visible point",
         )
     return np.asarray(np.median(seen, axis=0))

@@ -1,4 +1,4 @@
-"""`sandbox capture --recorded FOLDER` and `--hands FILE`: the hand of a Leap, through PAALM."""
+"""Captures from the hand of a Leap, by PAALM: `sandbox capture --recorded` and `--hands`."""
 
 from __future__ import annotations
 
@@ -30,16 +30,16 @@ from sandbox.devices.leap.leap_file import check_side
 def capture_of_hands(
     options: Any, surface: Surface | None, rules: ConversionRules, report: ConversionReport
 ) -> tuple[Capture, list[str]]:
-    """The capture, and what was wrong with the files' tails.
+    """Makes a capture; also returns descriptions of damage at the end of the files.
 
     Args:
         options: `CaptureOptions`.
-        surface: As told.
-        rules: What is dropped.
-        report: Takes what was.
+        surface: Touch surface of --surface, or None.
+        rules: Rules for dropping frames and contacts.
+        report: Collects counts of what was dropped.
 
     Raises:
-        InputError: The recordings cannot be used, or do not go together.
+        InputError: The recordings are unusable, or are not of the same session.
     """
     touches, hands_file, about = _files(options)
     side = about.side
@@ -47,10 +47,10 @@ def capture_of_hands(
     hands = read_hands(hands_file)
     check_side(hands.frames, side, str(hands_file), "--side")
     calibration = _calibration(options.calibration, hands, side)
-    told = arrivals(touches, len(log.time)) if hands.host is not None else None
+    host_times = arrivals(touches, len(log.time)) if hands.host is not None else None
     time = hands.time
-    if told is not None and hands.host is not None:
-        tablet = host_clock(log.time, told, str(touches))
+    if host_times is not None and hands.host is not None:
+        tablet = host_clock(log.time, host_times, str(touches))
         device = host_clock(hands.time, hands.host, str(hands_file))
         log = replace(log, time=tablet.host(log.time))
         time = device.host(hands.time)
@@ -77,7 +77,7 @@ def capture_of_hands(
         rules,
         report,
         meta,
-        one_clock=told is not None,
+        one_clock=host_times is not None,
         offset=options.offset if options.sync == "clock" else None,
         correct=options.correct,
     )
@@ -86,19 +86,21 @@ def capture_of_hands(
 
 
 def _files(options: Any) -> tuple[Path, Path, About]:
-    """The touches, the hands, and what is known of them."""
+    """Returns the files of touches and hands, and the description of the session."""
     if options.recorded is None:
         if options.touches is None:
-            raise InputError("there are no touches", where="--hands", expected="--touches FILE too")
+            raise InputError(
+                "the touches are missing", where="--hands", expected="--touches FILE too"
+            )
         return options.touches, options.hands, About(options.side or "right")
     folder: Path = options.recorded
     about = read_about(folder)
     if options.side not in (None, about.side):
         raise InputError(
-            "another hand was recorded",
+            "the recording is of the other hand",
             where=f"--side {options.side}",
             got=about.side,
-            remedy="Leave --side away; the folder says it",
+            remedy="Leave out --side",
         )
     return folder / TOUCHES, folder / HANDS, about
 

@@ -1,4 +1,4 @@
-"""`sandbox capture record`: touches and a Leap, written down together with one clock."""
+"""`sandbox capture record`: records touches and a Leap together, by one clock."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from encoders.captures.paired.guide import Guide
 from models.errors import InputError, RecordingError
 from models.frames import TouchFrame
 from sandbox.cli.common.parse import parse
-from sandbox.cli.common.touch_opening import open_any
+from sandbox.cli.common.touch_opening import open_touches_or_page
 from sandbox.devices.files.paired_capture import (
     ABOUT,
     PairedCaptureWriter,
@@ -29,23 +29,24 @@ from sandbox.devices.leap.leap_fake import FAKE
 from sandbox.devices.leap.leap_file import read_leap
 from sandbox.devices.tuio.tuio import DEFAULT_PORT, LOOPBACK
 from sandbox.options.leap_devices import LIVE, open_leap
+from sandbox.options.metavars import TOUCH_DEVICE_CHOICES
 from sandbox.options.touch_devices import Opened, TouchOptions
 from sandbox.session.device import Device, HandDevice
 
-_REST = 0.002
-"""s between two looks at the devices: by so much an arrival may be late."""
+_POLL_PERIOD = 0.002
+"""s between two polls of the devices, by which a time of arrival may be late."""
 SILENT = 10.0
-"""s after which a device that has said nothing is asked about."""
+"""s without data from a device after which a hint is printed."""
 
 
 @dataclass(frozen=True)
 class RecordOptions:
     """Records touches and your hand at the same time, to train an encoder of your own.
 
-    It tells you what to do: hold the hand open (PAALM measures it), tap three times with all five
-    fingers (the clocks), then play with every one of the 26 sets of two to five fingers for some
-    seconds each. Ctrl-C ends it earlier; what was recorded is kept. Another day, record again to
-    test on. docs/own-hand.md tells where the Leap may stand.
+    It guides you: hold the hand open (PAALM measures it), tap three times with all five fingers (to
+    synchronise the clocks), then move on the surface with each of the 26 sets of two to five
+    fingers for some seconds. Ctrl-C stops earlier and keeps the recording. Record again on another
+    day for a test set. docs/own-hand.md explains where to place the Leap.
 
     Try it without devices:
 
@@ -59,45 +60,44 @@ class RecordOptions:
     """
 
     out: Annotated[Path, tyro.conf.arg(metavar="FOLDER")]
-    """Is made; a session that is there is not written over."""
+    """Folder to create; an existing session is never overwritten."""
 
-    touches: Annotated[str, tyro.conf.arg(metavar="{tuio,web,evdev,FILE,...}")] = "tuio"
-    """What is touched, as --device of `sandbox touches show`."""
+    touches: Annotated[str, tyro.conf.arg(metavar=TOUCH_DEVICE_CHOICES)] = "tuio"
+    """Touch device, as --device of `sandbox touches show`."""
 
     hands: Annotated[str, tyro.conf.arg(metavar="{leap,FILE}")] = LIVE
-    """What sees the hand: a running Leap service, or a recording of one."""
+    """Device that sees the hand: a running Leap service, or a recording of a Leap."""
 
     side: Literal["right", "left"] = "right"
     """Which hand."""
 
     subject: str = "unnamed"
-    """Who it is; a pseudonym."""
+    """Pseudonym of the person."""
 
     each: float = 6.0
-    """Seconds for which every set of fingers is played; 6 make about as many frames as the
-    paper's."""
+    """Seconds for each set of fingers; 6 give about as many frames as in the paper."""
 
     free: tyro.conf.FlagCreatePairsOff[bool] = False
-    """Record without being told what to do, until Ctrl-C: a day to test on. Begin with the open
-    hand and three taps all the same."""
+    """Record without guidance until Ctrl-C, for a test set. Begin with the open hand and three
+    taps, too."""
 
     seconds: float = math.inf
     """Stop after this many seconds."""
 
     leap: Annotated[str, tyro.conf.arg(metavar="URL")] = DEFAULT_ADDRESS
-    """Where the Leap service is."""
+    """WebSocket address of the Leap service."""
 
     surface: Annotated[str | None, tyro.conf.arg(metavar="SIZE")] = None
-    """Size of the touch area: 7.76x5.82in, 197x148mm, or a preset (ipad2, ..)."""
+    """Size of the touch surface: 7.76x5.82in, 197x148mm, or a preset such as ipad2."""
 
     bind: Annotated[str, tyro.conf.arg(metavar="ADDRESS")] = LOOPBACK
-    """Which of this machine's addresses TUIO is listened for on."""
+    """Address for TUIO. 127.0.0.1: reachable from this machine only; 0.0.0.0: from the network."""
 
     port: int = DEFAULT_PORT
     """UDP port for TUIO; 0 takes a free one."""
 
     tablet: tyro.conf.FlagCreatePairsOff[bool] = False
-    """With --touches web: the page on a tablet in the same network."""
+    """With --touches web: open the page on a tablet in the same network."""
 
 
 def main(argv: list[str]) -> int:
@@ -105,7 +105,7 @@ def main(argv: list[str]) -> int:
     options = parse(RecordOptions, "sandbox capture record", argv)
     for name, value in (("--seconds", options.seconds), ("--each", options.each)):
         if not value > 0.0:
-            raise InputError("there is nothing to record", where=name, got=value)
+            raise InputError("expected a positive time", where=name, got=value)
     check_new(options.out)
     hands = _hands(options)
     try:
@@ -145,12 +145,12 @@ def _record(options: RecordOptions, opened: Opened, hands: HandDevice) -> int:
     )
     for count, what in ((writer.touches, "touches"), (writer.hands, "hand")):
         if not count:
-            raise RecordingError(f"no {what} came", where=str(options.out), remedy=_REMEDY[what])
+            raise RecordingError(f"no {what} arrived", where=str(options.out), remedy=_REMEDY[what])
     return 0
 
 
 _REMEDY = {
-    "touches": "`sandbox touches show` tells what to check",
+    "touches": "`sandbox touches show` gives hints on what to check",
     "hand": "`sandbox paalm show --device leap` shows what the Leap sees",
 }
 
@@ -162,9 +162,9 @@ def _follow(
     writer: PairedCaptureWriter,
     guide: Guide | None,
 ) -> str:
-    """Writes what comes until it is over; why it was."""
+    """Writes touches and hands until the end; returns the reason for the end."""
     console = Console(stderr=True)
-    late_touches, late_hands = _apart(options)
+    late_touches, late_hands = _start_offsets(options)
     begin = time.monotonic()
     last: TouchFrame | None = None
     bar = Progress(
@@ -207,12 +207,12 @@ def _follow(
                 return "the time is over"
             if touched.finished and hands.finished:
                 return "both recordings ended"
-            time.sleep(_REST)
+            time.sleep(_POLL_PERIOD)
 
 
-def _apart(options: RecordOptions) -> tuple[float, float]:
-    """s by which two files of one session begin later than the first of them; as devices, each
-    would begin at 0."""
+def _start_offsets(options: RecordOptions) -> tuple[float, float]:
+    """Returns s by which each of two files of one session begins after the first of them; as
+    devices, each would begin at 0."""
     begin = [first_line_with_host(Path(name)) for name in (options.touches, options.hands)]
     if None in begin:
         return 0.0, 0.0
@@ -250,4 +250,4 @@ def _touches(options: RecordOptions) -> Opened | None:
         surface=options.surface,
         tablet=options.tablet,
     )
-    return open_any(asked, options.seconds)
+    return open_touches_or_page(asked, options.seconds)

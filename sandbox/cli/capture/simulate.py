@@ -1,4 +1,4 @@
-"""`sandbox capture simulate`: a SIMULATED session with both devices, and its truth."""
+"""`sandbox capture simulate`: makes a SIMULATED session with both devices, and its ground truth."""
 
 from __future__ import annotations
 
@@ -23,12 +23,13 @@ TRUTH, DEVICES = "truth.npz", "truth.json"
 
 @dataclass(frozen=True)
 class SimulateOptions:
-    """Makes a SIMULATED session as `sandbox capture record` would have written it: one person's
-    hand touches a tablet and is seen by a Leap, each with a clock, latency and noise of its own.
+    """Makes a SIMULATED session like one by `sandbox capture record`: a hand touches a tablet and
+    is seen by a Leap, each with its own clock, latency and noise.
 
-    Beside it lies the truth: truth.npz, a capture of the same touches with their fingers and the
-    true poses, and truth.json, with the offset of the clocks and the place of the Leap. Every seed
-    is another person, with bones of their own. Day 0 is the training script, later days free play.
+    The folder also holds the ground truth: truth.npz, a capture of the same touches with the true
+    fingers and poses, and truth.json, with the offset of the clocks and the position of the Leap.
+    Every seed is another person with other bones. Day 0 is the training script, later days are free
+    play.
 
     Try:
 
@@ -37,22 +38,22 @@ class SimulateOptions:
     """
 
     out: Annotated[Path, tyro.conf.arg(metavar="FOLDER")]
-    """Is made; a session that is there is not written over."""
+    """Folder to create; an existing session is never overwritten."""
 
     seed: int = 0
-    """Which person."""
+    """Number of the simulated person."""
 
     day: int = 0
-    """0 the training script, 1 and later free play."""
+    """Day: 0 is the training script, 1 and later are free play."""
 
     subject: Literal["first", "second"] = "first"
-    """Which kind of simulated person."""
+    """Kind of simulated person."""
 
     dialect: Literal["v3", "v1"] = "v3"
-    """Which Leap: with joints and names, or the first software."""
+    """Software of the Leap: v3 with joints and names of fingers, or v1, the first one."""
 
     hand: Literal["right", "left"] = "right"
-    """Which hand; a left one is the mirror image."""
+    """Side of the hand; a left hand is the mirror image."""
 
 
 def main(argv: list[str]) -> int:
@@ -86,7 +87,7 @@ def main(argv: list[str]) -> int:
 
 
 def write_simulated(session: PairedSession, folder: Path, subject: str) -> None:
-    """Writes a session and its truth."""
+    """Writes a session and its ground truth."""
     about = {
         "side": session.side,
         "subject": subject,

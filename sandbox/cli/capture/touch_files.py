@@ -1,4 +1,4 @@
-"""Touches from files: our recordings, captures of TUIO packets, and what `touches show` prints."""
+"""Reads touches from recordings, captures of TUIO packets, and the output of `touches show`."""
 
 from __future__ import annotations
 
@@ -20,17 +20,17 @@ from sandbox.recording.recording import is_recording, load_recording
 
 
 def read_touch_log(path: Path, surface: Surface | None) -> tuple[TouchLog, str]:
-    """The touches of a file, told apart by its content.
+    """Reads the touches of a file, whose content decides the format.
 
     Args:
         path: The file.
-        surface: Its size; only captures of TUIO packets need it, which carry none.
+        surface: Touch surface; only captures of TUIO packets need it.
 
     Returns:
-        The log, and what is wrong with the file's tail; empty if nothing is.
+        The log, and a description of damage at the end of the file; empty without damage.
 
     Raises:
-        InputError: It is none of the three, or holds no touch.
+        InputError: The file has none of the three formats, or holds no touch.
     """
     if is_recording(path):
         recording = load_recording(path)
@@ -49,9 +49,9 @@ def read_touch_log(path: Path, surface: Surface | None) -> tuple[TouchLog, str]:
     if "contacts" in head or "surface_in" in head:
         return _shown(path)
     raise InputError(
-        "this is no recording of touches",
+        "this is not a recording of touches",
         where=str(path),
-        expected="a recording of ours, a capture of TUIO packets, or lines of "
+        expected="a recording of this program, a capture of TUIO packets, or lines of "
         "`sandbox touches show --json`",
     )
 
@@ -63,7 +63,7 @@ def _log(frames: Iterable[TouchFrame], path: Path) -> TouchLog:
 
 
 def _shown(path: Path) -> tuple[TouchLog, str]:
-    """The touches of `touches show`, in the order of arrival: their times may run backwards."""
+    """Reads output of `touches show` in the order of arrival; times may run backwards."""
     times: list[float] = []
     rows: list[tuple[int, int, float, float]] = []
     damage = ""
@@ -87,9 +87,9 @@ def _shown(path: Path) -> tuple[TouchLog, str]:
 
 def _arrays(times: list[float], rows: list[tuple[int, int, float, float]], path: Path) -> TouchLog:
     if not rows:
-        raise RecordingError("there is no touch in it", where=str(path))
+        raise RecordingError("the file holds no touch", where=str(path))
     table = np.array(rows, float)
-    # Ids may exceed what a float keeps; they only need to differ.
+    # Ids may be too large for a float; they only need to differ.
     names = {id_: n for n, id_ in enumerate(dict.fromkeys(row[1] for row in rows))}
     ids = np.array([names[row[1]] for row in rows], np.int64)
     return TouchLog(np.array(times, float), table[:, 0].astype(np.int64), ids, table[:, 2:])

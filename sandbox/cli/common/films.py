@@ -12,11 +12,11 @@ if TYPE_CHECKING:
 
 
 def open_film(path: Path, session: Session, caption: str) -> FilmView:
-    """A film of a session, complete when it is closed.
+    """Opens a film of a session; the file is complete when the film is closed.
 
     Raises:
-        GraphicsError: There is no OpenGL on this machine.
-        InputError: The path cannot be used.
+        GraphicsError: OpenGL is missing on this machine.
+        InputError: The film cannot be written to this path.
     """
     # Drawing loads OpenGL, which a run without a film never needs.
     from sandbox.views.film import FilmView

@@ -1,4 +1,4 @@
-"""Results as JSON, in a file or on the terminal; a place that cannot be had is refused first."""
+"""Output of results as JSON, in a file or on the terminal."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ TERMINAL = Path("-")
 
 
 def check_output(path: Path | None, option: str = "--json") -> None:
-    """Refuses, before anything is computed, a file that could not be written at the end.
+    """Checks before a computation that its result can be written to a file.
 
     Args:
         path: Path of the file; None and `-` can always be written.
-        option: That named it, for the message.
+        option: Name of the option, for the message.
 
     Raises:
-        InputError: Its folder is missing, or it is a folder itself.
+        InputError: The folder is missing, or the path is a folder.
     """
     if path is None or path == TERMINAL:
         return
@@ -30,24 +30,26 @@ def check_output(path: Path | None, option: str = "--json") -> None:
 
 
 def write_json(path: Path | None, values: dict[str, Any], sort_keys: bool = False) -> None:
-    """Writes the values of `--json`; `-` is the terminal, and None nowhere.
+    """Writes values to the file of `--json`; `-` is the terminal, None writes nothing.
 
     Raises:
-        InputError: The file cannot be written, or a number is not finite: JSON knows none such.
+        InputError: The file cannot be written, or a number is not finite, which JSON forbids.
     """
     if path is None:
         return
     try:
         text = json.dumps(values, indent=1, allow_nan=False, sort_keys=sort_keys)
     except ValueError as error:
-        raise InputError("the result is no JSON", where=f"--json {path}", got=str(error)) from None
+        raise InputError(
+            "the result cannot be written as JSON", where=f"--json {path}", got=str(error)
+        ) from None
     if path == TERMINAL:
         print(text)
         return
     try:
         path.write_text(text + "\n", encoding="utf-8")
     except OSError as error:
-        # What was computed is over and was printed; only the file is missing.
+        # The result was printed already; only the file is missing.
         raise InputError(
             "the result cannot be written", where=f"--json {path}", got=error.strerror
         ) from None

@@ -17,14 +17,14 @@ KINDS = {
     "window": "touch received to picture in the window",
     "picture": "drawing a picture in the window",
 }
-"""Kind in a `LatencyLog` -> what is said of it, in the order of the way."""
+"""Kind in a `LatencyLog` -> description, in the order from touch to picture."""
 
-WHOLE_WAYS = ("window", "drawn")
-"""Kinds from a touch to a picture, which a limit is about."""
+END_TO_END = ("window", "drawn")
+"""Kinds from a touch to a picture, to which a limit applies."""
 
 
-def say_latency(log: LatencyLog, console: Console) -> None:
-    """The table; nothing where nothing was measured."""
+def print_latency(log: LatencyLog, console: Console) -> None:
+    """Prints the latencies as a table, if there are any."""
     percentiles = log.percentiles()
     shown = [kind for kind in KINDS if kind in percentiles]
     if not shown:
@@ -38,10 +38,10 @@ def say_latency(log: LatencyLog, console: Console) -> None:
 
 
 def checked_limit(limit: float | None) -> float | None:
-    """A limit in ms.
+    """Checks a limit in ms and returns it.
 
     Raises:
-        InputError: The text is not a duration.
+        InputError: The limit is not positive and finite.
     """
     if limit is not None and not 0.0 < limit < float("inf"):
         raise InputError("not a latency", where="--max-latency", got=limit, expected="ms above 0")
@@ -49,24 +49,23 @@ def checked_limit(limit: float | None) -> float | None:
 
 
 def judge_latency(log: LatencyLog, limit: float | None, console: Console) -> int:
-    """0 where p95 of every whole way from touch to picture is within the limit; else 1.
+    """Returns 0 if the 95th percentile from touch to picture is within the limit, else 1.
 
-    Where no picture answered a touch, nothing was measured, and what is not measured is not within
-    a limit.
+    Without a measurement the limit counts as exceeded.
 
     Args:
         log: Log of the session.
-        limit: ms; None judges nothing.
-        console: Says which it is.
+        limit: ms; None sets no limit.
+        console: Console for the result.
     """
     if limit is None:
         return 0
     percentiles = log.percentiles()
     ways: dict[str, Percentiles] = {
-        kind: percentiles[kind] for kind in WHOLE_WAYS if kind in percentiles
+        kind: percentiles[kind] for kind in END_TO_END if kind in percentiles
     }
     if not ways:
-        console.print("[red]latency: no touch was answered by a picture, so none was measured[/]")
+        console.print("[red]latency: no picture followed a touch, so nothing was measured[/]")
         return 1
     late = {kind: p for kind, p in ways.items() if p.p95 > limit}
     for kind, p in ways.items():

@@ -1,4 +1,4 @@
-"""`--lsl`: what other instruments get to hear of a session, over Lab Streaming Layer."""
+"""Option `--lsl`: streams of a session for other instruments, over Lab Streaming Layer."""
 
 from __future__ import annotations
 
@@ -13,32 +13,32 @@ from rich.console import Console
 
 @dataclass(frozen=True)
 class LslOptions:
-    """Streams for other instruments."""
+    """Options of Lab Streaming Layer."""
 
     lsl: tyro.conf.FlagCreatePairsOff[bool] = False
-    """Sends touches, poses and markers over Lab Streaming Layer (extra `lsl`)."""
+    """Send touches, poses and markers over Lab Streaming Layer (extra `lsl`)."""
 
 
 @contextmanager
 def streaming(wanted: bool, console: Console) -> Iterator[dict[str, Any]]:
-    """Streams as long as this lasts, where it is wanted; else nothing.
+    """Context in which a session is streamed, if it is wanted.
 
     Yields:
-        How LSL's clock stands against ours; empty where nothing is sent.
+        Offset of LSL's clock from ours; empty without streams.
 
     Raises:
-        DeviceError: pylsl or its library is not there.
+        DeviceError: pylsl or its library is missing.
     """
     if not wanted:
         yield {}
         return
     from sandbox.lsl.lsl import NAMES, LslOutlets
-    from sandbox.lsl.lsl_listening import listened_to
+    from sandbox.lsl.lsl_listening import forwarding_to
 
     outlets = LslOutlets()
     console.print(f"[dim]LSL: {', '.join(NAMES)}[/]", highlight=False)
     try:
-        with listened_to(outlets):
+        with forwarding_to(outlets):
             yield outlets.clock()
     finally:
         outlets.close()

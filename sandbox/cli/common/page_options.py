@@ -1,4 +1,4 @@
-"""Options of commands that serve the page, and the server that they ask for."""
+"""Options of commands that serve the browser page, and its server."""
 
 from __future__ import annotations
 
@@ -20,28 +20,28 @@ from tasks.registry import TASKS, hands_of
 
 @dataclass(frozen=True)
 class PageOptions:
-    """Where the page is served."""
+    """Options of the page's server."""
 
     tablet: tyro.conf.FlagCreatePairsOff[bool] = False
-    """The page on a tablet in the same network: prints a code to be photographed. The same as
-    --device web with the address found by itself."""
+    """Play on a tablet in the same network: prints a QR code to scan. Same as --device web, on this
+    machine's network address."""
 
     lan: Annotated[str | None, tyro.conf.arg(metavar="ADDRESS")] = None
-    """Serves the page on this address instead."""
+    """Address on which the page is served, in place of the one that --tablet finds."""
 
     page_port: int = 0
-    """TCP port of the page; 0 takes a free one. On a port of your choice the link stays the same,
-    and a page that is still open finds back when the program is started anew."""
+    """TCP port of the page; 0 takes a free one. With a fixed port the link stays the same, and an
+    open page reconnects when the program is restarted."""
 
     tls_cert: Annotated[str | None, tyro.conf.arg(metavar="FILE")] = None
-    """Certificate for https, with --tls-key. Tablets refuse those that nobody signed."""
+    """Certificate for https, with --tls-key. Tablets refuse self-signed certificates."""
 
     tls_key: Annotated[str | None, tyro.conf.arg(metavar="FILE")] = None
     """Key of the certificate."""
 
     @property
     def page_host(self) -> str:
-        """Address that the page is served on."""
+        """Address on which the page is served."""
         if self.lan:
             return checked_address(self.lan)
         return local_network_address() if self.tablet else LOOPBACK
@@ -50,15 +50,15 @@ class PageOptions:
 def open_page(
     options: PageOptions, study: StudyView | None = None, touch: bool = True
 ) -> PageServer:
-    """A server of the page.
+    """Starts the server of the page.
 
     Args:
-        options: Where.
-        study: Makes it a study's, without menus.
-        touch: Whether the player's fingers on the page count.
+        options: Address, port and certificate.
+        study: View of a study, which has no menus; None for play.
+        touch: True if touches on the page move the hand.
 
     Raises:
-        DeviceError: The address or port cannot be had.
+        DeviceError: The address or port is not available.
         InputError: The certificate or its key is missing or wrong.
     """
     if not 0 <= options.page_port <= 65535:

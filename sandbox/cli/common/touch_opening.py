@@ -1,4 +1,4 @@
-"""Opens any touch device, the page too, and waits for what it says."""
+"""Opens any touch device, including the page."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from rich.console import Console
 from sandbox.options.touch_devices import Opened, TouchOptions, open_touches
 
 
-def open_any(options: TouchOptions, seconds: float, tap: Any = None) -> Opened | None:
-    """The device; None: it is the page, and nobody opened it in time."""
+def open_touches_or_page(options: TouchOptions, seconds: float, tap: Any = None) -> Opened | None:
+    """Opens the device; returns None if nobody opened the page in time."""
     if options.device != "web" and not options.tablet and not options.lan:
         return open_touches(options, tap)
-    # The page needs the whole program behind it, which is only loaded for it.
+    # This import loads the whole program, which only the page needs.
     from sandbox.cli.common.touch_page import open_page_touches
 
     page = open_page_touches(options, Console(stderr=True), seconds)

@@ -1,4 +1,4 @@
-"""The page as a touch device where nothing is simulated: a scene stands still behind fingers."""
+"""Browser page as a touch device without simulation, in front of a static scene."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from rich.console import Console
 from models.frames import TouchFrame
 from models.surface import Surface, parse_surface
 from sandbox.cli.common.page_options import PageOptions, open_page
-from sandbox.cli.common.second_view import invite
+from sandbox.cli.common.page_view import show_address
 from sandbox.options.scene_options import SceneOptions, plan
 from sandbox.options.touch_devices import TouchOptions
 from sandbox.server.page_server import PageServer
@@ -23,13 +23,13 @@ from sandbox.trial.assembly import build
 from sandbox.trial.events import EventLog
 
 _PERIOD = 1.0 / 30.0
-"""s between two frames that tell the page that we live."""
+"""s between two frames sent to the page, so that it sees that the program is running."""
 
 
 class PageTouches(Device):
-    """Serves the page and gives its touches.
+    """Serves the page and reads its touches.
 
-    Made by `open_page_touches`, once a page has come.
+    Made by `open_page_touches` when a page has connected.
 
     Attributes:
         surface: The touch rectangle, as measured on the page.
@@ -68,33 +68,34 @@ class PageTouches(Device):
 
     @property
     def finished(self) -> bool:
-        """Never, before it is closed: the person may come back."""
+        """True when closed; until then the person may return to the page."""
         return bool(self._session_device.finished)
 
     def poll(self, now: float = 0.0) -> Sequence[TouchFrame]:
-        """Every frame since the last call; the scene does not move."""
+        """Returns all frames since the last call."""
         if time.monotonic() >= self._due:
             self._due = time.monotonic() + _PERIOD
             self._server.publish(self._session.snapshot())
         return list(self._session_device.poll(now))
 
     def close(self) -> None:
-        """Ends the server; may be called twice."""
+        """Stops the server; may be called twice."""
         self._session.close()
         self._server.close()
 
 
 def open_page_touches(asked: TouchOptions, console: Console, patience: float) -> PageTouches | None:
-    """Serves the page and waits until somebody opens it; None: nobody came in time.
+    """Serves the page and waits until somebody opens it; returns None after a timeout.
 
     Args:
-        asked: Where it is served, and the touch rectangle's size, if not what the page says.
-        console: Gets link and code.
-        patience: s.
+        asked: Address of the page, and size of the touch rectangle if it is not to be measured on
+            the page.
+        console: Console for link and QR code.
+        patience: Timeout, s.
     """
     options = PageOptions(asked.tablet, asked.lan, asked.page_port)
     server = open_page(options)
-    invite(server, options, EventLog(None), console)
+    show_address(server, options, EventLog(None), console)
     end = time.monotonic() + patience
     try:
         while not server.wait_for_player(0.1):

@@ -1,4 +1,5 @@
-"""`sandbox evaluate`: the paper's tables for our methods, as tables, JSON and pictures."""
+"""`sandbox evaluate`: the paper's tables for methods of this program, as text, JSON and
+pictures."""
 
 from __future__ import annotations
 
@@ -22,17 +23,16 @@ BUILTIN = "builtin"
 
 @dataclass(frozen=True)
 class EvaluateOptions:
-    """Measures how well methods reconstruct the hand and name its fingers: Tables 1 and 2 of the
-    paper of 2015, its Copas test, and smoothness, fingertips, limits and time beside them.
+    """Measures how well encoders reconstruct the hand and label its fingers: Tables 1 and 2 of the
+    paper of 2015, its Copas test, smoothness, fingertip errors, joint limits and time.
 
-    Methods: linear, quadratic, cubic (least squares, as the paper's), paper (the same as
-    quadratic), pca-ik, pca-ik-null, map-ik (inverse
-    kinematics), mean, best, a FILE.npz made by `sandbox train`, or FILE.py:CLASS, an encoder of
-    your own (docs/write-an-encoder.md).
+    Encoders: linear, quadratic, cubic (least squares, as in the paper), paper (the same as
+    quadratic), pca-ik, pca-ik-null, map-ik (inverse kinematics), mean, best, FILE.npz (a model by
+    `sandbox train`), or FILE.py:CLASS (an encoder of your own, docs/write-an-encoder.md).
 
-    Without --capture, on days of a SIMULATED subject that no method was trained on: `--days` of
-    them, whose numbers follow from the subject's configuration and --day-seed. Everything measured
-    is defined in docs/evaluation.md.
+    Without --capture, they are tested on days of a SIMULATED subject that none was trained on:
+    --days of them, chosen by the subject's configuration and --day-seed. docs/evaluation.md defines
+    all measures.
 
     Try:
 
@@ -50,37 +50,37 @@ class EvaluateOptions:
         "mean",
         "best",
     )
-    """What is evaluated."""
+    """Encoders to evaluate."""
 
     capture: Annotated[
         tuple[tuple[str, ...], ...],
         tyro.conf.arg(metavar="builtin|FILE|DIR|LIST"),
         tyro.conf.UseAppendAction,
     ] = ()
-    """Test captures: `builtin`, the subject's judged days, which is also what none means; captures;
-    a folder of captures; or a text file (.txt) with one capture a line. May be repeated."""
+    """Test captures: builtin, the simulated subject's test days (default); captures; a folder of
+    captures; or a text file (.txt) with one capture per line. May be repeated."""
 
     train: Annotated[str, tyro.conf.arg(metavar="builtin|split|FILE")] = BUILTIN
-    """What methods learn from: `builtin`, the subject's day 0; a capture; or `split`, four fifths
-    of the takes of the one --capture FILE, which is then tested on the other fifth."""
+    """Training data: builtin, the subject's day 0; a capture; or split, four fifths of the takes of
+    the one --capture FILE, whose other fifth is the test data."""
 
     subject: Literal["first", "second"] = "first"
-    """Which simulated subject."""
+    """Simulated subject."""
 
     days: int = 3
-    """How many judged days."""
+    """Number of test days."""
 
     day_seed: int = 0
-    """Which judged days."""
+    """Seed that chooses the test days."""
 
     json: Annotated[Path | None, tyro.conf.arg(metavar="OUT")] = None
-    """Writes all numbers."""
+    """File for all numbers as JSON; - is the terminal."""
 
     plots: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
-    """Draws the tables and the hands, as PNG and SVG; needs the extra `plots`."""
+    """Folder for pictures of the tables and hands, as PNG and SVG; needs the extra `plots`."""
 
     copas: bool = True
-    """Whether to make the Copas test, which trains every encoder twenty times more."""
+    """Run the Copas test, which trains every encoder twenty more times."""
 
 
 def main(argv: list[str]) -> int:
@@ -142,9 +142,9 @@ def main(argv: list[str]) -> int:
 
 
 def _check(options: EvaluateOptions) -> None:
-    """Refuses, before anything is computed, what would fail at the end."""
+    """Checks, before the computation, that the results can be written."""
     if options.days < 1:
-        raise InputError("no day to judge", where="--days", got=options.days, expected="1 or more")
+        raise InputError("no test day", where="--days", got=options.days, expected="1 or more")
     if options.day_seed < 0:
         raise InputError(
             "no such seed", where="--day-seed", got=options.day_seed, expected="0 or more"
@@ -165,7 +165,7 @@ def _show(progress: Progress, bar: TaskID, share: float) -> None:
 @contextmanager
 def _bars() -> Iterator[Progress]:
     console = Console(stderr=True)
-    # Where nobody watches, even bars that are never drawn would leave an empty line.
+    # Without a terminal, even hidden bars would leave an empty line.
     with Progress(console=console, transient=True, disable=not console.is_terminal) as progress:
         yield progress
 

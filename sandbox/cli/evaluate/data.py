@@ -106,7 +106,7 @@ def gather(
 
 
 def capture_files(place: str) -> list[Path]:
-    """The captures that a place on the command line means.
+    """Returns the captures that a value of --capture names.
 
     A folder stands for its .npz files in the order of their names; a text file (.txt) for one
     capture a line, relative to its own folder, `#` beginning a comment.
@@ -141,7 +141,7 @@ def _simulated(person: Subject, day: int, progress: Progress) -> Capture:
 
 
 def _day_0(person: Subject, progress: Progress) -> Training:
-    """The subject's training script; the shipped capture where that is it."""
+    """Returns the subject's training script, which may be the shipped capture."""
     if person.plays(builtin_capture()):
         return Training(builtin_capture(), shipped=True)
     return Training(_simulated(person, TRAINING_DAY, progress))

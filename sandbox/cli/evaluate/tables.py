@@ -1,5 +1,5 @@
-"""The report of `sandbox evaluate` in a terminal. The paper's numbers stand in rows of their own:
-they are of another data set."""
+"""Prints the report of `sandbox evaluate`. The paper's numbers have rows of their own, since they
+are of another data set."""
 
 from __future__ import annotations
 

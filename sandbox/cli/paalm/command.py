@@ -1,4 +1,4 @@
-"""`sandbox paalm`: joint angles of hands over a Leap; calibration."""
+"""`sandbox paalm`: joint angles of hands over a Leap, and calibration."""
 
 from __future__ import annotations
 
@@ -25,21 +25,21 @@ from sandbox.cli.paalm.views import check_picture, show_pictures
 from sandbox.devices.leap.leap import DEFAULT_ADDRESS, LeapDevice, LeapFileDevice
 from sandbox.devices.leap.leap_file import read_leap
 from sandbox.devices.leap.leap_truth import GENERATOR
-from sandbox.options.own_hand import keep_hands, own_path
+from sandbox.options.leap_calibration import own_calibration_path, save_calibrations
 from sandbox.options.profiles import DEFAULT
 
 SCHEMA = 1
 HEADER = (
     "seconds and hand; for each finger flexion and spread of its first joint, flexion of its "
-    "middle and of its end joint, degrees; - is a finger that is not seen"
+    "middle and of its end joint, degrees; - is a finger that is not visible"
 )
-"""Said before the lines of angles."""
+"""Printed before the lines of angles."""
 
 
 def main(argv: list[str]) -> int:
     """Runs `sandbox paalm ...`; returns the exit status."""
     commands: dict[str, Callable[..., int]] = {"show": show, "calibrate": calibrate}
-    about = "PAALM (2013): joint angles from directions and lengths of fingers."
+    about = "PAALM (paper of 2013): joint angles from directions and lengths of fingers."
     return subcommand(commands, "sandbox paalm", about, argv)
 
 
@@ -61,15 +61,16 @@ def show(
     picture: Annotated[Path | None, tyro.conf.arg(metavar="FILE.png|.jpg|.webp")] = None,
     port: int = 0,
 ) -> int:
-    """Shows the joint angles of every frame, or pictures of them.
+    """Shows the joint angles of every frame, as text or as pictures.
 
     With --view window or web (a page for browsers on this machine) it draws what the device says of
     a hand (finger vectors, the palm's normal and sphere, vanished fingers dimmed) beside the hand
     that PAALM makes of it, with its angles. A recording is played at its own pace.
 
-    Without --calibration, the first frames with five fingers measure the hand, which has to be open
-    in them; a recorded hand that is not is shown as an average one, which is said. As JSON, a line
-    a frame on stdout: {"time", "hands": {side: {"angles", "ratios", "ids", "held"}}}, degrees.
+    Without --calibration, the hand is measured in the first frames with five fingers, where it must
+    be open; if a recorded hand is not open, an average hand is assumed, with a message. --json
+    prints a line per frame: {"time", "hands": {side: {"angles", "ratios", "ids", "held"}}}, in
+    degrees.
 
     Try:
 
@@ -78,23 +79,26 @@ def show(
         sandbox paalm show hand.json --view window
 
     Args:
-        file: A recording; or use --device.
+        file: A Leap recording. Or use --device.
         device: leap: a running service.
-        address: Of the service.
-        hands: Whose hands are seen.
-        frames: How many frames measure the hand; 1000 of a device, as in the paper, 100 of a file.
-        calibration: A hand measured earlier, by `sandbox paalm calibrate --out`.
-        method: paper is the paper as printed, default what measured better.
-        as_json: JSON lines.
+        address: WebSocket address of the service.
+        hands: Sides of the hands that are visible.
+        frames: Number of frames that measure the hand. Default: 1000 of a device, as in the paper,
+            100 of a file.
+        calibration: Calibration by `sandbox paalm calibrate --out`.
+        method: paper: as printed in the paper. default: with changes that measured better.
+        as_json: Print JSON lines.
         seconds: Stop after this many seconds of the device's time.
         view: text: lines of angles. window, web: pictures.
-        picture: Write the last frame's picture; with --seconds, that of a moment.
-        port: Of the page; 0 takes a free one.
+        picture: File for a picture of the last frame; --seconds chooses an earlier one.
+        port: TCP port of the page; 0 takes a free one.
     """
     _check(file, device, frames, seconds)
     check_picture(picture)
     if as_json and (view != "text" or picture is not None):
-        raise InputError("pictures are no JSON", where="--json", expected="--view text")
+        raise InputError(
+            "pictures cannot be written as JSON", where="--json", expected="--view text"
+        )
     source = _Source(file, address)
     paalm = Paalm(PAPER if method == "paper" else PaalmOptions())
     try:
@@ -108,7 +112,7 @@ def show(
             except EncoderError as error:
                 if file is None or frames is not None:
                     raise
-                # Nobody can be asked to open a recorded hand; it is shown all the same.
+                # A recorded hand cannot be asked to open; it is shown as an average hand.
                 _assume(paalm, list(source.frames()), hands, error)
             if file is not None:
                 stream = source.frames()
@@ -150,16 +154,16 @@ def calibrate(
     frames: int = PAPER_FRAMES,
     out: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None,
 ) -> int:
-    """Measures open hands: hold them palm down, fingers spread, 20 cm above the device.
+    """Measures hands: hold them open, palm down, fingers spread, 20 cm above the device.
 
     Args:
-        file: A recording; without one, the running service is asked.
-        hands: Whose hands they are; this has to be said.
+        file: A Leap recording. Default: the running service.
+        hands: Sides of the hands.
         device: leap: a running service; the default without a FILE.
-        address: Of the service.
-        frames: How many frames with five fingers; 1000 in the paper, about 10 seconds.
-        out: Where the calibration goes, as JSON; default is this user's own place, which
-            `sandbox play --device leap` takes by itself.
+        address: WebSocket address of the service.
+        frames: Number of frames with five fingers; 1000 in the paper, about 10 seconds.
+        out: File for the calibration, as JSON. `default` is this user's own file, which
+            `sandbox play --device leap` uses automatically.
     """
     _check(file, device or (None if file else "leap"), frames, math.inf)
     own = out == Path(DEFAULT)
@@ -172,8 +176,8 @@ def calibrate(
     finally:
         source.close()
     if own:
-        known = read_calibration(own_path()) if own_path().exists() else {}
-        keep_hands({**known, **calibrations}, own_path())
+        known = read_calibration(own_calibration_path()) if own_calibration_path().exists() else {}
+        save_calibrations({**known, **calibrations}, own_calibration_path())
     elif out is not None:
         write_calibration(calibrations, out)
     summary = {
@@ -218,7 +222,7 @@ class _Source:
             self._live.close()
 
     def report(self, paalm: Paalm) -> None:
-        """Says on stderr what was left out, and why; a damaged file last."""
+        """Prints counts of unusable frames on stderr, then raises the damage of a file."""
         device = self._live or (LeapFileDevice(self._file) if self._file else None)
         counts = {} if device is None else dict(device.counts)
         counts |= paalm.counts
@@ -250,7 +254,7 @@ def _assume(paalm: Paalm, frames: list[HandFrame], hands: Hands, error: EncoderE
 def _check(file: Path | None, device: str | None, frames: int | None, seconds: float) -> None:
     if (file is None) == (device is None):
         raise InputError(
-            "say where frames come from",
+            "the source of frames is missing or not unique",
             got="both" if file else "neither",
             expected="a FILE or --device leap",
         )

@@ -1,4 +1,4 @@
-"""Pictures of `sandbox paalm show`: in a window, on a page, in a file."""
+"""Pictures of `sandbox paalm show`, in a window, on a page or in a file."""
 
 from __future__ import annotations
 
@@ -18,15 +18,15 @@ from models.frames import HandFrame
 ViewName = Literal["text", "window", "web"]
 PICTURES = (".png", ".jpg", ".webp")
 _PAGE_RATE = 20.0
-"""Pictures a second on a page; each is drawn and packed."""
+"""Pictures per second on a page; each is drawn and compressed."""
 _LONGEST_REST = 0.02
 
 
 def check_picture(path: Path | None) -> None:
-    """Refuses, before anything is shown, a file that could not be written at the end.
+    """Checks, before anything is shown, that the picture can be written.
 
     Raises:
-        InputError: Its folder is missing, or it is not a picture's name.
+        InputError: The folder is missing, or the suffix is not that of a picture.
     """
     if path is None:
         return
@@ -34,7 +34,7 @@ def check_picture(path: Path | None) -> None:
         raise InputError("no such folder", where=f"--picture {path}")
     if path.suffix.lower() not in PICTURES:
         raise InputError(
-            "this is no picture", where=f"--picture {path}", expected=", ".join(PICTURES)
+            "this is not a picture's name", where=f"--picture {path}", expected=", ".join(PICTURES)
         )
 
 
@@ -49,29 +49,29 @@ def show_pictures(
     picture: Path | None,
     port: int,
 ) -> None:
-    """Shows frames as pictures until they end, the time is over or the person closes the window.
+    """Shows frames as pictures until they end, the time is over or the window is closed.
 
     Args:
-        paalm: Calibrated.
-        stream: Frames.
+        paalm: Calibrated reconstruction.
+        stream: Hand frames.
         view: `window` or `web`; `text` only draws the last frame, into a file.
-        recorded: Frames of a recording are played at their own pace.
-        caption: Where they come from.
-        seconds: Of the device's time.
-        picture: Where the last picture goes.
-        port: Of the page.
+        recorded: True for a recording, which is played in its own time.
+        caption: Description of the source.
+        seconds: Time limit by the device's clock, s.
+        picture: File for the last picture; None writes none.
+        port: TCP port of the page.
 
     Raises:
         GraphicsError: The machine has no screen or no OpenGL.
     """
     sides = tuple(paalm.calibration)
-    shown: Window | Page | File
+    shown: WindowPictures | PagePictures | FilePictures
     if view == "window":
-        shown = Window(sides, caption)
+        shown = WindowPictures(sides, caption)
     elif view == "web":
-        shown = Page(sides, caption, port)
+        shown = PagePictures(sides, caption, port)
     else:
-        shown = File(sides, caption)
+        shown = FilePictures(sides, caption)
     try:
         last = _play(paalm, stream, shown, recorded and view != "text", seconds)
         if picture is not None and last is not None:
@@ -84,11 +84,11 @@ def show_pictures(
 def _play(
     paalm: Paalm,
     stream: Iterator[HandFrame],
-    shown: Window | Page | File,
+    shown: WindowPictures | PagePictures | FilePictures,
     paced: bool,
     seconds: float,
 ) -> tuple[HandFrame, PaalmFrame] | None:
-    """The last frame and what PAALM made of it."""
+    """Shows the frames; returns the last one and its reconstruction."""
     begin: float | None = None
     started = time.monotonic()
     last = None
@@ -102,7 +102,7 @@ def _play(
                 return last
             time.sleep(min(_LONGEST_REST, max(0.0, due - (time.monotonic() - started))))
         last = frame, paalm.step(frame)
-        # Of frames that are late already, only the newest is worth a picture.
+        # Late frames are not drawn, except the newest.
         if (not paced or time.monotonic() - started < due + 0.1) and not shown.show(*last):
             break
     return last
@@ -117,8 +117,8 @@ def _save(picture: Image.Image, path: Path) -> None:
         ) from error
 
 
-class Window:
-    """In a window."""
+class WindowPictures:
+    """Shows pictures in a window."""
 
     def __init__(self, sides: Sequence[str], caption: str) -> None:
         from sandbox.views.paalm.window import PaalmWindow
@@ -132,8 +132,8 @@ class Window:
         return self._window.picture
 
 
-class File:
-    """Nowhere, but for the last frame; remembers fingers that vanish."""
+class FilePictures:
+    """Draws only the last frame; remembers fingers that vanish."""
 
     def __init__(self, sides: Sequence[str], caption: str) -> None:
         from sandbox.views.paalm.picture import PaalmPicture
@@ -141,25 +141,25 @@ class File:
         self._picture = PaalmPicture(sides, caption=caption)
 
     def show(self, frame: HandFrame, result: PaalmFrame) -> bool:
-        """Takes note."""
+        """Takes a frame without drawing it."""
         self._picture.look(frame, result)
         return True
 
     def rest(self) -> bool:
-        """Goes on."""
+        """Returns True: without a window, nobody can close it."""
         return True
 
     def drawn(self, frame: HandFrame, result: PaalmFrame) -> Image.Image:
-        """The picture of a frame."""
+        """Draws a frame."""
         return self._picture.draw(frame, result)
 
     def close(self) -> None:
-        """Gives OpenGL back."""
+        """Frees the OpenGL context."""
         self._picture.close()
 
 
-class Page(File):
-    """On a page of this machine."""
+class PagePictures(FilePictures):
+    """Shows pictures on a page of this machine."""
 
     def __init__(self, sides: Sequence[str], caption: str, port: int) -> None:
         from sandbox.server.picture_page import PicturePage
@@ -175,7 +175,7 @@ class Page(File):
         Console(stderr=True).print(text, soft_wrap=True)
 
     def show(self, frame: HandFrame, result: PaalmFrame) -> bool:
-        """Draws a frame unless it comes too soon."""
+        """Draws a frame unless the last picture is too recent."""
         now = time.monotonic()
         if now < self._due:
             return super().show(frame, result)
@@ -184,6 +184,6 @@ class Page(File):
         return True
 
     def close(self) -> None:
-        """Ends the page."""
+        """Stops the page."""
         self._page.close()
         super().close()

@@ -1,4 +1,4 @@
-"""`sandbox play`: a task in a window, with the mouse or a tablet as fingers."""
+"""`sandbox play`: plays a task in a window or on a browser page, by mouse or touch."""
 
 from __future__ import annotations
 
@@ -16,8 +16,9 @@ from sandbox.cli.common.page_options import PageOptions
 from sandbox.cli.common.parse import parse
 from sandbox.cli.play.page import play_on_page
 from sandbox.cli.run import RunOptions, perform
+from sandbox.options.leap_calibration import uses_touch_profile, with_measured_hand
 from sandbox.options.leap_devices import is_leap
-from sandbox.options.own_hand import of_touches, with_own_hand
+from sandbox.options.metavars import device_choices
 from sandbox.options.profiles import DEFAULT, default_path, find_profile
 from sandbox.options.scene_options import SceneOptions, plan
 from sandbox.views.display import has_display
@@ -26,32 +27,34 @@ from tasks.registry import find_task
 
 @dataclass(frozen=True)
 class PlayOptions(LslOptions, PageOptions, SceneOptions):
-    """Plays a task in a window with the mouse or a TUIO tablet, or on a page with your fingers.
+    """Plays a task in a window with the mouse or a tablet, or on a browser page by touch.
 
-    `sandbox play --tablet` prints a code: photograph it with a tablet, and play there. In the
-    window, drag with the left button: one finger. Keys 1 to 5 put down a whole hand of so many
-    fingers, and h shows all keys. r starts again, p pauses, s slows time down, q closes.
+    `sandbox play --tablet` prints a QR code: scan it with a tablet and play by touch. In the
+    window, drag with the left mouse button to move one finger. Keys 1 to 5 put down a hand with
+    that many fingers, and h shows all keys: r restarts, p pauses, s slows time down, q quits.
     """
 
-    device: Annotated[str, tyro.conf.arg(metavar="DEVICE|FILE")] = "mouse"
-    """mouse, web (a page in a browser), tuio, evdev (a touch screen of this machine), simulated,
-    leap (a hand in the air, measured the first time), leap-simulated, or a file: a recording of
-    ours or of a Leap, or a capture of TUIO packets."""
+    device: Annotated[str, tyro.conf.arg(metavar=device_choices())] = "mouse"
+    """Source of the input. mouse: the mouse in the window. web: a page in a browser. tuio: a TUIO
+    sender. evdev: a touch screen of this Linux machine. leap: a hand in the air over a Leap,
+    measured the first time. simulated, leap-simulated: a simulated user. FILE: a recording of this
+    program or of a Leap, or a capture of TUIO packets. Or a device of your own
+    (docs/write-a-device.md)."""
 
     view: Literal["auto", "window", "web", "film", "none"] = "auto"
-    """Where it is seen. window: in a window, and on a page beside it, whose fingers play along with
-    the mouse. web: on a page alone, which --device web and --tablet imply. film: in a film that is
-    drawn meanwhile. none: nowhere. auto: a window, unless the fingers are on a page."""
+    """Output. window: a window, and a page beside it, on which touches work like the mouse. web: a
+    page only, which is the default with --device web and --tablet. film: a film. none: no output.
+    auto: a window, unless the touches are on a page."""
 
     film: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
-    """Of --view film; TASK.webp unless said otherwise."""
+    """File for the film of --view film. Default: TASK.webp."""
 
     max_latency: Annotated[float | None, tyro.conf.arg(metavar="MS")] = None
-    """Ends with 1 if p95 from a touch to its picture, in the window or on the page, was longer.
-    What the display adds is in none of it."""
+    """Exit status 1 if the 95th percentile of the time from a touch to its picture, in the window
+    or on the page, was longer. Delays of the display are not included."""
 
     def with_own_profile(self) -> PlayOptions:
-        """The same, with this user's own profile where their own fingers touch."""
+        """Returns the options with this user's own profile, if a person touches the device."""
         other = self.profile is not None or self.device in ("mouse", "simulated")
         other = other or is_leap(self.device)
         if other or Path(self.device).exists() or not default_path().exists():
@@ -67,12 +70,12 @@ def main(argv: list[str]) -> int:
     if options.view == "auto":
         options = replace(options, view="web" if on_page else "window")
     if on_page and options.view == "window":
-        # The window shows what the fingers on the page do; the mouse plays along.
+        # The window shows touches on the page; the mouse works, too.
         options = replace(options, device="mouse")
     elif on_page or (options.view == "web" and options.device == "mouse"):
         options = replace(options, device="web")
     console = Console()
-    options = with_own_hand(options.with_own_profile(), console)
+    options = with_measured_hand(options.with_own_profile(), console)
     if options.view in ("film", "none"):
         return _without_window(options)
     _check(options)
@@ -85,7 +88,7 @@ def main(argv: list[str]) -> int:
             remedy="`--view web` plays in a browser, `sandbox run` without any view; on a remote "
             "machine try `xvfb-run`",
         )
-    if of_touches(options, is_leap(options.device)):
+    if uses_touch_profile(options, is_leap(options.device)):
         console.print(f"profile: {find_profile(str(options.profile)).line}")
     from sandbox.cli.play.window import play_in_window
 
@@ -94,29 +97,29 @@ def main(argv: list[str]) -> int:
 
 
 def _check(options: PlayOptions) -> None:
-    """Says what cannot be played before anybody is asked to open a page or look at a window."""
+    """Checks that the task can be played, before a page or window is opened."""
     find_task(plan(replace(options, record=None)).settings.task)
     if options.record is not None and not options.record.absolute().parent.is_dir():
         raise InputError(
             "no such folder",
             where="--record",
             got=str(options.record.parent),
-            remedy="Make it, or record somewhere else",
+            remedy="Create it, or choose another folder",
         )
 
 
 def _without_window(options: PlayOptions) -> int:
-    """The same session as `sandbox run` plays: seen nowhere, or in a film."""
+    """Plays like `sandbox run`, with a film or without any output."""
     if options.device in ("mouse", "web"):
         raise InputError(
-            "fingers that see nothing touch nothing",
+            "this device needs a window or a page",
             where=f"--view {options.view}",
             got=options.device,
             expected="simulated, tuio or a file as --device",
         )
     if options.max_latency is not None:
         raise InputError(
-            "latency is measured up to a picture",
+            "latency is measured from a touch to a picture, which this view does not show",
             where="--max-latency",
             got=f"--view {options.view}",
             expected="--view window or --view web",

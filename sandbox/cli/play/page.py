@@ -1,4 +1,4 @@
-"""Play on the page: one trial after another, as the person on it asks."""
+"""Play on the browser page: one trial after another, as the player requests."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from rich.console import Console
 
 from models.errors import InputError
 from models.person import HANDS
-from sandbox.cli.common.latency import judge_latency, say_latency
+from sandbox.cli.common.latency import judge_latency, print_latency
 from sandbox.cli.common.page_options import PageOptions, open_page
-from sandbox.cli.common.second_view import invite, show_session, touched_pages
-from sandbox.cli.play.screen_too_small import in_plain_words
+from sandbox.cli.common.page_view import show_address, show_session, touched_pages
+from sandbox.cli.play.screen_too_small import explain_refusal
 from sandbox.cli.run import report_end
 from sandbox.options.scene_options import Plan, SceneOptions, plan
 from sandbox.server.page_server import PageServer
@@ -33,23 +33,23 @@ from sandbox.trial.timing import Timing, timed
 from tasks.registry import TASKS
 
 TICK = 0.02
-"""s between two looks at what the person wants."""
+"""s between two checks of the player's requests."""
 
-WAITED = 2.0
-"""s that one of two pages is open before it is told that the other one is not."""
+OTHER_PAGE_PATIENCE = 2.0
+"""s after which the player on one of two pages is told that the other page is not open."""
 
 
 @dataclass
-class Wishes:
+class PlayerRequests:
     """The person's requests for this trial and the next one.
 
     Attributes:
         task: Name.
         sides: `right` or `left`, of every hand.
-        trial: How many trials there were.
-        again: A new trial is wanted.
-        paused: Time is to stand still.
-        seated: How often another page had become the player's when this trial was laid out.
+        trial: Number of trials so far.
+        again: True if a new trial is requested.
+        paused: True if the trial is to pause.
+        seated: Count of changes of the player's page at the start of this trial.
     """
 
     task: str
@@ -60,12 +60,12 @@ class Wishes:
     seated: int = 0
 
     @classmethod
-    def of(cls, settings: RunSettings) -> Wishes:
+    def of(cls, settings: RunSettings) -> PlayerRequests:
         """The task and the hands of settings."""
         return cls(settings.task, tuple(hand.side for hand in settings.hands))
 
     def hear(self, asks: list[PlayerRequest], hand: int = 0) -> None:
-        """Takes in what was asked on a hand's page; what makes no sense is passed over."""
+        """Applies the requests from the page of a hand; invalid ones are ignored."""
         for ask in asks:
             match ask.what:
                 case "retry":
@@ -93,13 +93,13 @@ class Wishes:
 
 @dataclass(frozen=True)
 class PagePlay:
-    """A server and what its trials are made from.
+    """Play on pages: their servers, and what the trials need.
 
     Attributes:
         options: Options of the scene.
         servers: Server of the page, or of every hand's page if hands have their own pages.
-        events: Are told of trials.
-        console: For words.
+        events: Log of events.
+        console: Console for messages.
     """
 
     options: SceneOptions
@@ -108,8 +108,8 @@ class PagePlay:
     console: Console
 
     def run(self) -> None:
-        """Trials until the program is interrupted."""
-        wishes = Wishes.of(plan(self.options).settings)
+        """Runs trials until the program is interrupted."""
+        wishes = PlayerRequests.of(plan(self.options).settings)
         self._wait_for_players()
         while True:
             self._trial(wishes)
@@ -120,19 +120,23 @@ class PagePlay:
             wishes.again = wishes.paused = False
 
     def _wait_for_players(self) -> None:
-        """Until every page is open; who is there is told what is missing."""
-        start, told = time.monotonic(), False
+        """Waits until every page is open; an open page is told if the other one is missing."""
+        start, notified = time.monotonic(), False
         while missing := [s for s in self.servers if not s.wait_for_player(0.0)]:
             time.sleep(TICK)
-            if len(missing) < len(self.servers) and not told and time.monotonic() - start > WAITED:
-                told = True
+            if (
+                len(missing) < len(self.servers)
+                and not notified
+                and time.monotonic() - start > OTHER_PAGE_PATIENCE
+            ):
+                notified = True
                 for server in set(self.servers) - set(missing):
                     server.show_problem("The page of the other hand is not open yet.")
             elif len(missing) == len(self.servers):
                 start = time.monotonic()
 
-    def _hear(self, wishes: Wishes) -> None:
-        """Handles the page's requests; for another person's screen, the trial is laid out again."""
+    def _hear(self, wishes: PlayerRequests) -> None:
+        """Handles requests; a change of the player's screen starts a new trial."""
         for hand, server in enumerate(self.servers):
             wishes.hear(server.asked(), hand)
         if self._seated != wishes.seated:
@@ -142,7 +146,7 @@ class PagePlay:
     def _seated(self) -> int:
         return sum(server.seated for server in self.servers)
 
-    def _trial(self, wishes: Wishes) -> None:
+    def _trial(self, wishes: PlayerRequests) -> None:
         wishes.seated = self._seated
         chosen = self._chosen(wishes)
         record = self.options.record
@@ -152,7 +156,7 @@ class PagePlay:
             makers = with_first(makers, lambda maker: timed(maker, timing))
         ended: list[TrialResult] = []
         with ExitStack() as closing:
-            # Told once the recording is closed, also where the person interrupts the program.
+            # The end is logged after the recording is closed, even when the program is interrupted.
             closing.callback(self._tell_end, ended)
             try:
                 trial = closing.enter_context(
@@ -175,18 +179,20 @@ class PagePlay:
         for result in ended:
             self.events.tell("trial_end", **result.as_json())
 
-    def _play(self, trial: Trial, chosen: Plan, wishes: Wishes, ended: list[TrialResult]) -> None:
-        """Plays until the trial is over or another one is wanted; adds its result to `ended`."""
+    def _play(
+        self, trial: Trial, chosen: Plan, wishes: PlayerRequests, ended: list[TrialResult]
+    ) -> None:
+        """Plays until the trial is over or a new one is requested; adds its result to `ended`."""
         session = trial.session
         touched = [device for _, device in touched_pages(session)]
         for device in touched:
-            # Whichever page is touched, its step is made at once.
+            # A touch on any page triggers the next step at once.
             device.news = touched[0].news
-        # Fingers elsewhere, as over TUIO, are seen on the page, and are no later for that.
+        # Touches elsewhere, as over TUIO, are shown on the page without additional delay.
         hears = touched[0] if touched else session.first_rig.device
         live = LiveTrial(trial, news=hears.news)
         self._show(session, chosen)
-        # A person's time begins with their first touch: before, they look at the scene.
+        # The time of a person begins with the first touch.
         waiting = bool(touched)
         live.pause(waiting)
         live.start()
@@ -207,7 +213,7 @@ class PagePlay:
         if live.failure:
             raise live.failure
 
-    def _chosen(self, wishes: Wishes) -> Plan:
+    def _chosen(self, wishes: PlayerRequests) -> Plan:
         chosen = plan(replace(self.options, record=None))
         settings = wishes.wanted(chosen.settings)
         screens = [server.screen for server in self.servers if server.screen]
@@ -238,7 +244,7 @@ class PagePlay:
     def _refuse(self, error: InputError, settings: RunSettings) -> None:
         """A task that this screen has no room for: said on the page; another can be chosen."""
         for server in self.servers:
-            server.show_problem(in_plain_words(error, settings))
+            server.show_problem(explain_refusal(error, settings))
         self.events.tell("warning", what=str(error))
         self.console.print(f"[yellow]{error}[/]")
 
@@ -246,9 +252,9 @@ class PagePlay:
 def play_on_page(
     options: SceneOptions, page: PageOptions, console: Console, limit: float | None = None
 ) -> int:
-    """Serves the page until interrupted, then says how long touches took.
+    """Serves the page until interrupted, then prints the latency of touches.
 
-    Returns 1 where that was longer than `limit`, ms (see `judge_latency`); None sets none.
+    Returns 1 if the latency exceeds `limit`, ms (see `judge_latency`); None sets no limit.
     """
     hands = [options.device, options.second_device].count("web")
     sides = [hand.side for hand in plan(options).settings.hands]
@@ -256,13 +262,13 @@ def play_on_page(
     events, servers = EventLog(options.events), [open_page(page, touch=hands > 0)]
     try:
         if hands == 2:
-            # Each hand's page is at an address of its own, so that a link says whose page it is.
+            # Each hand has a page at an address of its own.
             beside = replace(page, page_port=page.page_port and page.page_port + 1)
             servers.append(open_page(beside))
         for server, whose in zip(servers, names, strict=False):
             if hands == 2:
                 console.print(f"for the {whose} hand:")
-            invite(server, page, events, console)
+            show_address(server, page, events, console)
         PagePlay(options, tuple(servers), events, console).run()
     except KeyboardInterrupt:
         console.print("stopped")
@@ -271,18 +277,19 @@ def play_on_page(
             server.close()
             if len(servers) > 1 and server.latency.percentiles():
                 console.print(f"the {whose} hand's page:")
-            say_latency(server.latency, console)
-            say_refusals(server, console)
+            print_latency(server.latency, console)
+            print_refusals(server, console)
         events.close()
     return max(judge_latency(server.latency, limit, console) for server in servers)
 
 
 def numbered(path: Path, trial: int) -> Path:
-    """A second trial is another file: nothing recorded is ever written over."""
+    """Returns the file of a trial: later trials get a number, so that no recording is
+    overwritten."""
     return path if not trial else path.with_stem(f"{path.stem}-{trial + 1}")
 
 
-def say_refusals(server: PageServer, console: Console) -> None:
+def print_refusals(server: PageServer, console: Console) -> None:
     """Prints the server's refusals by reason, if there were any."""
     refused = server.counters.as_dict()
     if refused:

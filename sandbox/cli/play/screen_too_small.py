@@ -12,11 +12,11 @@ from sandbox.trial.settings import RunSettings
 from tasks.registry import TASKS, draw_task, hands_of
 
 
-def in_plain_words(error: InputError, settings: RunSettings) -> str:
-    """Why a trial cannot begin, and what can be done instead, for somebody who plays.
+def explain_refusal(error: InputError, settings: RunSettings) -> str:
+    """Returns a message for the player on why a trial cannot begin, and what to do instead.
 
     Args:
-        error: Was raised when the trial was made.
+        error: Error raised when the trial was built.
         settings: Settings of the trial.
     """
     if "too small" not in error.what:
@@ -24,27 +24,27 @@ def in_plain_words(error: InputError, settings: RunSettings) -> str:
     surface = settings.surface
     size = f"{surface.width_in:.1f} by {surface.height_in:.1f} inches"
     needed = re.sub(r"([\d.]+)x([\d.]+)in\b", r"\1 by \2 inches", error.expected or "")
-    told = [
-        f"This screen is too small for {error.where}: it has {size}, and here hand and things "
-        f"have their true size. It needs {needed}."
+    message = [
+        f"This screen is too small for {error.where}: it has {size}, and hand and objects are "
+        f"shown in true size. The task needs {needed}."
     ]
-    turned = replace(surface, width_in=surface.height_in, height_in=surface.width_in)
-    if settings.task in TASKS and _fits(settings.task, turned, settings.seed):
-        told.append("Turn the screen: then there is room.")
+    rotated = replace(surface, width_in=surface.height_in, height_in=surface.width_in)
+    if settings.task in TASKS and _fits(settings.task, rotated, settings.seed):
+        message.append("Rotate the screen: then there is enough room.")
     elif others := [n for n in fitting(surface, settings.seed) if n != settings.task]:
-        told.append(f"Tasks that have room here: {', '.join(others)}.")
+        message.append(f"Tasks that fit on it: {', '.join(others)}.")
     else:
-        told.append(
-            "No task has room on it. Open the link on a tablet or a laptop, which then plays; "
-            "here you can look on."
+        message.append(
+            "No task fits on it. Open the link on a tablet or a laptop to play; this screen then "
+            "shows the session."
         )
     if not surface.calibrated:
-        told.append("Its size is a guess: under Tasks you can measure it with a bank card.")
-    return "\n".join(told)
+        message.append("Its size is a guess: under Tasks you can measure it with a bank card.")
+    return "\n".join(message)
 
 
 def fitting(surface: Surface, seed: int) -> tuple[str, ...]:
-    """Names of our tasks for one hand that a surface has room for."""
+    """Returns the names of built-in tasks for one hand that fit on a surface."""
     return tuple(
         name for name, task in TASKS.items() if hands_of(task) == 1 and _fits(name, surface, seed)
     )

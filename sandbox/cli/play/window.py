@@ -1,4 +1,4 @@
-"""Play in a window, with a page beside it: one trial after another, as the person asks."""
+"""Play in a window with a page beside it: one trial after another, as the player requests."""
 
 from __future__ import annotations
 
@@ -10,16 +10,16 @@ from rich.console import Console
 
 from models.errors import InputError
 from models.surface import Surface
-from sandbox.cli.common.latency import judge_latency, say_latency
+from sandbox.cli.common.latency import judge_latency, print_latency
 from sandbox.cli.common.page_options import PageOptions
-from sandbox.cli.common.second_view import (
+from sandbox.cli.common.page_view import (
     in_air,
-    open_second_view,
+    open_page_beside_window,
     short_address,
     show_session,
     touched_pages,
 )
-from sandbox.cli.play.page import Wishes, numbered, say_refusals
+from sandbox.cli.play.page import PlayerRequests, numbered, print_refusals
 from sandbox.cli.run import report_end
 from sandbox.devices.wrappers.first_touch import FirstTouch
 from sandbox.devices.wrappers.merged import MergedDevice
@@ -44,11 +44,11 @@ from tasks.task import Task
 
 WAITING = "time begins with your first touch"
 WITH_MOUSE = "press 3 for a hand, drag beside it to move it; "
-"""Said to who plays with the mouse, before they have touched anything."""
-NEWS = 0.5
-"""s between two looks at how fast pictures are drawn."""
-BEHIND = 0.05
-"""s of real time that have to be lost before a person is told."""
+"""Hint for players with the mouse, before the first touch."""
+RATE_PERIOD = 0.5
+"""s between two measurements of the rate of pictures."""
+NOTABLE_DELAY = 0.05
+"""s behind real time from which the delay is shown."""
 
 
 @dataclass
@@ -61,20 +61,20 @@ class Footer:
     _rate: str = ""
 
     def lines(self, window: Window, lost: float, session: Session) -> tuple[str, ...]:
-        """The lines now.
+        """Returns the current lines.
 
         Args:
-            window: Has drawn the last picture.
+            window: Window that drew the last picture.
             lost: s that the session is behind real time.
-            session: For how far its first hand is lifted.
+            session: Session, whose first hand may be lifted.
         """
         now = time.monotonic()
-        if now - self._since >= NEWS:
+        if now - self._since >= RATE_PERIOD:
             rate = (window.pictures - self._pictures) / (now - self._since)
             self._since, self._pictures = now, window.pictures
             self._rate = f"{rate:.0f} pictures/s, {1000 * window.picture_time:.0f} ms each"
         texts = [self._rate]
-        if lost > BEHIND:
+        if lost > NOTABLE_DELAY:
             texts.append(f"{lost:.1f} s behind real time")
         # A hand in the air lifts itself.
         reach = 0.0 if in_air(session) else 1000.0 * session.task.lift_range
@@ -89,17 +89,17 @@ class Footer:
 
 @dataclass
 class WindowPlay:
-    """A window, perhaps a page beside it, and what trials are made from.
+    """Play in a window, and on a page beside it if there is one.
 
     Attributes:
         options: Options of the scene.
         server: Server of the page; None without a page.
-        share: Whether fingers on the page count, too.
-        lan: Whether the page is for a tablet, which is shown its code until it comes.
-        events: Are told.
-        console: Is told.
+        share: True if touches on the page also move the hand.
+        lan: True if the page is for a tablet, whose QR code is shown until it connects.
+        events: Log of events.
+        console: Console for messages.
         latency: Latency log of all trials.
-        window: Once one is open.
+        window: The window; None until it is open.
     """
 
     options: SceneOptions
@@ -112,9 +112,9 @@ class WindowPlay:
     window: Window | None = None
 
     def run(self) -> None:
-        """Trials until the window is closed."""
+        """Runs trials until the window is closed."""
         first = plan(replace(self.options, record=None)).settings
-        wishes = Wishes.of(first)
+        wishes = PlayerRequests.of(first)
         done = wishes.task, wishes.sides
         try:
             while True:
@@ -123,7 +123,7 @@ class WindowPlay:
                 except InputError as error:
                     if self.window is None or (wishes.task, wishes.sides) == done:
                         raise
-                    # What the page asked for cannot be had: said there, and on with what can.
+                    # The page's request cannot be met: show why there, and continue.
                     self._tell(str(error))
                     wishes.task, wishes.sides = done
                     continue
@@ -136,11 +136,11 @@ class WindowPlay:
             if self.window is not None:
                 self.window.close()
 
-    def _trial(self, wishes: Wishes) -> bool:
-        """One trial; whether another is wanted."""
+    def _trial(self, wishes: PlayerRequests) -> bool:
+        """Plays one trial; returns True if another one is requested."""
         chosen = self._chosen(wishes)
         record = self.options.record
-        # A second trial is another file: nothing recorded is ever written over.
+        # A second trial gets another file, so that no recording is overwritten.
         kept = numbered(record, wishes.trial) if record else None
         timing = Timing(self.latency)
         with open_trial(
@@ -170,14 +170,16 @@ class WindowPlay:
         report_end(result, self.console)
         return again
 
-    def _watch(self, session: Session, live: LiveTrial, wishes: Wishes, timing: Timing) -> bool:
-        """Draws until the window is closed (False) or another trial is wanted (True)."""
+    def _watch(
+        self, session: Session, live: LiveTrial, wishes: PlayerRequests, timing: Timing
+    ) -> bool:
+        """Draws until the window is closed (False) or another trial is requested (True)."""
         window = self.window
         assert window is not None
         footer = Footer(short_address(self.server) if self.server else "")
         seen: Snapshot | None = None
         waiting = _waiting(session)
-        # What there is to see before the first step.
+        # The snapshot to show before the first step.
         first = self._before(session) if waiting else session.snapshot()
         while window.pump(live.newest or first):
             waiting = waiting and _waiting(session)
@@ -212,12 +214,12 @@ class WindowPlay:
         """True while the program waits for a tablet."""
         return self.lan and self.server is not None and not self.server.wait_for_player(0.0)
 
-    def _chosen(self, wishes: Wishes) -> Plan:
+    def _chosen(self, wishes: PlayerRequests) -> Plan:
         chosen = plan(replace(self.options, record=None))
         return replace(chosen, settings=wishes.wanted(chosen.settings))
 
     def _device_makers(self, chosen: Plan, timing: Timing) -> DeviceMakers:
-        """Open the devices; the first with the page's fingers beside it and a clock around both."""
+        """Returns device makers; the first adds the page's touches and measures latency."""
         makers = with_lift(chosen.makers, keys=True)
 
         def beside_page(maker: DeviceMaker) -> DeviceMaker:
@@ -228,8 +230,8 @@ class WindowPlay:
 
         if self.share:
             makers = with_first(makers, beside_page)
-        # Spoiled frames carry the session's time, in which nothing can be late.
-        # Nobody knows what a Leap's clock has to do with this machine's.
+        # Degraded frames carry the session's time, in which nothing can be late.
+        # The offset of a Leap's clock from this machine's is unknown.
         degrades = chosen.settings.variation.degrades_touches
         measured = chosen.live and not degrades and not chosen.settings.in_air
         if measured:
@@ -260,7 +262,7 @@ class WindowPlay:
     def _show_on_page(self, session: Session, chosen: Plan) -> None:
         if self.server:
             caption = "simulated user" if chosen.about.get("user") is not None else ""
-            # A page that is the second hand's, or one that plays along with the mouse.
+            # The page is for the second hand, or for touches beside the mouse.
             beside = session.first_rig.device.find(WebDevice)
             own, web = next(iter(touched_pages(session)), (0, beside))
             side = chosen.settings.hands[own or 0].side
@@ -285,19 +287,19 @@ class WindowPlay:
 def play_in_window(
     options: SceneOptions, page: PageOptions, limit: float | None, console: Console
 ) -> int:
-    """Plays until the window is closed; 1 where touches took longer than the limit allows.
+    """Plays until the window is closed; returns 1 if latency exceeds the limit, else 0.
 
     Args:
-        options: Options of the scene. The page is the second hand's if that is its device; else its
-            fingers play along with the mouse, and beside any other device it only looks.
-        page: Where the page is.
-        limit: ms, see `judge_latency`; None sets none.
-        console: Is told.
+        options: Options of the scene. The page is for the second hand if that is its device. Else
+            it takes touches beside the mouse, and only shows the session beside other devices.
+        page: Options of the page's server.
+        limit: ms, see `judge_latency`; None sets no limit.
+        console: Console for messages.
     """
     events = EventLog(options.events)
     try:
         mouse, second = options.device == "mouse", options.second_device == "web"
-        server = open_second_view(page, mouse or second, events, console)
+        server = open_page_beside_window(page, mouse or second, events, console)
         latency = server.latency if server else LatencyLog()
         share = server is not None and mouse and not second
         lan = page.tablet or page.lan is not None
@@ -307,8 +309,8 @@ def play_in_window(
         finally:
             if server:
                 server.close()
-                say_refusals(server, console)
-            say_latency(latency, console)
+                print_refusals(server, console)
+            print_latency(latency, console)
     finally:
         events.close()
     return judge_latency(latency, limit, console)

@@ -1,4 +1,4 @@
-"""`sandbox replay`: plays recordings again, checks every state, and shows them."""
+"""`sandbox replay`: replays recordings, checks every state, and shows them."""
 
 from __future__ import annotations
 
@@ -27,14 +27,14 @@ from tasks.score import ending
 
 ELSEWHERE = "it was made with other versions or on another kind of processor"
 SELDOM = 64
-"""Control periods between two looks at the progress bar: it takes longer than one of them."""
+"""Control periods between two updates of the progress bar, which take longer than one period."""
 
 
 @dataclass(frozen=True)
 class ReplayOptions:
-    """Plays recordings again and compares each state with the recorded one, hash by hash.
+    """Replays recordings and compares each state with the recorded one, by its hash.
 
-    Exit status 1 means that a state differs although versions and processor are the recording's.
+    Exit status 1: a state differs although versions and processor are those of the recording.
 
         sandbox replay run.jsonl                                   a recording
         sandbox replay NAME/3B5G5T/S001/T007                       a trial of a study
@@ -44,26 +44,26 @@ class ReplayOptions:
     """
 
     trial: Annotated[str, tyro.conf.Positional, tyro.conf.arg(metavar="FILE|TRIAL")]
-    """A recording, made with --record; a trial of a study, NAME/PARTICIPANT/S001/T007, where the
-    session may be left out and the attempt that counts is taken; or a study's folder, a participant
-    or a session: all trials in it."""
+    """A recording (--record); a trial of a study, NAME/PARTICIPANT/S001/T007, of which the valid
+    attempt is taken, and whose session may be left out; or a study's folder, a participant or a
+    session, which stands for all its trials."""
 
     verify: tyro.conf.FlagCreatePairsOff[bool] = False
-    """Exit status 1 unless every state was compared, up to the recording's end, and equal."""
+    """Exit status 1 unless the recording is complete and every state is equal."""
 
     view: Literal["none", "window", "web", "film"] = "none"
-    """Shows it, after it was compared: in a window (h shows the keys: pause, steps, jumps), on the
-    page, or as a film."""
+    """Show the trial after the comparison: in a window (h shows the keys: pause, steps, jumps), on
+    a page, or as a film."""
 
     speed: float = 1.0
     """Simulated seconds per second, for --view window and web."""
 
     film: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
-    """Draws a film: .webp, .gif, or .mp4 with the extra `film`. Without a name, --view film makes a
+    """File for a film: .webp, .gif, or .mp4 with the extra `film`. Default with --view film: a
     .webp with the recording's name."""
 
     out: Annotated[Path, tyro.conf.arg(metavar="DIR")] = Path("studies")
-    """Where studies are kept."""
+    """Folder of studies."""
 
     page: PageOptions = field(default_factory=PageOptions)
 
@@ -89,13 +89,13 @@ def main(argv: list[str]) -> int:
     for file in files:
         status = max(status, _replay(file, options, len(files) > 1, console))
     if len(files) > 1:
-        told = "all as they should be" if status == 0 else "[red]not all as they should be[/]"
-        console.print(f"{len(files)} recordings: {told}")
+        verdict = "all correct" if status == 0 else "[red]not all correct[/]"
+        console.print(f"{len(files)} recordings: {verdict}")
     return status
 
 
 def _replay(file: Path, options: ReplayOptions, brief: bool, console: Console) -> int:
-    """One recording; the exit status."""
+    """Replays one recording; returns the exit status."""
     recording = load_recording(file)
     if recording.damage:
         console.print(f"[yellow]{file}: {recording.damage}[/]")
@@ -104,7 +104,7 @@ def _replay(file: Path, options: ReplayOptions, brief: bool, console: Console) -
     film = options.film
     if options.view == "film" and film is None:
         film = Path(file.name).with_suffix(".webp")
-    # Who played is told by the recording; a film of a simulated user has to say so.
+    # A film of a simulated user must say so.
     caption = "simulated user" if recording.header.get("user") else ""
     steps = recording.end["step"] if recording.end else None
     began = time.perf_counter()
@@ -169,12 +169,12 @@ def _show(
 
 
 def _verdict(verification: Verification) -> str:
-    """Result of a replay, in a line."""
+    """Returns the result of a replay in one line."""
     if verification.exact:
         whole = "" if verification.complete else ", up to where it breaks off"
         return f"[green]exact[/]: {verification.compared} states equal to the bit{whole}"
     if verification.compared == 0:
-        return "[yellow]nothing to compare: it holds no input[/]"
+        return "[yellow]nothing to compare: the recording holds no input[/]"
     differs = f"differs[/] from physics step {verification.first_difference} on"
     if verification.same_machine:
         return f"[red]{differs}"
@@ -184,7 +184,7 @@ def _verdict(verification: Verification) -> str:
 def _report(
     recording: Recording, session: Session, verification: Verification, console: Console
 ) -> None:
-    """Result of a replay and of the trial."""
+    """Prints the result of a replay and of the trial."""
     score = session.scorer.score
     console.print(_verdict(verification))
     if verification.exact and not verification.same_machine:

@@ -1,4 +1,4 @@
-"""A replayed trial in the window or on the page: at real time, with pause, steps and jumps."""
+"""Views of a replayed trial in a window or on a page: in real time, with pause and jumps."""
 
 from __future__ import annotations
 
@@ -8,20 +8,20 @@ from collections.abc import Sequence
 from rich.console import Console
 
 from sandbox.cli.common.page_options import PageOptions, open_page
-from sandbox.cli.common.second_view import in_air, invite, show_session
+from sandbox.cli.common.page_view import in_air, show_address, show_session
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
 from sandbox.trial.events import EventLog
 from sandbox.trial.playback import Playback
 
 RATE = 60.0
-"""Moments per second that are told to the page."""
+"""Snapshots per second that are sent to the page."""
 
 
 def show_in_window(
     session: Session, snapshots: Sequence[Snapshot], speed: float, caption: str
 ) -> None:
-    """Until the window is closed.
+    """Shows the trial until the window is closed.
 
     Raises:
         GraphicsError: No window can be opened here.
@@ -43,7 +43,7 @@ def show_in_window(
         while window.pump(playback.now):
             moves = window.take_moves()
             if abs(moves) == 1:
-                # Who goes step by step wants to look at each.
+                # Single steps pause the playback.
                 window.paused = True
             if playback.paused != window.paused:
                 playback.paused = window.paused
@@ -64,14 +64,14 @@ def show_on_page(
     page: PageOptions,
     console: Console,
 ) -> None:
-    """Until the program is interrupted; pause and start again are those of the page.
+    """Shows the trial until the program is interrupted; the page can pause and restart it.
 
     Raises:
         DeviceError: The page cannot be served.
     """
     server = open_page(page, touch=False)
     try:
-        invite(server, page, EventLog(None), console)
+        show_address(server, page, EventLog(None), console)
         console.print("Ctrl-C ends it")
         show_session(server, session, hand, caption)
         while not server.wait_for_player(1.0):

@@ -17,82 +17,83 @@ from rich.table import Table
 
 from models.errors import InputError, StudyError
 from sandbox.cli.common.parse import parse
-from sandbox.cli.study import keeping as study_keeping
+from sandbox.cli.study import data_commands
 from sandbox.cli.study.report import ReportOptions, report
 from sandbox.cli.study.run import run, sayer
-from sandbox.cli.study.run_options import RunOptions
+from sandbox.cli.study.run_options import StudyRunOptions
 
 if TYPE_CHECKING:
     from sandbox.study.design.design import Design
 
 FIRST_STEPS = """
-To begin with:
+First steps:
 
   sandbox study new design.toml
   sandbox study check design.toml
   sandbox study simulate design.toml --out out --participants 2
   sandbox study report out/my-study-simulated
 
-docs/studies.md tells the rest."""
+docs/studies.md explains the rest."""
 
 File = Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="DESIGN")]
 
 
 @dataclass(frozen=True)
 class NewOptions:
-    """Writes a design to begin with; an existing file is never overwritten."""
+    """Writes a template of a design; an existing file is never overwritten."""
 
     file: File = Path("design.toml")
-    """Of the new design."""
+    """File for the new design."""
 
 
 @dataclass(frozen=True)
 class CheckOptions:
-    """Names every mistake in a design, with line and remedy. Exit status 2 where there is one."""
+    """Checks a design and lists every mistake with line and remedy. Exit status 2 if there are
+    any."""
 
     file: File
-    """The design."""
+    """Design file."""
 
 
 @dataclass(frozen=True)
 class PlanOptions:
-    """Tells who gets what, and how long it takes."""
+    """Shows the order of conditions for each participant, and how long sessions take."""
 
     file: File
-    """The design."""
+    """Design file."""
 
     participants: Annotated[int | None, tyro.conf.arg(metavar="N")] = None
-    """As many as the design says, unless told otherwise."""
+    """Number of participants. Default: that of the design."""
 
     power: tyro.conf.FlagCreatePairsOff[bool] = False
-    """What effect so many people detect."""
+    """Show which effect this number of participants can detect."""
 
     spread: float = 0.30
-    """For --power: standard deviation, over people, of the difference between two conditions in
-    log completion time. A guess until a pilot has measured it."""
+    """For --power: standard deviation between people of the difference in log completion time
+    between two conditions. A guess until a pilot has measured it."""
 
 
 @dataclass(frozen=True)
-class SimulateOptions:
-    """Lets simulated participants of different skill and hand size go through a study.
+class StudySimulateOptions:
+    """Runs a study with simulated participants of different skill and hand size.
 
-    Their data have a folder of their own, NAME-simulated, and every row says so.
+    Their data go to a separate folder, NAME-simulated, and every row is marked as simulated.
     """
 
     file: File
-    """The design."""
+    """Design file."""
 
     out: Annotated[Path, tyro.conf.arg(metavar="DIR")]
-    """Where studies are kept."""
+    """Folder of studies."""
 
     participants: Annotated[int | None, tyro.conf.arg(metavar="N")] = None
-    """As many as the design says, unless told otherwise."""
+    """Number of participants. Default: that of the design."""
 
     resume: tyro.conf.FlagCreatePairsOff[bool] = False
-    """Goes on where an earlier run ended, however it ended."""
+    """Continue an earlier run, even if it was interrupted."""
 
     force_upgrade: Annotated[str, tyro.conf.arg(metavar="REASON")] = ""
-    """Goes on although program, encoder or design have changed; it is logged."""
+    """Continue although program, encoder or design have changed; the reason is logged."""
 
 
 def main(argv: list[str]) -> int:
@@ -105,7 +106,7 @@ def main(argv: list[str]) -> int:
         return 0
     if argv[0] not in ACTIONS:
         raise InputError(
-            "no such thing to do with a study", got=argv[0], expected=", ".join(ACTIONS)
+            "unknown subcommand of `sandbox study`", got=argv[0], expected=", ".join(ACTIONS)
         )
     options, action = ACTIONS[argv[0]]
     return action(parse(options, f"sandbox study {argv[0]}", argv[1:]), Console(soft_wrap=True))
@@ -180,7 +181,7 @@ def _plan(options: PlanOptions, console: Console) -> int:
     if count % cycle:
         console.print(
             f"[yellow]orders are used equally often after every {cycle} participants, "
-            f"and {count} is no multiple of that[/]"
+            f"and {count} is not a multiple of that[/]"
         )
     if not options.power:
         return 0
@@ -214,7 +215,7 @@ def _order(levels: list[str]) -> str:
     return ", ".join(runs)
 
 
-def _simulate(options: SimulateOptions, console: Console) -> int:
+def _simulate(options: StudySimulateOptions, console: Console) -> int:
     from sandbox.study.record.folder import SIMULATED, StudyFolder
     from sandbox.study.run.simulate import simulate
 
@@ -233,9 +234,9 @@ ACTIONS: dict[str, tuple[Any, Callable[[Any, Console], int]]] = {
     "new": (NewOptions, _new),
     "check": (CheckOptions, _check),
     "plan": (PlanOptions, _plan),
-    "run": (RunOptions, run),
-    "simulate": (SimulateOptions, _simulate),
+    "run": (StudyRunOptions, run),
+    "simulate": (StudySimulateOptions, _simulate),
     "report": (ReportOptions, report),
-    **study_keeping.ACTIONS,
+    **data_commands.ACTIONS,
 }
 """Action -> its options and what it does."""

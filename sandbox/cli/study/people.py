@@ -14,27 +14,27 @@ from sandbox.study.record.stored_sessions import sessions_of
 from sandbox.study.run.simulate import simulated_person
 
 if TYPE_CHECKING:
-    from sandbox.cli.study.run_options import RunOptions
+    from sandbox.cli.study.run_options import StudyRunOptions
 
 
-def who_comes(options: RunOptions, study: StudyFolder, console: Console) -> Participant:
-    """The participant that options name, or a new one.
+def find_participant(options: StudyRunOptions, study: StudyFolder, console: Console) -> Participant:
+    """Returns the participant that options name, or a new one.
 
     Raises:
-        StudyError: They name nobody, or what a newcomer cannot be.
+        StudyError: The options name no known participant, or are not valid for a new one.
     """
     if options.participant and options.participant != "new":
         return study.find(read_pseudonym(options.participant))
     unfinished = [person.ppid for person in study.participants() if not _finished(study, person)]
     if not options.participant:
         raise StudyError(
-            "who takes part is missing",
+            "the participant is missing",
             where="--participant",
             expected=", ".join(("new", *unfinished)),
         )
     if options.session not in (None, 1):
         raise StudyError(
-            "whoever is new begins with session 1", where="--session", got=options.session
+            "a new participant begins with session 1", where="--session", got=options.session
         )
     if unfinished:
         console.print(f"[yellow]not finished yet: {', '.join(unfinished)}[/]")
@@ -57,7 +57,7 @@ def who_comes(options: RunOptions, study: StudyFolder, console: Console) -> Part
 
 
 def next_session(study: StudyFolder, person: Participant) -> int:
-    """The first of somebody's sessions that is not finished; the last one where all are."""
+    """Returns the first unfinished session of a participant, or the last one."""
     done = {s.number for s in sessions_of(study, person) if s.state.complete}
     planned = study.design.sessions
     return next((n for n in range(1, planned + 1) if n not in done), planned)

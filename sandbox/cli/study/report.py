@@ -1,4 +1,4 @@
-"""`sandbox study report`: what a study found, as one page with its tables and an R script."""
+"""`sandbox study report`: the results of a study, as a page with tables and an R script."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ from models.errors import HandSandboxError, InputError
 
 @dataclass(frozen=True)
 class ReportOptions:
-    """Makes a page of a study's results, with CSVs and an R script beside it.
+    """Writes a page with the results of a study, CSV files and an R script.
 
-    Reads nothing but the CSVs in the study's folder, so any copy of it will do, at any time: before
-    the study has ended, the report is about what there is. Needs the extra `study`.
+    It reads only the CSV files in the study's folder, so that it also works on a copy. Before the
+    study has ended, the report covers the data so far. Needs the extra `study`.
 
     sandbox study report studies/three-encoders
 
@@ -28,20 +28,20 @@ class ReportOptions:
     """
 
     folder: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="FOLDER")]
-    """The study's: where its trial_results.csv is."""
+    """Folder of the study, which contains trial_results.csv."""
 
     out: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
-    """Where the report goes; FOLDER/report unless told otherwise."""
+    """Folder for the report. Default: FOLDER/report."""
 
     measure: Annotated[
         tyro.conf.UseAppendAction[tuple[str, ...]], tyro.conf.arg(metavar="NAME")
     ] = ()
-    """A column of trial_results.csv that is compared like completion time and success; may be
-    repeated. All others are described and not tested."""
+    """Column of trial_results.csv that is tested like completion time and success; may be repeated.
+    All other columns are described only."""
 
 
 def report(options: ReportOptions, console: Console) -> int:
-    """Makes the report and says where it is."""
+    """Runs `sandbox study report`."""
     from sandbox.study.report.make import make_report
 
     if options.out is not None and options.out.is_file():
@@ -57,7 +57,7 @@ def report(options: ReportOptions, console: Console) -> int:
 
 
 def _bring_up_to_date(folder: Path, console: Console) -> None:
-    """Makes the tables anew where a program was killed in the middle of a session."""
+    """Rebuilds outdated tables, as after a program was killed during a session."""
     from sandbox.study.record.folder import StudyFolder
     from sandbox.study.tables.tables import rebuild_study, tables_are_outdated
 
@@ -68,4 +68,4 @@ def _bring_up_to_date(folder: Path, console: Console) -> None:
     except HandSandboxError as error:
         console.print(f"[yellow]the newest trials are not in the tables: {escape(str(error))}[/]")
     else:
-        console.print("[dim]the tables were made anew: some journals were newer[/]")
+        console.print("[dim]the tables were rebuilt, since some journals were newer[/]")

@@ -14,15 +14,15 @@ from rich.markup import escape
 
 from sandbox.cli.common.lsl_options import streaming
 from sandbox.cli.study.run_options import (
-    RunOptions,
+    StudyRunOptions,
     again,
     check_leap,
     check_options,
     check_page,
-    check_second,
+    check_second_device,
+    page_options,
     second_touch_options,
     touch_options,
-    where_served,
 )
 from sandbox.views.display import has_display
 
@@ -34,12 +34,12 @@ if TYPE_CHECKING:
     from sandbox.study.run.study_page import StudyPage
 
 FAREWELL = 1.0
-"""s in which the page gets its last words before the program ends."""
+"""s in which the page receives its last message before the program ends."""
 
 
-def run(options: RunOptions, console: Console) -> int:
-    """Runs a session, or what is left of it."""
-    from sandbox.cli.study.people import has_begun, next_session, who_comes
+def run(options: StudyRunOptions, console: Console) -> int:
+    """Runs a session, or the rest of an interrupted one."""
+    from sandbox.cli.study.people import find_participant, has_begun, next_session
     from sandbox.study.design.design_file import load_design
     from sandbox.study.record.folder import PILOT, REAL, StudyFolder
     from sandbox.study.record.session_folder import SessionFolder
@@ -49,14 +49,14 @@ def run(options: RunOptions, console: Console) -> int:
     check_page(options)
     design = load_design(options.file)
     check_leap(options, design)
-    check_second(options, design)
+    check_second_device(options, design)
     study = StudyFolder(
         options.out, design, PILOT if options.pilot else REAL, options.force_upgrade
     )
     say = sayer(console)
     controls = Controls(say)
     terminal = Terminal(controls)
-    person = who_comes(options, study, console)
+    person = find_participant(options, study, console)
     number = options.session or next_session(study, person)
     if number > 1 and options.session is None and not has_begun(study, person, number):
         say(
@@ -96,29 +96,29 @@ def _agreed(terminal: Terminal) -> bool:
 
 
 def _open_page(
-    options: RunOptions, session: SessionFolder, console: Console, closing: ExitStack
+    options: StudyRunOptions, session: SessionFolder, console: Console, closing: ExitStack
 ) -> StudyPage | None:
-    """The participant's page, and how it is opened."""
+    """Serves the participant's page, and prints how to open it; None without a page."""
     if not options.has_page:
         return None
     from models.surface import parse_surface
     from sandbox.cli.common.page_options import open_page
-    from sandbox.cli.common.second_view import invite
-    from sandbox.cli.play.page import say_refusals
+    from sandbox.cli.common.page_view import show_address
+    from sandbox.cli.play.page import print_refusals
     from sandbox.study.run.study_page import StudyPage, study_view
     from sandbox.trial.events import EventLog
 
-    where = where_served(options)
+    where = page_options(options)
     language = session.person.language
     server = open_page(where, study_view(language, session.study.design.page.shows))
-    closing.callback(lambda: say_refusals(server, console))
+    closing.callback(lambda: print_refusals(server, console))
     closing.callback(server.close)
     page = StudyPage(server, language, sayer(console))
     surface = session.study.design.settings.get("surface")
     if surface is not None and options.touches == "web":
         designed = parse_surface(surface)
         page.needed_in = designed.width_in, designed.height_in
-    invite(server, where, EventLog(None), console)
+    show_address(server, where, EventLog(None), console)
     beside = options.touches != "web" and options.view == "window"
     if beside and has_display() and not options.no_browser:
         webbrowser.open(server.url)
@@ -126,7 +126,7 @@ def _open_page(
 
 
 def _play(
-    options: RunOptions,
+    options: StudyRunOptions,
     session: SessionFolder,
     page: StudyPage | None,
     controls: Controls,
@@ -148,7 +148,7 @@ def _play(
         forms = TerminalForms(terminal, lambda text: console.print(text, markup=False))
     player = _player(options, session, page)
     say, leap = sayer(console), options.leap_address
-    # Whoever simulates a hand in the air has another one in every trial: it is not measured.
+    # A simulated hand in the air differs in every trial, so it is not measured.
     simulated = options.device == "simulated"
     calibrate = _average if simulated else hand_measurer(forms, person, leap, say)
     other = second.device if second else name
@@ -175,10 +175,12 @@ def _play(
 
 
 def _average(poll: Poll) -> None:
-    """A hand that is not measured."""
+    """Skips the measurement of a simulated hand."""
 
 
-def _player(options: RunOptions, session: SessionFolder, page: StudyPage | None) -> TrialPlayer:
+def _player(
+    options: StudyRunOptions, session: SessionFolder, page: StudyPage | None
+) -> TrialPlayer:
     from sandbox.study.run.page_player import PagePlayer
     from sandbox.study.run.players import HeadlessPlayer, WindowPlayer
     from sandbox.study.run.study_page import OffPagePlayer
@@ -193,7 +195,7 @@ def _player(options: RunOptions, session: SessionFolder, page: StudyPage | None)
 
 
 def sayer(console: Console) -> Callable[[str], object]:
-    """Tells the experimenter something, at once."""
+    """Returns a function that prints a message for the experimenter at once."""
 
     def say(text: str) -> None:
         console.print(f"[dim]{escape(text)}[/]", highlight=False)

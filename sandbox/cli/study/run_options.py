@@ -1,4 +1,4 @@
-"""Options of `sandbox study run`, and which of them fit together: said before anybody is asked."""
+"""Options of `sandbox study run`, and checks of their combinations."""
 
 from __future__ import annotations
 
@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import tyro
 
 from models.errors import InputError, StudyError
+from sandbox.devices.registry import DEVICES
+from sandbox.options.metavars import choices
 from sandbox.views.display import has_display
 
 if TYPE_CHECKING:
@@ -17,7 +19,10 @@ if TYPE_CHECKING:
     from sandbox.options.touch_devices import TouchOptions
     from sandbox.study.design.design import Design
 
-SAID_ANEW = (
+DEVICES_OF_STUDIES = tuple(name for name, entry in DEVICES.items() if not entry.in_air)
+SECOND_DEVICES = tuple(name for name in DEVICES_OF_STUDIES if name != "web")
+
+NOT_REPEATED = (
     "file",
     "participant",
     "session",
@@ -27,61 +32,59 @@ SAID_ANEW = (
     "resume",
     "force_upgrade",
 )
-"""Options that are said anew, or never again, when a session goes on."""
+"""Options that are not copied to the command that continues a session."""
 
 
 @dataclass(frozen=True)
-class RunOptions:
+class StudyRunOptions:
     """Runs a participant's session: consent, instructions, practice, trials, breaks and forms.
 
-    `sandbox study run design.toml --participant new --tablet` prints a code: photograph it with the
-    participant's tablet; all of the session is on its page. `--device web` is the same in a browser
-    of this machine. Otherwise trials are in a window, and forms on a page beside it.
+    `sandbox study run design.toml --participant new --tablet` prints a QR code. Scan it with the
+    participant's tablet, which then shows the whole session. --device web does the same in a
+    browser on this machine. Otherwise trials are in a window, and forms on a page beside it.
 
-    The terminal is the experimenter's: h and Enter shows the keys. Where forms are in the terminal,
-    too, a key begins with a slash while one is open.
+    The terminal is for the experimenter: h and Enter shows the keys. If forms are in the terminal,
+    too, type a slash before a key while a form is open.
     """
 
     file: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="DESIGN")]
-    """The design."""
+    """Design file."""
 
     participant: Annotated[str, tyro.conf.arg(metavar="new|ID")] = ""
-    """new, or the id of somebody who has begun; without it, those are listed."""
+    """new, or the id of a participant who has begun. Without this option, their ids are listed."""
 
     out: Annotated[Path, tyro.conf.arg(metavar="DIR")] = Path("studies")
-    """Where studies are kept."""
+    """Folder of studies."""
 
     pilot: tyro.conf.FlagCreatePairsOff[bool] = False
-    """A rehearsal: its data go to a folder of their own and never mix with real ones."""
+    """Rehearse: the data go to a separate folder and never mix with those of the study."""
 
-    device: Annotated[str, tyro.conf.arg(metavar="{web,mouse,tuio,evdev,simulated}")] = "mouse"
-    """Where touches come from. web: the page, which --tablet implies. evdev, evdev:NODE: a touch
-    screen of this machine. simulated: in a pilot only."""
+    device: Annotated[str, tyro.conf.arg(metavar=choices(*DEVICES_OF_STUDIES))] = "mouse"
+    """Source of touches. web: the page, also chosen by --tablet. evdev, evdev:NODE: a touch screen
+    of this machine. simulated: a simulated user, in a pilot only."""
 
-    second_device: Annotated[str | None, tyro.conf.arg(metavar="{mouse,tuio,evdev,simulated}")] = (
-        None
-    )
-    """Where the second hand's touches come from, in trials of tasks for two hands. tuio, evdev: as
-    for --device. simulated: a simulated user moves it. Not needed where both hands are on one
-    surface (one_surface in the design) or over one Leap."""
+    second_device: Annotated[str | None, tyro.conf.arg(metavar=choices(*SECOND_DEVICES))] = None
+    """Device of the second hand, in tasks for two hands. tuio, evdev: as for --device. simulated: a
+    simulated user. Not needed if both hands are on one surface (one_surface in the design) or over
+    one Leap."""
 
     view: Literal["window", "none"] = "window"
-    """none: trials without a window, as where another program shows them. With --device web they
-    are on the page."""
+    """none: trials without a window, for example if another program shows them. With --device web,
+    trials are on the page in any case."""
 
     forms: Literal["auto", "page", "terminal"] = "auto"
-    """Where consent, instructions, questions and breaks are. auto: on the page, save with
-    --device simulated."""
+    """Place of consent, instructions, questions and breaks. auto: on the page, or in the terminal
+    with --device simulated."""
 
     tablet: tyro.conf.FlagCreatePairsOff[bool] = False
-    """The page on a tablet in the same network."""
+    """Run the session on a tablet in the same network: prints a QR code to scan."""
 
     lan: Annotated[str | None, tyro.conf.arg(metavar="ADDRESS")] = None
-    """Serves the page on this address instead."""
+    """Address on which the page is served, in place of the one that --tablet finds."""
 
     page_port: int = 0
-    """TCP port of the page; 0 takes a free one. On a port of your choice the link stays the same,
-    and a tablet finds back by itself when the program is started anew."""
+    """TCP port of the page; 0 takes a free one. With a fixed port the link stays the same, and a
+    tablet reconnects when the program is restarted."""
 
     tls_cert: Annotated[str | None, tyro.conf.arg(metavar="FILE")] = None
     """Certificate for https, with --tls-key."""
@@ -90,43 +93,44 @@ class RunOptions:
     """Key of the certificate."""
 
     no_browser: tyro.conf.FlagCreatePairsOff[bool] = False
-    """Opens no browser for forms beside a window; the link is printed either way."""
+    """Do not open a browser for forms beside a window; the link is printed in any case."""
 
     hand: Literal["right", "left"] = "right"
-    """Which hand a new participant uses."""
+    """Hand of a new participant."""
 
     hand_size: float = 1.0
-    """Length of a new participant's hand against the trained one; `sandbox calibrate` measures."""
+    """Length of a new participant's hand relative to the trained hand; `sandbox calibrate` measures
+    it."""
 
     language: str = ""
-    """Of a new participant; the design's first unless told otherwise."""
+    """Language of a new participant. Default: the first one of the design."""
 
     session: Annotated[int | None, tyro.conf.arg(metavar="N")] = None
-    """Of somebody who comes several times: the first that is not finished, unless told otherwise;
-    how often people come is `sessions` in the design."""
+    """Number of the session, for designs with several `sessions`. Default: the first unfinished
+    one."""
 
     resume: tyro.conf.FlagCreatePairsOff[bool] = False
-    """Goes on with an interrupted session without asking."""
+    """Continue an interrupted session without asking."""
 
     force_upgrade: Annotated[str, tyro.conf.arg(metavar="REASON")] = ""
-    """Goes on although program, encoder or design have changed; it is logged."""
+    """Continue although program, encoder or design have changed; the reason is logged."""
 
     leap: Annotated[str, tyro.conf.arg(metavar="URL")] = ""
-    """Where trials with `device = "leap"` find leapd or the Ultraleap bridge, if not where it
-    usually is."""
+    """WebSocket address of leapd or of the Ultraleap bridge, for trials with `device = "leap"`.
+    Default: its usual address."""
 
     lsl: tyro.conf.FlagCreatePairsOff[bool] = False
-    """Sends touches, poses and markers over Lab Streaming Layer (extra `lsl`)."""
+    """Send touches, poses and markers over Lab Streaming Layer (extra `lsl`)."""
 
     port: int = 3333
     """UDP port for TUIO."""
 
     bind: Annotated[str, tyro.conf.arg(metavar="ADDRESS")] = "127.0.0.1"
-    """Address for TUIO; 0.0.0.0 is reached from the network."""
+    """Address for TUIO. 127.0.0.1: reachable from this machine only; 0.0.0.0: from the network."""
 
     @property
     def touches(self) -> str:
-        """The device: a page in the network is one."""
+        """Name of the touch device; with --tablet or --lan, `web`."""
         return "web" if self.tablet or self.lan is not None else self.device
 
     @property
@@ -143,12 +147,12 @@ class RunOptions:
         return self.touches == "web" or self.forms == "page" or auto
 
 
-def again(options: RunOptions, ppid: str) -> str:
-    """The command that goes on with somebody."""
+def again(options: StudyRunOptions, ppid: str) -> str:
+    """Returns the command that continues a participant's session."""
     words = ["sandbox", "study", "run", str(options.file), "--participant", ppid]
     for field in fields(options):
         value = getattr(options, field.name)
-        if field.name in SAID_ANEW or value == field.default:
+        if field.name in NOT_REPEATED or value == field.default:
             continue
         words.append("--" + field.name.replace("_", "-"))
         if value is not True:
@@ -156,7 +160,7 @@ def again(options: RunOptions, ppid: str) -> str:
     return shlex.join(words)
 
 
-def check_options(options: RunOptions) -> None:
+def check_options(options: StudyRunOptions) -> None:
     """Checks that options fit together, before anything is written."""
     from sandbox.devices.registry import built_in
     from sandbox.options.touch_devices import guessed_surface, live_maker
@@ -171,7 +175,7 @@ def check_options(options: RunOptions) -> None:
         )
     if options.device == "simulated" and not options.pilot:
         raise StudyError(
-            "a simulated user is nobody's data",
+            "a simulated user cannot be a participant",
             where="--device simulated",
             remedy="Add --pilot, or use `sandbox study simulate`",
         )
@@ -185,7 +189,7 @@ def check_options(options: RunOptions) -> None:
             )
         if options.forms == "terminal":
             raise InputError(
-                "with trials on the page, forms are there, too",
+                "with trials on the page, forms are on the page, too",
                 where="--forms terminal",
                 remedy="Leave it out",
             )
@@ -205,11 +209,11 @@ def check_options(options: RunOptions) -> None:
         live_maker(touch_options(options)) if options.device not in ("mouse", "simulated") else None
     )
     if maker is not None:
-        # What is wrong with a device is told now, and not after the forms.
+        # Errors of a device are reported now, and not after the forms.
         maker(guessed_surface()).close()
 
 
-def check_leap(options: RunOptions, design: Design) -> None:
+def check_leap(options: StudyRunOptions, design: Design) -> None:
     """Checks the Leap, too, if the design has trials over it."""
     from sandbox.options.leap_devices import open_leap
     from sandbox.study.design.conditions import combinations, values_of
@@ -220,12 +224,11 @@ def check_leap(options: RunOptions, design: Design) -> None:
         open_leap(options.leap_address).close()
 
 
-def check_second(options: RunOptions, design: Design) -> None:
-    """What is wrong with the second hand's device is told now, too, where the design has trials
-    for two hands.
+def check_second_device(options: StudyRunOptions, design: Design) -> None:
+    """Checks the second hand's device, if the design has trials for two hands.
 
     Raises:
-        InputError: It is missing, of no trial, or cannot be used beside the first hand's.
+        InputError: The device is missing, not needed, or cannot be used beside the first one.
     """
     from sandbox.options.touch_devices import guessed_surface, is_evdev, live_maker
     from sandbox.study.design.conditions import PARTNER, combinations, run_settings, values_of
@@ -237,7 +240,7 @@ def check_second(options: RunOptions, design: Design) -> None:
     if name is None:
         if wanted and options.device != "simulated":
             raise InputError(
-                "the design has trials for two hands, and there is a device for one",
+                "the design has trials for two hands, and there is a device for only one",
                 where="--second-device",
                 expected="mouse, tuio, evdev, evdev:NODE or simulated",
                 remedy="Or write one_surface = true or second_device = 'simulated' "
@@ -253,14 +256,14 @@ def check_second(options: RunOptions, design: Design) -> None:
         )
     if name not in ("mouse", "tuio", PARTNER) and not is_evdev(name):
         raise InputError(
-            "this device cannot be a second hand's in a study",
+            "this device cannot be the second one in a study",
             where="--second-device",
             got=name,
             expected="mouse, tuio, evdev, evdev:NODE or simulated",
         )
     if name == options.device and name not in ("tuio", PARTNER):
         raise InputError(
-            "one device cannot be both hands'",
+            "one device cannot be used for both hands",
             where="--second-device",
             got=name,
             remedy="Name another one, such as evdev:NODE",
@@ -277,16 +280,16 @@ def check_second(options: RunOptions, design: Design) -> None:
         maker(guessed_surface()).close()
 
 
-def check_page(options: RunOptions) -> None:
-    """Serves the page for a moment: a wrong address or certificate costs no participant."""
+def check_page(options: StudyRunOptions) -> None:
+    """Checks address and certificate of the page by serving it for a moment."""
     if options.has_page:
         from sandbox.cli.common.page_options import open_page
 
-        open_page(where_served(options)).close()
+        open_page(page_options(options)).close()
 
 
-def where_served(options: RunOptions) -> PageOptions:
-    """Where the participant's page is."""
+def page_options(options: StudyRunOptions) -> PageOptions:
+    """Returns the options of the participant's page."""
     from sandbox.cli.common.page_options import PageOptions
 
     return PageOptions(
@@ -294,15 +297,15 @@ def where_served(options: RunOptions) -> PageOptions:
     )
 
 
-def touch_options(options: RunOptions) -> TouchOptions:
-    """Where touches come from."""
+def touch_options(options: StudyRunOptions) -> TouchOptions:
+    """Returns the options of the touch device."""
     from sandbox.options.touch_devices import TouchOptions
 
     return TouchOptions(device=options.touches, bind=options.bind, port=options.port)
 
 
-def second_touch_options(options: RunOptions) -> TouchOptions | None:
-    """Where the second hand's touches come from; a second TUIO device listens one port higher."""
+def second_touch_options(options: StudyRunOptions) -> TouchOptions | None:
+    """Returns the options of the second touch device; for TUIO, its port is one higher."""
     from sandbox.options.touch_devices import TouchOptions
 
     if options.second_device is None:

@@ -1,4 +1,4 @@
-"""`sandbox touches`: show, record and send what a touch device says; list what is understood."""
+"""`sandbox touches`: shows, records and sends touches, and lists the formats."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ from rich.text import Text
 
 from models.errors import InputError
 from models.frames import TouchFrame
-from sandbox.cli.common.parse import in_one_line
-from sandbox.cli.common.touch_opening import open_any
+from sandbox.cli.common.parse import with_one_line_errors
+from sandbox.cli.common.touch_opening import open_touches_or_page
 from sandbox.cli.touches.send import Send, send
 from sandbox.cli.touches.views import JsonView, TextView, View, what_to_check
 from sandbox.devices.discovery import offered_devices
@@ -27,23 +27,23 @@ from sandbox.devices.tuio.touch_capture import CapturedPacket, packet_record
 from sandbox.options.touch_devices import Opened, TouchOptions
 
 PATIENCE = 5.0
-"""Seconds without a single frame after which we say what to check."""
+"""s without a frame after which a hint on what to check is shown."""
 
 
 @dataclass(frozen=True)
 class Show(TouchOptions):
-    """Shows every touch as it arrives; Ctrl-C ends.
+    """Shows every touch as it arrives; Ctrl-C stops.
 
-    x and y are inches from the top left corner of the surface.
+    x and y are in inches from the top left corner of the surface.
 
-    First try it on this machine, with a capture and two terminals:
+    Try it on this machine first, with a capture of TUIO packets and two terminals:
 
         sandbox touches show
 
         sandbox touches send CAPTURE --to 127.0.0.1:3333
 
-    Then with a tablet in the same network: one that only has a browser, or one whose app sends TUIO
-    and is told the address that this prints:
+    Then with a tablet in the same network, which opens the page in a browser, or whose app sends
+    TUIO to the address that this command prints:
 
         sandbox touches show --device web --tablet
 
@@ -51,8 +51,8 @@ class Show(TouchOptions):
     """
 
     json: tyro.conf.FlagCreatePairsOff[bool] = False
-    """One JSON line per frame on stdout, {"time", "contacts": [{"id", "x", "y", "finger"}]}; events
-    as JSON lines on stderr, first {"event": "listening", "address"}."""
+    """Print a JSON line per frame on stdout, {"time", "contacts": [{"id", "x", "y", "finger"}]},
+    and events as JSON lines on stderr, first {"event": "listening", "address"}."""
 
     seconds: float = math.inf
     """Stop after this many seconds."""
@@ -63,10 +63,10 @@ class Show(TouchOptions):
 
 @dataclass(frozen=True, kw_only=True)
 class Record(TouchOptions):
-    """Writes what a device says to a file, until Ctrl-C; it plays wherever a device is asked for.
+    """Records touches in a file, until Ctrl-C; the file can be used as a --device.
 
-    TUIO is kept packet by packet, wrong ones included; what other devices say, frame by frame. A
-    program that dies loses at most the line it was writing.
+    TUIO is recorded packet by packet, including invalid ones; other devices frame by frame. If the
+    program is killed, at most the last line is lost.
 
         sandbox touches record touches.jsonl --device evdev
 
@@ -74,7 +74,7 @@ class Record(TouchOptions):
     """
 
     file: Annotated[tyro.conf.Positional[Path], tyro.conf.arg(metavar="FILE")]
-    """Where to; a file that is there is not written over."""
+    """File for the recording; an existing file is never overwritten."""
 
     seconds: float = math.inf
     """Stop after this many seconds."""
@@ -90,11 +90,11 @@ def main(argv: list[str]) -> int:
     if argv[:1] == ["formats"] and len(argv) == 1:
         return formats()
     commands: dict[str, Callable[..., Any]] = {**kinds, "formats": formats}
-    asked = in_one_line(
+    asked = with_one_line_errors(
         lambda: tyro.extras.subcommand_cli_from_dict(
             commands,
             prog="sandbox touches",
-            description="See what a tablet or touch table says, before anything is simulated.",
+            description="Shows, records and sends the touches of a tablet or touch table.",
             args=argv,
         ),
         f"sandbox touches {argv[0]}" if argv and argv[0] in commands else "sandbox touches",
@@ -103,9 +103,9 @@ def main(argv: list[str]) -> int:
 
 
 def show(options: Show) -> int:
-    """Shows frames."""
+    """Runs `sandbox touches show`."""
     _check_end(options.seconds, options.frames)
-    opened = open_any(options, options.seconds)
+    opened = open_touches_or_page(options, options.seconds)
     if opened is None:
         return 0
     view: View = (
@@ -115,7 +115,7 @@ def show(options: Show) -> int:
 
 
 def record(options: Record) -> int:
-    """Writes packets or frames."""
+    """Runs `sandbox touches record`."""
     _check_end(options.seconds, options.frames)
     with LineFile(options.file) as file:
 
@@ -123,7 +123,7 @@ def record(options: Record) -> int:
             file.write(packet_record(CapturedPacket(now, data, peer)))
 
         packets = options.device == "tuio"
-        opened = open_any(options, options.seconds, tap if packets else None)
+        opened = open_touches_or_page(options, options.seconds, tap if packets else None)
         if opened is None:
             return 0
         if not packets:
@@ -135,13 +135,13 @@ def record(options: Record) -> int:
 
 
 def formats() -> int:
-    """Lists the protocols and files that are understood."""
+    """Lists the protocols and file formats that this program reads."""
     table = Table("what", "how", "understood")
     for row in (
         ("TUIO 1.1, 2Dcur", "--device tuio", "fingers on tablets and tables"),
-        ("TUIO 1.1, 2Dblb", "--device tuio", "how large the fingers are that lie in a blob"),
-        ("TUIO 2.0, ptr", "--device tuio", "fingers, by name where the sender knows them"),
-        ("TUIO 2.0, bnd", "--device tuio", "how large the finger of the same id is"),
+        ("TUIO 1.1, 2Dblb", "--device tuio", "size of the fingers in a blob"),
+        ("TUIO 2.0, ptr", "--device tuio", "fingers, with names if the sender gives them"),
+        ("TUIO 2.0, bnd", "--device tuio", "size of the finger of the same id"),
         ("TUIO 1.1 2Dobj, 3D; 2.0 tok, sym, ...", "--device tuio", "ignored and counted"),
         ("over UDP, TCP, WebSocket", "--tuio-transport, --tuio-connect", "all of it"),
         ("the page", "--device web, --tablet", "any tablet with a browser"),
@@ -191,12 +191,12 @@ class _Recorder:
 def _check_end(seconds: float, frames: int | None) -> None:
     if not seconds > 0.0 or (frames is not None and frames <= 0):
         raise InputError(
-            "there is nothing to show", where="--seconds, --frames", expected="more than 0"
+            "nothing would be shown", where="--seconds, --frames", expected="more than 0"
         )
 
 
 def _shown(opened: Opened, view: View, seconds: float, frames: int | None) -> int:
-    """Shows frames until there are enough; a damaged file is an error once its end is reached."""
+    """Shows frames until there are enough; raises the damage of a file at its end."""
     device = opened.device
     try:
         with view:
@@ -213,7 +213,7 @@ def _shown(opened: Opened, view: View, seconds: float, frames: int | None) -> in
 
 
 def _follow(opened: Opened, view: View, seconds: float, wanted: int | None) -> None:
-    """Fetches frames and shows them until there are enough, or the file or the time ends."""
+    """Reads and shows frames until there are enough, the file ends, or the time is over."""
     seen = opened.device
     shown, hinted = 0, False
     begin = time.monotonic()

@@ -1,4 +1,4 @@
-"""`sandbox touches send`: a capture's packets as they were, or any device's touches as TUIO."""
+"""`sandbox touches send`: sends the packets of a capture, or touches of any device as TUIO."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from rich.progress import Progress
 from rich.text import Text
 
 from models.errors import InputError
-from sandbox.cli.common.touch_opening import open_any
+from sandbox.cli.common.touch_opening import open_touches_or_page
 from sandbox.devices.tuio.touch_capture import read_capture
 from sandbox.devices.tuio.tuio_sender import TuioOutput, connected, send_packet
 from sandbox.options.touch_devices import TouchOptions
@@ -26,37 +26,39 @@ from sandbox.options.touch_devices import TouchOptions
 class Send(TouchOptions):
     """Sends touches to other programs.
 
-    --to sends a capture's packets over UDP as they were recorded, as if its tablet were here. With
-    `sandbox touches show` running in another terminal:
+    --to sends the packets of a TUIO capture over UDP, as the recorded tablet did. With `sandbox
+    touches show` running in another terminal:
 
         sandbox touches send touches.jsonl --to 127.0.0.1:3333
 
-    --tuio sends what any device or file says as TUIO 1.1 (2Dcur), for programs that understand it:
+    --tuio sends the touches of any device or file as TUIO 1.1 (2Dcur), for other programs:
 
         sandbox touches send --device web --tablet --tuio 127.0.0.1:3333
     """
 
     file: Annotated[tyro.conf.Positional[Path | None], tyro.conf.arg(metavar="FILE")] = None
-    """A file to send; with --tuio, a device may be named instead."""
+    """File to send. With --tuio, --device may be given instead."""
 
     to: Annotated[str, tyro.conf.arg(metavar="HOST:PORT")] = ""
-    """Where the packets of a capture are sent."""
+    """Address to which the packets of a capture are sent."""
 
     tuio: Annotated[str, tyro.conf.arg(metavar="HOST:PORT")] = ""
-    """Where TUIO is sent."""
+    """Address to which touches are sent as TUIO."""
 
     speed: float = 1.0
-    """Of a file: 2 is twice as fast as recorded."""
+    """Playback speed of a file: 2 is twice as fast as recorded."""
 
     seconds: float = math.inf
     """Stop after this many seconds."""
 
 
 def send(options: Send) -> int:
-    """Sends packets or frames."""
+    """Runs `sandbox touches send`."""
     if bool(options.to) == bool(options.tuio):
         raise InputError(
-            "where to is not clear", where="--to, --tuio", expected="one of the two: HOST:PORT"
+            "the destination is missing or not unique",
+            where="--to, --tuio",
+            expected="one of the two: HOST:PORT",
         )
     if not 0.0 < options.speed < math.inf:
         raise InputError("not a speed", where="--speed", got=options.speed, expected="more than 0")
@@ -70,7 +72,7 @@ def send(options: Send) -> int:
 def _send_tuio(options: Send) -> int:
     """Sends the frames of a device or file."""
     chosen = options if options.file is None else replace(options, device=str(options.file))
-    opened = open_any(chosen, options.seconds)
+    opened = open_touches_or_page(chosen, options.seconds)
     if opened is None:
         return 0
     console = Console(stderr=True)
@@ -94,7 +96,7 @@ def _send_tuio(options: Send) -> int:
         device.close()
     report = f"sent {frames} frames in {output.packets} packets to {options.tuio}"
     if output.refused:
-        report += f"; while nobody listened there: {output.refused}"
+        report += f"; while no program listened there: {output.refused}"
     console.print(Text(report), soft_wrap=True)
     damage = device.damage
     if damage is not None and reached_end:
@@ -103,7 +105,7 @@ def _send_tuio(options: Send) -> int:
 
 
 def _send_packets(file: Path, to: str, speed: float) -> int:
-    """Sends a capture's packets at their times; every sender in it has a socket of its own."""
+    """Sends the packets of a capture at their times, each recorded sender from its own socket."""
     capture = read_capture(file)
     console = Console(stderr=True)
     refused = sent = 0
@@ -122,13 +124,13 @@ def _send_packets(file: Path, to: str, speed: float) -> int:
                 channels[packet.peer] = closing.enter_context(connected(to))
             if send_packet(channels[packet.peer], packet.data, to):
                 if not refused:
-                    bar.print(Text(f"nobody listens at {to} yet: `sandbox touches show` does"))
+                    bar.print(Text(f"no program listens at {to} yet; start `sandbox touches show`"))
                 refused += 1
             sent += 1
     took = time.monotonic() - begin
     report = f"sent {sent} packets in {took:.1f} s to {to}"
     if refused:
-        report += f"; while nobody listened there: {refused}"
+        report += f"; while no program listened there: {refused}"
     console.print(Text(report))
     if capture.damage is not None:
         raise capture.damage

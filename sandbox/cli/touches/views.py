@@ -23,7 +23,7 @@ from sandbox.session.device import Device
 
 
 class View(Protocol):
-    """Where frames are shown; entered once it is known what is listened to."""
+    """Output of frames; a context manager that is entered when the device is open."""
 
     def __enter__(self) -> Self: ...
 
@@ -153,7 +153,7 @@ def _title(seen: Device, surface: Surface) -> str:
 
 
 def _summary(counts: Statistics) -> str:
-    """The counters in a line; what is zero is not worth a word."""
+    """Returns the counters in a line, without those that are zero."""
     text = f"{counts.packets} packets, {counts.frames} frames"
     for number, what, detail in (
         (counts.malformed, "malformed", counts.malformed_reason),
@@ -169,17 +169,17 @@ def _summary(counts: Statistics) -> str:
 
 
 def what_to_check(seen: Device) -> str:
-    """Why no frame may have come, from what has."""
+    """Returns a hint on why no frame has arrived."""
     counts = counts_of(seen)
     if counts and counts.packets:
         return (
-            f"Packets come, but no touches in them: {_summary(counts)}. "
+            f"Packets arrive, but they contain no touches: {_summary(counts)}. "
             "Check that the sender is set to TUIO 1.1, cursors (2Dcur), or TUIO 2.0, pointers."
         )
     if not isinstance(seen, TuioDevice):
-        return "It begins with a pause." if seen.plays_file else "Nothing has come yet."
+        return "The file begins with a pause." if seen.plays_file else "Nothing has arrived yet."
     if "://" in seen.address:
-        return f"{seen.address} has not answered, or is silent: touch the surface."
+        return f"{seen.address} has not answered or sends nothing: touch the surface."
     where = f"{_network_address()} port {seen.port}"
     checks = [
         "Nothing has arrived yet. Touch the surface: an idle sender is silent.",
@@ -188,7 +188,9 @@ def what_to_check(seen: Device) -> str:
         f"that both are in the same network, and that the firewall lets port {seen.port} in.",
     ]
     if seen.bind.startswith("127."):
-        checks[1] = f"Only this machine reaches {seen.address}; for a tablet add --bind 0.0.0.0."
+        checks[1] = (
+            f"{seen.address} is reachable from this machine only; for a tablet add --bind 0.0.0.0."
+        )
         checks[2] = (
             "`sandbox touches send CAPTURE --to " + seen.address + "` sends recorded touches."
         )
@@ -196,7 +198,7 @@ def what_to_check(seen: Device) -> str:
 
 
 def _network_address() -> str:
-    """This machine's address as others in the network see it, as far as it has one."""
+    """Returns this machine's address in the network, or a description if it has none."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
         try:
             probe.connect(("192.0.2.1", 9))  # a documentation address (RFC 5737); nothing is sent

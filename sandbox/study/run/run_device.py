@@ -11,10 +11,10 @@ from models.surface import Surface
 from sandbox.devices.leap.leap import DEFAULT_ADDRESS
 from sandbox.devices.simulated.simulated import NEXT_PERSON
 from sandbox.devices.wrappers.degraded import DegradedDevice
-from sandbox.options.leap_devices import open_leap, over_one
+from sandbox.options.leap_devices import open_leap, split_by_side
 from sandbox.options.touch_devices import (
     TouchOptions,
-    guesses_size,
+    has_unknown_size,
     is_evdev,
     live_maker,
     native_surface,
@@ -100,7 +100,7 @@ def person_devices(
         if trial.values.get("second_device") == PARTNER:
             asked = TouchOptions(device=PARTNER)
         elif settings.in_air:
-            return over_one(None, first, settings)
+            return split_by_side(None, first, settings)
         elif second is not None or settings.hands[1].in_air is not None:
             asked = second or options
         else:
@@ -170,7 +170,7 @@ def settings_fitter(name: str, page: StudyPage | None = None, second: str = "") 
                     name, settings, "the touch device has another size than the design's surface"
                 )
             return replace(settings, surface_in=(native.width_in, native.height_in))
-        if guesses_size(name):
+        if has_unknown_size(name):
             # The device reports no size. Without one in the design it is a guess, which the
             # recording notes.
             return settings if designed else replace(settings, surface_calibrated=False)

@@ -13,7 +13,7 @@ from models.surface import Surface
 from sandbox.devices.simulated.leap_user import SimulatedLeap
 from sandbox.devices.simulated.simulated import NEXT_PERSON, SimulatedDevice
 from sandbox.devices.wrappers.degraded import DegradedDevice
-from sandbox.options.leap_devices import over_one
+from sandbox.options.leap_devices import split_by_side
 from sandbox.session.device import Device
 from sandbox.study.design.design import Design
 from sandbox.study.design.plan import TrialStep
@@ -86,7 +86,7 @@ def simulated_devices(person: Participant) -> OpenDevices:
             simulated_hand(user, settings, hand, seed) for hand in range(len(settings.hands))
         )
         both_in_air = len(makers) > 1 and settings.in_air
-        return over_one(makers, makers[0], settings) if both_in_air else makers
+        return split_by_side(makers, makers[0], settings) if both_in_air else makers
 
     return of_trial
 

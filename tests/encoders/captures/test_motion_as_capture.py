@@ -86,7 +86,7 @@ def test_a_motion_without_its_skeleton_says_what_is_missing(folder, tmp_path, ca
             shutil.copy(folder / name, tmp_path / name)
         assert converted(tmp_path, kind, tmp_path / "c.npz") == 2
         said = capsys.readouterr().err
-        assert "its skeleton is not there" in said and f"--skeleton FILE{skeleton}" in said
+        assert "the skeleton file is missing" in said and f"--skeleton FILE{skeleton}" in said
         shutil.copy(folder / f"hand{skeleton}", tmp_path / f"elsewhere{skeleton}")
         elsewhere = tmp_path / f"elsewhere{skeleton}"
         assert converted(tmp_path, kind, tmp_path / "c.npz", "--skeleton", elsewhere) == 0

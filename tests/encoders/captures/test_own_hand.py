@@ -1,4 +1,4 @@
-"""Who plays over a Leap for the first time is measured, once, and only if they want to be."""
+"""A person who plays over a Leap for the first time is measured once, and only if they agree."""
 
 from io import StringIO
 from pathlib import Path
@@ -11,7 +11,11 @@ from models.errors import DeviceError
 from sandbox.cli.play.command import PlayOptions
 from sandbox.devices.leap.leap_fake import FakeLeapd
 from sandbox.devices.leap.leap_write import leap_message
-from sandbox.options.own_hand import measured, own_path, with_own_hand
+from sandbox.options.leap_calibration import (
+    measure_and_save,
+    own_calibration_path,
+    with_measured_hand,
+)
 from tests.support.leap_hands import take
 
 
@@ -32,26 +36,32 @@ def service(seed: int = 0, side: str = "right", first: int = 0) -> FakeLeapd:
 def test_a_hand_is_measured_kept_and_taken_the_next_time():
     server = service()
     try:
-        assert measured(server.address, "right", own_path(), Console(file=StringIO()), 60)
+        assert measure_and_save(
+            server.address, "right", own_calibration_path(), Console(file=StringIO()), 60
+        )
     finally:
         server.close()
-    assert is_calibration(own_path())
+    assert is_calibration(own_calibration_path())
     said = StringIO()
-    options = with_own_hand(PlayOptions(device="leap"), Console(file=said, width=500), ask=False)
-    assert options.calibration == own_path() and "your right hand" in said.getvalue()
+    options = with_measured_hand(
+        PlayOptions(device="leap"), Console(file=said, width=500), ask=False
+    )
+    assert options.calibration == own_calibration_path() and "your right hand" in said.getvalue()
     # Of the other hand nothing is known.
     other = PlayOptions(device="leap", hand="left")
-    assert with_own_hand(other, Console(file=StringIO()), ask=False) == other
+    assert with_measured_hand(other, Console(file=StringIO()), ask=False) == other
 
 
 def test_the_other_hand_is_measured_beside_the_first():
     for side in ("right", "left"):
         server = service(1, side)
         try:
-            assert measured(server.address, side, own_path(), Console(file=StringIO()), 60)
+            assert measure_and_save(
+                server.address, side, own_calibration_path(), Console(file=StringIO()), 60
+            )
         finally:
             server.close()
-    assert set(read_calibration(own_path())) == {"right", "left"}
+    assert set(read_calibration(own_calibration_path())) == {"right", "left"}
 
 
 def test_a_person_who_declines_is_not_measured():
@@ -60,15 +70,21 @@ def test_a_person_who_declines_is_not_measured():
         PlayOptions(device="leap-simulated"),
         PlayOptions(device="mouse"),
     ):
-        assert with_own_hand(options, Console(file=StringIO()), ask=True) is options
-    assert not own_path().exists()
+        assert with_measured_hand(options, Console(file=StringIO()), ask=True) is options
+    assert not own_calibration_path().exists()
 
 
 def test_a_service_that_is_not_there_ends_the_measuring(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr("sandbox.devices.leap.leap.SILENCE", 0.3)
     with pytest.raises(DeviceError, match="is silent"):
-        measured("ws://127.0.0.1:1/v6.json", "right", own_path(), Console(file=StringIO()), 60)
-    assert not own_path().exists()
+        measure_and_save(
+            "ws://127.0.0.1:1/v6.json",
+            "right",
+            own_calibration_path(),
+            Console(file=StringIO()),
+            60,
+        )
+    assert not own_calibration_path().exists()
 
 
 @pytest.mark.parametrize("content", ["", "{", "[]", '{"kind": "hand-sandbox profile"}', "\x00"])

@@ -287,7 +287,7 @@ def test_a_folder_becomes_a_capture_that_says_it_is_simulated(folder, tmp_path, 
 @pytest.mark.parametrize(
     ("options", "expected"),
     [
-        (["--recorded", "{day}", "--side", "left"], "another hand was recorded"),
+        (["--recorded", "{day}", "--side", "left"], "the other hand"),
         (
             ["--touches", "{day}/touches.jsonl", "--hands", "{day}/hands.jsonl", "--side", "left"],
             "not in the recording",

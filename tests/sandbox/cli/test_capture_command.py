@@ -265,7 +265,7 @@ BAD = {
     "missing file": (["--joints", "none.bvh"], "no such file"),
     "missing touches": (["--touches", "none", "--joints", "hand.csv"], "cannot be read"),
     "unknown kind": (["--joints", "shown.jsonl"], "not known"),
-    "no surface": (["--touches", "shown.jsonl", "--joints", "hand.bvh"], "surface is in this"),
+    "no surface": (["--touches", "shown.jsonl", "--joints", "hand.bvh"], "touch surface in this"),
     "wrong unit": (
         ["--markers", "hand.tsv", "--mapping", "corners.toml", "--unit", "0.1"],
         "size",

@@ -57,11 +57,11 @@ def test_an_option_that_there_is_not_is_one_line_that_leads_on(command, capsys):
         (["leap"], ["fake", "simulate", "formats"]),
         (["regress", "--tasks"], ["--tasks"]),
         (["bla"], ["bla", "play"]),
-        (["run", "--seed", "x"], ["--seed: 'x' is no whole number"]),
-        (["run", "--fingers", "x"], ["--fingers: 'x' is no whole number"]),
-        (["run", "--hand-size", "x"], ["--hand-size: 'x' is no number"]),
+        (["run", "--seed", "x"], ["--seed: 'x' is not a whole number"]),
+        (["run", "--fingers", "x"], ["--fingers: 'x' is not a whole number"]),
+        (["run", "--hand-size", "x"], ["--hand-size: 'x' is not a number"]),
         (["run", "--turn", "45"], ["('0', '90', '180', '270')"]),
-        (["paalm", "show", "--frames", "x"], ["--frames: 'x' is no whole number"]),
+        (["paalm", "show", "--frames", "x"], ["--frames: 'x' is not a whole number"]),
     ],
     ids=lambda v: " ".join(v) if isinstance(v, list) else None,
 )
@@ -97,4 +97,6 @@ def test_what_an_option_does_is_told_without_the_line_breaks_of_the_source(capsy
     with pytest.raises(SystemExit):
         main(["run", "--help"])
     said = capsys.readouterr().out
-    assert "the mouse in the window, a touch screen of this Linux machine" in said
+    assert (
+        "evdev: a touch screen of this Linux machine. leap: a hand in the air over a Leap" in said
+    )

@@ -22,7 +22,7 @@ from sandbox.cli.main import COMMANDS, main
 from sandbox.cli.overview import devices, first_steps, overview
 from sandbox.cli.play.command import PlayOptions
 from sandbox.cli.run import RunOptions
-from sandbox.doctor.check import Check, ask
+from sandbox.doctor.check import Check, run_probe
 from sandbox.doctor.devices import port_check
 from sandbox.doctor.graphics import graphics_checks
 from sandbox.doctor.packages import DEVELOPERS, USES, declared, package_checks, within
@@ -34,7 +34,7 @@ from tests.support.processes import ROOT
 
 @pytest.fixture(scope="module")
 def found() -> list[Check]:
-    return doctor.examine()
+    return doctor.run_checks()
 
 
 def test_everything_has_a_state_and_what_is_missing_has_a_remedy(found: list[Check]) -> None:
@@ -54,7 +54,7 @@ def test_it_ends_with_1_only_where_something_is_missing_and_that_is_asked_for(
 ) -> None:
     remedy = "" if ok else "buy a [new] one"
     only = [Check("devices", "a thing", ok, "this one", "play", remedy)]
-    monkeypatch.setattr(doctor, "examine", lambda: only)
+    monkeypatch.setattr(doctor, "run_checks", lambda: only)
     assert main(["doctor"]) == 0
     said = capsys.readouterr().out
     assert "a thing" in said and (remedy or "Nothing is missing") in said
@@ -75,11 +75,11 @@ def test_a_port_is_free_until_somebody_listens_on_it() -> None:
 
 
 def test_a_probe_that_aborts_hangs_or_fails_is_an_answer() -> None:
-    assert ask("import os; os.abort()").text.endswith("SIGABRT")
-    assert "no answer" in ask("import time; time.sleep(60)", patience=0.5).text
-    assert ask("raise SystemExit('no such screen')").text == "no such screen"
-    assert not ask("import os; os.abort()").ok and not ask("raise SystemExit('no')").ok
-    good = ask("import os; print('first'); print(os.environ['WORD'])", WORD="last")
+    assert run_probe("import os; os.abort()").text.endswith("SIGABRT")
+    assert "no answer" in run_probe("import time; time.sleep(60)", patience=0.5).text
+    assert run_probe("raise SystemExit('no such screen')").text == "no such screen"
+    assert not run_probe("import os; os.abort()").ok and not run_probe("raise SystemExit('no')").ok
+    good = run_probe("import os; print('first'); print(os.environ['WORD'])", WORD="last")
     assert good.ok and good.text == "last"
 
 

@@ -11,7 +11,7 @@ from models.errors import InputError
 from models.surface import PRESETS
 from sandbox.cli.common.page_options import PageOptions, open_page
 from sandbox.cli.play.page import PagePlay
-from sandbox.cli.play.screen_too_small import fitting, in_plain_words
+from sandbox.cli.play.screen_too_small import explain_refusal, fitting
 from sandbox.options.scene_options import SceneOptions
 from sandbox.server.page_server import PageServer
 from sandbox.server.web import WebDevice
@@ -30,7 +30,7 @@ def words(task: str, width: float, height: float) -> str:
     settings = RunSettings(task=task, surface_in=(width, height))
     with pytest.raises(InputError) as refused:
         build(settings, (lambda task, surface: WebDevice(surface),))
-    return in_plain_words(refused.value, settings)
+    return explain_refusal(refused.value, settings)
 
 
 def test_a_tablet_has_room_for_every_task_of_one_hand_and_a_phone_for_none() -> None:
@@ -42,7 +42,7 @@ def test_a_tablet_has_room_for_every_task_of_one_hand_and_a_phone_for_none() -> 
 
 def test_on_a_phone_one_is_told_its_size_and_to_take_a_larger_screen() -> None:
     told = words("box-to-goal", 5.45, 2.52)
-    assert "5.5 by 2.5 inches" in told and "No task has room" in told and "tablet" in told
+    assert "5.5 by 2.5 inches" in told and "No task fits" in told and "tablet" in told
 
 
 def test_what_has_room_on_a_small_screen_is_named() -> None:
@@ -51,7 +51,7 @@ def test_what_has_room_on_a_small_screen_is_named() -> None:
 
 
 def test_a_screen_that_stands_is_told_to_be_turned_where_that_helps() -> None:
-    assert "Turn the screen" in words("stack-vertical", 5.49, 7.31)
+    assert "Rotate the screen" in words("stack-vertical", 5.49, 7.31)
 
 
 @pytest.fixture
@@ -66,7 +66,7 @@ def server() -> Iterator[PageServer]:
 def test_a_phone_makes_room_for_a_tablet_and_looks_on(server: PageServer) -> None:
     with Page(server.url, "phone", screen=PHONE) as phone:
         assert phone.until("welcome")["role"] == "player"
-        assert "No task has room" in phone.until("trouble")["text"]
+        assert "No task fits" in phone.until("trouble")["text"]
         with Page(server.url, "tablet", screen=dict(SCREEN)) as tablet:
             assert tablet.until("welcome")["role"] == "player"
             surface = tablet.until("scene")["surface"]

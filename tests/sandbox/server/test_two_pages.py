@@ -11,7 +11,7 @@ from rich.console import Console
 
 from models.surface import METRES_PER_INCH
 from sandbox.cli.common.page_options import PageOptions, open_page
-from sandbox.cli.common.second_view import show_session, touched_pages
+from sandbox.cli.common.page_view import show_session, touched_pages
 from sandbox.cli.play.page import PagePlay
 from sandbox.options.scene_options import SceneOptions, plan
 from sandbox.server.page_server import PageServer

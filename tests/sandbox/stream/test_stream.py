@@ -18,7 +18,7 @@ from models.motion.read.bvh import read_bvh
 from models.rotations import quaternion_to_matrix
 from models.skeleton import ADULT
 from sandbox.cli.main import main
-from sandbox.export.sources import Source, poses_of
+from sandbox.export.sources import MotionSource, poses_of
 from sandbox.stream.guest_line import Line
 from sandbox.stream.guest_math import (
     angles_of,
@@ -31,7 +31,7 @@ from sandbox.stream.guest_math import (
     rows_of,
 )
 from sandbox.stream.lines import BLENDER, LIMIT, MAYA, MAYA_MEL, HandLines
-from sandbox.stream.player import Pace, Player
+from sandbox.stream.player import StreamPace, StreamPlayer
 from sandbox.stream.script import script
 from sandbox.stream.sender import Sender, parse_address
 from tests.sandbox.stream.command_port import CommandPort, Manners
@@ -253,8 +253,8 @@ def test_keys_of_a_recorded_hand_all_reach_a_scene_over_a_port_that(how, monkeyp
         take(poses_of(np.arange(30) / 60.0, q))
         return ""
 
-    source = Source((Armature(ADULT),), ("right",), 0.5, "a hand", play)
-    player = Player(source, MAYA, Pace(60.0, 50.0, PATIENT))
+    source = MotionSource((Armature(ADULT),), ("right",), 0.5, "a hand", play)
+    player = StreamPlayer(source, MAYA, StreamPace(60.0, 50.0, PATIENT))
     with maya_with(script("maya"), scene) as (names, run):
         names["start"](key=True)
         port = CommandPort(run, BAD[how])
@@ -336,20 +336,20 @@ def test_a_hand_over_a_leap_is_streamed_without_a_scene(side, tmp_path, capsys):
 def test_a_stream_to_nobody_ends_with_the_recording_and_says_that_nobody_was_told(
     recording, capsys, monkeypatch
 ):
-    monkeypatch.setattr("sandbox.cli.stream.LAST_WORD", 0.2)
+    monkeypatch.setattr("sandbox.cli.stream.STOP_TIMEOUT", 0.2)
     monkeypatch.setattr("sandbox.cli.stream.KEY_PATIENCE", 0.0)
     with socket.create_server(("127.0.0.1", 0)) as probe:
         number = probe.getsockname()[1]
     assert main(["stream", str(recording), "--maya", f":{number}", "--speed", "20"]) == 0
-    assert "not told to stop" in capsys.readouterr().err
+    assert "command to stop was not sent" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        ([], "say where the hand goes"),
-        (["--maya", ":7002"], "say where the hand comes from"),
-        (["--maya", ":7002", "--blender", ":7004", "--device", "tuio"], "say where the hand goes"),
+        ([], "the receiver is missing"),
+        (["--maya", ":7002"], "the source of the hand is missing"),
+        (["--maya", ":7002", "--blender", ":7004", "--device", "tuio"], "the receiver is missing"),
         (["--maya", "nowhere", "--device", "tuio"], "not an address"),
         (["--maya", ":7002", "--device", "tuio", "--rate", "0"], "out of range"),
         (["--maya", ":7002", "nothing.jsonl"], "nothing.jsonl"),

@@ -12,7 +12,7 @@ import pytest
 
 from models.errors import InputError, StudyError
 from sandbox.cli.main import main
-from sandbox.cli.study.run_options import RunOptions, check_second
+from sandbox.cli.study.run_options import StudyRunOptions, check_second_device
 from sandbox.options.touch_devices import TouchOptions
 from sandbox.recording.recording import load_recording
 from sandbox.study.design.conditions import run_settings
@@ -181,25 +181,27 @@ def test_a_second_hand_over_a_leap_is_a_hand_in_the_air_for_privacy() -> None:
 @pytest.mark.parametrize(
     ("options", "what"),
     [
-        ({}, "a device for one"),
-        ({"second_device": "web"}, "cannot be a second hand's"),
-        ({"second_device": "mouse"}, "cannot be both hands'"),
+        ({}, "a device for only one"),
+        ({"second_device": "web"}, "cannot be the second one"),
+        ({"second_device": "mouse"}, "cannot be used for both hands"),
     ],
 )
 def test_a_session_without_a_fitting_second_device_is_refused_before_it_begins(
     options: dict[str, Any], what: str
 ) -> None:
-    asked = RunOptions(Path("design.toml"), **options)
+    asked = StudyRunOptions(Path("design.toml"), **options)
     with pytest.raises(InputError, match=what):
-        check_second(asked, design(PAIRS))
-    check_second(replace(asked, second_device="simulated"), design(PAIRS))
-    check_second(replace(asked, device="simulated", second_device=None), design(PAIRS))
+        check_second_device(asked, design(PAIRS))
+    check_second_device(replace(asked, second_device="simulated"), design(PAIRS))
+    check_second_device(replace(asked, device="simulated", second_device=None), design(PAIRS))
 
 
 def test_a_second_device_that_no_trial_needs_is_refused() -> None:
     one = PAIRS.replace(TASK, "box-to-goal")
     with pytest.raises(InputError, match="no trial of the design"):
-        check_second(RunOptions(Path("design.toml"), second_device="simulated"), design(one))
+        check_second_device(
+            StudyRunOptions(Path("design.toml"), second_device="simulated"), design(one)
+        )
 
 
 def test_a_design_whose_task_has_no_room_on_one_surface_is_refused() -> None:

@@ -13,7 +13,7 @@ from rich.console import Console
 
 from models.errors import InputError
 from models.frames import TouchFrame
-from sandbox.cli.common.latency import KINDS, checked_limit, judge_latency, say_latency
+from sandbox.cli.common.latency import KINDS, checked_limit, judge_latency, print_latency
 from sandbox.cli.main import main
 from sandbox.devices.mouse import MouseDevice
 from sandbox.devices.tuio.tuio import TuioDevice
@@ -149,7 +149,7 @@ def test_a_session_without_a_touch_is_not_within_any_limit() -> None:
     log = LatencyLog()
     log.add("waited", 1.0)
     to = console()
-    assert judge_latency(log, 1e9, to) == 1 and "none was measured" in said(to)
+    assert judge_latency(log, 1e9, to) == 1 and "nothing was measured" in said(to)
 
 
 @pytest.mark.parametrize("limit", [0.0, -1.0, float("nan"), float("inf")])
@@ -160,11 +160,11 @@ def test_what_is_no_duration_is_no_limit(limit: float) -> None:
 
 def test_the_table_has_every_kind_that_was_measured_and_says_what_is_not() -> None:
     log, to = LatencyLog(), console()
-    say_latency(log, to)
+    print_latency(log, to)
     assert said(to) == ""
     for kind in KINDS:
         log.add(kind, 12.34)
-    say_latency(log, to)
+    print_latency(log, to)
     assert all(text in said(to) for text in KINDS.values())
     assert said(to).count("12.3") == 3 * len(KINDS) and "display" in said(to)
 
@@ -203,7 +203,7 @@ def test_without_a_window_it_plays_what_needs_none(
     assert "--view none" in capsys.readouterr().err
     asked = ["play", "--device", "simulated", "--view", "none", "--max-latency", "50"]
     assert main(asked) == 2
-    assert "up to a picture" in capsys.readouterr().err
+    assert "from a touch to a picture" in capsys.readouterr().err
     for name in ("DISPLAY", "WAYLAND_DISPLAY"):
         monkeypatch.delenv(name, raising=False)
     monkeypatch.setattr("sandbox.views.display.sys.platform", "linux")

@@ -113,8 +113,8 @@ def test_the_command_writes_a_picture(file, tmp_path):
     ("options", "expected"),
     [
         (["--picture", "no/such/folder/a.png"], "no such folder"),
-        (["--picture", "a.txt"], "no picture"),
-        (["--view", "web", "--json"], "no JSON"),
+        (["--picture", "a.txt"], "not a picture"),
+        (["--view", "web", "--json"], "as JSON"),
     ],
 )
 def test_what_cannot_be_shown_is_one_line(file, capsys, options, expected):

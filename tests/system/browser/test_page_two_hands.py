@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from models.surface import METRES_PER_INCH
-from sandbox.cli.common.second_view import show_session, touched_pages
+from sandbox.cli.common.page_view import show_session, touched_pages
 from sandbox.options.scene_options import SceneOptions, plan
 from sandbox.server.page_server import PageServer
 from sandbox.server.protocol.protocol import PageScreen

@@ -27,7 +27,7 @@ from sandbox.lsl.lsl import (
     hand_sample,
     touch_sample,
 )
-from sandbox.lsl.lsl_listening import listened_to, tell
+from sandbox.lsl.lsl_listening import forwarding_to, tell
 from sandbox.options.scene_options import SceneOptions, plan
 from sandbox.recording.recording import Recording, load_recording
 from sandbox.session.messages import Snapshot
@@ -69,7 +69,7 @@ def heard(
     try:
         assert outlets.wait_for_consumers(60.0)
         chosen = plan(SCENE)
-        with listened_to(outlets):
+        with forwarding_to(outlets):
             tell("break", {"least_s": 3})
             run_trial(chosen.settings, chosen.makers, record=folder / "trial.jsonl")
         assert reader.wait(60.0) == 0
@@ -216,7 +216,7 @@ def test_other_instruments_hear_of_a_study_what_happens_and_nothing_that_was_sai
 
     ear = Ear()
     study = open_study(tmp_path)
-    with listened_to(ear):
+    with forwarding_to(ear):
         run_simulated(study, 0, lambda text: None)
     ear.close()
     kinds = [what for what, _ in heard]

@@ -129,7 +129,7 @@ def test_sending_to_nobody_says_so(tmp_path: Path) -> None:
     capture = capture_file(tmp_path / "touches.jsonl", SCENES)
     status, _, errors = run("touches", "send", capture, "--to", f"127.0.0.1:{free_port()}")
     assert status == 0
-    assert "nobody listens" in errors
+    assert "no program listens" in errors
 
 
 def test_the_packet_that_meets_the_news_of_a_refusal_is_not_lost() -> None:

@@ -11,7 +11,7 @@ import pytest
 from encoders.evaluation.paalm_pair import side_by_side
 from encoders.paalm.simulated.forward import FROZEN_LEAP
 from models.errors import InputError
-from sandbox.cli.common.second_view import show_session
+from sandbox.cli.common.page_view import show_session
 from sandbox.cli.main import main as command
 from sandbox.cli.run import main
 from sandbox.devices.leap.leap_truth import write_take
@@ -88,7 +88,7 @@ def test_a_hand_in_the_air_and_one_on_a_screen_are_in_one_scene():
 
 
 def test_two_right_hands_over_one_leap_are_refused():
-    with pytest.raises(InputError, match="by their sides"):
+    with pytest.raises(InputError, match="two hands over one Leap"):
         chosen("carry-together", device="leap-simulated", second_hand="right")
 
 

@@ -267,7 +267,7 @@ def test_a_report_has_the_trials_of_a_session_whose_program_was_killed(
         sessions.trial(session, 2.5)
     assert tables_are_outdated(sessions.study.path)
     report(ReportOptions(sessions.study.path), Console())
-    assert "made anew" in capsys.readouterr().out and not tables_are_outdated(sessions.study.path)
+    assert "rebuilt" in capsys.readouterr().out and not tables_are_outdated(sessions.study.path)
     after = (sessions.study.path / "trial_results.csv").read_bytes()
     assert after.startswith(before) and after.count(b"\n") == before.count(b"\n") + 1
 

@@ -95,8 +95,8 @@ def test_two_folders_are_merged_by_a_command(
 @pytest.mark.parametrize(
     ("words", "what"),
     [
-        (["export", "{}", "--out", "x"], "what kind of copy is missing"),
-        (["export", "{}", "--anonymise", "--out", "{}/inside"], "inside of what it is a copy of"),
+        (["export", "{}", "--out", "x"], "the kind of copy is missing"),
+        (["export", "{}", "--anonymise", "--out", "{}/inside"], "inside its source"),
         (["export", "{}", "--anonymise", "--bin", "age", "--out", "x"], "not an item and width"),
         (
             ["export", "{}", "--anonymise", "--drop", "wage", "--out", "x"],

@@ -1,4 +1,4 @@
-"""Whose hand is over the Leap: calibrations that were kept, and a guided one where none was."""
+"""Calibration of the hand over a Leap: a saved one, or a guided measurement."""
 
 from __future__ import annotations
 
@@ -20,56 +20,56 @@ from sandbox.devices.leap.leap import LeapDevice
 from sandbox.options.profiles import DEFAULT, default_path
 
 LIVE = "leap"
-TRIES = 3
-"""Frames that are looked at for every one that is wanted: most may show no open hand."""
+FRAMES_PER_WANTED = 3
+"""Frames read at most per frame wanted, since many may not show an open hand."""
 
 
-def own_path() -> Path:
-    """Where this user's own measured hands are, beside the profile of `sandbox calibrate`."""
+def own_calibration_path() -> Path:
+    """Returns the file of this user's measured hands, beside the profile of `sandbox calibrate`."""
     return default_path().with_name("hands.json")
 
 
-def chosen_file(options: Any) -> Path | None:
-    """The calibration that options name, with --calibration or with --profile; None for none.
+def chosen_calibration(options: Any) -> Path | None:
+    """Returns the calibration file named by --calibration or --profile; None if there is none.
 
     Args:
         options: `LeapOptions`, with or without `profile`.
 
     Raises:
-        InputError: They name two.
+        InputError: The options name two files.
     """
     named: str | None = getattr(options, "profile", None)
     path: Path | None = None
     if named == DEFAULT:
-        path = own_path() if own_path().exists() else None
+        path = own_calibration_path() if own_calibration_path().exists() else None
     elif named not in (None, "none") and is_calibration(Path(str(named))):
         path = Path(str(named))
         if options.calibration is not None:
             raise InputError(
-                "a hand is measured once",
+                "two calibrations are given",
                 where="--profile",
-                got=f"{named}, a calibration, too",
+                got=f"--calibration and --profile {named}",
                 expected="one of --calibration and --profile",
             )
     return options.calibration or path
 
 
-def of_touches(options: Any, in_air: bool) -> bool:
-    """Whether --profile names a person, as `sandbox calibrate` finds one, and they are meant.
+def uses_touch_profile(options: Any, in_air: bool) -> bool:
+    """True if --profile names a profile by `sandbox calibrate`, and the device is for touches.
 
     Raises:
-        InputError: It names a hand over a Leap, and fingers touch.
+        InputError: The profile is a calibration over a Leap, and the device is for touches.
     """
     if options.profile in (None, "none"):
         return False
     if options.profile == DEFAULT:
-        # Over a Leap, the own hand's measures; where somebody sits at a tablet says nothing there.
-        return not in_air or (not own_path().exists() and default_path().exists())
+        # Over a Leap the measured hand counts; the seat at a tablet has no meaning there.
+        return not in_air or (not own_calibration_path().exists() and default_path().exists())
     if not is_calibration(Path(options.profile)):
         return True
     if not in_air:
         raise InputError(
-            "this is a hand over a Leap",
+            "this profile is a calibration over a Leap",
             where=f"--profile {options.profile}",
             got=f"--device {options.device}",
             expected="--device leap",
@@ -78,67 +78,71 @@ def of_touches(options: Any, in_air: bool) -> bool:
     return False
 
 
-def with_own_hand(options: Any, console: Console, ask: bool | None = None) -> Any:
-    """The options of somebody who plays over a Leap, with their hand measured.
+def with_measured_hand(options: Any, console: Console, ask: bool | None = None) -> Any:
+    """Returns options with the calibration of the player's hand over a Leap.
 
-    A hand that was kept is taken. Otherwise they are asked to hold it open; Ctrl-C leaves that, and
-    the hand is then an average one.
+    A saved calibration is used. Otherwise the player is asked to hold the hand open. Ctrl-C skips
+    this, and an average hand is assumed.
 
     Args:
-        options: Of `sandbox play`.
-        console: Where they are told what to do.
-        ask: Whether somebody is there to do it; None looks whether this is a terminal.
+        options: Options of `sandbox play`.
+        console: Console for instructions.
+        ask: True if a person can be asked; None: if this is a terminal.
     """
-    if options.device != LIVE or options.profile == "none" or chosen_file(options) is not None:
+    if (
+        options.device != LIVE
+        or options.profile == "none"
+        or chosen_calibration(options) is not None
+    ):
         return options
     side = options.hand or "right"
-    path = own_path()
+    path = own_calibration_path()
     if path.exists() and side in read_calibration(path):
-        console.print(f"your {side} hand as it was measured: {path}", soft_wrap=True)
+        console.print(f"calibration of your {side} hand: {path}", soft_wrap=True)
         return replace(options, calibration=path)
     if ask is None:
         ask = sys.stdin.isatty() and console.is_terminal
-    if ask and measured(options.leap, side, path, console):
+    if ask and measure_and_save(options.leap, side, path, console):
         return replace(options, calibration=path)
     return options
 
 
-def measured(
+def measure_and_save(
     address: str, side: str, path: Path, console: Console, wanted: int = PAPER_FRAMES
 ) -> bool:
-    """Measures a hand over the service and keeps it; False where the person left it.
+    """Measures a hand over the service and saves it; returns False if the person skips this.
 
     Args:
-        address: Of the service.
-        side: Whose hand.
-        path: Where it is kept, beside the other one.
-        console: Shows what to do, and how far it is.
-        wanted: Frames with five fingers; 1000 in the paper, about ten seconds.
+        address: WebSocket address of the service.
+        side: `right` or `left`.
+        path: File of calibrations; that of the other hand in it is kept.
+        console: Console for instructions and progress.
+        wanted: Number of frames with five fingers; 1000 in the paper, about ten seconds.
 
     Raises:
-        DeviceError: The service says nothing.
+        DeviceError: The service sends nothing.
     """
     console.print(
         f"Hold your {side} hand 20 cm above the Leap, palm down, fingers spread, and still for ten "
-        "seconds. Ctrl-C leaves this out: your hand is then taken for an average one.",
+        "seconds. Ctrl-C skips this: an average hand is then assumed.",
         soft_wrap=True,
     )
     device = LeapDevice(address)
     try:
         while True:
             try:
-                found = _measure(device, cast(Literal["right", "left"], side), wanted, console)
+                measured = _measure(device, cast(Literal["right", "left"], side), wanted, console)
                 break
             except EncoderError as error:
-                console.print(Text(f"once more: {error}", style="yellow"), soft_wrap=True)
+                console.print(Text(f"please try again: {error}", style="yellow"), soft_wrap=True)
     except KeyboardInterrupt:
-        console.print("left out")
+        console.print("skipped")
         return False
     finally:
         device.close()
     known = read_calibration(path) if path.exists() else {}
-    keep_hands({**known, **found}, path)
-    console.print(f"measured, and kept in {path}", soft_wrap=True)
+    save_calibrations({**known, **measured}, path)
+    console.print(f"measured, and saved in {path}", soft_wrap=True)
     return True
 
 
@@ -148,15 +152,15 @@ def _measure(
     with Progress(console=console, transient=True) as bar:
         job = bar.add_task("open and still", total=1.0)
         return Paalm().calibrate(
-            islice(device.follow(), TRIES * wanted),
+            islice(device.follow(), FRAMES_PER_WANTED * wanted),
             side,
             wanted,
             lambda share: bar.update(job, completed=share),
         )
 
 
-def keep_hands(hands: dict[str, Any], path: Path) -> None:
-    """Writes calibrations, in a folder that need not be there yet.
+def save_calibrations(hands: dict[str, Any], path: Path) -> None:
+    """Writes calibrations; creates the folder if it is missing.
 
     Raises:
         InputError: The folder cannot be made.

@@ -1,4 +1,4 @@
-"""`sandbox study export`, `withdraw`, `backup` and `merge`: what becomes of a study's data."""
+"""Commands on the data of a study: `sandbox study export`, `withdraw`, `backup` and `merge`."""
 
 from __future__ import annotations
 
@@ -23,114 +23,115 @@ Out = Annotated[Path, tyro.conf.arg(metavar="PATH")]
 
 
 @dataclass(frozen=True)
-class ExportOptions:
-    """Copies a study for others: without what says who took part, or as Motion-BIDS, or both.
+class StudyExportOptions:
+    """Copies a study for others, anonymised, as Motion-BIDS, or both.
 
     Try: sandbox study export studies/NAME --anonymise --out shared/NAME
 
     Or: sandbox study export studies/NAME --anonymise --bin age:10 --bids --out shared/NAME-bids
 
-    --anonymise gives new pseudonyms and keeps no list of them, begins every session on 1 January
-    2000, and leaves out words, folders' names and who did not agree. docs/privacy.md tells what can
-    still be found out.
+    --anonymise assigns new pseudonyms without keeping a list of them, dates every session to 1
+    January 2000, and leaves out free text, names of folders, and participants who did not agree to
+    sharing. docs/privacy.md explains what can still be found out.
     """
 
     folder: Folder
-    """Of the study: the one with study.json."""
+    """Folder of the study, which contains study.json."""
 
     out: Out
-    """Of the copy; nothing may be there."""
+    """New folder for the copy."""
 
     anonymise: tyro.conf.FlagCreatePairsOff[bool] = False
-    """See above."""
+    """Remove what identifies participants, as described above."""
 
     bids: tyro.conf.FlagCreatePairsOff[bool] = False
-    """A Motion-BIDS data set instead of a study's folder."""
+    """Write a Motion-BIDS data set instead of a study folder."""
 
     keep_words: tyro.conf.FlagCreatePairsOff[bool] = False
-    """Answers in words and the experimenter's notes stay; read them all before you share them."""
+    """Keep free-text answers and the experimenter's notes; read all of them before you share
+    them."""
 
     keep_hands: tyro.conf.FlagCreatePairsOff[bool] = False
-    """Recordings over a Leap stay; they hold the lengths of fingers."""
+    """Keep recordings over a Leap, which contain the lengths of fingers."""
 
     drop: Annotated[tuple[str, ...], tyro.conf.arg(metavar="ITEM")] = ()
-    """A demographic item that is left out; may be repeated."""
+    """Demographic item to leave out; may be repeated."""
 
     bin: Annotated[tuple[str, ...], tyro.conf.arg(metavar="ITEM:WIDTH")] = ()
-    """A demographic number that is rounded down, as age:10; may be repeated."""
+    """Demographic number to round down, such as age:10; may be repeated."""
 
     recordings: bool = True
-    """Without them, trials cannot be replayed from the copy."""
+    """Include recordings. Without them, trials cannot be replayed from the copy."""
 
 
 @dataclass(frozen=True)
 class WithdrawOptions:
-    """Deletes all data of a participant who takes their consent back, and leaves a tombstone.
+    """Deletes all data of a participant who withdraws consent, and leaves a tombstone record.
 
     Try: sandbox study withdraw studies/NAME --participant 3B5G5T --reason "by e-mail"
 
-    It cannot be undone. Backups and copies that were made with the data are named; they are yours
-    to delete.
+    This cannot be undone. The command lists backups and copies that contain the data; delete them
+    yourself.
     """
 
     folder: Folder
-    """Of the study."""
+    """Folder of the study."""
 
     participant: Annotated[str, tyro.conf.arg(metavar="ID")]
-    """Who."""
+    """Pseudonym of the participant."""
 
     reason: str = "the participant's wish"
-    """Is kept in the tombstone."""
+    """Reason, stored in the tombstone record."""
 
     yes: tyro.conf.FlagCreatePairsOff[bool] = False
-    """Deletes without asking."""
+    """Delete without asking."""
 
 
 @dataclass(frozen=True)
 class BackupOptions:
-    """Writes a study into one archive and reads it back; or checks one that is there.
+    """Writes a study to an archive and verifies it, or checks an existing archive.
 
     Try: sandbox study backup studies/NAME --out /media/disk/NAME-2026-11-21.tar.gz
 
     Later: sandbox study backup --check /media/disk/NAME-2026-11-21.tar.gz
 
-    Sessions may run meanwhile. `tar -xzf` unpacks it; the study goes on from there.
+    Sessions may run at the same time. `tar -xzf` unpacks the archive; the study can continue there.
     """
 
     folder: Annotated[Path | None, tyro.conf.Positional, tyro.conf.arg(metavar="DIR")] = None
-    """Of the study."""
+    """Folder of the study."""
 
     out: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
-    """The archive; nothing may be there."""
+    """New file for the archive."""
 
     check: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
-    """An archive to be read whole and compared with the digests in it."""
+    """Existing archive, which is read completely and compared with its digests."""
 
 
 @dataclass(frozen=True)
 class MergeOptions:
-    """Makes one study of two sites' folders; neither is changed.
+    """Merges the folders of two sites into one study; neither is changed.
 
     Try: sandbox study merge siteA/NAME siteB/NAME --out both/NAME
 
-    Both must be locked to the same design and program. docs/privacy.md tells what happens to equal
-    pseudonyms.
+    Both must be locked to the same design and program. docs/privacy.md explains what happens to
+    equal pseudonyms.
     """
 
     first: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="A")]
-    """A site's folder."""
+    """Folder of the first site."""
 
     second: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="B")]
-    """The other one's."""
+    """Folder of the second site."""
 
     out: Out
-    """The new folder; nothing may be there. To go on with it, name it like the study."""
+    """New folder. To continue the study there, give it the name of the study."""
 
     force_different: Annotated[str, tyro.conf.arg(metavar="REASON")] = ""
-    """Merges although programs or encoders differ; it is logged."""
+    """Merge although programs or encoders differ; the reason is logged."""
 
 
-def export(options: ExportOptions, console: Console) -> int:
+def export(options: StudyExportOptions, console: Console) -> int:
     """`sandbox study export`."""
     from sandbox.study.record.folder import StudyFolder
     from sandbox.study.share.export_folder import refuse_existing
@@ -139,7 +140,7 @@ def export(options: ExportOptions, console: Console) -> int:
 
     if not options.anonymise and not options.bids:
         raise InputError(
-            "what kind of copy is missing",
+            "the kind of copy is missing",
             where="sandbox study export",
             expected="--anonymise, --bids, or both",
             remedy="`sandbox study backup` copies everything as it is",
@@ -151,7 +152,11 @@ def export(options: ExportOptions, console: Console) -> int:
     _outside(study, options.out)
     refuse_existing(options.out)
     masking = Masking(
-        options.keep_words, options.drop, _bins(options.bin), options.recordings, options.keep_hands
+        options.keep_words,
+        options.drop,
+        _bins(options.bin),
+        options.recordings,
+        options.keep_hands,
     )
     ppids = [person.ppid for person in study.participants()]
     say = _progress(console)
@@ -161,7 +166,7 @@ def export(options: ExportOptions, console: Console) -> int:
         _anonymous_bids(study, options.out, masking, console)
     else:
         _bids(study, options.out, console)
-        console.print("[yellow]pseudonyms are those of the study; --anonymise gives others[/]")
+        console.print("[yellow]pseudonyms are those of the study; --anonymise assigns new ones[/]")
     log_copy(study, "bids" if options.bids else "export", options.out, ppids)
     return 0
 
@@ -231,7 +236,7 @@ def backup(options: BackupOptions, console: Console) -> int:
     size = f"{checked.bytes / 1e6:.1f} MB"
     console.print(
         f"{escape(str(path))}: {len(checked.ppids)} participants, {checked.trials} finished "
-        f"trials, {checked.files} files, {size}; every file is as it was written"
+        f"trials, {checked.files} files, {size}; all digests are correct"
     )
     return 0
 
@@ -249,7 +254,7 @@ def merge(options: MergeOptions, console: Console) -> int:
     for study in sites:
         ppids = [p.ppid for p in study.participants()]
         log_copy(study, "merge", options.out, ppids)
-        # Who withdraws from the merged study is still in the folders that it came from.
+        # A participant who withdraws from the merged study is still in the sites' folders.
         log_copy(StudyFolder.at(options.out), "site", study.path, ppids)
     console.print(
         f"{escape(str(options.out))}: {merged.people} participants; sites.csv says who "
@@ -267,7 +272,7 @@ def merge(options: MergeOptions, console: Console) -> int:
 def _outside(study: StudyFolder, out: Path) -> None:
     if study.path.resolve() in (out.resolve(), *out.resolve().parents):
         raise StudyError(
-            "a copy inside of what it is a copy of",
+            "a copy must not be inside its source",
             where=str(out),
             remedy="Choose a folder elsewhere",
         )
@@ -334,7 +339,7 @@ def _progress(console: Console) -> Callable[[str], object]:
 
 
 ACTIONS: dict[str, tuple[Any, Callable[[Any, Console], int]]] = {
-    "export": (ExportOptions, export),
+    "export": (StudyExportOptions, export),
     "backup": (BackupOptions, backup),
     "merge": (MergeOptions, merge),
     "withdraw": (WithdrawOptions, withdraw),

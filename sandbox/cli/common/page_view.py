@@ -1,4 +1,4 @@
-"""A page beside the window: it looks on, and lends its fingers where a device takes them."""
+"""Browser page beside the window, which shows the session and may take touches."""
 
 from __future__ import annotations
 
@@ -30,11 +30,11 @@ def show_session(
 
     Args:
         server: Server of the page.
-        session: To be shown.
+        session: Session to show.
         hand: `right` or `left`.
-        caption: The player, unless it is a person.
-        device: Takes the page's touches; None lets the page only look.
-        own: The hand that touches this page, where others touch elsewhere.
+        caption: Name of the player if it is not a person.
+        device: Device for the page's touches; None: the page only shows.
+        own: Index of the hand that touches this page, if the other one touches elsewhere.
     """
     message = describe_scene(
         server.next_scene(),
@@ -50,7 +50,7 @@ def show_session(
 
 
 def touched_pages(session: Session) -> list[tuple[int | None, WebDevice]]:
-    """Devices for the touches of each page, with the index of their hand; None for both hands."""
+    """Returns the device of each page, with the index of its hand; None for both hands."""
     devices: dict[int, tuple[int | None, WebDevice]] = {}
     for hand, rig in enumerate(session.rigs):
         device = rig.device
@@ -66,8 +66,8 @@ def in_air(session: Session) -> bool:
     return all(isinstance(rig.reconstructor, HandReconstructor) for rig in session.rigs)
 
 
-def invite(server: PageServer, page: PageOptions, events: EventLog, console: Console) -> None:
-    """Says how the page is opened."""
+def show_address(server: PageServer, page: PageOptions, events: EventLog, console: Console) -> None:
+    """Prints the page's address, for tablets with a QR code, and hints."""
     host = page.page_host
     if page.tablet or page.lan:
         console.print(code(server.url), highlight=False, soft_wrap=True)
@@ -77,14 +77,13 @@ def invite(server: PageServer, page: PageOptions, events: EventLog, console: Con
     events.tell("listening", address=server.url)
 
 
-def open_second_view(
+def open_page_beside_window(
     page: PageOptions, touch: bool, events: EventLog, console: Console
 ) -> PageServer | None:
-    """The page beside the window, whose fingers may count; None where it cannot be served, which
-    costs nothing else.
+    """Starts the page beside the window; returns None if it cannot be served, with a warning.
 
     Raises:
-        DeviceError: A page was asked for by name, and cannot be served.
+        DeviceError: An option asks for the page, and it cannot be served.
     """
     try:
         server = open_page(page, touch=touch)
@@ -102,10 +101,10 @@ def open_second_view(
         )
         events.tell("listening", address=server.url)
     else:
-        invite(server, page, events, console)
+        show_address(server, page, events, console)
     return server
 
 
 def short_address(server: PageServer) -> str:
-    """The page's host and port, for a person's eyes; the whole link is in the terminal."""
+    """Returns the page's host and port; the terminal shows the whole link."""
     return server.url.split("://", 1)[1].split("/", 1)[0].split("?", 1)[0]
