@@ -279,7 +279,7 @@ BAD = {
     "a mapping that is none": (["--joints", "hand.bvh", "--mapping", "hand.csv"], "damaged"),
     "clocks apart": (
         ["--touches", "shown.jsonl", "--joints", "hand.csv", "--offset", "500"],
-        "no touch is where",
+        "no touch is near",
     ),
 }
 
