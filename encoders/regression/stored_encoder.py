@@ -104,6 +104,8 @@ def as_restored(encoder: Encoder, U: Array, Q: Array) -> Encoder:
     some = U[:_TRIED]
     moved = np.abs(predicted(loaded, some) - predicted(encoder, some)).max()
     # An encoder without stored arrays was fitted again, to rounded frames.
+    if not arrays:
+        _check_repeatable(loaded, restored(kind, options, arrays, U, Q), some)
     if not same or (arrays and moved > SAME_POSE):
         raise EncoderError(
             "the encoder restored from its arrays differs from the original",
@@ -112,6 +114,22 @@ def as_restored(encoder: Encoder, U: Array, Q: Array) -> Encoder:
             remedy="restore must use everything that arrays and configuration return",
         )
     return loaded
+
+
+def _check_repeatable(first: Encoder, second: Encoder, U: Array) -> None:
+    """Checks that two encoders fitted to equal frames predict equal poses.
+
+    Raises:
+        EncoderError: They differ. A recording made with one could not be replayed with the other.
+    """
+    difference = np.abs(predicted(first, U) - predicted(second, U)).max()
+    if difference > SAME_POSE:
+        raise EncoderError(
+            "two trainings on equal frames gave different encoders",
+            where=f"{type(first).__qualname__}.fit",
+            got=f"poses that differ by up to {difference:.2g} m or rad",
+            remedy="Give random numbers a fixed seed, such as random_state=0 in scikit-learn",
+        )
 
 
 def predicted(encoder: Encoder, U: ArrayLike) -> Array:
@@ -123,7 +141,7 @@ def predicted(encoder: Encoder, U: ArrayLike) -> Array:
     U = np.asarray(U, float)
     where = f"{type(encoder).__qualname__}.predict"
     for rows, shape in ((U[0], (POSE_SIZE,)), (U, (len(U), POSE_SIZE))):
-        with guarded("the encoder cannot predict", where):
+        with guarded(f"the encoder cannot predict from U of shape {rows.shape}", where):
             poses = np.asarray(encoder.predict(rows), float)
         if poses.shape != shape:
             raise EncoderError(

@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from importlib.metadata import entry_points
 from pathlib import Path
 
+from models.outside import package
 from sandbox.devices.registry import DEVICES
 from sandbox.views.display import has_display
 
@@ -71,8 +72,8 @@ def _installed_tasks() -> list[str]:
 
 def _installed_devices() -> list[str]:
     """Devices of installed packages, which are checked only when they are used."""
-    names = sorted({entry.name for entry in entry_points(group="hand_sandbox.devices")})
-    return [f"  {name}" for name in names]
+    rows = {e.name: f"offered by {package(e)}" for e in entry_points(group="hand_sandbox.devices")}
+    return [f"  {name}  {text}" for name, text in sorted(rows.items())]
 
 
 def _sentence_of(module: str, name: str) -> str:

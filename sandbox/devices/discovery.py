@@ -28,6 +28,9 @@ from sandbox.session.device import Device
 
 GROUP = "hand_sandbox.devices"
 
+OWN_DEVICE = "FILE.py:CLASS[:ARGUMENT]"
+"""Form of a device in a file, for error messages."""
+
 Maker = Callable[[Surface], Device]
 
 _FILE = re.compile(r"(?P<place>.+\.py):(?P<member>[A-Za-z_]\w*)(:(?P<argument>.*))?")

@@ -9,8 +9,8 @@ from sandbox.session.device import Device
 class TouchDevice(Device):
     """A touch device that the command line opens; a subclass has to define only `poll`.
 
-    It runs until it is closed; one that ends by itself sets `finished`. `Device` declares the other
-    members that it may override.
+    It runs until it is closed. A device that ends by itself sets `self.finished = True`, or
+    overrides `finished` as a property. `Device` declares the other members that it may override.
 
     Args:
         surface: The touch surface.
@@ -25,4 +25,6 @@ class TouchDevice(Device):
 
     def close(self) -> None:
         """Ends the device and releases its resources; may be called twice."""
-        self.finished = True
+        super().close()
+        if not isinstance(getattr(type(self), "finished", None), property):
+            self.finished = True

@@ -9,7 +9,7 @@ from typing import Any
 
 from models.errors import InputError
 from models.surface import Surface, parse_surface
-from sandbox.devices.discovery import find_device
+from sandbox.devices.discovery import OWN_DEVICE, find_device, offered_devices
 from sandbox.devices.registry import DEVICES, built_in
 from sandbox.devices.simulated.simulated import NEXT_PERSON, SimulatedDevice
 from sandbox.devices.wrappers.degraded import DegradedDevice
@@ -214,7 +214,7 @@ def _recording(device: str) -> Recording | None:
             "no such device or file",
             where="--device",
             got=device,
-            expected=", ".join(DEVICES) + " or a file",
+            expected=", ".join([*DEVICES, *offered_devices(), OWN_DEVICE, "or a file"]),
             remedy="`sandbox touches formats` lists the files that play as devices",
         )
     return load_recording(path) if is_recording(path) else None

@@ -12,7 +12,7 @@ import tyro
 from models.errors import DeviceError, InputError, RecordingError
 from models.json_input import decoded_record
 from models.surface import Surface, parse_surface
-from sandbox.devices.discovery import offered_devices
+from sandbox.devices.discovery import OWN_DEVICE, offered_devices
 from sandbox.devices.evdev.evdev_device import EvdevDevice, evdev_surface, open_node
 from sandbox.devices.files.frame_file import FramesDevice, read_frame_file
 from sandbox.devices.registry import DEVICES, built_in, open_by_name
@@ -172,7 +172,7 @@ def open_file(path: Path, surface: Surface | None, stale_after: float = 2.0) -> 
             "no such device or file",
             where="--device",
             got=str(path),
-            expected=", ".join([*touch_devices(), *offered_devices(), "or a file"]),
+            expected=", ".join([*touch_devices(), *offered_devices(), OWN_DEVICE, "or a file"]),
             remedy="`sandbox touches formats` lists the files that play as devices",
         )
     if path.suffix == ".py":

@@ -268,6 +268,20 @@ def test_poses_that_storing_changes_are_refused(capture, tmp_path):
         train_encoder(capture, "a", find_encoder(write(tmp_path / "lab.py", body)))
 
 
+def test_an_encoder_with_unseeded_random_numbers_is_refused(capture, tmp_path):
+    body = """class A(Mean):
+ def fit(self, U, Q): return super().fit(U, Q + np.random.default_rng().normal(0, 10))"""
+    with pytest.raises(EncoderError, match=r"two trainings on equal frames.*fixed seed"):
+        train_encoder(capture, "a", find_encoder(write(tmp_path / "lab.py", body)))
+
+
+def test_the_error_of_a_prediction_names_the_shape_of_its_input(capture, tmp_path):
+    body = """class A(Mean):
+ def predict(self, U): return np.zeros((len(U), 48)) if U.ndim == 2 else 1 / 0"""
+    with pytest.raises(EncoderError, match=r"cannot predict from U of shape \(15,\)"):
+        train_encoder(capture, "a", find_encoder(write(tmp_path / "lab.py", body)))
+
+
 @pytest.mark.parametrize(
     "line",
     [

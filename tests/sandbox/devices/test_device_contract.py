@@ -12,6 +12,7 @@ import pytest
 from models.errors import DeviceError
 from models.frames import Contact, TouchFrame
 from models.surface import Surface
+from sandbox.cli.main import main
 from sandbox.devices.discovery import AdaptedDevice, adapted, find_device
 from sandbox.devices.mouse import MouseDevice
 from sandbox.devices.touch_device import TouchDevice
@@ -147,3 +148,30 @@ def test_our_base_class_is_opened_as_it_is(tmp_path: Path) -> None:
     assert make is not None
     device = make(Surface())
     assert isinstance(device, TouchDevice) and device.argument == "three"
+
+
+def test_a_touch_device_may_compute_whether_it_has_finished():
+    class TwoFrames(TouchDevice):
+        sent = 0
+
+        def poll(self, now: float) -> Sequence[TouchFrame]:
+            self.sent += 1
+            return [TouchFrame(now, (Contact(1, 0.1, 0.1),))]
+
+        @property
+        def finished(self) -> bool:
+            return self.sent == 2
+
+    device = TwoFrames(Surface(10.0, 5.0))
+    device.poll(0.0)
+    assert not device.finished
+    device.poll(0.1)
+    assert device.finished
+    device.close()
+    device.close()
+
+
+def test_an_unknown_device_is_refused_with_the_form_of_a_device_in_a_file(capsys):
+    for command in ("run box-to-goal", "touches show"):
+        assert main([*command.split(), "--device", "nothing-like-that"]) == 2
+        assert "FILE.py:CLASS[:ARGUMENT]" in capsys.readouterr().err
