@@ -35,7 +35,7 @@ RATES = (60, 120, 240)
 """Steps a second of Bullet."""
 GAINS = (0.1, 0.2, 0.3, 0.5, 0.7, 0.85, 1.0)
 DEFAULT_ERP = 0.2
-"""Of pybullet, by which the motors of its ball joints multiply their gain; else it is 1 here."""
+"""ERP of pybullet: its ball joint motors multiply their gain by it. Otherwise this uses 1."""
 LIMITS = (100.0, 10.0, 3.0, 1.0, 0.3, 0.1, 0.03, 0.01, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5)
 """N s of the slides, N m s of the turns, per 1/60 s."""
 COSTS, LEAST_COST = 1.1, 0.05
@@ -56,7 +56,7 @@ steps; s per step."""
 
 @dataclass(frozen=True)
 class Row:
-    """How one hand followed.
+    """Result of one hand that followed a motion.
 
     Attributes:
         joint_rms, joint_max: degrees, of the ball joints.
@@ -101,7 +101,7 @@ def ours(commands: Array, hand: Hand, timestep: float) -> Play:
     scene = Scene(SceneSpec((hand,), timestep=timestep))
     data = mujoco.MjData(scene.model)
     data.qpos[scene.qpos_slice(0)] = scene.pose_to_qpos(0, commands[0])
-    # 1/60 s is no whole number of our steps: a command takes effect at the step nearest to it.
+    # 1/60 s is not a whole number of our steps: a command takes effect at the step nearest to it.
     starts = np.round(np.arange(len(commands) + 1) / (RATE * timestep)).astype(int)
     poses, forces = [], []
     for command, start, end in zip(commands, starts[:-1], starts[1:], strict=True):
@@ -130,7 +130,7 @@ def bullets(
 
 
 def compare(commands: Array, play: Play) -> Row:
-    """How a hand that played commands (T, 48) did."""
+    """Result of a hand that played commands (T, 48)."""
     poses, slides, turns, timestep = play
     joint = np.rad2deg(
         geodesic_angle(poses[:, JOINTS].reshape(-1, 14, 3), commands[:, JOINTS].reshape(-1, 14, 3))
@@ -206,7 +206,7 @@ def print_scan(name: str, play: Callable[[float], Row]) -> None:
     """Prints what smaller limits do to a hand, and from where on they bind.
 
     Args:
-        name: Of the hand.
+        name: Name of the hand.
         play: How it follows with a limit in N s (N m s).
     """
     rows = {limit: play(limit) for limit in LIMITS}

@@ -173,7 +173,7 @@ class BulletHand:
         rate: Steps a second.
         gain: Share of the remaining turn, or way, that every motor asks for in one step.
         loaded: See `inertias`.
-        erp: Of Bullet's world: the motors of its ball joints multiply their gain by it.
+        erp: ERP of Bullet's world: the motors of its ball joints multiply their gain by it.
 
     Raises:
         InputError: pybullet is not installed.

@@ -1,4 +1,4 @@
-"""How often the intervals of a study's report cover the truth, in studies whose truth is known.
+"""Measures how often intervals of a study's report cover the truth, where the truth is known.
 
 python -m benchmarks.coverage [--studies 100] [--people 24] [--seconds]
 
@@ -51,7 +51,7 @@ SCENARIOS = {
 
 @dataclass(frozen=True)
 class Told:
-    """What one study says about the pair: covers the truth (None: not asked), p < 0.05."""
+    """Result of one study for the pair: covers the truth (None: not asked), p < 0.05."""
 
     covers: bool | None
     found: bool

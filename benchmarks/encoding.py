@@ -1,4 +1,4 @@
-"""What a pose, a new contact and learning cost, beside other ways to the same.
+"""Measures the time of a pose, a new contact and learning, beside other ways to the same.
 
 One thread; every ratio is between times of the same run, and of equal answers where both answer the
 same question. Times of other machines are not comparable: the paper printed 2.1 microseconds for a
@@ -60,7 +60,7 @@ QUESTIONS = 40
 FEW = 8
 """The same for calls that take milliseconds."""
 CLOSE = 1e-9
-"""How close poses in NumPy and compiled ones have to be."""
+"""Largest difference between poses in NumPy and compiled poses."""
 
 
 def questions(fingers: int) -> list[Contacts]:

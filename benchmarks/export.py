@@ -1,4 +1,4 @@
-"""How long it takes to export a ten-minute session to each format, and in how much memory.
+"""Measures how long it takes to export a ten-minute session to each format, and in how much memory.
 
     python -m benchmarks.export                 # ten minutes, one hand
     python -m benchmarks.export --hands 2

@@ -1,4 +1,4 @@
-"""How still a held box is: what it creeps in five seconds, and how fast it trembles.
+"""Measures how still a held box is: how far it creeps in five seconds, and how fast it trembles.
 
 A box is closed on by thumb and index, or thumb, index and middle finger, lifted by 5 cm and held by
 a pose that does not change. Creep is how far its middle has moved and what it has turned at the end
@@ -36,12 +36,12 @@ APART = 0.011
 OPENING, SQUEEZE = 0.006, 0.0035
 """m outside and inside a face; the simulated user squeezes as much."""
 SEED = 4_002
-"""Of the boxes, unless another one is asked for."""
+"""Default seed of the boxes."""
 
 
 @dataclass(frozen=True)
 class Stillness:
-    """How still a box was held.
+    """Stillness of a held box.
 
     Attributes:
         creep: m from where it was when the hold began.
@@ -57,7 +57,7 @@ class Stillness:
 
     @property
     def good(self) -> bool:
-        """Whether it meets the bounds."""
+        """True if it meets the bounds."""
         return self.held and self.creep < CREEP and self.jitter < JITTER
 
 

@@ -1,8 +1,8 @@
-"""What learning an encoder costs: seconds, and the most memory that the process ever held.
+"""Measures the cost of learning an encoder: seconds, and the peak memory of the process.
 
 Every fit runs in a process of its own, so that its peak is its own. Many frames come in blocks from
 a stream, as they would from files. Contact vectors are those of random layouts of all 26 sets of
-fingers; the other inputs are 15 numbers that are no contact vectors. Outputs are waves of inputs
+fingers; the other inputs are 15 numbers that are not contact vectors. Outputs are waves of inputs
 with noise: a fit's time does not depend on values.
 
     python -m benchmarks.fitting contacts 2 1000000      # or `others`; degree, frames

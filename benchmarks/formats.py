@@ -1,4 +1,4 @@
-"""What readers find in exported files: the greatest distance of a joint from where it was.
+"""Reads exported files with other programs: the greatest distance of a joint from where it was.
 
     python -m benchmarks.formats                  # needs the extra `test`; node for three.js
     python -m benchmarks.formats --keep FOLDER    # leaves the files there, and the truth

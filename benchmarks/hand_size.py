@@ -1,4 +1,4 @@
-"""What a hand of another size costs, and what calibrating it gives back.
+"""Measures the errors of a hand of another size, and what calibrating it gives back.
 
 The simulated subject gets hands of 85 to 115 % of the trained one; its habits, the pad of its
 fingertips, the screen and the noise stay as they are. `best`, trained on the hand of 100 %, then

@@ -1,4 +1,4 @@
-"""How often contacts of two hands on one surface get the right hand.
+"""Measures how often contacts of two hands on one surface get the right hand.
 
 Two takes of the simulated subject, one of them mirrored into a left hand, are played at once on one
 surface, at random moments and places; the middles of the two hands stay a given distance apart when
@@ -91,10 +91,10 @@ def play(right: Take, left: Take, apart: float, rng: np.random.Generator) -> Cou
     """Two takes at once; the second one is mirrored and to the left of the first.
 
     Args:
-        right: Of the right hand.
-        left: Of a right hand as well, mirrored here.
+        right: Take of the right hand.
+        left: Another take of a right hand, mirrored here.
         apart: m between the middles of both.
-        rng: Of place and time.
+        rng: Random numbers for place and time.
     """
     middle = SURFACE / 2 + rng.uniform(-0.03, 0.03, 2)
     way = np.array((apart / 2, rng.uniform(-0.03, 0.03)))

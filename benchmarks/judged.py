@@ -64,7 +64,7 @@ def frozen_seeds(n: int, task: str, path: Path, now: dict[str, Any], module: str
         task: Name.
         path: What was frozen.
         now: The configuration as it is in the code.
-        module: Of `benchmarks`, which freezes it.
+        module: Module of `benchmarks` that freezes it.
 
     Raises:
         InputError: They differ in what decides the task's runs.

@@ -1,4 +1,4 @@
-"""How often fingers are named right: this project's labellers beside the paper's Table 2.
+"""Measures how often fingers are named right: this project's labellers beside the paper's Table 2.
 
 Test days are free play of the simulated subject, drawn by SHA-256 from the frozen configuration and
 the trained belief, so that nobody chose them. Two questions are asked of every labeller:
@@ -50,10 +50,10 @@ PAPER = {
 
 COUNTS = (1, 2, 3, 4, 5)
 RESAMPLES = 2000
-"""Of takes, for the 95 % interval; frames of one take are no independent evidence."""
+"""Number of resamples of takes for the 95 % interval; frames of one take are not independent."""
 
 EVERY = 3
-"""Of frames, which are judged alone: at 30 Hz, neighbours say the same."""
+"""Every so many frames, one is judged: at 30 Hz, neighbouring frames are nearly equal."""
 
 
 def test_days(count: int) -> list[int]:

@@ -23,7 +23,7 @@ from models.arithmetic.arrays import Array
 from models.pose import JOINTS
 
 FIRST_SEED = 1000
-"""Of the subjects, one a seed, all on day 0; none of them trained or judged anything."""
+"""Seeds of the subjects, one each, all on day 0; none of them trained or judged anything."""
 
 _USED = ("kinematics", "pose", "rotations", "skeleton", "surface")
 """Files of `models` that poses depend on."""

@@ -1,4 +1,4 @@
-"""What drop of success so many paired seeds notice: the noise floor of `sandbox regress`.
+"""Noise floor of `sandbox regress`: the drop of success that so many paired seeds notice.
 
 python -m benchmarks.noise_floor
 """

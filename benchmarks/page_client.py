@@ -52,7 +52,7 @@ class Line:
         self._flush()
 
     def heard(self, until: float) -> list[tuple[Opcode, bytes]]:
-        """What comes next, or nothing if nothing does until a time of `perf_counter`."""
+        """The next messages; empty if none arrives before a time of `perf_counter`."""
         wait = max(0.0, until - time.perf_counter())
         if not select.select([self._socket], [], [], wait)[0]:
             return []

@@ -1,4 +1,4 @@
-"""How long a touch takes to come back as a frame, over a real socket with physics running.
+"""Measures how long a touch takes to come back as a frame, over a real socket with physics running.
 
     python -m benchmarks.page_round_trip [--seconds 20] [--rate 60] [--pin]
 

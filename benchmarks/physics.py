@@ -1,4 +1,4 @@
-"""What one physics step costs, with a hand alone and with boxes that it holds and that lie around.
+"""Measures the time of a physics step: hand alone, with held boxes, and with boxes around it.
 
 The peer is the bare hand in the same run: what a task adds is the ratio to it. Scenes take turns,
 so that a machine that gets busier does so for all of them, and every time is a median. Processor
@@ -48,10 +48,10 @@ class Bench:
 
     Args:
         name: In the table.
-        boxes: Of the scene.
+        boxes: Number of boxes in the scene.
         held: The hand has lifted the first box between thumb and index; otherwise it is a ghost
             high above the table.
-        servo: Of the hand.
+        servo: The hand's kind of servo.
         timestep: s.
     """
 

@@ -22,7 +22,7 @@ LEAST_BLOCKS = 5
 
 
 class Call(NamedTuple):
-    """What is timed.
+    """A timed call.
 
     Attributes:
         name: In the table.

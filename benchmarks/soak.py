@@ -48,7 +48,7 @@ class Violent(Device):
 
     Args:
         surface: Where it touches.
-        seed: Of its chance.
+        seed: Seed of its random numbers.
     """
 
     name = "violent"
@@ -150,10 +150,10 @@ class Violent(Device):
 
 @dataclass
 class Found:
-    """What became of it all.
+    """Result of a soak run.
 
     Attributes:
-        seconds: Of simulated time.
+        seconds: Simulated time, s.
         diverged: Trials that did, with seed and reason.
         lost: Objects that were out of reach and did not come back, with seed.
         respawned: Objects that came back.
@@ -220,8 +220,8 @@ def soak(
 
     Args:
         task: Its name.
-        seconds: Of simulated time.
-        first_seed: Of the first trial; the next ones follow.
+        seconds: Simulated time, s.
+        first_seed: Seed of the first trial; the next ones follow.
         told: Is called with the simulated time that has passed since the last call, s.
         settings: Others than the defaults of `RunSettings`.
     """

@@ -1,4 +1,4 @@
-"""What a stream costs, how late it is, and what a real Blender keys of it.
+"""Measures the cost and delay of a stream, and what a real Blender keys of it.
 
 python -m benchmarks.stream                      # times, against a command port of ours
 python -m benchmarks.stream --bpy PYTHON         # also Blender, by a Python that has bpy

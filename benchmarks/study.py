@@ -1,4 +1,4 @@
-"""What writing a study down costs: per touch frame, per minute, and on opening a large one.
+"""Measures the cost of recording a study: per touch frame, per minute, and on opening a large one.
 
 python -m benchmarks.study [--seconds 10]
 """
@@ -183,7 +183,7 @@ def difference(folder: Path, rounds: int = 5) -> None:
 
 
 def replaying(folder: Path) -> None:
-    """How fast trials are replayed and compared; loading and building is part of it."""
+    """Measures how fast trials are replayed and compared; loading and building is part of it."""
     user = UserConfiguration()
     for task in ("box-to-goal", "stack", "wrench-turn"):
         record = folder / f"{task}.jsonl"

@@ -1,4 +1,4 @@
-"""How often the simulated user succeeds, and what each encoder and each part is worth.
+"""Measures how often the simulated user succeeds, with each encoder and without each part.
 
 Every row is the same judged seeds with one thing changed. Resumable: finished trials are kept in a
 file of JSON lines and not run again; what was broken off counts up to the first seed that is

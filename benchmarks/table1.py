@@ -45,7 +45,7 @@ def errors(predict: Predict, capture: Capture) -> tuple[float, float, float]:
 
 
 def methods(capture: Capture) -> dict[str, Predict]:
-    """What is compared, trained on a capture: the paper's least squares, and `best`'s ridge."""
+    """Compared methods, trained on a capture: the paper's least squares, and `best`'s ridge."""
     U, Q = capture.u, capture.relative
     mean = Q.mean(axis=0)
     return {

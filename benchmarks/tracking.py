@@ -1,4 +1,4 @@
-"""How well the simulated hand follows a moving pose, and what impulse it needs for that.
+"""Measures how well the simulated hand follows a moving pose, and what impulse it needs for that.
 
 The hand is in free air and is commanded 12 s of random minimum-jerk movements from legal pose to
 legal pose, one command a control period, held in between. Errors are against the command that is
@@ -42,7 +42,7 @@ TIMESTEPS = (0.001, 0.002, 0.004)
 
 @dataclass(frozen=True)
 class Use:
-    """What the hardest worked of some servos used of its limit.
+    """The largest share of its limit that any of some servos used.
 
     Attributes:
         impulse: N s or N m s, most that it gave in 1/60 s, as Bullet counts a motor's impulse.
@@ -58,7 +58,7 @@ class Use:
 
 @dataclass(frozen=True)
 class Tracking:
-    """How one hand followed.
+    """Result of one hand that followed a motion.
 
     Attributes:
         joint_rms, joint_max: degrees, of the ball joints.
@@ -145,9 +145,9 @@ def lag(followed: Array, held: Array, timestep: float) -> float:
 
 
 def use(force: Array, timestep: float) -> Use:
-    """What servos used whose forces were (T, n, 1) or torques (T, n, 3), N or N m."""
+    """Use of servos with forces (T, n, 1) in N or torques (T, n, 3) in N m."""
     given = np.cumsum(np.concatenate([np.zeros_like(force[:1]), force]), axis=0) * timestep
-    # A period is no whole number of steps: its beginning lies between two of them.
+    # A period is not a whole number of steps: its beginning lies between two of them.
     whole, part = divmod(IMPULSE_PERIOD / timestep, 1.0)
     ends = np.arange(int(whole) + 1, len(given))
     first = ends - int(whole)

@@ -1,4 +1,4 @@
-"""What smoothing costs and gains as a simulated Leap grows noisier: PAALM's, which follows the
+"""Measures cost and gain of smoothing as a simulated Leap grows noisier: PAALM's, which follows the
 device's trembling, against fixed constants.
 
     python -m benchmarks.trembling                                  # angles and jitter
@@ -59,7 +59,7 @@ def main() -> None:
 
 
 def _boxes(way: PaalmOptions, noise: float, seeds: range) -> list[str]:
-    """How often a box is brought to its goal over development seeds."""
+    """Measures how often a box is brought to its goal over development seeds."""
     if not seeds:
         return []
     hand_input.Paalm = partial(Paalm, way)  # type: ignore[assignment, attr-defined]

@@ -1,4 +1,4 @@
-"""What a whole regression trial costs against real time, and where its time goes.
+"""Measures a whole regression trial against real time, and where its time goes.
 
     python -m benchmarks.whole_run
 

@@ -94,9 +94,9 @@ def motion_of(body: Body, Q: Array) -> Motion:
 
 def errors(body: Body, Q: Array, frames: NDArray[np.bool_]) -> tuple[float, float, float]:
     """Mean error of the root (cm), of joint angles (degrees) and of all joints' places (cm)."""
-    true, found = body.Q[frames], Q[frames]
-    root = 100 * np.linalg.norm(true[:, :3] - found[:, :3], axis=1).mean()
-    angle = geodesic_angle(true[:, 9:].reshape(-1, 3), found[:, 9:].reshape(-1, 3))
+    true, predicted = body.Q[frames], Q[frames]
+    root = 100 * np.linalg.norm(true[:, :3] - predicted[:, :3], axis=1).mean()
+    angle = geodesic_angle(true[:, 9:].reshape(-1, 3), predicted[:, 9:].reshape(-1, 3))
     places = body.motion.place().positions - motion_of(body, Q).place().positions
     joints = 100 * np.linalg.norm(places[frames], axis=2).mean()
     return float(root), float(np.rad2deg(angle).mean()), float(joints)

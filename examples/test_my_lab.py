@@ -33,7 +33,7 @@ class PutAway(BoxToGoal):
     time_limit: ClassVar[float] = 15.0
 
     def measure(self, sensing: Sensing) -> Measure:
-        """Whether it is there, how far it came, and what is missing."""
+        """Goal reached, progress from 0 to 1, and the reason."""
         box, goal = sensing.object("box"), np.asarray(self.goals[0].position)
         way = float(np.linalg.norm(goal - np.asarray(self.objects[0].position)))
         off = float(np.linalg.norm(goal - box.position))

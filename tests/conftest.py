@@ -1,4 +1,4 @@
-"""What all tests share: data beside the project, processes, and that a skip is no passed test.
+"""Fixtures and rules for all tests: data beside the project, processes, and skips in CI.
 
 With `CI=true` a skip fails the run, since a check that quietly stopped running looks like one that
 passes. Two things a machine may honestly lack are let through, each only while it is lacking: the
@@ -35,7 +35,7 @@ for _name in ("COLUMNS", "LINES", "FORCE_COLOR", "NO_COLOR", "PYTHONUNBUFFERED",
     os.environ.pop(_name, None)
 IN_CI = os.environ.get("CI", "").lower() in ("true", "1")
 
-# A busy machine is no failure: no deadlines. CI searches from a fixed seed, people explore.
+# No deadlines, because a busy machine must not fail a test. CI searches from a fixed seed.
 settings.register_profile(
     "hand-sandbox",
     deadline=None,
@@ -47,7 +47,7 @@ settings.load_profile("hand-sandbox")
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_auto_num_workers(config: pytest.Config) -> int:
-    """How many processes `-n auto` means; 0: this one."""
+    """Number of processes for `-n auto`; 0: this process alone."""
     here = config.invocation_params.dir
     if config.option.collectonly or not any((here / name).is_dir() for name in config.args):
         return 0
@@ -77,12 +77,12 @@ def data_folder() -> Path:
 
 
 def usable(node: str) -> bool:
-    """Whether a device node is there and this process may read and write it."""
+    """True if a device node exists and this process may read and write it."""
     return os.access(node, os.R_OK | os.W_OK)
 
 
 def skip_is_honest(reason: str) -> bool:
-    """Whether what a skip says is lacking is one of the two things that may be, and is lacking."""
+    """True if a skip names one of the two things that may be absent, and it is absent."""
     text = reason.removeprefix("Skipped: ")
     if text.startswith(DATA_ABSENT):
         return not data_folder().is_dir()

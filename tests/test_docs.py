@@ -1,4 +1,4 @@
-"""What the documentation points at is there, and what it shows of an example is the example."""
+"""Links and paths in the documentation exist, and examples on its pages equal the files."""
 
 from __future__ import annotations
 

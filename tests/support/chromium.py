@@ -164,7 +164,7 @@ class Tab:
         return value
 
     def text(self) -> str:
-        """What is written on the page."""
+        """Text of the page."""
         return str(self.evaluate("document.body ? document.body.innerText : ''"))
 
     def tap(self, words: str) -> None:
@@ -200,7 +200,7 @@ class Tab:
         ]
 
     def picture(self) -> bytes:
-        """What is seen now, as PNG."""
+        """Screenshot of the page, PNG."""
         return base64.b64decode(self.call("Page.captureScreenshot", format="png")["data"])
 
     def close(self) -> None:

@@ -52,7 +52,7 @@ QUALISYS = {
 
 @dataclass(frozen=True)
 class Truth:
-    """What the hand did: time (T,), down (T, 5), xy (T, 5, 2) m, q (T, 48)."""
+    """Motion of the hand: time (T,), down (T, 5), xy (T, 5, 2) m, q (T, 48)."""
 
     time: np.ndarray
     down: np.ndarray
@@ -127,7 +127,7 @@ def played(seconds: float = 20.0, seed: int = 0) -> Truth:
 
 
 def touch_log(truth: Truth, ahead: float = 0.0, seed: int = 1) -> TouchLog:
-    """What a tablet sees, on a clock that shows `ahead` s less than the hand's recorder."""
+    """Touches as a tablet records them, with a clock `ahead` s behind the hand's recorder."""
     rng = np.random.default_rng(seed)
     ids = np.full(truth.down.shape, -1)
     following = 100
@@ -144,7 +144,7 @@ def touch_log(truth: Truth, ahead: float = 0.0, seed: int = 1) -> TouchLog:
 
 
 def write_shown(path: Path, log: TouchLog) -> None:
-    """As `sandbox touches show --json` prints it."""
+    """The touches in the form of `sandbox touches show --json`."""
     lines = []
     for f, time in enumerate(log.time):
         contacts = [
@@ -197,7 +197,7 @@ def markers(truth: Truth, seed: int = 2) -> dict[str, np.ndarray]:
 
 
 def write_tsv(path: Path, points: dict[str, np.ndarray]) -> None:
-    """As Qualisys Track Manager writes it, in millimetres; gaps are empty."""
+    """The markers in the form of Qualisys Track Manager, in mm; gaps are empty."""
     frames = len(next(iter(points.values())))
     lines = [f"NO_OF_FRAMES\t{frames}", f"NO_OF_MARKERS\t{len(points)}", f"FREQUENCY\t{RATE:g}"]
     lines += ["DATA_INCLUDED\t3D", "\t".join(["MARKER_NAMES", *points])]

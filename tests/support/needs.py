@@ -1,4 +1,4 @@
-"""What a machine may lack that some tests need, and the skip that says so.
+"""Skips of tests that need something which a machine may lack.
 
 `@pytest.mark.needs("opengl")` at a test, or `require("opengl")` inside a fixture. With `CI=true`
 such a skip fails the run: there, all of it is installed.

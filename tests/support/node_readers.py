@@ -20,7 +20,7 @@ HERE = Path(__file__).parent / "readers"
 
 
 def ask(*arguments: object) -> Any:
-    """What `read.mjs` says."""
+    """Output of `read.mjs`."""
     folder = _installed()
     if isinstance(folder, str):
         pytest.skip(folder)

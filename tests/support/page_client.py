@@ -107,7 +107,7 @@ class Page:
         }
 
     def _received(self, end: float) -> str | bytes:
-        """What comes before this time of the clock."""
+        """Messages that arrive before this time of the clock."""
         while self.beats and end - time.monotonic() > BEAT:
             try:
                 return self.socket.recv(timeout=BEAT)

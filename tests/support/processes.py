@@ -1,4 +1,4 @@
-"""What tests of networks need: a UDP sender, a running `sandbox` command, and patience."""
+"""Helpers for tests of networks: a UDP sender, a running `sandbox` command, and patience."""
 
 from __future__ import annotations
 

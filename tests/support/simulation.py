@@ -1,4 +1,4 @@
-"""What tests of the simulation share: poses, steps that must go without a warning, and a pinch."""
+"""Helpers for tests of the simulation: poses, steps without a warning, and a pinch."""
 
 from __future__ import annotations
 

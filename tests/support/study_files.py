@@ -1,4 +1,4 @@
-"""What tests of user studies share: a small design, a study in a folder, and children to kill."""
+"""Helpers for tests of user studies: a small design, a study in a folder, and children to kill."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ step = 5
 ask = "How much effort was it?"
 """
 TRIALS = 6
-"""Of every session of this design, practice included."""
+"""Number of trials in every session of this design, including practice."""
 
 TWICE = DESIGN.replace("seed = 3", "seed = 3\nsessions = 2").replace(
     "repetitions = 2\npractice = 1\n", "repetitions = 1\npractice = 1\npractice_sessions = [1]\n"
@@ -93,7 +93,7 @@ def in_child(work: Callable[[Callable[[str], object]], object]) -> tuple[int, in
 def killed_after(
     child: tuple[int, int], seconds: float, soon: Callable[[], bool] = lambda: False
 ) -> tuple[bool, str]:
-    """Whether a child was still alive and had to be killed; and all it said.
+    """Kills a child that is still alive; returns whether it was, and all its output.
 
     It is killed after so long, or `soon` after something has become true.
     """
@@ -118,7 +118,7 @@ def killed_after(
 
 
 def told_finished(said: str) -> int:
-    """How many trials a session had finished at least when it said this."""
+    """Number of trials that a session had finished at least when it printed this."""
     numbers = [
         int(line.split("trial ")[1].split()[0]) for line in said.splitlines() if "  trial " in line
     ]
@@ -126,7 +126,7 @@ def told_finished(said: str) -> int:
 
 
 def check_session(study: StudyFolder, number: int, at_least: int, nth: int = 1) -> int:
-    """What must be true of somebody's nth session at any moment; how many of its trials are
+    """Checks what must hold for a session at any moment; returns its number of trials that are
     finished."""
     person = next((p for p in study.participants() if p.number == number), None)
     if person is None:

@@ -106,7 +106,7 @@ NO_OSC: dict[str, bytes] = {
     "a bundle cut in the middle of a size": _GOOD[:18],
     "nothing at all": b"",
 }
-"""Datagrams that are no OSC, by what is wrong with them."""
+"""Datagrams that are not OSC, by the fault in them."""
 
 NO_TUIO: dict[str, bytes] = {
     "a message without command": bundle(cur()),

@@ -22,7 +22,7 @@ class Table:
         self.now = 0.0
 
     def feed(self, *packets: bytes, peer: str = PEER) -> list[dict[int, tuple[float, float]]]:
-        """What is on the table after each frame that the packets bring into force."""
+        """Touches on the table after each frame that the packets complete."""
         frames = []
         for packet in packets:
             self.now += 0.01

@@ -1,4 +1,4 @@
-"""What tests of views share: a real session's snapshots, seen through a real surface."""
+"""Helpers for tests of views: a real session's snapshots, seen through a real surface."""
 
 from __future__ import annotations
 
