@@ -159,7 +159,7 @@ def test_a_touch_device_may_compute_whether_it_has_finished():
             return [TouchFrame(now, (Contact(1, 0.1, 0.1),))]
 
         @property
-        def finished(self) -> bool:
+        def finished(self) -> bool:  # type: ignore[override]
             return self.sent == 2
 
     device = TwoFrames(Surface(10.0, 5.0))
