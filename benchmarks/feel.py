@@ -69,7 +69,7 @@ def grasp(box: Box, fingers: int, opening: float) -> Array:
         fingers: 2: thumb and index; 3: the middle finger beside the index.
         opening: m from fingertips to faces; negative squeezes.
     """
-    correction = FingertipCorrection(Kinematics(ADULT), GUESS_COVARIANCE)
+    correction = FingertipCorrection(ADULT, GUESS_COVARIANCE)
     labels = list(range(fingers))
     along = np.array([np.cos(box.yaw), np.sin(box.yaw), 0.0])
     across = np.array([-along[1], along[0], 0.0])

@@ -26,7 +26,7 @@ def pinch_poses(box: Box, squeeze: float = 0.003, opening: float = 0.005) -> tup
         opening: m, how far outside the faces the first pose's are.
     """
     kinematics = Kinematics(ADULT)
-    correction = FingertipCorrection(kinematics, GUESS_COVARIANCE)
+    correction = FingertipCorrection(kinematics.skeleton, GUESS_COVARIANCE)
     labels = [0, 1]
     centre = np.asarray(box.position)
     along = np.array([np.cos(box.yaw), np.sin(box.yaw), 0.0])

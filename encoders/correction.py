@@ -15,14 +15,20 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.linalg.lapack import dposv
 
 from models.arithmetic.arrays import Array
-from models.errors import EncoderError
+from models.arithmetic.products import (
+    matrix_product,
+    matrix_vector,
+    solve_positive,
+    times_transposed,
+    vector_matrix,
+)
+from models.errors import EncoderError, InputError
 from models.frames import FINGERS
-from models.kinematics import Kinematics
 from models.one_pose import OnePose
 from models.pose import JOINTS
+from models.skeleton import Skeleton
 
 PAD_HEIGHT = 0.006
 """m, centre of a touching fingertip's end sphere above the surface: its radius less the flesh that
@@ -44,6 +50,33 @@ class Corrected(NamedTuple):
     q: Array
     error: float
     iterations: int
+
+
+class _Seen:
+    """Touching fingertips at a pose, and their Jacobian, which is computed once it is needed.
+
+    Args:
+        kinematics: Kinematics of the touching fingers.
+        q: (48,) the pose.
+        tips: (k, 3) m, its touching fingertips.
+    """
+
+    def __init__(
+        self, kinematics: OnePose, q: Array, tips: Array, jacobian: Array | None = None
+    ) -> None:
+        self.kinematics, self.q, self.tips = kinematics, q, tips
+        self._jacobian = jacobian
+
+    def jacobian(self) -> Array:
+        """(3 k, 48) derivative of the fingertips by the pose."""
+        if self._jacobian is None:
+            _, jacobian = self.kinematics.tips_and_jacobian(self.q)
+            self._jacobian = jacobian.reshape(-1, 48)
+        return self._jacobian
+
+    def shifted(self, q: Array) -> _Seen:
+        """The same at a pose (48,) that differs in the root's position alone."""
+        return _Seen(self.kinematics, q, self.tips + (q[:3] - self.q[:3]), self.jacobian())
 
 
 @dataclass(frozen=True)
@@ -72,18 +105,17 @@ class FingertipCorrection:
     """Moves poses so that labelled fingertips meet their touches, within the joints' ranges.
 
     Args:
-        kinematics: Kinematics of the hand whose fingertips should meet the touches.
+        skeleton: The hand whose fingertips should meet the touches.
         covariance: (48, 48) of the guess's error, m and rad.
         settings: See there.
     """
 
     def __init__(
         self,
-        kinematics: Kinematics,
+        skeleton: Skeleton,
         covariance: ArrayLike,
         settings: CorrectionSettings | None = None,
     ) -> None:
-        skeleton = kinematics.skeleton
         self._skeleton = skeleton
         # One for every set of fingers that has touched, in the order of its contacts.
         self._kinematics: dict[tuple[int, ...], OnePose] = {}
@@ -94,7 +126,7 @@ class FingertipCorrection:
         self._lower, self._upper = skeleton.lower, skeleton.upper
         # Of the measurements, for every number of touches.
         self._noise = [self.settings.tip_sigma**2 * np.eye(3 * k) for k in range(len(FINGERS) + 1)]
-        self._last: tuple[OnePose, Array, Array, Array] | None = None
+        self._last: _Seen | None = None
 
     def correct(
         self,
@@ -130,8 +162,8 @@ class FingertipCorrection:
         # A guess whose tips are right already is the likeliest pose itself.
         moved = 0.0 if start is None else np.inf
         for iteration in range(s.iterations + 1):
-            seen = self._carried if iteration == 0 else self._seen
-            tips, J = seen(kinematics, q)
+            seen = self._carried(kinematics, q) if iteration == 0 else self._seen(kinematics, q)
+            tips = seen.tips
             off = targets - tips
             error = max(x * x + y * y + z * z for x, y, z in off.tolist()) ** 0.5
             # A start is where the last frame ended: exact perhaps, but not yet the likeliest pose.
@@ -140,7 +172,8 @@ class FingertipCorrection:
             if (error < s.tolerance and moved < settled) or iteration == s.iterations:
                 break
             known = start is not None or iteration > 0
-            r = off.ravel() + J.dot(q - guess)
+            J = seen.jacobian()
+            r = off.ravel() + matrix_vector(J, q - guess)
             new = self._step(guess, r, J, q[JOINTS] if known else None)
             moved = _largest(new - q)
             q = new
@@ -152,24 +185,25 @@ class FingertipCorrection:
             kinematics = self._kinematics[labels] = OnePose(self._skeleton, labels)
         return kinematics
 
-    def _carried(self, kinematics: OnePose, q: Array) -> tuple[Array, Array]:
+    def _carried(self, kinematics: OnePose, q: Array) -> _Seen:
         """Touching fingertips and their Jacobian at the pose where a frame begins.
 
         Mostly it is the pose where the last one ended, shifted with the touches: that moves the
         tips alike and changes nothing else.
         """
-        if self._last is not None:
-            of, before, tips, J = self._last
-            if of is kinematics and before[3:].tobytes() == q[3:].tobytes():
-                return tips + (q[:3] - before[:3]), J
+        last = self._last
+        if (
+            last is not None
+            and last.kinematics is kinematics
+            and last.q[3:].tobytes() == q[3:].tobytes()
+        ):
+            return last.shifted(q)
         return self._seen(kinematics, q)
 
-    def _seen(self, kinematics: OnePose, q: Array) -> tuple[Array, Array]:
-        """Touching fingertips (k, 3) and their Jacobian (3 k, 48) at a pose."""
-        tips, jacobian = kinematics.tips_and_jacobian(q)
-        J = jacobian.reshape(-1, 48)
-        self._last = (kinematics, q.copy(), tips, J)
-        return tips, J
+    def _seen(self, kinematics: OnePose, q: Array) -> _Seen:
+        """Touching fingertips and their Jacobian at a pose."""
+        self._last = _Seen(kinematics, q.copy(), kinematics.tips(q))
+        return self._last
 
     def _step(self, guess: Array, r: Array, J: Array, near: Array | None) -> Array:
         """One Gauss-Newton step within the ranges.
@@ -186,9 +220,8 @@ class FingertipCorrection:
         """
         C, lower, upper = self._covariance, self._lower, self._upper
         k = len(J)
-        # `dot` is what `@` is, to the bit, at two thirds of the price.
-        JC = J.dot(C)
-        free = JC.dot(J.T)
+        JC = matrix_product(J, C)
+        free = times_transposed(JC, J)
         free += self._noise[k // 3]
         if near is None:
             side = np.zeros(len(lower), np.int64)
@@ -198,20 +231,20 @@ class FingertipCorrection:
         for _ in range(_ACTIVE_SET_ROUNDS):
             held = side.nonzero()[0]
             if not len(held):
-                weights = _solved(free, r)
-                new = guess + weights.dot(JC)
+                weights = _solved(free.copy(), r)
+                new = guess + vector_matrix(weights, JC)
             else:
                 rows = held + _JOINT_OFFSET
                 bound = np.where(side[held] > 0, upper[held], lower[held])
                 # Exact measurements of held joints beside the measurements of the tips.
                 A = np.concatenate([JC, C.take(rows, 0)])
                 S = np.empty((len(A), len(A)))
+                # The lower triangle is enough.
                 S[:k, :k] = free
                 S[k:] = A[:, rows].T
-                S[:k, k:] = S[k:, :k].T
                 S.reshape(-1)[k * (len(A) + 1) :: len(A) + 1] += _EXACT
                 weights = _solved(S, np.concatenate([r, bound - guess[rows]]))
-                new = guess + weights.dot(A)
+                new = guess + vector_matrix(weights, A)
                 new[rows] = bound
             joints = new[JOINTS]
             legal = np.minimum(np.maximum(joints, lower), upper)
@@ -237,9 +270,10 @@ def _largest(x: Array) -> float:
 
 
 def _solved(S: Array, r: Array) -> Array:
-    """x with S x = r, for a covariance S (n, n)."""
-    _, x, trouble = dposv(S, r)
-    if trouble:
-        raise EncoderError("the covariance of the guess is none", got=f"LAPACK dposv: {trouble}")
-    solution: Array = x
-    return solution
+    """x with S x = r, for a covariance S (n, n), which is overwritten."""
+    try:
+        return solve_positive(S, r)
+    except InputError as trouble:
+        raise EncoderError(
+            "the guess's covariance cannot be used", expected="a positive definite matrix"
+        ) from trouble

@@ -4,20 +4,9 @@ The names in `__all__` are the public API; `docs/from-python.md` explains them. 
 may change without notice.
 """
 
-import os
-import platform
-import sys
 from collections.abc import Callable, Mapping
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
-
-# Each kernel of OpenBLAS rounds products in its own way, and takes effect when NumPy is imported.
-# One kernel for every x86 processor with AVX2 makes state hashes independent of the environment.
-KERNEL_PINNED = True
-"""False where NumPy was imported first: states then depend on the kernel of this processor."""
-if platform.machine().lower() in ("x86_64", "amd64"):
-    KERNEL_PINNED = "numpy" not in sys.modules or os.environ.get("OPENBLAS_CORETYPE") == "Haswell"
-    os.environ["OPENBLAS_CORETYPE"] = "Haswell"
 
 
 def lazy_names(package: str, places: Mapping[str, str]) -> Callable[[str], Any]:

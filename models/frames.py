@@ -209,7 +209,7 @@ def _finite(vector: Vector, where: str, name: str) -> None:
 
 
 def _unit(vector: Vector, where: str, name: str) -> None:
-    length = math.hypot(*vector)
+    length = math.sqrt(math.fsum(c * c for c in vector))
     if abs(length - 1.0) > _UNIT:
         raise FrameError(
             f"{name} is not a unit vector", where=where, got=vector, expected="length 1"

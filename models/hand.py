@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from models.arithmetic.arrays import Array
+from models.arithmetic.products import length
 from models.errors import SceneError
 from models.one_pose import OnePose
 from models.rotations import matrix_to_quaternion, quaternion_exp
@@ -230,7 +231,7 @@ def hand_body(hand: Hand) -> Element:
         )
         # The joint's own limit bounds the total angle only, a little outside the legal ranges; a
         # finger keeps within them because its target is legal and its servo stiff.
-        reach = float(np.linalg.norm(np.maximum(-bone.lower, bone.upper))) + np.deg2rad(10.0)
+        reach = length(np.maximum(-bone.lower, bone.upper)) + np.deg2rad(10.0)
         SubElement(
             body,
             "joint",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from math import cos, sin
 from typing import Protocol
 from xml.etree.ElementTree import Element, SubElement
 
@@ -10,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from models.arithmetic.arrays import Array
+from models.arithmetic.products import matrix_product, squared_lengths
 from models.hand import CONTACT_OBJECT, CONTACT_TABLE
 
 RED = (0.86, 0.30, 0.24)
@@ -69,7 +71,7 @@ class Box:
 
     def body(self) -> Element:
         """MJCF of the box."""
-        quat = (np.cos(self.yaw / 2), 0.0, 0.0, np.sin(self.yaw / 2))
+        quat = (cos(self.yaw / 2), 0.0, 0.0, sin(self.yaw / 2))
         body = Element(
             "body",
             {"name": self.name, "pos": mjcf_text(self.position), "quat": mjcf_text(quat)},
@@ -96,7 +98,7 @@ class Box:
             rotation: (3, 3) current rotation.
         """
         away = np.asarray(points, float) - position
-        return _box_clearance(away.dot(rotation), self.half_size)
+        return _box_clearance(matrix_product(away, rotation), self.half_size)
 
 
 @dataclass(frozen=True)
@@ -193,13 +195,13 @@ class Wrench:
         x, y, z = self.position
         if self.bolt is not None:
             out = (1.0 - size) * self.jaw
-            x, y = x + out * np.cos(self.yaw), y + out * np.sin(self.yaw)
+            x, y = x + out * cos(self.yaw), y + out * sin(self.yaw)
         raised = (size - 1.0) * self.thickness / 2
         return replace(self, size=size * self.size, position=(float(x), float(y), z + raised))
 
     def body(self) -> Element:
         """MJCF of the wrench, or of its bolt with the wrench in it."""
-        quat = (np.cos(self.yaw / 2), 0.0, 0.0, np.sin(self.yaw / 2))
+        quat = (cos(self.yaw / 2), 0.0, 0.0, sin(self.yaw / 2))
         body = Element(
             "body",
             {"name": self.name, "pos": mjcf_text(self.position), "quat": mjcf_text(quat)},
@@ -227,7 +229,7 @@ class Wrench:
             )
         volume = [float(np.prod(piece.half_size)) for piece in _PIECES]
         for piece, share in zip(_PIECES, np.array(volume) / np.sum(volume), strict=True):
-            turn = (np.cos(piece.turn / 2), 0.0, 0.0, np.sin(piece.turn / 2))
+            turn = (cos(piece.turn / 2), 0.0, 0.0, sin(piece.turn / 2))
             middle, half = self.size * np.array([piece.middle, piece.half_size])
             SubElement(
                 body,
@@ -280,11 +282,12 @@ class Wrench:
             position: (3,) m, current position of the wrench's middle.
             rotation: (3, 3) current rotation.
         """
-        local = (np.asarray(points, float) - position) @ rotation / self.size
+        local = matrix_product(np.asarray(points, float) - position, rotation) / self.size
         distances = []
         for piece in _PIECES:
-            c, s = np.cos(piece.turn), np.sin(piece.turn)
-            own = (local - piece.middle) @ np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+            c, s = cos(piece.turn), sin(piece.turn)
+            turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+            own = matrix_product(local - piece.middle, turn)
             distances.append(_box_clearance(own, piece.half_size))
         return self.size * np.min(distances, axis=0)
 
@@ -292,7 +295,7 @@ class Wrench:
 def bolt_place(middle: ArrayLike, yaw: float, jaw: float = JAW) -> tuple[float, float]:
     """Position (2,) m of a wrench's jaws, from its middle (2,) m and yaw rad."""
     x, y = np.asarray(middle, float)
-    return float(x + jaw * np.cos(yaw)), float(y + jaw * np.sin(yaw))
+    return float(x + jaw * cos(yaw)), float(y + jaw * sin(yaw))
 
 
 def _shown(
@@ -311,7 +314,7 @@ def _shown(
             "type": kind,
             "size": mjcf_text(size),
             "pos": mjcf_text((0.0, 0.0, height)),
-            "quat": mjcf_text((np.cos(turn / 2), 0.0, 0.0, np.sin(turn / 2))),
+            "quat": mjcf_text((cos(turn / 2), 0.0, 0.0, sin(turn / 2))),
             "mass": "0",
             "contype": "0",
             "conaffinity": "0",
@@ -340,7 +343,7 @@ def _box_clearance(points: Array, half_size: ArrayLike) -> Array:
     local = np.abs(points) - half_size
     beyond = np.maximum(local, 0.0)
     # Equal to `np.linalg.norm` to the bit, without its overhead.
-    outside = np.sqrt(np.add.reduce(beyond * beyond, axis=-1))
+    outside = np.sqrt(squared_lengths(beyond))
     return np.asarray(outside + np.minimum(np.maximum.reduce(local, axis=-1), 0.0))
 
 
@@ -398,7 +401,7 @@ class Tray:
 
     def body(self) -> Element:
         """MJCF of the tray."""
-        quat = (np.cos(self.yaw / 2), 0.0, 0.0, np.sin(self.yaw / 2))
+        quat = (cos(self.yaw / 2), 0.0, 0.0, sin(self.yaw / 2))
         body = Element(
             "body",
             {"name": self.name, "pos": mjcf_text(self.position), "quat": mjcf_text(quat)},
@@ -434,11 +437,11 @@ class Tray:
             position: (3,) m, current position of the tray's middle.
             rotation: (3, 3) current rotation.
         """
-        local = (np.asarray(points, float) - position) @ rotation
+        local = matrix_product(np.asarray(points, float) - position, rotation)
         distances = []
         for _, middle, half in self._pieces():
             off = np.abs(local - middle) - half
-            outside = np.linalg.norm(np.maximum(off, 0.0), axis=-1)
+            outside = np.sqrt(squared_lengths(np.maximum(off, 0.0)))
             distances.append(outside + np.minimum(off.max(axis=-1), 0.0))
         return np.asarray(np.min(distances, axis=0))
 

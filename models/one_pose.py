@@ -1,134 +1,33 @@
 """Forward kinematics of one pose at a time, for the loop that reconstructs at every control step.
 
-For a single pose, the batched functions of `models.kinematics` spend most of their time on the
-overhead of NumPy calls. Here the fingers' chains lie side by side in preallocated buffers, and
-every step of the calculation is one call for all of them. Results agree with those of `Kinematics`
-to rounding. Captures and trained models use `Kinematics`, so their digests do not depend on this
-module.
-
-`SeveralPoses` does the same for several poses with the same fingers. A trial must get the same
-result side by side with others as alone, so every pose takes the same steps in the same order of
-sums, and only the calls of NumPy are shared: with 64 poses each costs a fifth.
+MuJoCo places the bones and differentiates the fingertips, so the result depends on MuJoCo's version
+and on the system's libm, and on nothing else. What NumPy adds are sums and products of single
+numbers, which every processor rounds alike. Results agree with those of `Kinematics` to rounding.
+Captures and training use `Kinematics`, so their digests do not depend on this module.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from functools import cache
 
+import mujoco
 import numpy as np
-from numpy.typing import NDArray
+from numpy.lib.stride_tricks import as_strided
 
 from models.arithmetic.arrays import Array
 from models.frames import FINGERS
-from models.pose import POSE_SIZE, ROOT_POSITION
+from models.pose import JOINTS, POSE_SIZE, ROOT_ROTATION
+from models.rotations import matrix_to_quaternion
 from models.skeleton import Skeleton
 
-Indices = NDArray[np.int64]
-
-LEVELS = 3
-"""Most bones in one finger; the thumb's chain is padded with a bone of no length."""
-
-TINY = 1e-24
+_TINY = 1e-24
 """rad2, added to squared angles. It avoids 0/0 in the closed forms and does not change results: the
 terms that lose digits by cancellation are multiplied by the square of the same small vector."""
 
-
-def _cross_table() -> Array:
-    """(3, 9) T with (v @ T).reshape(3, 3) @ a == cross(a, v)."""
-    table = np.zeros((3, 9))
-    for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
-        table[i, 3 * k + j], table[i, 3 * j + k] = -1.0, 1.0
-    return table
-
-
-CROSS = _cross_table()
-
-ZERO, ONE, MINUS = POSE_SIZE, POSE_SIZE + 1, POSE_SIZE + 2
-"""Indices of the numbers 0, 1 and -1 in a padded pose."""
-PADDING = (0.0, 1.0, -1.0)
-
-_SKEW = ((None, 2, 1), (2, None, 0), (1, 0, None))
-_SKEW_SIGN = ((ZERO, MINUS, ONE), (ONE, ZERO, MINUS), (MINUS, ONE, ZERO))
-"""Entries of a skew matrix: index of the vector's component, and its sign."""
-
-
-class Chains(NamedTuple):
-    """Index tables for the chains of k fingers, s = 3 k bones."""
-
-    left: Indices
-    """(1 + s, 3, 9) index of the first factor in the padded pose, for the products I, skew(w) and w
-    w',"""
-    right: Indices
-    """and index of the second factor."""
-    share_of: Indices
-    """(1 + s, 2, 3) indices into the (6, 1 + s) coefficients of all rotations, for x, y and z of
-    every rotation and of its left Jacobian. With angle t, a = sin(t) / t and b = (1 - cos(t)) / t2,
-    the coefficients are, in this order, 1 - b t2, 1 - a, (1 - a) / t2, b, b t2 and a."""
-    rest: Array
-    """(s, 1, 3, 3) rest rotations; the thumb's padding is a rotation that stays 0."""
-    anchor: Array
-    """(s, 3) m, position of each bone in the frame of the one before."""
-    reach: Array
-    """(k, 4, 1) m, the tips in the frames of the last bones, homogeneous."""
-    entry_of: Indices
-    """(k, 3, 48) index of every entry of the Jacobian among the numbers of all blocks (4, k, 3, 3),
-    0 and 1. Block [0, f] is the derivative of the f-th finger by the root's rotation, block [1 + l,
-    f] that by its bone of level l."""
-
-    @classmethod
-    def of(cls, skeleton: Skeleton, fingers: Sequence[int]) -> Chains:
-        """Builds the tables for these fingers in their order."""
-        many = len(fingers)
-        slots = LEVELS * many
-        place = np.full((1 + slots, 3), ZERO)
-        place[0] = 3, 4, 5
-        rest, anchor = np.tile(np.eye(3), (slots, 1, 1)), np.zeros((slots, 3))
-        reach = np.zeros((many, 4, 1))
-        reach[:, 3] = 1.0
-        for at, finger in enumerate(fingers):
-            chain = [(i, b) for i, b in enumerate(skeleton.bones) if b.finger == finger]
-            for level, (i, bone) in enumerate(chain):
-                slot = many * level + at
-                place[1 + slot] = 6 + 3 * i + np.arange(3)
-                rest[slot], anchor[slot] = bone.rest, bone.anchor
-            reach[at, 1] = chain[-1][1].length
-        each = np.array([[0, 5, 3], [5, 3, 2]])
-        share_of = (1 + slots) * each + np.arange(1 + slots)[:, None, None]
-        left, right = _factors(place)
-        entry_of = _gathering(place, many)
-        return cls(left, right, share_of, rest[:, None], anchor, reach, entry_of)
-
-
-def _factors(place: Indices) -> tuple[Indices, Indices]:
-    """`Chains.left` and `Chains.right`.
-
-    Args:
-        place: (n, 3) indices of the components of n rotation vectors w in the padded pose.
-    """
-    left, right = np.empty((2, len(place), 3, 3, 3), np.int64)
-    for i in range(3):
-        for j in range(3):
-            which = _SKEW[i][j]
-            left[:, 0, i, j] = right[:, 0, i, j] = ONE if i == j else ZERO
-            left[:, 1, i, j] = ZERO if which is None else place[:, which]
-            right[:, 1, i, j] = _SKEW_SIGN[i][j]
-            left[:, 2, i, j], right[:, 2, i, j] = place[:, i], place[:, j]
-    return left.reshape(-1, 3, 9), right.reshape(-1, 3, 9)
-
-
-def _gathering(place: Indices, many: int) -> Indices:
-    """`Chains.entry_of`."""
-    blocks = np.arange((1 + LEVELS) * many * 9).reshape(1 + LEVELS, many, 3, 3)
-    zero, one = blocks.size, blocks.size + 1
-    table = np.full((many, 3, POSE_SIZE), zero)
-    table[..., ROOT_POSITION] = np.where(np.eye(3), one, zero)
-    for level in range(1 + LEVELS):
-        for finger in range(many):
-            columns = place[0] if level == 0 else place[1 + many * (level - 1) + finger]
-            if columns[0] != ZERO:
-                table[finger][:, columns] = blocks[level, finger]
-    return table
+_SKEW = np.array([[0, 2, 1], [2, 0, 0], [1, 0, 0]])
+_SKEW_SIGN = np.array([[0.0, 1.0, -1.0], [-1.0, 0.0, 1.0], [1.0, -1.0, 0.0]])
+"""Entries of -skew(w): index of the component of w, and its sign."""
 
 
 class OnePose:
@@ -144,109 +43,98 @@ class OnePose:
     """
 
     def __init__(self, skeleton: Skeleton, fingers: Sequence[int] = range(len(FINGERS))) -> None:
-        chains = Chains.of(skeleton, fingers)
-        many = len(fingers)
-        slots = LEVELS * many
-        self._rest, self._reach = chains.rest, chains.reach
-        self._left, self._right = chains.left, chains.right
-        self._padded = np.append(np.zeros(POSE_SIZE), PADDING)
-        self._factor, self._other = np.empty(self._left.shape), np.empty(self._left.shape)
-        self._basis = np.empty(self._left.shape)
-        self._squares = [self._basis[:, 2, i] for i in (0, 4, 8)]
-        # NumPy is quickest with whole arrays of one shape, so constants are such arrays, too.
-        self._one, self._tiny = np.ones((2, 1 + slots)), np.full(1 + slots, TINY)
-        self._twice = np.tile(np.arange(1 + slots), (2, 1))
-        self._parts = np.array([[0.5], [1.0]]) * self._one
-        self._numbers, self._shares = np.empty((6, 1 + slots)), np.empty((1 + slots, 2, 3))
-        self._share_of = chains.share_of
-        self._turns = np.empty((1 + slots, 2, 9))
-        both = self._turns.reshape(1 + slots, 2, 3, 3)
-        self._root, self._root_left, self._bone_turns = both[0, 0], both[0, 1], both[1:]
-        self._bones = np.empty((slots, 2, 3, 3))
-        self._turn_of = self._bones[:, 0].reshape(LEVELS, many, 3, 3)
-        self._left_of = self._bones[:, 1].reshape(LEVELS, many, 3, 3)
-        # From a bone's frame to its parent's, and from the frames of all levels to the world's.
-        self._local = np.tile(np.eye(4), (LEVELS, many, 1, 1))
-        self._local[..., :3, 3] = chains.anchor.reshape(LEVELS, many, 3)
-        self._local_turn = self._local[..., :3, :3]
-        self._frames = np.tile(np.eye(4), (1 + LEVELS, many, 1, 1))
-        self._root_turn, self._root_place = self._frames[0, :, :3, :3], self._frames[0, :, :3, 3]
-        self._steps = [
-            (self._frames[i], self._local[i], self._frames[i + 1]) for i in range(LEVELS)
-        ]
-        self._before, self._joints = self._frames[:-1, :, :3, :3], self._frames[:, :, :3, 3]
-        self._ends = np.empty((many, 4, 1))
-        self._tips = self._ends[:, :3, 0]
-        self._axes = np.empty((1 + LEVELS, many, 3, 3))
-        self._axes_root, self._axes_bones = self._axes[0], self._axes[1:]
-        self._arms = np.empty((1 + LEVELS, many, 3))
-        self._flat_arms = self._arms.reshape(-1, 3)
-        self._crossed = np.empty((len(self._flat_arms), 9))
-        self._crossed_arms = self._crossed.reshape(self._axes.shape)
-        # All blocks of the Jacobian, then the numbers 0 and 1, which fill its other entries.
-        self._entries = np.array([0.0] * self._axes.size + [0.0, 1.0])
-        self._blocks = self._entries[:-2].reshape(self._axes.shape)
-        self._entry_of = chains.entry_of
+        self._model = model = _compiled(skeleton)
+        self._data = data = mujoco.MjData(model)
+        self._at_rest = model.qpos0.copy()
+        self._qpos = data.qpos
+        self._sites = [int(f) for f in fingers]
+        self._site_xpos = data.site_xpos
+        self._chosen = None if self._sites == list(range(len(FINGERS))) else np.array(self._sites)
+        # MuJoCo's derivative by turns in the bones' own frames, three rows a fingertip.
+        self._raw = np.zeros((3 * len(self._sites), POSE_SIZE))
+        self._rows = [(self._raw[3 * i : 3 * i + 3], site) for i, site in enumerate(self._sites)]
+        # Rotation vectors w, and the vector parts w sin(t/2) / t of MuJoCo's quaternions.
+        turns = (POSE_SIZE - ROOT_ROTATION.start) // 3
+        quaternions = data.qpos[3:].reshape(turns, 4)
+        self._cosine, self._sine = quaternions[:, 0], quaternions[:, 1:]
+        self._factor, self._products = np.empty((2, turns, 3)), np.empty((2, turns, 3))
+        self._sums = np.empty((2, turns))
+        self._tiny = np.tile([[_TINY], [0.5 * _TINY]], turns)
+        self._one = np.ones(turns)
+        # Block diagonal: 1 for the root's position, then the right Jacobian of every rotation.
+        self._right = np.eye(POSE_SIZE)
+        start = ROOT_ROTATION.start
+        rotations = self._right[start:, start:]
+        row, column = rotations.strides
+        self._blocks = as_strided(rotations, (turns, 3, 3), (3 * (row + column), row, column))
+        self._diagonals = as_strided(rotations, (turns, 3), (3 * (row + column), row + column))
+        self._skew, self._scaled = np.empty((turns, 3, 3)), np.empty((turns, 3))
 
     def tips(self, q: Array) -> Array:
         """Centres (k, 3) m of the fingertips of a pose (48,)."""
-        return self._walk(q)
+        self._place(q)
+        tips: Array = (
+            self._site_xpos.copy()
+            if self._chosen is None
+            else self._site_xpos.take(self._chosen, axis=0)
+        )
+        return tips
 
     def tips_and_jacobian(self, q: Array) -> tuple[Array, Array]:
         """Fingertips (k, 3) and their derivative (k, 3, 48) by the pose (48,)."""
-        tips = self._walk(q)
-        # exp(w + d) = exp(J d) exp(w): the turn J d happens in the frame before the joint.
-        self._axes_root[:] = self._root_left
-        np.matmul(self._before, self._left_of, self._axes_bones)
-        # The root's own frame stands where the root is, a bone's where its joint is.
-        np.subtract(tips, self._joints, self._arms)
-        np.dot(self._flat_arms, CROSS, self._crossed)
-        np.matmul(self._crossed_arms, self._axes, self._blocks)
-        return tips, self._entries.take(self._entry_of)
+        tips = self.tips(q)
+        mujoco.mj_comPos(self._model, self._data)
+        for rows, site in self._rows:
+            mujoco.mj_jacSite(self._model, self._data, rows, None, site)
+        self._set_right_jacobians(q)
+        # exp(w + d) = exp(w) exp(R d), R the right Jacobian: R d is a turn in the bone's own frame.
+        jacobian = np.empty(self._raw.shape)
+        mujoco.mju_mulMatMat(jacobian, self._raw, self._right)
+        return tips, jacobian.reshape(-1, 3, POSE_SIZE)
 
-    def _walk(self, q: Array) -> Array:
-        """Fingertips (k, 3) of a pose; turns, left Jacobians and frames stay in their buffers."""
-        self._padded[:POSE_SIZE] = q
-        self._turn()
-        # Bone rotations after their rest rotations.
-        np.matmul(self._rest, self._bone_turns, self._bones)
-        self._local_turn[:] = self._turn_of
-        self._root_turn[:] = self._root
-        self._root_place[:] = q[ROOT_POSITION]
-        for before, local, after in self._steps:
-            np.matmul(before, local, after)
-        np.matmul(self._frames[-1], self._reach, self._ends)
-        return self._tips.copy()
+    def _place(self, q: Array) -> None:
+        """Places all bones."""
+        self._qpos[:] = self._at_rest
+        # From rest, one unit of time at the speed q ends in the pose q.
+        mujoco.mj_integratePos(self._model, self._qpos, q, 1.0)
+        mujoco.mj_kinematics(self._model, self._data)
 
-    def _turn(self) -> None:
-        """exp(w) and left Jacobian (n, 2, 3, 3) of all rotation vectors w of the padded pose
-        (Rodrigues)."""
-        padded, numbers = self._padded, self._numbers
-        # With a mode other than "raise", numbers go to their places without a copy between.
-        padded.take(self._left, None, self._factor, "clip")
-        padded.take(self._right, None, self._other, "clip")
-        np.multiply(self._factor, self._other, self._basis)
-        # Recorded sessions were reconstructed with squares added in this order: do not change it.
-        x2, y2, z2 = self._squares
-        t2 = x2 + z2
-        t2 += y2
-        t2 += self._tiny
-        t = np.sqrt(t2.take(self._twice))
-        # sin(t/2) / t and sin(t) / t.
-        np.divide(np.sin(t * self._parts), t, numbers[4:])
-        _, _, c, b, half, _ = numbers
-        # 1 - cos loses half the digits for small angles; 2 sin^2(t/2) does not.
-        np.multiply(half, half, b)
-        b += b
-        np.multiply(b, t2, half)
-        np.subtract(self._one, numbers[4:], numbers[:2])
-        np.divide(numbers[1], t2, c)
-        numbers.take(self._share_of, None, self._shares, "clip")
-        np.matmul(self._shares, self._basis, self._turns)
+    def _set_right_jacobians(self, q: Array) -> None:
+        """Sets the right Jacobians of the rotation vectors of the pose that has been placed.
+
+        They are a I - b skew(w) + c w w', with angle t, a = sin t / t, b = (1 - cos t) / t2 and
+        c = (1 - a) / t2.
+        """
+        factor, sums, scaled = self._factor, self._sums, self._scaled
+        w = factor[0]
+        w[:] = q[ROOT_ROTATION.start :].reshape(w.shape)
+        factor[1] = self._sine
+        np.multiply(factor, w, self._products)
+        # Sums of three numbers: x x + y y + z z, in this order.
+        np.add.reduce(self._products, 2, out=sums)
+        sums += self._tiny
+        t2, half = sums
+        half /= t2
+        a = half * self._cosine
+        a += a
+        c = self._one - a
+        c /= t2
+        half *= half
+        half += half
+        np.multiply(w, c[:, None], scaled)
+        np.multiply(scaled[:, :, None], w[:, None], self._blocks)
+        self._diagonals += a[:, None]
+        np.multiply(w, half[:, None], scaled)
+        skew = scaled.take(_SKEW, 1, self._skew, "clip")
+        skew *= _SKEW_SIGN
+        self._blocks += skew
 
 
 class SeveralPoses:
     """Fingertips of several poses of one skeleton, and their derivative.
+
+    A trial must get the same result side by side with others as alone, so every pose is computed
+    as `OnePose` does it.
 
     Args:
         skeleton: The hand's skeleton.
@@ -254,48 +142,54 @@ class SeveralPoses:
     """
 
     def __init__(self, skeleton: Skeleton, fingers: Sequence[int]) -> None:
-        self._chains = Chains.of(skeleton, fingers)
-        self._many = len(fingers)
+        self._one = OnePose(skeleton, fingers)
 
     def tips_and_jacobian(self, q: Array) -> tuple[Array, Array]:
         """Fingertips (n, k, 3) in m and their derivative (n, k, 3, 48) by the poses (n, 48)."""
-        n, chains, many = len(q), self._chains, self._many
-        turns = self._turns(q)
-        bones = np.matmul(chains.rest, turns[:, 1:])
-        turn_of, left_of = (bones[:, :, i].reshape(n, LEVELS, many, 3, 3) for i in (0, 1))
-        local = np.tile(np.eye(4), (n, LEVELS, many, 1, 1))
-        local[..., :3, :3] = turn_of
-        local[..., :3, 3] = chains.anchor.reshape(LEVELS, many, 3)
-        frames = np.tile(np.eye(4), (n, 1 + LEVELS, many, 1, 1))
-        frames[:, 0, :, :3, :3] = turns[:, 0, :1]
-        frames[:, 0, :, :3, 3] = q[:, None, ROOT_POSITION]
-        for level in range(LEVELS):
-            np.matmul(frames[:, level], local[:, level], frames[:, level + 1])
-        tips = np.matmul(frames[:, -1], chains.reach)[:, :, :3, 0]
-        axes = np.empty((n, 1 + LEVELS, many, 3, 3))
-        axes[:, 0] = turns[:, 0, 1:]
-        np.matmul(frames[:, :-1, :, :3, :3], left_of, axes[:, 1:])
-        arms = tips[:, None] - frames[..., :3, 3]
-        # Every column of the table has one nonzero number: the product is exact in any order.
-        crossed = np.dot(arms.reshape(-1, 3), CROSS).reshape(axes.shape)
-        blocks = np.matmul(crossed, axes).reshape(n, -1)
-        entries = np.concatenate([blocks, np.tile([0.0, 1.0], (n, 1))], axis=1)
-        return tips, entries.take(chains.entry_of, 1)
+        each = [self._one.tips_and_jacobian(row) for row in q]
+        return np.array([tips for tips, _ in each]), np.array([jacobian for _, jacobian in each])
 
-    def _turns(self, q: Array) -> Array:
-        """exp(w) and left Jacobian (n, 1 + s, 2, 3, 3) of all rotation vectors w of poses (n,
-        48)."""
-        n, chains = len(q), self._chains
-        padded = np.concatenate([q, np.tile(PADDING, (n, 1))], axis=1)
-        # `take`, unlike indexing, lays out the rows in memory like those of one pose.
-        basis = padded.take(chains.left, 1) * padded.take(chains.right, 1)
-        # The order of sums is that of one pose.
-        t2 = basis[:, :, 2, 0] + basis[:, :, 2, 8] + basis[:, :, 2, 4] + TINY
-        t = np.sqrt(t2)
-        a, half = np.sin(t) / t, np.sin(0.5 * t) / t
-        b = half * half
-        b += b
-        loss = b * t2
-        numbers = np.stack([1.0 - loss, 1.0 - a, (1.0 - a) / t2, b, loss, a], axis=1)
-        shares = numbers.reshape(n, -1).take(chains.share_of, 1)
-        return np.matmul(shares, basis).reshape(*basis.shape[:2], 2, 3, 3)
+
+def _compiled(skeleton: Skeleton) -> mujoco.MjModel:
+    """A tree of bodies without mass or shape of their own: the root, then the bones in their order,
+    with a site at every fingertip.
+
+    Each body's coordinates are those of the pose: the root moves freely, a bone turns as a ball.
+    """
+    key = tuple(
+        (b.name, b.finger, tuple(b.anchor), tuple(np.ravel(b.rest).tolist()), b.length)
+        for b in skeleton.bones
+    )
+    return _compiled_bones(key)
+
+
+@cache
+def _compiled_bones(
+    bones: tuple[tuple[str, int, tuple[float, ...], tuple[float, ...], float], ...],
+) -> mujoco.MjModel:
+    spec = mujoco.MjSpec()
+    root = spec.worldbody.add_body(name="root")
+    root.add_freejoint()
+    _weigh(root)
+    before: dict[int, mujoco.MjsBody] = {}
+    ends: dict[int, tuple[mujoco.MjsBody, float]] = {}
+    for name, finger, anchor, rest, length in bones:
+        quaternion = matrix_to_quaternion(np.reshape(rest, (3, 3)))
+        bone = before.get(finger, root).add_body(name=name, pos=anchor, quat=quaternion)
+        bone.add_joint(type=mujoco.mjtJoint.mjJNT_BALL)
+        _weigh(bone)
+        before[finger], ends[finger] = bone, (bone, length)
+    for finger, (bone, length) in ends.items():
+        bone.add_site(name=FINGERS[finger], pos=(0.0, length, 0.0))
+    model = spec.compile()
+    bodies = [model.body(name).id for name, *_ in bones]
+    sites = [model.site(name).id for name in FINGERS if name in {FINGERS[f] for f in ends}]
+    assert bodies == list(range(2, 2 + len(bones))) and sites == list(range(len(ends)))
+    assert model.nv == POSE_SIZE and JOINTS.stop == POSE_SIZE
+    return model
+
+
+def _weigh(body: mujoco.MjsBody) -> None:
+    """Gives a moving body the mass that MuJoCo demands; places do not depend on it."""
+    body.explicitinertial = True
+    body.mass, body.inertia = 1.0, (1.0, 1.0, 1.0)

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from models.arithmetic.arrays import Array
+from models.arithmetic.products import stacked_applied, stacked_product
 from models.rotations import exp, log, unwrap_near
 from models.surface import Surface
 
@@ -46,8 +47,10 @@ def surface_to_world(q: ArrayLike, surface: Surface) -> Array:
         # Exact to the bit: multiplying by an identity matrix would round.
         moved[..., ROOT_POSITION] += surface.corner
     else:
-        moved[..., ROOT_POSITION] = moved[..., ROOT_POSITION] @ rotation.T + surface.corner
-        moved[..., ROOT_ROTATION] = log(rotation @ exp(moved[..., ROOT_ROTATION]))
+        moved[..., ROOT_POSITION] = (
+            stacked_applied(rotation, moved[..., ROOT_POSITION]) + surface.corner
+        )
+        moved[..., ROOT_ROTATION] = log(stacked_product(rotation, exp(moved[..., ROOT_ROTATION])))
     return moved
 
 

@@ -11,7 +11,9 @@ from math import atan2, cos, pi, sin, sqrt
 import numpy as np
 from numpy.typing import ArrayLike
 
+from models.arithmetic import functions
 from models.arithmetic.arrays import Array
+from models.arithmetic.products import squared_lengths, stacked_product
 
 Vector = tuple[float, float, float]
 
@@ -44,18 +46,18 @@ def exp_and_left_jacobian(w: ArrayLike) -> tuple[Array, Array]:
 
 def _series(w: Array) -> tuple[Array, Array, Array, Array, Array]:
     """sin t/t, (1-cos t)/t^2, (t-sin t)/t^3 shaped (..., 1, 1), and skew(w), skew(w)^2."""
-    t2 = np.einsum("...i,...i->...", w, w)[..., None, None]
+    t2 = squared_lengths(w)[..., None, None]
     t = np.sqrt(t2)
     small = t < _SMALL
     t_safe = np.where(small, 1.0, t)
     t2_safe = t_safe * t_safe
-    a = np.where(small, 1.0 - t2 / 6.0, np.sin(t_safe) / t_safe)
+    a = np.where(small, 1.0 - t2 / 6.0, functions.sin(t_safe) / t_safe)
     # 1 - cos loses half the digits for small angles; 2 sin^2(t/2) does not.
-    half = np.sin(0.5 * t_safe)
+    half = functions.sin(0.5 * t_safe)
     b = np.where(small, 0.5 - t2 / 24.0, 2.0 * half * half / t2_safe)
     c = np.where(small, 1.0 / 6.0 - t2 / 120.0, (1.0 - a) / t2_safe)
     k = skew(w)
-    return a, b, c, k, k @ k
+    return a, b, c, k, stacked_product(k, k)
 
 
 def log(R: ArrayLike) -> Array:
@@ -108,7 +110,7 @@ def matrix_to_quaternion(R: ArrayLike) -> Array:
     s[:, 2, 3] = s[:, 3, 2] = m[:, 2, 1] + m[:, 1, 2]
     best = np.argmax(s[:, range(4), range(4)], axis=1)
     q = s[np.arange(len(m)), best]
-    q /= np.linalg.norm(q, axis=1, keepdims=True)
+    q /= np.sqrt(squared_lengths(q))[:, None]
     q *= np.where(q[:, :1] < 0, -1.0, 1.0)
     return q.reshape(*R.shape[:-2], 4)
 
@@ -118,18 +120,19 @@ def quaternion_log(q: ArrayLike) -> Array:
     q = np.asarray(q, float)
     q = q * np.where(q[..., :1] < 0, -1.0, 1.0)
     v = q[..., 1:]
-    n = np.sqrt(np.einsum("...i,...i->...", v, v))[..., None]
+    n = np.sqrt(squared_lengths(v))[..., None]
     small = n < _SMALL
-    scale = np.where(small, 2.0, 2.0 * np.arctan2(n, q[..., :1]) / np.where(small, 1.0, n))
+    scale = np.where(small, 2.0, 2.0 * functions.atan2(n, q[..., :1]) / np.where(small, 1.0, n))
     return scale * v
 
 
 def quaternion_exp(w: ArrayLike) -> Array:
     """Unit quaternions (..., 4) of rotation vectors (..., 3)."""
     w = np.asarray(w, float)
-    t = np.sqrt(np.einsum("...i,...i->...", w, w))[..., None]
-    # sinc is sin(pi x)/(pi x), smooth at zero.
-    return np.concatenate([np.cos(0.5 * t), 0.5 * w * np.sinc(t / (2 * np.pi))], axis=-1)
+    t = np.sqrt(squared_lengths(w))[..., None]
+    small = t < _SMALL
+    share = np.where(small, 0.5, functions.sin(0.5 * t) / np.where(small, 1.0, t))
+    return np.concatenate([functions.cos(0.5 * t), share * w], axis=-1)
 
 
 def quaternion_to_matrix(q: ArrayLike) -> Array:

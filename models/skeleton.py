@@ -14,11 +14,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from math import cos, fsum, radians, sin
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from models.arithmetic.arrays import Array
+from models.arithmetic.products import length, stacked_product
 from models.frames import FINGERS
 from models.rotations import exp
 
@@ -124,7 +126,7 @@ class Skeleton:
             replace(
                 b,
                 anchor=(-b.anchor[0], b.anchor[1], b.anchor[2]),
-                rest=_MIRROR @ b.rest @ _MIRROR,
+                rest=stacked_product(stacked_product(_MIRROR, b.rest), _MIRROR),
                 # Mirrored rotations keep their sign about x, and change it about y and z.
                 lower=np.array([b.lower[0], -b.upper[1], -b.upper[2]]),
                 upper=np.array([b.upper[0], -b.lower[1], -b.lower[2]]),
@@ -141,9 +143,11 @@ def _degrees(*values: float) -> Array:
 
 def _facing(along: ArrayLike, pad: ArrayLike) -> Array:
     """Frame with y along a direction and -z (the pad) as near as possible to another."""
-    y = np.asarray(along, float) / np.linalg.norm(along)
-    z = -(np.asarray(pad, float) - np.dot(pad, y) * y)
-    z /= np.linalg.norm(z)
+    y = np.asarray(along, float)
+    y = y / length(y)
+    pad = np.asarray(pad, float)
+    z = -(pad - fsum((pad * y).tolist()) * y)
+    z /= length(z)
     return np.stack([np.cross(y, z), y, z], axis=1)
 
 
@@ -173,11 +177,19 @@ def _right_hand() -> Skeleton:
     }
     # The resting thumb opposes the index: it points forward, down and outwards, its pad turned
     # towards the index fingertip across the pinch axis (52 degrees in the palm's plane).
-    thumb = _facing((-0.38, 0.66, -0.55), (np.cos(np.deg2rad(52.0)), np.sin(np.deg2rad(52.0)), 0.0))
+    thumb = _facing((-0.38, 0.66, -0.55), (cos(radians(52.0)), sin(radians(52.0)), 0.0))
     half = exp(_degrees(10.0, 0, 0))
     bones = [
         Bone(
-            "thumb_cmc", 0, (-0.022, 0.022, -0.010), thumb @ half, 0.046, 0.0115, *_CMC, 8.0, 8e-4
+            "thumb_cmc",
+            0,
+            (-0.022, 0.022, -0.010),
+            stacked_product(thumb, half),
+            0.046,
+            0.0115,
+            *_CMC,
+            8.0,
+            8e-4,
         ),
         Bone(
             "thumb_mcp",
@@ -192,7 +204,7 @@ def _right_hand() -> Skeleton:
         ),
     ]
     for label, (name, (knuckle, splay, lengths, radii)) in enumerate(_FINGERS.items(), start=1):
-        base = exp(_degrees(0, 0, splay)) @ flexion["mcp"]
+        base = stacked_product(exp(_degrees(0, 0, splay)), flexion["mcp"])
         bones += [
             Bone(f"{name}_mcp", label, knuckle, base, lengths[0], radii[0], *_MCP, 6.0, 6e-4),
             Bone(

@@ -17,6 +17,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from models.arithmetic.products import stacked_applied
 from models.errors import InputError
 
 METRES_PER_INCH = 0.0254
@@ -82,7 +83,8 @@ class Surface:
     def centred_at(self, centre: ArrayLike) -> Surface:
         """The same rectangle with its middle at a world position (3,), metres."""
         w, h = self.size
-        origin = np.asarray(centre, float) - self.rotation @ np.array([w / 2, -h / 2, 0.0])
+        middle = np.array([w / 2, -h / 2, 0.0])
+        origin = np.asarray(centre, float) - stacked_applied(self.rotation, middle)
         return Surface(
             self.width_in,
             self.height_in,
@@ -115,11 +117,11 @@ class Surface:
         points = np.asarray(xy, float)
         local = np.empty((*points.shape[:-1], 3))
         local[..., 0], local[..., 1], local[..., 2] = points[..., 0], -points[..., 1], height
-        return local @ self.rotation.T + self.corner
+        return stacked_applied(self.rotation, local) + self.corner
 
     def to_surface(self, world: ArrayLike) -> NDArray[np.float64]:
         """Surface points (..., 2) under world positions (..., 3): the foot of the normal."""
-        local = (np.asarray(world, float) - self.corner) @ self.rotation
+        local = stacked_applied(self.rotation.T, np.asarray(world, float) - self.corner)
         points: NDArray[np.float64] = local[..., :2] * _FLIP
         return points
 

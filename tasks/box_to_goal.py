@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import dist
 from typing import ClassVar
 
 import numpy as np
 
+from models.arithmetic.products import distance, length
 from models.errors import InputError
 from models.objects import Box
 from models.surface import Surface
@@ -74,7 +74,7 @@ class BoxToGoal(TaskDefaults):
         rng = np.random.default_rng([seed, cls.version])
         low = np.array([BORDER, BORDER])
         high = surface.size - BORDER
-        if np.any(high < low) or np.linalg.norm(high - low) < ROOM:
+        if np.any(high < low) or length(high - low) < ROOM:
             raise InputError(
                 "the surface is too small for this task",
                 where=cls.name,
@@ -84,7 +84,7 @@ class BoxToGoal(TaskDefaults):
         distance = 0.0
         while not DISTANCE[0] <= distance <= DISTANCE[1]:
             start, end = rng.uniform(low, high), rng.uniform(low, high)
-            distance = float(np.linalg.norm(end - start))
+            distance = length(end - start)
         yaw = float(rng.uniform(-np.pi / 4, np.pi / 4))
         turn = float(rng.uniform(-TURN, TURN))
         mass = float(rng.uniform(*MASS))
@@ -98,7 +98,7 @@ class BoxToGoal(TaskDefaults):
         """Tests whether the box is at its goal now."""
         box, goal = sensing.object("box"), self.goals[0]
         target = goal.position
-        off = dist(box.position.tolist(), target)
+        off = distance(box.position.tolist(), target)
         # Seen from above, a cube repeats every 90 degrees.
         quarter = np.pi / 2
         turn = abs((box.yaw - goal.yaw + quarter / 2) % quarter - quarter / 2)
@@ -115,7 +115,7 @@ class BoxToGoal(TaskDefaults):
             reason = "a hand still touches the box"
         elif box.speed > SPEED_TOLERANCE:
             reason = "the box is still moving"
-        way = max(dist(target, self.objects[0].position) - POSITION_TOLERANCE, 1e-9)
+        way = max(distance(target, self.objects[0].position) - POSITION_TOLERANCE, 1e-9)
         travelled = 1.0 - max(off - POSITION_TOLERANCE, 0.0) / way
         # Only success is 1: a box on its way, tilted or still held stays below.
         progress = 1.0 if not reason else min(max(travelled, 0.0), 0.99)

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import dist
+from math import asin, cos, sin
 from typing import ClassVar
 
 import numpy as np
 
+from models.arithmetic.products import distance
 from models.errors import InputError
 from models.objects import TRAY_GRIP, TRAY_HANDLE, Tray
 from models.surface import Surface
@@ -91,7 +92,7 @@ class CarryTogether(TaskDefaults):
         for _ in range(_TRIES):
             start, end = rng.uniform(low, high, (2, 2)).tolist()
             yaw, goal_yaw = rng.uniform(-YAW, YAW, 2).tolist()
-            far = dist(start, end)
+            far = distance(start, end)
             if (
                 DISTANCE[0] <= far <= DISTANCE[1]
                 and _fits(start, yaw, surface)
@@ -115,9 +116,9 @@ class CarryTogether(TaskDefaults):
     def measure(self, sensing: Sensing) -> Measure:
         """Tests whether the tray is in its place now."""
         tray, goal = sensing.object("tray"), self.goals[0]
-        off = dist(tray.position.tolist(), goal.position)
+        off = distance(tray.position.tolist(), goal.position)
         turn = abs((tray.yaw - goal.yaw + np.pi) % (2 * np.pi) - np.pi)
-        slope, roll = np.arcsin(np.abs(tray.rotation[2, :2]).clip(0.0, 1.0)).tolist()
+        slope, roll = (asin(min(abs(z), 1.0)) for z in tray.rotation[2, :2].tolist())
         if tray.rotation[2, 2] < 0.0:
             roll = np.pi - roll
         reason = ""
@@ -133,7 +134,7 @@ class CarryTogether(TaskDefaults):
             reason = f"the tray is turned by {np.rad2deg(turn):.0f} degrees against the goal"
         elif tray.speed > SPEED_TOLERANCE:
             reason = "the tray is still moving"
-        way = max(dist(goal.position, self.objects[0].position) - POSITION_TOLERANCE, 1e-9)
+        way = max(distance(goal.position, self.objects[0].position) - POSITION_TOLERANCE, 1e-9)
         travelled = 1.0 - max(off - POSITION_TOLERANCE, 0.0) / way
         progress = 1.0 if not reason else min(max(travelled, 0.0), 0.99)
         return Measure(not reason, progress, reason)
@@ -142,7 +143,7 @@ class CarryTogether(TaskDefaults):
 def _fits(middle: list[float], yaw: float, surface: Surface) -> bool:
     """True if both grips of a tray are within reach of their hands; positions on the surface."""
     # Yaw is counterclockwise seen from above, but the surface's y points down.
-    way = TRAY_GRIP * np.array([np.cos(yaw), -np.sin(yaw)])
+    way = TRAY_GRIP * np.array([cos(yaw), -sin(yaw)])
     right, left = middle + way, middle - way
     width, height = surface.size
     half = width / 2

@@ -11,7 +11,7 @@
 
         def measure(self, sensing):
             off = sensing.object("mug").position - self.goals[0].position
-            far = float(np.linalg.norm(off))
+            far = length(off)
             return judge(1 - far / 0.1, (far > 0.01, f"it is {1000 * far:.0f} mm away"))
 
 Any class that follows the contract `tasks.task.Task` works as well; this one fills in common parts.
@@ -28,6 +28,7 @@ from zlib import crc32
 import numpy as np
 
 from models.arithmetic.arrays import Array
+from models.arithmetic.products import length
 from models.errors import InputError
 from models.objects import SceneObject
 from models.surface import Surface
@@ -121,7 +122,7 @@ def two_places(
     low, high = np.full(2, border), surface.size - border
     for _ in range(_TRIES if np.all(high > low) else 0):
         start, end = rng.uniform(low, high), rng.uniform(low, high)
-        if apart[0] <= np.linalg.norm(end - start) <= apart[1]:
+        if apart[0] <= length(end - start) <= apart[1]:
             places = surface.to_world(np.stack([start, end]))
             places[:, 2] = 0.0
             return places[0], places[1]

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from math import atan2
 from typing import Protocol
 
 import numpy as np
 
 from models.arithmetic.arrays import Array
-from tasks.sensing import length
+from models.arithmetic.products import length
 
 _NEAR = 0.030
 """m, distance from its own goal below which an object counts as placed, so that a goal on top of it
@@ -74,4 +75,4 @@ def flat_yaw(rotation: Array) -> float:
     """
     steep = [round(10.0 * abs(z)) for z in rotation[2].tolist()]
     x, y, _ = rotation[:, steep.index(min(steep))].tolist()
-    return float(np.arctan2(y, x))
+    return atan2(y, x)

@@ -8,20 +8,15 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from math import acos, atan2, hypot, sqrt
+from math import acos, atan2
 
 import mujoco
 import numpy as np
 
 from models.arithmetic.arrays import Array
+from models.arithmetic.products import length
 from models.errors import InputError
 from models.scene import TABLE, Scene, touching_sensor
-
-
-def length(vector: Array) -> float:
-    """Length of a vector (n,); equal to `np.linalg.norm` to the bit, in a third of the time."""
-    return sqrt(vector.dot(vector))
-
 
 SUPPORT = 0.6
 """Least share of an object's weight that its support carries. An object on one support rests there
@@ -60,7 +55,7 @@ class ObjectState:
     def lean(self) -> float:
         """Angle in rad between the vertical and the nearest of the object's axes: 0 on any face of
         a box."""
-        return float(np.arccos(min(max(map(abs, self.rotation[2].tolist())), 1.0)))
+        return acos(min(max(map(abs, self.rotation[2].tolist())), 1.0))
 
 
 class Sensing:
@@ -97,7 +92,7 @@ class Sensing:
             types = model.jnt_type[model.jnt_bodyid == scene.object_bodies[obj.name]]
             slides = int(np.sum(types == mujoco.mjtJoint.mjJNT_SLIDE))
             self._moves[obj.name] = slides or (1 if hinged else 3)
-            self._levers[obj.name] = float(np.linalg.norm(joint.pos)) if hinged else 1.0
+            self._levers[obj.name] = length(joint.pos) if hinged else 1.0
         self._speeds = {
             name: data.qvel[v : v + self._moves[name]] for name, v in self._velocity.items()
         }
@@ -114,7 +109,7 @@ class Sensing:
         return ObjectState(
             position,
             rotation,
-            self._levers[name] * hypot(*self._speeds[name].tolist()),
+            self._levers[name] * length(self._speeds[name]),
             self.touching(name, TABLE),
             any(self.touching(name, hand) for hand in self._hands),
         )

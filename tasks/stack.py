@@ -8,6 +8,7 @@ from typing import ClassVar, Self
 import numpy as np
 
 from models.arithmetic.arrays import Array
+from models.arithmetic.products import length
 from models.surface import Surface
 from tasks.stacking import EDGE, MASS, YAW, Stacking, too_small
 
@@ -54,7 +55,7 @@ class Stack(Stacking):
         rng = np.random.default_rng([seed, cls.version, 10 + cls.count])
         # The smallest boxes must fit at opposite corners, or no draw can succeed.
         widest = surface.size - EDGE[0] - 2 * SIDE
-        possible = np.all(widest > 0) and np.linalg.norm(widest) > EDGE[0] + GAP
+        possible = np.all(widest > 0) and length(widest) > EDGE[0] + GAP
         for _ in range(_TRIES if possible else 0):
             edges = rng.uniform(*EDGE, cls.count)
             shares = rng.uniform(0.0, 1.0, (cls.count, 2))
@@ -87,6 +88,6 @@ def _apart(places: Array, edges: Array) -> bool:
     for i in range(len(edges)):
         for j in range(i):
             least = (edges[i] + edges[j]) / 2 + GAP
-            if np.linalg.norm(places[i] - places[j]) < least:
+            if length(places[i] - places[j]) < least:
                 return False
     return True

@@ -6,17 +6,19 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
+from math import cos, sin
 from typing import ClassVar, Self
 
 import numpy as np
 
 from models.arithmetic.arrays import Array
+from models.arithmetic.products import length
 from models.errors import InputError
 from models.objects import Box
 from models.scene import TABLE
 from models.surface import Surface
 from tasks.goals import Posed, place
-from tasks.sensing import ObjectState, Sensing, length
+from tasks.sensing import ObjectState, Sensing
 from tasks.task import Goal, Measure, TaskDefaults
 
 NAMES = ("base", "second", "third")
@@ -153,7 +155,7 @@ class _Start:
 
     def __init__(self, box: Box) -> None:
         self.position = np.asarray(box.position)
-        c, s = np.cos(box.yaw), np.sin(box.yaw)
+        c, s = cos(box.yaw), sin(box.yaw)
         self.rotation = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
 
 

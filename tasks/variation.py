@@ -10,10 +10,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass, is_dataclass, replace
 from itertools import combinations
+from math import cos, sin
 
 import numpy as np
 
+from models.arithmetic import functions
 from models.arithmetic.arrays import Array
+from models.arithmetic.products import length
 from models.errors import InputError
 from models.objects import Box, SceneObject
 from models.surface import Surface
@@ -154,7 +157,7 @@ def _sized(obj: SceneObject, size: float, where: str) -> SceneObject:
 def _step(old: SceneObject, new: SceneObject) -> tuple[float, float, float]:
     """Shift (3,) m of an object's middle caused by another size, along the object's own axes."""
     x, y, z = (b - a for a, b in zip(old.position, new.position, strict=True))
-    c, s = np.cos(old.yaw), np.sin(old.yaw)
+    c, s = cos(old.yaw), sin(old.yaw)
     return float(c * x + s * y), float(c * y - s * x), z
 
 
@@ -164,7 +167,7 @@ def _goal(goal: Goal, size: float, step: tuple[float, float, float]) -> Goal:
     if goal.on is not None:
         # A place on another object grows with both.
         return replace(goal, position=(size * x, size * y, size * z))
-    c, s = np.cos(goal.yaw), np.sin(goal.yaw)
+    c, s = cos(goal.yaw), sin(goal.yaw)
     u, v, w = step
     return replace(goal, position=(float(x + c * u - s * v), float(y + s * u + c * v), z + w))
 
@@ -191,7 +194,9 @@ def _moved(
             # To the left or the right only: higher up nothing would support them.
             steps = np.sign(angles)[:, None] * [1.0, 0.0, 0.0]
         else:
-            steps = np.column_stack([np.cos(angles), np.sin(angles), np.zeros(len(objects))])
+            steps = np.column_stack(
+                [functions.cos(angles), functions.sin(angles), np.zeros(len(objects))]
+            )
         new = places + way * steps
         on = surface.to_surface(new)
         inside = np.all((on[:, 0] >= 0.0) & (on[:, 0] <= surface.size[0]))
@@ -212,4 +217,4 @@ def _moved(
 def _distances(places: Array) -> Iterator[float]:
     """Distances in m between all pairs of positions (n, 3)."""
     for a, b in combinations(places, 2):
-        yield float(np.linalg.norm(a - b))
+        yield length(a - b)

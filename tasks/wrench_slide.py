@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import cos, sin
 from typing import ClassVar
 
 import numpy as np
 
 from models.arithmetic.arrays import Array
+from models.arithmetic.products import length
 from models.objects import HANDLE, JAW, THICKNESS
 from models.surface import Surface
-from tasks.sensing import ObjectState, length
+from tasks.sensing import ObjectState
 from tasks.wrench_base import END_BORDER, Place, WrenchTask, share
 
 TURN = (np.deg2rad(40.0), np.deg2rad(80.0))
@@ -56,7 +58,7 @@ class WrenchSlide(WrenchTask):
         yaw = float(rng.uniform(-np.pi, np.pi))
         turn = float(rng.uniform(*TURN)) * float(rng.choice([-1.0, 1.0]))
         fits = _on_surface(start, yaw, surface.size) and _on_surface(end, yaw + turn, surface.size)
-        if not fits or not DISTANCE[0] <= np.linalg.norm(end - start) <= DISTANCE[1]:
+        if not fits or not DISTANCE[0] <= length(end - start) <= DISTANCE[1]:
             return None
         (x, y), (u, v) = surface.to_world(np.stack([start, end]))[:, :2].tolist()
         return (x, y, THICKNESS / 2), yaw, (u, v, THICKNESS / 2), turn
@@ -84,6 +86,6 @@ class WrenchSlide(WrenchTask):
 
 def _on_surface(middle: Array, yaw: float, size: Array) -> bool:
     """True if both ends of a wrench are on the surface (in its frame, y down)."""
-    way = np.array([np.cos(yaw), -np.sin(yaw)])
+    way = np.array([cos(yaw), -sin(yaw)])
     ends = middle + np.outer([JAW - 0.012, HANDLE[1]], way)
     return bool(np.all(ends >= END_BORDER) and np.all(ends <= size - END_BORDER))

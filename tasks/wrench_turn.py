@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import cos, sin
 from typing import ClassVar
 
 import numpy as np
 
+from models.arithmetic import functions
 from models.arithmetic.arrays import Array
 from models.objects import BOLT_LIFT, HANDLE, JAW, THICKNESS
 from models.surface import Surface
@@ -97,7 +99,7 @@ class WrenchTurn(WrenchTask):
 
 def _in_reach(bolt: Array, yaws: Array, size: Array) -> bool:
     """True if grip and handle's end stay on the surface (in its frame, y down) at these yaws."""
-    ways = np.stack([np.cos(yaws), -np.sin(yaws)], axis=1)
+    ways = np.stack([functions.cos(yaws), -functions.sin(yaws)], axis=1)
     for along, border in ((GRIP, GRIP_BORDER), (HANDLE[1], END_BORDER)):
         places = bolt + (along - JAW) * ways
         if np.any(places < border) or np.any(places > size - border):
@@ -107,5 +109,5 @@ def _in_reach(bolt: Array, yaws: Array, size: Array) -> bool:
 
 def _middle(bolt: Array, yaw: float) -> Place:
     """World position (3,) of the middle of a wrench on a bolt (2,)."""
-    x, y = bolt - JAW * np.array([np.cos(yaw), np.sin(yaw)])
+    x, y = bolt - JAW * np.array([cos(yaw), sin(yaw)])
     return float(x), float(y), BOLT_LIFT + THICKNESS / 2

@@ -22,7 +22,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from functools import cache
 from importlib.resources import files
-from math import expm1, inf, isfinite
+from math import exp, expm1, fsum, inf, isfinite, log
 from pathlib import Path
 
 import numpy as np
@@ -32,6 +32,7 @@ from encoders.labels.label_sums import bounded, rows_of, summed
 from encoders.labels.labelling import Labelling, allowed, arranged, hypotheses
 from encoders.labels.recent_liftoffs import AT_ONCE, LATER, LiftOff, that_fit
 from encoders.labels.trained_belief import TrainedBelief, load_belief
+from models.arithmetic import functions
 from models.arithmetic.arrays import Array
 from models.errors import EncoderError
 from models.frames import FINGERS
@@ -91,9 +92,7 @@ class BeliefLabels:
             candidates = np.where(allowed(ids, fixed), self._belief, -np.inf)
         best = int(np.argmax(candidates))
         labels = hypotheses(len(ids))[best].tolist()
-        labelling = Labelling(
-            dict(zip(ids, labels, strict=True)), float(np.exp(self._belief[best]))
-        )
+        labelling = Labelling(dict(zip(ids, labels, strict=True)), exp(self._belief[best]))
         self._answered = dict(fixed), labelling
         return labelling
 
@@ -209,7 +208,7 @@ class BeliefLabels:
             touching = [*range(len(stayed)), *range(len(stayed) + len(others), count)]
             apart = summed(apart, count, touching)
             back = AT_ONCE if any(contact.just for contact in others.values()) else LATER
-            joint = np.logaddexp(np.log(1.0 - back) + apart, np.log(back) + joint)
+            joint = functions.log_sum_exp(log(1.0 - back) + apart, log(back) + joint)
         here = (*stayed, *came)
         self._joint = bounded(summed(joint, len(ids), [here.index(i) for i in ids]))
         self._ids, self._lifted, self._looked = ids, (), self._places
@@ -248,7 +247,7 @@ class BeliefLabels:
         n = len(places)
         x = [a[0] - b[0] for a, b in zip(places, looked, strict=True)]
         y = [a[1] - b[1] for a, b in zip(places, looked, strict=True)]
-        mx, my = sum(x) / n, sum(y) / n
+        mx, my = fsum(x) / n, fsum(y) / n
         moved = 0.0
         for a, b in zip(x, y, strict=True):
             moved += (a - mx) ** 2 + (b - my) ** 2

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from encoders.capture import Capture
 from encoders.labels.labelling import hypotheses
+from models.arithmetic import functions
 from models.arithmetic.arrays import Array
 from models.frames import FINGERS
 
@@ -24,7 +25,7 @@ def in_order(xy: Array) -> NDArray[np.bool_]:
     order."""
     count = len(xy)
     centred = xy - xy.mean(axis=0)
-    rank = np.argsort(np.argsort(np.arctan2(centred[:, 1], centred[:, 0]), kind="stable"))
+    rank = np.argsort(np.argsort(functions.atan2(centred[:, 1], centred[:, 0]), kind="stable"))
     # Ranks in the order of the fingers; from the first finger on, each is the next one's neighbour.
     round_ = rank[np.argsort(hypotheses(count), axis=1)]
     steps = (round_ - round_[:, :1]) % count

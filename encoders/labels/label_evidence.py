@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import astuple
+from math import fsum, log
 
 import numpy as np
 
@@ -15,6 +16,7 @@ from encoders.labels.layout_density import (
     finger_sets,
     set_of_labelling,
 )
+from models.arithmetic import functions
 from models.arithmetic.arrays import Array
 from models.errors import EncoderError
 from models.frames import FINGERS
@@ -126,15 +128,15 @@ class LabelEvidence:
         stranger = self._stranger.log_density(xy) + self._stranger_prior[count]
         if count in self.order:
             share = self.order[count]
-            stranger = stranger + np.where(in_order(xy), np.log(share), np.log(1.0 - share))
-        return np.asarray(
-            np.logaddexp(np.log(1.0 - STRANGER_SHARE) + captured, np.log(STRANGER_SHARE) + stranger)
+            stranger = stranger + np.where(in_order(xy), log(share), log(1.0 - share))
+        return functions.log_sum_exp(
+            log(1.0 - STRANGER_SHARE) + captured, log(STRANGER_SHARE) + stranger
         )
 
 
 def _of_labellings(prior: Mapping[int, Array]) -> dict[int, Array]:
     """Prior log probabilities (P,) of the labellings, by number of contacts."""
-    return {k: normalised(np.log(p)[set_of_labelling(k)]) for k, p in prior.items()}
+    return {k: normalised(functions.log(p)[set_of_labelling(k)]) for k, p in prior.items()}
 
 
 def _check(order: Mapping[int, float], prior: Mapping[int, Array]) -> None:
@@ -160,5 +162,4 @@ def _check(order: Mapping[int, float], prior: Mapping[int, Array]) -> None:
 def normalised(log_weights: Array) -> Array:
     """Normalises logarithms of weights (P,) to logarithms of probabilities that sum to 1."""
     shifted = log_weights - log_weights.max()
-    result: Array = shifted - np.log(np.exp(shifted).sum())
-    return result
+    return shifted - log(fsum(functions.exp(shifted).tolist()))

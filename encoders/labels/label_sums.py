@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cache
+from math import log
 
 import numpy as np
 from numpy.typing import NDArray
 
 from encoders.labels.label_evidence import normalised
 from encoders.labels.labelling import hypotheses
+from models.arithmetic import functions
 from models.arithmetic.arrays import Array
 from models.frames import FINGERS
 
@@ -46,10 +48,10 @@ def summed(log_weights: Array, count: int, places: Sequence[int]) -> Array:
         return np.zeros(1)
     highest = log_weights.max()
     rows = rows_of(count, tuple(places))
-    sums = np.bincount(rows, np.exp(log_weights - highest), len(hypotheses(len(places))))
-    return np.asarray(highest + np.log(np.maximum(sums, _NEVER)))
+    sums = np.bincount(rows, functions.exp(log_weights - highest), len(hypotheses(len(places))))
+    return np.asarray(highest + functions.log(np.maximum(sums, _NEVER)))
 
 
 def bounded(log_weights: Array) -> Array:
     """Limits log probabilities to the lower bound, and normalises them."""
-    return normalised(np.maximum(normalised(log_weights), np.log(LEAST)))
+    return normalised(np.maximum(normalised(log_weights), log(LEAST)))

@@ -21,6 +21,7 @@ from encoders.input_vector import CONTACT_VECTOR_SIZE, LIFTED, leftmost
 from encoders.labels.nearest_neighbour import NearestNeighbour, Search
 from encoders.regression.trained import TrainedModel
 from models.arithmetic.arrays import Array
+from models.arithmetic.products import matrix_product
 from models.errors import EncoderError
 from models.frames import FINGERS
 from models.pose import JOINTS
@@ -194,7 +195,7 @@ class PaperLabels:
         else:
             frames = np.asarray(model.training_pose, float)
             self._map = _pose_map(metric, frames)
-        self._search = nearest_neighbour(frames @ self._map, fast)
+        self._search = nearest_neighbour(matrix_product(frames, self._map), fast)
 
     def assign(
         self, contacts: Mapping[int, tuple[float, float]], fixed: Mapping[int, int]
@@ -215,7 +216,7 @@ class PaperLabels:
     def _closest(self, xy: Array, labels: Labels) -> int:
         U = labelled_contact_vectors(xy, labels)
         guesses = U if self.metric == "touches" else self._poses.predict(U)
-        return self._search.closest(guesses @ self._map).query
+        return self._search.closest(matrix_product(guesses, self._map)).query
 
 
 def _pose_map(metric: str, frames: Array) -> Array:

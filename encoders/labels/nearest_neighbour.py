@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from models.arithmetic.arrays import Array
+from models.arithmetic.products import squared_lengths
 from models.errors import EncoderError
 
 Single = NDArray[np.float32]
@@ -245,8 +246,7 @@ def first_of_closest(query: Indices, point: Indices, squares: Array) -> Closest:
 def squared_distances(queries: Array, points: Array, query: Indices, point: Indices) -> Array:
     """Squared distances of pairs."""
     apart = queries.take(query, axis=0) - points.take(point, axis=0)
-    squares: Array = np.einsum("nd,nd->n", apart, apart)
-    return squares
+    return squared_lengths(apart)
 
 
 def _cells(points: Single, count: int) -> tuple[Indices, Array]:

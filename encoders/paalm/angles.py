@@ -12,7 +12,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
+from models.arithmetic import functions
 from models.arithmetic.arrays import Array
+from models.arithmetic.products import stacked_applied
 from models.frames import FINGERS
 from models.skeleton import ADULT
 
@@ -84,15 +86,15 @@ def joints_of_angles(angles: ArrayLike, knuckles: ArrayLike, lengths: ArrayLike)
     f, s, p, d = np.moveaxis(np.deg2rad(np.asarray(angles, float)), -1, 0)
     lengths = np.asarray(lengths, float)
     bend = np.stack([np.zeros_like(p), p, p + d], axis=-1)
-    flat = np.stack([np.zeros_like(bend), np.cos(bend), -np.sin(bend)], axis=-1)
+    flat = np.stack([np.zeros_like(bend), functions.cos(bend), -functions.sin(bend)], axis=-1)
     x, y, z = flat[..., 0], flat[..., 1], flat[..., 2]
     # exp(-f about x) exp(s about z)
-    sx = x * np.cos(s)[..., None] - y * np.sin(s)[..., None]
-    sy = x * np.sin(s)[..., None] + y * np.cos(s)[..., None]
-    fy = sy * np.cos(f)[..., None] + z * np.sin(f)[..., None]
-    fz = -sy * np.sin(f)[..., None] + z * np.cos(f)[..., None]
+    sx = x * functions.cos(s)[..., None] - y * functions.sin(s)[..., None]
+    sy = x * functions.sin(s)[..., None] + y * functions.cos(s)[..., None]
+    fy = sy * functions.cos(f)[..., None] + z * functions.sin(f)[..., None]
+    fz = -sy * functions.sin(f)[..., None] + z * functions.cos(f)[..., None]
     local = np.stack([sx, fy, fz], axis=-1) * lengths[..., None]
-    bones = np.einsum("fij,...fbj->...fbi", FRAMES, local)
+    bones = stacked_applied(FRAMES[:, None], local)
     start = np.broadcast_to(np.asarray(knuckles, float), (*bones.shape[:-2], 3))
     return np.concatenate(
         [start[..., None, :], start[..., None, :] + np.cumsum(bones, axis=-2)], axis=-2

@@ -11,6 +11,7 @@ from encoders.paalm.calibration import HandCalibration
 from encoders.paalm.hand_pose import PALM_CENTRE
 from encoders.paalm.options import PaalmOptions
 from encoders.paalm.rig import bone_lengths
+from models.arithmetic.products import squared_lengths
 from models.frames import FINGERS, HandFrame
 from models.skeleton import ADULT
 
@@ -45,7 +46,7 @@ def average_calibration(
     joints = joints_of_angles(angles, knuckles, lengths)
     base = joints[:, 0] + hidden[:, None] * (joints[:, 1] - joints[:, 0])
     line = joints[:, 3] - base
-    standard = np.linalg.norm(line, axis=1)
+    standard = np.sqrt(squared_lengths(line))
     return HandCalibration(
         side,
         standard,
@@ -67,5 +68,5 @@ def _bones(frames: Sequence[HandFrame], side: str) -> np.ndarray | None:
             named = {f.finger: f.joints for f in hand.fingers if f.joints is not None}
             if hand.side == side and len(named) == len(FINGERS):
                 joints = np.array([named[i] for i in range(len(FINGERS))])
-                bones.append(np.linalg.norm(np.diff(joints, axis=1), axis=2))
+                bones.append(np.sqrt(squared_lengths(np.diff(joints, axis=1))))
     return np.mean(bones, axis=0) if bones else None

@@ -15,6 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from encoders.paalm.coupling import Coupling
+from models.arithmetic import functions
 from models.errors import EncoderError
 from models.frames import Vector
 
@@ -74,9 +75,11 @@ class FingerChain:
         self.reach = first * (1.0 - hidden) + second + third
         pip = np.linspace(radians(limits.pip[0]), radians(limits.pip[1]), _ENTRIES)
         dip = np.clip(coupling.slope * pip + np.deg2rad(coupling.offset), *np.deg2rad(limits.dip))
-        along = first * (1.0 - hidden) + second * np.cos(pip) + third * np.cos(pip + dip)
-        below = second * np.sin(pip) + third * np.sin(pip + dip)
-        chord = np.hypot(along, below)
+        along = (
+            first * (1.0 - hidden) + second * functions.cos(pip) + third * functions.cos(pip + dip)
+        )
+        below = second * functions.sin(pip) + third * functions.sin(pip + dip)
+        chord = np.sqrt(along * along + below * below)
         # Past the shortest distance, or before the longest, a length has two bends: the first
         # piece that falls is kept.
         start = int(np.argmax(chord))

@@ -7,7 +7,9 @@ from numpy.typing import ArrayLike
 
 from encoders.paalm.angles import FRAMES
 from encoders.paalm.palm import Palm
+from models.arithmetic import functions
 from models.arithmetic.arrays import Array
+from models.arithmetic.products import stacked_applied, stacked_product
 from models.frames import FINGERS, Vector
 from models.limits import within_limits
 from models.pose import JOINTS, POSE_SIZE, ROOT_POSITION, ROOT_ROTATION, mirrored
@@ -43,7 +45,7 @@ class HandPoser:
             flexion.append(4 * last + _COLUMNS[row])
             # Behind the table is an angle 0, the spread of all bones but the first.
             spread.append(4 * last + 1 if first else 4 * len(FINGERS))
-            between.append(bone.rest.T @ FRAMES[last] if first else bone.rest.T)
+            between.append(stacked_product(bone.rest.T, FRAMES[last]) if first else bone.rest.T)
         self._which = np.array([flexion, spread])
         self._half = np.deg2rad(np.array([[-0.5], [0.5]]))
         self._angles = np.zeros(4 * len(FINGERS) + 1)
@@ -52,7 +54,7 @@ class HandPoser:
         self._between = np.array(
             [[w, -x, -y, -z], [x, w, -z, y], [y, z, w, -x], [z, -y, x, w]]
         ).transpose(2, 0, 1)
-        self._turn = np.empty((len(flexion), 4, 1))
+        self._turn = np.empty((len(flexion), 4))
 
     def __call__(
         self,
@@ -65,15 +67,15 @@ class HandPoser:
         """The pose (48,); arguments are those of `hand_pose`."""
         self._angles[:-1] = np.asarray(table, float).ravel()
         half = self._angles.take(self._which) * self._half
-        (bent, spread), (bent_s, spread_s) = np.cos(half), np.sin(half)
-        turn = self._turn[..., 0]
+        (bent, spread), (bent_s, spread_s) = functions.cos(half), functions.sin(half)
+        turn = self._turn
         # (bent + bent_s i) (spread + spread_s k)
         np.multiply(bent, spread, turn[:, 0])
         np.multiply(bent_s, spread, turn[:, 1])
         np.multiply(-bent_s, spread_s, turn[:, 2])
         np.multiply(bent, spread_s, turn[:, 3])
         q = np.empty(POSE_SIZE)
-        q[JOINTS] = quaternion_log((self._between @ self._turn)[..., 0]).ravel()
+        q[JOINTS] = quaternion_log(stacked_applied(self._between, turn)).ravel()
         # A left hand's pose is the mirror image of a right one's.
         flip = -1.0 if side == "left" else 1.0
         a, f, d = palm.across, palm.forward, palm.dorsal

@@ -19,6 +19,7 @@ from encoders.paalm.palm import Palm
 from encoders.reconstruction.arrival import Phase
 from encoders.reconstruction.touch_reconstructor import Reconstruction
 from models.arithmetic.arrays import Array
+from models.arithmetic.products import length
 from models.errors import EncoderError
 from models.frames import FINGERS, HandFrame, Vector
 from models.limits import RateLimit
@@ -188,7 +189,7 @@ class HandReconstructor:
         above = self._above_floor(goal)
         self._commanded = above if first else s.rate(self._commanded, above, dt)
         self._seen_before, self._unseen = True, 0.0
-        off = float(np.linalg.norm(self._commanded[ROOT_POSITION] - above[ROOT_POSITION]))
+        off = length(self._commanded[ROOT_POSITION] - above[ROOT_POSITION])
         self._here = self._here or off < s.near
 
     def _lose(self, dt: float) -> None:

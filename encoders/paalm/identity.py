@@ -11,13 +11,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import permutations
-from math import dist, exp, perm
+from math import exp, perm
 
 import numpy as np
 
 from encoders.paalm.calibration import HandCalibration
 from encoders.paalm.palm import Palm
 from models.arithmetic.arrays import Array
+from models.arithmetic.products import distance
 from models.frames import FINGERS, TrackedFinger, Vector
 
 _FIVE = len(FINGERS)
@@ -109,7 +110,7 @@ class TrackedIdentity:
             return None
         names = [self._ids.index(f.id) for f in fingers]
         before = [self._places[name] for name in names]
-        if max(map(dist, places, before)) > _JUMP:
+        if max(map(distance, places, before)) > _JUMP:
             return None
         for i, name in enumerate(names):
             self._tips[name] = self._places[name] = places[i]

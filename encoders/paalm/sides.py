@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from math import dist
-
+from models.arithmetic.products import distance
 from models.frames import HandFrame, TrackedHand, Vector
 
 _FAR = 0.30
@@ -63,12 +62,12 @@ class HandSides:
         guess = {"right": (0.12, 0.0, 0.2), "left": (-0.12, 0.0, 0.2)}
         while unknown and free:
             pairs = [
-                (dist(h.palm, self._places.get(s, guess[s])), s, i)
+                (distance(h.palm, self._places.get(s, guess[s])), s, i)
                 for s in free
                 for i, h in enumerate(unknown)
             ]
-            distance, side, index = min(pairs)
-            if distance > _FAR and len(self.sides) > 1 and side in self._places:
+            apart, side, index = min(pairs)
+            if apart > _FAR and len(self.sides) > 1 and side in self._places:
                 return
             chosen[side] = unknown.pop(index)
             free.remove(side)

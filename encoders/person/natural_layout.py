@@ -12,7 +12,9 @@ from __future__ import annotations
 
 from cmath import phase
 from collections.abc import Iterable, Sequence
-from math import sqrt
+from functools import reduce
+from math import atan2, fsum, sqrt
+from operator import add
 from typing import NamedTuple
 
 import numpy as np
@@ -20,7 +22,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from encoders.capture import Capture
 from encoders.labels.labelling import hypotheses
+from models.arithmetic import functions
 from models.arithmetic.arrays import Array
+from models.arithmetic.products import squared_lengths
 from models.errors import CaptureError
 
 Complex = NDArray[np.complex128]
@@ -65,12 +69,12 @@ class NaturalLayout:
         z = z - z.mean(axis=1, keepdims=True)
         mean = z.mean(axis=0)
         for _ in range(_ROUNDS):
-            way = z @ mean.conj()
-            mean = (z * np.exp(-1j * np.angle(way))[:, None]).mean(axis=0)
+            mean = _turned(z, -_angles(_inner(mean, z))[:, None]).mean(axis=0)
         # The shape does not define straight ahead: it is the hands' average yaw.
-        ahead = np.angle(np.mean(np.exp(1j * np.angle(z @ mean.conj()))))
-        self.places: Complex = mean * np.exp(1j * ahead)
-        self.turns: Array = np.angle(z @ self.places.conj())
+        yaw = _angles(_inner(mean, z))
+        ahead = atan2(fsum(functions.sin(yaw).tolist()), fsum(functions.cos(yaw).tolist()))
+        self.places: Complex = _turned(mean, np.full(len(mean), ahead))
+        self.turns: Array = _angles(_inner(self.places, z))
         self._place_of: list[complex] = self.places.tolist()
         self._laid: dict[int, tuple[Complex, Array]] = {}
 
@@ -84,9 +88,10 @@ class NaturalLayout:
         labels = hypotheses(len(z))
         z = z - z.sum() / len(z)
         there, lengths = self._hypothetical(len(z))
-        way = there @ z
-        lengths = lengths * sqrt(np.vdot(z, z).real)
-        likeness = np.abs(way) / np.maximum(lengths, 1e-12)
+        way = _inner(there, z)
+        lengths = lengths * sqrt(fsum((z.real * z.real + z.imag * z.imag).tolist()))
+        likeness = np.sqrt(way.real * way.real + way.imag * way.imag)
+        likeness /= np.maximum(lengths, 1e-12)
         best = int(likeness.argmax())
         return Match(labels[best].copy(), phase(way[best]), float(likeness[best]))
 
@@ -95,19 +100,55 @@ class NaturalLayout:
         z = [complex(p[0], -p[1]) for p in xy]
         there = [self._place_of[label] for label in labels]
         # Like `match`, for one labelling: plain numbers are quicker than arrays of two or three.
-        middle, centre = sum(z) / len(z), sum(there) / len(there)
-        way = sum((b - centre).conjugate() * (a - middle) for a, b in zip(z, there, strict=True))
-        return phase(way)
+        middle, centre = _total(z) / len(z), _total(there) / len(there)
+        return phase(
+            _total((b - centre).conjugate() * (a - middle) for a, b in zip(z, there, strict=True))
+        )
 
     def _hypothetical(self, count: int) -> tuple[Complex, Array]:
-        """Conjugate positions (P, k) of all labellings relative to their middles, and their norms
-        (P,)."""
+        """Positions (P, k) of all labellings relative to their middles, and their norms (P,)."""
         table = self._laid.get(count)
         if table is None:
             there = self.places[hypotheses(count)]
             there = there - there.mean(axis=1, keepdims=True)
-            table = self._laid[count] = there.conj(), np.linalg.norm(there, axis=1)
+            lengths = np.sqrt(squared_lengths(there.real) + squared_lengths(there.imag))
+            table = self._laid[count] = there, lengths
         return table
+
+
+def _inner(a: Complex, b: Complex) -> Complex:
+    """Inner products (...), a conjugated, of vectors (..., k), terms added from the first to the
+    last.
+
+    NumPy's own products of complex numbers are not the same on all processors.
+    """
+    real = a.real * b.real + a.imag * b.imag
+    imaginary = a.real * b.imag - a.imag * b.real
+    product = np.empty(real.shape[:-1], complex)
+    product.real, product.imag = (
+        sum((part[..., k] for k in range(1, part.shape[-1])), start=part[..., 0])
+        for part in (real, imaginary)
+    )
+    return product
+
+
+def _angles(z: Complex) -> Array:
+    """Angles (...) in rad of complex numbers (...)."""
+    return functions.atan2(z.imag, z.real)
+
+
+def _turned(z: Complex, angle: Array) -> Complex:
+    """Complex numbers (...) turned by angles (...) in rad."""
+    c, s = functions.cos(angle), functions.sin(angle)
+    real, imaginary = z.real * c - z.imag * s, z.real * s + z.imag * c
+    turned = np.empty(real.shape, complex)
+    turned.real, turned.imag = real, imaginary
+    return turned
+
+
+def _total(numbers: Iterable[complex]) -> complex:
+    """Sum from the first to the last; Python's own `sum` is not the same in all its versions."""
+    return reduce(add, numbers, 0j)
 
 
 def of_capture(capture: Capture) -> NaturalLayout:

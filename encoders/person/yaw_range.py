@@ -62,7 +62,9 @@ class YawRange:
                 expected=f"{_FIVE} or more",
             )
         layout = NaturalLayout(five[:, :10].reshape(-1, 5, 2))
-        low, high = np.quantile(layout.turns, [RARE, 1.0 - RARE])
+        turns = np.sort(layout.turns)
+        places = np.array([RARE, 1.0 - RARE]) * (len(turns) - 1)
+        low, high = np.interp(places, np.arange(len(turns)), turns)
         yaw_range = cls(layout, float(low), float(high))
         _LATEST["range"] = (U, yaw_range)
         return yaw_range

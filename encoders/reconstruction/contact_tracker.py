@@ -13,6 +13,7 @@ from math import expm1
 import numpy as np
 
 from models.arithmetic.arrays import Array
+from models.arithmetic.products import length
 from models.frames import FINGERS, Contact, TouchFrame
 
 
@@ -170,8 +171,8 @@ class ContactTracker:
             return
         lost = [t for t in self.tracks.values() if not t.active]
         if lost and self.settings.grace > 0:
-            nearest = min(lost, key=lambda t: (np.linalg.norm(t.xy - xy), t.id))
-            if np.linalg.norm(nearest.xy - xy) <= self.settings.inherit:
+            nearest = min(lost, key=lambda t: (length(t.xy - xy), t.id))
+            if length(nearest.xy - xy) <= self.settings.inherit:
                 self._find(nearest, contact, share)
                 return
         if len(self.tracks) >= len(FINGERS):
@@ -190,7 +191,7 @@ class ContactTracker:
         active = [t for t in self.tracks.values() if t.active]
         if len(active) >= len(FINGERS):
             return "more than five"
-        if any(np.linalg.norm(t.xy - xy) > self.settings.span for t in active):
+        if any(length(t.xy - xy) > self.settings.span for t in active):
             return "farther away than a hand reaches"
         return ""
 

@@ -7,8 +7,7 @@ never quite still: 3 % of 18 cm would shake a held box by millimetres, sixty tim
 from __future__ import annotations
 
 from dataclasses import dataclass
-
-import numpy as np
+from math import expm1
 
 
 @dataclass(frozen=True)
@@ -52,6 +51,6 @@ class Lift:
         """
         s = self.settings
         wanted = s.reach * (control or 0.0)
-        self._smooth += (wanted - self._smooth) * float(-np.expm1(-dt / s.tau))
+        self._smooth += (wanted - self._smooth) * -expm1(-dt / s.tau)
         most = s.speed * dt
         self.height += min(max(self._smooth - self.height, -most), most)

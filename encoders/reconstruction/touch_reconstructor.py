@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from math import dist, hypot
+from math import sqrt
 from typing import Any
 
 import numpy as np
@@ -22,10 +22,11 @@ from encoders.reconstruction.lift import Lift, LiftSettings
 from encoders.regression.trained import TrainedModel
 from encoders.smoothing import Motion, PoseFilter, common_motion
 from models.arithmetic.arrays import Array
+from models.arithmetic.products import distance
 from models.frames import TouchFrame
-from models.kinematics import Kinematics
 from models.lazy_fields import LazyFields
 from models.limits import RateLimit, within_limits
+from models.one_pose import OnePose
 from models.pose import ROOT_POSITION, absolute_pose, surface_to_world
 from models.skeleton import Skeleton
 from models.surface import METRES_PER_INCH, Surface
@@ -144,10 +145,10 @@ class TouchReconstructor:
         self.model, self.labeller, self.surface = model, labeller, surface
         self.settings = settings or ReconstructorSettings()
         self._rate_above = self.settings.rate.or_faster(RateLimit())
-        self._kinematics = Kinematics(skeleton)
+        self._skeleton, self._hand = skeleton, OnePose(skeleton)
         s = self.settings
         self._correction = (
-            FingertipCorrection(self._kinematics, model.residual_covariance, s.correction)
+            FingertipCorrection(skeleton, model.residual_covariance, s.correction)
             if s.correction
             else None
         )
@@ -187,7 +188,7 @@ class TouchReconstructor:
         self._last_xy: dict[int, tuple[float, float]] = {}
         width, height = self.surface.size
         middle = absolute_pose(self._mean, (width / 2, height / 2))
-        self._place = within_limits(self._centred(middle), self._kinematics.skeleton)
+        self._place = within_limits(self._centred(middle), self._skeleton)
         self._commanded = self._raised(self._place)
         self._tip_error = 0.0
 
@@ -279,7 +280,7 @@ class TouchReconstructor:
         motion = common_motion(before, after)
         if not known or dt <= 0:
             return motion, 0.0
-        return motion, max(map(dist, before, after)) / dt
+        return motion, max(map(distance, before, after)) / dt
 
     def _contact_vector(self, named: dict[int, tuple[float, float]]) -> Array:
         inches = {
@@ -310,7 +311,7 @@ class TouchReconstructor:
             guess = self._filter.step(guess, carried, dt, motion.turn, motion.about)
         if self._correction is None:
             self._tip_error = float("nan")
-            return within_limits(guess, self._kinematics.skeleton)
+            return within_limits(guess, self._skeleton)
         # Far from the last pose, its linearisation would be worse than that of the guess.
         start = self._held(carried) if self._same_grasp else None
         settled = None if start is None else _SETTLED
@@ -325,7 +326,7 @@ class TouchReconstructor:
     def _shifted(self, q: Array, labels: list[int], targets: Array) -> Array:
         """The pose moved so that its tips lie on their targets on average."""
         q = q.copy()
-        q[ROOT_POSITION] += np.mean(targets - self._kinematics.tips(q)[labels], axis=0)
+        q[ROOT_POSITION] += np.mean(targets - self._hand.tips(q)[labels], axis=0)
         return q
 
     def _centred(self, q: Array) -> Array:
@@ -333,7 +334,7 @@ class TouchReconstructor:
         width, height = self.surface.size
         middle = np.array([width / 2, -height / 2])
         q = q.copy()
-        q[:2] += middle - self._kinematics.tips(q).mean(axis=0)[:2]
+        q[:2] += middle - self._hand.tips(q).mean(axis=0)[:2]
         return q
 
     def _raised(self, q: Array) -> Array:
@@ -347,7 +348,7 @@ class TouchReconstructor:
         """Distance in m of the commanded hand from its goal, seen along the surface's normal."""
         rest = np.abs(goal - self._commanded)
         x, y = rest[:2].tolist()
-        return hypot(x, y) + TURN_LENGTH * float(np.maximum.reduce(rest[3:]))
+        return sqrt(x * x + y * y) + TURN_LENGTH * float(np.maximum.reduce(rest[3:]))
 
     def _contacts(self) -> Callable[[], dict[str, Any]]:
         """Function that returns all contacts on the surface now; it is called only on demand."""

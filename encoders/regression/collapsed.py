@@ -15,11 +15,13 @@ from functools import cache
 from itertools import combinations, combinations_with_replacement
 from typing import Any
 
+import mujoco
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from encoders.input_vector import CONTACT_VECTOR_SIZE, LIFTED
 from models.arithmetic.arrays import Array
+from models.arithmetic.products import matrix_product
 from models.errors import EncoderError
 from models.frames import FINGERS
 
@@ -171,9 +173,9 @@ class ContactPoses:
         row, column = np.searchsorted(places, pair)
         matrix = np.zeros((len(places), len(places), self.n_outputs_))
         matrix[row, column] = self._coef[code]
-        v, half = np.empty(len(places)), np.empty((len(places), self.n_outputs_))
+        v, half = np.empty((1, len(places))), np.empty((len(places), self.n_outputs_))
         flags = np.isin(range(len(FINGERS)), fingers).astype(float).tobytes()
-        return flags, (places, v, v.dot, matrix.reshape(len(v), -1), half.reshape(-1), half)
+        return flags, (places, v, matrix.reshape(len(places), -1), half.reshape(1, -1), half)
 
     def __call__(self, u: Array) -> Array:
         """(n_outputs,) outputs of one contact vector (15,).
@@ -182,14 +184,15 @@ class ContactPoses:
             EncoderError: It is no contact vector.
         """
         try:
-            places, v, dot, matrix, half, square = self._squares[u.tobytes()[_FLAG_BYTES:]]
-            u.take(places, 0, v, "clip")
+            places, v, matrix, flat, half = self._squares[u.tobytes()[_FLAG_BYTES:]]
+            u.take(places, 0, v[0], "clip")
         except (KeyError, AttributeError, TypeError, ValueError):
             # Not as quickly recognised; the checked way takes it, or says what it is.
             return self.predict(np.asarray(u, float)[None])[0]
-        dot(matrix, half)
-        found: Array = dot(square)
-        return found
+        mujoco.mju_mulMatMat(flat, v, matrix)
+        outputs = np.empty((1, self.n_outputs_))
+        mujoco.mju_mulMatMat(outputs, v, half)
+        return outputs[0]
 
     def predict(self, U: ArrayLike) -> Array:
         """(T, n_outputs) outputs of contact vectors (T, 15).
@@ -203,7 +206,7 @@ class ContactPoses:
         for code in np.flatnonzero(np.bincount(codes)).tolist():
             rows = codes == code
             X: Array = self._collapses[code].terms(U[rows])
-            out[rows] = X @ self._coef[code]
+            out[rows] = matrix_product(X, self._coef[code])
         return out
 
 

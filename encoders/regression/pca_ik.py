@@ -37,12 +37,22 @@ excludes this case.
 
 from __future__ import annotations
 
+from math import fsum
 from typing import Any
 
 import numpy as np
 
 from encoders.regression.touch_ik import TouchIkEncoder
 from models.arithmetic.arrays import Array, Mask
+from models.arithmetic.eigen import eigen
+from models.arithmetic.products import (
+    matrix_product,
+    matrix_vector,
+    solve_positive,
+    times_transposed,
+    transposed_times,
+    vector_matrix,
+)
 from models.errors import EncoderError
 from models.frames import FINGERS
 from models.pose import JOINTS, POSE_SIZE, ROOT_POSITION
@@ -168,8 +178,7 @@ class PcaIkEncoder(TouchIkEncoder):
         scale[ROOT_POSITION] = 100.0
         self._scale = scale[part]
         away = (Q - self.mean_)[:, part] * self._scale
-        variance, directions = np.linalg.eigh(away.T @ away)
-        variance, directions = variance[::-1], directions[:, ::-1]
+        variance, directions = eigen(transposed_times(away, away))
         varies = variance > 1e-12 * max(variance[0], 1e-300)
         variance, directions = variance[varies], directions[:, varies]
         self.components_ = np.zeros((POSE_SIZE, len(variance)))
@@ -181,7 +190,7 @@ class PcaIkEncoder(TouchIkEncoder):
         """Directions (48, m) for a number of contacts, and the cost matrix (m, m) of steps along
         them."""
         basis = self.basis(contacts)
-        return basis, basis.T @ (self._cost[:, None] * basis)
+        return basis, transposed_times(basis, self._cost[:, None] * basis)
 
     def _start(self, fingers: Mask, places: Array) -> Array:
         if self.start == "mean":
@@ -189,22 +198,27 @@ class PcaIkEncoder(TouchIkEncoder):
         pose = self._neighbours.nearest(fingers, places)
         if self.start == "projected":
             _, part = FREE[self.free]
-            used = self.components_[part, : self.n_components(int(fingers.sum()))]
+            count = self.n_components(int(fingers.sum()))
+            used = np.ascontiguousarray(self.components_[part, :count])
             away = (pose - self.mean_)[:, None, part] * self._scale**2
-            pose[:, part] = self.mean_[part] + (away @ used @ used.T)[:, 0]
+            shares = matrix_product(np.ascontiguousarray(away[:, 0]), used)
+            pose[:, part] = self.mean_[part] + times_transposed(shares, used)
         return pose
 
     def _step(self, q: Array, start: Array, off: Array, J: Array) -> Array:
         basis, cost = self._ways[off.shape[1] // 3]
         if not basis.shape[1]:
             return np.zeros_like(q)
-        JB = J @ basis
-        normal = np.swapaxes(JB, 1, 2) @ JB + cost
-        diagonal = normal.reshape(len(normal), -1)[:, :: len(cost) + 1]
-        diagonal += _WHISPER * diagonal.mean(axis=1, keepdims=True)
-        right = np.swapaxes(JB, 1, 2) @ off[..., None]
-        # One product per row: a single product for all rows would sum in another order.
-        return (np.swapaxes(np.linalg.solve(normal, right), 1, 2) @ basis.T)[:, 0]
+        # Pose by pose: side by side with others, each takes the step that it takes alone.
+        step = np.empty_like(q)
+        for i, (far, jacobian) in enumerate(zip(off, J, strict=True)):
+            JB = matrix_product(jacobian, basis)
+            normal = transposed_times(JB, JB)
+            normal += cost
+            diagonal = normal.reshape(-1)[:: len(cost) + 1]
+            diagonal += _WHISPER * fsum(diagonal.tolist()) / len(cost)
+            step[i] = matrix_vector(basis, solve_positive(normal, vector_matrix(far, JB)))
+        return step
 
     def _check_options(self) -> None:
         super()._check_options()

@@ -29,6 +29,7 @@ from encoders.regression.collapsed import (
 )
 from encoders.regression.least_squares import LeastSquares, is_ridge, ridge_path
 from models.arithmetic.arrays import Array
+from models.arithmetic.products import matrix_product
 from models.errors import EncoderError
 
 __all__ = [
@@ -156,7 +157,9 @@ class PolynomialEncoder(Encoder):
             raise EncoderError(
                 "wrong number of inputs", got=U.shape[-1], expected=str(self.n_inputs_)
             )
-        return self.terms(U) @ self.coef_
+        terms = self.terms(U)
+        outputs = matrix_product(terms.reshape(-1, self._terms), self.coef_)
+        return outputs.reshape(*terms.shape[:-1], self.n_outputs_)
 
     def terms(self, U: ArrayLike) -> Array:
         """(..., K) values of all terms at inputs (..., width)."""

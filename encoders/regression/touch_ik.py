@@ -17,8 +17,8 @@ from encoders.encoder import Encoder
 from encoders.input_vector import CONTACT_VECTOR_SIZE
 from encoders.regression.touch_neighbour import TouchNeighbours, touches_of
 from models.arithmetic.arrays import Array, Mask
+from models.arithmetic.products import squared_lengths
 from models.errors import EncoderError
-from models.kinematics import Kinematics
 from models.one_pose import OnePose, SeveralPoses
 from models.pose import POSE_SIZE
 from models.skeleton import ADULT, Skeleton
@@ -104,9 +104,9 @@ class TouchIkEncoder(Encoder):
             )
         if not np.isfinite(Q).all():
             raise EncoderError("poses must be finite")
-        self._kinematics = Kinematics(self.skeleton)
         self._neighbours = TouchNeighbours(down, places, Q)
-        tips = self._kinematics.tips(Q)
+        hand = OnePose(self.skeleton)
+        tips = np.array([hand.tips(q) for q in Q])
         height = float(np.median(tips[down][:, 2])) if self.pad_height is None else self.pad_height
         misfit = (tips - _targets(places, height))[down]
         self.mean_ = Q.mean(axis=0)
@@ -164,7 +164,7 @@ class TouchIkEncoder(Encoder):
             turn = np.abs(step[:, 3:]).max(axis=1, keepdims=True)
             step *= np.minimum(1.0, _LARGEST_TURN / np.maximum(turn, _LARGEST_TURN))
             if self.paced and i >= _FREE_STEPS:
-                now = np.linalg.norm(step, axis=1)
+                now = np.sqrt(squared_lengths(step))
                 pace[moving] *= np.where(now > _SHRINKS * length[moving], 0.5, 1.0)
                 length[moving] = now
             q[moving] += pace[moving, None] * step
@@ -172,8 +172,9 @@ class TouchIkEncoder(Encoder):
             moving = moving[np.abs(step).max(axis=1) > self.settled]
             if not len(moving):
                 break
-        off = targets - self._kinematics.tips(q)[:, fingers]
-        return IkSolution(q, np.sqrt(np.sum(off**2, axis=2).max(axis=1)), taken)
+        hand = OnePose(self.skeleton, np.flatnonzero(fingers).tolist())
+        off = targets - np.array([hand.tips(row) for row in q])
+        return IkSolution(q, np.sqrt(squared_lengths(off).max(axis=1)), taken)
 
     def _tips_and_jacobian_of(
         self, fingers: Mask, many: int

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 
 from encoders.input_vector import CONTACT_VECTOR_SIZE, contact_vectors
 from models.arithmetic.arrays import Array, Mask
+from models.arithmetic.products import squared_lengths, times_transposed
 from models.errors import EncoderError
 from models.frames import FINGERS
 from models.pose import relative_pose
@@ -98,7 +99,7 @@ class TouchNeighbours:
             return np.tile(poses.mean(axis=0), (len(places), 1))
         wanted = places[:, fingers].reshape(len(places), -1)
         # |a - b|^2 less |a|^2, which is the same for all frames.
-        distance = np.sum(layouts**2, axis=1) - 2.0 * (wanted @ layouts.T)
+        distance = squared_lengths(layouts) - 2.0 * times_transposed(wanted, layouts)
         nearest: Array = poses[np.argmin(distance, axis=1)]
         return nearest
 

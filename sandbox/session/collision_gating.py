@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from encoders.reconstruction.touch_reconstructor import Reconstruction
 from models.arithmetic.arrays import Array
+from models.arithmetic.products import squared_lengths
 from models.frames import FINGERS
 from models.scene import CONTROL_PERIOD, BodyPoses, Scene
 
@@ -116,7 +117,7 @@ class CollisionGate:
         inside = False
         if joining:
             target = self._commanded(reconstruction.q)
-            near = np.linalg.norm(self.tips(data) - target, axis=1) < ARRIVED
+            near = np.sqrt(squared_lengths(self.tips(data) - target)) < ARRIVED
             free = near & (self._clear(data) if self._rules.ghost_until_clear else True)
             fit = frozenset(f for f in joining if free[f])
             inside = any(near[f] and not free[f] for f in joining)

@@ -12,6 +12,7 @@ from enum import StrEnum
 
 import numpy as np
 
+from models.arithmetic.functions import power
 from models.errors import InputError
 from models.hand import IMPULSE_PERIOD
 from models.scene import CONTROL_PERIOD, Scene
@@ -127,10 +128,10 @@ class ContactModes:
             model.actuator_forcerange[self._actuators] = self._range
             model.opt.tolerance = self._tolerance
             return
-        model.geom_solref[self._geoms] = self._solref * (SOFT_SOLREF / self._solref) ** soft
+        model.geom_solref[self._geoms] = self._solref * power(SOFT_SOLREF / self._solref, soft)
         model.geom_solimp[self._geoms] = self._solimp + soft * (SOFT_SOLIMP - self._solimp)
-        model.geom_solmix[self._geoms] = self._solmix * (_OWN / self._solmix) ** soft
+        model.geom_solmix[self._geoms] = self._solmix * power(_OWN / self._solmix, soft)
         limit = self._range[:, 1:]
-        weaker = np.minimum(SOFT_IMPULSE / IMPULSE_PERIOD / limit, 1.0) ** soft
+        weaker = power(np.minimum(SOFT_IMPULSE / IMPULSE_PERIOD / limit, 1.0), soft)
         model.actuator_forcerange[self._actuators] = self._range * weaker
         model.opt.tolerance = self._tolerance * (SOFT_TOLERANCE / self._tolerance) ** soft

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from itertools import pairwise
+from math import fsum
 
 import mujoco
 import numpy as np
@@ -16,6 +17,7 @@ from numpy.typing import NDArray
 
 from encoders.correction import PAD_HEIGHT
 from models.arithmetic.arrays import Array
+from models.arithmetic.products import squared_lengths, stacked_applied
 from models.objects import SceneObject
 from models.scene import CONTROL_PERIOD, Scene
 from models.surface import METRES_PER_INCH, Surface
@@ -89,7 +91,9 @@ class Respawn:
         position = data.xpos[place.body]
         reach = place.radius + FINGERTIP
         away = position - surface.corner
-        x, up, off = (away if surface.aligned else away.dot(surface.rotation)).tolist()
+        x, up, off = (
+            away if surface.aligned else stacked_applied(surface.rotation.T, away)
+        ).tolist()
         width, height = METRES_PER_INCH * surface.width_in, METRES_PER_INCH * surface.height_in
         flat = _flat(surface)
         near = bool(
@@ -117,7 +121,7 @@ class Respawn:
         shifts = self._shifts[place.name]
         free = np.ones(len(shifts), bool)
         for other in others:
-            beside = np.linalg.norm(place.home + shifts - data.xpos[other.body], axis=1)
+            beside = np.sqrt(squared_lengths(place.home + shifts - data.xpos[other.body]))
             free &= beside > place.radius + other.radius + ROOM
         for shift in shifts[free]:
             clear = place.thing.clearance(tips, place.home + shift, place.turn)
@@ -161,12 +165,15 @@ class _Place:
         self.home = model.body_pos[body].copy()
         self._start = model.qpos0[self._qpos].copy()
         self._slides = [
-            (int(model.jnt_qposadr[j]) - self._qpos.start, self.turn @ model.jnt_axis[j])
+            (
+                int(model.jnt_qposadr[j]) - self._qpos.start,
+                stacked_applied(self.turn, model.jnt_axis[j]),
+            )
             for j in joints[slides]
         ]
         geoms = np.flatnonzero(model.geom_bodyid == body)
         self.radius = float(
-            np.max(np.linalg.norm(model.geom_pos[geoms], axis=1) + model.geom_rbound[geoms])
+            np.max(np.sqrt(squared_lengths(model.geom_pos[geoms])) + model.geom_rbound[geoms])
         )
 
     def put(self, data: mujoco.MjData, shift: Array) -> None:
@@ -175,7 +182,7 @@ class _Place:
         if self.free:
             start[:3] += shift
         for at, axis in self._slides:
-            start[at] += axis @ shift
+            start[at] += fsum((axis * shift).tolist())
         data.qpos[self._qpos] = start
         data.qvel[self._dofs] = 0.0
         data.qacc_warmstart[self._dofs] = 0.0

@@ -15,7 +15,7 @@ from models.skeleton import ADULT
 from tests.support.simulation import HIGHEST, LOWEST, random_pose
 
 KINEMATICS = Kinematics(ADULT)
-CORRECTION = FingertipCorrection(KINEMATICS, GUESS_COVARIANCE)
+CORRECTION = FingertipCorrection(ADULT, GUESS_COVARIANCE)
 SPREAD = np.sqrt(np.diag(GUESS_COVARIANCE))
 
 generators = st.integers(0, 2**32 - 1).map(np.random.default_rng)
@@ -151,7 +151,7 @@ def test_what_the_encoder_knows_well_is_changed_least():
     sure[:6, :6] *= 1e-4
     loose = np.abs(case.corrected().q - case.guess)[:6].max()
     tight = FingertipCorrection(
-        KINEMATICS, sure, CorrectionSettings(floor_position=1e-4, floor_angle=1e-3)
+        ADULT, sure, CorrectionSettings(floor_position=1e-4, floor_angle=1e-3)
     ).correct(case.guess, case.labels, case.targets)
     assert np.abs(tight.q - case.guess)[:6].max() < 0.2 * loose
 

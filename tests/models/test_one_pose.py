@@ -135,14 +135,14 @@ def test_best_predicts_one_contact_vector_as_it_predicts_many(touches, rng):
 @settings(max_examples=30, deadline=None)
 def test_a_correction_that_carries_its_last_pose_corrects_as_a_new_one(rng, count):
     kinematics, covariance = Kinematics(ADULT), 0.01 * np.eye(48)
-    used, q = FingertipCorrection(kinematics, covariance), random_pose(rng)
+    used, q = FingertipCorrection(kinematics.skeleton, covariance), random_pose(rng)
     labels = rng.permutation(5)[:count]
     targets = kinematics.tips(q)[labels]
     for _ in range(3):
         shift = 0.005 * rng.normal(size=3)
         targets = targets + shift + 0.0005 * rng.normal(size=targets.shape)
         start = q + np.r_[shift, np.zeros(45)]
-        fresh = FingertipCorrection(kinematics, covariance, CorrectionSettings())
+        fresh = FingertipCorrection(kinematics.skeleton, covariance, CorrectionSettings())
         wanted = fresh.correct(q, labels, targets, start)
         found = used.correct(q, labels, targets, start)
         np.testing.assert_allclose(found.q, wanted.q, atol=1e-9, rtol=0)

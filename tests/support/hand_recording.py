@@ -91,7 +91,7 @@ def played(seconds: float = 20.0, seed: int = 0) -> Truth:
     kinematics = Kinematics(skeleton)
     spread = np.concatenate([np.full(3, 0.02), np.full(3, 0.15), np.full(42, 0.2)])
     correction = FingertipCorrection(
-        kinematics, np.diag(spread**2), CorrectionSettings(tip_sigma=0.0002, iterations=30)
+        skeleton, np.diag(spread**2), CorrectionSettings(tip_sigma=0.0002, iterations=30)
     )
     rest = np.zeros(48)
     rest[3] = -0.35

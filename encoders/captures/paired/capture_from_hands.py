@@ -35,7 +35,6 @@ from encoders.regression.bone_fit import tip_targets
 from models.arithmetic.arrays import Array
 from models.errors import CaptureError
 from models.frames import HandFrame
-from models.kinematics import Kinematics
 from models.pose import JOINTS, POSE_SIZE, ROOT_POSITION, ROOT_ROTATION
 
 OPEN_FRAMES = 200
@@ -235,7 +234,7 @@ def _corrected(
     unseen = np.isnan(tips[..., 0])
     covariance = np.empty(POSE_SIZE)
     covariance[ROOT_POSITION], covariance[ROOT_ROTATION], covariance[JOINTS] = POSE_ERROR
-    correction = FingertipCorrection(Kinematics(track.skeleton), np.diag(covariance**2))
+    correction = FingertipCorrection(track.skeleton, np.diag(covariance**2))
     targets = tip_targets(capture.xy)
     q = capture.q.copy()
     if which == "unseen":
