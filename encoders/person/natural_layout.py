@@ -24,7 +24,7 @@ from encoders.capture import Capture
 from encoders.labels.labelling import hypotheses
 from models.arithmetic import functions
 from models.arithmetic.arrays import Array
-from models.arithmetic.products import squared_lengths
+from models.arithmetic.products import matrix_vector, squared_lengths
 from models.errors import CaptureError
 
 Complex = NDArray[np.complex128]
@@ -76,7 +76,7 @@ class NaturalLayout:
         self.places: Complex = _turned(mean, np.full(len(mean), ahead))
         self.turns: Array = _angles(_inner(self.places, z))
         self._place_of: list[complex] = self.places.tolist()
-        self._laid: dict[int, tuple[Complex, Array]] = {}
+        self._laid: dict[int, tuple[Array, Array]] = {}
 
     def match(self, xy: ArrayLike) -> Match:
         """Finds the fingers of touches, for a right hand of any size and yaw.
@@ -88,12 +88,13 @@ class NaturalLayout:
         labels = hypotheses(len(z))
         z = z - z.sum() / len(z)
         there, lengths = self._hypothetical(len(z))
-        way = _inner(there, z)
+        real, imaginary = matrix_vector(there, np.concatenate([z.real, z.imag])).reshape(2, -1)
         lengths = lengths * sqrt(fsum((z.real * z.real + z.imag * z.imag).tolist()))
-        likeness = np.sqrt(way.real * way.real + way.imag * way.imag)
+        likeness = np.sqrt(real * real + imaginary * imaginary)
         likeness /= np.maximum(lengths, 1e-12)
         best = int(likeness.argmax())
-        return Match(labels[best].copy(), phase(way[best]), float(likeness[best]))
+        turn = atan2(imaginary[best], real[best])
+        return Match(labels[best].copy(), turn, float(likeness[best]))
 
     def turn(self, xy: Iterable[Sequence[float]], labels: Iterable[int]) -> float:
         """Yaw in rad of touches (k, 2), k >= 2, with known fingers (k,)."""
@@ -105,14 +106,16 @@ class NaturalLayout:
             _total((b - centre).conjugate() * (a - middle) for a, b in zip(z, there, strict=True))
         )
 
-    def _hypothetical(self, count: int) -> tuple[Complex, Array]:
-        """Positions (P, k) of all labellings relative to their middles, and their norms (P,)."""
+    def _hypothetical(self, count: int) -> tuple[Array, Array]:
+        """Inner products with the positions of all labellings relative to their middles, as a
+        matrix (2 P, 2 k) for real and imaginary parts; and the norms (P,) of those positions."""
         table = self._laid.get(count)
         if table is None:
             there = self.places[hypotheses(count)]
             there = there - there.mean(axis=1, keepdims=True)
             lengths = np.sqrt(squared_lengths(there.real) + squared_lengths(there.imag))
-            table = self._laid[count] = there, lengths
+            inner = np.block([[there.real, there.imag], [-there.imag, there.real]])
+            table = self._laid[count] = inner, lengths
         return table
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass, field, fields
@@ -13,7 +12,6 @@ import numpy as np
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
-import models
 from models.errors import InputError
 from models.surface import Surface
 from sandbox.devices.discovery import adapted
@@ -103,7 +101,6 @@ def run_trial(
         InputError: The task, device or an option is invalid.
         GraphicsError: A film or pictures are requested and OpenGL is missing.
     """
-    _warn_if_states_depend_on_the_processor()
     named = device if isinstance(device, str) else "simulated"
     chosen = plan(_scene_options(task=_place(task), seed=seed, device=named, **options))
     makers, about, live = chosen.makers, chosen.about, chosen.live
@@ -145,7 +142,6 @@ def replay_recording(
         RecordingError: The file is not a recording, or cannot be played with this installation.
         GraphicsError: A film or pictures are asked for and this machine has no OpenGL.
     """
-    _warn_if_states_depend_on_the_processor()
     recording = load_recording(Path(path))
     caption = "simulated user" if recording.header.get("user") else ""
     with _Views(film, pictures, trajectories, caption) as views, threadpool_limits(1):
@@ -212,16 +208,6 @@ class _Views:
     def _wait(self, snapshot: Snapshot) -> None:
         assert self.pace is not None
         self.pace.wait(snapshot.time)
-
-
-def _warn_if_states_depend_on_the_processor() -> None:
-    if not models.KERNEL_PINNED:
-        warnings.warn(
-            "NumPy was imported before `sandbox`, so states may differ from those of the command "
-            "line and of other processors. Import `sandbox` first, or set "
-            "OPENBLAS_CORETYPE=Haswell before Python starts",
-            stacklevel=3,
-        )
 
 
 def _scene_options(**values: Any) -> SceneOptions:
