@@ -49,7 +49,7 @@ def rigid_motion(before: ArrayLike, after: ArrayLike) -> Motion:
     middle, later = a.mean(axis=0), b.mean(axis=0)
     (ax, ay), (bx, by) = (a - middle).T, (b - later).T
     # The surface's y points down, so the turn on the screen has the other sign.
-    turn = -np.arctan2(np.sum(ax * by - ay * bx), np.sum(ax * bx + ay * by))
+    turn = -atan2(np.sum(ax * by - ay * bx), np.sum(ax * bx + ay * by))
     (x, y), (right, down) = middle.tolist(), (later - middle).tolist()
     return Motion((right, down), float(turn), (x, y))
 

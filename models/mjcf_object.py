@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from math import cos, sin
 from pathlib import Path
 from typing import Any
 from xml.etree.ElementTree import Element, SubElement
@@ -18,6 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from models.arithmetic.arrays import Array
+from models.arithmetic.products import matrix_product, stacked_applied
 from models.errors import InputError
 from models.hand import CONTACT_OBJECT, CONTACT_TABLE
 from models.objects import mjcf_text
@@ -115,7 +117,7 @@ class MjcfObject:
     def body(self) -> Element:
         """MJCF of the body."""
         model = self._compiled
-        quat = (np.cos(self.yaw / 2), 0.0, 0.0, np.sin(self.yaw / 2))
+        quat = (cos(self.yaw / 2), 0.0, 0.0, sin(self.yaw / 2))
         body = Element(
             "body",
             {"name": self.name, "pos": mjcf_text(self.position), "quat": mjcf_text(quat)},
@@ -166,7 +168,8 @@ class MjcfObject:
             position: (3,) m, current position of its origin.
             rotation: (3, 3) current rotation.
         """
-        local = (np.atleast_2d(np.asarray(points, float)) - position) @ rotation / self.size
+        away = np.atleast_2d(np.asarray(points, float)) - position
+        local = matrix_product(away, rotation) / self.size
         distances = np.full(len(local), np.inf)
         for i, point in enumerate(local):
             self._measuring.mocap_pos[0] = point
@@ -197,8 +200,9 @@ class MjcfObject:
             turned = np.empty(9)
             mujoco.mju_quat2Mat(turned, model.geom_quat[geom])
             turn = turned.reshape(3, 3)
-            centre = model.geom_pos[geom] + turn @ middle
-            corners += [centre - np.abs(turn) @ half, centre + np.abs(turn) @ half]
+            centre = model.geom_pos[geom] + stacked_applied(turn, middle)
+            reach = stacked_applied(np.abs(turn), half)
+            corners += [centre - reach, centre + reach]
         return self.size * np.min(corners, axis=0), self.size * np.max(corners, axis=0)
 
     @property

@@ -142,15 +142,15 @@ def quaternion_to_matrix(q: ArrayLike) -> Array:
 
 def geodesic_angle(a: ArrayLike, b: ArrayLike) -> Array:
     """Angle in radians (...) of the rotation from exp(a) to exp(b), rotation vectors (..., 3)."""
-    relative = np.swapaxes(exp(a), -1, -2) @ exp(b)
-    return np.linalg.norm(log(relative), axis=-1)
+    relative = stacked_product(np.swapaxes(exp(a), -1, -2), exp(b))
+    return np.sqrt(squared_lengths(log(relative)))
 
 
 def unwrap_near(w: ArrayLike, reference: ArrayLike) -> Array:
     """The rotation vector (..., 3) nearest to reference among those of the same rotation, w + 2 pi
     k axis."""
     w, reference = np.asarray(w, float), np.asarray(reference, float)
-    t = np.linalg.norm(w, axis=-1, keepdims=True)
+    t = np.sqrt(squared_lengths(w))[..., None]
     axis = np.where(t < _SMALL, 0.0, w / np.where(t < _SMALL, 1.0, t))
     turns = np.round(np.sum((reference - w) * axis, axis=-1, keepdims=True) / (2 * np.pi))
     return w + 2 * np.pi * turns * axis

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
+from math import atan2, cos, radians
 from typing import Any, Protocol
 
 import numpy as np
@@ -90,12 +91,12 @@ class SeenObject:
     @property
     def yaw(self) -> float:
         """Yaw in rad about the vertical."""
-        return float(np.arctan2(self.rotation[1, 0], self.rotation[0, 0]))
+        return atan2(self.rotation[1, 0], self.rotation[0, 0])
 
     @property
     def upright(self) -> bool:
         """True if it is seen to stand on one of its faces."""
-        return bool(np.max(np.abs(self.rotation[2])) > np.cos(np.deg2rad(8.0)))
+        return bool(np.max(np.abs(self.rotation[2])) > cos(radians(8.0)))
 
 
 @dataclass(frozen=True)

@@ -117,7 +117,7 @@ class BeliefLabels:
 
     def marginals(self) -> dict[int, Array]:
         """Probabilities (5,) of the fingers by contact id, after the last `assign`."""
-        probability = np.exp(self._belief)
+        probability = functions.exp(self._belief)
         labels = hypotheses(len(self._ids)) if self._ids else np.empty((0, 0), np.int64)
         return {
             contact: np.bincount(labels[:, place], probability, len(FINGERS)).astype(float)

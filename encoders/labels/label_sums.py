@@ -30,8 +30,10 @@ def rows_of(count: int, places: tuple[int, ...]) -> NDArray[np.intp]:
         return np.zeros(len(hypotheses(count)), np.intp)
     weights = len(FINGERS) ** np.arange(len(places))
     row_of = np.full(int(weights[-1]) * len(FINGERS), -1, np.intp)
-    row_of[hypotheses(len(places)) @ weights] = np.arange(len(hypotheses(len(places))))
-    return row_of[hypotheses(count)[:, list(places)] @ weights]
+    row_of[hypotheses(len(places)) @ weights] = np.arange(
+        len(hypotheses(len(places)))
+    )  # any order: whole numbers
+    return row_of[hypotheses(count)[:, list(places)] @ weights]  # any order: whole numbers
 
 
 def summed(log_weights: Array, count: int, places: Sequence[int]) -> Array:

@@ -226,7 +226,9 @@ def _pose_map(metric: str, frames: Array) -> Array:
         covariance = np.cov(frames, rowvar=False)
         # A tiny share of the mean variance limits the weight of components that never vary.
         covariance[np.diag_indices(width)] += 1e-9 * np.trace(covariance) / width
-        lower: Array = np.linalg.cholesky(np.linalg.inv(covariance))
+        lower: Array = np.linalg.cholesky(
+            np.linalg.inv(covariance)
+        )  # any order: an option of evaluations
         return lower
     scale = np.full(width, np.rad2deg(1.0))
     scale[:3] = 100.0

@@ -82,7 +82,9 @@ class Reduction:
     def __init__(self, points: Array) -> None:
         sample = points[:: max(1, len(points) // 20_000)]
         self._mean = sample.mean(axis=0)
-        _, axes = np.linalg.eigh((sample - self._mean).T @ (sample - self._mean))
+        _, axes = np.linalg.eigh(
+            (sample - self._mean).T @ (sample - self._mean)
+        )  # any order: a bound, wide enough
         # A rotation does not change distances; this one puts the widest directions first.
         self._axes = np.ascontiguousarray(axes[:, ::-1])
         self.longest = 0.0
@@ -98,13 +100,13 @@ class Reduction:
 
     def __call__(self, points: Array) -> tuple[Single, Array]:
         """Reduced points (T, 8) of points (T, d), and their lengths (T,)."""
-        turned = (points - self._mean) @ self._axes
+        turned = (points - self._mean) @ self._axes  # any order: a bound, wide enough
         kept = min(REDUCED - 1, turned.shape[1])
         reduced = np.zeros((len(points), REDUCED))
         reduced[:, :kept] = turned[:, :kept]
         rest = turned[:, kept:]
-        np.sqrt(np.einsum("td,td->t", rest, rest), out=reduced[:, -1])
-        return reduced.astype(np.float32), np.sqrt(np.einsum("td,td->t", reduced, reduced))
+        reduced[:, -1] = np.sqrt(np.sum(rest * rest, axis=1))
+        return reduced.astype(np.float32), np.sqrt(squared_lengths(reduced))
 
 
 class NearestNeighbour:
@@ -129,7 +131,7 @@ class NearestNeighbour:
         member = member[self._order]
         self._first = np.searchsorted(member, np.arange(count))
         self._size = np.bincount(member, minlength=count)
-        offset = np.linalg.norm(self._reduced.astype(float) - centres[member], axis=1)
+        offset = np.sqrt(squared_lengths(self._reduced.astype(float) - centres[member]))
         self._radius = np.zeros(count)
         np.maximum.at(self._radius, member, offset)
         self._radius = self._radius.astype(np.float32)
@@ -147,7 +149,9 @@ class NearestNeighbour:
         length = lengths + self._reduction.longest
         # Squared distances to centres, minus the largest possible rounding error.
         own = np.column_stack([lengths**2 - _FAR * length**2, np.ones(len(queries))])
-        to_centre = np.hstack([reduced, own.astype(np.float32)]) @ self._centres
+        to_centre = (
+            np.hstack([reduced, own.astype(np.float32)]) @ self._centres
+        )  # any order: a bound, wide enough
         nearest = to_centre.argmin(axis=1)
         tried = to_centre[np.arange(len(queries)), nearest].argsort()[:_TRIED]
         query, row = self._pairs(tried, nearest[tried])
@@ -193,7 +197,9 @@ class NearestNeighbour:
         apart -= reduced.take(query, axis=0)
         apart *= apart
         limits = (limit**2 * (1.0 + TIES)).astype(np.float32)
-        return np.flatnonzero(apart @ _ONES <= np.nextafter(limits, np.float32(np.inf)).take(query))
+        return np.flatnonzero(
+            apart @ _ONES <= np.nextafter(limits, np.float32(np.inf)).take(query)
+        )  # any order: a bound, wide enough
 
 
 class Search(Protocol):
@@ -270,7 +276,9 @@ def _nearest_centre(points: Single, centres: Array) -> Indices:
     squares = np.sum(centres**2, axis=1).astype(np.float32)
     step = max(1, (1 << 22) // len(centres))
     pieces = [
-        np.argmin(points[start : start + step] @ across + squares, axis=1)
+        np.argmin(
+            points[start : start + step] @ across + squares, axis=1
+        )  # any order: a bound, wide enough
         for start in range(0, len(points), step)
     ]
     return np.concatenate(pieces)

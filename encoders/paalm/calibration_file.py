@@ -39,7 +39,10 @@ class _HandRecord(Struct):
     left_out: dict[str, int]
 
     def __post_init__(self) -> None:
-        if any(abs(math.hypot(*direction) - 1.0) > 1e-3 for direction in self.directions):
+        if any(
+            abs(math.sqrt(sum(c * c for c in direction)) - 1.0) > 1e-3
+            for direction in self.directions
+        ):
             raise ValueError("directions must be unit vectors")
 
 

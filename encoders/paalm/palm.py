@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import hypot, sqrt
+from math import sqrt
 
 import numpy as np
 
 from models.arithmetic.arrays import Array
+from models.arithmetic.products import distance
 from models.frames import TrackedHand, Vector
 
 STACKED = 0.10
@@ -77,7 +78,7 @@ def palm_of(hand: TrackedHand, side: str) -> Palm:
 
 def stacked(a: TrackedHand, b: TrackedHand) -> bool:
     """True if one hand is above the other, so that the device cannot tell their fingers apart."""
-    return hypot(a.palm[0] - b.palm[0], a.palm[1] - b.palm[1]) < STACKED
+    return distance(a.palm[:2], b.palm[:2]) < STACKED
 
 
 def vector_of(v: Array) -> Vector:

@@ -13,7 +13,7 @@ from math import expm1
 import numpy as np
 
 from models.arithmetic.arrays import Array
-from models.arithmetic.products import length
+from models.arithmetic.products import distance, length
 from models.frames import FINGERS, Contact, TouchFrame
 
 
@@ -139,7 +139,7 @@ class ContactTracker:
                 continue
             contact = seen.get(track.device_id)
             if contact is not None:
-                way = np.linalg.norm(track.xy - np.array([contact.x, contact.y]))
+                way = distance(track.place, (contact.x, contact.y))
                 if way > self.settings.inherit:
                     del self.tracks[track.id]
 

@@ -68,7 +68,7 @@ def set_codes(U: Array) -> Indices:
     down = flags == 1.0
     away = (U[:, 0:FLAGS:2] == LIFTED) & (U[:, 1:FLAGS:2] == LIFTED)
     proper = np.all(down | ((flags == 0.0) & away), axis=1)
-    codes: Indices = np.where(proper, down @ WEIGHTS, 0)
+    codes: Indices = np.where(proper, down @ WEIGHTS, 0)  # any order: whole numbers
     return codes
 
 
@@ -222,7 +222,7 @@ def checked_codes(U: Array) -> Indices:
         )
     flags = U[:, FLAGS:]
     down = flags == 1.0
-    codes: Indices = down @ WEIGHTS
+    codes: Indices = down @ WEIGHTS  # any order: whole numbers
     wrong = ~(codes.astype(bool) & np.all(down | (flags == 0.0), axis=1))
     if wrong.any():
         raise EncoderError(

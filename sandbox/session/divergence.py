@@ -7,6 +7,7 @@ from math import isfinite
 import mujoco
 import numpy as np
 
+from models.arithmetic.products import squared_lengths
 from models.scene import Scene
 
 FASTEST = 50.0
@@ -30,7 +31,7 @@ _WARNINGS = {
 def command_error(data: mujoco.MjData) -> str:
     """Description of an error in the commanded pose; empty if it is valid."""
     ctrl = data.ctrl
-    if isfinite(ctrl.dot(ctrl)) or np.all(np.isfinite(ctrl)):
+    if isfinite(ctrl.dot(ctrl)) or np.all(np.isfinite(ctrl)):  # any order: is it finite
         return ""
     return "the commanded pose is not finite"
 
@@ -40,7 +41,7 @@ def state_error(scene: Scene, data: mujoco.MjData) -> str:
     # Fast path for the usual, valid state: a number that is not finite makes a dot product not
     # finite, and no object is fast while all joint velocities are small.
     qpos, qvel = data.qpos, data.qvel
-    slow = isfinite(qpos.dot(qpos)) and qvel.dot(qvel) < _SLOW**2
+    slow = isfinite(qpos.dot(qpos)) and qvel.dot(qvel) < _SLOW**2  # any order: a rough first look
     if slow and not any(data.warning.number.tolist()):
         return ""
     for kind, words in _WARNINGS.items():
@@ -50,7 +51,7 @@ def state_error(scene: Scene, data: mujoco.MjData) -> str:
         return "the state is not finite"
     for name, body in scene.object_bodies.items():
         # Spatial velocity about the subtree's centre of mass: turn, then straight motion.
-        turn, speed = np.linalg.norm(data.cvel[body].reshape(2, 3), axis=1)
+        turn, speed = np.sqrt(squared_lengths(data.cvel[body].reshape(2, 3)))
         if speed > FASTEST:
             return f"{name} moves at {speed:.0f} m/s"
         if turn > FASTEST_TURN:

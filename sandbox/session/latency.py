@@ -76,5 +76,7 @@ class LatencyLog:
 
 
 def _percentiles(values: NDArray[np.float64]) -> Percentiles:
-    p50, p95, p99 = (float(p) for p in np.percentile(values, [50, 95, 99]))
+    p50, p95, p99 = (
+        float(p) for p in np.percentile(values, [50, 95, 99])
+    )  # any order: times, not states
     return Percentiles(len(values), p50, p95, p99, float(values.max()))

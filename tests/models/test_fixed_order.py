@@ -1,0 +1,113 @@
+"""What becomes part of a state is computed in a fixed order: every machine gets the same bits."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+
+ROOMS = (
+    "models/*.py",
+    "encoders/*.py",
+    "encoders/labels/*.py",
+    "encoders/paalm/*.py",
+    "encoders/person/*.py",
+    "encoders/reconstruction/*.py",
+    "encoders/regression/*.py",
+    "tasks/*.py",
+    "sandbox/session/*.py",
+    "sandbox/trial/*.py",
+)
+"""Where what a recording replays is computed."""
+
+APART = {
+    "models/kinematics.py": "captures and training",
+    "encoders/capture.py": "captures",
+    "encoders/labels/assignment.py": "a rival in evaluations",
+    "encoders/labels/belief_training.py": "training",
+    "encoders/labels/fast_search.py": "numba, which sessions do not use",
+    "encoders/labels/hand_split.py": "a study of labels, not a session",
+    "encoders/paalm/angles.py": "measured angles of tracked joints, for evaluations",
+    "encoders/paalm/calibration.py": "a calibration's file holds the result",
+    "encoders/paalm/coupling.py": "a calibration's file holds the result",
+    "encoders/person/hand_size.py": "a profile's file holds the result",
+    "encoders/regression/bone_fit.py": "training",
+    "encoders/regression/fast.py": "numba, which sessions do not use",
+    "encoders/regression/least_squares.py": "training",
+    "encoders/regression/person_correction.py": "training",
+    "encoders/regression/regularised_ik.py": "rivals in evaluations",
+    "encoders/regression/trained.py": "training; what ships is stored",
+    "encoders/validation.py": "training",
+    "models/person.py": "turns by quarters, whose products are exact in any order",
+    "tasks/checks.py": "checks of a draw",
+}
+"""Files of these rooms that make no state, and what they are for."""
+
+MARK = "# any order:"
+"""Stands on a line that may use what is refused elsewhere, with the reason."""
+
+PRODUCTS = {"dot", "matmul", "inner", "vdot", "tensordot", "einsum", "linalg", "lapack", "blas"}
+FUNCTIONS = {
+    *("sin", "cos", "tan", "exp", "exp2", "expm1", "log", "log2", "log10", "log1p", "logaddexp"),
+    *("arctan", "arctan2", "arcsin", "arccos", "hypot", "power", "float_power", "sinc", "cbrt"),
+    *("sinh", "cosh", "tanh", "arcsinh", "arccosh", "arctanh", "angle", "quantile", "percentile"),
+}
+"""NumPy's functions of which several versions exist, chosen by the processor."""
+PYTHON = {"hypot", "dist", "sumprod"}
+"""Functions of `math` that versions of Python compute in different ways."""
+
+
+def refused(tree: ast.Module) -> Iterator[tuple[ast.expr | ast.stmt, str]]:
+    """Parts of a file whose last digits depend on the machine, and what they are."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.BinOp | ast.AugAssign) and isinstance(node.op, ast.MatMult):
+            yield node, "@"
+        elif isinstance(node, ast.Attribute):
+            of_numpy = isinstance(node.value, ast.Name) and node.value.id == "np"
+            of_math = isinstance(node.value, ast.Name) and node.value.id == "math"
+            if node.attr in PRODUCTS or (of_numpy and node.attr in FUNCTIONS):
+                yield node, node.attr
+            elif of_math and node.attr in PYTHON:
+                yield node, f"math.{node.attr}"
+        elif isinstance(node, ast.ImportFrom) and node.module:
+            names = {alias.name for alias in node.names}
+            if node.module == "math" and names & PYTHON:
+                yield node, f"math.{', '.join(names & PYTHON)}"
+            elif node.module.partition(".")[0] == "scipy":
+                yield node, node.module
+
+
+def marked(tree: ast.Module, lines: list[str], node: ast.AST) -> bool:
+    """True if the statement around a part of a file says why any order will do."""
+    line = node.lineno  # type: ignore[attr-defined]
+    spans = [
+        (s.end_lineno - s.lineno, s.lineno, s.end_lineno)
+        for s in ast.walk(tree)
+        if isinstance(s, ast.stmt) and s.end_lineno and s.lineno <= line <= s.end_lineno
+    ]
+    _, first, last = min(spans)
+    return any(MARK in text for text in lines[first - 1 : last])
+
+
+def files() -> list[str]:
+    found = {str(p.relative_to(ROOT)) for room in ROOMS for p in ROOT.glob(room)}
+    assert set(APART) <= found, sorted(set(APART) - found)
+    return sorted(found - set(APART))
+
+
+@pytest.mark.parametrize("name", files())
+def test_a_room_that_makes_states_leaves_no_rounding_to_the_machine(name: str) -> None:
+    text = (ROOT / name).read_text()
+    tree, lines = ast.parse(text), text.splitlines()
+    wrong = [
+        f"{name}:{node.lineno}: {what}"
+        for node, what in refused(tree)
+        if not marked(tree, lines, node)
+    ]
+    assert not wrong, (
+        f"{wrong}. Use models.arithmetic, or say after `{MARK}` on the line why any order will do"
+    )
