@@ -1,33 +1,67 @@
-"""Which versions and which machine: equal states are promised only where these are equal."""
+"""Versions of what computes, and what two machines must share for equal states.
+
+A state depends on the recording, on MuJoCo's version, on the architecture and on the system's libm,
+and on nothing else (`models/arithmetic`). These three are the fingerprint, each with a digest of
+what it computes. All other versions are noted for people.
+"""
 
 from __future__ import annotations
 
 import platform
+from collections.abc import Mapping
 from functools import cache
 from hashlib import blake2b
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
+from models.arithmetic.probe import arithmetic_digest, libm_digest
+
+DECISIVE = {
+    "mujoco": "MuJoCo's version",
+    "machine": "the operating system or the architecture",
+    "libm": "the system's libm",
+    "arithmetic": "the order of sums and products",
+}
+"""Versions that states depend on, and their names for people."""
+
 
 @cache
 def versions() -> dict[str, str]:
-    """Versions of what computes, and a fingerprint over them and the kind of processor."""
-    found = {"python": platform.python_version()}
+    """Versions of what computes, and a fingerprint of those that states depend on."""
+    known = {"python": platform.python_version()}
     for package in ("hand-sandbox", "mujoco", "numpy", "scipy"):
         try:
-            found[package] = version(package)
+            known[package] = version(package)
         except PackageNotFoundError:
             # Running from a checkout that is not installed.
-            found[package] = "checkout"
-    found["machine"] = f"{platform.system()} {platform.machine()}"
-    found["processor"] = _processor()
-    text = "\n".join(f"{k}={v}" for k, v in sorted(found.items()) if k != "hand-sandbox")
-    found["fingerprint"] = blake2b(text.encode(), digest_size=8).hexdigest()
-    return found
+            known[package] = "checkout"
+    known["machine"] = f"{platform.system()} {platform.machine()}"
+    known["processor"] = _processor()
+    known["libm"] = f"{' '.join(platform.libc_ver()) or platform.system()}, {libm_digest()}"
+    known["arithmetic"] = arithmetic_digest()
+    text = "\n".join(f"{name}={known[name].rpartition(', ')[2]}" for name in DECISIVE)
+    known["fingerprint"] = blake2b(text.encode(), digest_size=8).hexdigest()
+    return known
+
+
+def decisive_differences(there: Mapping[str, str]) -> list[str]:
+    """What states depend on and differs here from a recording's `versions`, in words.
+
+    Of libm the digest counts, not the version: another version with equal values is equal.
+    """
+    here = versions()
+    if there.get("fingerprint") == here["fingerprint"]:
+        return []
+    different = [
+        f"{words} ({there.get(name, 'unknown')} there, {here[name]} here)"
+        for name, words in DECISIVE.items()
+        if there.get(name, "").rpartition(", ")[2] != here[name].rpartition(", ")[2]
+    ]
+    return different or ["the fingerprint, in a way that its parts do not show"]
 
 
 def _processor() -> str:
-    """The processor's model, on which the order of float operations in BLAS may depend."""
+    """Model of the processor, for people; states do not depend on it."""
     info = Path("/proc/cpuinfo")
     if info.exists():
         for line in info.read_text().splitlines():
