@@ -28,10 +28,9 @@ from models.frames import Frame, TouchFrame
 from models.scene import CONTROL_PERIOD
 from sandbox.recording.recorded_frames import frame_from_json, frame_to_json
 from sandbox.recording.recording_file import first_line, read_stored
-from sandbox.recording.upgrade import upgraded
 from sandbox.session.pose_track import PoseTrack, PoseTrackWriter, read_track_line
 
-SCHEMA = 1
+SCHEMA = 2
 """Version of the file's layout."""
 
 KEYFRAME_PERIOD = 1.0
@@ -297,7 +296,7 @@ def is_recording(path: Path) -> bool:
 
 
 def read_header(line: bytes, path: Path) -> dict[str, Any]:
-    """Reads the header in a recording's first line, and upgrades it if an earlier version wrote it.
+    """Reads the header in a recording's first line.
 
     Raises:
         RecordingError: The header is damaged, or of a version with another layout.
@@ -308,12 +307,15 @@ def read_header(line: bytes, path: Path) -> dict[str, Any]:
         raise RecordingError("its first line is damaged", where=str(path)) from None
     if header.get("schema") != SCHEMA:
         raise RecordingError(
-            "this recording is of another version",
+            "this recording was made before version 0.2, with other arithmetic and other rules"
+            if header.get("schema") == 1
+            else "this recording is of another version",
             where=str(path),
-            got=header.get("schema"),
+            got=f"schema {header.get('schema')}",
             expected=f"schema {SCHEMA}",
+            remedy="Use the version of the sandbox that made it, or record again",
         )
-    return upgraded(header)
+    return dict(header)
 
 
 def load_recording(path: Path | str) -> Recording:

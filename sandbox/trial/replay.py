@@ -8,9 +8,10 @@ from models.errors import RecordingError
 from sandbox.recording.recorded_device import RecordedDevice
 from sandbox.recording.recorded_task import recorded_task
 from sandbox.recording.recording import Recording
-from sandbox.recording.versions import versions
+from sandbox.recording.versions import decisive_differences
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
+from sandbox.trial.agreement import Agreement, PoseComparison
 from sandbox.trial.assembly import build, digests
 from sandbox.trial.device_makers import DeviceMaker, DeviceMakers
 from sandbox.trial.driver import Trial, ViewMaker, no_views
@@ -27,18 +28,25 @@ class Verification:
         compared: Number of hashes that were compared.
         first_difference: Physics step of the first hash that differs; None if all agree.
         complete: The recording's end was reached and its last hash compared.
-        same_machine: Versions and processor are those of the recording, so that equal states are
-            promised.
+        differs_in: What states depend on and is not the recording's, in words; without any, equal
+            states are promised.
         shown_recorded: Views were shown the recorded poses, not those simulated here.
         diverged: Reason of a divergence in the replay; empty without one.
+        agreement: The second verdict, where states differ and the recording has poses.
     """
 
     compared: int
     first_difference: int | None
     complete: bool
-    same_machine: bool
+    differs_in: tuple[str, ...]
     shown_recorded: bool = False
     diverged: str = ""
+    agreement: Agreement | None = None
+
+    @property
+    def same_machine(self) -> bool:
+        """True if equal states are promised."""
+        return not self.differs_in
 
     @property
     def exact(self) -> bool:
@@ -89,13 +97,15 @@ def recorded_hands(recording: Recording, hands: int) -> DeviceMakers:
 def replay(recording: Recording, make_views: ViewMaker = no_views) -> tuple[Session, Verification]:
     """Replays a recording to its end and compares the hashes.
 
-    Equal states are only promised with the same versions and kind of processor. Otherwise the
-    recording is simulated and compared too, but views are shown the recorded poses.
+    Equal states are promised where nothing that states depend on differs. Elsewhere the recording
+    is simulated and compared too, but views are shown the recorded poses.
     """
     settings = settings_of(recording)
     session = build(settings, recorded_hands(recording, len(settings.hands)))
-    same = recording.header["versions"].get("fingerprint") == versions()["fingerprint"]
-    poses = RecordedPoses(session, recording) if recording.track.qpos and not same else None
+    differs_in = tuple(decisive_differences(recording.header["versions"]))
+    kept = bool(recording.track.qpos)
+    poses = RecordedPoses(session, recording) if kept and differs_in else None
+    comparison = PoseComparison(session, recording) if kept else None
     views = make_views(session)
     compared, difference = 0, None
 
@@ -110,11 +120,19 @@ def replay(recording: Recording, make_views: ViewMaker = no_views) -> tuple[Sess
             compared += 1
             if recording.hashes[session.step] != session.state_hash and difference is None:
                 difference = session.step
+        if comparison and difference is not None:
+            comparison.look()
         # The score may end earlier here than in the recording, whose poses are shown to their end.
         if session.diverged or (session.over and not (poses and session.step < poses.last)):
             break
         trial.step()
     complete = recording.end is not None and session.step == recording.end["step"]
     return session, Verification(
-        compared, difference, complete, same, poses is not None, session.diverged
+        compared,
+        difference,
+        complete,
+        differs_in,
+        poses is not None,
+        session.diverged,
+        comparison.agreement() if comparison and difference is not None else None,
     )

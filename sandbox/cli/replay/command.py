@@ -20,12 +20,12 @@ from sandbox.recording.recording import Recording, load_recording
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
 from sandbox.study.record.trial_files import find_recordings
+from sandbox.trial.agreement import BOUND_DEGREES, BOUND_MM, Agreement
 from sandbox.trial.driver import View, undisturbed
 from sandbox.trial.replay import Verification, replay
 from sandbox.trial.result import TrialResult
 from tasks.score import ending
 
-ELSEWHERE = "it was made with other versions or on another kind of processor"
 SELDOM = 64
 """Control periods between two updates of the progress bar, which take longer than one period."""
 
@@ -147,7 +147,12 @@ def _replay(file: Path, options: ReplayOptions, brief: bool, console: Console) -
         caption = f"replay; {caption}" if caption else "replay"
         _show(recording, session, kept, options, caption, console)
     if options.verify:
-        return 0 if verification.exact and verification.complete else 1
+        agrees = (
+            not verification.same_machine
+            and verification.agreement is not None
+            and verification.agreement.holds
+        )
+        return 0 if (verification.exact or agrees) and verification.complete else 1
     return 1 if verification.first_difference is not None and verification.same_machine else 0
 
 
@@ -178,7 +183,25 @@ def _verdict(verification: Verification) -> str:
     differs = f"differs[/] from physics step {verification.first_difference} on"
     if verification.same_machine:
         return f"[red]{differs}"
-    return f"[yellow]{differs}, as it may: {ELSEWHERE}"
+    return f"[yellow]{differs}, as it may: {_elsewhere(verification)}"
+
+
+def _elsewhere(verification: Verification) -> str:
+    """What differs between this machine and the recording's."""
+    return f"it was recorded elsewhere; what differs is {' and '.join(verification.differs_in)}"
+
+
+def _second_verdict(agreement: Agreement) -> str:
+    """Outcome and largest differences of a replay that is not equal to the bit, in a line."""
+    outcome = {True: "the same outcome", False: "[red]another outcome[/]", None: "no recorded end"}
+    colour = "green" if agreement.holds else "red"
+    return (
+        f"[{colour}]{'agrees' if agreement.holds else 'disagrees'}[/]: "
+        f"{outcome[agreement.same_outcome]}; objects up to {agreement.objects_mm:.2f} mm and "
+        f"{agreement.objects_degrees:.2f} degrees apart, hands up to {agreement.hands_mm:.2f} mm "
+        f"and {agreement.hands_degrees:.2f} degrees (bounds {BOUND_MM:g} mm, "
+        f"{BOUND_DEGREES:g} degrees)"
+    )
 
 
 def _report(
@@ -188,7 +211,9 @@ def _report(
     score = session.scorer.score
     console.print(_verdict(verification))
     if verification.exact and not verification.same_machine:
-        console.print(f"[yellow]{ELSEWHERE}; every state is the same here all the same[/]")
+        console.print(f"[yellow]{_elsewhere(verification)}; every state is equal all the same[/]")
+    if verification.agreement:
+        console.print(_second_verdict(verification.agreement), highlight=False)
     if (
         not verification.exact
         and verification.compared

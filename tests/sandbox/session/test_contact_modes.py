@@ -10,12 +10,11 @@ import pytest
 from models.errors import InputError
 from models.frames import Contact
 from sandbox.recording.recording import load_recording
-from sandbox.recording.upgrade import upgraded
 from sandbox.session.contact_modes import SOFT_IMPULSE, SOFT_SOLREF
 from sandbox.trial.headless import run_trial
 from sandbox.trial.replay import replay
 from sandbox.trial.result import TrialResult
-from sandbox.trial.settings import RunSettings, result_settings
+from sandbox.trial.settings import RunSettings
 from tests.support.scripted import Script, box_xy, pinch, run, scripted
 
 MODES = ("hard", "soft", "none")
@@ -184,9 +183,3 @@ def test_a_mode_that_does_not_exist_is_refused():
     session = scripted(lambda now: (), seed=1)
     with pytest.raises(InputError, match="squishy"):
         session.set_contact("squishy")
-
-
-def test_recordings_from_before_there_were_modes_are_hard():
-    values = result_settings(RunSettings(seed=3).as_json())
-    del values["contact"]
-    assert RunSettings.from_json(upgraded({"settings": values})["settings"]).contact == "hard"

@@ -26,12 +26,11 @@ from models.surface import Surface
 from sandbox.devices.mouse import MouseDevice
 from sandbox.options.scene_options import SceneOptions, plan
 from sandbox.recording.recording import load_recording
-from sandbox.recording.upgrade import upgraded
 from sandbox.trial.assembly import build
 from sandbox.trial.headless import run_trial
 from sandbox.trial.replay import replay
 from sandbox.trial.result import TrialResult
-from sandbox.trial.settings import HandSettings, RunSettings, result_settings
+from sandbox.trial.settings import HandSettings, RunSettings
 from tasks.simulated_user.seated import Seat
 from tasks.task import Goal
 from tasks.user import SeenObject, Sight
@@ -235,13 +234,6 @@ def test_the_keys_of_the_mouse_put_down_a_left_hand_and_a_turned_one():
 def test_the_simulated_user_succeeds_from_every_side_of_the_screen(turn):
     result = trial(seed=5, fingers=3, turn=turn)
     assert result.success, result.reason
-
-
-def test_recordings_from_before_hands_could_be_chosen_are_right_hands():
-    values = result_settings(RunSettings(seed=3).as_json())
-    for name in ("hand", "hand_size", "turn"):
-        del values[name]
-    assert RunSettings.from_json(upgraded({"settings": values})["settings"]) == RunSettings(seed=3)
 
 
 @given(x=st.floats(-0.1, 0.1), y=st.floats(-0.1, 0.1), yaw=st.floats(-3.0, 3.0), person=people)
