@@ -24,7 +24,7 @@ from models.arithmetic.products import (
     times_transposed,
     vector_matrix,
 )
-from models.errors import EncoderError, InputError
+from models.errors import EncoderError
 from models.frames import FINGERS
 from models.one_pose import OnePose
 from models.pose import JOINTS
@@ -273,7 +273,7 @@ def _solved(S: Array, r: Array) -> Array:
     """x with S x = r, for a covariance S (n, n), which is overwritten."""
     try:
         return solve_positive(S, r)
-    except InputError as trouble:
+    except ArithmeticError as trouble:
         raise EncoderError(
             "the guess's covariance cannot be used", expected="a positive definite matrix"
         ) from trouble

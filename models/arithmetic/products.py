@@ -15,7 +15,6 @@ import mujoco
 import numpy as np
 
 from models.arithmetic.arrays import Array
-from models.errors import InputError
 
 
 def matrix_product(A: Array, B: Array) -> Array:
@@ -59,12 +58,10 @@ def solve_positive(S: Array, r: Array) -> Array:
     Only the lower triangle of S is read.
 
     Raises:
-        InputError: S is not positive definite.
+        ArithmeticError: S is not positive definite.
     """
     if mujoco.mju_cholFactor(S, _LEAST_PIVOT) < len(S):
-        raise InputError(
-            "the equations have no single solution", expected="a positive definite matrix"
-        )
+        raise ArithmeticError("the matrix is not positive definite")
     x = np.empty(len(S))
     mujoco.mju_cholSolve(x, S, r)
     return x

@@ -5,13 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from models.errors import RecordingError
+from sandbox.recording.agreement import Agreement, PoseComparison
 from sandbox.recording.recorded_device import RecordedDevice
 from sandbox.recording.recorded_task import recorded_task
 from sandbox.recording.recording import Recording
 from sandbox.recording.versions import decisive_differences
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
-from sandbox.trial.agreement import Agreement, PoseComparison
 from sandbox.trial.assembly import build, digests
 from sandbox.trial.device_makers import DeviceMaker, DeviceMakers
 from sandbox.trial.driver import Trial, ViewMaker, no_views

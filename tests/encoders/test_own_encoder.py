@@ -138,8 +138,8 @@ def test_inverse_kinematics_comes_back_from_a_file(tmp_path):
     )
 
 
-def test_the_digest_of_pca_ik_is_that_of_earlier_recordings():
-    assert pca_ik_model().digest == "57b600502118a02e31ac37d49c90334b"
+def test_the_digest_of_pca_ik_is_the_same_on_every_machine():
+    assert pca_ik_model().digest == "5f66865a6554705909f9101d147652c4"
 
 
 @pytest.mark.parametrize(
@@ -304,7 +304,7 @@ def test_every_command_reports_a_wrong_name_in_one_line(line, tmp_path, capsys, 
 @pytest.mark.parametrize("option", (["--degree", "2"], ["--ridge", "1"], ["--builtin"]))
 def test_a_custom_encoder_is_not_affected_by_options_of_built_in_encoders(option, capsys):
     assert main(["train", "--encoder", NAME, "--out", "m.npz", *option]) == 2
-    assert "options" in capsys.readouterr().err
+    assert "does not apply" in capsys.readouterr().err
 
 
 def test_without_scikit_learn_the_example_says_what_to_install(monkeypatch, tmp_path):

@@ -99,7 +99,7 @@ def test_the_hand_waits_in_front_of_its_place_and_not_above_it():
 
 def test_nobody_sits_at_the_side_of_an_upright_surface():
     settings = RunSettings(task="stack-vertical", hands=(HandSettings(turn=90),))
-    with pytest.raises(InputError, match="one sits at its lower edge"):
+    with pytest.raises(InputError, match="from its lower edge"):
         build(settings, (lambda task, surface: _Still(),))
 
 

@@ -287,7 +287,7 @@ def test_two_people_with_a_right_hand_each_carry_it_from_the_command_line(tmp_pa
 def test_a_task_for_two_hands_without_a_tray_needs_users_of_its_own():
     task = CarryTogether.draw(0, BOTH)
     box = Box("tray", (0.02, 0.02, 0.02), 0.1, task.objects[0].position)
-    with pytest.raises(InputError, match="user of its own"):
+    with pytest.raises(InputError, match="own simulated user"):
         SimulatedDevice(replace(task, objects=(box,)), UserConfiguration(), BOTH, 0)  # type: ignore[arg-type]
 
 

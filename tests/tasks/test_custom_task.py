@@ -297,7 +297,7 @@ def test_without_a_touch_the_example_is_not_done(regression):
 
 def recorded(path: Path, task: str, **source: object) -> None:
     """A recording's header, with where its task is from."""
-    header = {"kind": "header", "schema": 1, "settings": RunSettings(task=task).as_json()}
+    header = {"kind": "header", "schema": 2, "settings": RunSettings(task=task).as_json()}
     path.write_text(json.dumps({**header, "task_from": source}) + "\n")
 
 

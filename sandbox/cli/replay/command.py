@@ -16,11 +16,11 @@ from models.errors import InputError
 from sandbox.cli.common.films import open_film
 from sandbox.cli.common.page_options import PageOptions
 from sandbox.cli.common.parse import parse
+from sandbox.recording.agreement import BOUND_DEGREES, BOUND_MM, Agreement
 from sandbox.recording.recording import Recording, load_recording
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
 from sandbox.study.record.trial_files import find_recordings
-from sandbox.trial.agreement import BOUND_DEGREES, BOUND_MM, Agreement
 from sandbox.trial.driver import View, undisturbed
 from sandbox.trial.replay import Verification, replay
 from sandbox.trial.result import TrialResult

@@ -227,7 +227,7 @@ def test_what_cannot_be_exported_is_refused_in_one_line(session, tmp_path, capsy
     (tmp_path / "notes.txt").write_text("no recording")
     (tmp_path / "zip.npz").write_bytes(b"PK\3\4 no capture")
     settings = plan(SceneOptions(seed=1)).settings.as_json()
-    header = {"kind": "header", "schema": 1, "settings": settings}
+    header = {"kind": "header", "schema": 2, "settings": settings}
     (tmp_path / "empty.jsonl").write_text(json.dumps(header) + "\n")
     (tmp_path / "other.jsonl").write_text(json.dumps({**header, "schema": 99}) + "\n")
     writer = RecordingWriter(tmp_path / "scene.jsonl", {"settings": settings})

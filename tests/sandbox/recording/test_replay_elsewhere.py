@@ -176,7 +176,7 @@ def test_a_damaged_track_ends_the_recording_and_is_named(tmp_path, spoil):
     writer = PoseTrackWriter()
     for i in range(4):
         writer.add(8 * i, np.arange(5.0), [frozenset({1})])
-    header = {"kind": "header", "schema": 1, "settings": {}}
+    header = {"kind": "header", "schema": 2, "settings": {}}
     path = tmp_path / "damaged.jsonl"
     path.write_text("\n".join(json.dumps(t) for t in (header, {**writer.line(), **spoil})) + "\n")
     assert "line 2 is damaged" in load_recording(path).damage

@@ -1,4 +1,4 @@
-"""The second verdict on a replay whose states are not equal to the bit: does it tell the same trial?
+"""The second verdict on a replay whose states are not equal to the bit: is it the same trial?
 
 Another libm or another version of MuJoCo rounds another way, and contacts make small differences
 grow. Then two questions remain: is the outcome the same, and how far did objects and hands ever
@@ -8,7 +8,7 @@ stand from where they were recorded?
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import degrees
+from math import asin, degrees
 
 import mujoco
 import numpy as np
@@ -16,7 +16,6 @@ import numpy as np
 from models.arithmetic.arrays import Array
 from sandbox.recording.recording import Recording
 from sandbox.session.session import Session
-from sandbox.trial.result import TrialResult
 
 BOUND_MM = 5.0
 """mm that objects or fingertips may be apart at most, measured: docs/measured/other-machines.md."""
@@ -102,10 +101,11 @@ class PoseComparison:
         """The verdict on everything that was compared."""
         end, same = self._recording.end, None
         if end is not None:
-            recorded = TrialResult.from_json(end["result"], str(self._recording.path)).score
+            recorded = end["result"]
             score = self._session.scorer.score
-            same = (score.status, score.success) == (recorded.status, recorded.success)
-        return Agreement(same, *self._largest, self._compared)
+            same = (score.status, score.success) == (recorded["status"], recorded["success"])
+        objects_mm, objects_degrees, hands_mm, hands_degrees = self._largest
+        return Agreement(same, objects_mm, objects_degrees, hands_mm, hands_degrees, self._compared)
 
 
 def _longest(vectors: Array) -> float:
@@ -117,6 +117,4 @@ def _largest_turn(a: Array, b: Array) -> float:
     """Degrees of the largest turn between rotation matrices (n, 9) and (n, 9)."""
     # |A - B|^2 = 8 sin^2(angle / 2), accurate for small angles.
     chord = np.sqrt(np.sum((a - b) ** 2, axis=1) / 8.0)
-    return degrees(
-        2.0 * float(np.arcsin(np.minimum(chord, 1.0)).max(initial=0.0))
-    )  # any order: a measure of a replay
+    return degrees(2.0 * asin(min(float(chord.max(initial=0.0)), 1.0)))
