@@ -100,7 +100,7 @@ except ShadowedPackageError as _error:
     print(f"sandbox: {_error}", file=sys.stderr)
     sys.exit(_EXIT_BAD_INPUT)
 
-from models import lazy_names  # noqa: E402  (before NumPy: `models` pins the BLAS kernel)
+from models import lazy_names  # noqa: E402
 
 if TYPE_CHECKING:
     from sandbox.devices.conformance import DeviceConformance

@@ -150,7 +150,8 @@ class CollisionGate:
         return np.asarray(clear)
 
     def _inner_links(self, data: BodyPoses) -> list[Array]:
-        """(5, 3) m each, points along the links before the last ones if those are solid."""
+        """Points along each finger's links before the last one: one array (5, 3) in m for each share
+        of the way; an empty list where only last links are solid."""
         if self._rules.links == 1:
             return []
         start, end = data.xpos.take(self._before, 0), data.xpos.take(self._bodies, 0)
