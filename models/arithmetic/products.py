@@ -13,6 +13,7 @@ from math import sqrt
 
 import mujoco
 import numpy as np
+from numpy.typing import ArrayLike
 
 from models.arithmetic.arrays import Array
 
@@ -114,3 +115,14 @@ def distance(a: Iterable[float], b: Iterable[float]) -> float:
     for x, y in zip(a, b, strict=True):
         total += (x - y) * (x - y)
     return sqrt(total)
+
+
+def small_product(a: ArrayLike, b: ArrayLike) -> Array:
+    """a @ b of small vectors (m,) or matrices (n, m), terms added from the first to the last.
+
+    Two vectors give an array without axes, as a number.
+    """
+    a, b = np.asarray(a, float), np.asarray(b, float)
+    if b.ndim == 1:
+        return stacked_applied(a[None], b)[0] if a.ndim == 1 else stacked_applied(a, b)
+    return stacked_applied(b.T, a) if a.ndim == 1 else stacked_product(a, b)

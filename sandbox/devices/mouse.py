@@ -12,11 +12,13 @@ import time
 from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from math import cos, sin
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from models.arithmetic.arrays import Array
+from models.arithmetic.products import length, small_product, squared_lengths
 from models.errors import InputError
 from models.frames import FINGERS, Contact, TouchFrame
 from models.kinematics import Kinematics
@@ -178,11 +180,11 @@ class MouseDevice(Device):
             if turn:
                 # y points down on the surface, which reverses the sense of rotation.
                 angle = -WHEEL_TURN * steps
-                cos, sin = np.cos(angle), np.sin(angle)
-                rotation = np.array([[cos, -sin], [sin, cos]])
-                targets = [middle + rotation @ (f.xy - middle) for f in pins]
+                c, s = cos(angle), sin(angle)
+                rotation = np.array([[c, -s], [s, c]])
+                targets = [middle + small_product(rotation, f.xy - middle) for f in pins]
             else:
-                width = 2.0 * float(np.linalg.norm(means - middle, axis=1).max())
+                width = 2.0 * float(np.sqrt(squared_lengths(means - middle)).max())
                 goal = np.clip(width * WHEEL_FACTOR**steps, NARROWEST, WIDEST)
                 factor = goal / width if width > 0.0 else 1.0
                 shifts = (factor - 1.0) * (means - middle)
@@ -247,7 +249,7 @@ class MouseDevice(Device):
         return bool(lifted)
 
     def _nearest(self, pins: list[int], place: Array) -> int | None:
-        off = {i: float(np.linalg.norm(self._fingers[i].xy - place)) for i in pins}
+        off = {i: length(self._fingers[i].xy - place) for i in pins}
         near = min(off, key=lambda i: off[i], default=None)
         return near if near is not None and off[near] <= GRAB_RADIUS else None
 
@@ -280,7 +282,7 @@ def default_hand(fingers: int) -> dict[int, Array]:
     if fingers == 1:
         return {1: np.zeros(2)}
     tips = Kinematics(ADULT).tips(np.zeros(POSE_SIZE))[:, :2] * np.array([1.0, -1.0])
-    across = (tips[1] - tips[0]) / np.linalg.norm(tips[1] - tips[0])
+    across = (tips[1] - tips[0]) / length(tips[1] - tips[0])
     # From the index finger towards the little one.
     aside = np.array([-across[1], across[0]])
     order = np.arange(1, fingers)

@@ -150,8 +150,8 @@ class CollisionGate:
         return np.asarray(clear)
 
     def _inner_links(self, data: BodyPoses) -> list[Array]:
-        """Points along each finger's links before the last one: one array (5, 3) in m for each share
-        of the way; an empty list where only last links are solid."""
+        """Points along each finger's links before the last one, an array (5, 3) in m for each share
+        of the way. The list is empty where only last links are solid."""
         if self._rules.links == 1:
             return []
         start, end = data.xpos.take(self._before, 0), data.xpos.take(self._bodies, 0)

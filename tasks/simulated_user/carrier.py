@@ -7,10 +7,12 @@ whether it follows, and does not move far ahead of it.
 from __future__ import annotations
 
 from dataclasses import replace
+from math import cos, sin
 
 import numpy as np
 
 from models.arithmetic.arrays import Array
+from models.arithmetic.products import length
 from models.frames import TouchFrame
 from models.objects import Box, Tray
 from models.surface import Surface
@@ -103,10 +105,10 @@ class Carrier(SkilledUser):
         assert isinstance(tray.shape, Tray)
         if not self._side:
             ends = {side: _end(tray, side).position[:2] for side in (1, -1)}
-            self._side = min(ends, key=lambda s: float(np.linalg.norm(ends[s] - self._home)))
+            self._side = min(ends, key=lambda s: length(ends[s] - self._home))
         mine = _end(tray, self._side)
         self._other = _height(_end(tray, -self._side))
-        c, s = np.cos(goal.yaw), np.sin(goal.yaw)
+        c, s = cos(goal.yaw), sin(goal.yaw)
         x, y, z = np.asarray(goal.position) + self._side * tray.shape.grip * np.array([c, s, 0.0])
         end_goal = Goal(goal.object, (float(x), float(y), float(z)), goal.yaw)
         super()._act(replace(sight, objects={goal.object: mine}, goals=(end_goal,)), now)
@@ -130,7 +132,7 @@ class Carrier(SkilledUser):
         slid = self._slider.height(now)
         height, top = _height(box), sight.goals[0].position[2] - _half(box)
         held = self._grasp.middle(box) + self._drawn_offset(sight)
-        aside = float(np.linalg.norm(held - self._middle(now)))
+        aside = length(held - self._middle(now))
         lags = slid - height > _FALLEN
         # An end that lies still while the other one rises has slipped; one whose hand does not rise
         # at all has not: two users who share a lift control wait for each other.
@@ -147,9 +149,9 @@ class Carrier(SkilledUser):
         if up > _UP * top:
             self._waiting = None
             off, turn = self._missing(sight, box)
-            steps = max(float(np.linalg.norm(off)) / _STEP, abs(turn) / _STEP_TURN, 1.0)
+            steps = max(length(off) / _STEP, abs(turn) / _STEP_TURN, 1.0)
             near, straight = _IN_PLACE, _STRAIGHT
-            if np.linalg.norm(off) > near or abs(turn) > straight:
+            if length(off) > near or abs(turn) > straight:
                 pivot = np.array(box.position[:2])
                 arrivals.append(self._fingers.carry(off / steps, turn / steps, pivot, now))
         elif self._waiting is None:

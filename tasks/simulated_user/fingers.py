@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import exp, sqrt
+from math import cos, exp, log2, sin, sqrt
 
 import numpy as np
 
 from models.arithmetic.arrays import Array
+from models.arithmetic.products import small_product, squared_lengths
 from models.frames import Contact
 from models.surface import METRES_PER_INCH, Surface
 from tasks.user import UserConfiguration
@@ -52,9 +53,11 @@ class _Movement:
             return self.start + share * (self.end - self.start)
         # A hand that drags and turns at once rotates about a moving point.
         angle = share * self.turn
-        c, s = np.cos(angle), np.sin(angle)
+        c, s = cos(angle), sin(angle)
         shift = share * (self.end - self.start)
-        return (self.start - self.pivot) @ np.array([[c, s], [-s, c]]) + self.pivot + shift
+        return (
+            small_product(self.start - self.pivot, np.array([[c, s], [-s, c]])) + self.pivot + shift
+        )
 
 
 class Fingers:
@@ -157,17 +160,17 @@ class Fingers:
     def _go(self, movement: _Movement) -> float:
         arc = 0.0
         if movement.pivot is not None:
-            arm = np.linalg.norm(movement.start - movement.pivot, axis=1).max()
+            arm = np.sqrt(squared_lengths(movement.start - movement.pivot)).max()
             arc = abs(movement.turn) * float(arm)
-        way = float(np.linalg.norm(movement.end - movement.start, axis=1).max()) + arc
-        fitts = self._c.movement_base + self._c.movement_slope * np.log2(max(way, 0.002) / 0.002)
+        way = float(np.sqrt(squared_lengths(movement.end - movement.start)).max()) + arc
+        fitts = self._c.movement_base + self._c.movement_slope * log2(max(way, 0.002) / 0.002)
         movement.duration = max(float(fitts), _PEAK * way / self._c.peak_speed)
         self._movement = movement
         return movement.begin + movement.duration
 
     def _missed(self, start: Array, end: Array) -> Array:
         """Actual end of a movement: all fingers miss by the same share of its length."""
-        length = float(np.linalg.norm(end - start, axis=1).max())
+        length = float(np.sqrt(squared_lengths(end - start)).max())
         return end + self._rng.normal(0.0, self._c.end_noise * length, 2)
 
     def _shake(self, now: float, drawn: Sequence[float]) -> None:

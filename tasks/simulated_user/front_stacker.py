@@ -7,10 +7,12 @@ on a table can only be gripped from its sides. They do not see depth.
 from __future__ import annotations
 
 from dataclasses import replace
+from math import cos, sin
 
 import numpy as np
 
 from models.arithmetic.arrays import Array
+from models.arithmetic.products import length
 from models.objects import Box
 from models.surface import Surface
 from tasks.goals import flat_yaw
@@ -81,7 +83,7 @@ class FrontStacker(SkilledUser):
         assert self._grasp is not None
         off, turn = self._missing(sight, box)
         held = self._grasp.middle(box) + self._drawn_offset(sight)
-        slipped = self._tries > 0 and np.linalg.norm(held - self._middle(now)) > _SLIPPED
+        slipped = self._tries > 0 and length(held - self._middle(now)) > _SLIPPED
         there = abs(off[0]) < _ASIDE and abs(off[1]) < _DOWN
         if there or slipped or self._tries >= _MOVES or not sight.solid:
             self._let_go(now)
@@ -105,7 +107,7 @@ class FrontStacker(SkilledUser):
 def in_picture(seen: SeenObject) -> SeenObject:
     """A box as it looks from the front: rotated within the picture only."""
     turn = flat_yaw(seen.rotation)
-    c, s = np.cos(turn), np.sin(turn)
+    c, s = cos(turn), sin(turn)
     return replace(seen, rotation=np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]))
 
 

@@ -13,6 +13,7 @@ from dataclasses import replace
 import numpy as np
 
 from models.arithmetic.arrays import Array
+from models.arithmetic.products import small_product
 from models.frames import TouchFrame
 from models.surface import Surface
 from tasks.user import Sight, User
@@ -30,12 +31,12 @@ class FrontView:
 
     def __init__(self, surface: Surface) -> None:
         self._turn: Array = surface.rotation.T
-        x, y, z = (self._turn @ np.asarray(surface.origin)).tolist()
+        x, y, z = small_product(self._turn, np.asarray(surface.origin)).tolist()
         self.surface = replace(surface, origin=(x, y, z), rotation=np.eye(3))
 
     def point(self, world: Array) -> Array:
         """Transforms a position (3,) m to the view."""
-        return np.asarray(self._turn @ world)
+        return np.asarray(small_product(self._turn, world))
 
     def sight(self, sight: Sight) -> Sight:
         """Transforms everything on the screen to the view.
@@ -43,7 +44,9 @@ class FrontView:
         Goals keep their yaw, which is about the vertical and invisible from the front.
         """
         objects = {
-            name: replace(o, position=self.point(o.position), rotation=self._turn @ o.rotation)
+            name: replace(
+                o, position=self.point(o.position), rotation=small_product(self._turn, o.rotation)
+            )
             for name, o in sight.objects.items()
         }
         goals = []

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import cos, sin
 
 import numpy as np
 
@@ -58,7 +59,7 @@ class Grasp:
     def places(self, centre: Array, gap: float, c: UserConfiguration) -> Array:
         """Positions (n, 2) m of the fingertips, thumb first, at `gap` outside the faces (inside if
         negative)."""
-        along = np.array([np.cos(self.axis), np.sin(self.axis)])
+        along = np.array([cos(self.axis), sin(self.axis)])
         across = np.array([along[1], -along[0]])
         others = c.fingers - 1
         pitch = min(c.pitch, (self.face - 0.004) / max(others - 1, 1))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from math import cos, sin
 
 import numpy as np
 
@@ -89,7 +90,7 @@ def _missing_room(
 
 def _nearest(places: Array, axis: float, height: float, neighbours: Iterable[SeenObject]) -> float:
     """Least distance in m of the middles of the fingers' last links to the other objects."""
-    palm = np.array([np.sin(axis), -np.cos(axis)])
+    palm = np.array([sin(axis), -cos(axis)])
     links = [(places + along * palm, height + up) for along, up in ((0.0, 0.0), *_LINK)]
     points = np.vstack([np.column_stack([xy, np.full(len(xy), z)]) for xy, z in links])
     distances = [float(o.shape.clearance(points, o.position, o.rotation).min()) for o in neighbours]

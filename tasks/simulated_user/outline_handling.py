@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from models.arithmetic.arrays import Array
+from models.arithmetic.products import small_product
 from models.mjcf_object import MjcfObject
 from models.objects import Box
 from tasks.simulated_user.grasp import Grasp, choose_grasp, within_comfort
@@ -26,7 +27,7 @@ class OutlineGrasp(Grasp):
 
     def middle(self, seen: SeenObject) -> Array:
         """Position (2,) m of the box's middle in the world."""
-        return np.asarray(seen.position[:2] + seen.rotation[:2, :2] @ self.offset)
+        return np.asarray(seen.position[:2] + small_product(seen.rotation[:2, :2], self.offset))
 
 
 class OutlineHandling:

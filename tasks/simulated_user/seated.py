@@ -7,10 +7,12 @@ whose touches are transformed back. The delay of what they see is unchanged.
 from __future__ import annotations
 
 from dataclasses import replace
+from math import atan2, cos, sin
 
 import numpy as np
 
 from models.arithmetic.arrays import Array
+from models.arithmetic.products import small_product
 from models.frames import TouchFrame
 from models.mjcf_object import MjcfObject
 from models.objects import Wrench
@@ -38,8 +40,10 @@ class Seat:
         self.surface = turned.centred_at(middle)
         flip = np.diag([1.0, -1.0])
         matrix = np.eye(3)
-        matrix[:2, :2] = flip @ self._frame.matrix @ flip
-        self._matrix: Array = surface.rotation @ matrix @ surface.rotation.T
+        matrix[:2, :2] = small_product(small_product(flip, self._frame.matrix), flip)
+        self._matrix: Array = small_product(
+            small_product(surface.rotation, matrix), surface.rotation.T
+        )
         # Objects in a mirror image have one of their own axes reversed, so that rotations stay
         # proper.
         flip_own = -1.0 if person.left else 1.0
@@ -48,7 +52,9 @@ class Seat:
 
     def point(self, world: Array) -> Array:
         """Transforms a position (3,) m to the user's world."""
-        height = float((world - np.asarray(self._real.origin)) @ self._real.rotation[:, 2])
+        height = float(
+            small_product(world - np.asarray(self._real.origin), self._real.rotation[:, 2])
+        )
         return self.surface.to_world(self._frame.inwards(self._real.to_surface(world)), height)
 
     def rotation(self, world: Array, long: bool = False) -> Array:
@@ -59,13 +65,15 @@ class Seat:
             long: True for an object whose two ends differ, such as a wrench: only its sides may be
                 swapped.
         """
-        return self._matrix @ world @ (self._own_of_long if long else self._own)
+        return small_product(
+            small_product(self._matrix, world), self._own_of_long if long else self._own
+        )
 
     def yaw(self, yaw: float, long: bool = False) -> float:
         """Transforms a yaw, rad about the vertical, to the user's world."""
-        c, s = np.cos(yaw), np.sin(yaw)
+        c, s = cos(yaw), sin(yaw)
         seen = self.rotation(np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]), long)
-        return float(np.arctan2(seen[1, 0], seen[0, 0]))
+        return atan2(seen[1, 0], seen[0, 0])
 
     def sight(self, sight: Sight) -> Sight:
         """Transforms everything on the screen to the user's world."""

@@ -7,9 +7,17 @@ the estimator of the hand's size has not been trained on them.
 
 from __future__ import annotations
 
+from math import cos, sin
+
 import numpy as np
 
 from models.arithmetic.arrays import Array
+from models.arithmetic.products import (
+    small_product,
+    solve_positive,
+    stacked_applied,
+    stacked_product,
+)
 from models.frames import Contact, TouchFrame
 from models.kinematics import Kinematics
 from models.person import Person, PersonFrame
@@ -57,8 +65,9 @@ def spread_layout(skeleton: Skeleton, extension: float, spreading: float, thumb:
     for _ in range(_ROUNDS):
         tips, jacobian = kinematics.tips_and_jacobian(q)
         J = jacobian[:, 2] * loose
-        off = _TIP_HEIGHT - tips[:, 2] + jacobian[:, 2] @ (q - wanted)
-        q = wanted + loose * (J.T @ np.linalg.solve(J @ J.T + 1e-10 * np.eye(5), off))
+        off = _TIP_HEIGHT - tips[:, 2] + small_product(jacobian[:, 2], q - wanted)
+        normal = stacked_product(J, J.T) + 1e-10 * np.eye(5)
+        q = wanted + loose * stacked_applied(J.T, solve_positive(normal, off))
     tips = kinematics.tips(q)[:, :2]
     return np.asarray(tips - tips.mean(axis=0))
 
@@ -80,8 +89,8 @@ class SpreadingPerson:
         for spread in _SPREADS:
             layout = spread_layout(ADULT, *np.deg2rad(spread))
             turn = self._rng.normal(0.0, np.deg2rad(8.0))
-            c, s = np.cos(turn), np.sin(turn)
-            layout = (layout @ np.array([[c, s], [-s, c]])) * [1.0, -1.0]
+            c, s = cos(turn), sin(turn)
+            layout = small_product(layout, np.array([[c, s], [-s, c]])) * [1.0, -1.0]
             place = middle + self._rng.normal(0.0, 0.004, 2)
             self._layouts.append(frame.outwards(place + layout))
         self._size = surface.size

@@ -8,9 +8,11 @@ from __future__ import annotations
 
 from dataclasses import replace
 from enum import Enum, auto
+from math import cos, sin
 
 import numpy as np
 
+from models.arithmetic.products import length
 from models.frames import TouchFrame
 from models.objects import Box
 from models.surface import Surface
@@ -158,7 +160,7 @@ class Stacker(SkilledUser):
             self._slide(self._slider.height(now) + low + _OVER - _HARDLY_OVER, now)
             return
         off, turn = self._missing(sight, box)
-        near = np.linalg.norm(off) < _IN_PLACE and abs(turn) < _STRAIGHT
+        near = length(off) < _IN_PLACE and abs(turn) < _STRAIGHT
         if near or self._tries >= _DRAGS:
             self._tries = 0
             self._stage = _Stage.OVER
@@ -183,14 +185,14 @@ class Stacker(SkilledUser):
 def _stands(seen: SeenObject, goal: Goal) -> bool:
     """True if a box is seen to stand in its place."""
     off = seen.position - np.asarray(goal.position)
-    near = float(np.linalg.norm(off[:2])) < _ENOUGH * 2 * _half(seen)
+    near = length(off[:2]) < _ENOUGH * 2 * _half(seen)
     return near and abs(float(off[2])) < _RESTS and seen.upright
 
 
 def _upright(seen: SeenObject) -> SeenObject:
     """The box described as standing on its current lower face."""
     yaw = flat_yaw(seen.rotation)
-    c, s = np.cos(yaw), np.sin(yaw)
+    c, s = cos(yaw), sin(yaw)
     return replace(seen, rotation=np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]))
 
 

@@ -8,6 +8,7 @@ from enum import Enum, auto
 import numpy as np
 
 from models.arithmetic.arrays import Array
+from models.arithmetic.products import length, squared_lengths
 from models.frames import TouchFrame
 from models.surface import Surface
 from tasks.simulated_user.eye import Eye
@@ -97,7 +98,7 @@ class SkilledUser:
         off, turn = self._missing(sight, box)
         assert self._handling is not None
         near, straight = self._handling.enough
-        content = np.linalg.norm(off) < near and abs(turn) < straight
+        content = length(off) < near and abs(turn) < straight
         if sight.done or (content and box.upright):
             self._wait(_SETTLE, now)
             return
@@ -122,7 +123,7 @@ class SkilledUser:
         middle = self._grasp.middle(box)
         wanted = self._grasp.places(middle, c.opening, c)
         wanted = wanted + self._drawn_offset(sight)
-        off = float(np.linalg.norm(wanted - self._fingers.places(now), axis=1).max())
+        off = float(np.sqrt(squared_lengths(wanted - self._fingers.places(now))).max())
         self._tries += 1
         if off > _IN_PLACE and self._tries <= 8:
             self._watch(self._fingers.move(wanted, now))
@@ -154,11 +155,11 @@ class SkilledUser:
         assert self._grasp is not None and self._handling is not None
         off, turn = self._missing(sight, box)
         held = self._grasp.middle(box) + self._drawn_offset(sight)
-        lag = np.linalg.norm(held - self._middle(now))
+        lag = length(held - self._middle(now))
         near, straight = self._handling.good
         now_turn = self._handling.reach(box, self._grasp, turn, self.configuration)
         # The part that this grasp allows; a wrist at its limit needs a new grasp.
-        good = np.linalg.norm(off) < near and abs(now_turn) < straight
+        good = length(off) < near and abs(now_turn) < straight
         slipped = self._tries > 0 and lag > _SLIPPED
         if good or slipped or self._tries >= _DRAGS or not sight.solid:
             self._let_go(now)
@@ -196,7 +197,7 @@ class SkilledUser:
         seen = 0.5 * (places[0] + places[1:].mean(axis=0))
         off = seen - middle
         # A person does not notice errors smaller than the blur of a fingertip on the screen.
-        return off if np.linalg.norm(off) > 0.004 else np.zeros(2)
+        return off if length(off) > 0.004 else np.zeros(2)
 
     def _seen_places(self, sight: Sight) -> Array:
         """Positions of the fingers at the time of the sight."""

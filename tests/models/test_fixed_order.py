@@ -19,6 +19,11 @@ ROOMS = (
     "encoders/reconstruction/*.py",
     "encoders/regression/*.py",
     "tasks/*.py",
+    "tasks/simulated_user/*.py",
+    "sandbox/devices/*.py",
+    "sandbox/devices/simulated/*.py",
+    "sandbox/devices/simulated/*/*.py",
+    "sandbox/devices/wrappers/*.py",
     "sandbox/session/*.py",
     "sandbox/trial/*.py",
 )

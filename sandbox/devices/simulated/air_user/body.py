@@ -8,6 +8,7 @@ and coupling of the last joints, as in `encoders.paalm.simulated.air`.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import cos, sin
 
 import numpy as np
 
@@ -16,6 +17,7 @@ from encoders.paalm.chain import FINGER_LIMITS, THUMB_LIMITS, FingerChain
 from encoders.paalm.coupling import Coupling
 from encoders.paalm.simulated.air import FROZEN_AIR, body_of
 from models.arithmetic.arrays import Array
+from models.arithmetic.products import length, small_product
 
 AXIS = float(np.deg2rad(52.0))
 """rad in the palm, from its x, direction from the thumb's tip to the fingers' that the resting
@@ -59,18 +61,18 @@ class Pinch:
     @property
     def rotation(self) -> Array:
         """(3, 3) rotation, world from palm."""
-        c, s = np.cos(self.yaw), np.sin(self.yaw)
+        c, s = cos(self.yaw), sin(self.yaw)
         return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
 
     def tips(self) -> Array:
         """(3, 3) m in the world, wanted tips of thumb, index and middle, without `bent`."""
-        return self.centre + pinching_tips(self.gap) @ self.rotation.T
+        return self.centre + small_product(pinching_tips(self.gap), self.rotation.T)
 
 
 def pinching_tips(gap: float) -> Array:
     """(3, 3) m in palm axes, tips of thumb, index and middle from the pinch's centre."""
-    axis = np.array([np.cos(AXIS), np.sin(AXIS), 0.0])
-    beside = np.array([np.sin(AXIS), -np.cos(AXIS), 0.0])
+    axis = np.array([cos(AXIS), sin(AXIS), 0.0])
+    beside = np.array([sin(AXIS), -cos(AXIS), 0.0])
     return np.array(
         [
             -gap / 2 * axis,
@@ -97,7 +99,7 @@ class Body:
             )
             for f in PINCHING
         }
-        size = float(np.linalg.norm(self.knuckles[2]) / np.linalg.norm([-0.004, 0.036, 0.007]))
+        size = float(length(self.knuckles[2]) / length(np.array([-0.004, 0.036, 0.007])))
         self.middle = np.multiply(CENTRE, np.clip(size, 0.8, 1.25))
 
     def joints(self, pinch: Pinch) -> tuple[Array, Array, Array]:
@@ -105,12 +107,12 @@ class Body:
         wanted = self.middle + pinching_tips(pinch.gap) + pinch.bent
         angles = np.zeros((5, 4))
         for f in PINCHING:
-            x, y, z = ((wanted[f] - self.knuckles[f]) @ FRAMES[f]).tolist()
+            x, y, z = small_product(wanted[f] - self.knuckles[f], FRAMES[f]).tolist()
             bend = self._chains[f].solve((x, y, z))
             angles[f] = bend.flexion, bend.spread, bend.pip, bend.dip
         angles[0, 3] = 0.0
         for f, row in STRETCHED.items():
             angles[f] = row
         rotation = pinch.rotation
-        origin = pinch.centre - rotation @ self.middle
+        origin = pinch.centre - small_product(rotation, self.middle)
         return origin, rotation, joints_of_angles(angles, self.knuckles, self.lengths)

@@ -7,10 +7,12 @@ to it.
 from __future__ import annotations
 
 from dataclasses import replace
+from math import cos, sin
 
 import numpy as np
 
 from models.arithmetic.arrays import Array
+from models.arithmetic.products import length, small_product
 from models.objects import Tray
 from sandbox.devices.simulated.air_user.holds import Hold
 from sandbox.devices.simulated.air_user.person import AirPerson, Stage
@@ -43,7 +45,7 @@ class AirCarrier(AirPerson):
         thing, goal = self._thing(sight), self._goal(sight)
         assert isinstance(thing.shape, Tray)
         aim, hold = self._movement.aim, self._hold(sight)
-        if float(np.linalg.norm(hold.position - (aim.centre - self._offset))) > _GONE:
+        if length(hold.position - (aim.centre - self._offset)) > _GONE:
             self._open(now)
             return
         low = thing.shape.handle[2]
@@ -66,13 +68,13 @@ class AirCarrier(AirPerson):
         """Movement (2,) m to the side, and turn, of the own end."""
         goal = self._goal(sight)
         assert isinstance(thing.shape, Tray)
-        along = np.array([np.cos(goal.yaw), np.sin(goal.yaw)])
-        side = np.sign((hold.position - thing.position)[:2] @ along)
+        along = np.array([cos(goal.yaw), sin(goal.yaw)])
+        side = np.sign(small_product((hold.position - thing.position)[:2], along))
         place = np.asarray(goal.position[:2]) + side * thing.shape.grip * along
         off = _FELT * (place - hold.position[:2])
         turn = _FELT * float((goal.yaw - thing.yaw + np.pi) % (2 * np.pi) - np.pi)
-        steps = max(float(np.linalg.norm(off)) / _STEP, abs(turn) / _STEP_TURN, 1.0)
-        if float(np.linalg.norm(off)) < _FELT * _IN_PLACE:
+        steps = max(length(off) / _STEP, abs(turn) / _STEP_TURN, 1.0)
+        if length(off) < _FELT * _IN_PLACE:
             off = np.zeros(2)
         return off / steps, turn / steps if abs(turn) > _FELT * _STRAIGHT else 0.0
 

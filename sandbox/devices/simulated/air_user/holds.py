@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import cos, sin
 
 import numpy as np
 
 from models.arithmetic.arrays import Array
+from models.arithmetic.products import length, small_product
 from models.errors import InputError
 from models.objects import Box, SceneObject, Tray, Wrench
 from tasks.goals import flat_yaw
@@ -73,12 +75,12 @@ def hold_of(seen: SeenObject, near: Array) -> Hold:
     if isinstance(shape, Box):
         half = shape.half_size[2]
         return Hold(position, yaw, 2.0 * shape.half_size[0], float(position[2]) + half, True)
-    along = np.array([np.cos(seen.yaw), np.sin(seen.yaw), 0.0])
+    along = np.array([cos(seen.yaw), sin(seen.yaw), 0.0])
     across = seen.yaw + np.pi / 2
     if isinstance(shape, Tray):
         along = seen.rotation[:, 0]
         ends = [position + side * shape.grip * along for side in (1.0, -1.0)]
-        place = min(ends, key=lambda e: float(np.linalg.norm(e[:2] - near)))
+        place = min(ends, key=lambda e: length(e[:2] - near))
         _, half_width, half_height = shape.handle
         return Hold(place, across, 2.0 * half_width, float(place[2]) + half_height, False)
     assert isinstance(shape, Wrench)
@@ -103,8 +105,8 @@ def pinch_motion(seen: SeenObject, goal: Goal, pinch: Array) -> tuple[Array, flo
     if isinstance(shape, Wrench) and shape.bolt is not None:
         pivot, off = np.array(shape.bolt_place(pivot, seen.yaw)), np.zeros(2)
         turn = float(np.clip(turn, -_STEP, _STEP))
-    arm, (c, s) = pinch - pivot, (np.cos(turn), np.sin(turn))
-    return off + np.array([[c, -s], [s, c]]) @ arm - arm, turn
+    arm, (c, s) = pinch - pivot, (cos(turn), sin(turn))
+    return off + small_product(np.array([[c, -s], [s, c]]), arm) - arm, turn
 
 
 def stays_down(shape: SceneObject) -> bool:
@@ -116,13 +118,13 @@ def at_goal(seen: SeenObject, goal: Goal) -> bool:
     """True if an object is at its goal, within what the user can see."""
     off, turn = remaining_motion(seen, goal)
     if isinstance(seen.shape, Wrench):
-        near = seen.shape.bolt is not None or float(np.linalg.norm(off)) < 0.006
+        near = seen.shape.bolt is not None or length(off) < 0.006
         return near and abs(turn) < np.deg2rad(4.0)
     height = abs(float(seen.position[2]) - goal.position[2])
     if goal.on is not None:
         assert isinstance(seen.shape, Box)
-        return bool(np.linalg.norm(off) < 0.4 * seen.shape.half_size[0] and height < 0.004)
-    return bool(np.linalg.norm(off) < 0.008 and height < 0.004 and abs(turn) < np.deg2rad(8.0))
+        return bool(length(off) < 0.4 * seen.shape.half_size[0] and height < 0.004)
+    return bool(length(off) < 0.008 and height < 0.004 and abs(turn) < np.deg2rad(8.0))
 
 
 def quarter_turn(angle: float) -> float:

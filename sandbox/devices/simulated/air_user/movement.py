@@ -7,6 +7,7 @@ from math import exp, log2
 import numpy as np
 
 from models.arithmetic.arrays import Array
+from models.arithmetic.products import length
 from sandbox.devices.simulated.air_user.body import Pinch
 from tasks.user import UserConfiguration
 
@@ -44,14 +45,12 @@ class HandMovement:
         self._from = self._at(now)
         to = aim.vector
         way = to - self._from
-        length = float(
-            np.linalg.norm(way[:3]) + _ARM * abs(way[3]) + abs(way[4]) / 2 + np.abs(way[5:]).max()
-        )
+        far = float(length(way[:3]) + _ARM * abs(way[3]) + abs(way[4]) / 2 + np.abs(way[5:]).max())
         # A movement misses its aim by an error in proportion to its length.
-        to[:3] += self._c.end_noise * np.linalg.norm(way[:3]) * self._rng.standard_normal(3) / 1.7
+        to[:3] += self._c.end_noise * length(way[:3]) * self._rng.standard_normal(3) / 1.7
         to[3] += self._c.end_noise * way[3] * self._rng.standard_normal()
-        time = self._c.movement_base + self._c.movement_slope * log2(max(length / 0.002, 1.0))
-        time = slowness * max(time, _PEAK * length / self._c.peak_speed)
+        time = self._c.movement_base + self._c.movement_slope * log2(max(far / 0.002, 1.0))
+        time = slowness * max(time, _PEAK * far / self._c.peak_speed)
         self._to, self._begin, self._end = to, now, now + time
         return self._end
 

@@ -14,6 +14,7 @@ from enum import Enum, auto
 import numpy as np
 
 from models.arithmetic.arrays import Array
+from models.arithmetic.products import length, small_product, squared_lengths
 from sandbox.devices.simulated.air_user.body import AXIS, PINCHING, STRETCHED, Body, Pinch
 from sandbox.devices.simulated.air_user.holds import (
     Hold,
@@ -245,7 +246,7 @@ class AirPerson:
             self._open(now)
             return
         off, turn = remaining_motion(thing, goal)
-        near = float(np.linalg.norm(off)) < habits.placed and abs(turn) < habits.straight
+        near = length(off) < habits.placed and abs(turn) < habits.straight
         if near or self._tries >= habits.looks:
             self._tries, self._stage = 0, Stage.LOWERED
             self._lower(sight, now)
@@ -262,8 +263,8 @@ class AirPerson:
             return False
         thumb, fingers = _pads(sight)
         gap, way = (fingers - thumb)[:2], (hold.position - thumb)[:2]
-        share = float(way @ gap) / max(float(gap @ gap), 1e-9)
-        aside = float(np.linalg.norm(way - share * gap))
+        share = float(small_product(way, gap)) / max(float(small_product(gap, gap)), 1e-9)
+        aside = length(way - share * gap)
         return not 0.0 < share < 1.0 or aside > _ASIDE
 
     def _lower(self, sight: Sight, now: float) -> None:
@@ -292,8 +293,8 @@ class AirPerson:
         aim = self._movement.aim
         rotation = aim.rotation
         ideal = replace(aim, centre=wanted).tips()
-        error = (ideal - np.array([sight.tips[f] for f in PINCHING])) @ rotation
-        before, self._off = self._off, float(np.linalg.norm(error, axis=1).max())
+        error = small_product(ideal - np.array([sight.tips[f] for f in PINCHING]), rotation)
+        before, self._off = self._off, float(np.sqrt(squared_lengths(error)).max())
         # A drawn hand that does not follow is held up by something: pushing on does not help.
         stuck = (
             self._tries > 1
@@ -306,7 +307,7 @@ class AirPerson:
         error *= self.habits.share
         common = (error[0] + error[1:].mean(axis=0)) / 2.0
         bent = np.clip(aim.bent + error - common, -0.03, 0.03)
-        centre = aim.centre + rotation @ common
+        centre = aim.centre + small_product(rotation, common)
         self._go(replace(aim, centre=centre, bent=bent), self._stage, now)
         return True
 
@@ -368,7 +369,7 @@ class AirPerson:
         thumb, fingers = _pads(sight)
         pinch = (thumb + fingers) / 2.0
         turn = replace(self._movement.aim, yaw=yaw - self._movement.aim.yaw).rotation
-        return np.array([turn @ (sight.tips[f] - pinch) for f in STRETCHED])
+        return np.array([small_product(turn, sight.tips[f] - pinch) for f in STRETCHED])
 
 
 def _pads(sight: Sight) -> tuple[Array, Array]:
