@@ -27,7 +27,7 @@ from sandbox.study.record.folder import participants_of, read_study_json
 from sandbox.study.record.journal import read_journal
 from sandbox.study.record.state import SessionState
 from sandbox.study.share.privacy_records import PersonMasking, anonymous_line
-from sandbox.study.tables.frames import read_measures
+from sandbox.study.tables.measures_file import read_measures
 from tests.support.json_values import VALUES, damaged
 
 

@@ -50,7 +50,11 @@ def report(options: ReportOptions, console: Console) -> int:
     with console.status("") as status:
         out = options.out or options.folder / "report"
         page = make_report(
-            options.folder, out, options.measure, lambda text: status.update(f"[dim]{text}[/]")
+            options.folder,
+            out,
+            options.measure,
+            lambda text: status.update(f"[dim]{text}[/]"),
+            lambda text: console.print(f"[yellow]{escape(text)}[/]"),
         )
     console.print(f"{escape(str(page))}: open it in a browser; tables and analysis.R are beside it")
     return 0

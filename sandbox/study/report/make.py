@@ -17,6 +17,7 @@ def make_report(
     out: Path,
     measures: Sequence[str] = (),
     say: Callable[[str], object] = lambda text: None,
+    note: Callable[[str], object] = lambda text: None,
 ) -> Path:
     """Creates a report.
 
@@ -25,6 +26,7 @@ def make_report(
         out: Folder of the report, created if needed.
         measures: Names of measures to compare besides time and success.
         say: Callback for progress messages.
+        note: Callback for lines that the reader of the report must know.
 
     Returns:
         Path of the page.
@@ -42,6 +44,8 @@ def make_report(
 
     say("reading the tables")
     data = load_study(folder)
+    for line in data.kept:
+        note(line)
     say(f"models of {len(data.used)} trials of {len(data.ppids)} participants")
     analysis = analyse(data, measures)
     make_folder(out)

@@ -20,6 +20,7 @@ from sandbox.study.design.plan import (
     Step,
     TrialStep,
 )
+from sandbox.study.measures.kept import kept_lines
 from sandbox.study.record.pack import pack
 from sandbox.study.record.session_folder import SessionFolder
 from sandbox.study.run.answers import Draft
@@ -277,15 +278,20 @@ class SessionRunner:
         """Builds the tables of the session and the study, and missing tables of trials."""
         session = self.session
         trackers = session.path / "trackers"
+        differs = []
         try:
             for attempts in session.state.attempts.values():
                 for attempt in attempts:
                     recording = session.path / attempt.start["file"]
                     if attempt.end is None:
                         continue
-                    for notice in complete_tables(recording, trackers):
+                    rebuilt = complete_tables(recording, trackers)
+                    for notice in rebuilt.notices:
                         self.say(notice)
+                    differs.append(rebuilt.differs)
                     pack(recording)
+            for line in kept_lines(differs):
+                self.say(line)
             rebuild_session(session, say=self.say)
             self._study_tables.update()
         except InputError as error:

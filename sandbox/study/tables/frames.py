@@ -5,27 +5,30 @@ They are built while the trial runs, and from its recording if they are missing 
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
+from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from models.errors import StudyError
+from models.errors import RecordingError
 from models.frames import FINGERS, TouchFrame
-from models.json_input import decoded_record, read_bytes
 from models.pose import POSE_SIZE
 from models.rotations import matrix_to_quaternion
 from models.skeleton import ADULT
 from sandbox.recording.recording import load_recording
 from sandbox.study.measures.columns import SECOND, Columns
-from sandbox.study.measures.compute import VERSION, measure_result, measure_trial
 from sandbox.study.measures.object_contacts import ContactReader, ContactSample, ObjectPushes
-from sandbox.study.measures.registry import measures
 from sandbox.study.record.files import write_atomically
 from sandbox.study.tables.frame_columns import frame_column
+from sandbox.study.tables.measures_file import (
+    keep_measures,
+    measures_are_complete,
+    measures_were_kept,
+    write_measures,
+)
 from sandbox.trial.result import TrialResult
 from tasks.goals import flat_yaw
 
@@ -36,8 +39,8 @@ if TYPE_CHECKING:
     from sandbox.trial.driver import View
     from tasks.task import Goal
 
-REASONS = "reasons"
-"""Key in a file of measures: the reasons why cells are empty, by measure."""
+SAME_MACHINE = "the program or the recording's settings (MuJoCo, architecture and libm are equal)"
+"""What differs if states differ where equal states are promised."""
 POSE_COLUMNS = tuple(
     f"q_{name}_{axis}"
     for name in ("position", "rotation", *(b.name for b in ADULT.bones))
@@ -248,122 +251,85 @@ def _yaw(rotation: Any) -> float:
     return float(np.arctan2(rotation[1, 0], rotation[0, 0]))
 
 
-def write_measures(
-    folder: Path, stem: str, table: Columns, result: TrialResult, truth: str
-) -> list[str]:
-    """Writes the measures of a trial, and the reasons why some are empty.
-
-    Args:
-        folder: Folder of the tables.
-        stem: Name of the trial's recording without suffix.
-        table: The 60 Hz table of the trial.
-        result: The trial's result.
-        truth: Source of the true fingers; empty if they are unknown.
-
-    Returns:
-        A line for every failed measure.
-
-    Raises:
-        StudyError: The file cannot be written.
-    """
-    measured, at_end = measure_trial(table, result, truth), measure_result(result)
-    values = {
-        "version": VERSION,
-        "truth": truth,
-        **measured.values,
-        REASONS: {**measured.reasons, **at_end.reasons},
-    }
-    data = json.dumps(values, indent=1).encode() + b"\n"
-    write_atomically(folder / f"measures_{stem}.json", data, durable=False)
-    return [*measured.notices, *at_end.notices]
-
-
-def read_measures(folder: Path, stem: str) -> dict[str, Any]:
-    """Reads the measures of a trial; empty if they are missing or from another version."""
-    values = _stored_measures(folder, stem)
-    return {name: value for name, value in values.items() if name not in ("truth", REASONS)}
-
-
-def _stored_measures(folder: Path, stem: str) -> dict[str, Any]:
-    path, what = folder / f"measures_{stem}.json", "the measures cannot be read"
-    try:
-        data = read_bytes(path, StudyError, what=what)
-        values = decoded_record(data, StudyError, what=what, where=str(path))
-    except StudyError:
-        return {}
-    if values.pop("version", None) != VERSION:
-        return {}
-    return values
-
-
 def tables_are_missing(folder: Path, stem: str) -> bool:
     """Returns True if the tables of a trial must be built from its recording."""
     # The CSV of the frames is written last.
-    lacks = not (folder / f"frames_{stem}.csv.gz").exists() or not read_measures(folder, stem)
-    return lacks or (
-        find_spec("pyarrow") is not None and not (folder / f"frames_{stem}.parquet").exists()
+    lacks = not (folder / f"frames_{stem}.csv.gz").exists()
+    return (
+        lacks
+        or not measures_are_complete(folder, stem)
+        or (find_spec("pyarrow") is not None and not (folder / f"frames_{stem}.parquet").exists())
     )
 
 
-def complete_tables(recording: Path, folder: Path) -> list[str]:
-    """Builds the tables and measures of a trial that are missing.
+@dataclass(frozen=True)
+class Rebuilt:
+    """What came of building the tables of a trial again.
 
-    Tables are built by replaying the recording. A measure that was added to the program later is
-    computed from the existing table.
+    Attributes:
+        notices: A line for every failed measure.
+        differs: What differs here, if the replayed states were not the recorded ones; empty if they
+            were, or if nothing was to be built.
+    """
 
-    Args:
-        recording: Recording of a finished trial.
-        folder: Folder of the tables.
+    notices: tuple[str, ...] = ()
+    differs: str = ""
 
-    Returns:
-        A line for every failed measure.
 
-    Raises:
-        InputError: The recording cannot be replayed here, or a file cannot be written.
+def complete_tables(recording: Path, folder: Path) -> Rebuilt:
+    """Builds the tables and measures of a trial that are missing; see `rebuild_tables`.
+
+    Nothing is replayed where all are there, or where a replay here has differed before.
     """
     stem = recording.stem
-    if tables_are_missing(folder, stem):
-        return rebuild_tables(recording, folder)
-    stored = _stored_measures(folder, stem)
-    if all(m.name in stored for m in measures() if m.of_trial is not None):
-        return []
-    loaded = load_recording(recording)
-    if loaded.end is None:
-        return []
-    table = Columns.read((folder / f"frames_{stem}.csv.gz").read_bytes())
-    result = TrialResult.from_json(loaded.end["result"], str(recording))
-    return write_measures(folder, stem, table, result, str(stored["truth"]))
+    if not tables_are_missing(folder, stem) or measures_were_kept(folder, stem):
+        return Rebuilt()
+    return rebuild_tables(recording, folder)
 
 
-def rebuild_tables(recording: Path, folder: Path) -> list[str]:
-    """Builds the tables of a trial by replaying its recording.
+def rebuild_tables(recording: Path, folder: Path) -> Rebuilt:
+    """Builds the tables and measures of a trial by replaying its recording.
+
+    Everything is written anew where the replay gives every recorded state. Elsewhere tables and
+    measures that are there stay. A missing measure is empty, with the reason; a missing 60 Hz table
+    is built from the recorded poses, without contacts.
 
     Args:
         recording: Recording of a finished trial.
         folder: Folder of the tables.
 
-    Returns:
-        A line for every failed measure.
-
     Raises:
-        InputError: The recording cannot be replayed here, or a file cannot be written.
+        StudyError: A file cannot be written.
     """
     from sandbox.trial.replay import replay
 
-    table, loaded = FrameTable(), load_recording(recording)
+    table, stem = FrameTable(), recording.stem
 
     def views(session: Session) -> list[View]:
         table.watch(session)
         return [table.show]
 
-    _, verification = replay(loaded, views)
-    if verification.shown_recorded and not verification.exact:
-        table.forget_contacts()
-    result = TrialResult.from_json(loaded.end["result"], str(recording)) if loaded.end else None
+    try:
+        loaded = load_recording(recording)
+        _, verification = replay(loaded, views)
+    except RecordingError as error:
+        # Not where it lies: names of folders may be names of people, and tables are shared.
+        differs = error.what if error.got is None else f"{error.what} (got {error.got})"
+        keep_measures(folder, stem, differs, compared=False)
+        return Rebuilt(differs=differs)
+    end = loaded.end
+    result = TrialResult.from_json(end["result"], str(recording)) if end else None
     if result is not None:
         table.truths = [dict(result.fingers or ()), dict(result.second_fingers or ())]
         table.truth_by = result.fingers_by or ""
-    return table.write(folder, recording.stem, result)
+    if verification.exact and verification.complete:
+        return Rebuilt(tuple(table.write(folder, stem, result)))
+    differs = "; ".join(verification.differs_in) or SAME_MACHINE
+    if verification.shown_recorded and not (folder / f"frames_{stem}.csv.gz").exists():
+        table.forget_contacts()
+        table.write(folder, stem)
+    keep_measures(folder, stem, differs, compared=True)
+    return Rebuilt(differs=differs)
 
 
 def _parquet(table: dict[str, Any]) -> bytes:

@@ -10,11 +10,12 @@ from typing import Any
 from sandbox.recording.recording_file import stored
 from sandbox.study.design.design import Design
 from sandbox.study.measures.compute import measure_result, measure_trials
+from sandbox.study.measures.kept import DIFFERS
 from sandbox.study.measures.registry import find_measure, measure_columns, measures
 from sandbox.study.record.state import Attempt, SessionState
 from sandbox.study.tables.column import Column, Row, factor_columns
 from sandbox.study.tables.exclusions import exclude_person, excluded_by_rule
-from sandbox.study.tables.frames import read_measures
+from sandbox.study.tables.measures_file import read_measures
 from sandbox.trial.result import KeptIn, fields, kept_fields
 
 UXF = (
@@ -74,6 +75,14 @@ FILES = (
         "touches_location_0", "", "file of all touches: one row for each contact at each moment"
     ),
 )
+REPLAYS = (
+    Column(
+        DIFFERS,
+        "",
+        "empty, or what differed where the trial was last replayed and its states were not the "
+        "recorded ones: its measures are those of before, and measures that were added are empty",
+    ),
+)
 FILE_NAMES = tuple(column.name for column in FILES)
 RESULT = tuple(
     Column(name, fields()[name].unit, fields()[name].meaning) for name in kept_fields(KeptIn.TABLE)
@@ -90,6 +99,7 @@ def trial_columns(design: Design) -> list[Column]:
         *factor_columns(design),
         *(Column(c.name, c.unit, meaning_of(c)) for c in RESULT),
         *(Column(m.name, m.unit, m.meaning) for m in measured),
+        *REPLAYS,
         *FILES,
     ]
 

@@ -16,6 +16,7 @@ from msgspec import Struct
 
 from models.errors import StudyError
 from models.json_input import decoded, read_bytes
+from sandbox.study.measures.kept import DIFFERS, kept_lines
 
 if TYPE_CHECKING:
     from pandas import DataFrame, Series
@@ -99,6 +100,12 @@ class StudyData:
     def ppids(self) -> list[str]:
         """Participants with used trials, in order of first appearance."""
         return list(dict.fromkeys(self.used["ppid"]))
+
+    @property
+    def kept(self) -> list[str]:
+        """One line for every cause for which measures of counted trials were kept as recorded."""
+        counted = self.trials[self.trials["counted"] == 1]
+        return kept_lines(counted.get(DIFFERS, ()))
 
     def factor(self, name: str) -> ObservedFactor:
         """Finds a factor by its name."""
