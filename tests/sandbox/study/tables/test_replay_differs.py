@@ -22,8 +22,8 @@ from sandbox.study.tables.frames import complete_tables, rebuild_tables
 from tests.support.study_files import DESIGN, open_study, rows_of
 
 SHORT = DESIGN.replace(
-    "repetitions = 2\npractice = 1\n", "repetitions = 1\npractice = 0\n"
-).replace('practice_each = "contact"\n', "")
+    'repetitions = 2\npractice = 1\npractice_each = "contact"\n', "repetitions = 1\npractice = 0\n"
+)
 ADDED = TrialMeasure(
     "palm_top_m",
     "m",
