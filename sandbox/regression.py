@@ -19,7 +19,7 @@ from encoders.regression.trained import TrainedModel, save_model
 from models.errors import InputError
 from sandbox.regress import statistics
 from sandbox.regress.baseline import Baseline, load_baseline
-from sandbox.regress.execute import Processes, Serial
+from sandbox.regress.execute import CRASHED, Processes, Serial
 from sandbox.regress.plan import RegressionPlan, differing, find_tasks, parse_seeds
 from sandbox.regress.report import Report, make_report
 from tasks.task import Task
@@ -54,6 +54,7 @@ class Regression:
         at_least: float | None = None,
         exact: bool = False,
         across_encoders: bool = False,
+        allow_crashes: int = 0,
         **scene: Any,
     ) -> Report:
         """Runs the trials.
@@ -67,13 +68,14 @@ class Regression:
             at_least: Success rate 0 to 1; fewer successes than chance explains fail the test.
             exact: States must be equal where machine and libraries are the baseline's.
             across_encoders: The baseline may be another encoder's.
+            allow_crashes: Number of trials that may crash; more fail the test.
             scene: Options of `sandbox run` with underscores: `fingers=5`, `bare=True`.
 
         Returns:
             The report, for assertions of one's own.
 
         Raises:
-            AssertionError: A loss beyond chance.
+            AssertionError: A loss beyond chance, or trials that crashed.
             InputError: What is asked for cannot be run or compared.
         """
         plan = RegressionPlan(
@@ -89,7 +91,7 @@ class Regression:
             old = old or Baseline(report.configuration, {}, self.folder / baseline)
             old.updated(report.configuration, plan.versions(), trials).save()
         else:
-            report = make_report(plan, trials, old, exact, across_encoders)
+            report = make_report(plan, trials, old, exact, across_encoders, allow_crashes)
         _assert(report, at_least)
         return report
 
@@ -145,7 +147,10 @@ def _assert(report: Report, at_least: float | None) -> None:
         return
     lost = {(name, seed) for name, c in report.comparisons.items() for seed in c.lost}
     failed = [t for task in report.tasks for t in task.failed]
-    failed.sort(key=lambda t: (t["task"], t["seed"]) not in lost)
+    crashed = report.crashes.too_many
+    failed.sort(
+        key=lambda t: (not (crashed and t["status"] == CRASHED), (t["task"], t["seed"]) not in lost)
+    )
     lines = [f"seed {t['seed']}: {t['reason']}\n  {report.command(t)}" for t in failed[:MOST_NAMED]]
     raise AssertionError("\n".join([*reasons, *lines]))
 

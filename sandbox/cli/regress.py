@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Sequence
-from contextlib import suppress
+from collections.abc import Iterator, Sequence
+from contextlib import closing, contextmanager, suppress
 from dataclasses import asdict, dataclass, fields
+from functools import partial
 from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING, Annotated, Any, Literal
@@ -17,7 +18,7 @@ from rich.markup import escape
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
 from models.errors import InputError
-from sandbox.cli.common.json_out import check_output
+from sandbox.cli.common.json_out import TERMINAL, check_output
 from sandbox.cli.common.parse import parse, with_one_line_errors
 from sandbox.regress.breaking_off import BreakOff
 
@@ -27,9 +28,7 @@ if TYPE_CHECKING:
     from sandbox.regress.plan import RegressionPlan
     from sandbox.regress.report import Report
     from sandbox.regress.sweep import Runner
-
-STOPPED = 130
-"""Exit status of a run that somebody broke off, as shells have it."""
+    from sandbox.regress.trials_file import TrialsFile
 
 
 @dataclass(frozen=True)
@@ -41,11 +40,16 @@ class RegressOptions:
     `--impulse safe`.
 
     Exit status 1: a loss beyond chance (exact one-sided McNemar test over paired seeds, alpha 0.05,
-    Holm over tasks), or with --exact another state on the same machine and libraries.
+    Holm over tasks), more crashed trials than --allow-crashes permits, or with --exact another
+    state on the same machine and libraries. 130: stopped by Ctrl-C, 143: by SIGTERM.
+
+    With --json or --junit every trial is written as it ends, to FILE.trials.jsonl beside the
+    report. If the run is stopped or killed, the same command with --resume goes on from there.
 
     Try:
 
         sandbox regress --seeds 0:20 --json report.json
+        sandbox regress --seeds 0:20 --json report.json --resume
         sandbox regress --baseline base.json --update-baseline
         sandbox regress --baseline base.json
         sandbox regress --tasks box-to-goal --seeds 0:30 --vary size latency=50,100
@@ -102,6 +106,14 @@ class RegressOptions:
     record: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
     """Keeps a recording of every trial that fails in a new or empty folder."""
 
+    resume: tyro.conf.FlagCreatePairsOff[bool] = False
+    """Goes on from the trials of a run that was stopped or killed: only seeds that are missing or
+    crashed are run. Give the same command again; other settings, seeds or versions are refused."""
+
+    allow_crashes: Annotated[int, tyro.conf.arg(metavar="N")] = 0
+    """How many trials of the whole run may crash: their code raises an error, or their process or
+    machine is lost. Each counts as a failure."""
+
 
 def main(argv: list[str]) -> int:
     """Runs `sandbox regress ...`."""
@@ -120,31 +132,41 @@ def main(argv: list[str]) -> int:
     console = Console(stderr=quiet)
     console = Console(stderr=quiet, width=max(console.width, 100))
     executor = _executor(options)
-    if options.vary:
-        done = run_vary(options, plan, executor, lambda p: _run(p, executor), console)
-        return 0 if done else STOPPED
     loaded, old = _baselines(options, plan, console)
-    if options.record is not None:
+    if options.record is not None and not options.resume:
         _empty_folder(options.record)
-    began = perf_counter()
-    trials = _run(plan, executor)
-    wall_s = perf_counter() - began
-    report = make_report(plan, trials, old, options.exact, options.across_encoders)
-    show(report, console)
-    if options.json is not None:
-        ran = {"executor": executor.name, "workers": options.workers, "wall_s": round(wall_s, 3)}
-        text = json.dumps({**report.as_json(), **ran}, indent=1, allow_nan=False)
-        if quiet:
-            print(text)
+    with _kept(options, plan, console) as kept, BreakOff() as wish:
+        began = perf_counter()
+        run = partial(_run, executor=executor, wish=wish, kept=kept)
+        if options.vary:
+            passed = run_vary(options, plan, executor, run, console)
         else:
-            write_whole(options.json, text + "\n", "--json")
-    if options.junit is not None:
-        save_junit(report, options.junit)
-    if options.update_baseline:
-        _update(options, plan, report, loaded, console)
-    if not report.complete:
-        return STOPPED
-    return 0 if report.passed or options.update_baseline else 1
+            trials = run(plan)
+            wall_s = perf_counter() - began
+            report = make_report(
+                plan, trials, old, options.exact, options.across_encoders, options.allow_crashes
+            )
+            show(report, console)
+            if options.json is not None:
+                ran = {"executor": executor.name, "workers": options.workers}
+                values = {**report.as_json(), **ran, "wall_s": round(wall_s, 3)}
+                text = json.dumps(values, indent=1, allow_nan=False)
+                if quiet:
+                    print(text)
+                else:
+                    write_whole(options.json, text + "\n", "--json")
+            if options.junit is not None:
+                save_junit(report, options.junit)
+            passed = report.passed if report.complete else None
+            if options.update_baseline:
+                passed = _update(options, plan, report, loaded, console)
+        if passed is None:
+            return wish.status
+        if not passed and kept is not None and kept.has_crashes:
+            console.print("the same command with --resume runs the crashed trials again")
+        if kept is not None:
+            kept.finish()
+    return 0 if passed else 1
 
 
 def parse_known(argv: list[str]) -> tuple[RegressOptions, list[str]]:
@@ -186,6 +208,10 @@ def _check(options: RegressOptions) -> None:
         raise InputError("no task is named", where="--tasks", remedy="Leave it out, or name one")
     if options.workers < 1:
         raise InputError("nobody works", where="--workers", got=options.workers, expected="1 ...")
+    if options.allow_crashes < 0:
+        raise InputError(
+            "fewer than none", where="--allow-crashes", got=options.allow_crashes, expected="0 ..."
+        )
     if options.baseline is None:
         for name in ("update_baseline", "exact", "across_encoders"):
             if getattr(options, name):
@@ -251,10 +277,52 @@ def _baselines(
     return loaded, loaded
 
 
-def _run(plan: RegressionPlan, executor: Executor) -> list[Trial]:
-    """The trials; those that are done where somebody breaks off."""
+@contextmanager
+def _kept(
+    options: RegressOptions, plan: RegressionPlan, console: Console
+) -> Iterator[TrialsFile | None]:
+    """The file of trials beside the report; None where no report is written."""
+    from sandbox.regress.trials_file import TrialsFile, identity, trials_path
+
+    outputs = (p for p in (options.json, options.junit) if p not in (None, TERMINAL))
+    output = next((p for p in outputs if p is not None and (p.is_file() or not p.exists())), None)
+    if output is None:
+        if options.resume:
+            raise InputError(
+                "there is nothing to go on from",
+                where="--resume",
+                expected="the --json FILE of the run, beside which its trials are",
+                remedy="Give the same command as that run",
+            )
+        yield None
+        return
+    path = trials_path(output)
+    with TrialsFile(path, identity(plan, options.vary), options.resume) as kept:
+        if kept.set_aside is not None:
+            console.print(
+                f"[yellow]an earlier run did not finish: its trials are in "
+                f"{escape(str(kept.set_aside))}; --resume would have gone on from them[/]",
+                soft_wrap=True,
+            )
+        if options.resume:
+            crashed = len(kept.crashed_before)
+            again = f"; {crashed} more crashed and are run again" if crashed else ""
+            console.print(
+                f"{len(kept.trials) - crashed} trials have ended before, in "
+                f"{escape(str(path))}{again}",
+                soft_wrap=True,
+            )
+        yield kept
+
+
+def _run(
+    plan: RegressionPlan, executor: Executor, wish: BreakOff, kept: TrialsFile | None
+) -> list[Trial]:
+    """The trials, those of a resumed run among them; fewer where somebody breaks off."""
+    trials = kept.ended(plan) if kept is not None else []
+    ended = {(t["task"], t["seed"]) for t in trials}
     jobs = plan.jobs()
-    trials: list[Trial] = []
+    missing = [job for job in jobs if (job.name, job.seed) not in ended]
     screen = Console(stderr=True)
     progress = Progress(
         TextColumn("{task.description}"),
@@ -265,14 +333,22 @@ def _run(plan: RegressionPlan, executor: Executor) -> list[Trial]:
         transient=True,
         disable=not screen.is_terminal,
     )
-    with BreakOff() as wish, suppress(KeyboardInterrupt), progress:
-        bar = progress.add_task("running", total=len(jobs))
-        for trial in executor.run(jobs, lambda: wish.asked):
-            trials.append(trial)
-            won = sum(t["success"] for t in trials)
-            progress.update(bar, advance=1, description=f"{won} of {len(trials)} succeeded")
+    with suppress(KeyboardInterrupt), progress:
+        bar = progress.add_task("running", total=len(jobs), completed=len(trials))
+        with wish.while_running(), closing(executor.run(missing, lambda: wish.asked)) as running:
+            for trial in running if missing else ():
+                if kept is not None:
+                    kept.append(plan, trial)
+                trials.append(trial)
+                won = sum(t["success"] for t in trials)
+                progress.update(bar, advance=1, description=f"{won} of {len(trials)} succeeded")
     if len(trials) < len(jobs):
-        screen.print(f"[yellow]stopped after {len(trials)} of {len(jobs)} trials[/]")
+        by = f" by {wish.name}" if wish.name else ""
+        rest = "; the same command with --resume runs the rest" if kept is not None else ""
+        screen.print(
+            f"[yellow]stopped after {len(trials)} of {len(jobs)} trials{by}{rest}[/]",
+            soft_wrap=True,
+        )
     return trials
 
 
@@ -282,19 +358,24 @@ def _update(
     report: Report,
     old: Baseline | None,
     console: Console,
-) -> None:
+) -> bool | None:
+    """Whether the baseline was made; None where the run broke off."""
     from sandbox.regress.baseline import Baseline
 
     assert options.baseline is not None
     if not report.complete:
         console.print("[yellow]the baseline stays as it is: the run broke off[/]")
-        return
+        return None
+    if report.crashes.trials:
+        console.print("[bold red]no baseline is made from a run with trials that crashed[/]")
+        return False
     old = old or Baseline(report.configuration, {}, options.baseline)
     new = old.updated(report.configuration, plan.versions(), report.trials)
     new.save()
     kept = [name for name in new.tasks if name not in plan.names]
     also = f", as they were: {', '.join(kept)}" if kept else ""
     console.print(f"baseline {options.baseline}: {len(report.trials)} trials{also}")
+    return True
 
 
 WITHOUT = ("baseline", "junit", "record", "update_baseline", "exact", "across_encoders")
@@ -333,8 +414,8 @@ def run_vary(
     executor: Executor,
     run: Runner,
     console: Console,
-) -> bool:
-    """Runs, prints, draws and writes; whether nobody broke off.
+) -> bool | None:
+    """Runs, prints, draws and writes; whether few enough trials crashed, None if it broke off.
 
     Args:
         options: Checked.
@@ -344,6 +425,7 @@ def run_vary(
         console: For people.
     """
     from sandbox.regress.baseline import write_whole
+    from sandbox.regress.show import show_crashes
     from sandbox.regress.show_sweep import show_sweep
     from sandbox.regress.sweep import parse_wanted, sweep
 
@@ -351,9 +433,15 @@ def run_vary(
     result = sweep(plan, parse_wanted(options.vary), run)
     wall_s = perf_counter() - began
     show_sweep(result, console)
+    crashes = result.crashes(options.allow_crashes)
+    show_crashes(crashes, console)
+    if crashes.trials:
+        colour = "bold red" if crashes.too_many else "yellow"
+        console.print(f"[{colour}]{escape(crashes.verdict())}[/]", soft_wrap=True)
     if options.json is not None:
         ran: dict[str, Any] = {"executor": executor.name, "workers": options.workers}
-        report = {**result.as_json(), **ran, "wall_s": round(wall_s, 3)}
+        report = {**result.as_json(), "crashes": crashes.as_json(), **ran}
+        report["wall_s"] = round(wall_s, 3)
         text = json.dumps(report, indent=1, allow_nan=False)
         if options.json == Path("-"):
             print(text)
@@ -363,4 +451,4 @@ def run_vary(
         from sandbox.figures.variation import draw, save_plot
 
         save_plot(draw(result), options.plot)
-    return result.complete
+    return not crashes.too_many if result.complete else None

@@ -3,16 +3,25 @@
 from __future__ import annotations
 
 import os
+import signal
 import socket
-from collections.abc import Iterator, Sequence
+import threading
+from collections.abc import Sequence
+from time import monotonic
 from typing import Any
 
 from models.errors import HandSandboxError, InputError
-from sandbox.regress.execute import HEARD_WITHIN, Stopped, Trial, attempt, crashed, never
+from sandbox.regress.breaking_off import SIGNALS
+from sandbox.regress.execute import HEARD_WITHIN, Stopped, Trial, Trials, attempt, crashed, never
 from sandbox.regress.plan import TrialJob
 
 CONNECT_TIMEOUT = 5.0
 """s to wait for a cluster's answer."""
+LOST_AFTER = 300.0
+"""s without any core in the cluster after which its trials are given up; a cluster that replaces a
+lost machine by itself does so within minutes."""
+LOOK_EVERY = 1.0
+"""s between two looks at the cluster's cores, while no trial ends."""
 
 
 def need_ray() -> Any:
@@ -42,6 +51,9 @@ class Cluster:
     Ray opens ports that the network can reach, and whoever reaches them may run code: not for
     machines without a firewall.
 
+    A trial whose worker or machine is lost is reported with its seed, and the run goes on with the
+    machines that are left.
+
     Args:
         workers: Number of workers of a Ray started here; a cluster uses all its workers.
         address: Address of a running cluster, such as `ray://host:10001` or `auto`; None starts Ray
@@ -54,28 +66,41 @@ class Cluster:
         self._ray = need_ray()
         self.workers, self.address = workers, address
 
-    def run(self, jobs: Sequence[TrialJob], stopped: Stopped = never) -> Iterator[Trial]:
+    def run(self, jobs: Sequence[TrialJob], stopped: Stopped = never) -> Trials:
         """The trials as they end."""
         ray = self._ray
         self._connect()
         try:
             remote = ray.remote(num_cpus=1, max_retries=0)(attempt)
             pending = {remote.remote(job): job for job in jobs}
+            cores = _Cores(ray)
             while pending and not stopped():
                 done, _ = ray.wait(list(pending), num_returns=1, timeout=HEARD_WITHIN)
-                if not done:
-                    continue
-                ready = done[0]
-                job = pending.pop(ready)
-                try:
-                    trial = ray.get(ready)
-                except ray.exceptions.RayError as error:
-                    trial = crashed(job, f"{type(error).__name__}: {str(error).splitlines()[0]}")
-                if isinstance(trial, HandSandboxError):
-                    raise trial
-                yield trial
+                for ready in done:
+                    yield self._trial(ready, pending.pop(ready))
+                if not done and cores.lost():
+                    for job in pending.values():
+                        yield crashed(job, "no machine of the cluster is left to run it")
+                    return
+        except ConnectionError as error:
+            raise InputError(
+                "the cluster is gone",
+                where="--executor ray",
+                got=_first_line(error),
+                remedy="Start it again; --resume then runs the trials that are left",
+            ) from None
         finally:
             ray.shutdown()
+
+    def _trial(self, ready: Any, job: TrialJob) -> Trial:
+        try:
+            trial = self._ray.get(ready)
+        except self._ray.exceptions.RayError as error:
+            return crashed(job, f"{type(error).__name__}: {_first_line(error)}")
+        if isinstance(trial, HandSandboxError):
+            raise trial
+        found: Trial = trial
+        return found
 
     def _connect(self) -> None:
         options: dict[str, Any] = {"log_to_driver": False, "logging_level": "ERROR"}
@@ -83,6 +108,8 @@ class Cluster:
             options |= {"num_cpus": self.workers, "include_dashboard": False}
         else:
             options["address"] = _reachable(self.address)
+        # Ray takes signals for itself, and ends this process by them.
+        ours = {number: signal.getsignal(number) for number in SIGNALS}
         try:
             self._ray.init(**options)
         except (ConnectionError, ValueError, RuntimeError) as error:
@@ -92,6 +119,35 @@ class Cluster:
                 got=str(error).partition("\n")[0],
                 expected="such as auto or ray://host:10001",
             ) from None
+        finally:
+            if threading.current_thread() is threading.main_thread():
+                for number, how in ours.items():
+                    signal.signal(number, how)
+
+
+class _Cores:
+    """Notices that a cluster has had no core for long, after it had some."""
+
+    def __init__(self, ray: Any) -> None:
+        self._ray = ray
+        self._looked = 0.0
+        self._since: float | None = None
+        self._seen = False
+
+    def lost(self) -> bool:
+        now = monotonic()
+        if now - self._looked < LOOK_EVERY:
+            return False
+        self._looked = now
+        if self._ray.cluster_resources().get("CPU", 0.0) >= 1.0:
+            self._seen, self._since = True, None
+        elif self._seen and self._since is None:
+            self._since = now
+        return self._since is not None and now - self._since > LOST_AFTER
+
+
+def _first_line(error: Exception) -> str:
+    return next(iter(str(error).splitlines()), "")
 
 
 def _reachable(address: str) -> str:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import multiprocessing
 import signal
 import traceback
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Generator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from multiprocessing.connection import Connection, wait
@@ -19,6 +19,7 @@ from tempfile import gettempdir
 from typing import Any, Protocol
 
 from models.errors import HandSandboxError, InputError
+from sandbox.regress.breaking_off import SIGNALS
 from sandbox.regress.plan import TrialJob, registered
 from sandbox.trial.assembly import load_encoder
 from sandbox.trial.headless import run_trial
@@ -31,6 +32,9 @@ Trial = dict[str, Any]
 CRASHED = "crashed"
 """Status of a trial that has no result: its process died, or its code raised an error."""
 
+
+Trials = Generator[Trial, None, None]
+"""Trials as they end; closing it stops the work."""
 
 Stopped = Callable[[], bool]
 
@@ -48,7 +52,7 @@ class Executor(Protocol):
 
     name: str
 
-    def run(self, jobs: Sequence[TrialJob], stopped: Stopped = never) -> Iterator[Trial]:
+    def run(self, jobs: Sequence[TrialJob], stopped: Stopped = never) -> Trials:
         """Yields the trials; closing the generator stops the work.
 
         Args:
@@ -64,6 +68,9 @@ class Executor(Protocol):
 def run_job(job: TrialJob) -> Trial:
     """One trial, from its settings to its result."""
     recording = job.recording
+    if recording is not None:
+        # A run that was killed left a part of it.
+        recording.unlink(missing_ok=True)
     with registered(job.own_task):
         planned = job.planned()
         result = run_trial(
@@ -74,7 +81,7 @@ def run_job(job: TrialJob) -> Trial:
             dump=Path(gettempdir()),
         )
     if recording is not None and result.success:
-        recording.unlink()
+        recording.unlink(missing_ok=True)
     return {**result.kept_in(KeptIn.REGRESS), "fingerprint": result.fingerprint}
 
 
@@ -88,7 +95,7 @@ def crashed(job: TrialJob, why: str) -> Trial:
         **dict.fromkeys(("success", "instant", "held", "final"), False),
         "status": CRASHED,
         "progress": 0.0,
-        "reason": why,
+        "reason": " ".join(why.split()),
         "state_hash": "",
         "fingerprint": "",
     }
@@ -100,7 +107,7 @@ def attempt(job: TrialJob) -> Trial | HandSandboxError:
         return run_job(job)
     except HandSandboxError as error:
         return error
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         return crashed(job, _last_line(error))
 
 
@@ -110,7 +117,7 @@ class Serial:
 
     name: str = "serial"
 
-    def run(self, jobs: Sequence[TrialJob], stopped: Stopped = never) -> Iterator[Trial]:
+    def run(self, jobs: Sequence[TrialJob], stopped: Stopped = never) -> Trials:
         """The trials in order."""
         for job in jobs:
             if stopped():
@@ -129,7 +136,7 @@ class Processes:
     """Runs trials in a given number of processes, each with one trial at a time.
 
     If a process dies, its trial is lost and reported with its seed, and another process replaces
-    it. The processes ignore Ctrl-C and end with this process.
+    it. The processes ignore Ctrl-C and SIGTERM, which this process heeds, and end with it.
     """
 
     name = "processes"
@@ -138,7 +145,7 @@ class Processes:
         self.workers = workers
         self._context = multiprocessing.get_context("spawn")
 
-    def run(self, jobs: Sequence[TrialJob], stopped: Stopped = never) -> Iterator[Trial]:
+    def run(self, jobs: Sequence[TrialJob], stopped: Stopped = never) -> Trials:
         """The trials as they end."""
         for name in {str(job.scene.get("encoder", RunSettings.encoder)) for job in jobs}:
             # An encoder that has to be trained is trained here, once, and not in every process.
@@ -158,9 +165,12 @@ class Processes:
                         trial = worker.line.recv()
                     except (EOFError, OSError):
                         worker.process.join()
-                        trial = crashed(job, _death(worker.process.exitcode))
                         workers.remove(worker)
                         worker.line.close()
+                        if stopped():
+                            # The signal that stops the run came before the worker could ignore it.
+                            continue
+                        trial = crashed(job, _death(worker.process.exitcode))
                         if waiting:
                             worker = self._start()
                             workers.append(worker)
@@ -171,7 +181,7 @@ class Processes:
         finally:
             for worker in workers:
                 worker.line.close()
-                worker.process.terminate()
+                worker.process.kill()
             for worker in workers:
                 worker.process.join()
 
@@ -194,23 +204,27 @@ def _give(worker: _Worker, waiting: list[TrialJob]) -> None:
 
 def _work(line: Connection) -> None:
     """A worker's life: a job, its result, and the next, until the line is closed."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    while True:
-        try:
-            job = line.recv()
-        except EOFError:
-            return
-        except Exception as error:
-            # A task's class is sent by name, and its module has to be found here.
-            line.send(
-                InputError(
-                    "a worker cannot load its trial",
-                    got=_last_line(error),
-                    remedy="Run it serially, or put its module on the path",
-                )
-            )
-            continue
-        line.send(attempt(job))
+    for number in SIGNALS:
+        signal.signal(number, signal.SIG_IGN)
+    # The line breaks if the process at its other end is killed; then nobody waits for a result.
+    with suppress(EOFError, ConnectionError):
+        while True:
+            line.send(_answer(line))
+
+
+def _answer(line: Connection) -> Trial | HandSandboxError:
+    try:
+        job = line.recv()
+    except (EOFError, ConnectionError):
+        raise
+    except Exception as error:
+        # A task's class is sent by name, and its module has to be found here.
+        return InputError(
+            "a worker cannot load its trial",
+            got=_last_line(error),
+            remedy="Run it serially, or put its module on the path",
+        )
+    return attempt(job)
 
 
 def _sound(found: Trial | HandSandboxError) -> Trial:
@@ -226,6 +240,6 @@ def _death(code: int | None) -> str:
     return f"its process ended with status {code}"
 
 
-def _last_line(error: Exception) -> str:
+def _last_line(error: BaseException) -> str:
     place = traceback.extract_tb(error.__traceback__)[-1]
     return f"{type(error).__name__}: {error} ({place.filename}:{place.lineno})"

@@ -1,4 +1,4 @@
-"""The report as JUnit's XML, which CI servers draw: one test for every task."""
+"""The report as JUnit's XML, which CI servers draw: one test for every task and crashed trial."""
 
 from __future__ import annotations
 
@@ -14,7 +14,11 @@ _ILLEGAL = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
 
 def junit(report: Report) -> str:
-    """XML with a test for every task; its output names failed seeds and how to see them again."""
+    """XML with a test for every task and for every trial that crashed.
+
+    A task's output names failed seeds and how to see them again. A crashed trial is an error, or
+    skipped where it is allowed.
+    """
     suite = ElementTree.Element("testsuite", name="sandbox regress")
     failures = 0
     for task in report.tasks:
@@ -32,10 +36,24 @@ def junit(report: Report) -> str:
         if not report.complete:
             ElementTree.SubElement(case, "skipped", message="the run broke off: nothing is judged")
         ElementTree.SubElement(case, "system-out").text = _text(_failed(report, task))
-    suite.set("tests", str(len(report.tasks)))
+    crashes = report.crashes
+    for trial in crashes.trials:
+        name = f"{trial['task']} seed {trial['seed']}"
+        case = ElementTree.SubElement(
+            suite, "testcase", classname="sandbox.regress.crashed", name=_text(name)
+        )
+        if crashes.too_many:
+            error = ElementTree.SubElement(case, "error", message=_text(trial["reason"]))
+            error.text = _text(report.command(trial))
+        else:
+            allowed = f"--allow-crashes {crashes.allowed}: {trial['reason']}"
+            ElementTree.SubElement(case, "skipped", message=_text(allowed))
+    crashed = len(crashes.trials)
+    skipped = (0 if report.complete else len(report.tasks)) + crashed * (not crashes.too_many)
+    suite.set("tests", str(len(report.tasks) + crashed))
     suite.set("failures", str(failures))
-    suite.set("errors", "0")
-    suite.set("skipped", str(0 if report.complete else len(report.tasks)))
+    suite.set("errors", str(crashed if crashes.too_many else 0))
+    suite.set("skipped", str(skipped))
     suites = ElementTree.Element("testsuites")
     suites.append(suite)
     ElementTree.indent(suites)

@@ -47,6 +47,11 @@ class TaskResult:
         return [t for t in self.trials if not t["success"]]
 
     @property
+    def crashed(self) -> list[Trial]:
+        """Trials that have no result."""
+        return [t for t in self.trials if t["status"] == CRASHED]
+
+    @property
     def progress(self) -> float | None:
         """Mean progress at the trials' ends."""
         return fmean(t["progress"] for t in self.trials) if self.trials else None
@@ -68,7 +73,7 @@ class TaskResult:
             "wilson_high": high,
             "progress": self.progress,
             "time_s": self.time_s,
-            "crashed": [t["seed"] for t in self.trials if t["status"] == CRASHED],
+            "crashed": [t["seed"] for t in self.crashed],
         }
 
 
@@ -80,6 +85,7 @@ class Comparison:
         both, lost, won, neither: Seeds that succeeded in both, before only, now only, in none.
         changed: Seeds with different states although machine and libraries are the same.
         same_machine: Number of pairs with the same machine and libraries.
+        crashed: Number of pairs whose trial crashed now.
         p: P value of the exact one-sided McNemar test.
         p_holm: The p value, adjusted for all tasks of the run.
         progress: Mean progress now minus mean progress before.
@@ -91,6 +97,7 @@ class Comparison:
     neither: list[int] = field(default_factory=list)
     changed: list[int] = field(default_factory=list)
     same_machine: int = 0
+    crashed: int = 0
     p: float = 1.0
     p_holm: float = 1.0
     progress: float = 0.0
@@ -127,6 +134,43 @@ class Comparison:
 
 
 @dataclass(frozen=True)
+class Crashes:
+    """Trials without a result: their code raised an error, or their process or machine was lost.
+
+    Attributes:
+        trials: The trials.
+        allowed: How many the run may have.
+    """
+
+    trials: Sequence[Trial]
+    allowed: int = 0
+
+    @property
+    def too_many(self) -> bool:
+        """True if the run fails by them."""
+        return len(self.trials) > self.allowed
+
+    def verdict(self) -> str:
+        """One line; empty if no trial crashed."""
+        n = len(self.trials)
+        if not n:
+            return ""
+        crashed = f"{n} trial{'s' if n > 1 else ''} crashed"
+        if self.too_many:
+            return f"{crashed}, and --allow-crashes permits {self.allowed or 'none'}"
+        return f"{crashed}; --allow-crashes permits {self.allowed}, and each counts as a failure"
+
+    def as_json(self) -> dict[str, Any]:
+        """Each with its seed and error."""
+        names = ("task", "seed", "reason")
+        return {
+            "count": len(self.trials),
+            "allowed": self.allowed,
+            "trials": [{name: t[name] for name in names} for t in self.trials],
+        }
+
+
+@dataclass(frozen=True)
 class Report:
     """A run and its comparison with a baseline.
 
@@ -138,6 +182,7 @@ class Report:
         comparisons: Comparisons by task, for those in the baseline.
         notes: Notes for the reader.
         reasons: Reasons why the gate does not hold; empty if it does.
+        allow_crashes: Number of trials that may crash.
     """
 
     plan: RegressionPlan
@@ -147,6 +192,12 @@ class Report:
     comparisons: dict[str, Comparison]
     notes: tuple[str, ...]
     reasons: tuple[str, ...]
+    allow_crashes: int = 0
+
+    @property
+    def crashes(self) -> Crashes:
+        """Trials that crashed, and how many may."""
+        return Crashes([t for task in self.tasks for t in task.crashed], self.allow_crashes)
 
     @property
     def trials(self) -> list[Trial]:
@@ -197,6 +248,7 @@ class Report:
             "notes": list(self.notes),
             "configuration": {**self.configuration, "seeds": list(self.plan.seeds)},
             "noise_floor": self.noise_floor(),
+            "crashes": self.crashes.as_json(),
             "tasks": tasks,
             "trials": self.trials,
         }
@@ -208,6 +260,7 @@ def make_report(
     baseline: Baseline | None = None,
     exact: bool = False,
     across_encoders: bool = False,
+    allow_crashes: int = 0,
 ) -> Report:
     """Sorts the trials of a run and compares them with a baseline.
 
@@ -217,6 +270,7 @@ def make_report(
         baseline: The baseline.
         exact: True requires equal states if machine and libraries are equal.
         across_encoders: True allows a baseline of another encoder.
+        allow_crashes: Number of trials of the whole run that may crash.
 
     Raises:
         InputError: The baseline cannot be compared with this run.
@@ -254,7 +308,19 @@ def make_report(
             verdicts, said = _exact(comparisons)
             notes += said
             reasons += verdicts if complete else []
-    return Report(plan, configuration, tasks, complete, comparisons, tuple(notes), tuple(reasons))
+    crashes = Crashes([t for task in tasks for t in task.crashed], allow_crashes)
+    if crashes.trials:
+        (reasons if complete and crashes.too_many else notes).append(crashes.verdict())
+    return Report(
+        plan,
+        configuration,
+        tasks,
+        complete,
+        comparisons,
+        tuple(notes),
+        tuple(reasons),
+        allow_crashes,
+    )
 
 
 def _compare(tasks: Sequence[TaskResult], baseline: Baseline) -> dict[str, Comparison]:
@@ -274,7 +340,7 @@ def _compare(tasks: Sequence[TaskResult], baseline: Baseline) -> dict[str, Compa
 
 def _pairs(task: TaskResult, kept: KeptTask) -> Comparison:
     c = Comparison()
-    same, changes = 0, []
+    same, crashed, changes = 0, 0, []
     for trial in task.trials:
         seed = trial["seed"]
         before = kept.trials.get(seed)
@@ -283,12 +349,13 @@ def _pairs(task: TaskResult, kept: KeptTask) -> Comparison:
         kinds = {(True, True): c.both, (True, False): c.lost, (False, True): c.won}
         kinds.get((before.success, trial["success"]), c.neither).append(seed)
         changes.append(trial["progress"] - before.progress)
+        crashed += trial["status"] == CRASHED
         if kept.fingerprint and trial["fingerprint"] == kept.fingerprint:
             same += 1
             if trial["state_hash"] != before.state_hash:
                 c.changed.append(seed)
     progress = fmean(changes) if changes else 0.0
-    return Comparison(**{**vars(c), "same_machine": same, "progress": progress})
+    return Comparison(**{**vars(c), "same_machine": same, "crashed": crashed, "progress": progress})
 
 
 def _exact(comparisons: dict[str, Comparison]) -> tuple[list[str], list[str]]:
@@ -302,9 +369,10 @@ def _exact(comparisons: dict[str, Comparison]) -> tuple[list[str], list[str]]:
             )
         elif c.same_machine:
             notes.append(f"{name}: states of {c.same_machine} trials equal to the bit")
-        if c.same_machine < c.pairs:
+        elsewhere = c.pairs - c.same_machine - c.crashed
+        if elsewhere:
             notes.append(
-                f"{name}: {c.pairs - c.same_machine} of {c.pairs} trials ran on another kind of "
+                f"{name}: {elsewhere} of {c.pairs} trials ran on another kind of "
                 "machine or other libraries than the baseline's, where states may differ: only "
                 "their success is compared"
             )

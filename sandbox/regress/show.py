@@ -8,7 +8,7 @@ from rich.table import Table
 
 from sandbox.regress import statistics
 from sandbox.regress.execute import CRASHED
-from sandbox.regress.report import Comparison, Report
+from sandbox.regress.report import Comparison, Crashes, Report
 
 MOST_FAILED = 20
 """Lines of failed trials; the JSON has all of them."""
@@ -109,14 +109,23 @@ def _noise_floor_to_come(report: Report, console: Console) -> None:
 
 
 def _failed(report: Report, console: Console) -> None:
+    show_crashes(report.crashes, console)
     failed = [t for task in report.tasks for t in task.failed]
     lost = {(name, s) for name, c in report.comparisons.items() for s in c.lost}
     # What was lost is what somebody looks for.
     failed.sort(key=lambda t: (t["task"], t["seed"]) not in lost)
     for trial in failed[:MOST_FAILED]:
         mark = "[red]lost[/] " if (trial["task"], trial["seed"]) in lost else ""
-        line = f"{trial['task']} seed {trial['seed']}: {trial['status']}, {trial['reason']}"
+        why = "" if trial["status"] == CRASHED else f", {trial['reason']}"
+        line = f"{trial['task']} seed {trial['seed']}: {trial['status']}{why}"
         console.print(f"{mark}{escape(line)}", soft_wrap=True)
         console.print(f"  {escape(report.command(trial))}", soft_wrap=True)
     if len(failed) > MOST_FAILED:
         console.print(f"... and {len(failed) - MOST_FAILED} more failed trials, see --json")
+
+
+def show_crashes(crashes: Crashes, console: Console) -> None:
+    """Prints a line for every trial that crashed, with its seed and error."""
+    for trial in crashes.trials:
+        name = escape(f"{trial['task']} seed {trial['seed']}")
+        console.print(f"[red]crashed[/] {name}: {escape(trial['reason'])}", soft_wrap=True)

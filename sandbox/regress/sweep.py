@@ -16,7 +16,7 @@ from sandbox.options.variations import Kind, find_kind, parse_value
 from sandbox.regress import statistics
 from sandbox.regress.execute import Trial
 from sandbox.regress.plan import RegressionPlan
-from sandbox.regress.report import TaskResult
+from sandbox.regress.report import Crashes, TaskResult
 
 SCHEMA = 1
 """Version of the report's JSON."""
@@ -165,6 +165,11 @@ class Sweep:
     def command(self, curve: Curve, point: Point, seed: int) -> str:
         """One line that runs a trial again."""
         return varied(self.plan, curve.kind, point.value).command(curve.task, seed)
+
+    def crashes(self, allowed: int) -> Crashes:
+        """Trials that crashed, each once."""
+        points = {id(p.result): p for curve in self.curves for p in curve.points}
+        return Crashes([t for p in points.values() for t in p.result.crashed], allowed)
 
     def as_json(self) -> dict[str, Any]:
         """With every trial; `configuration` is that of the trials with nothing varied."""

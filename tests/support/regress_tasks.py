@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import os
 import signal
+import sys
+import time
+from pathlib import Path
 from typing import ClassVar
 
 from tasks.box_to_goal import BoxToGoal
@@ -69,4 +72,45 @@ class Stopping(Quick):
     def measure(self, sensing: Sensing) -> Measure:
         if self.seed == 2:
             signal.raise_signal(signal.SIGINT)
+        return super().measure(sensing)
+
+
+class StoppingOnce(Quick):
+    """Somebody presses Ctrl-C twice during the first seed 2."""
+
+    name: ClassVar[str] = "stopping"
+    pressed: ClassVar[int] = 0
+
+    def measure(self, sensing: Sensing) -> Measure:
+        if self.seed == 2 and StoppingOnce.pressed < 2:
+            StoppingOnce.pressed += 1
+            signal.raise_signal(signal.SIGINT)
+        return super().measure(sensing)
+
+
+class Exiting(Quick):
+    """Seed 1 ends the program, and says that all is well."""
+
+    name: ClassVar[str] = "exiting"
+
+    def measure(self, sensing: Sensing) -> Measure:
+        if self.seed == 1:
+            sys.exit(0)
+        return super().measure(sensing)
+
+
+HELD = "HAND_SANDBOX_TEST_HELD"
+"""Environment variable with a folder; while it has a file `hold`, seeds from 4 on wait."""
+
+
+class Held(Quick):
+    """Seeds from 4 on say in the folder which process runs them, and wait."""
+
+    name: ClassVar[str] = "held"
+
+    def measure(self, sensing: Sensing) -> Measure:
+        if self.seed >= 4 and (folder := os.environ.get(HELD)):
+            Path(folder, f"{self.seed}.pid").write_text(str(os.getpid()))
+            while Path(folder, "hold").exists():
+                time.sleep(0.01)
         return super().measure(sensing)

@@ -1,0 +1,117 @@
+"""A trial that crashed fails a regression run, unless so many may crash."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from xml.etree import ElementTree
+
+import pytest
+
+from models.errors import InputError
+from sandbox.cli.main import main
+from sandbox.regress.execute import CRASHED, Processes, Serial
+from sandbox.regress.plan import RegressionPlan, registered
+from sandbox.regression import Regression
+from tests.support.regress_tasks import Exiting, Quick, Raising
+
+
+def regress(task: type[Quick], *words: str | Path) -> int:
+    more = ["--tasks", task.name, "--seeds", "0:12", "--executor", "serial", *map(str, words)]
+    with registered(task):
+        return main(["regress", *more])
+
+
+def suite(path: Path) -> ElementTree.Element:
+    return ElementTree.parse(path).getroot()[0]
+
+
+def test_one_crash_among_twelve_fails_the_run_and_is_named_with_its_error(tmp_path, capsys):
+    out, xml = tmp_path / "out.json", tmp_path / "out.xml"
+    assert regress(Raising, "--json", out, "--junit", xml) == 1
+    shown = capsys.readouterr().out
+    named = [line for line in shown.splitlines() if line.startswith("crashed ")]
+    assert len(named) == 1
+    assert named[0].startswith("crashed raising seed 1: ZeroDivisionError: a lab's own bug (")
+    assert "1 trial crashed, and --allow-crashes permits none" in shown
+    assert "--resume runs the crashed trials again" in shown
+    found = json.loads(out.read_text())
+    assert found["complete"] and found["passed"] is False
+    assert (found["crashes"]["count"], found["crashes"]["allowed"]) == (1, 0)
+    assert found["crashes"]["trials"][0]["seed"] == 1
+    counts = {name: suite(xml).get(name) for name in ("tests", "errors", "failures", "skipped")}
+    assert counts == {"tests": "2", "errors": "1", "failures": "0", "skipped": "0"}
+    error = suite(xml).find("testcase[@name='raising seed 1']/error")
+    assert error is not None and "a lab's own bug" in error.get("message", "")
+
+
+def test_as_many_crashes_as_are_allowed_pass_and_the_report_says_so(tmp_path, capsys):
+    out, xml = tmp_path / "out.json", tmp_path / "out.xml"
+    assert regress(Raising, "--allow-crashes", "1", "--json", out, "--junit", xml) == 0
+    shown = capsys.readouterr().out
+    assert "1 trial crashed; --allow-crashes permits 1" in shown
+    assert "crashed raising seed 1: ZeroDivisionError" in shown
+    found = json.loads(out.read_text())
+    assert found["passed"] and found["crashes"]["count"] == found["crashes"]["allowed"] == 1
+    assert "--allow-crashes permits 1" in found["notes"][0]
+    assert suite(xml).get("errors") == "0" and suite(xml).get("skipped") == "1"
+    skipped = suite(xml).find("testcase[@name='raising seed 1']/skipped")
+    assert skipped is not None and "--allow-crashes 1" in skipped.get("message", "")
+
+
+def test_a_run_without_crashes_has_none_to_tell_of(tmp_path, capsys):
+    out, xml = tmp_path / "out.json", tmp_path / "out.xml"
+    assert regress(Quick, "--allow-crashes", "3", "--json", out, "--junit", xml) == 0
+    assert "--allow-crashes" not in capsys.readouterr().out
+    assert json.loads(out.read_text())["crashes"] == {"count": 0, "allowed": 3, "trials": []}
+    assert suite(xml).get("tests") == "1" and suite(xml).get("errors") == "0"
+
+
+def test_no_baseline_is_made_from_crashes_even_if_they_are_allowed(tmp_path, capsys):
+    base = tmp_path / "base.json"
+    for allowed in ("0", "1"):
+        words = ("--baseline", base, "--update-baseline", "--allow-crashes", allowed)
+        assert regress(Raising, *words) == 1
+        assert "no baseline is made" in capsys.readouterr().out
+    assert not base.exists()
+
+
+def test_a_crash_is_no_state_of_another_machine(tmp_path, capsys):
+    base, out = tmp_path / "base.json", tmp_path / "out.json"
+    assert regress(Quick, "--baseline", base, "--update-baseline") == 0
+    base.write_text(base.read_text().replace('"quick"', '"raising"'))
+    capsys.readouterr()
+    assert regress(Raising, "--baseline", base, "--exact", "--json", out) == 1
+    shown = capsys.readouterr().out
+    assert "states of 11 trials equal to the bit" in shown and "another kind" not in shown
+    assert json.loads(out.read_text())["tasks"]["raising"]["baseline"]["lost"] == [1]
+
+
+@pytest.mark.parametrize("executor", [Serial(), Processes(1)])
+def test_a_trial_that_ends_the_program_is_a_crash(executor):
+    trials = list(executor.run(RegressionPlan((Exiting,), (1, 4)).jobs()))
+    assert [t["status"] == CRASHED for t in trials] == [True, False]
+    assert "SystemExit" in trials[0]["reason"]
+
+
+def test_a_varied_run_fails_by_crashes_and_may_be_allowed_some(tmp_path, capsys):
+    out = tmp_path / "out.json"
+    words = ("--seeds", "0:3", "--vary", "mass=2", "start=5", "--json", out)
+    assert regress(Raising, *words) == 1
+    assert "3 trials crashed, and --allow-crashes permits none" in capsys.readouterr().out
+    assert json.loads(out.read_text())["crashes"]["count"] == 3
+    assert regress(Raising, *words, "--allow-crashes", "3") == 0
+
+
+def test_a_lab_s_own_test_fails_by_a_crash_and_may_allow_it(tmp_path):
+    regression = Regression(tmp_path, tmp_path)
+    with pytest.raises(AssertionError, match=r"1 trial crashed(.|\n)*seed 1: ZeroDivisionError"):
+        regression(Raising, "0:2")
+    assert len(regression(Raising, "0:2", allow_crashes=1).crashes.trials) == 1
+
+
+def test_fewer_crashes_than_none_are_refused(capsys):
+    assert regress(Quick, "--allow-crashes", "-1") == 2
+    assert "--allow-crashes" in capsys.readouterr().err
+    with pytest.raises(InputError, match="no such option"):
+        RegressionPlan((Quick,), (0,), {"allow_crashes": 1})
