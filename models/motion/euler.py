@@ -29,12 +29,18 @@ def angles_of(rotations: Array, order: str) -> Array:
     cosine = np.hypot(rotations[..., a, a], rotations[..., a, b])
     middle = np.arctan2(sine, cosine)
     first = np.arctan2(-sign * rotations[..., b, c], rotations[..., c, c])
-    last = np.arctan2(-sign * rotations[..., a, b], rotations[..., a, a])
     pole = cosine < POLE
     if np.any(pole):
         # With gamma = 0 the rest of the matrix is a turn about the first axis.
         alone = np.arctan2(sign * rotations[..., c, b], rotations[..., b, b])
-        first, last = np.where(pole, alone, first), np.where(pole, 0.0, last)
+        first = np.where(pole, alone, first)
+    # Near a pole, rounding errors in the matrix change the first angle much. The last one is what
+    # remains once the first is turned back, and so makes up for them.
+    sine_a, cosine_a = sign * np.sin(first), np.cos(first)
+    last = np.arctan2(
+        sign * (cosine_a * rotations[..., b, a] + sine_a * rotations[..., c, a]),
+        cosine_a * rotations[..., b, b] + sine_a * rotations[..., c, b],
+    )
     return np.stack([first, middle, last], axis=-1)
 
 
@@ -93,8 +99,8 @@ class ContinuousEuler:
         a, b, _ = ("XYZ".index(letter) for letter in self.order)
         parity = 1.0 if (b - a) % 3 == 1 else -1.0
         share = np.sign(raw[..., 1]) * parity
-        out = np.stack([raw[..., 0] - share * before[..., 2], raw[..., 1], before[..., 2]], axis=-1)
-        return _nearest(out, before)
+        first = raw[..., 0] + share * (raw[..., 2] - before[..., 2])
+        return _nearest(np.stack([first, raw[..., 1], before[..., 2]], axis=-1), before)
 
 
 def _nearest(angles: Array, before: Array) -> Array:

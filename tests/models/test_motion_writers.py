@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 from scipy.spatial.transform import Rotation
@@ -200,6 +200,52 @@ def test_at_a_pole_itself_angles_stay_near_and_mean_the_same(order, sign):
         rotations_of_angles(angles, order.lower(), fixed=False), turn, atol=1e-7
     )
     assert np.abs(angles[0, 2] - 0.6) < 1e-7
+
+
+turns_of_outer_axes = st.floats(-2 * np.pi, 2 * np.pi) | st.sampled_from(
+    [k * np.pi / 2 for k in range(-4, 5)]
+)
+
+
+def about(axis, sine, cosine):
+    """Matrix of a turn about an axis of the world: 0 is X, 1 is Y, 2 is Z."""
+    turn, (j, k) = np.eye(3), ((axis + 1) % 3, (axis + 2) % 3)
+    turn[j, j] = turn[k, k] = cosine
+    turn[k, j], turn[j, k] = sine, -sine
+    return turn
+
+
+def turned_by(order, first, middle, last):
+    """Matrix of three turns; the middle one as its sine and cosine, which may be exactly 0."""
+    a, b, c = ("XYZ".index(letter) for letter in order)
+    outer = about(a, np.sin(first), np.cos(first)), about(c, np.sin(last), np.cos(last))
+    return outer[0] @ about(b, *middle) @ outer[1]
+
+
+@given(
+    order=st.sampled_from(ORDERS),
+    first=turns_of_outer_axes,
+    last=turns_of_outer_axes,
+    cosine=st.just(0.0) | st.floats(-17, -2).map(lambda power: 10**power),
+    signs=st.tuples(st.sampled_from((1, -1)), st.sampled_from((1, -1))),
+    before=st.tuples(*[st.floats(-10, 10)] * 3),
+    errors=hnp.arrays(float, (3, 3), elements=st.floats(-1e-8, 1e-8)),
+)
+@example("XYZ", 0.5, 1.0, 1e-7, (1, 1), (0.1, 0.2, 0.3), np.zeros((3, 3)))
+@example("ZXY", 0.5, 1.0, 2e-7, (-1, 1), (0.1, 0.2, 0.3), np.array([[1e-8, -1e-8, 1e-8]] * 3))
+def test_angles_give_back_the_turn_at_and_near_a_pole(
+    order, first, last, cosine, signs, before, errors
+):
+    middle = signs[0] * np.sqrt(1 - cosine**2), signs[1] * cosine
+    turn = turned_by(order, first, middle, last)
+    previous = turned_by(order, before[0], (np.sin(before[1]), np.cos(before[1])), before[2])
+    for matrix in (turn, turn + errors):
+        # Below POLE the middle angle is the pole's own: 2e-7 in an element.
+        alone = angles_of(matrix, order)
+        following = ContinuousEuler(order).angles(np.stack([previous, matrix])[:, None])[1, 0]
+        for a, b, c in (alone, following):
+            again = turned_by(order, a, (np.sin(b), np.cos(b)), c)
+            np.testing.assert_allclose(again, turn, atol=4e-7)
 
 
 def test_the_zero_pose_is_a_hand_with_its_axes_along_the_files():

@@ -126,6 +126,21 @@ def test_turns_survive_matrices_and_angles_however_many_times_round(q, before):
         assert np.abs(np.subtract(angles, before)).sum() <= least + 1e-6
 
 
+@given(
+    st.tuples(*[st.floats(-400, 400)] * 2),
+    st.just(0.0) | st.floats(-17, -2).map(lambda power: 10**power),
+    st.sampled_from((1, -1)),
+    st.tuples(*[st.floats(-1000, 1000)] * 3),
+)
+@example((20.0, 50.0), 1e-7, 1, (30.0, 0.0, 200.0))
+def test_angles_give_back_the_turn_at_and_near_the_pole(outer, off, sign, before):
+    x, z = outer
+    half = np.deg2rad([x, sign * 90.0, z]) / 2 - [0.0, off / 2, 0.0]
+    (sx, sy, sz), (cx, cy, cz) = np.sin(half), np.cos(half)
+    q = product((cz, 0.0, 0.0, sz), product((cy, 0.0, sy, 0.0), (cx, sx, 0.0, 0.0)))
+    assert np.allclose(turned(angles_of(q, before)), rows_of(q), atol=4e-7)
+
+
 @given(unit_vectors, unit_vectors)
 def test_the_turn_between_two_directions_brings_one_to_the_other(a, b):
     a, b = np.array(a[:3]) + 1e-3, np.array(b[:3]) - 1e-3
