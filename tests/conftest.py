@@ -27,6 +27,10 @@ SYSTEM = ROOT / "tests" / "system"
 DATA_ABSENT = "shared data absent"
 NODE_ABSENT = "device node absent"
 MOST_PROCESSES = 4
+LONG = "long"
+"""Hypothesis' profile of `.ci/run --full`."""
+TIMES_LONGER = 10
+"""Factor on a test's number of examples in that profile."""
 # A shell's background job ignores Ctrl-C, and so would every program that a test presses it in.
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
@@ -41,6 +45,13 @@ settings.register_profile(
     deadline=None,
     derandomize=IN_CI,
     suppress_health_check=[HealthCheck.too_slow],
+)
+# Searches long, from the seed that pytest's --hypothesis-seed gives; CONTRIBUTING.md says how.
+settings.register_profile(
+    LONG,
+    settings.get_profile("hand-sandbox"),
+    derandomize=False,
+    print_blob=True,
 )
 settings.load_profile("hand-sandbox")
 
@@ -61,13 +72,28 @@ def pytest_xdist_auto_num_workers(config: pytest.Config) -> int:
     return min(processors, MOST_PROCESSES)
 
 
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Puts tests of browsers, windows and processes first.
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Puts tests of browsers, windows and processes first, and gives examples to a long search.
 
-    They wait, and their files have few tests: one of them at the end would keep one process busy
-    while the others have nothing left to do.
+    Those tests wait, and their files have few tests: one of them at the end would keep one process
+    busy while the others have nothing left to do.
     """
     items.sort(key=lambda item: SYSTEM not in item.path.parents)
+    if config.getoption("hypothesis_profile", None) == LONG:
+        for test in {getattr(item, "function", None) for item in items}:
+            _search_longer(test)
+
+
+def _search_longer(test: object) -> None:
+    """Multiplies the examples of a hypothesis test, also of one that says itself how many.
+
+    Hypothesis has no public way to change the settings of a decorated test;
+    tests/test_long_search.py notices if this one no longer has an effect.
+    """
+    chosen = getattr(test, "_hypothesis_internal_use_settings", None)
+    if chosen is not None:
+        more = settings(chosen, max_examples=TIMES_LONGER * chosen.max_examples)
+        setattr(test, "_hypothesis_internal_use_settings", more)  # noqa: B010
 
 
 def data_folder() -> Path:
