@@ -1,0 +1,106 @@
+"""Replays recordings of another machine here, and measures how far states differ.
+
+    python -m benchmarks.other_machines /tmp/rec --record 8    # on one machine
+    python -m benchmarks.other_machines /tmp/rec               # on the other
+
+The first records trials of the simulated user: every task by touch and in the air over both Leaps,
+N seeds each. The second replays every recording of the folder and prints a table. Poses are kept
+in recordings at a limited resolution, so that even a replay that is equal to the bit stands up to
+0.02 mm and 0.01 degrees from them; what is not more than that is not told apart from zero.
+
+Other values of libm on the same machine: GLIBC_TUNABLES=glibc.cpu.hwcaps=-AVX2,-FMA,-FMA4
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections import defaultdict
+from pathlib import Path
+
+from rich.progress import track
+
+from benchmarks.machine import describe_machine
+from sandbox.recording.recording import Recording, load_recording
+from sandbox.recording.versions import versions
+from sandbox.trial.replay import Verification, replay
+
+DEVICES = ("simulated", "leap-simulated", "leap-simulated:v1")
+COLUMNS = (
+    "task, device, encoder",
+    "recordings",
+    "exact",
+    "agree",
+    "other outcome",
+    "objects mm",
+    "objects degrees",
+    "hands mm",
+    "hands degrees",
+)
+
+
+def record(folder: Path, seeds: int) -> None:
+    """Records trials of the simulated user; those that lie there already stay as they are."""
+    from sandbox.options.scene_options import SceneOptions, plan
+    from sandbox.trial.headless import run_trial
+    from tasks.registry import TASKS
+
+    folder.mkdir(parents=True, exist_ok=True)
+    jobs = [(task, device, seed) for task in TASKS for device in DEVICES for seed in range(seeds)]
+    for task, device, seed in track(jobs, "recording"):
+        file = folder / f"{task}-{device.replace(':', '-')}-{seed}.jsonl"
+        if not file.exists():
+            chosen = plan(SceneOptions(task=task, seed=seed, device=device))
+            run_trial(chosen.settings, chosen.makers, record=file, about=chosen.about)
+
+
+def row(name: str, found: list[Verification]) -> str:
+    """A row of the table: counts, and the largest differences of replays that are not exact."""
+    agreements = [v.agreement for v in found if v.agreement is not None]
+    largest = [
+        max((getattr(a, field) for a in agreements), default=0.0)
+        for field in ("objects_mm", "objects_degrees", "hands_mm", "hands_degrees")
+    ]
+    counts = (
+        len(found),
+        sum(v.exact for v in found),
+        sum(a.holds for a in agreements),
+        sum(a.same_outcome is False for a in agreements),
+    )
+    cells = [name, *map(str, counts), *(f"{value:.3f}" for value in largest)]
+    return f"| {' | '.join(cells)} |"
+
+
+def kind(recording: Recording) -> str:
+    """What recordings are grouped by: task, device and encoder."""
+    header = recording.header
+    return ", ".join((header["settings"]["task"], header["device"], header["encoder"]))
+
+
+def main() -> None:
+    """Records or replays."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("--record", type=int, metavar="N", help="record N seeds of each")
+    options = parser.parse_args()
+    if options.record:
+        record(options.folder, options.record)
+        return
+    found: dict[str, list[Verification]] = defaultdict(list)
+    there: set[str] = set()
+    for file in track(sorted(options.folder.glob("*.jsonl")), "replaying"):
+        recording = load_recording(file)
+        there.add(recording.header["versions"]["libm"])
+        found[kind(recording)].append(replay(recording)[1])
+    print(describe_machine())
+    print(f"libm here: {versions()['libm']}; of the recordings: {'; '.join(sorted(there))}\n")
+    print(f"| {' | '.join(COLUMNS)} |")
+    print(f"|{' --- |' * len(COLUMNS)}")
+    for name in sorted(found):
+        print(row(name, found[name]))
+    print(row("all", [v for group in found.values() for v in group]))
+
+
+if __name__ == "__main__":
+    main()
