@@ -24,7 +24,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from importlib.util import find_spec
 from pathlib import Path
@@ -190,13 +190,13 @@ def kill_once(kind: Kind, run: Run, seeds: int, chance: random.Random) -> None:
     # A run that ended before has status 0.
     assert status in (0, kind.status), (run.folder / "log.txt").read_text()
     in_time = status == kind.status
-    kind.killed += in_time
-    kind.crashed += crashed
-    kind.ended.append(len(trials) - crashed)
     run.start("--resume")
     assert run.end() == 0, (run.folder / "log.txt").read_text()
     found = [t["seed"] for t in run.report()["trials"]]
     expected = reference(seeds)
+    kind.killed += in_time
+    kind.crashed += crashed
+    kind.ended.append(len(trials) - crashed)
     kind.same += in_time and found == list(range(seeds)) and run.report() == expected
     kind.kept += in_time and run.trials.read_bytes().startswith(before)
 
@@ -215,6 +215,18 @@ def reference(seeds: int) -> dict[str, Any]:
     return _REFERENCE[seeds]
 
 
+def one_turn(kind: Kind, seeds: int, chance: random.Random) -> None:
+    """A run in a folder of its own."""
+    with TemporaryDirectory() as folder:
+        if kind.kill is not lose_node:
+            kill_once(kind, Run(Path(folder), seeds, kind.executor), seeds, chance)
+            return
+        with two_nodes() as (cluster, node, address):
+            run = Run(Path(folder), seeds, kind.executor, "--address", address)
+            run.nodes = [cluster, node]
+            kill_once(kind, run, seeds, chance)
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--kills", type=int, default=20, help="of each kind")
@@ -225,21 +237,14 @@ def main() -> None:
     console = Console(width=max(console.width, 140))
     reference(options.seeds)
     tried = [kind for kind in kinds() if options.only in kind.name]
-    for kind in tried:
-        for number in track(range(options.kills), kind.name, console=Console(stderr=True)):
-            chance = random.Random(f"{kind.name} {number}")
-            with TemporaryDirectory() as folder:
-                if kind.kill is lose_node:
-                    with two_nodes() as (cluster, node, address):
-                        run = Run(Path(folder), options.seeds, kind.executor, "--address", address)
-                        run.nodes = [cluster, node]
-                        kill_once(kind, run, options.seeds, chance)
-                else:
-                    run = Run(Path(folder), options.seeds, kind.executor)
-                    kill_once(kind, run, options.seeds, chance)
+    # Kinds take turns, so that what is printed after Ctrl-C is balanced.
+    turns = [(number, kind) for number in range(options.kills) for kind in tried]
+    with suppress(KeyboardInterrupt):
+        for number, kind in track(turns, "killing", console=Console(stderr=True)):
+            one_turn(kind, options.seeds, random.Random(f"{kind.name} {number}"))
     console.print(describe_machine(), highlight=False)
-    table = Table(title=f"{options.kills} runs of each kind, {options.seeds} seeds each")
-    names = ("killed in time", "every seed once, same report", "nothing written is lost")
+    table = Table(title=f"runs of {options.seeds} seeds")
+    names = ("runs", "killed in time", "every seed once, same report", "nothing written is lost")
     for name in ("kind", *names, "ended before (median)", "crashed in all"):
         table.add_column(name, justify="left" if name == "kind" else "right")
     for kind in tried:

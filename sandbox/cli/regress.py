@@ -43,8 +43,8 @@ class RegressOptions:
     Holm over tasks), more crashed trials than --allow-crashes permits, or with --exact another
     state on the same machine and libraries. 130: stopped by Ctrl-C, 143: by SIGTERM.
 
-    With --json or --junit every trial is written as it ends, to FILE.trials.jsonl beside the
-    report. If the run is stopped or killed, the same command with --resume goes on from there.
+    With --json or --junit every trial is written as it ends, to a file beside the report, such as
+    report.trials.jsonl. If the run is stopped or killed, the same command with --resume continues.
 
     Try:
 
@@ -107,7 +107,7 @@ class RegressOptions:
     """Keeps a recording of every trial that fails in a new or empty folder."""
 
     resume: tyro.conf.FlagCreatePairsOff[bool] = False
-    """Goes on from the trials of a run that was stopped or killed: only seeds that are missing or
+    """Continues from the trials of a run that was stopped or killed: only seeds that are missing or
     crashed are run. Give the same command again; other settings, seeds or versions are refused."""
 
     allow_crashes: Annotated[int, tyro.conf.arg(metavar="N")] = 0

@@ -7,7 +7,7 @@ import os
 import signal
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -54,8 +54,8 @@ def uninterrupted(tmp_path_factory) -> dict[str, Any]:
 class Run:
     """A run with two workers, held after four of eight trials; see `Held`."""
 
-    def __init__(self, folder: Path, executor: str = "processes") -> None:
-        self.folder, self.executor = folder, executor
+    def __init__(self, folder: Path, executor: str, *more: str) -> None:
+        self.folder, self.executor, self.more = folder, executor, more
         self.hold = folder / "hold"
         self.hold.touch()
         self.started = self._start(HELD, str(folder))
@@ -82,7 +82,7 @@ class Run:
         command = [sys.executable, "-m", "sandbox.cli.main", "regress", *WORDS, "--workers", "2"]
         out = ["--json", f"{self.folder}/out.json", "--junit", f"{self.folder}/out.xml"]
         return subprocess.Popen(
-            [*command, "--executor", self.executor, *out, *more],
+            [*command, "--executor", self.executor, *self.more, *out, *more],
             cwd=ROOT,
             env={**os.environ, "PYTHONPATH": str(ROOT), **({name: value} if name else {})},
             stdout=subprocess.PIPE,
@@ -123,11 +123,19 @@ def test_a_killed_worker_fails_the_run_and_its_trial_is_run_when_it_is_resumed(r
     assert lines(run.folder)[: len(before)] == before and len(lines(run.folder)) == len(before) + 2
 
 
-@pytest.mark.parametrize("kill", [os.kill, os.killpg])
-def test_sigterm_keeps_what_is_done_and_the_rest_is_run_when_it_is_resumed(
-    run, uninterrupted, kill
-):
-    """Schedulers send it to the first process alone, or to all of them."""
+def test_sigterm_keeps_what_is_done_and_the_rest_is_run_when_it_is_resumed(run, uninterrupted):
+    check_sigterm(run, uninterrupted, os.kill)
+
+
+@pytest.mark.parametrize("run", ["processes"], indirect=True)
+def test_sigterm_to_all_processes_kills_no_worker_before_its_trial_is_given_up(run, uninterrupted):
+    """Some schedulers send it to all; Ray's own processes would end by it."""
+    check_sigterm(run, uninterrupted, os.killpg)
+
+
+def check_sigterm(
+    run: Run, uninterrupted: dict[str, Any], kill: Callable[[int, int], None]
+) -> None:
     kill(run.started.pid, signal.SIGTERM)
     status, _, errors = run.end()
     assert status == 143
@@ -165,8 +173,35 @@ def test_a_run_whose_main_process_is_killed_is_resumed_with_every_seed_once(run,
 def test_two_runs_never_write_the_same_file_of_trials(run):
     before = lines(run.folder)
     other = Run.__new__(Run)
-    other.folder, other.executor = run.folder, "serial"
+    other.folder, other.executor, other.more = run.folder, "serial", ()
     other.started = other._start("", "", "--resume")
     status, _, errors = other.end()
     assert status == 2 and "another run writes its trials here" in errors
     assert errors.count("\n") == 1 and lines(run.folder) == before
+
+
+if HAS_RAY:
+
+    def test_trials_of_a_lost_node_crash_and_are_run_when_it_is_resumed(tmp_path, uninterrupted):
+        from ray.cluster_utils import Cluster
+
+        os.environ[HELD] = str(tmp_path)
+        cluster = Cluster(initialize_head=True, head_node_args={"num_cpus": 1})
+        try:
+            node = cluster.add_node(num_cpus=1)
+            run = Run(tmp_path, "ray", "--address", cluster.address)
+            try:
+                cluster.remove_node(node, allow_graceful=False)
+                until(lambda: len(lines(tmp_path)) == 6)
+                run.hold.unlink()
+                assert run.end()[0] == 1
+                assert table(tmp_path)["crashes"]["count"] == 1
+                status, _, errors = run.resumed()
+                assert status == 0, errors
+                assert table(tmp_path) == uninterrupted
+            finally:
+                run.started.kill()
+                run.started.communicate()
+        finally:
+            del os.environ[HELD]
+            cluster.shutdown()
