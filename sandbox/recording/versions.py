@@ -13,6 +13,7 @@ from functools import cache
 from hashlib import blake2b
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
+from typing import Any
 
 from models.arithmetic.probe import arithmetic_digest, libm_digest
 
@@ -39,9 +40,14 @@ def versions() -> dict[str, str]:
     known["processor"] = _processor()
     known["libm"] = f"{' '.join(platform.libc_ver()) or platform.system()}, {libm_digest()}"
     known["arithmetic"] = arithmetic_digest()
-    text = "\n".join(f"{name}={known[name].rpartition(', ')[2]}" for name in DECISIVE)
+    text = "\n".join(f"{name}={decisive_part(name, known[name])}" for name in DECISIVE)
     known["fingerprint"] = blake2b(text.encode(), digest_size=8).hexdigest()
     return known
+
+
+def decisive_part(name: str, value: Any) -> Any:
+    """The part of a version that decides: of libm the digest, whatever its own version is."""
+    return value.rpartition(", ")[2] if name in DECISIVE and isinstance(value, str) else value
 
 
 def decisive_differences(there: Mapping[str, str]) -> list[str]:
@@ -55,7 +61,7 @@ def decisive_differences(there: Mapping[str, str]) -> list[str]:
     different = [
         f"{words} ({there.get(name, 'unknown')} there, {here[name]} here)"
         for name, words in DECISIVE.items()
-        if there.get(name, "").rpartition(", ")[2] != here[name].rpartition(", ")[2]
+        if decisive_part(name, there.get(name)) != decisive_part(name, here[name])
     ]
     return different or ["the fingerprint, in a way that its parts do not show"]
 

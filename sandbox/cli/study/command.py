@@ -19,7 +19,7 @@ from models.errors import InputError, StudyError
 from sandbox.cli.common.parse import parse
 from sandbox.cli.study import data_commands
 from sandbox.cli.study.report import ReportOptions, report
-from sandbox.cli.study.run import run, sayer
+from sandbox.cli.study.run import run, say_noted, sayer
 from sandbox.cli.study.run_options import StudyRunOptions
 
 if TYPE_CHECKING:
@@ -221,6 +221,7 @@ def _simulate(options: StudySimulateOptions, console: Console) -> int:
 
     design = _load(options.file)
     study = StudyFolder(options.out, design, SIMULATED, options.force_upgrade)
+    say_noted(study, sayer(console))
     count = options.participants or design.participants
     done = simulate(study, count, options.resume, sayer(console))
     console.print(

@@ -27,6 +27,7 @@ from sandbox.cli.study.run_options import (
 from sandbox.views.display import has_display
 
 if TYPE_CHECKING:
+    from sandbox.study.record.folder import StudyFolder
     from sandbox.study.record.session_folder import SessionFolder
     from sandbox.study.run.controls import Controls, Terminal
     from sandbox.study.run.forms import Forms, Poll
@@ -54,6 +55,7 @@ def run(options: StudyRunOptions, console: Console) -> int:
         options.out, design, PILOT if options.pilot else REAL, options.force_upgrade
     )
     say = sayer(console)
+    say_noted(study, say)
     controls = Controls(say)
     terminal = Terminal(controls)
     person = find_participant(options, study, console)
@@ -192,6 +194,12 @@ def _player(
     if options.view == "window":
         player = WindowPlayer("simulated user" if simulated else "")
     return player if page is None else OffPagePlayer(player, page)
+
+
+def say_noted(study: StudyFolder, say: Callable[[str], object]) -> None:
+    """Prints which versions have changed without a need to force an upgrade, if any."""
+    if study.noted:
+        say(f"noted, and no state depends on it: {', '.join(study.noted)}")
 
 
 def sayer(console: Console) -> Callable[[str], object]:

@@ -2,36 +2,83 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from functools import cache
 from hashlib import blake2b
 from pathlib import Path
 from typing import Any
 
+from sandbox.recording.versions import DECISIVE, decisive_part, versions
 from sandbox.study.design.conditions import combinations, run_settings, values_of
 from sandbox.study.design.design import Design
 
-COMPUTES = ("models", "encoders", "tasks", "sandbox", "sandbox/devices", "sandbox/study")
-"""Folders whose modules take part in a trial; views, servers and commands do not."""
-SHALLOW = ("sandbox", "sandbox/devices", "sandbox/study")
-"""Folders of which only the direct files count, without subfolders."""
-LIBRARIES = ("hand-sandbox", "mujoco", "numpy", "scipy", "python")
+COMPUTES = (
+    "models",
+    "models/arithmetic",
+    "encoders",
+    "encoders/labels",
+    "encoders/paalm",
+    "encoders/paalm/simulated",
+    "encoders/person",
+    "encoders/reconstruction",
+    "encoders/regression",
+    "tasks",
+    "tasks/simulated_user",
+    "sandbox/devices",
+    "sandbox/devices/evdev",
+    "sandbox/devices/files",
+    "sandbox/devices/leap",
+    "sandbox/devices/simulated",
+    "sandbox/devices/simulated/air_user",
+    "sandbox/devices/tuio",
+    "sandbox/devices/wrappers",
+    "sandbox/options",
+    "sandbox/recording",
+    "sandbox/session",
+    "sandbox/study/design",
+    "sandbox/study/measures",
+    "sandbox/study/record",
+    "sandbox/study/run",
+    "sandbox/study/tables",
+    "sandbox/trial",
+)
+"""Folders whose own files take part in a trial or make measures of it."""
+LEFT_OUT = {
+    "models/skin": "it is drawn, and no state depends on it",
+    "sandbox/lsl": "it sends copies of what happens to other instruments",
+    "sandbox/server": "it carries the page; the touches that come of it are recorded",
+    "sandbox/server/connections": "it carries the page",
+    "sandbox/server/protocol": "it carries the page",
+    "sandbox/views": "it shows what happens",
+    "sandbox/views/window": "it shows what happens",
+}
+"""Folders that those of `COMPUTES` import and that the digest leaves out, each with the reason."""
+SUFFIXES = (".py", ".xml")
+"""Suffixes of files that count: modules, and the hand's model. Digests of encoders cover arrays."""
+LIBRARIES = ("hand-sandbox", *DECISIVE)
+"""Versions to which a study is locked."""
+NOTED = ("numpy", "python", "scipy")
+"""Versions that are noted for people; states do not depend on them."""
 
 
 @cache
 def code_digest() -> str:
-    """Digest of the modules that take part in a trial, independent of version numbers."""
-    root = Path(__file__).resolve().parents[3]
+    """Digest of the program as far as it takes part in a trial or makes measures of it."""
+    return digest_of(Path(__file__).resolve().parents[3])
+
+
+def digest_of(root: Path) -> str:
+    """Digest of the files of `COMPUTES` below a folder."""
     digest = blake2b(digest_size=8)
     for folder in COMPUTES:
-        paths = (root / folder).glob("*.py" if folder in SHALLOW else "**/*.py")
-        for path in sorted(paths):
-            digest.update(path.relative_to(root).as_posix().encode() + b"\0" + path.read_bytes())
+        for path in sorted(p for p in (root / folder).iterdir() if p.suffix in SUFFIXES):
+            name, data = path.relative_to(root).as_posix().encode(), path.read_bytes()
+            digest.update(b"%s\0%d\0%s" % (name, len(data), data))
     return digest.hexdigest()
 
 
 def build_of(design: Design) -> dict[str, Any]:
     """Versions of libraries, and digests of the program, of all encoders of a design, and of it."""
-    from sandbox.recording.versions import versions
     from sandbox.trial.assembly import digests
 
     here = versions()
@@ -40,7 +87,7 @@ def build_of(design: Design) -> dict[str, Any]:
         settings = run_settings(values_of(design, levels), 0)
         learned.setdefault(f"{settings.encoder}, labels {settings.labels}", digests(settings))
     return {
-        **{name: here[name] for name in LIBRARIES},
+        **{name: here[name] for name in (*LIBRARIES, *NOTED)},
         "program": code_digest(),
         "encoders": learned,
         "design": design.digest,
@@ -48,10 +95,20 @@ def build_of(design: Design) -> dict[str, Any]:
 
 
 def changes(locked: dict[str, Any], here: dict[str, Any]) -> list[str]:
-    """Names of the parts that differ between two builds, with their values."""
+    """Parts that differ between two builds and to which a study is locked, with their values."""
+    return _differences(locked, here, (set(locked) | set(here)) - set(NOTED))
+
+
+def noted_changes(locked: dict[str, Any], here: dict[str, Any]) -> list[str]:
+    """Versions that differ between two builds and on which no state depends, with their values."""
+    return _differences(locked, here, NOTED)
+
+
+def _differences(locked: dict[str, Any], here: dict[str, Any], names: Collection[str]) -> list[str]:
     differences = []
-    for name in sorted(set(locked) | set(here)):
-        if locked.get(name) != here.get(name):
-            values = "" if name == "encoders" else f" ({locked.get(name)} -> {here.get(name)})"
+    for name in sorted(names):
+        before, after = locked.get(name), here.get(name)
+        if decisive_part(name, before) != decisive_part(name, after):
+            values = "" if name == "encoders" else f" ({before} -> {after})"
             differences.append(f"{name}{values}")
     return differences

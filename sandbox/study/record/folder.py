@@ -23,7 +23,7 @@ from msgspec import Struct
 from models.errors import StudyError
 from models.json_input import check_layout, checked, decoded_record
 from sandbox.study.design.design import Design
-from sandbox.study.record.build import build_of, changes
+from sandbox.study.record.build import build_of, changes, noted_changes
 from sandbox.study.record.files import (
     json_bytes,
     locked,
@@ -82,6 +82,10 @@ class StudyFolder:
         upgrade: Reason to continue with another program, encoder or design than the locked one;
             empty refuses such a change.
 
+    Attributes:
+        noted: Versions that have changed since the study was last opened, and on which no state
+            depends.
+
     Raises:
         StudyError: The folder is locked to another program, encoder or design, has another mode,
             or cannot be written.
@@ -91,6 +95,7 @@ class StudyFolder:
         self.design, self.mode = design, mode
         self.path = folder_of(out, design.name, mode)
         self._about: dict[str, Any] = {}
+        self.noted: list[str] = []
         make_folder(self.path)
         with self.lock():
             remove_unfinished(self.path)
@@ -116,6 +121,7 @@ class StudyFolder:
             )
         folder = cls.__new__(cls)
         folder._about = read_study_json(path / "study.json")
+        folder.noted = []
         folder.path, folder.mode = path, str(folder._about["mode"])
         folder.design = load_design(path / "design.toml", try_out=False)
         return folder
@@ -222,10 +228,11 @@ class StudyFolder:
                 got=self.mode,
                 remedy="Choose another folder with --out",
             )
-        different = changes(self._about["build"], build)
-        if not different:
+        before = self._about["build"]
+        different, self.noted = changes(before, build), noted_changes(before, build)
+        if not different and not self.noted:
             return
-        if not upgrade:
+        if different and not upgrade:
             raise StudyError(
                 "the study is locked to the program, encoders and design that it began with, and "
                 "these differ now",
@@ -235,14 +242,11 @@ class StudyFolder:
                 "is logged",
             )
         with self._journal() as journal:
-            journal.append(
-                "upgrade",
-                durable=True,
-                reason=upgrade,
-                changed=different,
-                before=self._about["build"],
-                after=build,
-            )
+            about = {"changed": [*different, *self.noted], "before": before, "after": build}
+            if different:
+                journal.append("upgrade", durable=True, reason=upgrade, **about)
+            else:
+                journal.append("libraries", durable=True, **about)
         self._about = {**self._about, "build": build}
         write_atomically(path, json_bytes(self._about))
 

@@ -64,6 +64,7 @@ KEPT: dict[str, tuple[str, ...]] = {
     "recovered": ("lost_bytes",),
     "participant": ("number", "hand", "hand_size", "language", "user"),
     "upgrade": ("changed", "before", "after"),
+    "libraries": ("changed", "before", "after"),
     "released": (),
     "pause": (),
     "go_on": (),

@@ -1,0 +1,144 @@
+"""What a study is locked to: all that takes part in a trial or makes measures, and nothing else."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import pytest
+
+from models.errors import StudyError
+from sandbox.recording.versions import DECISIVE
+from sandbox.study.record import build as build_module
+from sandbox.study.record.build import COMPUTES, LEFT_OUT, NOTED, changes, digest_of, noted_changes
+from sandbox.study.record.folder import SIMULATED, StudyFolder
+from sandbox.study.record.journal import read_journal
+from tests.support.study_files import design, open_study
+from tools.house import ROOT, House
+
+BEGIN = (
+    "sandbox/trial",
+    "sandbox/session",
+    "sandbox/recording",
+    "sandbox/devices",
+    "sandbox/study/run",
+    "sandbox/study/record",
+    "sandbox/study/measures",
+    "sandbox/study/tables",
+)
+"""Rooms that take part in a trial of a study or make measures of it."""
+
+
+def reached() -> set[str]:
+    """Folders of all modules that these rooms import, directly or not."""
+    house = House.of_repository()
+    left = [
+        name
+        for name, module in house.modules.items()
+        if any(f"{module.folder}/".startswith(f"{room}/") for room in BEGIN)
+    ]
+    seen = set(left)
+    while left:
+        new = house.arrows.get(left.pop(), set()) - seen
+        seen |= new
+        left += new
+    return {house.modules[name].folder for name in seen}
+
+
+def test_every_folder_that_a_trial_reaches_is_in_the_digest_or_is_left_out_with_a_reason() -> None:
+    found = reached()
+    assert not set(COMPUTES) & set(LEFT_OUT) and all(LEFT_OUT.values())
+    assert found - set(COMPUTES) - set(LEFT_OUT) == set(), "name them in COMPUTES or LEFT_OUT"
+    assert {*COMPUTES, *LEFT_OUT} - found == set(), "nothing reaches these any more"
+
+
+@pytest.fixture(scope="module")
+def program(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    copy = tmp_path_factory.mktemp("program")
+    for package in ("models", "encoders", "tasks", "sandbox"):
+        shutil.copytree(
+            ROOT / package,
+            copy / package,
+            ignore=shutil.ignore_patterns("node_modules", "static", "__pycache__", "*.npz"),
+        )
+    return copy
+
+
+@pytest.mark.parametrize(
+    ("file", "noticed"),
+    [
+        ("models/hand.xml", True),
+        ("models/arithmetic/products.py", True),
+        ("sandbox/session/session.py", True),
+        ("sandbox/trial/driver.py", True),
+        ("sandbox/recording/recording.py", True),
+        ("sandbox/devices/tuio/tuio.py", True),
+        ("sandbox/options/profiles.py", True),
+        ("sandbox/study/run/runner.py", True),
+        ("sandbox/study/measures/measures.py", True),
+        ("sandbox/study/tables/frames.py", True),
+        ("sandbox/views/window/window.py", False),
+        ("sandbox/server/page_server.py", False),
+        ("sandbox/cli/main.py", False),
+        ("sandbox/study/report/make.py", False),
+        ("sandbox/study/share/merge.py", False),
+        ("models/motion/__init__.py", False),
+    ],
+)
+def test_a_changed_line_is_noticed_where_it_takes_part_in_a_trial(
+    program: Path, file: str, noticed: bool
+) -> None:
+    before, path = digest_of(program), program / file
+    text = path.read_bytes()
+    path.write_bytes(text + b"\n")
+    assert (digest_of(program) != before) is noticed
+    path.write_bytes(text)
+    assert digest_of(program) == before
+
+
+@pytest.mark.parametrize("name", NOTED)
+def test_another_version_on_which_no_state_depends_is_noted_and_needs_no_force(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str
+) -> None:
+    first = open_study(tmp_path)
+    other = {**first.build, name: "99.1"}
+    monkeypatch.setattr("sandbox.study.record.folder.build_of", lambda _: other)
+    study = open_study(tmp_path)
+    (said,) = study.noted
+    assert said.startswith(name) and "99.1" in said and study.build == other
+    record = read_journal(study.path / "study.jsonl")[-1]
+    assert (record["kind"], record["changed"]) == ("libraries", [said])
+    assert (record["before"][name], record["after"][name]) == (first.build[name], "99.1")
+    count = len(read_journal(study.path / "study.jsonl"))
+    assert open_study(tmp_path).noted == []
+    assert len(read_journal(study.path / "study.jsonl")) == count
+
+
+@pytest.mark.parametrize("name", DECISIVE)
+def test_another_version_that_states_depend_on_is_refused_unless_forced(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str
+) -> None:
+    first = open_study(tmp_path)
+    other = {**first.build, name: "musl 1.2, 0123456789ab", "numpy": "99.1"}
+    monkeypatch.setattr("sandbox.study.record.folder.build_of", lambda _: other)
+    with pytest.raises(StudyError, match=rf"{name} .*force-upgrade"):
+        open_study(tmp_path)
+    assert first.build == StudyFolder.at(first.path).build
+    study = StudyFolder(tmp_path, design(), SIMULATED, "another laboratory")
+    record = read_journal(study.path / "study.jsonl")[-1]
+    assert record["kind"] == "upgrade" and [c.split()[0] for c in record["changed"]] == [
+        name,
+        "numpy",
+    ]
+
+
+def test_another_version_of_libm_with_equal_values_is_equal() -> None:
+    before = {"libm": "glibc 2.36, 0123456789ab"}
+    assert changes(before, {"libm": "glibc 2.41, 0123456789ab"}) == []
+    assert changes(before, {"libm": "glibc 2.36, ba9876543210"}) != []
+    assert noted_changes(before, {"libm": "glibc 2.41, 0123456789ab"}) == []
+
+
+def test_the_build_has_every_version_that_decides_and_every_one_that_is_noted() -> None:
+    here = build_module.build_of(design())
+    assert {*DECISIVE, *NOTED, "hand-sandbox", "program", "encoders", "design"} == set(here)
