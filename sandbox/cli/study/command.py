@@ -137,9 +137,16 @@ def _load(file: Path) -> Design:
 
 def _check(options: CheckOptions, console: Console) -> int:
     from sandbox.study.design.conditions import combinations
+    from sandbox.study.design.meaning import findings
 
     design = _load(options.file)
     count = sum(1 for _ in combinations(design))
+    found = findings(design)
+    for finding in found:
+        colour = "red" if finding.error else "yellow"
+        console.print(f"[{colour}]{escape(str(finding))}[/]", highlight=False)
+    if any(finding.error for finding in found):
+        return 2
     console.print(
         f"[green]{design.name}[/]: no mistakes, {count} combinations of levels, all of "
         "which can be run here"

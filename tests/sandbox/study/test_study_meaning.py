@@ -1,0 +1,83 @@
+"""`study check` finds designs that are right in form and wrong in meaning, one line a cause."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from sandbox.cli.main import main
+from sandbox.study.design.meaning import findings
+from tests.support.study_files import DESIGN, design
+
+ROOT = Path(__file__).resolve().parents[3]
+RULE = '\n[[exclusions]]\nname = "rule"\n'
+ASKED = '\n[[demographics]]\nname = "{}"\nkind = "text"\nask = "{}"\n'
+
+
+def changed(old: str, new: str) -> str:
+    assert old in DESIGN
+    return DESIGN.replace(old, new, 1)
+
+
+@pytest.mark.parametrize(
+    ("text", "error", "told"),
+    [
+        (DESIGN + RULE + 'measure = "time_s"\nbelow = 9\nabove = 2\n', True, "excludes everything"),
+        (DESIGN + RULE + 'measure = "success"\nbelow = 1.5\n', True, "is from 0 to 1"),
+        (DESIGN + RULE + 'measure = "time_s"\nbelow = 601\n', True, "is from 0 to 600"),
+        (DESIGN + RULE + 'measure = "success"\nbelow = 1\n', False, "selects on the outcome"),
+        (DESIGN + RULE + 'measure = "time_s"\nabove = 9\n', False, "what takes long"),
+        (
+            changed("repetitions = 2", "repetitions = 2\ntime_limit_s = 0.05\nexpected_s = 0.05"),
+            True,
+            "no trial can succeed",
+        ),
+        (
+            changed("repetitions = 2", "repetitions = 2\ntime_limit_s = 9"),
+            False,
+            "more than the time limit",
+        ),
+        (changed('order = "latin"', 'order = "blocked"'), False, "told from practice"),
+        (changed('[consent]\ntext = "Do you agree?"\n', ""), False, "consent"),
+        (DESIGN + "\n[breaks]\nevery = 4\n", False, "no break ever comes"),
+        (changed('["hard", "soft"]', '["hard"]'), False, "one level"),
+        (changed("participants = 2", "participants = 3"), False, "do not fill the cycle of 2"),
+        (DESIGN + ASKED.format("name", "Who are you?"), False, "identifies people"),
+        (DESIGN + ASKED.format("contact", "Your e-mail?"), False, "identifies people"),
+        (DESIGN + ASKED.format("birth-date", "When?"), False, "identifies people"),
+        (DESIGN + ASKED.format("day", "What is your date of birth?"), False, "identifies people"),
+    ],
+)
+def test_a_mistake_of_meaning_is_one_line_with_its_remedy(
+    text: str, error: bool, told: str
+) -> None:
+    (found,) = findings(design(text))
+    assert found.error is error and told in found.mistake.what and found.mistake.remedy
+    assert 1 <= found.mistake.line <= text.count("\n") + 1
+
+
+def test_a_sound_design_has_none() -> None:
+    assert findings(design()) == []
+    assert findings(design(DESIGN + "\n[breaks]\nevery = 3\n")) == []
+    assert findings(design(DESIGN + RULE + 'measure = "time_s"\nbelow = 0.5\n')) == []
+    assert findings(design(DESIGN + ASKED.format("glasses", "Do you wear glasses?"))) == []
+
+
+def test_check_prints_them_and_fails_on_errors_alone(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "design.toml"
+    file.write_text(changed("participants = 2", "participants = 3"))
+    assert main(["study", "check", str(file)]) == 0
+    assert "warning, line 4: participants: 3 people" in capsys.readouterr().out
+    file.write_text(DESIGN + RULE + 'measure = "success"\nbelow = 1.5\n')
+    assert main(["study", "check", str(file)]) == 2
+    said = capsys.readouterr().out
+    assert "error, line" in said and "exclusions[1]" in said and "no mistakes" not in said
+
+
+@pytest.mark.parametrize("name", ["examples/study/design.toml"])
+def test_our_example_has_no_error(name: str) -> None:
+    text = (ROOT / name).read_text(encoding="utf-8")
+    assert not any(found.error for found in findings(design(text)))
