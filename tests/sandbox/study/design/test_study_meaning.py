@@ -10,7 +10,7 @@ from sandbox.cli.main import main
 from sandbox.study.design.meaning import findings
 from tests.support.study_files import DESIGN, design
 
-ROOT = Path(__file__).resolve().parents[3]
+ROOT = Path(__file__).resolve().parents[4]
 RULE = '\n[[exclusions]]\nname = "rule"\n'
 ASKED = '\n[[demographics]]\nname = "{}"\nkind = "text"\nask = "{}"\n'
 
