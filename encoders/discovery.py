@@ -11,11 +11,8 @@ one line; they do not affect other encoders.
 
 from __future__ import annotations
 
-import importlib
 import inspect
-import re
-from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager
 from hashlib import blake2b
 from importlib.metadata import EntryPoint
 from pathlib import Path
@@ -23,22 +20,17 @@ from types import ModuleType
 from typing import Any
 
 from encoders.encoder import Encoder
-from models import outside
-from models.errors import EncoderError, HandSandboxError
-from models.outside import failure, load_file, package
+from models.errors import EncoderError
+from models.outside import OutsideKind, Place, place_in
 
-GROUP = "hand_sandbox.encoders"
-"""Group of the entry points."""
+OUTSIDE = OutsideKind("encoder", "hand_sandbox.encoders", EncoderError, article="an")
 
-HOW = "docs/write-an-encoder.md shows one"
-
-_FILE = re.compile(r"(?P<file>.+\.py)(:(?P<member>[A-Za-z_]\w*))?")
-_MODULE = re.compile(r"(?P<module>[A-Za-z_][\w.]*):(?P<member>[A-Za-z_]\w*)")
+EXAMPLE = "docs/write-an-encoder.md shows an encoder"
 
 
 def offered() -> dict[str, list[EntryPoint]]:
     """Entry points of installed packages by name; loads none of them."""
-    return outside.offered(GROUP)
+    return OUTSIDE.offered()
 
 
 def load_offered(name: str) -> type[Encoder] | None:
@@ -47,26 +39,13 @@ def load_offered(name: str) -> type[Encoder] | None:
     Raises:
         EncoderError: Two packages offer it, or it cannot be used.
     """
-    entries = offered().get(name, [])
-    if not entries:
-        return None
-    if len(entries) > 1:
-        raise EncoderError(
-            "several packages offer an encoder of this name",
-            where=name,
-            got="; ".join(f"{e.value} of {package(e)}" for e in entries),
-            remedy=f"Uninstall all but one, or name it by its place, such as {entries[0].value}",
-        )
-    entry = entries[0]
-    where = f"entry point {name} = {entry.value} of {package(entry)}"
-    with guarded("this encoder cannot be loaded", where):
-        encoder = entry.load()
-    return checked(encoder, where)
+    loaded = OUTSIDE.load_offered(name)
+    return None if loaded is None else checked(loaded.thing, loaded.where)
 
 
 def is_place(text: str) -> bool:
     """True for a text of the form `FILE.py`, `FILE.py:CLASS` or `MODULE:CLASS`."""
-    return bool(_FILE.fullmatch(text) or _MODULE.fullmatch(text))
+    return _place(text) is not None
 
 
 def load_place(text: str) -> type[Encoder]:
@@ -75,25 +54,10 @@ def load_place(text: str) -> type[Encoder]:
     Raises:
         EncoderError: The file or module does not exist, or contains no encoder.
     """
-    in_file, in_module = _FILE.fullmatch(text), _MODULE.fullmatch(text)
-    if in_file:
-        path = Path(in_file["file"])
-        if not path.is_file():
-            raise EncoderError("no such file", where="the encoder's file", got=str(path))
-        with guarded("this encoder cannot be loaded", str(path)):
-            module = load_file(path.resolve())
-        member = in_file["member"] or _only_encoder(module, str(path))
-    else:
-        assert in_module is not None
-        with guarded("this encoder cannot be loaded", text):
-            module = importlib.import_module(in_module["module"])
-        member = in_module["member"]
-    members = dict(inspect.getmembers(module))
-    if member not in members:
-        raise EncoderError(
-            "the module has nothing of this name", where=text, got=member, expected=_names(module)
-        )
-    return checked(members[member], text)
+    place = _place(text)
+    assert place is not None
+    loaded = OUTSIDE.load_place(place, _encoders_in)
+    return checked(loaded.thing, loaded.where)
 
 
 def checked(candidate: Any, where: str) -> type[Encoder]:
@@ -108,7 +72,7 @@ def checked(candidate: Any, where: str) -> type[Encoder]:
             where=where,
             got=repr(candidate)[:80],
             expected="a class that inherits from encoders.encoder.Encoder",
-            remedy=HOW,
+            remedy=EXAMPLE,
         )
     kind: type[Encoder] = candidate
     if inspect.isabstract(kind):
@@ -116,7 +80,10 @@ def checked(candidate: Any, where: str) -> type[Encoder]:
             name for name, value in inspect.getmembers(kind) if name in _REQUIRED and _open(value)
         )
         raise EncoderError(
-            "this encoder lacks a method", where=where, got=f"no {', '.join(lacking)}", remedy=HOW
+            "this encoder lacks a method",
+            where=where,
+            got=f"no {', '.join(lacking)}",
+            remedy=EXAMPLE,
         )
     with guarded("this encoder cannot be created without arguments", where):
         kind()
@@ -141,15 +108,9 @@ def source_digest(kind: type[Encoder]) -> str:
     return blake2b(source, digest_size=16).hexdigest()
 
 
-@contextmanager
-def guarded(what: str, where: str) -> Iterator[None]:
+def guarded(what: str, where: str) -> AbstractContextManager[None]:
     """Converts any error of external code to an `EncoderError` of one line."""
-    try:
-        yield
-    except HandSandboxError:
-        raise
-    except Exception as error:
-        raise EncoderError(what, where=where, got=failure(error), remedy=HOW) from error
+    return OUTSIDE.guarded(where, what)
 
 
 _REQUIRED = ("fit", "predict")
@@ -169,17 +130,6 @@ def _encoders_in(module: ModuleType) -> list[str]:
     ]
 
 
-def _only_encoder(module: ModuleType, path: str) -> str:
-    names = _encoders_in(module)
-    if len(names) != 1:
-        raise EncoderError(
-            "unclear which encoder of the file is meant",
-            where=path,
-            got=_names(module),
-            expected=f"one encoder, or {Path(path).name}:CLASS",
-        )
-    return names[0]
-
-
-def _names(module: ModuleType) -> str:
-    return ", ".join(_encoders_in(module)) or "no encoder"
+def _place(text: str) -> Place | None:
+    place = place_in(text)
+    return place if place and place.argument is None else None

@@ -1,22 +1,185 @@
-"""Loads tasks and devices of other people: entry points of installed packages, Python files.
+"""Loads tasks, devices and encoders of other people.
 
-Outside code runs only when its task or device is asked for. Its errors are shortened to one line.
+They come from entry points of installed packages, from Python files and from modules. Outside
+code runs only when it is asked for. Its errors are shortened to one line.
 """
 
 from __future__ import annotations
 
 import importlib
 import importlib.util
+import re
 import sys
 import traceback
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import dataclass
 from functools import cache
 from hashlib import blake2b
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 from types import ModuleType
-from typing import Any
+from typing import Any, NamedTuple
+
+from models.errors import HandSandboxError, InputError
+
+_FILE = re.compile(r"(?P<source>.+\.py)(:(?P<member>[A-Za-z_]\w*)(:(?P<argument>.*))?)?")
+_MODULE = re.compile(
+    r"(?P<source>[A-Za-z_]\w*(\.\w+)*):(?P<member>[A-Za-z_]\w*)(:(?P<argument>.*))?"
+)
+
+
+class Place(NamedTuple):
+    """Where outside code is, as `FILE.py[:CLASS[:ARGUMENT]]` or `MODULE:CLASS[:ARGUMENT]` says.
+
+    Attributes:
+        source: Path of the file, or name of the module.
+        member: Name of the class; None if a file is named alone.
+        argument: What follows the class; None if nothing does.
+        in_file: True for a file.
+    """
+
+    source: str
+    member: str | None
+    argument: str | None
+    in_file: bool
+
+    @property
+    def file(self) -> Path | None:
+        """Absolute path of the file; None for a module."""
+        return Path(self.source).resolve() if self.in_file else None
+
+    def __str__(self) -> str:
+        return f"{self.source}:{self.member}" if self.member else self.source
+
+
+def place_in(text: str) -> Place | None:
+    """The place that a text names; None if it has another form."""
+    in_file = _FILE.fullmatch(text)
+    match = in_file or _MODULE.fullmatch(text)
+    if match is None:
+        return None
+    return Place(match["source"], match["member"], match["argument"], in_file is not None)
+
+
+class Loaded(NamedTuple):
+    """Something that outside code has defined, not checked yet.
+
+    Attributes:
+        thing: Usually a class.
+        where: Its place, for error messages.
+    """
+
+    thing: Any
+    where: str
+
+
+@dataclass(frozen=True)
+class OutsideKind:
+    """One kind of thing that other people may define, and how it is loaded.
+
+    Attributes:
+        noun: What it is called: "task".
+        group: Group of the entry points; each has the name of what it offers.
+        error: Class of the errors.
+        article: "a" or "an".
+        loaded: What is done with it, for error messages.
+    """
+
+    noun: str
+    group: str
+    error: type[InputError]
+    article: str = "a"
+    loaded: str = "loaded"
+
+    def offered(self) -> dict[str, list[EntryPoint]]:
+        """Entry points of installed packages by name; loads none of them."""
+        return offered(self.group)
+
+    def load_offered(self, name: str) -> Loaded | None:
+        """Loads what a package offers under a name; None if no package offers it.
+
+        Raises:
+            InputError: Of this kind: two packages offer it, or loading it fails.
+        """
+        entries = self.offered().get(name, [])
+        if not entries:
+            return None
+        if len(entries) > 1:
+            raise self.error(
+                f"several packages offer {self.article} {self.noun} of this name",
+                where=name,
+                got="; ".join(f"{e.value} of {package(e)}" for e in entries),
+                remedy="Uninstall all but one, or name it by its place, "
+                f"such as {entries[0].value}",
+            )
+        entry = entries[0]
+        where = f"entry point {name} = {entry.value} of {package(entry)}"
+        with self.guarded(where):
+            return Loaded(entry.load(), where)
+
+    def load_place(
+        self, place: Place, names_in: Callable[[ModuleType], list[str]] | None = None
+    ) -> Loaded:
+        """Loads what is at a place.
+
+        Args:
+            place: Of a file alone, if `names_in` finds one name in it.
+            names_in: Names of what a module defines of this kind.
+
+        Raises:
+            InputError: Of this kind: the file or the module does not exist, fails, or has nothing
+                of this name.
+        """
+        module = self._module_of(place)
+        names = names_in(module) if names_in else []
+        listed = ", ".join(names) or f"no {self.noun}"
+        member = place.member
+        if member is None:
+            if len(names) != 1:
+                raise self.error(
+                    f"unclear which {self.noun} of the file is meant",
+                    where=place.source,
+                    got=listed,
+                    expected=f"one {self.noun}, or {Path(place.source).name}:CLASS",
+                )
+            member = names[0]
+        with self.guarded(str(place)):
+            thing = getattr(module, member, None)
+        if thing is None:
+            raise self.error(
+                "the module has nothing of this name",
+                where=str(place),
+                got=member,
+                expected=listed if names_in else None,
+            )
+        return Loaded(thing, str(place))
+
+    @contextmanager
+    def guarded(self, where: str, what: str = "") -> Iterator[None]:
+        """Converts any error of outside code to an error of this kind, of one line.
+
+        Args:
+            where: Place of that code.
+            what: The problem; without it, that it cannot be loaded.
+        """
+        try:
+            yield
+        except HandSandboxError:
+            raise
+        except Exception as error:
+            what = what or f"this {self.noun} cannot be {self.loaded}"
+            raise self.error(what, where=where, got=failure(error)) from error
+
+    def _module_of(self, place: Place) -> ModuleType:
+        path = place.file
+        if path is None:
+            with self.guarded(str(place)):
+                return importlib.import_module(place.source)
+        if not path.is_file():
+            raise self.error("no such file", where=f"the {self.noun}'s file", got=place.source)
+        with self.guarded(place.source):
+            return load_file(path)
 
 
 def offered(group: str) -> dict[str, list[EntryPoint]]:

@@ -12,31 +12,24 @@ is called with the touch surface and the argument (an empty text without one), a
 
 from __future__ import annotations
 
-import importlib
-import re
 import threading
 from collections.abc import Callable, Sequence
 from importlib.metadata import EntryPoint
-from pathlib import Path
 from typing import Any
 
-from models.errors import DeviceError, HandSandboxError
+from models.errors import DeviceError
 from models.frames import TouchFrame
-from models.outside import failure, load_file, offered, package
+from models.outside import OutsideKind, place_in
 from models.surface import Surface
 from sandbox.session.device import Device
 
-GROUP = "hand_sandbox.devices"
+OUTSIDE = OutsideKind("device", "hand_sandbox.devices", DeviceError, loaded="opened")
 
 OWN_DEVICE = "FILE.py:CLASS[:ARGUMENT]"
 """Form of a device in a file, for error messages."""
 
 Maker = Callable[[Surface], Device]
 
-_FILE = re.compile(r"(?P<place>.+\.py):(?P<member>[A-Za-z_]\w*)(:(?P<argument>.*))?")
-_MODULE = re.compile(
-    r"(?P<place>[A-Za-z_]\w*(\.\w+)+|[A-Za-z_]\w*):(?P<member>[A-Z]\w*)(:(?P<argument>.*))?"
-)
 _CALLED = ("poll", "close")
 _TAKEN_OVER = (
     "name",
@@ -58,7 +51,7 @@ members are read on every access, because they may change."""
 
 def offered_devices() -> dict[str, list[EntryPoint]]:
     """Entry points of the devices that installed packages offer, by name; loads none of them."""
-    return offered(GROUP)
+    return OUTSIDE.offered()
 
 
 def find_device(text: str) -> Maker | None:
@@ -72,34 +65,17 @@ def find_device(text: str) -> Maker | None:
         DeviceError: The device exists, but cannot be used.
     """
     name, _, argument = text.partition(":")
-    entries = offered_devices().get(name, [])
-    if len(entries) > 1:
-        raise DeviceError(
-            "several packages offer a device of this name",
-            where=name,
-            got="; ".join(f"{e.value} of {package(e)}" for e in entries),
-            remedy=f"Uninstall all but one, or name it by its place, such as {entries[0].value}",
-        )
-    if entries:
-        where = f"{name} = {entries[0].value} of {package(entries[0])}"
-        return _opener(_guarded(entries[0].load, where), argument, where)
-    in_file, in_module = _FILE.fullmatch(text), _MODULE.fullmatch(text)
-    match = in_file or in_module
-    if match is None:
+    loaded = OUTSIDE.load_offered(name)
+    if loaded:
+        return _opener(loaded.thing, argument, loaded.where)
+    place = place_in(text)
+    # A class begins with a capital letter, unlike what may follow a built-in device's name.
+    if place is None or not place.member or not (place.in_file or "A" <= place.member[0] <= "Z"):
         return None
-    place, member = match["place"], match["member"]
-    where = f"{place}:{member}"
-    if in_file:
-        path = Path(place)
-        if not path.is_file():
-            raise DeviceError("no such file", where="--device", got=place)
-        module = _guarded(lambda: load_file(path.resolve()), where)
-    else:
-        module = _guarded(lambda: importlib.import_module(place), where)
-    device_class = getattr(module, member, None)
+    device_class, where = OUTSIDE.load_place(place)
     if not callable(device_class):
-        raise DeviceError("the module has no device of this name", where=place, got=member)
-    return _opener(device_class, match["argument"] or "", where)
+        raise DeviceError("the module has no device of this name", where=where, got=place.member)
+    return _opener(device_class, place.argument or "", where)
 
 
 class AdaptedDevice(Device):
@@ -181,17 +157,8 @@ def adapted(outside: Any, where: str) -> Device:
 
 def _opener(device_class: Any, argument: str, where: str) -> Maker:
     def make(surface: Surface) -> Device:
-        return adapted(_guarded(lambda: device_class(surface, argument), where), where)
+        with OUTSIDE.guarded(where):
+            device = device_class(surface, argument)
+        return adapted(device, where)
 
     return make
-
-
-def _guarded(load: Callable[[], Any], where: str) -> Any:
-    try:
-        return load()
-    except HandSandboxError:
-        raise
-    except Exception as error:
-        raise DeviceError(
-            "this device cannot be opened", where=where, got=failure(error)
-        ) from error

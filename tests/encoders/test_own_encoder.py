@@ -214,6 +214,22 @@ def test_a_file_without_a_valid_encoder_is_refused_with_a_one_line_error(tmp_pat
 
 
 @pytest.mark.parametrize(
+    ("body", "helps"),
+    [
+        ("A = 5", True),
+        ("class A(Encoder):\n def fit(self, U, Q): return self", True),
+        ("1/0", False),
+        ("import nobody_has_this", False),
+        ("class A(Mean):\n def __init__(self): 1/0", False),
+    ],
+)
+def test_an_error_names_the_page_on_encoders_only_where_the_page_helps(tmp_path, body, helps):
+    with pytest.raises(EncoderError) as error:
+        find_encoder(write(tmp_path / "lab.py", body) + ":A")
+    assert ("docs/write-an-encoder.md" in str(error.value)) == helps
+
+
+@pytest.mark.parametrize(
     ("body", "says"),
     [
         ("A = 5", "not an encoder.*got '5'.*inherits from"),
