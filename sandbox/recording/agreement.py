@@ -17,10 +17,11 @@ from models.arithmetic.arrays import Array
 from sandbox.recording.recording import Recording
 from sandbox.session.session import Session
 
-BOUND_MM = 5.0
-"""mm that objects or fingertips may be apart at most, measured: docs/measured/other-machines.md."""
-BOUND_DEGREES = 10.0
-"""Degrees that objects or links of a hand may be apart at most, likewise."""
+BOUND_MM = 0.1
+"""mm that objects or fingertips may be apart at most: five times the largest that was measured,
+docs/measured/other-machines.md. Rounding in the recording alone makes up to 0.02 mm."""
+BOUND_DEGREES = 0.05
+"""Degrees that objects or links of a hand may be apart at most, likewise; rounding makes 0.006."""
 
 
 @dataclass(frozen=True)
