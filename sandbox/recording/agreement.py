@@ -17,11 +17,11 @@ from models.arithmetic.arrays import Array
 from sandbox.recording.recording import Recording
 from sandbox.session.session import Session
 
-BOUND_MM = 0.1
-"""mm that objects or fingertips may be apart at most: five times the largest that was measured,
+BOUND_MM = 1.0
+"""mm that objects or fingertips may be apart at most: 3.5 times the largest of 87 recordings,
 docs/measured/other-machines.md. Rounding in the recording alone makes up to 0.02 mm."""
-BOUND_DEGREES = 0.05
-"""Degrees that objects or links of a hand may be apart at most, likewise; rounding makes 0.006."""
+BOUND_DEGREES = 2.0
+"""Degrees that objects or links of a hand may be apart at most: 4 times the largest, likewise."""
 
 
 @dataclass(frozen=True)
