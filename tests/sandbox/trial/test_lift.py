@@ -129,7 +129,7 @@ def test_recordings_keep_the_lift(tmp_path: Path):
 def test_a_recording_with_an_impossible_lift_is_read_up_to_it(tmp_path: Path, lift: str):
     path = tmp_path / "bad.jsonl"
     line = '{"kind":"input","step":0,"hand":0,"time":0.0,"contacts":[],"hash":""'
-    head = '{"kind":"header","schema":1,"settings":{}}'
+    head = '{"kind":"header","schema":2,"settings":{}}'
     path.write_text(f'{head}\n{line}}}\n{line},"lift":{lift}}}\n')
     recording = load_recording(path)
     assert len(recording.inputs[0]) == 1
