@@ -66,7 +66,7 @@ class Regression:
             baseline: File to compare with, from the test's folder; made by
                 `--sandbox-update-baseline`.
             at_least: Success rate 0 to 1; fewer successes than chance explains fail the test.
-            exact: States must be equal where machine and libraries are the baseline's.
+            exact: States must be equal where MuJoCo, architecture and libm are the baseline's.
             across_encoders: The baseline may be another encoder's.
             allow_crashes: Number of trials that may crash; more fail the test.
             scene: Options of `sandbox run` with underscores: `fingers=5`, `bare=True`.

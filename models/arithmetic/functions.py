@@ -88,11 +88,6 @@ def power(x: ArrayLike, exponent: float) -> Array:
     return _each(lambda number: math.pow(number, exponent), x)
 
 
-def asin(x: ArrayLike) -> Array:
-    """Angles (...) in rad of sines from -1 to 1."""
-    return _each(math.asin, x)
-
-
 def log_sum_exp(a: Array, b: Array) -> Array:
     """log(exp(a) + exp(b)) of two arrays of one shape, without overflow."""
     larger, smaller = np.maximum(a, b), np.minimum(a, b)

@@ -41,7 +41,7 @@ class RegressOptions:
 
     Exit status 1: a loss beyond chance (exact one-sided McNemar test over paired seeds, alpha 0.05,
     Holm over tasks), more crashed trials than --allow-crashes permits, or with --exact another
-    state on the same machine and libraries. 130: stopped by Ctrl-C, 143: by SIGTERM.
+    state with the baseline's fingerprint. 130: stopped by Ctrl-C, 143: by SIGTERM.
 
     With --json or --junit every trial is written as it ends, to a file beside the report, such as
     report.trials.jsonl. If the run is stopped or killed, the same command with --resume continues.
@@ -89,7 +89,7 @@ class RegressOptions:
     """Makes the baseline from this run; nothing is judged."""
 
     exact: tyro.conf.FlagCreatePairsOff[bool] = False
-    """States must be equal to the bit where machine and libraries are the baseline's."""
+    """States must be equal to the bit where MuJoCo, architecture and libm are the baseline's."""
 
     across_encoders: tyro.conf.FlagCreatePairsOff[bool] = False
     """The baseline may be another encoder's: whether this one is worse is the question."""

@@ -72,7 +72,7 @@ def _versions() -> Check:
         "program",
         "fingerprint",
         True,
-        f"{known['fingerprint']} ({known['processor']})",
+        f"{known['fingerprint']} (MuJoCo {known['mujoco']}, {known['machine']}, libm {known['libm']})",
         "replay to the bit, where two machines have the same",
     )
 

@@ -40,7 +40,7 @@ class KeptTask:
 
     Attributes:
         version: Version of the task.
-        fingerprint: Fingerprint of machine and libraries; empty if there were several.
+        fingerprint: Fingerprint of MuJoCo, architecture and libm; empty if there were several.
         trials: Results by seed.
     """
 

@@ -83,8 +83,8 @@ class Comparison:
 
     Attributes:
         both, lost, won, neither: Seeds that succeeded in both, before only, now only, in none.
-        changed: Seeds with different states although machine and libraries are the same.
-        same_machine: Number of pairs with the same machine and libraries.
+        changed: Seeds with different states although the fingerprint is the baseline's.
+        same_machine: Number of pairs with the baseline's fingerprint: MuJoCo, architecture and libm.
         crashed: Number of pairs whose trial crashed now.
         p: P value of the exact one-sided McNemar test.
         p_holm: The p value, adjusted for all tasks of the run.
@@ -268,7 +268,7 @@ def make_report(
         plan: The plan.
         trials: The finished trials; fewer than planned after an interruption.
         baseline: The baseline.
-        exact: True requires equal states if machine and libraries are equal.
+        exact: True requires equal states where the fingerprint is the baseline's.
         across_encoders: True allows a baseline of another encoder.
         allow_crashes: Number of trials of the whole run that may crash.
 
@@ -372,8 +372,8 @@ def _exact(comparisons: dict[str, Comparison]) -> tuple[list[str], list[str]]:
         elsewhere = c.pairs - c.same_machine - c.crashed
         if elsewhere:
             notes.append(
-                f"{name}: {elsewhere} of {c.pairs} trials ran on another kind of "
-                "machine or other libraries than the baseline's, where states may differ: only "
+                f"{name}: {elsewhere} of {c.pairs} trials ran with another "
+                "MuJoCo, architecture or libm than the baseline's, where states may differ: only "
                 "their success is compared"
             )
     return reasons, notes
