@@ -72,7 +72,8 @@ def _versions() -> Check:
         "program",
         "fingerprint",
         True,
-        f"{known['fingerprint']} (MuJoCo {known['mujoco']}, {known['machine']}, libm {known['libm']})",
+        f"{known['fingerprint']} (MuJoCo {known['mujoco']}, {known['machine']}, "
+        f"libm {known['libm']})",
         "replay to the bit, where two machines have the same",
     )
 

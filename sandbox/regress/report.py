@@ -84,7 +84,7 @@ class Comparison:
     Attributes:
         both, lost, won, neither: Seeds that succeeded in both, before only, now only, in none.
         changed: Seeds with different states although the fingerprint is the baseline's.
-        same_machine: Number of pairs with the baseline's fingerprint: MuJoCo, architecture and libm.
+        same_machine: Number of pairs with the baseline's fingerprint.
         crashed: Number of pairs whose trial crashed now.
         p: P value of the exact one-sided McNemar test.
         p_holm: The p value, adjusted for all tasks of the run.

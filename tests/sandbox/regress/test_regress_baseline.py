@@ -84,7 +84,7 @@ def test_other_states_fail_only_where_they_were_asked_for_and_are_owed():
     found = judged(state="11", exact=True)
     assert not found.passed and "10 of 10 trials" in found.reasons[0]
     elsewhere = judged(state="11", machine="there", exact=True)
-    assert elsewhere.passed and any("another MuJoCo, architecture or libm" in n for n in elsewhere.notes)
+    assert elsewhere.passed and any("another MuJoCo" in n for n in elsewhere.notes)
     assert not judged(range(5), machine="there", exact=True).passed
 
 
