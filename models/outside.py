@@ -176,9 +176,10 @@ class OutsideKind:
         if path is None:
             with self.guarded(str(place)):
                 return importlib.import_module(place.source)
-        if not path.is_file():
-            raise self.error("no such file", where=f"the {self.noun}'s file", got=place.source)
         with self.guarded(place.source):
+            # Asking may fail too: a folder on the way may be somebody else's.
+            if not path.is_file():
+                raise self.error("no such file", where=f"the {self.noun}'s file", got=place.source)
             return load_file(path)
 
 

@@ -248,6 +248,8 @@ def test_tasks_are_found_by_module_and_class_as_well(tmp_path):
         find_task(f"{path}:C")
     with pytest.raises(InputError, match="no such file"):
         find_task(str(tmp_path / "other.py"))
+    with pytest.raises(InputError, match=r"this task cannot be loaded.*too long"):
+        find_task(f"{'long' * 100}.py")
 
 
 def test_a_task_without_our_base_class_gets_defaults_for_missing_members(tmp_path):
