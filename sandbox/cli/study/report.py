@@ -36,8 +36,9 @@ class ReportOptions:
     measure: Annotated[
         tyro.conf.UseAppendAction[tuple[str, ...]], tyro.conf.arg(metavar="NAME")
     ] = ()
-    """Column of trial_results.csv that is tested like completion time and success; may be repeated.
-    All other columns are described only."""
+    """Column of trial_results.csv that is compared like completion time and success; may be
+    repeated. It is tested unless the design names primary outcomes. All other columns are described
+    only."""
 
 
 def report(options: ReportOptions, console: Console) -> int:

@@ -183,6 +183,8 @@ class Design:
         page: Settings of trials on the participant's page.
         consent: Text of the consent form, and its version; empty asks for none.
         instructions, demographics, questionnaires, exclusions: See their types.
+        primary: Confirmatory outcomes: measures, and questionnaires for their scores. Only these
+            are tested; empty tests all outcomes of the report.
         digest: Digest of the file.
         text: Text of the file.
         path: Path of the file.
@@ -213,6 +215,7 @@ class Design:
     demographics: tuple[Item, ...]
     questionnaires: tuple[Form, ...]
     exclusions: tuple[Exclusion, ...]
+    primary: tuple[str, ...]
     digest: str
     text: str
     path: Path

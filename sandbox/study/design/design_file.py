@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import tomllib
+from difflib import get_close_matches
 from hashlib import blake2b
 from pathlib import Path
 from typing import Any
@@ -26,7 +27,7 @@ from sandbox.study.design.orders import MOST_FACTORIAL
 from sandbox.study.design.page_settings import read_page_settings
 from sandbox.study.design.questionnaires import read_form, read_item
 from sandbox.study.design.reading import DesignError, Mistake, Reader, TomlTable
-from sandbox.study.measures.registry import rule_measures
+from sandbox.study.measures.registry import measures, rule_measures
 
 MOST_SESSIONS = 99
 """Largest number of sessions of one participant."""
@@ -101,6 +102,7 @@ def _design(top: TomlTable, text: str, path: Path) -> Design:
     factors = _factors(top)
     names = [factor.name for factor in factors]
     trials, breaks, consent = top.table("trials"), top.table("breaks"), top.table("consent")
+    analysis = top.table("analysis")
     forms = tuple(read_form(t, names, path.parent) for t in top.tables("questionnaires"))
     design = Design(
         name=top.name("name"),
@@ -128,11 +130,12 @@ def _design(top: TomlTable, text: str, path: Path) -> Design:
         demographics=tuple(read_item(t) for t in top.tables("demographics")),
         questionnaires=forms,
         exclusions=tuple(_exclusion(t) for t in top.tables("exclusions")),
+        primary=_primary(analysis, forms),
         digest=_digest(text, forms),
         text=text,
         path=path,
     )
-    for table in (trials, breaks, consent, top):
+    for table in (trials, breaks, consent, analysis, top):
         table.done()
     _check_unique(top, "demographics", [item.name for item in design.demographics])
     _check_unique(top, "questionnaires", [form.name for form in design.questionnaires])
@@ -302,6 +305,33 @@ def _instruction(table: TomlTable, factors: tuple[Factor, ...]) -> Instruction:
     instruction = Instruction(table.text("text"), at, level, table.session_numbers("sessions"))
     table.done()
     return instruction
+
+
+def _primary(table: TomlTable, forms: tuple[Form, ...]) -> tuple[str, ...]:
+    """Names of the confirmatory outcomes: measures, and questionnaires for their scores."""
+    given = table.has("primary")
+    names = table.strings("primary")
+    known = ("time_s", "success", *(m.name for m in measures() if not m.words))
+    scored = {form.name: form for form in forms if form.scales}
+    between = [name for name, form in scored.items() if form.at not in (START, END)]
+    if given and not names:
+        table.add_mistake(
+            "primary", "the list is empty", "Name an outcome, or remove it to test all of them"
+        )
+    for name in names:
+        if name in known or name in between:
+            continue
+        if name in scored:
+            what = f"{name} is asked once, so its score is not compared"
+        elif name in {form.name for form in forms}:
+            what = f"{name} has no score, and single questions are not tested"
+        else:
+            what = f"unknown outcome {name!r}"
+        near = get_close_matches(name, (*known, *between), 1)
+        hint = f"Did you mean {near[0]}? " if near else ""
+        choice = ", ".join(("time_s", "success", *between))
+        table.add_mistake("primary", what, f"{hint}Write {choice} or a measure (docs/measures.md)")
+    return names
 
 
 def _exclusion(table: TomlTable) -> Exclusion:

@@ -31,6 +31,10 @@ HIGH, LOW = "high", "low"
 """Values of `TrialMeasure.better`."""
 
 
+PRIMARY = "primary"
+"""Role of a confirmatory outcome in a study's codebook."""
+
+
 @dataclass(frozen=True)
 class TrialMeasure:
     """A measure of a trial.

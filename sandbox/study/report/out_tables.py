@@ -7,15 +7,14 @@ from typing import Any
 
 import numpy as np
 
-from sandbox.study.report.models.analysis import Analysis, MeasureModel, MeasureSummary, adjusted
-from sandbox.study.report.models.answers import adjusted as adjusted_scales
+from sandbox.study.report.models.analysis import Analysis, MeasureModel, MeasureSummary
 from sandbox.study.report.models.censored import Censored
 from sandbox.study.report.models.comparisons import Difference, Pair, pairs_of
 from sandbox.study.report.models.exclusions import endings, flow
+from sandbox.study.report.models.family import CONFIRMATORY, EXPLORATORY, Family
 from sandbox.study.report.models.intervals import Estimate
 from sandbox.study.report.models.mixed import Mixed
 from sandbox.study.report.models.quantities import LOG
-from sandbox.study.report.models.success import ShareDifference
 from sandbox.study.report.models.summaries import person_means
 
 Row = dict[str, Any]
@@ -27,6 +26,11 @@ Column = tuple[str, str, str]
 INTERVAL: tuple[Column, ...] = (
     ("low", "", "lower end of the 95 % interval"),
     ("high", "", "upper end of the 95 % interval"),
+)
+TEST: tuple[Column, ...] = (
+    ("role", "", "confirmatory: tested; exploratory: an estimate with its interval, not tested"),
+    ("p", "", "p value of this test alone; empty if exploratory"),
+    ("p_holm", "", "p value adjusted for all tests of the study (Holm); empty if exploratory"),
 )
 FILES: dict[str, tuple[Column, ...]] = {
     "means.csv": (
@@ -60,8 +64,7 @@ FILES: dict[str, tuple[Column, ...]] = {
         *INTERVAL,
         ("error", "", "standard error; for ratios, that of their logarithm"),
         ("freedom", "", "degrees of freedom"),
-        ("p", "", "p value of this pair alone"),
-        ("p_holm", "", "p value adjusted for all pairs of this factor (Holm)"),
+        *TEST,
     ),
     "models.csv": (
         ("measure", "", "as in trial_results.csv"),
@@ -118,8 +121,7 @@ FILES: dict[str, tuple[Column, ...]] = {
         ("second", "", "second level"),
         ("estimate", "", "difference of the means, second - first"),
         *INTERVAL,
-        ("p", "", "p value of the t test for this pair alone"),
-        ("p_holm", "", "p value adjusted for all pairs of this scale (Holm)"),
+        *TEST,
     ),
     "exclusions.csv": (
         ("step", "", "step from all data to the data used"),
@@ -232,18 +234,29 @@ def _means(analysis: Analysis) -> list[Row]:
 
 def _comparisons(analysis: Analysis) -> list[Row]:
     rows: list[Row] = []
+    family = analysis.family
     for one in _modelled(analysis):
         what = one.described.what
         kind = "ratio" if what.scale == LOG else "difference"
-        rows += _differences(what.name, MIXED, kind, one.differences)
-        rows += _shares(what.name, one.shares)
-    rows += _differences("time_s", CENSORED, "ratio", analysis.unseen)
+        # Of two models of completion time, one is tested.
+        tested = what.name != "time_s" or not analysis.with_unseen
+        rows += _differences(what.name, MIXED, kind, one.differences, family if tested else None)
+        rows += [
+            {"measure": what.name, "model": SHARES, "kind": "difference"}
+            | _pair_cells(d.pair, d.estimate)
+            | _test_cells(family, what.name, d.pair)
+            for d in one.shares
+        ]
+    tested_by = family if analysis.with_unseen else None
+    rows += _differences("time_s", CENSORED, "ratio", analysis.unseen, tested_by)
     if not isinstance(analysis.odds, str):
-        rows += _differences("success", GEE, "odds ratio", analysis.odds)
+        rows += _differences("success", GEE, "odds ratio", analysis.odds, None)
     return rows
 
 
-def _differences(measure: str, model: str, kind: str, some: Sequence[Difference]) -> list[Row]:
+def _differences(
+    measure: str, model: str, kind: str, some: Sequence[Difference], family: Family | None
+) -> list[Row]:
     change = (lambda x: x) if kind == "difference" else np.exp
     return [
         {
@@ -252,25 +265,14 @@ def _differences(measure: str, model: str, kind: str, some: Sequence[Difference]
             "kind": kind,
             "error": _known(d.error),
             "freedom": _known(d.freedom),
-            **_pair_cells(d.pair, d.estimate.mapped(change), d.p, p),
+            **_pair_cells(d.pair, d.estimate.mapped(change)),
+            **_test_cells(family, measure, d.pair),
         }
-        for d, p in zip(some, adjusted(some), strict=True)
+        for d in some
     ]
 
 
-def _shares(measure: str, some: Sequence[ShareDifference]) -> list[Row]:
-    return [
-        {
-            "measure": measure,
-            "model": SHARES,
-            "kind": "difference",
-            **_pair_cells(d.pair, d.estimate, d.p, p),
-        }
-        for d, p in zip(some, adjusted(some), strict=True)
-    ]
-
-
-def _pair_cells(pair: Pair, estimate: Estimate, p: float, p_holm: float) -> Row:
+def _pair_cells(pair: Pair, estimate: Estimate) -> Row:
     """Cells of a comparison between two levels; `factor` is left out where it is not a column."""
     return {
         "factor": pair.factor.name,
@@ -279,9 +281,15 @@ def _pair_cells(pair: Pair, estimate: Estimate, p: float, p_holm: float) -> Row:
         "estimate": _known(estimate.value),
         "low": _known(estimate.low),
         "high": _known(estimate.high),
-        "p": _known(p),
-        "p_holm": _known(p_holm),
     }
+
+
+def _test_cells(family: Family | None, outcome: str, pair: Pair) -> Row:
+    """Role and p values of a comparison; without a family it is exploratory."""
+    test = family.test(outcome, pair) if family else None
+    if test is None:
+        return {"role": EXPLORATORY}
+    return {"role": CONFIRMATORY, "p": _known(test.p), "p_holm": _known(test.p_holm)}
 
 
 def _models(analysis: Analysis) -> list[Row]:
@@ -359,10 +367,11 @@ def _score_comparisons(analysis: Analysis) -> list[Row]:
         {
             "questionnaire": s.questionnaire,
             "scale": s.scale,
-            **_pair_cells(d.pair, d.estimate, d.p, p),
+            **_pair_cells(d.pair, d.estimate),
+            **_test_cells(analysis.family if s.main else None, s.questionnaire, d.pair),
         }
         for s in analysis.scales
-        for d, p in zip(s.differences, adjusted_scales(s), strict=True)
+        for d in s.differences
     ]
 
 

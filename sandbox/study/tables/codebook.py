@@ -1,10 +1,12 @@
-"""Columns of all tables of a study, and `codebook.csv`, which gives unit and meaning of each."""
+"""Columns of all tables of a study, and `codebook.csv`, which gives unit and meaning of each, and
+the role of primary outcomes."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
 from sandbox.study.design.design import Design
+from sandbox.study.measures.measure import PRIMARY
 from sandbox.study.tables.column import Column, csv_bytes
 from sandbox.study.tables.frame_columns import FRAMES, TOUCHES
 from sandbox.study.tables.participant_table import participant_columns
@@ -36,9 +38,29 @@ def codebook(design: Design) -> bytes:
         for item in form.items
     ]
     tables["questionnaires.csv"] = [*tables["questionnaires.csv"], *items]
+    # The first scale of a questionnaire is its score.
+    scored = {
+        f"score {f.name}/{f.scales[0].name}": f.name for f in design.questionnaires if f.scales
+    }
+    scores = [Column(name, "", f"the score of {form}") for name, form in scored.items()]
+    tables["questionnaire_scores.csv"] = [*tables["questionnaire_scores.csv"], *scores]
+    primary = {
+        *(("trial_results.csv", name) for name in design.primary),
+        *(
+            ("questionnaire_scores.csv", name)
+            for name, form in scored.items()
+            if form in design.primary
+        ),
+    }
     rows = [
-        {"table": table, "column": c.name, "unit": c.unit, "meaning": c.meaning}
+        {
+            "table": table,
+            "column": c.name,
+            "unit": c.unit,
+            "meaning": c.meaning,
+            "role": PRIMARY if (table, c.name) in primary else "",
+        }
         for table, columns in tables.items()
         for c in columns
     ]
-    return csv_bytes(rows, ["table", "column", "unit", "meaning"])
+    return csv_bytes(rows, ["table", "column", "unit", "meaning", "role"])

@@ -5,22 +5,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from sandbox.study.report.models.answers import ScaleAnswers, scales
-from sandbox.study.report.models.censored import Censored, censored_differences, fit_censored
+from sandbox.study.report.models.answers import ScaleAnswers
+from sandbox.study.report.models.censored import Censored
 from sandbox.study.report.models.comparisons import Difference
-from sandbox.study.report.models.data import SESSION, ObservedFactor, StudyData
-from sandbox.study.report.models.intervals import holm
-from sandbox.study.report.models.mixed import Mixed, fit_mixed, mixed_differences
+from sandbox.study.report.models.data import SESSION, ObservedFactor, StudyData, to_numbers
+from sandbox.study.report.models.family import Family, family_of
+from sandbox.study.report.models.fitted import Compared, Fitted
 from sandbox.study.report.models.order import LearningPoint, LevelPlace, learning, places
-from sandbox.study.report.models.quantities import (
-    SHARE,
-    Quantity,
-    other_quantities,
-    quantity,
-    rows_for_model,
-    rows_with,
-)
-from sandbox.study.report.models.success import ShareDifference, odds, success_differences
+from sandbox.study.report.models.quantities import Quantity, other_quantities, quantity
+from sandbox.study.report.models.success import odds
 from sandbox.study.report.models.summaries import Summary, summaries
 
 
@@ -40,20 +33,14 @@ class MeasureSummary:
 
 
 @dataclass(frozen=True)
-class MeasureModel:
+class MeasureModel(Compared):
     """Summaries and comparisons of a measure.
 
     Attributes:
         described: Summaries by condition and level.
-        model: The mixed model, or the reason why there is none; empty for shares.
-        differences: Differences by the mixed model.
-        shares: Differences of shares, for a measure of 0 and 1.
     """
 
     described: MeasureSummary
-    model: Mixed | str
-    differences: list[Difference]
-    shares: list[ShareDifference]
 
 
 @dataclass(frozen=True)
@@ -62,9 +49,12 @@ class Analysis:
 
     Attributes:
         data: Data of the study.
+        family: What is tested, with adjusted p values; everything else is exploratory.
         time: Completion time of successful trials; None without one.
         censored: The model that includes trials without success, or the reason why there is none.
         unseen: Its differences, in log time.
+        with_unseen: True if these are the tested differences in time, since there are such trials;
+            otherwise those of the mixed model are.
         success: Success; None without trials.
         odds: Log odds ratios, or the reason why there are none.
         asked: The requested measures.
@@ -77,9 +67,11 @@ class Analysis:
     """
 
     data: StudyData
+    family: Family
     time: MeasureModel | None
     censored: Censored | str
     unseen: list[Difference]
+    with_unseen: bool
     success: MeasureModel | None
     odds: list[Difference] | str
     asked: list[MeasureModel]
@@ -91,10 +83,8 @@ class Analysis:
 
     @property
     def leading(self) -> list[Difference]:
-        """The main differences in log time: with censored times, if there are any."""
-        if self.unseen and isinstance(self.censored, Censored) and self.censored.unseen:
-            return self.unseen
-        return self.time.differences if self.time else []
+        """The differences in log time that are tested."""
+        return self.unseen if self.with_unseen else self.time.differences if self.time else []
 
 
 def analyse(data: StudyData, measures: Sequence[str] = ()) -> Analysis:
@@ -107,34 +97,59 @@ def analyse(data: StudyData, measures: Sequence[str] = ()) -> Analysis:
     Raises:
         StudyError: A measure is unknown.
     """
-    asked, rest = other_quantities(data, measures)
+    asked, rest = other_quantities(data, [*primary_measures(data), *measures])
+    fitted = Fitted(data, asked)
+    family = family_of(fitted)
     several = [f for f in data.factors if len(f.levels) > 1]
     # Factors of the design come before the session.
     main = min(several, key=lambda f: f.name == SESSION, default=None)
     if not len(data.used):
-        nothing = "no trials are used"
-        return Analysis(data, None, nothing, [], None, nothing, [], [], scales(data), {}, [], main)
-    time = quantity(data, "time_s") if data.used["time_s"].notna().any() else None
-    timed = time is not None and len(rows_with(data, time)[0]) > 0
-    censored = fit_censored(data)
+        return Analysis(
+            data=data,
+            family=family,
+            time=None,
+            censored=fitted.censored,
+            unseen=[],
+            with_unseen=False,
+            success=None,
+            odds="no trials are used",
+            asked=[],
+            rest=[],
+            scales=fitted.scales,
+            places={},
+            learning=[],
+            main=main,
+        )
+    time = fitted.time
     return Analysis(
         data=data,
-        time=_model(data, time) if time and timed else None,
-        censored=censored,
-        unseen=censored_differences(data, censored) if isinstance(censored, Censored) else [],
-        success=_model(data, quantity(data, "success")),
+        family=family,
+        time=_model(fitted, time) if time else None,
+        censored=fitted.censored,
+        unseen=fitted.unseen,
+        with_unseen=fitted.with_unseen,
+        success=_model(fitted, quantity(data, "success")),
         odds=odds(data),
-        asked=[_model(data, what) for what in asked],
+        asked=[_model(fitted, what) for what in asked],
         rest=[_describe(data, what) for what in rest],
-        scales=scales(data),
+        scales=fitted.scales,
         places={
             f.name: places(data, time, f)
             for f in data.factors
-            if time and timed and f.within and len(f.levels) > 1
+            if time and f.within and len(f.levels) > 1
         },
-        learning=learning(data, time, main) if time and timed else [],
+        learning=learning(data, time, main) if time else [],
         main=main,
     )
+
+
+def primary_measures(data: StudyData) -> list[str]:
+    """Primary outcomes that are measures of trials, and have numbers in these data."""
+    return [
+        name
+        for name in data.primary
+        if name in data.used.columns and to_numbers(data.used[name]).notna().any()
+    ]
 
 
 def _describe(data: StudyData, what: Quantity) -> MeasureSummary:
@@ -144,22 +159,6 @@ def _describe(data: StudyData, what: Quantity) -> MeasureSummary:
     )
 
 
-def _model(data: StudyData, what: Quantity) -> MeasureModel:
-    described = _describe(data, what)
-    if what.scale == SHARE:
-        return MeasureModel(described, "", [], success_differences(data, what.name))
-    rows, y = rows_for_model(data, what)
-    model = fit_mixed(data, rows, y)
-    differences = [] if isinstance(model, str) else mixed_differences(data, rows, model)
-    return MeasureModel(described, model, differences, [])
-
-
-def adjusted(pairs: Sequence[Difference | ShareDifference]) -> list[float]:
-    """P values, adjusted (Holm 1979) for all pairs of levels of the same factor."""
-    out = [float("nan")] * len(pairs)
-    factors = [one.pair.factor.name for one in pairs]
-    for name in dict.fromkeys(factors):
-        mine = [i for i, factor in enumerate(factors) if factor == name]
-        for i, p in zip(mine, holm([pairs[i].p for i in mine]), strict=True):
-            out[i] = p
-    return out
+def _model(fitted: Fitted, what: Quantity) -> MeasureModel:
+    found = fitted.compared(what)
+    return MeasureModel(found.model, found.differences, found.shares, _describe(fitted.data, what))

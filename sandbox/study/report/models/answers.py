@@ -9,7 +9,7 @@ import numpy as np
 
 from sandbox.study.report.models.comparisons import Difference, Pair, t_difference
 from sandbox.study.report.models.data import ObservedFactor, StudyData, to_numbers
-from sandbox.study.report.models.intervals import Estimate, holm, mean_interval, within_intervals
+from sandbox.study.report.models.intervals import Estimate, mean_interval, within_intervals
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -25,16 +25,20 @@ class ScaleAnswers:
     Attributes:
         questionnaire, scale: Names of the questionnaire and the scale.
         score: True for a score of several answers, False for a single question.
+        main: True for the score of the questionnaire, which is its first scale. Other scales and
+            single questions are described and never tested.
         factor: Factor of the levels; None for a question about the whole session.
         levels: Levels with answers.
         values: (people, levels); nan if missing.
         means, within: See `Summary`.
-        differences: Differences of all pairs of levels, within or between people.
+        differences: Differences of all pairs of levels, within or between people; none for a single
+            question.
     """
 
     questionnaire: str
     scale: str
     score: bool
+    main: bool
     factor: ObservedFactor | None
     levels: tuple[str, ...]
     values: np.ndarray
@@ -73,14 +77,17 @@ def _each(
     data: StudyData, table: DataFrame, form: str, item: str, value: str, score: bool
 ) -> list[ScaleAnswers]:
     table = table[~table["ppid"].isin(_left_out(data))]
-    scales = []
+    scales: list[ScaleAnswers] = []
     for (name, scale), rows in table.groupby([form, item], sort=False):
         numbers = to_numbers(rows[value])
         given = rows[value].astype(str).str.strip() != ""
         # A question is numerical only if every answer is a number.
         if not given.any() or numbers[given].isna().any():
             continue
-        scales.append(_scale(data, str(name), str(scale), score, rows, numbers.to_numpy(float)))
+        main = score and str(name) not in {s.questionnaire for s in scales}
+        scales.append(
+            _scale(data, str(name), str(scale), score, main, rows, numbers.to_numpy(float))
+        )
     return scales
 
 
@@ -91,7 +98,13 @@ def _left_out(data: StudyData) -> list[str]:
 
 
 def _scale(
-    data: StudyData, name: str, scale: str, score: bool, rows: DataFrame, numbers: np.ndarray
+    data: StudyData,
+    name: str,
+    scale: str,
+    score: bool,
+    main: bool,
+    rows: DataFrame,
+    numbers: np.ndarray,
 ) -> ScaleAnswers:
     factor, level = _level(data, rows)
     levels = tuple(x for x in (factor.levels if factor else (ALL,)) if x in set(level))
@@ -108,12 +121,13 @@ def _scale(
         name,
         scale,
         score,
+        main,
         factor,
         levels,
         values,
         tuple(mean_interval(list(column)) for column in values.T),
         tuple(within_intervals(values)),
-        tuple(_differences(factor, levels, values)),
+        tuple(_differences(factor, levels, values)) if score else (),
     )
 
 
@@ -172,8 +186,3 @@ def _differences(
                 )
             )
     return differences
-
-
-def adjusted(scale: ScaleAnswers) -> list[float]:
-    """P values of all pairs of a scale, adjusted by the method of Holm."""
-    return holm([d.p for d in scale.differences])

@@ -17,6 +17,7 @@ from msgspec import Struct
 from models.errors import StudyError
 from models.json_input import decoded, read_bytes
 from sandbox.study.measures.kept import DIFFERS, kept_lines
+from sandbox.study.measures.measure import PRIMARY
 
 if TYPE_CHECKING:
     from pandas import DataFrame, Series
@@ -81,6 +82,8 @@ class StudyData:
         answers: `questionnaires.csv`; may be empty.
         scores: `questionnaire_scores.csv`; may be empty.
         codebook: Unit and meaning of columns of `trial_results.csv`.
+        primary: Confirmatory outcomes of the design: measures, and questionnaires for their scores.
+            Empty if it names none.
         digest: SHA-256 of `trial_results.csv`.
     """
 
@@ -94,6 +97,7 @@ class StudyData:
     answers: DataFrame
     scores: DataFrame
     codebook: dict[str, tuple[str, str]] = field(default_factory=dict)
+    primary: tuple[str, ...] = ()
     digest: str = ""
 
     @property
@@ -141,7 +145,7 @@ def load_study(folder: Path) -> StudyData:
     for name in NUMBERS:
         if name in trials.columns:
             trials[name] = to_numbers(trials[name], path)
-    meanings = _codebook(folder)
+    meanings, primary = _codebook(folder)
     about = _about(folder)
     answers, scores = (
         _optional(folder / name) for name in ("questionnaires.csv", "questionnaire_scores.csv")
@@ -166,6 +170,7 @@ def load_study(folder: Path) -> StudyData:
         answers=answers,
         scores=scores,
         codebook=meanings,
+        primary=primary,
         digest=sha256(path.read_bytes()).hexdigest(),
     )
 
@@ -251,12 +256,19 @@ def _about(folder: Path) -> _StudyInfo:
         return _StudyInfo()
 
 
-def _codebook(folder: Path) -> dict[str, tuple[str, str]]:
+def _codebook(folder: Path) -> tuple[dict[str, tuple[str, str]], tuple[str, ...]]:
+    """Unit and meaning of columns of `trial_results.csv`, and the names of primary outcomes."""
     table = _optional(folder / "codebook.csv")
     if not {"table", "column", "unit", "meaning"} <= set(table.columns):
-        return {}
+        return {}, ()
     rows = table[table["table"] == "trial_results.csv"]
-    return {row.column: (row.unit, row.meaning) for row in rows.itertuples(index=False)}
+    meanings = {row.column: (row.unit, row.meaning) for row in rows.itertuples(index=False)}
+    if "role" not in table.columns:
+        return meanings, ()
+    named = table.loc[table["role"] == PRIMARY, "column"]
+    # A score is named `score QUESTIONNAIRE/SCALE`.
+    primary = (str(name).removeprefix("score ").partition("/")[0] for name in named)
+    return meanings, tuple(primary)
 
 
 def _did_the_same_again(trials: DataFrame) -> bool:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from importlib.metadata import PackageNotFoundError, version
 
 from sandbox.study.report.models.analysis import Analysis
+from sandbox.study.report.models.family import ALPHA, Family
 from sandbox.study.report.models.mixed import Mixed
 from sandbox.study.report.page import formats
 from sandbox.study.report.page.parts import Section, Table
@@ -65,9 +66,9 @@ def methods_section(analysis: Analysis) -> Section:
     section.say(
         "Success: differences of the shares of successful trials, with intervals from Wilson's "
         "limits (Newcombe 1998; Zou and Donner 2008), p values from permutations over people, and "
-        "odds ratios by generalised estimating equations. P values of the pairs of one factor are "
-        "also adjusted by the method of Holm (1979)."
+        "odds ratios by generalised estimating equations."
     )
+    section.say(_tests(analysis.family))
     section.say(
         "docs/report.md of Hand Sandbox reports how often these intervals cover the true value in "
         "simulated studies with known true values."
@@ -83,6 +84,25 @@ def methods_section(analysis: Analysis) -> Section:
         f"{data.digest[:16]}…) with {software}."
     )
     return section
+
+
+def _tests(family: Family) -> str:
+    """Sentences on what was tested."""
+    outcomes = list(dict.fromkeys(test.outcome for test in family.tests))
+    count = formats.count(len(family.tests), "comparison")
+    named = (
+        f"The design names {', '.join(family.primary)} as primary. Only these are tested: {count}."
+        if family.primary
+        else f"The design names no primary outcome, so all that is compared is tested: {count} of "
+        f"{', '.join(outcomes) or 'nothing'}."
+    )
+    missing = f" Without data to compare: {', '.join(family.missing)}." if family.missing else ""
+    return (
+        f"Tests. {named}{missing} P values are adjusted for all of them together (Holm 1979), so "
+        f"that a study without any difference has a finding with probability {ALPHA:g} or less. "
+        "Of a questionnaire, its one score is tested. Everything else is exploratory: estimates "
+        "with intervals."
+    )
 
 
 def _version(name: str) -> str:

@@ -6,7 +6,10 @@ from importlib.resources import files
 from typing import Any
 
 from sandbox.study.report.models.analysis import Analysis
+from sandbox.study.report.models.comparisons import Pair
 from sandbox.study.report.models.exclusions import flow
+from sandbox.study.report.models.family import Family
+from sandbox.study.report.models.quantities import MAIN
 from sandbox.study.report.page import formats
 from sandbox.study.report.page.methods import methods_section
 from sandbox.study.report.page.parts import Section
@@ -21,7 +24,6 @@ from sandbox.study.report.page.section_results import (
     asked_sections,
     success_section,
     time_section,
-    unseen_model,
 )
 
 KINDS = {"real": "Study", "pilot": "Pilot", "simulated": "Simulated"}
@@ -115,31 +117,45 @@ def _facts(analysis: Analysis) -> list[tuple[str, str, str]]:
 
 
 def _findings(analysis: Analysis) -> list[str]:
-    """Sentences that compare each pair of levels of the first factor in time and success."""
+    """Sentences on the tests of the main factor in time and success, and on all other findings.
+
+    What is exploratory is said to be so, and is an estimate and no finding.
+    """
     main = analysis.main.name if analysis.main else ""
+    family = analysis.family
     out = []
     for d in analysis.leading:
         if d.pair.factor.name == main:
             ends = formats.interval(formats.change(d.estimate.low), formats.change(d.estimate.high))
-            clear = d.estimate.low > 0 or d.estimate.high < 0
-            doubt = "" if clear else "; there may be no difference"
             out.append(
                 f"{d.pair.second} took {formats.less_or_more(d.estimate, 'less', 'more')} time "
-                f"than {d.pair.first} (95 % interval {ends}{doubt})."
+                f"than {d.pair.first} (95 % interval {ends}; {_verdict(family, 'time_s', d.pair)})."
             )
-    if out and unseen_model(analysis):
+    if out and analysis.with_unseen:
         out[-1] += " Trials without success are assumed to take longer than they lasted."
     for s in analysis.success.shares if analysis.success else []:
         if s.pair.factor.name == main:
             ends = formats.interval(formats.points(s.estimate.low), formats.points(s.estimate.high))
-            doubt = (
-                "" if s.estimate.low > 0 or s.estimate.high < 0 else "; there may be no difference"
-            )
             out.append(
                 f"{s.pair.second} succeeded in {formats.percent(s.second.value)} of trials, "
                 f"{s.pair.first} in {formats.percent(s.first.value)}: "
-                f"{formats.points(s.estimate.value)} points (95 % interval {ends}{doubt})."
+                f"{formats.points(s.estimate.value)} points (95 % interval {ends}; "
+                f"{_verdict(family, 'success', s.pair)})."
             )
+    out += [
+        f"{test.pair.title}: {test.outcome} differs ({_verdict(family, test.outcome, test.pair)})."
+        for test in family.findings
+        if test.outcome not in MAIN
+    ]
     if len(out) > MOST_FINDINGS:
         return [*out[:MOST_FINDINGS], "The other pairs are in the tables below."]
     return out
+
+
+def _verdict(family: Family, outcome: str, pair: Pair) -> str:
+    """What the test of a pair says, in a few words."""
+    test = family.test(outcome, pair)
+    if test is None:
+        return "exploratory"
+    said = f"p, Holm {formats.p_value(test.p_holm)}"
+    return said if test.found else f"{said}: no difference was found"

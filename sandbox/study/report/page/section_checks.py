@@ -8,8 +8,9 @@ from math import nan
 import numpy as np
 
 from sandbox.study.report.models.analysis import Analysis, MeasureModel
-from sandbox.study.report.models.answers import ScaleAnswers, adjusted
+from sandbox.study.report.models.answers import ScaleAnswers
 from sandbox.study.report.models.exclusions import endings, flow, unfinished
+from sandbox.study.report.models.family import Family
 from sandbox.study.report.models.intervals import Estimate
 from sandbox.study.report.models.mixed import Mixed, practice_effect
 from sandbox.study.report.models.order import balanced, neighbours
@@ -17,7 +18,7 @@ from sandbox.study.report.models.quantities import LOG, SHARE
 from sandbox.study.report.models.summaries import cells_of, person_means, row_means
 from sandbox.study.report.page import formats, plots
 from sandbox.study.report.page.parts import Picture, Section, Table
-from sandbox.study.report.page.section_results import means_picture
+from sandbox.study.report.page.section_results import means_picture, p_cells, test_note
 
 
 def exclusions_section(analysis: Analysis) -> Section:
@@ -245,7 +246,7 @@ def questionnaire_section(analysis: Analysis) -> Section:
     if not analysis.scales:
         section.say("No questionnaire has numerical answers.")
     for i, some in enumerate(_together(analysis.scales)):
-        section.parts.append(_scales(i, some))
+        section.parts.append(_scales(i, some, analysis.family))
     return section
 
 
@@ -263,7 +264,7 @@ def _together(scales: Sequence[ScaleAnswers]) -> list[list[ScaleAnswers]]:
     return list(groups.values())
 
 
-def _scales(number: int, some: list[ScaleAnswers]) -> Picture:
+def _scales(number: int, some: list[ScaleAnswers], family: Family) -> Picture:
     first, several = some[0], len(some) > 1
     title = first.questionnaire if several else first.title
     names = [s.scale if several else "" for s in some]
@@ -274,7 +275,10 @@ def _scales(number: int, some: list[ScaleAnswers]) -> Picture:
     }
     label = "score" if first.score else "answer"
     svg = plots.dots(f"scale-{number}", title, f"{title}: {label}", names, first.levels, values)
-    rows = [row for name, s in zip(names, some, strict=True) for row in _scale_rows(name, s)]
+    rows = [
+        row for name, s in zip(names, some, strict=True) for row in _scale_rows(name, s, family)
+    ]
+    tested = any(s.main for s in some)
     kind = (
         ("scores" if several else "score")
         if first.score
@@ -288,11 +292,12 @@ def _scales(number: int, some: list[ScaleAnswers]) -> Picture:
             f"{title}, {kind}",
             ["Level, or pair", "People", "Mean or difference", "95 % interval", "p", "p, Holm"],
             rows,
+            test_note(family, first.questionnaire if tested else ""),
         ),
     )
 
 
-def _scale_rows(name: str, scale: ScaleAnswers) -> list[list[str]]:
+def _scale_rows(name: str, scale: ScaleAnswers, family: Family) -> list[list[str]]:
     def called(level: str) -> str:
         if not name:
             return level
@@ -317,10 +322,9 @@ def _scale_rows(name: str, scale: ScaleAnswers) -> list[list[str]]:
             "",
             formats.number(d.estimate.value),
             formats.interval(formats.number(d.estimate.low), formats.number(d.estimate.high)),
-            formats.p_value(d.p),
-            formats.p_value(p),
+            *p_cells(family, scale.questionnaire if scale.main else "", d.pair),
         ]
-        for d, p in zip(scale.differences, adjusted(scale), strict=True)
+        for d in scale.differences
     ]
     return rows
 
@@ -333,7 +337,7 @@ def others_section(analysis: Analysis) -> Section:
         return section
     section.say(
         "These measures are described but not tested, since among many measures some differ by "
-        "chance. `--measure NAME` adds the comparison of a measure that was chosen beforehand.",
+        "chance. `[analysis] primary` of the design names measures that are to be tested.",
         "note",
     )
     for one in analysis.rest:

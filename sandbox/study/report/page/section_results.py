@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from math import exp
 
-from sandbox.study.report.models.analysis import Analysis, MeasureModel, MeasureSummary, adjusted
-from sandbox.study.report.models.censored import Censored
-from sandbox.study.report.models.comparisons import Difference
+from sandbox.study.report.models.analysis import Analysis, MeasureModel, MeasureSummary
+from sandbox.study.report.models.comparisons import Difference, Pair
 from sandbox.study.report.models.data import BETWEEN_NAMES, StudyData
+from sandbox.study.report.models.family import EXPLORATORY, Family
 from sandbox.study.report.models.intervals import Estimate
 from sandbox.study.report.models.mixed import Mixed, practice_effect
 from sandbox.study.report.models.quantities import LOG, SHARE, Quantity
@@ -76,13 +76,12 @@ def _compare_times(section: Section, analysis: Analysis, unseen: int) -> None:
             name,
             formats.change(d.estimate.value),
             formats.interval(formats.change(d.estimate.low), formats.change(d.estimate.high)),
-            formats.p_value(d.p),
-            formats.p_value(p),
+            *p_cells(analysis.family, "time_s" if some is leading else "", d.pair),
         ]
         for title in titles
         for (name, some), known in zip(ways, by_title, strict=True)
         if title in known
-        for d, p in zip(some, adjusted(some), strict=True)
+        for d in some
         if d.pair.title == title
     ]
     nothing = Estimate(float("nan"), float("nan"), float("nan"))
@@ -109,8 +108,7 @@ def _compare_times(section: Section, analysis: Analysis, unseen: int) -> None:
                 "Differences in completion time",
                 ["Levels", "From", "Change", "95 % interval", "p", "p, Holm"],
                 rows,
-                "Successes only: by the mixed model. p, Holm is adjusted for all pairs of levels "
-                "of the same factor; intervals are not adjusted.",
+                f"Successes only: by the mixed model. {test_note(analysis.family, 'time_s')}",
             ),
         )
     )
@@ -147,7 +145,7 @@ def success_section(analysis: Analysis) -> Section:
         return section
     section.parts.append(means_picture(analysis.data, analysis.success.described, "success"))
     if analysis.success.shares:
-        section.parts.append(_share_pairs("success", analysis.success.shares))
+        section.parts.append(_share_pairs("success", analysis.success.shares, analysis.family))
     if isinstance(analysis.odds, str):
         section.say(f"Odds ratios: {analysis.odds}.", "note")
     elif analysis.odds:
@@ -158,24 +156,22 @@ def success_section(analysis: Analysis) -> Section:
                 formats.interval(
                     formats.number(exp(d.estimate.low)), formats.number(exp(d.estimate.high))
                 ),
-                formats.p_value(d.p),
-                formats.p_value(p),
             ]
-            for d, p in zip(analysis.odds, adjusted(analysis.odds), strict=True)
+            for d in analysis.odds
         ]
         section.parts.append(
             Table(
                 "Odds ratios of success, by generalised estimating equations",
-                ["Levels", "Odds ratio", "95 % interval", "p", "p, Holm"],
+                ["Levels", "Odds ratio", "95 % interval"],
                 rows,
-                "Exchangeable correlation of one person's trials; standard errors by Mancl and "
-                "DeRouen.",
+                "Not tested. Exchangeable correlation of one person's trials; standard errors by "
+                "Mancl and DeRouen.",
             )
         )
     return section
 
 
-def _share_pairs(name: str, some: Sequence[ShareDifference]) -> Picture:
+def _share_pairs(name: str, some: Sequence[ShareDifference], family: Family) -> Picture:
     titles = [d.pair.title for d in some]
     rows = [
         [
@@ -184,10 +180,9 @@ def _share_pairs(name: str, some: Sequence[ShareDifference]) -> Picture:
             formats.percent(d.second.value),
             formats.points(d.estimate.value),
             formats.interval(formats.points(d.estimate.low), formats.points(d.estimate.high)),
-            formats.p_value(d.p),
-            formats.p_value(p),
+            *p_cells(family, name, d.pair),
         ]
-        for d, p in zip(some, adjusted(some), strict=True)
+        for d in some
     ]
     percentages = [d.estimate.mapped(lambda v: 100 * v) for d in some]
     return Picture(
@@ -206,7 +201,7 @@ def _share_pairs(name: str, some: Sequence[ShareDifference]) -> Picture:
             "Differences in shares of trials",
             ["Levels", "second", "first", "Points", "95 % interval", "p", "p, Holm"],
             [[r[0], r[2], r[1], *r[3:]] for r in rows],
-            "p is from a permutation test over people.",
+            f"p is from a permutation test over people. {test_note(family, name)}",
         ),
     )
 
@@ -227,32 +222,47 @@ def asked_sections(analysis: Analysis) -> list[Section]:
         section, what = asked_section(one), one.described.what
         section.parts.append(means_picture(analysis.data, one.described, what.name))
         if one.shares:
-            section.parts.append(_share_pairs(what.name, one.shares))
+            section.parts.append(_share_pairs(what.name, one.shares, analysis.family))
         elif isinstance(one.model, str):
             section.say(f"No mixed model: {one.model}.", "note")
         else:
-            section.parts.append(_pairs_table(what, one.differences))
+            section.parts.append(_pairs_table(what, one.differences, analysis.family))
             section.parts.append(_model_table(one.model, what.scale))
         sections.append(section)
     return sections
 
 
-def _pairs_table(what: Quantity, some: Sequence[Difference]) -> Table:
+def _pairs_table(what: Quantity, some: Sequence[Difference], family: Family) -> Table:
     show = formats.change if what.scale == LOG else formats.number
     rows = [
         [
             d.pair.title,
             show(d.estimate.value),
             formats.interval(show(d.estimate.low), show(d.estimate.high)),
-            formats.p_value(d.p),
-            formats.p_value(p),
+            *p_cells(family, what.name, d.pair),
         ]
-        for d, p in zip(some, adjusted(some), strict=True)
+        for d in some
     ]
     return Table(
         "Differences, by the mixed model",
         ["Levels", "Difference", "95 % interval", "p", "p, Holm"],
         rows,
+        test_note(family, what.name),
+    )
+
+
+def p_cells(family: Family, outcome: str, pair: Pair) -> list[str]:
+    """Cells with the p value and the adjusted p value; dashes if the comparison is exploratory."""
+    return [formats.p_value(p) for p in family.p_values(outcome, pair)]
+
+
+def test_note(family: Family, outcome: str) -> str:
+    """A sentence that says whether an outcome is tested, and with what."""
+    if family.role(outcome) == EXPLORATORY:
+        return "Exploratory: estimates with intervals, not tested."
+    return (
+        f"p, Holm is adjusted for all {formats.count(len(family.tests), 'test')} of the study; "
+        "intervals are not adjusted."
     )
 
 
@@ -335,8 +345,3 @@ def _mean_cells(s: Summary, show: object) -> list[str]:
         formats.interval(show(s.mean.low), show(s.mean.high)),
         formats.interval(show(s.within.low), show(s.within.high)),
     ]
-
-
-def unseen_model(analysis: Analysis) -> bool:
-    """Returns True if the main comparison includes trials without success."""
-    return isinstance(analysis.censored, Censored) and analysis.censored.unseen > 0

@@ -1,0 +1,137 @@
+"""What a study tests is one family, and what is exploratory has no p value."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sandbox.study.design.design_file import parse_design
+from sandbox.study.design.reading import DesignError
+from sandbox.study.report.models.analysis import analyse
+from sandbox.study.report.models.data import load_study
+from sandbox.study.report.models.family import CONFIRMATORY, EXPLORATORY
+from sandbox.study.report.models.intervals import holm
+from sandbox.study.report.page.page import head
+from sandbox.study.tables.codebook import codebook
+from sandbox.study.tables.column import csv_bytes
+from tests.sandbox.study.report.study_reports import planted, report, rows_of
+from tests.support.study_files import DESIGN
+
+SCALED = (
+    DESIGN.replace('name = "contact"\norder', 'name = "encoder"\nsetting = "contact"\norder')
+    .replace('at = "contact"', 'at = "encoder"')
+    .replace('practice_each = "contact"', 'practice_each = "encoder"')
+    + """
+[[questionnaires.scales]]
+name = "effort"
+rule = "mean"
+items = ["effort"]
+[[questionnaires]]
+use = "sus"
+at = "end"
+[[questionnaires]]
+name = "calm"
+at = "encoder"
+title = "And"
+[[questionnaires.items]]
+name = "calm"
+kind = "scale"
+ask = "How calm were you?"
+"""
+)
+
+
+def with_primary(*names: str) -> str:
+    return f"{SCALED}[analysis]\nprimary = {list(names)!r}\n".replace("'", '"')
+
+
+def answered(folder: Path, effect: float = 0.0, design: str = SCALED) -> None:
+    """Scores and answers of the people of a planted study, and the codebook of a design."""
+    rng = np.random.default_rng(5)
+    planted(folder)
+    rows, items = [], []
+    for i in range(1, 7):
+        for level in "abc":
+            about = {"ppid": f"P{i:03d}", "instrument": "effort", "factor_encoder": level}
+            value = 50 + effect * (level == "b") + rng.normal()
+            rows += [
+                {**about, "scale": "effort", "score": value},
+                {**about, "scale": "mental", "score": 50 + 1000 * (level == "b")},
+            ]
+            items.append({**about, "item": "effort", "answer": value})
+    (folder / "questionnaire_scores.csv").write_bytes(csv_bytes(rows, tuple(rows[0])))
+    (folder / "questionnaires.csv").write_bytes(csv_bytes(items, tuple(items[0])))
+    book = codebook(parse_design(design, Path("design.toml"), try_out=False))
+    (folder / "codebook.csv").write_bytes(book)
+
+
+def test_all_that_is_tested_is_one_family(tmp_path: Path) -> None:
+    answered(tmp_path)
+    family = analyse(load_study(tmp_path)).family
+    counts = {name: sum(t.outcome == name for t in family.tests) for name in family_names(tmp_path)}
+    # Three pairs of encoders and one of tasks; questionnaires are about encoders.
+    assert counts == {"time_s": 4, "success": 4, "effort": 3}
+    assert [t.p_holm for t in family.tests] == holm([t.p for t in family.tests])
+
+
+def family_names(folder: Path) -> list[str]:
+    tests = analyse(load_study(folder)).family.tests
+    return list(dict.fromkeys(test.outcome for test in tests))
+
+
+def test_of_a_questionnaire_its_score_is_tested_and_neither_other_scales_nor_questions(
+    tmp_path: Path,
+) -> None:
+    answered(tmp_path)
+    page = report(tmp_path)
+    rows = rows_of(tmp_path / "report" / "score_comparisons.csv")
+    told = {r["scale"]: r for r in rows if r["second"] == "b"}
+    assert set(told) == {"effort", "mental"}, "questions are described"
+    assert told["effort"]["role"] == CONFIRMATORY and told["effort"]["p_holm"]
+    # Although every answer differs.
+    assert told["mental"]["role"] == EXPLORATORY
+    assert not told["mental"]["p"] + told["mental"]["p_holm"]
+    assert "mental differs" not in page.text
+
+
+def test_with_primary_outcomes_only_these_are_tested(tmp_path: Path) -> None:
+    answered(tmp_path, 20.0, with_primary("effort"))
+    page = report(tmp_path)
+    rows = rows_of(tmp_path / "report" / "comparisons.csv")
+    assert {r["role"] for r in rows} == {EXPLORATORY}
+    assert not any(r["p"] or r["p_holm"] for r in rows)
+    assert all(r["low"] and r["high"] for r in rows if r["measure"] == "time_s")
+    found = head(analyse(load_study(tmp_path)))["findings"]
+    assert [line for line in found if "exploratory" in line and "time" in line]
+    assert "b against a: effort differs (p, Holm < 0.001)." in found
+    assert "The design names effort as primary. Only these are tested: 3 comparisons." in page.text
+
+
+def test_a_primary_outcome_without_data_is_named(tmp_path: Path) -> None:
+    answered(tmp_path, design=with_primary("time_s", "regrasps"))
+    assert "Without data to compare: regrasps." in report(tmp_path).text
+
+
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [
+        ("beauty", "unknown outcome 'beauty'"),
+        ("time", "Did you mean time_s?"),
+        ("sus", "sus is asked once"),
+        ("calm", "calm has no score, and single questions are not tested"),
+    ],
+)
+def test_the_check_refuses_outcomes_that_cannot_be_compared(name: str, said: str) -> None:
+    with pytest.raises(DesignError) as error:
+        parse_design(with_primary("success", name), Path("design.toml"), try_out=False)
+    assert said in str(error.value) and "analysis.primary" in str(error.value)
+
+
+def test_primary_outcomes_are_part_of_the_lock() -> None:
+    digests = {
+        parse_design(text, Path("design.toml"), try_out=False).digest
+        for text in (SCALED, with_primary("time_s"), with_primary("effort"))
+    }
+    assert len(digests) == 3
