@@ -37,7 +37,7 @@ PAGE = Path("examples/study/report.html")
 LARGEST = 1_000_000
 """Bytes of a page that is kept."""
 
-TEXT = """# An example: three encoders by three tasks
+TEXT = """# An example: three encoders by two tasks
 
 **Simulated. Nobody took part**: this shows how a study goes and what its report says, and nothing
 about people. The design is [examples/study/design.toml](../examples/study/design.toml), the whole

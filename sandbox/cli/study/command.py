@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 import tyro
 from rich.console import Console
 from rich.markup import escape
-from rich.table import Table
 
 from models.errors import InputError, StudyError
 from sandbox.cli.common.parse import parse
@@ -136,6 +135,7 @@ def _load(file: Path) -> Design:
 
 
 def _check(options: CheckOptions, console: Console) -> int:
+    from sandbox.study.design.balance import cycle_line
     from sandbox.study.design.conditions import combinations
     from sandbox.study.design.meaning import findings
 
@@ -147,6 +147,7 @@ def _check(options: CheckOptions, console: Console) -> int:
         console.print(f"[{colour}]{escape(str(finding))}[/]", highlight=False)
     if any(finding.error for finding in found):
         return 2
+    console.print(cycle_line(design), highlight=False)
     console.print(
         f"[green]{design.name}[/]: no mistakes, {count} combinations of levels, all of "
         "which can be run here"
@@ -155,41 +156,26 @@ def _check(options: CheckOptions, console: Console) -> int:
 
 
 def _plan(options: PlanOptions, console: Console) -> int:
-    from sandbox.study.design.plan import duration, session_plan, trials_of, whole_cycle
+    from sandbox.cli.study.plan_table import add_session, plan_table
+    from sandbox.study.design.plan import duration, session_plan, trials_of
     from sandbox.study.design.power import detectable
 
     design = _load(options.file)
     count = options.participants or design.participants
-    several = ("session",) if design.sessions > 1 else ()
-    table = Table("participant", *several, *(f.name for f in design.factors), "trials", "minutes")
+    table = plan_table(design)
     minutes, practice = [], 0
     for number, session in product(range(count), range(1, design.sessions + 1)):
         steps = session_plan(design, number, session)
-        trials = trials_of(steps)
-        orders = [
-            _order([t.levels[f.name] for t in trials if not t.practice]) for f in design.factors
-        ]
         minutes.append(duration(design, steps) / 60)
-        practice = max(practice, sum(t.practice for t in trials))
-        table.add_row(
-            str(number + 1),
-            *(str(session) for _ in several),
-            *orders,
-            str(len(trials)),
-            f"{minutes[-1]:.0f}",
-        )
+        practice = max(practice, sum(t.practice for t in trials_of(steps)))
+        add_session(table, design, number, session, steps, minutes[-1])
     console.print(table)
     console.print(
         f"a session takes about {max(minutes):.0f} min, all of them "
         f"{sum(minutes) / 60:.1f} h; a trial taken as {design.expected:g} s"
         + (f"; {practice} of a session's trials are practice" if practice else "")
     )
-    cycle = whole_cycle(design)
-    if count % cycle:
-        console.print(
-            f"[yellow]orders are used equally often after every {cycle} participants, "
-            f"and {count} is not a multiple of that[/]"
-        )
+    _say_cycle(design, count, console)
     if not options.power:
         return 0
     if not 0.0 < options.spread < 10.0:
@@ -214,12 +200,14 @@ def _plan(options: PlanOptions, console: Console) -> int:
     return 0
 
 
-def _order(levels: list[str]) -> str:
-    """Levels as they follow each other, without repeats; not more than a line holds."""
-    runs = [level for i, level in enumerate(levels) if i == 0 or level != levels[i - 1]]
-    if len(runs) > 2 * len(set(levels)):
-        return f"{', '.join(runs[: len(set(levels))])}, ... ({len(runs)} changes)"
-    return ", ".join(runs)
+def _say_cycle(design: Design, people: int, console: Console) -> None:
+    """Prints how many participants a full cycle takes, and what so many leave confounded."""
+    from sandbox.cli.study.plan_table import cycle_lines
+
+    whole, *missing = cycle_lines(design, people)
+    console.print(whole, highlight=False)
+    for line in missing:
+        console.print(f"[yellow]{escape(line)}[/]", highlight=False)
 
 
 def _simulate(options: StudySimulateOptions, console: Console) -> int:

@@ -6,9 +6,10 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from sandbox.study.design.balance import confounded, nearest_cycles
 from sandbox.study.design.conditions import combinations, run_settings, values_of
 from sandbox.study.design.design import Design, Exclusion
-from sandbox.study.design.plan import BreakStep, session_plan, whole_cycle
+from sandbox.study.design.plan import BreakStep, session_plan
 from sandbox.study.design.reading import Mistake
 from sandbox.study.design.toml_lines import Path, TomlLines
 from sandbox.study.measures.registry import find_measure
@@ -114,14 +115,13 @@ def _orders(design: Design) -> Iterator[_Found]:
                 "Write latin or random, unless you do not compare these levels",
                 False,
             )
-    cycle = whole_cycle(design)
-    if design.participants % cycle:
-        more = -design.participants % cycle
+    missing = confounded(design, design.participants)
+    if missing:
         yield (
             ("participants",),
-            f"{design.participants} people do not fill the cycle of {cycle}, so orders are not "
-            "used equally often",
-            f"Write {design.participants + more}",
+            f"{design.participants} people are no full cycle, so this is confounded: "
+            + "; ".join(missing),
+            f"Write {nearest_cycles(design, design.participants)}",
             False,
         )
 

@@ -9,12 +9,12 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from hashlib import blake2b
-from math import lcm
 from typing import Any
 
+from sandbox.study.design.balance import rows_of
 from sandbox.study.design.conditions import values_of
 from sandbox.study.design.design import END, START, Design, Factor, Form, Instruction, Level
-from sandbox.study.design.orders import cycle, order_of
+from sandbox.study.design.orders import order_of
 from sandbox.study.design.questionnaires import arranged
 
 READING = 20.0
@@ -108,7 +108,7 @@ def session_plan(design: Design, participant: int, session: int = 1) -> list[Ste
 
     Consent and demographics are in the first session only. In each later session, orders `latin`
     and `factorial` move on by one row, random orders are drawn again, and starts and goals are new
-    unless all participants share them.
+    unless all participants share them. Rows are given by `balance.rows_of`.
 
     Args:
         design: Design of the study.
@@ -151,22 +151,16 @@ def duration(design: Design, steps: list[Step]) -> float:
     return total
 
 
-def whole_cycle(design: Design) -> int:
-    """Number of participants after which all orders of every factor were used equally often."""
-    return lcm(
-        *(
-            cycle(f.order, len(levels))
-            for f in design.factors
-            for levels in (f.nested.values() if f.nested else [f.levels])
-        )
-    )
-
-
 class _Plan:
     """Generator of the steps of one session."""
 
     def __init__(self, design: Design, participant: int, session: int) -> None:
         self._design, self._participant, self._session = design, participant, session
+        self._rows = rows_of(design, participant)
+        # Number of rows by which this session's orders are further than those of the first one.
+        # With one level a session, sessions are the places of one order.
+        one_a_session = any(factor.one_a_session for factor in design.factors)
+        self._moved = 0 if one_a_session else session - 1
         # Added to all seeds of later sessions; seeds of a first session do not depend on it.
         self._later: tuple[object, ...] = () if session == 1 else ("session", session)
         self._trial = self._block = self._in_block = self._count = 0
@@ -190,7 +184,7 @@ class _Plan:
         yield CalibrationStep("calibration")
         if design.practice and not design.practice_each:
             yield from self._practice()
-        yield from self._factor(0, self._first_place(0), 0)
+        yield from self._factor(0, self._moved, 0)
         yield from self._forms(END)
         yield from self._instructions(END)
 
@@ -198,25 +192,20 @@ class _Plan:
         """True if something belongs to this session."""
         return not sessions or self._session in sessions
 
-    def _first_place(self, depth: int) -> int:
-        """Place at which the levels of a factor begin, different in every session."""
-        return 0 if self._design.factors[depth].one_a_session else self._session - 1
-
-    def _factor(self, depth: int, place: int, repetition: int) -> Iterator[Step]:
-        """Steps within the levels chosen so far; `place` is the sum of their places."""
+    def _factor(self, depth: int, moved: int, repetition: int) -> Iterator[Step]:
+        """Steps within the levels chosen so far; orders are `moved` rows further."""
         design = self._design
         if depth == self._round and not repetition:
             for again in range(1, design.repetitions + 1):
-                yield from self._factor(depth, place + again - 1, again)
+                yield from self._factor(depth, moved + again - 1, again)
             return
         if depth == len(design.factors):
             yield from self._rest()
             yield self._make_trial(repetition)
             return
         factor = design.factors[depth]
-        levels = self._ordered(factor, place, depth, repetition)
-        first = self._session - 1 if factor.one_a_session else 0
-        for position, level in enumerate(levels, first):
+        levels = self._ordered(factor, moved, depth, repetition)
+        for level in levels:
             self._levels[factor.name] = level
             if depth < self._round:
                 self._block += 1
@@ -224,32 +213,22 @@ class _Plan:
             yield from self._instructions(factor.name, level.name)
             if design.practice_each == factor.name:
                 yield from self._practice()
-            yield from self._factor(depth + 1, place + position, repetition)
+            yield from self._factor(depth + 1, moved, repetition)
             if depth < self._round:
                 yield from self._forms(factor.name)
             self._levels.pop(factor.name)
 
-    def _ordered(self, factor: Factor, place: int, depth: int, repetition: int) -> list[Level]:
+    def _ordered(self, factor: Factor, moved: int, depth: int, repetition: int) -> list[Level]:
         levels = factor.within(self._levels)
         p = self._participant
-        row = (
-            p if factor.order == "between" else p + place + self._shift(factor, len(levels), depth)
-        )
+        row = self._rows[depth]
+        if factor.order != "between":
+            row += moved
         chosen = ",".join(f"{k}={v.name}" for k, v in self._levels.items())
         later = () if factor.one_a_session else self._later
         seed = _seed(self._design.seed, "order", p, factor.name, chosen, repetition, *later)
         ordered = [levels[i] for i in order_of(factor.order, len(levels), row, (seed,))]
         return [ordered[self._session - 1]] if factor.one_a_session else ordered
-
-    def _shift(self, factor: Factor, count: int, depth: int) -> int:
-        """Number of rows by which a participant's order of an inner factor is shifted. It grows by
-        one after each common cycle with the outer factor, so that every row is used equally often
-        within a cycle."""
-        if not depth:
-            return 0
-        outer = self._design.factors[depth - 1]
-        period = cycle(outer.order, len(outer.levels))
-        return self._participant // lcm(period, cycle(factor.order, count)) if period > 1 else 0
 
     def _make_trial(self, repetition: int, practice: int = 0) -> TrialStep:
         design = self._design
@@ -284,7 +263,7 @@ class _Plan:
         for number in range(1, design.practice + 1):
             for factor in missing:
                 depth = design.factors.index(factor)
-                levels = self._ordered(factor, self._first_place(depth), depth, 0)
+                levels = self._ordered(factor, self._moved, depth, 0)
                 self._levels[factor.name] = levels[(number - 1) % len(levels)]
             yield self._make_trial(0, number)
             for factor in missing:

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable
 
+ORDERS = "orders of the design"
+"""Row of the codebook that says how many participants a full cycle of orders takes."""
 DIFFERS = "replay_differs"
 """Column of `trial_results.csv` with what differed in a trial's replay; empty if nothing did."""
 

@@ -5,7 +5,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from sandbox.study.design.balance import cycle_line
 from sandbox.study.design.design import Design
+from sandbox.study.measures.kept import ORDERS
 from sandbox.study.measures.measure import PRIMARY
 from sandbox.study.tables.column import Column, csv_bytes
 from sandbox.study.tables.frame_columns import FRAMES, TOUCHES
@@ -52,6 +54,8 @@ def codebook(design: Design) -> bytes:
             if form in design.primary
         ),
     }
+    orders = Column(ORDERS, "", cycle_line(design))
+    tables["trial_results.csv"] = [*tables["trial_results.csv"], orders]
     rows = [
         {
             "table": table,

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from models.errors import StudyError
@@ -24,7 +24,6 @@ from sandbox.study.design.plan import (
     duration,
     session_plan,
     trials_of,
-    whole_cycle,
 )
 from sandbox.study.design.power import detectable, power
 from sandbox.study.design.reading import DesignError
@@ -78,48 +77,6 @@ def test_every_order_of_levels_is_a_permutation(n: int, row: int, rule: str) -> 
 def test_every_order_is_used_once_in_a_cycle() -> None:
     rows = [order_of("factorial", 3, i, (0,)) for i in range(6)]
     assert sorted(rows) == sorted(every_order(3))
-
-
-def test_outer_and_inner_orders_are_balanced_after_a_whole_cycle() -> None:
-    crossed = design(CROSSED)
-    assert whole_cycle(crossed) == 6
-    outer: Counter[tuple[int, str]] = Counter()
-    inner: Counter[tuple[int, str]] = Counter()
-    for number in range(6):
-        trials = trials_of(session_plan(crossed, number))
-        blocks = list(dict.fromkeys(tuple(t.levels.values()) for t in trials))
-        for place, (contact, task) in enumerate(blocks):
-            if place % 2 == 0:
-                outer[place, contact] += 1
-                inner[place, task] += 1
-    assert set(outer.values()) == {2}
-    assert set(inner.values()) == {3}
-
-
-FIXED = st.tuples(st.sampled_from(["latin", "factorial", "blocked"]), st.integers(1, 4))
-OUTER = FIXED | st.tuples(st.sampled_from(["random", "between"]), st.integers(1, 4))
-
-
-@given(outer=OUTER, inner=FIXED, session=st.integers(1, 3))
-@settings(max_examples=40)
-def test_after_a_whole_cycle_every_inner_order_was_equally_often_at_every_outer_place(
-    outer: tuple[str, int], inner: tuple[str, int], session: int
-) -> None:
-    text = "name = 'n'\nsessions = 3\n"
-    for name, (rule, count) in (("contact", outer), ("servo", inner)):
-        told = ", ".join(f'{{name = "{i}", encoder = "linear"}}' for i in range(count))
-        text += f"[[factors]]\nname = '{name}'\norder = '{rule}'\nlevels = [{told}]\n"
-    found = parse_design(text, Path("design.toml"), try_out=False)
-    orders: Counter[tuple[int, tuple[str, ...]]] = Counter()
-    size, places = inner[1], 1 if outer[0] == "between" else outer[1]
-    for number in range(whole_cycle(found)):
-        trials = trials_of(session_plan(found, number, session))
-        for place in range(places):
-            block = trials[place * size : (place + 1) * size]
-            orders[place, tuple(t.levels["servo"] for t in block)] += 1
-    # Of two levels, an order and its reverse are all there are.
-    assert len(orders) == places * len({order_of(inner[0], size, i, ()) for i in range(1000)})
-    assert len(set(orders.values())) == 1
 
 
 def test_every_combination_occurs_as_often_as_the_design_says() -> None:

@@ -12,6 +12,7 @@ from sandbox.study.report.models.answers import ScaleAnswers
 from sandbox.study.report.models.exclusions import endings, flow, unfinished
 from sandbox.study.report.models.family import Family
 from sandbox.study.report.models.intervals import Estimate
+from sandbox.study.report.models.joint_order import confounded_pairs, design_orders
 from sandbox.study.report.models.mixed import Mixed, practice_effect
 from sandbox.study.report.models.order import balanced, neighbours
 from sandbox.study.report.models.quantities import LOG, SHARE
@@ -141,7 +142,23 @@ def practice_section(analysis: Analysis) -> Section:
     for factor in analysis.data.factors:
         if factor.name in analysis.places:
             _order(section, analysis, factor.name)
+    _joint_order(section, analysis)
     return section
+
+
+def _joint_order(section: Section, analysis: Analysis) -> None:
+    """Says what a full cycle takes, and which interactions the orders leave confounded."""
+    orders = design_orders(analysis.data)
+    people = len(analysis.data.ppids)
+    if orders:
+        section.say(f"By the design, {orders}. Trials of {people} are used.")
+    for outer, inner in confounded_pairs(analysis.data):
+        section.say(
+            f"In the trials used, the levels of {inner} were not equally often at every place "
+            f"inside of each level of {outer} at each of its places. Which level of {inner} is "
+            f"better with which one of {outer} is confounded with practice.",
+            "note",
+        )
 
 
 FEWEST = 3

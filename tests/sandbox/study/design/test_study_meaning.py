@@ -42,7 +42,7 @@ def changed(old: str, new: str) -> str:
         (changed('[consent]\ntext = "Do you agree?"\n', ""), False, "consent"),
         (DESIGN + "\n[breaks]\nevery = 4\n", False, "no break ever comes"),
         (changed('["hard", "soft"]', '["hard"]'), False, "one level"),
-        (changed("participants = 2", "participants = 3"), False, "do not fill the cycle of 2"),
+        (changed("participants = 2", "participants = 3"), False, "contact with practice"),
         (DESIGN + ASKED.format("name", "Who are you?"), False, "identifies people"),
         (DESIGN + ASKED.format("contact", "Your e-mail?"), False, "identifies people"),
         (DESIGN + ASKED.format("birth-date", "When?"), False, "identifies people"),

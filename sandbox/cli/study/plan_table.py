@@ -1,0 +1,66 @@
+"""Table of `sandbox study plan`: each participant's orders as they will meet them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import groupby
+
+from rich.table import Table
+
+from sandbox.study.design.balance import confounded, cycle_line, nearest_cycles
+from sandbox.study.design.design import Design
+from sandbox.study.design.plan import Step, trials_of
+
+
+def plan_table(design: Design) -> Table:
+    """An empty table for `add_session`."""
+    several = ("session",) if design.sessions > 1 else ()
+    names = (factor.name for factor in design.factors)
+    return Table("participant", *several, *names, "trials", "minutes")
+
+
+def add_session(
+    table: Table, design: Design, participant: int, session: int, steps: list[Step], minutes: float
+) -> None:
+    """Adds a session: a line for every combination of outer levels, with the inner order in it."""
+    trials = trials_of(steps)
+    several = (str(session),) if design.sessions > 1 else ()
+    before = [str(participant + 1), *several]
+    after = [str(len(trials)), f"{minutes:.0f}"]
+    for line in order_lines(design, steps):
+        table.add_row(*before, *line, *after)
+        before, after = [""] * len(before), [""] * len(after)
+
+
+def order_lines(design: Design, steps: list[Step]) -> list[list[str]]:
+    """Levels of the outer factors, each named where it begins, and the inner order within them."""
+    names = [factor.name for factor in design.factors]
+    met = [[t.levels[name] for name in names] for t in trials_of(steps) if not t.practice]
+    lines, last = [], [""] * (len(names) - 1)
+    for outer, some in groupby(met, key=lambda levels: levels[:-1]):
+        changed = next((i for i, (a, b) in enumerate(zip(outer, last, strict=True)) if a != b), 0)
+        shown = [level if i >= changed else "" for i, level in enumerate(outer)]
+        lines.append([*shown, _order([levels[-1] for levels in some])])
+        last = outer
+    return lines
+
+
+def _order(levels: Sequence[str]) -> str:
+    """Levels as they follow each other, without repeats; not more than a line holds."""
+    runs = [level for level, _ in groupby(levels)]
+    if len(runs) > 2 * len(set(levels)):
+        return f"{', '.join(runs[: len(set(levels))])}, ... ({len(runs)} changes)"
+    return ", ".join(runs)
+
+
+def cycle_lines(design: Design, people: int) -> list[str]:
+    """How many participants a full cycle takes, and what so many leave confounded."""
+    lines = [cycle_line(design)]
+    found = confounded(design, people)
+    if found:
+        lines.append(
+            f"{people} participants are no full cycle (write {nearest_cycles(design, people)}); "
+            "confounded is:"
+        )
+        lines += [f"  {line}" for line in found]
+    return lines

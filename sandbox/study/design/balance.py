@@ -1,0 +1,147 @@
+"""Balance of orders over participants: who gets which order of which factor, how many people a full
+cycle takes, and what a shorter one confounds.
+
+The order of every factor is a row of a table: of a balanced Latin square, of all permutations, or
+of the groups of a factor between participants. Rows of all factors together are given so that
+
+- over a full cycle every combination of rows occurs exactly once, and
+- among the first n participants, for every n, the uses of two rows of one factor differ by at most
+  one, and so do those of two combinations.
+
+Inner orders are the same at all places of outer ones. So both hold for the inner orders at each
+place of the outer factor, for those inside of each of its levels, and for both together.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping
+from itertools import combinations
+from math import lcm, prod
+from typing import Any
+
+from sandbox.study.design.design import Design, Factor
+from sandbox.study.design.orders import Row, cycle, order_of
+
+
+def cycle_of(factor: Factor) -> int:
+    """Number of rows among which a factor's orders are; 1 for orders `random` and `blocked`."""
+    lists = factor.nested.values() if factor.nested else [factor.levels]
+    return lcm(*(cycle(factor.order, len(levels)) for levels in lists))
+
+
+def whole_cycle(design: Design) -> int:
+    """Number of participants after which all orders of all factors were combined equally often."""
+    return prod(cycle_of(factor) for factor in design.factors)
+
+
+def rows_of(design: Design, participant: int) -> tuple[int, ...]:
+    """Row of every factor for a participant, from 0.
+
+    Args:
+        design: The design.
+        participant: 0, 1, ... in order of arrival.
+    """
+    rows, combined = [], 1
+    for factor in design.factors:
+        count = cycle_of(factor)
+        number = participant % (combined * count)
+        # All rows advance by one. After the common multiple the same combinations would come again,
+        # so this factor is one row further from then on.
+        rows.append((number + number // lcm(combined, count)) % count)
+        combined *= count
+    return tuple(rows)
+
+
+def cycle_line(design: Design) -> str:
+    """Says how many participants a full cycle takes, and why."""
+    parts = [
+        f"{cycle_of(f)} {'groups' if f.order == 'between' else 'orders'} of {f.name}"
+        for f in design.factors
+        if cycle_of(f) > 1
+    ]
+    if not parts:
+        return "no order has a cycle: all are drawn by chance or the same for everybody"
+    return f"a full cycle of orders takes {whole_cycle(design)} participants: " + " x ".join(parts)
+
+
+def nearest_cycles(design: Design, people: int) -> str:
+    """The numbers of participants next to this one that are full cycles, such as `24 or 36`."""
+    whole = whole_cycle(design)
+    less = people // whole * whole
+    return f"{less} or {less + whole}" if less else str(whole)
+
+
+def confounded(design: Design, people: int) -> list[str]:
+    """What so many participants leave confounded, one line each; empty for full cycles.
+
+    A combination of factors is named only if each of its parts is balanced.
+    """
+    rest = people % whole_cycle(design)
+    if not rest:
+        return []
+    fixed = [i for i, factor in enumerate(design.factors) if cycle_of(factor) > 1]
+    rows = [rows_of(design, number) for number in range(rest)]
+    found: dict[tuple[int, ...], str] = {}
+    for size in range(1, len(fixed) + 1):
+        for some in combinations(fixed, size):
+            if any(set(part) <= set(some) for part in found):
+                continue
+            line = _confounded(design, rows, some)
+            if line:
+                found[some] = line
+    return list(found.values())
+
+
+def _confounded(design: Design, rows: list[tuple[int, ...]], some: tuple[int, ...]) -> str:
+    """What the rows of some participants leave confounded between these factors; or nothing."""
+    factors = [design.factors[i] for i in some]
+    names = " x ".join(factor.name for factor in factors)
+    if len(factors) == 1 and factors[0].order == "between":
+        sizes = Counter(row[some[0]] for row in rows)
+        if _even(sizes, cycle_of(factors[0])):
+            return ""
+        return f"{names}: its groups differ in size, so that people weigh differently"
+    orders = [[_places(factor, row[i]) for i, factor in zip(some, factors, strict=True)]
+              for row in rows]  # fmt: skip
+    what = names if len(factors) == 1 else f"the interaction of {names}"
+    if not _even(Counter(_joint(orders)), prod(map(_cells, factors))):
+        return f"{what} with practice: levels are not at every place equally often"
+    if not _even(Counter(row_of(row, some) for row in rows), prod(map(cycle_of, factors))):
+        return f"{what} with what came before (carry-over): not all orders are used equally often"
+    return ""
+
+
+def row_of(row: tuple[int, ...], some: Iterable[int]) -> tuple[int, ...]:
+    """The rows of some factors."""
+    return tuple(row[i] for i in some)
+
+
+def _places(factor: Factor, row: int) -> list[tuple[int, int, int]]:
+    """(list, place, level) of one order; the list is that of a nested factor's outer level."""
+    lists = list(factor.nested.values()) if factor.nested else [factor.levels]
+    found = []
+    for number, levels in enumerate(lists):
+        order: Row = order_of(factor.order, len(levels), row, ())
+        found += [(number, place, level) for place, level in enumerate(order)]
+    return found
+
+
+def _cells(factor: Factor) -> int:
+    """Number of different (list, place, level) of a factor."""
+    lists = list(factor.nested.values()) if factor.nested else [factor.levels]
+    return sum(len(x) if factor.order == "between" else len(x) ** 2 for x in lists)
+
+
+def _joint(orders: list[list[list[tuple[int, int, int]]]]) -> Iterator[tuple[object, ...]]:
+    """Combinations of (list, place, level) of several factors, for every participant."""
+    for order in orders:
+        joint: list[tuple[object, ...]] = [()]
+        for places in order:
+            joint = [(*so_far, place) for so_far in joint for place in places]
+        yield from joint
+
+
+def _even(counts: Mapping[Any, int], cells: int) -> bool:
+    """True if all of so many cells were used equally often."""
+    return len(counts) == cells and len(set(counts.values())) == 1

@@ -1,0 +1,185 @@
+"""Orders of several factors are balanced together, over a full cycle and as far as they have come;
+what a shorter one confounds is told."""
+
+from __future__ import annotations
+
+from collections import Counter
+from itertools import product
+from pathlib import Path
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from sandbox.study.design.balance import (
+    confounded,
+    cycle_line,
+    cycle_of,
+    nearest_cycles,
+    rows_of,
+    whole_cycle,
+)
+from sandbox.study.design.design import Design
+from sandbox.study.design.design_file import parse_design
+from sandbox.study.design.plan import session_plan, trials_of
+
+NAMES = ("contact", "servo", "task")
+Rule = tuple[str, int]
+
+
+def crossed(*rules: Rule, more: str = "") -> Design:
+    """A design of factors with these orders and numbers of levels."""
+    text = f"name = 'n'\nsessions = 3\nparticipants = 1\n{more}"
+    for name, (rule, count) in zip(NAMES, rules, strict=False):
+        told = ", ".join(f'{{name = "{i}", encoder = "linear"}}' for i in range(count))
+        text += f"[[factors]]\nname = '{name}'\norder = '{rule}'\nlevels = [{told}]\n"
+    return parse_design(text, Path("design.toml"), try_out=False)
+
+
+def met(design: Design, number: int, session: int) -> list[tuple[str, tuple[str, ...]]]:
+    """The outer levels that a participant meets, each with the order of the inner ones."""
+    orders: dict[str, list[str]] = {}
+    for trial in trials_of(session_plan(design, number, session)):
+        orders.setdefault(trial.levels["contact"], []).append(trial.levels["servo"])
+    return [(level, tuple(order)) for level, order in orders.items()]
+
+
+def even(counts: Counter[object], cells: int, within: int = 0) -> bool:
+    """True if counts of so many cells differ by no more than `within`."""
+    values = [*counts.values(), *[0] * (cells - len(counts))]
+    return len(values) == cells and max(values) - min(values) <= within
+
+
+FIXED = st.sampled_from(
+    [("latin", 1), ("latin", 2), ("latin", 3), ("latin", 4), ("factorial", 2), ("factorial", 3)]
+)
+GROUPS = st.tuples(st.just("between"), st.integers(2, 4))
+
+
+@given(outer=FIXED, inner=FIXED, session=st.integers(1, 3))
+@settings(max_examples=30, deadline=None)
+def test_over_a_full_cycle_every_outer_order_meets_every_inner_one_in_every_level_at_every_place(
+    outer: Rule, inner: Rule, session: int
+) -> None:
+    design = crossed(outer, inner)
+    orders, levels, places, both = (Counter[object]() for _ in range(4))
+    for number in range(whole_cycle(design)):
+        blocks = met(design, number, session)
+        whole = tuple(level for level, _ in blocks)
+        for place, (level, order) in enumerate(blocks):
+            orders[whole, place, order] += 1
+            levels[level, order] += 1
+            places[place, order] += 1
+            both[level, place, order] += 1
+    n, (a, b) = outer[1], map(cycle_of, design.factors)
+    assert whole_cycle(design) == a * b
+    assert even(orders, a * n * b)
+    assert even(levels, n * b) and even(places, n * b) and even(both, n * n * b)
+
+
+@given(outer=FIXED, inner=FIXED, people=st.integers(1, 80), session=st.integers(1, 3))
+@settings(max_examples=30, deadline=None)
+def test_whoever_came_so_far_used_all_orders_within_one_of_equally_often(
+    outer: Rule, inner: Rule, people: int, session: int
+) -> None:
+    design = crossed(outer, inner)
+    wholes, levels, places, orders = (Counter[object]() for _ in range(4))
+    n, (a, b) = outer[1], map(cycle_of, design.factors)
+    for number in range(people):
+        blocks = met(design, number, session)
+        whole = tuple(level for level, _ in blocks)
+        wholes[whole] += 1
+        for place, (level, order) in enumerate(blocks):
+            levels[level, order] += 1
+            places[place, order] += 1
+            orders[whole, place, order] += 1
+    assert even(wholes, a, 1) and even(orders, a * n * b, 1)
+    for one in wholes:
+        assert even(Counter({k: v for k, v in orders.items() if k[0] == one}), n * b, 1)  # type: ignore[index]
+    for i in range(n):
+        assert even(Counter({k: v for k, v in levels.items() if k[0] == str(i)}), b, 1)  # type: ignore[index]
+        assert even(Counter({k: v for k, v in places.items() if k[0] == i}), b, 1)  # type: ignore[index]
+
+
+@given(st.lists(FIXED | GROUPS, min_size=1, max_size=3), st.integers(0, 500))
+def test_rows_of_any_number_of_factors_are_combined_equally_often(
+    rules: list[Rule], people: int
+) -> None:
+    design = crossed(*rules)
+    rows = [rows_of(design, number) for number in range(people)]
+    counts = [cycle_of(factor) for factor in design.factors]
+    assert even(Counter(rows), whole_cycle(design), 1)
+    for i, count in enumerate(counts):
+        assert even(Counter(row[i] for row in rows), count, 1)
+    every = [rows_of(design, people + i) for i in range(whole_cycle(design))]
+    assert sorted(every) == list(product(*map(range, counts)))
+
+
+def test_groups_of_two_factors_are_crossed() -> None:
+    design = crossed(("between", 2), ("between", 2))
+    groups = Counter(
+        (trials[0].levels["contact"], trials[0].levels["servo"])
+        for trials in (trials_of(session_plan(design, n)) for n in range(4))
+    )
+    assert set(groups.values()) == {1} and len(groups) == 4
+
+
+def test_two_by_two_take_4_people_and_three_by_three_36() -> None:
+    assert whole_cycle(crossed(("latin", 2), ("latin", 2))) == 4
+    assert whole_cycle(crossed(("latin", 3), ("latin", 3))) == 36
+    assert whole_cycle(crossed(("latin", 3), ("random", 3))) == 6
+    said = cycle_line(crossed(("latin", 3), ("latin", 2)))
+    assert said == (
+        "a full cycle of orders takes 12 participants: 6 orders of contact x 2 orders of servo"
+    )
+    assert "no order has a cycle" in cycle_line(crossed(("random", 3)))
+
+
+def test_orders_of_nested_factors_of_several_lengths_are_balanced_in_each_of_them() -> None:
+    text = (
+        "name = 'n'\n[[factors]]\nname = 'contact'\norder = 'latin'\nlevels = ['hard', 'soft']\n"
+        "[[factors]]\nname = 'task'\norder = 'latin'\ninside = 'contact'\n"
+        "levels = {hard = ['box-to-goal', 'stack'], "
+        "soft = ['stack', 'wrench-turn', 'wrench-slide']}\n"
+    )
+    design = parse_design(text, Path("design.toml"), try_out=False)
+    assert whole_cycle(design) == 12
+    orders: dict[str, Counter[object]] = {"hard": Counter(), "soft": Counter()}
+    for number in range(12):
+        tasks: dict[str, list[str]] = {}
+        for trial in trials_of(session_plan(design, number)):
+            tasks.setdefault(trial.levels["contact"], []).append(trial.levels["task"])
+        first = next(iter(tasks))
+        for level, order in tasks.items():
+            orders[level][first, tuple(order)] += 1
+    assert even(orders["hard"], 2 * 2) and even(orders["soft"], 2 * 6)
+    assert confounded(design, 12) == [] and confounded(design, 6)
+
+
+@pytest.mark.parametrize(
+    ("rules", "people", "told"),
+    [
+        ([("latin", 2)], 3, ["contact with practice"]),
+        ([("latin", 3)], 3, ["contact with what came before"]),
+        ([("latin", 3)], 4, ["contact with practice"]),
+        ([("between", 2)], 5, ["contact: its groups differ in size"]),
+        ([("latin", 2), ("latin", 2)], 2, ["the interaction of contact x servo with practice"]),
+        ([("latin", 2), ("latin", 2)], 3, ["contact with practice", "servo with practice"]),
+        ([("latin", 3), ("latin", 2)], 6, ["the interaction of contact x servo with practice"]),
+        ([("latin", 2)] * 3, 4, ["the interaction of contact x task with practice"]),
+        ([("latin", 2), ("latin", 2)], 4, []),
+        ([("latin", 3), ("random", 3)], 6, []),
+    ],
+)
+def test_what_a_shorter_cycle_confounds_is_told(
+    rules: list[Rule], people: int, told: list[str]
+) -> None:
+    found = confounded(crossed(*rules), people)
+    assert len(found) == len(told), found
+    for line, start in zip(found, told, strict=True):
+        assert line.startswith(start)
+
+
+def test_the_numbers_of_participants_next_to_a_wrong_one_are_named() -> None:
+    design = crossed(("latin", 3), ("latin", 2))
+    assert nearest_cycles(design, 5) == "12" and nearest_cycles(design, 20) == "12 or 24"
