@@ -22,10 +22,10 @@ from sandbox.study.measures.measure import (
     live_measure,
     result_measure,
 )
-from sandbox.study.measures.throughput import throughput
+from sandbox.study.measures.throughput import Throughput, throughput
 
 
-def _throughput(rows: Sequence[Row]) -> float | None:
+def _throughput(rows: Sequence[Row]) -> Throughput | None:
     """Effective throughput over the trials in which one object was moved to a fixed goal."""
     moves = [row for row in rows if row.get("move_error_m") is not None]
     return throughput(
@@ -342,6 +342,24 @@ BUILT_IN: tuple[TrialMeasure, ...] = (
         better=HIGH,
         tasks=PLACES,
         source=ISO,
-        of_trials=_throughput,
+        of_trials=lambda rows: found.value if (found := _throughput(rows)) else None,
+    ),
+    TrialMeasure(
+        "throughput_se_bit_s",
+        "bit/s",
+        "Standard error of throughput",
+        "standard error of throughput_bit_s, to first order",
+        tasks=PLACES,
+        of_trials=lambda rows: found.error if (found := _throughput(rows)) else None,
+        in_report=False,
+    ),
+    TrialMeasure(
+        "throughput_bias_bit_s",
+        "bit/s",
+        "Bias of throughput",
+        "expected excess of throughput_bit_s over the true one, since it is from few movements",
+        tasks=PLACES,
+        of_trials=lambda rows: found.bias if (found := _throughput(rows)) else None,
+        in_report=False,
     ),
 )

@@ -15,6 +15,7 @@ from sandbox.study.report.models.family import CONFIRMATORY, EXPLORATORY, Family
 from sandbox.study.report.models.intervals import Estimate
 from sandbox.study.report.models.mixed import Mixed
 from sandbox.study.report.models.quantities import LOG
+from sandbox.study.report.models.success import ShareDifference
 from sandbox.study.report.models.summaries import person_means
 
 Row = dict[str, Any]
@@ -26,6 +27,15 @@ Column = tuple[str, str, str]
 INTERVAL: tuple[Column, ...] = (
     ("low", "", "lower end of the 95 % interval"),
     ("high", "", "upper end of the 95 % interval"),
+)
+EFFECT: tuple[Column, ...] = (
+    (
+        "sd",
+        "",
+        "standard deviation over people of the difference; for ratios, that of their logarithm; of "
+        "two groups, that within groups",
+    ),
+    ("dz", "", "difference, for ratios of logarithms, divided by sd; of two groups, Cohen's d"),
 )
 TEST: tuple[Column, ...] = (
     ("role", "", "confirmatory: tested; exploratory: an estimate with its interval, not tested"),
@@ -64,7 +74,25 @@ FILES: dict[str, tuple[Column, ...]] = {
         *INTERVAL,
         ("error", "", "standard error; for ratios, that of their logarithm"),
         ("freedom", "", "degrees of freedom"),
+        *EFFECT,
         *TEST,
+    ),
+    "interactions.csv": (
+        ("measure", "", "as in trial_results.csv"),
+        (
+            "kind",
+            "",
+            "simple effect: at one level of another factor; interaction: difference of two simple "
+            "effects; both are exploratory",
+        ),
+        ("factor", "", "factor whose levels are compared"),
+        ("first", "", "first level, the reference"),
+        ("second", "", "second level"),
+        ("other", "", "the other factor"),
+        ("at", "", "its level"),
+        ("against", "", "its level whose simple effect is subtracted, or by which it is divided"),
+        ("estimate", "", "ratio for logarithmic measures, otherwise difference"),
+        *INTERVAL,
     ),
     "models.csv": (
         ("measure", "", "as in trial_results.csv"),
@@ -121,6 +149,7 @@ FILES: dict[str, tuple[Column, ...]] = {
         ("second", "", "second level"),
         ("estimate", "", "difference of the means, second - first"),
         *INTERVAL,
+        *EFFECT,
         *TEST,
     ),
     "exclusions.csv": (
@@ -153,6 +182,7 @@ def tables(analysis: Analysis) -> dict[str, bytes]:
     rows = {
         "means.csv": _means(analysis),
         "comparisons.csv": _comparisons(analysis),
+        "interactions.csv": _interactions(analysis),
         "models.csv": _models(analysis),
         "contrasts.csv": _contrasts(analysis),
         "people.csv": _people(analysis),
@@ -244,6 +274,7 @@ def _comparisons(analysis: Analysis) -> list[Row]:
         rows += [
             {"measure": what.name, "model": SHARES, "kind": "difference"}
             | _pair_cells(d.pair, d.estimate)
+            | _effect_cells(d)
             | _test_cells(family, what.name, d.pair)
             for d in one.shares
         ]
@@ -266,6 +297,8 @@ def _differences(
             "error": _known(d.error),
             "freedom": _known(d.freedom),
             **_pair_cells(d.pair, d.estimate.mapped(change)),
+            # A log odds ratio is not an average of people's own.
+            **({} if model == GEE else _effect_cells(d)),
             **_test_cells(family, measure, d.pair),
         }
         for d in some
@@ -284,12 +317,32 @@ def _pair_cells(pair: Pair, estimate: Estimate) -> Row:
     }
 
 
+def _effect_cells(d: Difference | ShareDifference) -> Row:
+    """Standard deviation of a difference over people, and standardised effect."""
+    return {"sd": _known(d.spread), "dz": _known(d.size)}
+
+
 def _test_cells(family: Family | None, outcome: str, pair: Pair) -> Row:
     """Role and p values of a comparison; without a family it is exploratory."""
     test = family.test(outcome, pair) if family else None
     if test is None:
         return {"role": EXPLORATORY}
     return {"role": CONFIRMATORY, "p": _known(test.p), "p_holm": _known(test.p_holm)}
+
+
+def _interactions(analysis: Analysis) -> list[Row]:
+    return [
+        {
+            "measure": one.described.what.name,
+            "kind": d.kind,
+            **_pair_cells(d.pair, d.estimate.mapped(one.described.what.back)),
+            "other": d.other.name,
+            "at": d.pair.at,
+            "against": d.against,
+        }
+        for one in _modelled(analysis)
+        for d in one.dependences
+    ]
 
 
 def _models(analysis: Analysis) -> list[Row]:
@@ -368,6 +421,7 @@ def _score_comparisons(analysis: Analysis) -> list[Row]:
             "questionnaire": s.questionnaire,
             "scale": s.scale,
             **_pair_cells(d.pair, d.estimate),
+            **_effect_cells(d),
             **_test_cells(analysis.family if s.main else None, s.questionnaire, d.pair),
         }
         for s in analysis.scales

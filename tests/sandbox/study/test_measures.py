@@ -181,11 +181,30 @@ def test_the_throughput_of_a_made_up_set() -> None:
     # Errors with a standard deviation of exactly 1 mm: We is 4.133 mm.
     errors = [-0.001, 0.0, 0.001]
     amplitudes = [3 * WIDTH * 0.001] * 3
-    assert throughput(amplitudes, errors, [1.5, 2.0, 2.5]) == pytest.approx(log2(4.0) / 2.0)
+    found = throughput(amplitudes, errors, [1.5, 2.0, 2.5])
+    assert found and found.value == pytest.approx(log2(4.0) / 2.0)
     shifted = [e + 0.02 for e in errors]
-    assert throughput(amplitudes, shifted, [2.0] * 3) == pytest.approx(1.0)
+    found = throughput(amplitudes, shifted, [2.0] * 3)
+    assert found and found.value == pytest.approx(1.0)
     assert throughput(amplitudes[:2], errors[:2], [2.0] * 2) is None
     assert throughput(amplitudes, [0.001] * 3, [2.0] * 3) is None
+
+
+@pytest.mark.parametrize("count", [3, 5, 10])
+def test_the_error_and_bias_of_a_throughput_are_those_of_drawn_movements(count: int) -> None:
+    rng = np.random.default_rng(7)
+    amplitude, deviation, time = 0.2, 0.01, 1.5
+    true = log2(amplitude / (WIDTH * deviation) + 1.0) / time
+    found = []
+    for _ in range(800):
+        off = rng.normal(0.0, deviation, count)
+        times = rng.normal(time, 0.3, count)
+        one = throughput(list(amplitude + off), list(off), list(times))
+        assert one is not None
+        found.append((one.value, one.error, one.bias))
+    values, errors, biases = np.array(found).T
+    assert np.median(errors) == pytest.approx(values.std(), rel=0.25)
+    assert biases.mean() == pytest.approx(values.mean() - true, abs=0.04 * true)
 
 
 def test_effective_width_leaves_four_percent_of_a_normal_distribution_outside() -> None:

@@ -11,6 +11,7 @@ from sandbox.study.report.models.comparisons import Difference
 from sandbox.study.report.models.data import SESSION, ObservedFactor, StudyData, to_numbers
 from sandbox.study.report.models.family import Family, family_of
 from sandbox.study.report.models.fitted import Compared, Fitted
+from sandbox.study.report.models.interactions import Dependence
 from sandbox.study.report.models.order import LearningPoint, LevelPlace, learning, places
 from sandbox.study.report.models.quantities import Quantity, other_quantities, quantity
 from sandbox.study.report.models.success import odds
@@ -38,9 +39,11 @@ class MeasureModel(Compared):
 
     Attributes:
         described: Summaries by condition and level.
+        dependences: Simple effects and interactions of the main factor.
     """
 
     described: MeasureSummary
+    dependences: list[Dependence]
 
 
 @dataclass(frozen=True)
@@ -124,13 +127,13 @@ def analyse(data: StudyData, measures: Sequence[str] = ()) -> Analysis:
     return Analysis(
         data=data,
         family=family,
-        time=_model(fitted, time) if time else None,
+        time=_model(fitted, time, main) if time else None,
         censored=fitted.censored,
         unseen=fitted.unseen,
         with_unseen=fitted.with_unseen,
-        success=_model(fitted, quantity(data, "success")),
+        success=_model(fitted, quantity(data, "success"), main),
         odds=odds(data),
-        asked=[_model(fitted, what) for what in asked],
+        asked=[_model(fitted, what, main) for what in asked],
         rest=[_describe(data, what) for what in rest],
         scales=fitted.scales,
         places={
@@ -159,6 +162,8 @@ def _describe(data: StudyData, what: Quantity) -> MeasureSummary:
     )
 
 
-def _model(fitted: Fitted, what: Quantity) -> MeasureModel:
+def _model(fitted: Fitted, what: Quantity, main: ObservedFactor | None) -> MeasureModel:
     found = fitted.compared(what)
-    return MeasureModel(found.model, found.differences, found.shares, _describe(fitted.data, what))
+    dependences = fitted.dependences(what, main) if main else []
+    described = _describe(fitted.data, what)
+    return MeasureModel(found.model, found.differences, found.shares, described, dependences)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from sandbox.study.report.models.comparisons import Difference, Pair, t_difference
+from sandbox.study.report.models.comparisons import Counts, Difference, Pair, t_difference
 from sandbox.study.report.models.data import ObservedFactor, StudyData, to_numbers
 from sandbox.study.report.models.intervals import Estimate, mean_interval, within_intervals
 
@@ -107,6 +107,7 @@ def _scale(
     numbers: np.ndarray,
 ) -> ScaleAnswers:
     factor, level = _level(data, rows)
+    bounds = _bounds(rows)
     levels = tuple(x for x in (factor.levels if factor else (ALL,)) if x in set(level))
     people = list(dict.fromkeys(rows["ppid"]))
     who = rows["ppid"].to_numpy()
@@ -125,10 +126,18 @@ def _scale(
         factor,
         levels,
         values,
-        tuple(mean_interval(list(column)) for column in values.T),
-        tuple(within_intervals(values)),
+        tuple(mean_interval(list(column)).bounded(*bounds) for column in values.T),
+        tuple(e.bounded(*bounds) for e in within_intervals(values)),
         tuple(_differences(factor, levels, values)) if score else (),
     )
+
+
+def _bounds(rows: DataFrame) -> tuple[float, float]:
+    """Lowest and highest possible score; infinite if the table does not say."""
+    if not {"score_low", "score_high"} <= set(rows.columns):
+        return -np.inf, np.inf
+    low, high = to_numbers(rows["score_low"]).min(), to_numbers(rows["score_high"]).max()
+    return (low, high) if np.isfinite([low, high]).all() else (-np.inf, np.inf)
 
 
 def _level(data: StudyData, rows: DataFrame) -> tuple[ObservedFactor | None, np.ndarray]:
@@ -166,9 +175,9 @@ def _differences(
                 d = b - a
                 d = d[np.isfinite(d)]
                 error = float(d.std(ddof=1) / np.sqrt(len(d))) if len(d) > 1 else np.nan
-                differences.append(
-                    t_difference(pair, float(d.mean()) if len(d) else np.nan, error, len(d) - 1.0)
-                )
+                value = float(d.mean()) if len(d) else np.nan
+                counts = Counts(len(d) - 1.0, float(len(d)))
+                differences.append(t_difference(pair, value, error, counts))
                 continue
             a, b = a[np.isfinite(a)], b[np.isfinite(b)]
             if len(a) < 2 or len(b) < 2:
@@ -180,9 +189,7 @@ def _differences(
                 if va + vb > 0.0
                 else 0.0
             )
-            differences.append(
-                t_difference(
-                    pair, float(b.mean() - a.mean()), float(np.sqrt(va + vb)), float(freedom)
-                )
-            )
+            counts = Counts(float(freedom), len(a) * len(b) / (len(a) + len(b)))
+            error = float(np.sqrt(va + vb))
+            differences.append(t_difference(pair, float(b.mean() - a.mean()), error, counts))
     return differences

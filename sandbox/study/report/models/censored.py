@@ -13,17 +13,24 @@ The likelihood is concave in the parameters of Olsen 1978, and so has one maximu
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from sandbox.study.report.models.comparisons import Difference, freedom_of, pairs_of, t_difference
+from sandbox.study.report.models.comparisons import (
+    Difference,
+    Pair,
+    counts_of,
+    pairs_of,
+    t_difference,
+)
 from sandbox.study.report.models.data import StudyData
 from sandbox.study.report.models.mixed import FEWEST_PEOPLE, fixed_effects
 
 if TYPE_CHECKING:
-    pass
+    from pandas import DataFrame
 
 TOLERANCE = 1e-9
 """Largest last step of a parameter in units of the residual's standard deviation."""
@@ -50,6 +57,12 @@ class Censored:
     people: int
     trials: int
     unseen: int
+
+    def weights(self, pair: Pair, conditions: int) -> np.ndarray:
+        """Weights of the coefficients in the difference between a pair of levels."""
+        weights = np.zeros(len(self.names))
+        weights[: len(self.present)] = pair.weights(conditions)[list(self.present)]
+        return weights
 
     def error(self, weights: np.ndarray) -> float:
         """Standard error of a weighted sum of coefficients."""
@@ -124,12 +137,27 @@ def fit_censored(data: StudyData) -> Censored | str:
     succeeded = set(rows.loc[~rows["censored"], "cell"])
     # Without any success, the times of a condition have no upper bound.
     rows = rows[rows["cell"].isin(succeeded)]
+    return fit_bounded(data, rows, np.log(rows["time_s"].to_numpy(float)), ~rows["censored"])
+
+
+def fit_bounded(
+    data: StudyData, rows: DataFrame, y: np.ndarray, seen: Iterable[bool]
+) -> Censored | str:
+    """Fits the model to a measure, or returns the reason why it cannot.
+
+    If all values were seen, it is least squares with errors by the jackknife.
+
+    Args:
+        data: Data of the study.
+        rows: Rows of `data.used`.
+        y: (rows,) values or lower bounds.
+        seen: (rows,) True for a value, False for a bound.
+    """
     people = rows["ppid"].nunique()
     if people < FEWEST_PEOPLE:
         return f"at least {FEWEST_PEOPLE} participants are needed, but there are {people}"
     X, names, present = fixed_effects(rows, data.conditions)
-    y = np.log(rows["time_s"].to_numpy(float))
-    seen = ~rows["censored"].to_numpy(bool)
+    seen = np.asarray(seen, dtype=bool)
     if seen.sum() <= X.shape[1] + 1:
         return f"{int(seen.sum())} successes are too few for {X.shape[1]} coefficients"
     fit = tobit(X, y, seen)
@@ -165,12 +193,11 @@ def _without(
 
 def censored_differences(data: StudyData, model: Censored) -> list[Difference]:
     """Differences in log time between all pairs of levels, by the model."""
-    used = data.used
-    differences = []
-    for pair in pairs_of(data, model.present):
-        weights = np.zeros(len(model.names))
-        weights[: len(model.present)] = pair.weights(len(data.conditions))[list(model.present)]
-        freedom = freedom_of(pair.factor, zip(used["ppid"], used[pair.factor.column], strict=True))
-        value = float(weights @ model.coefficients)
-        differences.append(t_difference(pair, value, model.error(weights), freedom))
-    return differences
+    return [bounded_difference(data, model, pair) for pair in pairs_of(data, model.present)]
+
+
+def bounded_difference(data: StudyData, model: Censored, pair: Pair) -> Difference:
+    """Difference between a pair of levels, by the model."""
+    weights = model.weights(pair, len(data.conditions))
+    value = float(weights @ model.coefficients)
+    return t_difference(pair, value, model.error(weights), counts_of(pair, data.used))

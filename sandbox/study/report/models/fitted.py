@@ -6,10 +6,22 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
+import numpy as np
+
 from sandbox.study.report.models.answers import ScaleAnswers, scales
-from sandbox.study.report.models.censored import Censored, censored_differences, fit_censored
+from sandbox.study.report.models.censored import (
+    Censored,
+    censored_differences,
+    fit_bounded,
+    fit_censored,
+)
 from sandbox.study.report.models.comparisons import Difference
-from sandbox.study.report.models.data import StudyData
+from sandbox.study.report.models.data import ObservedFactor, StudyData
+from sandbox.study.report.models.interactions import (
+    Dependence,
+    model_dependences,
+    share_dependences,
+)
 from sandbox.study.report.models.mixed import Mixed, fit_mixed, mixed_differences
 from sandbox.study.report.models.quantities import (
     SHARE,
@@ -100,6 +112,17 @@ class Fitted:
         model = fit_mixed(self.data, rows, y)
         some = [] if isinstance(model, str) else mixed_differences(self.data, rows, model)
         return Compared(model, some, [])
+
+    def dependences(self, what: Quantity, factor: ObservedFactor) -> list[Dependence]:
+        """Simple effects and interactions of a factor in a measure."""
+        if what.scale == SHARE:
+            return share_dependences(self.data, what.name, factor)
+        if what.name == "time_s":
+            model = self.censored
+        else:
+            rows, y = rows_for_model(self.data, what)
+            model = fit_bounded(self.data, rows, y, np.ones(len(y), dtype=bool))
+        return [] if isinstance(model, str) else model_dependences(self.data, model, factor)
 
     def pairs(self, outcome: str) -> Sequence[Difference | ShareDifference]:
         """The comparisons by which an outcome is tested; empty if there are none."""

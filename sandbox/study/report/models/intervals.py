@@ -23,6 +23,10 @@ class Estimate:
     low: float
     high: float
 
+    def bounded(self, low: float, high: float) -> Estimate:
+        """Ends that are outside of the possible values become the lowest or highest of them."""
+        return Estimate(self.value, max(self.low, low), min(self.high, high))
+
     def mapped(self, function: Callable[[float], float]) -> Estimate:
         """Applies a function to the number and to both ends."""
         return Estimate(function(self.value), function(self.low), function(self.high))
@@ -36,12 +40,13 @@ def t_quantile(freedom: float) -> float:
 
 
 def mean_interval(values: Sequence[float]) -> Estimate:
-    """A mean over people with Student's interval; the interval of a single person is nan."""
+    """A mean over people with Student's interval; the interval of a single person is nan, and so is
+    that of equal values, which do not tell how much others would differ."""
     x = np.asarray(values, dtype=float)
     x = x[np.isfinite(x)]
     if not len(x):
         return Estimate(nan, nan, nan)
-    if len(x) < 2:
+    if len(x) < 2 or not np.ptp(x) > 0.0:
         return Estimate(float(x[0]), nan, nan)
     half = t_quantile(len(x) - 1) * float(x.std(ddof=1)) / sqrt(len(x))
     return Estimate(float(x.mean()), float(x.mean()) - half, float(x.mean()) + half)
@@ -57,14 +62,28 @@ def within_intervals(table: np.ndarray) -> list[Estimate]:
         table: (people, conditions); nan if missing.
     """
     means = [mean_interval(column[np.isfinite(column)]) for column in table.T]
+    spread, people = within_spread(table)
+    if spread is None:
+        return means
+    halves = np.where(spread > 0.0, t_quantile(people - 1) * spread / sqrt(people), nan)
+    return [Estimate(m.value, m.value - h, m.value + h) for m, h in zip(means, halves, strict=True)]
+
+
+def within_spread(table: np.ndarray) -> tuple[np.ndarray | None, int]:
+    """Standard deviations (conditions,) without differences between people, and number of people.
+
+    Args:
+        table: (people, conditions); people who lack a condition are left out.
+
+    Returns:
+        The deviations, None for fewer than two people or conditions; and the number of people.
+    """
     whole = table[np.isfinite(table).all(axis=1)]
     people, count = whole.shape
     if people < 2 or count < 2:
-        return means
-    centred = whole - whole.mean(axis=1, keepdims=True) + whole.mean()
-    spread = centred.std(axis=0, ddof=1) * sqrt(count / (count - 1))
-    halves = t_quantile(people - 1) * spread / sqrt(people)
-    return [Estimate(m.value, m.value - h, m.value + h) for m, h in zip(means, halves, strict=True)]
+        return None, people
+    centred = whole - whole.mean(axis=1, keepdims=True)
+    return centred.std(axis=0, ddof=1) * sqrt(count / (count - 1)), people
 
 
 @dataclass(frozen=True)
@@ -83,7 +102,12 @@ class Share:
     effective: float
 
 
-def share(rates: Sequence[float], trials: Sequence[int], effect: float = 1.0) -> Share:
+def share(
+    rates: Sequence[float],
+    trials: Sequence[int],
+    effect: float = 1.0,
+    deviation: float | None = None,
+) -> Share:
     """A share of trials of several people, with Wilson's interval for clustered trials.
 
     The number of trials is divided by the design effect, as in Saha, Miller and Wang 2016; the
@@ -93,6 +117,8 @@ def share(rates: Sequence[float], trials: Sequence[int], effect: float = 1.0) ->
         rates: Share of each person.
         trials: Number of trials of each person.
         effect: Design effect to be assumed if the rates do not determine it: all 0 or all 1.
+        deviation: Standard deviation over people of their rates, if another one than that of the
+            rates themselves is meant, such as one without differences between people.
     """
     x, n = np.asarray(rates, dtype=float), np.asarray(trials, dtype=float)
     people, total = len(x), float(n.sum())
@@ -103,7 +129,7 @@ def share(rates: Sequence[float], trials: Sequence[int], effect: float = 1.0) ->
         # The interval of a single person is about that person only.
         low, high = _wilson(p, total, t_quantile(1e6))
         return Share(p, low, high, total)
-    spread = float(x.var(ddof=1)) / people
+    spread = (float(x.var(ddof=1)) if deviation is None else deviation**2) / people
     effective = total / max(effect, 1.0)
     if spread > 0.0 and 0.0 < p < 1.0:
         effective = min(total, p * (1.0 - p) / spread)
@@ -131,14 +157,17 @@ def _wilson(p: float, n: float, z: float) -> tuple[float, float]:
     return min(max(0.0, middle - half), p), max(min(1.0, middle + half), p)
 
 
-def difference(a: Share, b: Share, correlation: float = 0.0) -> Estimate:
+def difference(
+    a: Share | Estimate, b: Share | Estimate, correlation: float = 0.0, most: float = 1.0
+) -> Estimate:
     """Difference `a` minus `b`, with combined limits of both: Newcombe 1998, Zou and Donner 2008.
 
     Its interval never has width zero, even if all trials succeeded.
 
     Args:
-        a, b: Shares.
-        correlation: Correlation of people's shares; 0 for different people.
+        a, b: Shares, or differences of shares.
+        correlation: Correlation of people's values; 0 for different people.
+        most: Largest possible difference: 1 of shares, 2 of their differences.
     """
     d = a.value - b.value
 
@@ -147,7 +176,7 @@ def difference(a: Share, b: Share, correlation: float = 0.0) -> Estimate:
 
     low = d - reach(a.value - a.low, b.high - b.value)
     high = d + reach(a.high - a.value, b.value - b.low)
-    return Estimate(d, max(-1.0, low), min(1.0, high))
+    return Estimate(d, max(-most, low), min(most, high))
 
 
 def holm(ps: Sequence[float]) -> list[float]:

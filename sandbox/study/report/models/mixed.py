@@ -18,7 +18,7 @@ import numpy as np
 
 from sandbox.study.report.models.comparisons import (
     Difference,
-    freedom_of,
+    counts_of,
     pairs_of,
     t_difference,
 )
@@ -31,6 +31,10 @@ if TYPE_CHECKING:
 FEWEST_PEOPLE = 3
 """Smallest number of people for an estimate of the spread between people."""
 PRACTICE = "log2_position"
+NEAR_ZERO = 0.2
+"""Standard deviation, relative to the residual's, below which a spread may be at its boundary."""
+SAME_LIKELIHOOD = 0.01
+"""Difference of log likelihoods that is within the optimiser's tolerance."""
 
 
 @dataclass(frozen=True)
@@ -44,6 +48,7 @@ class Mixed:
         spreads: Standard deviations: person, person x factor, residual.
         people, trials: Numbers of people and trials.
         left_out: Terms for which the data do not suffice, in words.
+        singular: Random effects whose standard deviation is estimated as zero.
         converged: True if the optimiser converged.
     """
 
@@ -55,6 +60,7 @@ class Mixed:
     people: int
     trials: int
     left_out: tuple[str, ...]
+    singular: tuple[str, ...]
     converged: bool
 
 
@@ -125,7 +131,8 @@ def fit_mixed(data: StudyData, rows: DataFrame, y: np.ndarray) -> Mixed | str:
         left_out.append(f"person x {factors[-1].name}: it cannot be fitted")
         factors = factors[:-1]
     spreads, converged = fit
-    covariance, coefficients = _generalised(rows, y, X, factors, spreads)
+    spreads, singular = _at_boundary(rows, y, X, factors, spreads)
+    covariance, coefficients, _ = _generalised(rows, y, X, factors, spreads)
     return Mixed(
         tuple(present),
         tuple(names),
@@ -135,6 +142,7 @@ def fit_mixed(data: StudyData, rows: DataFrame, y: np.ndarray) -> Mixed | str:
         people,
         len(rows),
         tuple(left_out),
+        singular,
         converged,
     )
 
@@ -176,16 +184,41 @@ def _fit(
     return spreads, bool(fit.converged)
 
 
+def _at_boundary(
+    rows: DataFrame,
+    y: np.ndarray,
+    X: np.ndarray,
+    factors: Sequence[ObservedFactor],
+    spreads: dict[str, float],
+) -> tuple[dict[str, float], tuple[str, ...]]:
+    """Standard deviations, those at their boundary as exactly zero, and the names of these.
+
+    The optimiser stops near the boundary; a spread is zero if the model is as likely without it.
+    """
+    singular = []
+    for name in sorted(spreads, key=spreads.__getitem__):
+        if name == "residual" or spreads[name] > NEAR_ZERO * spreads["residual"]:
+            continue
+        without = {**spreads, name: 0.0}
+        loss = [_generalised(rows, y, X, factors, s)[2] for s in (spreads, without)]
+        if loss[0] - loss[1] < SAME_LIKELIHOOD:
+            spreads = without
+            singular.append(name)
+    return spreads, tuple(singular)
+
+
 def _generalised(
     rows: DataFrame,
     y: np.ndarray,
     X: np.ndarray,
     factors: Sequence[ObservedFactor],
     spreads: dict[str, float],
-) -> tuple[np.ndarray, np.ndarray]:
-    """Covariance and values of the fixed effects for given spreads (generalised least squares)."""
+) -> tuple[np.ndarray, np.ndarray, float]:
+    """Covariance and values of the fixed effects for given spreads (generalised least squares),
+    and the logarithm of the restricted likelihood without its constant."""
     information = np.zeros((X.shape[1], X.shape[1]))
     score = np.zeros(X.shape[1])
+    square = size = 0.0
     who = rows["ppid"].to_numpy()
     for ppid in dict.fromkeys(who):
         mine = who == ppid
@@ -197,8 +230,12 @@ def _generalised(
         solved = np.linalg.solve(V, np.column_stack([X[mine], y[mine]]))
         information += X[mine].T @ solved[:, :-1]
         score += X[mine].T @ solved[:, -1]
+        square += float(y[mine] @ solved[:, -1])
+        size += float(np.linalg.slogdet(V)[1])
     covariance = np.linalg.inv(information)
-    return covariance, covariance @ score
+    values = covariance @ score
+    size += float(np.linalg.slogdet(information)[1])
+    return covariance, values, -0.5 * (size + square - float(score @ values))
 
 
 def mixed_differences(data: StudyData, rows: DataFrame, model: Mixed) -> list[Difference]:
@@ -207,10 +244,9 @@ def mixed_differences(data: StudyData, rows: DataFrame, model: Mixed) -> list[Di
     for pair in pairs_of(data, model.present):
         weights = np.zeros(len(model.names))
         weights[: len(model.present)] = pair.weights(len(data.conditions))[list(model.present)]
-        freedom = freedom_of(pair.factor, zip(rows["ppid"], rows[pair.factor.column], strict=True))
         error = float(np.sqrt(weights @ model.covariance @ weights))
         value = float(weights @ model.coefficients)
-        differences.append(t_difference(pair, value, error, freedom))
+        differences.append(t_difference(pair, value, error, counts_of(pair, rows)))
     return differences
 
 

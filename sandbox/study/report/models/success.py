@@ -10,6 +10,7 @@ need successes and failures in every condition.
 from __future__ import annotations
 
 import warnings
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
 from math import nan
@@ -19,7 +20,7 @@ import numpy as np
 from sandbox.study.report.models.comparisons import (
     Difference,
     Pair,
-    freedom_of,
+    counts_of,
     pairs_of,
     t_difference,
 )
@@ -43,6 +44,7 @@ class ShareDifference:
         estimate: Second minus first.
         p: P value of the permutation test; nan with fewer than two people.
         people: Number of people who did both levels; between people, either level.
+        spread: Standard deviation over people of the difference; of two groups, that within them.
     """
 
     pair: Pair
@@ -51,6 +53,12 @@ class ShareDifference:
     estimate: Estimate
     p: float
     people: int
+    spread: float
+
+    @property
+    def size(self) -> float:
+        """Standardised effect: dz within people, Cohen's d between groups; nan if unknown."""
+        return self.estimate.value / self.spread if self.spread > 0.0 else nan
 
 
 def rates(data: StudyData, name: str = "success") -> tuple[list[str], np.ndarray, np.ndarray]:
@@ -75,13 +83,16 @@ def rates(data: StudyData, name: str = "success") -> tuple[list[str], np.ndarray
     return people, np.divide(won, done, out=np.full_like(done, nan), where=done > 0), done
 
 
-def success_differences(data: StudyData, name: str = "success") -> list[ShareDifference]:
-    """Differences of all pairs of levels in success or another measure of 0 and 1."""
+def success_differences(
+    data: StudyData, name: str = "success", pairs: Sequence[Pair] | None = None
+) -> list[ShareDifference]:
+    """Differences of pairs of levels in success or another measure of 0 and 1; default: all."""
     if not len(data.used):
         return []
     _, own, done = rates(data, name)
     usual = design_effect(*_overall(own, done))
-    return [_compare(pair, own, done, usual) for pair in pairs_of(data)]
+    wanted = pairs_of(data) if pairs is None else pairs
+    return [_compare(pair, own, done, usual) for pair in wanted]
 
 
 def _overall(own: np.ndarray, done: np.ndarray) -> tuple[list[float], list[int]]:
@@ -98,18 +109,24 @@ def _compare(pair: Pair, own: np.ndarray, done: np.ndarray, usual: float) -> Sha
         a, b = (np.nanmean(np.where(both, x, nan)[who], axis=1) for x in (a, b))
         n, m = (np.where(both, x, 0.0)[who].sum(axis=1) for x in (n, m))
         tied = float(np.corrcoef(a, b)[0, 1]) if len(a) > 1 and a.std() and b.std() else 0.0
-        p, people = sign_test(b - a), len(a)
+        p, people, spread = sign_test(b - a), len(a), _deviation(b - a)
     else:
         one, two = np.isfinite(a).any(axis=1), np.isfinite(b).any(axis=1)
         a, b = np.nanmean(a[one], axis=1), np.nanmean(b[two], axis=1)
         n, m = n[one].sum(axis=1), m[two].sum(axis=1)
         tied, p, people = 0.0, group_test(a, b), len(a) + len(b)
+        spread = _deviation(np.concatenate([a - a.mean(), b - b.mean()]), 2)
     low, high = (share(list(x), [int(i) for i in k], usual) for x, k in ((a, n), (b, m)))
     if people < 2:
         return ShareDifference(
-            pair, low, high, Estimate(high.value - low.value, nan, nan), nan, people
+            pair, low, high, Estimate(high.value - low.value, nan, nan), nan, people, nan
         )
-    return ShareDifference(pair, low, high, difference(high, low, tied), p, people)
+    return ShareDifference(pair, low, high, difference(high, low, tied), p, people, spread)
+
+
+def _deviation(values: np.ndarray, groups: int = 1) -> float:
+    """Standard deviation, for means of so many groups; nan with too few values."""
+    return float(values.std(ddof=groups)) if len(values) > groups else nan
 
 
 def sign_test(differences: np.ndarray) -> float:
@@ -176,7 +193,8 @@ def odds(data: StudyData) -> list[Difference] | str:
     for pair in pairs_of(data, present):
         weights = np.zeros(len(names))
         weights[: len(present)] = pair.weights(len(data.conditions))[present]
-        freedom = freedom_of(pair.factor, zip(used["ppid"], used[pair.factor.column], strict=True))
         error = float(np.sqrt(weights @ covariance @ weights))
-        differences.append(t_difference(pair, float(weights @ values), error, freedom))
+        differences.append(
+            t_difference(pair, float(weights @ values), error, counts_of(pair, used))
+        )
     return differences

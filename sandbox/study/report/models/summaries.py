@@ -19,6 +19,7 @@ from sandbox.study.report.models.intervals import (
     mean_interval,
     share,
     within_intervals,
+    within_spread,
 )
 from sandbox.study.report.models.quantities import SHARE, Quantity, rows_with
 from sandbox.study.report.models.success import rates
@@ -92,12 +93,10 @@ def summaries(
     people = np.isfinite(table).sum(axis=0)
     within = [e.mapped(what.back) for e in within_intervals(table)]
     if what.scale == SHARE:
-        shares = _shares(data, what, groups, table)
-        means = [Estimate(s.value, s.low, s.high) for s in shares]
-        within = [
-            Estimate(m.value, max(0.0, w.low), min(1.0, w.high)) if np.isfinite(w.low) else w
-            for m, w in zip(means, within, strict=True)
-        ]
+        means = [Estimate(s.value, s.low, s.high) for s in _shares(data, what, groups, table)]
+        spread, _ = within_spread(table)
+        inner = means if spread is None else _shares(data, what, groups, table, spread)
+        within = [Estimate(s.value, s.low, s.high) for s in inner]
     else:
         means = [mean_interval(list(column)).mapped(what.back) for column in table.T]
     return [
@@ -115,17 +114,22 @@ def row_means(values: np.ndarray) -> np.ndarray:
 
 
 def _shares(
-    data: StudyData, what: Quantity, groups: list[tuple[str, list[int]]], table: np.ndarray
+    data: StudyData,
+    what: Quantity,
+    groups: list[tuple[str, list[int]]],
+    table: np.ndarray,
+    spread: np.ndarray | None = None,
 ) -> list[Share]:
+    """Shares with Wilson's intervals, for the people's own spread or for the given one."""
     _, own, done = rates(data, what.name)
     who = done.any(axis=1)
     usual = design_effect(list(row_means(own)[who]), [int(n) for n in done[who].sum(axis=1)])
     shares = []
-    for (_, cells), column in zip(groups, table.T, strict=True):
+    for i, ((_, cells), column) in enumerate(zip(groups, table.T, strict=True)):
         known = np.isfinite(column)
-        shares.append(
-            share(list(column[known]), [int(n) for n in done[:, cells].sum(axis=1)[known]], usual)
-        )
+        trials = [int(n) for n in done[:, cells].sum(axis=1)[known]]
+        deviation = None if spread is None else float(spread[i])
+        shares.append(share(list(column[known]), trials, usual, deviation))
     return shares
 
 

@@ -14,7 +14,8 @@ LIBRARIES = ("hand-sandbox", "statsmodels", "pandas", "scipy", "numpy", "matplot
 FILES = (
     ("trials.csv", "the trials used, with all inputs of the models"),
     ("means.csv", "means of every measure by condition and by level"),
-    ("comparisons.csv", "all differences with intervals and p values"),
+    ("comparisons.csv", "all differences with intervals, standardised effects and p values"),
+    ("interactions.csv", "simple effects and interactions"),
     ("models.csv, contrasts.csv", "coefficients; weights of conditions in each comparison"),
     ("people.csv", "means of every participant"),
     ("order.csv, learning.csv", "effects of order; learning curves"),

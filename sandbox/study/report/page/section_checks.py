@@ -19,7 +19,15 @@ from sandbox.study.report.models.quantities import LOG, SHARE
 from sandbox.study.report.models.summaries import cells_of, person_means, row_means
 from sandbox.study.report.page import formats, plots
 from sandbox.study.report.page.parts import Picture, Section, Table
-from sandbox.study.report.page.section_results import means_picture, p_cells, test_note
+from sandbox.study.report.page.section_results import (
+    EFFECT_NOTE,
+    THROUGHPUT,
+    effect_cells,
+    means_picture,
+    p_cells,
+    test_note,
+    throughput_errors,
+)
 
 
 def exclusions_section(analysis: Analysis) -> Section:
@@ -307,9 +315,14 @@ def _scales(number: int, some: list[ScaleAnswers], family: Family) -> Picture:
         "comparing.",
         Table(
             f"{title}, {kind}",
-            ["Level, or pair", "People", "Mean or difference", "95 % interval", "p", "p, Holm"],
+            [
+                *("Level, or pair", "People", "Mean or difference", "95 % interval"),
+                *("SD", "dz", "p", "p, Holm"),
+            ],
             rows,
-            test_note(family, first.questionnaire if tested else ""),
+            f"{EFFECT_NOTE} {test_note(family, first.questionnaire if tested else '')}"
+            if any(s.differences for s in some)
+            else "",
         ),
     )
 
@@ -328,8 +341,7 @@ def _scale_rows(name: str, scale: ScaleAnswers, family: Family) -> list[list[str
             formats.interval(
                 formats.number(scale.means[j].low), formats.number(scale.means[j].high)
             ),
-            "",
-            "",
+            *("", "", "", ""),
         ]
         for j, level in enumerate(scale.levels)
     ]
@@ -339,6 +351,7 @@ def _scale_rows(name: str, scale: ScaleAnswers, family: Family) -> list[list[str
             "",
             formats.number(d.estimate.value),
             formats.interval(formats.number(d.estimate.low), formats.number(d.estimate.high)),
+            *effect_cells(d),
             *p_cells(family, scale.questionnaire if scale.main else "", d.pair),
         ]
         for d in scale.differences
@@ -363,4 +376,6 @@ def others_section(analysis: Analysis) -> Section:
         means = f" {one.what.means[:1].upper()}{one.what.means[1:]}." if one.what.means else ""
         caption = f"{one.what.title} ({one.what.name}).{means}{better}"
         section.parts.append(Picture(picture.svg, caption, picture.table))
+        if one.what.name == THROUGHPUT:
+            throughput_errors(section, analysis)
     return section

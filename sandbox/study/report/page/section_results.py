@@ -7,7 +7,7 @@ from math import exp
 
 from sandbox.study.report.models.analysis import Analysis, MeasureModel, MeasureSummary
 from sandbox.study.report.models.comparisons import Difference, Pair
-from sandbox.study.report.models.data import BETWEEN_NAMES, StudyData
+from sandbox.study.report.models.data import BETWEEN_NAMES, StudyData, to_numbers
 from sandbox.study.report.models.family import EXPLORATORY, Family
 from sandbox.study.report.models.intervals import Estimate
 from sandbox.study.report.models.mixed import Mixed, practice_effect
@@ -22,6 +22,16 @@ HOW_TO_READ = (
     "Thick lines: 95 % intervals for comparing conditions, without the differences between people "
     "(Cousineau and Morey)."
 )
+
+
+EFFECT_NOTE = (
+    "SD: standard deviation over people of the difference; dz: difference divided by SD; between "
+    "groups of people, SD within groups and Cohen's d."
+)
+
+
+THROUGHPUT = "throughput_bit_s"
+"""Measure that has a standard error and a bias of its own."""
 
 
 def time_section(analysis: Analysis) -> Section:
@@ -76,6 +86,7 @@ def _compare_times(section: Section, analysis: Analysis, unseen: int) -> None:
             name,
             formats.change(d.estimate.value),
             formats.interval(formats.change(d.estimate.low), formats.change(d.estimate.high)),
+            *effect_cells(d),
             *p_cells(analysis.family, "time_s" if some is leading else "", d.pair),
         ]
         for title in titles
@@ -106,14 +117,16 @@ def _compare_times(section: Section, analysis: Analysis, unseen: int) -> None:
             "trials, those without success are assumed to take longer than they lasted.",
             Table(
                 "Differences in completion time",
-                ["Levels", "From", "Change", "95 % interval", "p", "p, Holm"],
+                ["Levels", "From", "Change", "95 % interval", "SD, log", "dz", "p", "p, Holm"],
                 rows,
-                f"Successes only: by the mixed model. {test_note(analysis.family, 'time_s')}",
+                f"Successes only: by the mixed model. {EFFECT_NOTE} "
+                f"{test_note(analysis.family, 'time_s')}",
             ),
         )
     )
     if isinstance(model, Mixed):
         section.parts.append(_model_table(model, LOG))
+    _depend(section, analysis.time)
 
 
 def _model_table(model: Mixed, scale: str) -> Table:
@@ -126,6 +139,11 @@ def _model_table(model: Mixed, scale: str) -> Table:
     note = f"{trials} of {formats.count(model.people, 'person', 'people')}"
     if model.left_out:
         note += "; left out: " + "; ".join(model.left_out)
+    if model.singular:
+        note += (
+            f"; the fit is singular: {', '.join(model.singular)} is estimated as zero, so these "
+            "data do not show how much people differ in it"
+        )
     if not model.converged:
         note += "; the optimiser did not converge, so the estimates are uncertain"
     kind = " of the logarithm" if scale == LOG else ""
@@ -146,6 +164,7 @@ def success_section(analysis: Analysis) -> Section:
     section.parts.append(means_picture(analysis.data, analysis.success.described, "success"))
     if analysis.success.shares:
         section.parts.append(_share_pairs("success", analysis.success.shares, analysis.family))
+    _depend(section, analysis.success)
     if isinstance(analysis.odds, str):
         section.say(f"Odds ratios: {analysis.odds}.", "note")
     elif analysis.odds:
@@ -180,6 +199,8 @@ def _share_pairs(name: str, some: Sequence[ShareDifference], family: Family) -> 
             formats.percent(d.second.value),
             formats.points(d.estimate.value),
             formats.interval(formats.points(d.estimate.low), formats.points(d.estimate.high)),
+            formats.number(100.0 * d.spread),
+            formats.number(d.size),
             *p_cells(family, name, d.pair),
         ]
         for d in some
@@ -199,9 +220,12 @@ def _share_pairs(name: str, some: Sequence[ShareDifference], family: Family) -> 
         "level succeed, with 95 % intervals.",
         Table(
             "Differences in shares of trials",
-            ["Levels", "second", "first", "Points", "95 % interval", "p", "p, Holm"],
+            [
+                *("Levels", "second", "first", "Points", "95 % interval"),
+                *("SD, points", "dz", "p", "p, Holm"),
+            ],
             [[r[0], r[2], r[1], *r[3:]] for r in rows],
-            f"p is from a permutation test over people. {test_note(family, name)}",
+            f"p is from a permutation test over people. {EFFECT_NOTE} {test_note(family, name)}",
         ),
     )
 
@@ -228,8 +252,39 @@ def asked_sections(analysis: Analysis) -> list[Section]:
         else:
             section.parts.append(_pairs_table(what, one.differences, analysis.family))
             section.parts.append(_model_table(one.model, what.scale))
+        _depend(section, one)
+        if what.name == THROUGHPUT:
+            throughput_errors(section, analysis)
         sections.append(section)
     return sections
+
+
+def _depend(section: Section, one: MeasureModel) -> None:
+    """Adds a table of simple effects and interactions for every other factor."""
+    what = one.described.what
+    show = {LOG: formats.change, SHARE: formats.points}.get(what.scale, formats.number)
+    for other in dict.fromkeys(d.other.name for d in one.dependences):
+        mine = [d for d in one.dependences if d.other.name == other]
+        rows = [
+            [
+                d.title,
+                d.kind,
+                show(d.estimate.value),
+                formats.interval(show(d.estimate.low), show(d.estimate.high)),
+            ]
+            for d in mine
+        ]
+        scale = {LOG: "Change", SHARE: "Points"}.get(what.scale, "Difference")
+        section.parts.append(
+            Table(
+                f"{what.title}: {mine[0].pair.factor.name} by {other}",
+                ["Levels", "Kind", scale, "95 % interval"],
+                rows,
+                f"Exploratory. Simple effect: the difference at one level of {other}. Interaction: "
+                "the difference between two simple effects; 0 if the first difference does not "
+                f"depend on {other}.",
+            )
+        )
 
 
 def _pairs_table(what: Quantity, some: Sequence[Difference], family: Family) -> Table:
@@ -239,16 +294,25 @@ def _pairs_table(what: Quantity, some: Sequence[Difference], family: Family) -> 
             d.pair.title,
             show(d.estimate.value),
             formats.interval(show(d.estimate.low), show(d.estimate.high)),
+            *effect_cells(d),
             *p_cells(family, what.name, d.pair),
         ]
         for d in some
     ]
     return Table(
         "Differences, by the mixed model",
-        ["Levels", "Difference", "95 % interval", "p", "p, Holm"],
+        [
+            *("Levels", "Difference", "95 % interval"),
+            *("SD, log" if what.scale == LOG else "SD", "dz", "p", "p, Holm"),
+        ],
         rows,
-        test_note(family, what.name),
+        f"{EFFECT_NOTE} {test_note(family, what.name)}",
     )
+
+
+def effect_cells(d: Difference) -> list[str]:
+    """Cells with the standard deviation of a difference over people, and its standardised size."""
+    return [formats.number(d.spread), formats.number(d.size)]
 
 
 def p_cells(family: Family, outcome: str, pair: Pair) -> list[str]:
@@ -345,3 +409,23 @@ def _mean_cells(s: Summary, show: object) -> list[str]:
         formats.interval(show(s.mean.low), show(s.mean.high)),
         formats.interval(show(s.within.low), show(s.within.high)),
     ]
+
+
+def throughput_errors(section: Section, analysis: Analysis) -> None:
+    """Says how uncertain the throughput of one person and condition is."""
+    used = analysis.data.used.drop_duplicates(["ppid", "cell"])
+    if not {"throughput_se_bit_s", "throughput_bias_bit_s"} <= set(used.columns):
+        return
+    value, error, bias = (
+        to_numbers(used[name])
+        for name in ("throughput_bit_s", "throughput_se_bit_s", "throughput_bias_bit_s")
+    )
+    if not (error / value).notna().any():
+        return
+    section.say(
+        f"The throughput of one person in one condition has a standard error of "
+        f"{formats.percent((error / value).median())} (median), and is expected to be "
+        f"{formats.percent((bias / value).median())} too high, since it is from few movements. "
+        "Both are smaller with more repetitions.",
+        "note",
+    )

@@ -18,6 +18,7 @@ FILES = {
     "trials.csv",
     "means.csv",
     "comparisons.csv",
+    "interactions.csv",
     "models.csv",
     "contrasts.csv",
     "people.csv",

@@ -1,0 +1,141 @@
+"""Standardised effects, simple effects and interactions, singular fits, and intervals at bounds."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import log
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy import stats
+
+from sandbox.study.report.models.analysis import analyse
+from sandbox.study.report.models.comparisons import Counts, Pair, t_difference
+from sandbox.study.report.models.data import ObservedFactor, StudyData, load_study
+from sandbox.study.report.models.interactions import INTERACTION, SIMPLE
+from sandbox.study.report.models.intervals import mean_interval, share
+from sandbox.study.report.models.mixed import Mixed
+from tests.sandbox.study.report.study_reports import planted, put, report, rows_of
+from tools.planted_study import Truth
+
+EVERY = Truth(people=12, times=(10.0, 8.5), repetitions=2, losses=(1e-9, 1e-9), limit=3600.0)
+
+
+def study(folder: Path, truth: Truth = EVERY, seed: int = 1) -> StudyData:
+    planted(folder, truth, seed)
+    return load_study(folder)
+
+
+def test_dz_is_that_of_the_paired_t_test(tmp_path: Path) -> None:
+    data = study(tmp_path)
+    found = analyse(data)
+    (d,) = (d for d in found.leading if d.pair.factor.name == "encoder")
+    means = (
+        data.used.assign(y=np.log(data.used["time_s"]))
+        .pivot_table(index="ppid", columns="factor_encoder", values="y")
+        .diff(axis=1)["b"]
+    )
+    assert d.spread == pytest.approx(means.std(), rel=0.1)
+    assert d.size == pytest.approx(means.mean() / means.std(), rel=0.1)
+    assert d.size == pytest.approx(d.estimate.value / d.error / np.sqrt(12))
+    page = report(tmp_path)
+    (row,) = (
+        r
+        for r in rows_of(tmp_path / "report" / "comparisons.csv")
+        if r["model"] == "mixed model" and r["factor"] == "encoder"
+    )
+    assert float(row["dz"]) == pytest.approx(d.size) and float(row["sd"]) == pytest.approx(d.spread)
+    assert "SD, log dz p p, Holm" in page.text
+
+
+def test_between_groups_the_standardised_effect_is_cohens_d(tmp_path: Path) -> None:
+    rows = planted(tmp_path, replace(EVERY, repetitions=4))
+    rows = [r for r in rows if (int(r["ppid"][1:]) % 3 == 0) == (r["factor_encoder"] == "a")]
+    put(tmp_path, rows)
+    data = load_study(tmp_path)
+    (d,) = (d for d in analyse(data).leading if d.pair.factor.name == "encoder")
+    y = data.used.assign(y=np.log(data.used["time_s"])).groupby(["factor_encoder", "ppid"])["y"]
+    a, b = (y.mean()[level] for level in "ab")
+    pooled = np.sqrt(((len(a) - 1) * a.var() + (len(b) - 1) * b.var()) / (len(a) + len(b) - 2))
+    # The first level is the one that appears first.
+    assert abs(d.size) == pytest.approx(abs(b.mean() - a.mean()) / pooled, rel=0.05)
+
+
+def test_an_interaction_that_was_planted_is_in_its_interval_and_others_are_near_0(
+    tmp_path: Path,
+) -> None:
+    rows = planted(tmp_path, replace(EVERY, people=24))
+    for r in rows:
+        if (r["factor_encoder"], r["factor_task"]) == ("b", "task2"):
+            r["time_s"] = float(r["time_s"]) * 1.6
+    put(tmp_path, rows)
+    found = analyse(load_study(tmp_path))
+    assert found.time is not None
+    told = {(d.kind, d.pair.at): d.estimate for d in found.time.dependences}
+    assert set(told) == {(SIMPLE, "task1"), (SIMPLE, "task2"), (INTERACTION, "task2")}
+    both = told[INTERACTION, "task2"]
+    assert both.value == pytest.approx(told[SIMPLE, "task2"].value - told[SIMPLE, "task1"].value)
+    assert both.low < log(1.6) < both.high and both.low > 0.0
+    assert told[SIMPLE, "task1"].low < log(0.85) < told[SIMPLE, "task1"].high
+    shares = {d.kind: d.estimate for d in found.success.dependences} if found.success else {}
+    assert shares[INTERACTION].low < 0.0 < shares[INTERACTION].high
+    report(tmp_path)
+    rows = rows_of(tmp_path / "report" / "interactions.csv")
+    (row,) = (r for r in rows if (r["measure"], r["kind"]) == ("time_s", INTERACTION))
+    assert (row["at"], row["against"]) == ("task2", "task1")
+    assert float(row["estimate"]) == pytest.approx(np.exp(both.value))
+
+
+def test_a_nested_factor_has_no_interaction(tmp_path: Path) -> None:
+    rows = planted(tmp_path)
+    for r in rows:
+        r["factor_task"] = f"{r['factor_encoder']}-{r['factor_task']}"
+    put(tmp_path, rows)
+    found = analyse(load_study(tmp_path))
+    assert found.time is not None and not found.time.dependences
+
+
+def test_a_singular_fit_is_said_to_be_one(tmp_path: Path) -> None:
+    data = study(tmp_path, replace(EVERY, person_level=0.0, person=0.3, people=8), 3)
+    found = analyse(data)
+    assert found.time is not None and isinstance(found.time.model, Mixed)
+    model = found.time.model
+    assert model.singular
+    assert all(model.spreads[name] == 0.0 for name in model.singular)
+    assert "the fit is singular" in report(tmp_path).text
+
+
+def test_a_spread_that_is_there_is_not_singular(tmp_path: Path) -> None:
+    found = analyse(study(tmp_path, replace(EVERY, person=0.5, person_level=0.5, repetitions=4)))
+    assert found.time is not None and isinstance(found.time.model, Mixed)
+    assert not {"person", "person x encoder"} & set(found.time.model.singular)
+
+
+def test_the_interval_for_comparing_shares_is_wilsons_near_the_bounds(tmp_path: Path) -> None:
+    found = analyse(study(tmp_path))
+    assert found.success is not None
+    for s in found.success.described.conditions:
+        # 24 trials of which each succeeded.
+        low, high = s.within.low, s.within.high
+        assert (s.within.value, high) == (1.0, 1.0)
+        assert low == pytest.approx(
+            stats.binomtest(24, 24).proportion_ci(method="wilson").low, abs=0.03
+        )
+        assert low == s.mean.low
+
+
+def test_without_differences_between_people_an_interval_of_shares_is_narrower() -> None:
+    own = [0.2, 0.4, 0.6, 0.8, 0.9]
+    wide, narrow = share(own, [10] * 5), share(own, [10] * 5, deviation=0.05)
+    assert wide.low < narrow.low < narrow.value < narrow.high < wide.high
+    # Never narrower than by so many independent trials.
+    assert narrow.effective == 50
+
+
+def test_equal_values_have_no_interval() -> None:
+    one = mean_interval([3.0, 3.0, 3.0])
+    assert one.value == 3.0 and np.isnan([one.low, one.high]).all()
+    pair = Pair(ObservedFactor("f", ("a", "b"), True), "a", "b", ())
+    d = t_difference(pair, 1.0, 0.0, Counts(2.0, 3.0))
+    assert np.isnan([d.estimate.low, d.estimate.high, d.p]).all()
