@@ -12,15 +12,14 @@ import os
 import stat
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from hashlib import blake2b
 from pathlib import Path
 from typing import Any
 
 from msgspec import Struct
 
-import models
 from models.errors import InputError
 from models.json_input import check_layout, checked, decoded, decoded_record
+from sandbox.recording.source_digest import program_root, source_digest, source_files
 from sandbox.recording.versions import versions
 from sandbox.regress.baseline import flat
 from sandbox.regress.execute import CRASHED, Trial
@@ -81,11 +80,12 @@ def identity(plan: RegressionPlan, vary: Sequence[str] = ()) -> dict[str, Any]:
         plan: Plan of the unvaried trials.
         vary: Words after `--vary`.
     """
-    files = {}
+    files, root = {}, program_root()
+    sources = [path for name in _PACKAGES for path in source_files(root / name, below=True)]
     for task in plan.tasks:
         file = place_file(task) if isinstance(task, str) else None
         if file is not None:
-            files[file.name] = _digest([file])
+            files[file.name] = source_digest([file], file.parent)
     return {
         "tasks": plan.versions(),
         "seeds": _ranges(plan.seeds),
@@ -93,7 +93,7 @@ def identity(plan: RegressionPlan, vary: Sequence[str] = ()) -> dict[str, Any]:
         "configuration": plan.configuration(),
         "versions": versions(),
         "files": files,
-        "source code": _digest(_sources()),
+        "source code": source_digest(sources, root),
     }
 
 
@@ -319,24 +319,6 @@ def _ranges(seeds: Sequence[int]) -> str:
         else:
             parts.append([seed, seed + 1])
     return ",".join(f"{a}:{b}" for a, b in parts)
-
-
-def _sources() -> list[Path]:
-    """Program files of all packages, in order."""
-    root = Path(models.__file__).parents[1]
-    found = [p for name in _PACKAGES for p in (root / name).rglob("*") if p.suffix in _SUFFIXES]
-    return sorted(found)
-
-
-_SUFFIXES = (".py", ".xml")
-
-
-def _digest(files: Sequence[Path]) -> str:
-    digest = blake2b(digest_size=8)
-    for file in files:
-        data = file.read_bytes()
-        digest.update(f"{file.name} {len(data)}\n".encode() + data)
-    return digest.hexdigest()
 
 
 def _name(key: str) -> str:

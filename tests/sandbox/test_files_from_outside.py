@@ -23,6 +23,7 @@ from sandbox.devices.tuio.touch_capture import read_capture
 from sandbox.options.profiles import load_profile
 from sandbox.options.touch_devices import open_file
 from sandbox.regress.baseline import Baseline, Kept, KeptTask, load_baseline
+from sandbox.study.record.chain import chained
 from sandbox.study.record.folder import participants_of, read_study_json
 from sandbox.study.record.journal import read_journal
 from sandbox.study.record.state import SessionState
@@ -90,8 +91,8 @@ MAPPING = {
 ABOUT = {"side": "left", "subject": "p1", "simulated": True, "touches": "tuio"}
 
 
-JOURNAL: list[dict[str, Any]] = [
-    {"n": 0, "time": "t", "clock": 1.5, "kind": "session_start", "ppid": "AB12CD"},
+RECORDS: list[dict[str, Any]] = [
+    {"n": 0, "kind": "session_start", "ppid": "AB12CD"},
     {"n": 1, "kind": "participant", "ppid": "AB12CD", "number": 0, "hand_size": 1},
     {"n": 2, "kind": "trial_start", "step": "t1", "trial": 1, "attempt": 1},
     {"n": 3, "kind": "trial_end", "step": "t1", "trial": 1, "attempt": 1, "result": {}},
@@ -102,7 +103,13 @@ JOURNAL: list[dict[str, Any]] = [
     {"n": 8, "kind": "answers", "step": "q", "form": "f", "answers": {"a": 1}},
     {"n": 9, "kind": "consent", "step": "c", "agreed": True},
     {"n": 10, "kind": "session_end", "complete": True},
+    {"n": 11, "kind": "clock_step", "seconds": 3.5},
+    {"n": 12, "kind": "packed", "file": "trials/T1.jsonl", "recording": {"data": "00"}},
+    {"n": 13, "kind": "moved", "study": "s", "ppid": "AB12CD", "recordings": {"T1": None}},
+    {"n": 14, "kind": "session_resume", "boot": "b"},
 ]
+MOMENT = {"time": "2026-11-21T10:00:00.000+00:00", "clock": 1.5}
+JOURNAL = [{**MOMENT, **record} for record in RECORDS]
 STUDY = {"schema": 1, "study": "id", "experiment": "e", "mode": "pilot", "build": {"numpy": "2"}}
 
 
@@ -131,6 +138,16 @@ def measures_of(path: Path) -> dict[str, Any]:
     """The measures in a file."""
     path.with_name("measures_T1.json").write_bytes(path.read_bytes())
     return read_measures(path.parent, "T1")
+
+
+def journal_lines(values: list[Any]) -> str:
+    """Values as the records of a journal, whose chain is that of somebody who can compute it."""
+    before, made = "", []
+    for value in values:
+        record, line = chained(value, before) if isinstance(value, dict) else (None, b"")
+        made.append(line.decode() if record else json.dumps(value) + "\n")
+        before = record["digest"] if record else before
+    return "".join(made)
 
 
 def lines(values: list[dict[str, Any]]) -> str:
@@ -162,7 +179,7 @@ READERS = {
     "any touches": Reader(lambda path: open_file(path, None), lines(FRAMES), InputError),
     "mapping": Reader(read_mapping, json.dumps(MAPPING), InputError),
     "session": Reader(lambda path: read_about(folder_of(path)), json.dumps(ABOUT), RecordingError),
-    "journal": Reader(played_journal, lines(JOURNAL), StudyError),
+    "journal": Reader(played_journal, journal_lines(JOURNAL), StudyError),
     "study": Reader(read_study_json, json.dumps(STUDY), StudyError),
     "anonymous recording": Reader(anonymous, lines(RECORDING), StudyError),
     "measures": Reader(measures_of, json.dumps({"version": 1, "truth": "t"}), StudyError),
@@ -224,7 +241,7 @@ def test_any_value_in_the_place_of_another_is_read_or_refused_in_one_line(
             inner[key] = value
             break
         inner = inner[key]
-    file.write_text(lines(values))
+    file.write_text((journal_lines if name == "journal" else lines)(values))
     read(READERS[name], file)
 
 

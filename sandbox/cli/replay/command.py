@@ -16,11 +16,12 @@ from models.errors import InputError
 from sandbox.cli.common.films import open_film
 from sandbox.cli.common.page_options import PageOptions
 from sandbox.cli.common.parse import parse
+from sandbox.cli.replay.study import elsewhere, study_folder, verdict, verified, verify_study
 from sandbox.recording.agreement import BOUND_DEGREES, BOUND_MM, Agreement
 from sandbox.recording.recording import Recording, load_recording
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
-from sandbox.study.record.trial_files import find_recordings
+from sandbox.study.record.trial_files import find_recordings, finished_only
 from sandbox.trial.driver import View, undisturbed
 from sandbox.trial.replay import Verification, replay
 from sandbox.trial.result import TrialResult
@@ -34,11 +35,13 @@ SELDOM = 64
 class ReplayOptions:
     """Replays recordings and compares each state with the recorded one, by its hash.
 
-    Exit status 1: a state differs although versions and processor are those of the recording.
+    Exit status 1: a state differs although versions and processor are those of the recording; or
+    with --verify, something is not as it was written.
 
         sandbox replay run.jsonl                                   a recording
         sandbox replay NAME/3B5G5T/S001/T007                       a trial of a study
         sandbox replay NAME/3B5G5T --verify                        all of a participant's
+        sandbox replay NAME --verify --witness FILE                a study: journals, files, states
         sandbox replay NAME/3B5G5T/T007 --view window              to look at, at real time
         sandbox replay run.jsonl --view film --film run.mp4
     """
@@ -49,7 +52,13 @@ class ReplayOptions:
     session, which stands for all its trials."""
 
     verify: tyro.conf.FlagCreatePairsOff[bool] = False
-    """Exit status 1 unless the recording is complete and every state is equal."""
+    """Exit status 1 unless the recording is complete and every state is equal. Of a whole study,
+    also compares journals, recordings, derived tables and the lock, and names what is missing,
+    orphaned, changed or reordered."""
+
+    witness: Annotated[tuple[Path, ...], tyro.conf.arg(metavar="FILE")] = ()
+    """With --verify and a study: file that `sandbox study run --witness FILE` wrote, kept where
+    nobody who has the study can write; may be repeated."""
 
     view: Literal["none", "window", "web", "film"] = "none"
     """Show the trial after the comparison: in a window (h shows the keys: pause, steps, jumps), on
@@ -76,7 +85,21 @@ def main(argv: list[str]) -> int:
         raise InputError(
             "not a speed", where="--speed", got=options.speed, expected="0.001 to 1000"
         )
+    study = study_folder(options.trial, options.out)
+    if options.witness and not (options.verify and study):
+        raise InputError(
+            "a witness is compared with a whole study",
+            where="--witness",
+            got=options.trial,
+            expected="the folder of a study, and --verify",
+        )
+    if options.verify and study is not None:
+        return verify_study(study, options.witness, console)
     files = find_recordings(options.trial, options.out)
+    if len(files) > 1:
+        files, broken = finished_only(files)
+        if broken:
+            console.print(f"{broken} attempts that were broken off are left out", highlight=False)
     showing = options.view != "none" or options.film is not None
     if showing and len(files) > 1:
         raise InputError(
@@ -132,7 +155,7 @@ def _replay(file: Path, options: ReplayOptions, brief: bool, console: Console) -
             session, verification = replay(recording, make_views)
     took = time.perf_counter() - began
     if brief:
-        console.print(f"{file.stem}: {_verdict(verification)}", highlight=False)
+        console.print(f"{file.stem}: {verdict(verification)}", highlight=False)
     else:
         _report(recording, session, verification, console)
         if not keeps and film is None and took > 0 and verification.compared:
@@ -147,12 +170,7 @@ def _replay(file: Path, options: ReplayOptions, brief: bool, console: Console) -
         caption = f"replay; {caption}" if caption else "replay"
         _show(recording, session, kept, options, caption, console)
     if options.verify:
-        agrees = (
-            not verification.same_machine
-            and verification.agreement is not None
-            and verification.agreement.holds
-        )
-        return 0 if (verification.exact or agrees) and verification.complete else 1
+        return 0 if verified(verification) else 1
     return 1 if verification.first_difference is not None and verification.same_machine else 0
 
 
@@ -173,24 +191,6 @@ def _show(
         show_on_page(session, snapshots, options.speed, caption, hand, options.page, console)
 
 
-def _verdict(verification: Verification) -> str:
-    """Returns the result of a replay in one line."""
-    if verification.exact:
-        whole = "" if verification.complete else ", up to where it breaks off"
-        return f"[green]exact[/]: {verification.compared} states equal to the bit{whole}"
-    if verification.compared == 0:
-        return "[yellow]nothing to compare: the recording holds no input[/]"
-    differs = f"differs[/] from physics step {verification.first_difference} on"
-    if verification.same_machine:
-        return f"[red]{differs}"
-    return f"[yellow]{differs}, as it may: {_elsewhere(verification)}"
-
-
-def _elsewhere(verification: Verification) -> str:
-    """What differs between this machine and the recording's."""
-    return f"it was recorded elsewhere; what differs is {' and '.join(verification.differs_in)}"
-
-
 def _second_verdict(agreement: Agreement) -> str:
     """Outcome and largest differences of a replay that is not equal to the bit, in a line."""
     outcome = {True: "the same outcome", False: "[red]another outcome[/]", None: "no recorded end"}
@@ -209,9 +209,9 @@ def _report(
 ) -> None:
     """Prints the result of a replay and of the trial."""
     score = session.scorer.score
-    console.print(_verdict(verification))
+    console.print(verdict(verification))
     if verification.exact and not verification.same_machine:
-        console.print(f"[yellow]{_elsewhere(verification)}; every state is equal all the same[/]")
+        console.print(f"[yellow]{elsewhere(verification)}; every state is equal all the same[/]")
     if verification.agreement:
         console.print(_second_verdict(verification.agreement), highlight=False)
     if (

@@ -91,6 +91,10 @@ class StudySimulateOptions:
     resume: tyro.conf.FlagCreatePairsOff[bool] = False
     """Continue an earlier run, even if it was interrupted."""
 
+    witness: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    """Append the digests of all journals to this file after every session, for `sandbox replay
+    STUDY --verify --witness FILE`."""
+
     force_upgrade: Annotated[str, tyro.conf.arg(metavar="REASON")] = ""
     """Continue although program, encoder or design have changed; the reason is logged."""
 
@@ -218,7 +222,7 @@ def _simulate(options: StudySimulateOptions, console: Console) -> int:
     study = StudyFolder(options.out, design, SIMULATED, options.force_upgrade)
     say_noted(study, sayer(console))
     count = options.participants or design.participants
-    done = simulate(study, count, options.resume, sayer(console))
+    done = simulate(study, count, options.resume, sayer(console), options.witness)
     console.print(
         f"{escape(str(study.path))}: {done['participants']} simulated participants, "
         f"{done['trials']} trials that count, {done['excluded']} excluded"

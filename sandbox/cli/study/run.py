@@ -165,6 +165,7 @@ def _play(
         settings_fitter(name, page, other),
         calibrate,
         second_device=other,
+        witness=options.witness,
     )
     try:
         outcome = runner.run()

@@ -115,6 +115,11 @@ class StudyRunOptions:
     force_upgrade: Annotated[str, tyro.conf.arg(metavar="REASON")] = ""
     """Continue although program, encoder or design have changed; the reason is logged."""
 
+    witness: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    """Append the digests of the session's and the study's journals to this file at the end. Keep it
+    where nobody who has the study can write; `sandbox replay STUDY --verify --witness FILE`
+    compares it."""
+
     leap: Annotated[str, tyro.conf.arg(metavar="URL")] = ""
     """WebSocket address of leapd or of the Ultraleap bridge, for trials with `device = "leap"`.
     Default: its usual address."""

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Collection
 from functools import cache
-from hashlib import blake2b
 from pathlib import Path
 from typing import Any
 
+from sandbox.recording.source_digest import program_root, source_digest, source_files
 from sandbox.recording.versions import DECISIVE, decisive_part, versions
 from sandbox.study.design.conditions import combinations, run_settings, values_of
 from sandbox.study.design.design import Design
@@ -53,8 +53,6 @@ LEFT_OUT = {
     "sandbox/views/window": "it shows what happens",
 }
 """Folders that those of `COMPUTES` import and that the digest leaves out, each with the reason."""
-SUFFIXES = (".py", ".xml")
-"""Suffixes of files that count: modules, and the hand's model. Digests of encoders cover arrays."""
 LIBRARIES = ("hand-sandbox", *DECISIVE)
 """Versions to which a study is locked."""
 NOTED = ("numpy", "python", "scipy")
@@ -64,17 +62,13 @@ NOTED = ("numpy", "python", "scipy")
 @cache
 def code_digest() -> str:
     """Digest of the program as far as it takes part in a trial or makes measures of it."""
-    return digest_of(Path(__file__).resolve().parents[3])
+    return digest_of(program_root())
 
 
 def digest_of(root: Path) -> str:
     """Digest of the files of `COMPUTES` below a folder."""
-    digest = blake2b(digest_size=8)
-    for folder in COMPUTES:
-        for path in sorted(p for p in (root / folder).iterdir() if p.suffix in SUFFIXES):
-            name, data = path.relative_to(root).as_posix().encode(), path.read_bytes()
-            digest.update(b"%s\0%d\0%s" % (name, len(data), data))
-    return digest.hexdigest()
+    files = (path for folder in COMPUTES for path in source_files(root / folder))
+    return source_digest(files, root)
 
 
 def build_of(design: Design) -> dict[str, Any]:

@@ -3,7 +3,8 @@
 OUT/EXPERIMENT/            real data; pilot data are in EXPERIMENT-pilot, simulated data in
                            EXPERIMENT-simulated
   study.json               versions of program, encoders and design that the study is locked to
-  study.jsonl              journal of the study: participants, upgrades
+                           (derived from the journal of the study)
+  study.jsonl              journal of the study: its lock, participants, sessions, upgrades
   design.toml              the locked design
   participants.csv  trial_results.csv  questionnaires.csv  codebook.csv     (derived tables)
   PPID/S001/               a session, with the layout of UXF (Unity Experiment Framework)
@@ -24,6 +25,7 @@ from models.errors import StudyError
 from models.json_input import check_layout, checked, decoded_record
 from sandbox.study.design.design import Design
 from sandbox.study.record.build import build_of, changes, noted_changes
+from sandbox.study.record.chain import Record
 from sandbox.study.record.files import (
     json_bytes,
     locked,
@@ -32,7 +34,7 @@ from sandbox.study.record.files import (
     study_error,
     write_atomically,
 )
-from sandbox.study.record.journal import Journal, Record, now, read_journal
+from sandbox.study.record.journal import Journal, now, read_journal
 from sandbox.study.record.pseudonym import new_pseudonym
 
 SCHEMA = 1
@@ -61,6 +63,13 @@ class Participant:
     hand_size: float = 1.0
     language: str = "en"
     user: dict[str, Any] | None = None
+
+
+LOCK = "study"
+"""Kind of the first record of a study's journal: what the study is, and what it is locked to."""
+STUDY_JOURNAL, STUDY_FILE, DESIGN_FILE = "study.jsonl", "study.json", "design.toml"
+_ABOUT = ("schema", "study", "experiment", "mode", "created", "build")
+"""Fields of `study.json`, in order."""
 
 
 class _StudyFile(Struct):
@@ -113,17 +122,17 @@ class StudyFolder:
         """
         from sandbox.study.design.design_file import load_design
 
-        if not (path / "study.json").is_file():
+        if not (path / STUDY_FILE).is_file():
             raise StudyError(
                 "not a study folder",
                 where=str(path),
                 expected="a folder that contains study.json, such as studies/NAME",
             )
         folder = cls.__new__(cls)
-        folder._about = read_study_json(path / "study.json")
+        folder._about = read_study_json(path / STUDY_FILE)
         folder.noted = []
         folder.path, folder.mode = path, str(folder._about["mode"])
-        folder.design = load_design(path / "design.toml", try_out=False)
+        folder.design = load_design(path / DESIGN_FILE, try_out=False)
         return folder
 
     @property
@@ -149,8 +158,7 @@ class StudyFolder:
 
     def participants(self) -> list[Participant]:
         """All participants so far, in order of arrival."""
-        path = self.path / "study.jsonl"
-        return participants_of(read_journal(path)) if path.exists() else []
+        return participants_of(self.records())
 
     def find(self, ppid: str) -> Participant:
         """Finds a participant by pseudonym.
@@ -194,33 +202,54 @@ class StudyFolder:
             journal.append("participant", durable=True, **vars(person))
             return person
 
+    def note(self, kind: str, **values: Any) -> Record:
+        """Writes a record into the journal of the study, durably."""
+        with self.lock(), self._journal() as journal:
+            return journal.append(kind, durable=True, **values)
+
+    def records(self) -> list[Record]:
+        """Records of the journal of the study."""
+        path = self.path / STUDY_JOURNAL
+        return read_journal(path) if path.exists() else []
+
     def release(self, ppid: str, reason: str) -> None:
         """Frees a participant's number, so that the next new participant gets it and its orders."""
-        with self.lock(), self._journal() as journal:
-            journal.append("released", durable=True, ppid=ppid, reason=reason)
+        self.note("released", ppid=ppid, reason=reason)
 
     @contextmanager
     def _journal(self) -> Iterator[Journal]:
-        journal = Journal(self.path / "study.jsonl")
+        journal = Journal(self.path / STUDY_JOURNAL)
         try:
             yield journal
         finally:
             journal.close()
 
     def _lock_to(self, build: dict[str, Any], upgrade: str) -> None:
-        path = self.path / "study.json"
-        if not path.exists():
-            self._about = {
-                "schema": SCHEMA,
-                "study": str(uuid4()),
-                "experiment": self.design.name,
-                "mode": self.mode,
-                "created": now(),
-                "build": build,
-            }
-            write_atomically(path, json_bytes(self._about))
-            return
-        self._about = read_study_json(path)
+        path = self.path / STUDY_FILE
+        with self._journal() as journal:
+            if not journal.records:
+                journal.append(
+                    LOCK,
+                    durable=True,
+                    schema=SCHEMA,
+                    study=str(uuid4()),
+                    experiment=self.design.name,
+                    mode=self.mode,
+                    created=now(),
+                    build=build,
+                )
+            locked_to = about_of(journal.records, path)
+        if path.exists():
+            found = read_study_json(path)
+            # An upgrade that was cut short is in the journal only.
+            if {**found, "build": 0} != {**locked_to, "build": 0}:
+                raise StudyError(
+                    "study.json is not what the journal of the study says",
+                    where=str(path),
+                    remedy="Restore both from a backup; nothing was changed",
+                )
+        self._about = locked_to
+        write_atomically(path, json_bytes(self._about))
         if self._about["mode"] != self.mode:
             raise StudyError(
                 f"this folder holds {self._about['mode']} data",
@@ -251,13 +280,40 @@ class StudyFolder:
         write_atomically(path, json_bytes(self._about))
 
 
+def about_of(records: list[Record], where: Path) -> dict[str, Any]:
+    """Content of `study.json` according to the journal of the study.
+
+    Raises:
+        StudyError: The journal does not begin with the lock.
+    """
+    start = records[0] if records else {}
+    if start.get("kind") != LOCK or not set(_ABOUT) <= start.keys():
+        raise StudyError(
+            "the journal of the study does not begin with what the study is locked to",
+            where=str(where.with_name(STUDY_JOURNAL)),
+            remedy="Restore it from a backup; nothing was changed",
+        )
+    # A merged study has the upgrades of its sites, too.
+    own = [r for r in records if "site" not in r]
+    builds = [r["after"] for r in own if r["kind"] in ("upgrade", "libraries")]
+    about = {name: start[name] for name in _ABOUT}
+    return {**about, "build": builds[-1]} if builds else about
+
+
 def write_design(folder: Path, design: Design) -> None:
     """Writes a design and the files of its questionnaires into a study folder."""
-    write_atomically(folder / "design.toml", design.text.encode())
-    for form in design.questionnaires:
-        if form.source:
-            make_folder((folder / form.source[0]).parent)
-            write_atomically(folder / form.source[0], form.source[1].encode())
+    for name, data in design_files(design).items():
+        make_folder((folder / name).parent)
+        write_atomically(folder / name, data)
+
+
+def design_files(design: Design) -> dict[str, bytes]:
+    """The files of a design in a study folder, by name: the design and its questionnaires."""
+    sources = (form.source for form in design.questionnaires if form.source)
+    return {
+        DESIGN_FILE: design.text.encode(),
+        **{name: text.encode() for name, text in sources},
+    }
 
 
 def folder_of(out: Path, name: str, mode: str) -> Path:
@@ -273,7 +329,7 @@ def participants_of(records: list[Record]) -> list[Participant]:
             Participant,
             StudyError,
             what="the record of a participant is damaged",
-            where=f"study.jsonl, record {record['n']}",
+            where=f"{STUDY_JOURNAL}, record {record['n']}",
         )
         for record in records
         if record["kind"] == "participant"

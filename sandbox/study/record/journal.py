@@ -1,12 +1,12 @@
 """The journal of a session or study: append-only JSON lines, from which all else is derived.
 
 Each record is one write. A written record survives the end of the program at once. It survives a
-power cut after at most `SYNC` seconds; a durable record does so at once.
+power cut after at most `SYNC` seconds; a durable record does so at once. The records are a hash
+chain (`sandbox.study.record.chain`).
 """
 
 from __future__ import annotations
 
-import json
 import os
 import stat
 import threading
@@ -18,16 +18,22 @@ from typing import Any
 
 from models.errors import StudyError
 from models.json_input import checked, decoded_record
+from sandbox.study.record.chain import DIGEST, Chain, Record, chained, chained_bytes
 from sandbox.study.record.files import study_error, sync_folder
 from sandbox.study.record.record_forms import FORMS, RecordHead
 
 SYNC = 0.5
 """s between two flushes of written data to the disk."""
 
-SCHEMA = 1
+SCHEMA = 2
 """Version of the records."""
 
-Record = dict[str, Any]
+STEP = 0.5
+"""s by which the wall clock must move against the monotonic clock between two records to count as a
+step."""
+SLEW = 1e-3
+"""Part of the time between two records that is no step: clocks are corrected by up to 500 ppm (the
+limit of `adjtimex` and NTP), and their own rates differ by less than that."""
 
 
 def now() -> str:
@@ -39,6 +45,7 @@ class Journal:
     """Appends records to a file; the caller must hold the lock of the session.
 
     Opening the journal cuts off a half-written last line of a killed program, and records the cut.
+    A step of the wall clock between two records is recorded before the second one.
 
     Args:
         path: Path of the file, which is created if it does not exist.
@@ -52,6 +59,7 @@ class Journal:
 
     def __init__(self, path: Path) -> None:
         self.path = path
+        self._clocks: tuple[float, float] | None = None
         try:
             self._fd = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_APPEND | os.O_CLOEXEC, 0o666)
         except OSError as error:
@@ -84,21 +92,22 @@ class Journal:
             StudyError: The record cannot be written, and the journal is unchanged; or a durable
                 record was written but may not be on the disk.
         """
-        record = {
-            "n": len(self.records),
-            "time": now(),
-            "clock": round(time.monotonic(), 6),
-            "kind": kind,
-            **values,
-        }
+        wall, clock = datetime.now(UTC), time.monotonic()
         try:
-            self._write(journal_bytes([record]))
-            self.records.append(record)
+            step = self._step(wall.timestamp(), clock)
+            if step:
+                self._put(wall, clock, "clock_step", {"seconds": round(step, 3)})
+            record = self._put(wall, clock, kind, values)
             if durable:
                 os.fsync(self._fd)
         except OSError as error:
             raise study_error(error, self.path, "the journal cannot be written") from None
         return record
+
+    @property
+    def head(self) -> str:
+        """Digest of the last record; empty without records."""
+        return str(self.records[-1][DIGEST]) if self.records else ""
 
     def sync(self) -> None:
         """Flushes the file to the disk."""
@@ -109,6 +118,31 @@ class Journal:
         if self._fd >= 0:
             os.close(self._fd)
             self._fd = -1
+
+    def _put(self, wall: datetime, clock: float, kind: str, values: dict[str, Any]) -> Record:
+        """Writes a record with the given readings of both clocks."""
+        record, line = chained(
+            {
+                "n": len(self.records),
+                "time": wall.isoformat(timespec="milliseconds"),
+                "clock": round(clock, 6),
+                "kind": kind,
+                **values,
+            },
+            self.head,
+        )
+        self._write(line)
+        self.records.append(record)
+        return record
+
+    def _step(self, wall: float, clock: float) -> float:
+        """Step of the wall clock since the record before, s; 0 without one."""
+        before, self._clocks = self._clocks, (wall, clock)
+        if before is None:
+            return 0.0
+        passed = clock - before[1]
+        step = wall - before[0] - passed
+        return step if abs(step) > STEP + SLEW * passed else 0.0
 
     def _write(self, data: bytes) -> None:
         """Writes all bytes; if a full disk takes only a part of them, that part is removed."""
@@ -138,43 +172,73 @@ def parse_records(data: bytes, path: Path) -> tuple[list[Record], int]:
         The records, and the number of valid bytes; the rest is a half-written last line.
 
     Raises:
-        StudyError: A line before the last one is damaged, which no crash of the program causes.
+        StudyError: A line is damaged or changed, which no crash of the program causes.
     """
     records: list[Record] = []
-    sound = 0
+    sound, chain = 0, Chain()
     lines = data.split(b"\n")
     for number, line in enumerate(lines[:-1], start=1):
-        try:
-            record = _record(line, len(records), f"{path}, line {number}")
-        except StudyError:
-            if number == len(lines) - 1:
-                # A power cut may leave a last block of zeros that ends like a line.
-                break
-            raise
+        if number == len(lines) - 1 and line.endswith(b"\0"):
+            # A power cut may leave a last block of zeros that ends like a line.
+            break
+        where = f"{path}, line {number}"
+        record = read_record(line, len(records), where)
+        fault = chain.take(line, record, number)
+        if fault:
+            raise StudyError(f"{_DAMAGED}: {fault}", where=where, remedy=_REMEDY)
         records.append(record)
         sound += len(line) + 1
+    changed = chain.changed()
+    if changed:
+        raise StudyError(
+            f"{_DAMAGED}: the record was changed after it was written",
+            where=f"{path}, line {changed[0]}",
+            remedy=_REMEDY,
+        )
     return records, sound
 
 
-def _record(line: bytes, n: int, where: str) -> Record:
+_DAMAGED = "the journal is damaged"
+_REMEDY = (
+    "Restore it from a backup; nothing was changed. `sandbox replay STUDY --verify` names all "
+    "that differs"
+)
+
+
+def read_record(line: bytes, n: int, where: str) -> Record:
     """Parses and checks the record number `n`, counted from 0.
 
     Raises:
         StudyError: The record is damaged, or has another number.
     """
-    what, remedy = "the journal is damaged", "Restore it from a backup; nothing was changed"
-    record = decoded_record(line, StudyError, what=what, where=where, remedy=remedy)
-    head = checked(record, RecordHead, StudyError, what=what, where=where, remedy=remedy)
-    if head.n != n:
+    record = checked_record(line, where)
+    if record["n"] != n:
         raise StudyError(
-            f"{what}: its records are not in order",
+            f"{_DAMAGED}: its records are not in order",
             where=where,
-            got=f"record {head.n}",
+            got=f"record {record['n']}",
             expected=f"record {n}",
-            remedy=remedy,
+            remedy=_REMEDY,
         )
+    return record
+
+
+def checked_record(line: bytes, where: str) -> Record:
+    """Parses a record and checks its fields.
+
+    Raises:
+        StudyError: The record is damaged.
+    """
+    record = decoded_record(line, StudyError, what=_DAMAGED, where=where, remedy=_REMEDY)
+    if "n" in record and DIGEST not in record:
+        raise StudyError(
+            "the journal has no hash chain: an older version of the sandbox wrote it",
+            where=where,
+            remedy="Use the version that wrote it",
+        )
+    head = checked(record, RecordHead, StudyError, what=_DAMAGED, where=where, remedy=_REMEDY)
     form = FORMS.get(head.kind, RecordHead)
-    checked(record, form, StudyError, what=what, where=where, remedy=remedy)
+    checked(record, form, StudyError, what=_DAMAGED, where=where, remedy=_REMEDY)
     return record
 
 
@@ -194,11 +258,8 @@ def read_journal(path: Path) -> list[Record]:
 
 
 def journal_bytes(records: Iterable[Record]) -> bytes:
-    """Lines of a journal."""
-    return b"".join(
-        json.dumps(record, separators=(",", ":"), ensure_ascii=False).encode() + b"\n"
-        for record in records
-    )
+    """A new journal with the given records, in a chain of their own."""
+    return chained_bytes({**record, "n": n} for n, record in enumerate(records))
 
 
 class SyncThread:

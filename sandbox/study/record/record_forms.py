@@ -5,16 +5,30 @@ A record may have more fields. Kinds that are not listed here are read without a
 
 from __future__ import annotations
 
+from datetime import datetime
 from typing import Any
 
 from msgspec import Struct
 
 
 class RecordHead(Struct):
-    """Fields of every record: its number from 0, and its kind."""
+    """Fields of every record.
+
+    Attributes:
+        n: Number, from 0.
+        time: Time of the wall clock, for people.
+        clock: Time of the monotonic clock, s.
+        kind: What happened.
+        previous: Digest of the record before.
+        digest: Its own digest.
+    """
 
     n: int
+    time: datetime
+    clock: float
     kind: str
+    previous: str
+    digest: str
 
 
 class _Step(Struct):
@@ -28,9 +42,11 @@ class _Attempt(_Step):
 
     trial: int
     attempt: int
+    file: str = ""
+    recording: dict[str, Any] | None = None
 
 
-class _TrialEnd(_Attempt):
+class _TrialEnd(_Attempt, kw_only=True):
     result: dict[str, Any]
 
 
@@ -78,6 +94,45 @@ class _SessionEnd(Struct):
     complete: bool
 
 
+class _Withdrawal(Struct):
+    """Digests of the records that replaced others, by number."""
+
+    replaced: dict[int, str]
+
+
+class _Packed(Struct):
+    """A recording was compressed after its record was written."""
+
+    file: str
+    recording: dict[str, Any] | None
+
+
+class _Moved(Struct):
+    """A merge has moved the session into another study."""
+
+    study: str
+    ppid: str
+    recordings: dict[str, dict[str, Any] | None]
+
+
+class _ClockStep(Struct):
+    seconds: float
+
+
+class _Sealed(_Released):
+    """The journal of a session as it was when the session was closed."""
+
+    session: int
+    records: int
+    digest_of_last: str
+
+
+class _Files(_Attempt, kw_only=True):
+    """Digests of the derived files of an attempt, by name."""
+
+    files: dict[str, str]
+
+
 FORMS: dict[str, type[Struct]] = {
     "trial_start": _Attempt,
     "trial_end": _TrialEnd,
@@ -93,4 +148,10 @@ FORMS: dict[str, type[Struct]] = {
     "session_end": _SessionEnd,
     "participant": _Participant,
     "released": _Released,
+    "withdrawal": _Withdrawal,
+    "sealed": _Sealed,
+    "tables": _Files,
+    "packed": _Packed,
+    "moved": _Moved,
+    "clock_step": _ClockStep,
 }

@@ -17,6 +17,13 @@ from sandbox.recording.recording_file import stored
 from sandbox.recording.versions import versions
 from sandbox.session.closeable import Closeable
 from sandbox.study.design.plan import Step, TrialStep, session_plan, trials_of
+from sandbox.study.record.chain import DIGEST, Record
+from sandbox.study.record.file_digests import (
+    PACKED,
+    file_digests,
+    recording_digests,
+    tables_of,
+)
 from sandbox.study.record.files import (
     locked,
     make_folder,
@@ -26,13 +33,18 @@ from sandbox.study.record.files import (
     sync_folder,
 )
 from sandbox.study.record.folder import Participant, StudyFolder
-from sandbox.study.record.journal import SCHEMA, Journal, Record, SyncThread
+from sandbox.study.record.journal import SCHEMA, Journal, SyncThread
+from sandbox.study.record.pack import pack
 from sandbox.study.record.state import Attempt, SessionState
 from sandbox.study.record.stored_sessions import JOURNAL, session_path, sessions_of
 from sandbox.trial.result import KeptIn, TrialResult
 
-SENT = ("n", "step", "trial", "attempt", "practice", "form", "block", "levels")
-"""Fields of a record that are sent over LSL to other instruments."""
+SENT = ("n", "step", "trial", "attempt", "practice", "form", "block", "levels", DIGEST)
+"""Fields of a record that are sent over LSL to other instruments. With its digest, what they record
+is a witness of the journal."""
+BEGUN, SEALED = "begun", "sealed"
+"""Kinds of records in the journal of the study: a session has begun; its journal when it was
+closed."""
 
 
 class SessionFolder(Closeable):
@@ -70,6 +82,7 @@ class SessionFolder(Closeable):
         ):
             make_folder(folder)
         self._recording: Path | None = None
+        self._sealed = ""
         self._syncing: SyncThread | None = None
         self._closing = ExitStack()
         try:
@@ -89,8 +102,8 @@ class SessionFolder(Closeable):
         if self.state.start:
             self._check()
             self._check_plan()
-        self._recover()
         self.resumed = bool(self.state.start)
+        self._tell_study()
         kind = "session_resume" if self.resumed else "session_start"
         self.write(
             kind,
@@ -103,8 +116,11 @@ class SessionFolder(Closeable):
             session=self.number,
             versions=versions(),
             build=self.study.build,
+            boot=boot_id(),
             **vars(self.person),
         )
+        # After the record above, whose clock is that of this start of the machine.
+        self._recover()
         self._syncing = SyncThread(self._sync)
         self._closing.callback(self._syncing.close)
 
@@ -121,8 +137,10 @@ class SessionFolder(Closeable):
                 raise study_error(
                     error, self.path, "earlier data could not be written to the disk"
                 ) from None
+        before = len(self.journal.records)
         record = self.journal.append(kind, durable, **values)
-        self.state.take(record)
+        for new in self.journal.records[before:]:
+            self.state.take(new)
         # Other instruments get the events, but no answers and no texts of the experimenter.
         tell(f"journal_{kind}", {name: record[name] for name in SENT if name in record})
         return record
@@ -171,8 +189,67 @@ class SessionFolder(Closeable):
             trial=trial.number,
             attempt=start["attempt"],
             file=start["file"],
+            recording=self._digests(start["file"]),
             why=why,
         )
+
+    def pack(self, file: str) -> None:
+        """Compresses the recording of a finished trial, unless that has been done.
+
+        Raises:
+            StudyError: It cannot be written; the recording is unchanged.
+        """
+        path = self.path / file
+        if not path.exists():
+            return
+        pack(path)
+        if not (self.state.recordings.get(file) or {}).get(PACKED):
+            self.write("packed", file=file, recording=self._digests(file))
+
+    def note_tables(self, attempt: Attempt) -> None:
+        """Records the digests of the tables that were derived from a recording.
+
+        Raises:
+            StudyError: A table cannot be read, or the record cannot be written.
+        """
+        start = attempt.start
+        trackers, stem = self.path / "trackers", Path(start["file"]).stem
+        try:
+            files = file_digests(tables_of(trackers, stem))
+        except OSError as error:
+            raise study_error(error, trackers, "a table cannot be read") from None
+        if files != self.state.tables.get(start["file"]):
+            self.write(
+                "tables",
+                step=start["step"],
+                trial=start["trial"],
+                attempt=start["attempt"],
+                file=start["file"],
+                files=files,
+            )
+
+    def seal(self) -> str:
+        """Records in the journal of the study how long this journal is, and its last digest.
+
+        Returns:
+            That digest.
+
+        Raises:
+            StudyError: The record cannot be written.
+        """
+        self.journal.sync()
+        head, count = self.journal.head, len(self.journal.records)
+        if head != self._sealed:
+            self.study.note(
+                SEALED,
+                ppid=self.person.ppid,
+                session=self.number,
+                records=count,
+                digest_of_last=head,
+            )
+            self._sealed = head
+            tell(SEALED, {"session": self.number, "records": count, DIGEST: head})
+        return head
 
     def close(self) -> None:
         """Closes the session, so that other programs can open it."""
@@ -195,6 +272,9 @@ class SessionFolder(Closeable):
 
     def _commit(self, attempt: Attempt, result: TrialResult, adopted: bool) -> None:
         start = attempt.start
+        # If it cannot be compressed now, the next opening does it.
+        with suppress(StudyError):
+            pack(self.path / start["file"])
         path = stored(self.path / start["file"])
         try:
             sync_file(path)
@@ -210,6 +290,7 @@ class SessionFolder(Closeable):
             trial=start["trial"],
             attempt=start["attempt"],
             file=start["file"],
+            recording=self._digests(start["file"]),
             result=result.kept_in(KeptIn.JOURNAL),
             **more,
         )
@@ -292,8 +373,29 @@ class SessionFolder(Closeable):
                 trial=start["trial"],
                 attempt=start["attempt"],
                 file=start["file"],
+                recording=self._digests(start["file"]),
                 why="the program ended",
             )
+
+    def _tell_study(self) -> None:
+        """Records in the journal of the study that this session has begun, unless it is known."""
+        mine = [
+            r
+            for r in self.study.records()
+            if r.get("ppid") == self.person.ppid and r.get("session") == self.number
+        ]
+        if not any(r["kind"] == BEGUN for r in mine):
+            self.study.note(BEGUN, ppid=self.person.ppid, session=self.number)
+        self._sealed = next(
+            (r["digest_of_last"] for r in reversed(mine) if r["kind"] == SEALED), ""
+        )
+
+    def _digests(self, file: str) -> dict[str, Any] | None:
+        path = self.path / file
+        try:
+            return recording_digests(path)
+        except OSError as error:
+            raise study_error(error, path, "the recording cannot be read") from None
 
     def _sync(self) -> None:
         self.journal.sync()
@@ -302,6 +404,14 @@ class SessionFolder(Closeable):
         if recording is not None:
             with suppress(FileNotFoundError):
                 sync_file(recording)
+
+
+def boot_id() -> str:
+    """Id of this start of the machine, by which clocks can be compared; empty if unknown."""
+    try:
+        return Path("/proc/sys/kernel/random/boot_id").read_text().strip()
+    except OSError:
+        return ""
 
 
 def finished_result(path: Path) -> TrialResult | None:

@@ -8,9 +8,9 @@ from typing import Any
 
 from models.errors import StudyError
 from sandbox.study.design.plan import Step, TrialStep
+from sandbox.study.record.chain import Record
+from sandbox.study.record.session_clock import SessionClock
 from sandbox.trial.result import TrialResult
-
-Record = dict[str, Any]
 
 
 @dataclass
@@ -56,6 +56,10 @@ class SessionState:
         calibration: Calibration of the hand over a Leap, in the format of `sandbox paalm
             calibrate`; None uses an average hand.
         complete: True if the session reached its planned end.
+        recordings: Digests of recordings by file (see `sandbox.study.record.file_digests`).
+        tables: Digests of the tables derived from a recording, by name of the table, by recording.
+        seconds: Time of each record since the session's start, s, by number of the record.
+        clock_steps: Steps of the wall clock during the session, s.
     """
 
     start: Record = field(default_factory=dict)
@@ -69,6 +73,10 @@ class SessionState:
     consent: bool | None = None
     calibration: dict[str, Any] | None = None
     complete: bool = False
+    recordings: dict[str, dict[str, Any] | None] = field(default_factory=dict)
+    tables: dict[str, dict[str, str]] = field(default_factory=dict)
+    seconds: SessionClock = field(default_factory=SessionClock)
+    clock_steps: list[float] = field(default_factory=list)
 
     @classmethod
     def of(cls, records: Iterable[Record]) -> SessionState:
@@ -80,9 +88,19 @@ class SessionState:
 
     def take(self, record: Record) -> None:
         """Updates the state by one record; kinds of later versions are ignored."""
+        self.seconds.take(record)
+        if "recording" in record and "file" in record:
+            self.recordings[record["file"]] = record["recording"]
         match record["kind"]:
             case "session_start":
                 self.start = record
+            case "clock_step":
+                self.clock_steps.append(record["seconds"])
+            case "tables":
+                self.tables[record["file"]] = record["files"]
+            case "moved":
+                self.start = {**self.start, "study": record["study"], "ppid": record["ppid"]}
+                self.recordings |= record["recordings"]
             case "trial_start":
                 self.attempts.setdefault(record["trial"], []).append(Attempt(record))
             case "trial_end":

@@ -7,8 +7,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from sandbox.study.design.plan import Step, session_plan, trials_of
+from sandbox.study.record.chain import Record
 from sandbox.study.record.folder import Participant, StudyFolder
-from sandbox.study.record.journal import Record, read_journal
+from sandbox.study.record.journal import read_journal
 from sandbox.study.record.state import SessionState
 
 JOURNAL = "journal.jsonl"

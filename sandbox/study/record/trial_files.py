@@ -46,6 +46,27 @@ def find_recordings(name: str, out: Path) -> list[Path]:
     )
 
 
+def finished_only(files: list[Path]) -> tuple[list[Path], int]:
+    """Leaves out recordings of attempts that were broken off, such as by a kill.
+
+    Args:
+        files: Recordings of a study.
+
+    Returns:
+        Those of finished attempts, and the number of others.
+
+    Raises:
+        StudyError: A journal is damaged.
+    """
+    ended: dict[Path, set[str]] = {}
+    for session in {file.parent.parent for file in files}:
+        journal = session / JOURNAL
+        records = read_journal(journal) if journal.exists() else []
+        ended[session] = {Path(r["file"]).name for r in records if r["kind"] == "trial_end"}
+    finished = [file for file in files if file.name in ended[file.parent.parent]]
+    return finished, len(files) - len(finished)
+
+
 def _of_folder(path: Path) -> list[Path]:
     """Recordings of a trial, or of a folder of a study; empty if the path is neither."""
     if TRIAL.fullmatch(path.name):

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from hashlib import blake2b
+from pathlib import Path
 from typing import Any
 
 from models.errors import InputError, StudyError
@@ -21,8 +22,8 @@ from sandbox.study.design.plan import (
     TrialStep,
 )
 from sandbox.study.measures.kept import kept_lines
-from sandbox.study.record.pack import pack
 from sandbox.study.record.session_folder import SessionFolder
+from sandbox.study.record.witness import add_witnesses, witnesses_of
 from sandbox.study.run.answers import Draft
 from sandbox.study.run.controls import Command, Controls
 from sandbox.study.run.forms import Forms, Poll
@@ -70,6 +71,7 @@ class SessionRunner:
         calibrate: See `Calibrate`.
         tables: Tables of the study that have been read before; None reads all journals.
         second_device: Name of the second hand's device, for recordings of trials with two hands.
+        witness: File to which the digests of journals are appended at the end; None writes none.
     """
 
     session: SessionFolder
@@ -83,6 +85,7 @@ class SessionRunner:
     calibrate: Calibrate = lambda poll: None
     tables: StudyTables | None = None
     second_device: str = "simulated"
+    witness: Path | None = None
 
     def __post_init__(self) -> None:
         self._leave_key = self._leave_reason = ""
@@ -106,7 +109,7 @@ class SessionRunner:
             raise
         finally:
             if disk_is_writable:
-                self._update_tables()
+                self._update_tables(seal=True)
 
     def _run_steps(self) -> SessionOutcome:
         """Runs the remaining steps of the plan."""
@@ -261,7 +264,8 @@ class SessionRunner:
         try:
             for notice in played.table.write(session.path / "trackers", stem, played.result):
                 self.say(f"  {notice}")
-            pack(session.path / file)
+            session.note_tables(session.state.attempts[trial.number][-1])
+            session.pack(file)
             rebuild_session(session, say=self.say)
         except StudyError as error:
             # Journal and recording contain the trial; the tables are built from them later.
@@ -274,28 +278,46 @@ class SessionRunner:
         except StudyError as error:
             self.say(str(error))
 
-    def _update_tables(self) -> None:
-        """Builds the tables of the session and the study, and missing tables of trials."""
+    def _update_tables(self, seal: bool = False) -> None:
+        """Builds the tables of the session and the study, and missing tables of trials.
+
+        Args:
+            seal: True records the journal's end in the journal of the study before.
+        """
         session = self.session
         trackers = session.path / "trackers"
         differs = []
         try:
             for attempts in session.state.attempts.values():
                 for attempt in attempts:
-                    recording = session.path / attempt.start["file"]
+                    file = attempt.start["file"]
                     if attempt.end is None:
                         continue
-                    rebuilt = complete_tables(recording, trackers)
+                    # Tables without a record may be those of a program that was killed.
+                    known = file in session.state.tables
+                    rebuilt = complete_tables(session.path / file, trackers, anew=not known)
                     for notice in rebuilt.notices:
                         self.say(notice)
                     differs.append(rebuilt.differs)
-                    pack(recording)
+                    if rebuilt.built:
+                        session.note_tables(attempt)
+                    session.pack(file)
             for line in kept_lines(differs):
                 self.say(line)
+            if seal:
+                self._seal()
             rebuild_session(session, say=self.say)
             self._study_tables.update()
         except InputError as error:
             self.say(f"tables are not up to date: {error}")
+
+    def _seal(self) -> None:
+        """Seals the session, says its last digest, and writes the witnesses if they are wanted."""
+        session = self.session
+        head, count = session.seal(), len(session.journal.records)
+        self.say(f"{session.person.ppid}, session {session.number}: {count} records, digest {head}")
+        if self.witness is not None:
+            add_witnesses(self.witness, witnesses_of(session))
 
     def _poll_trial(self) -> str:
         """Implements `Watch` for players."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import asdict, replace
+from pathlib import Path
 from typing import Any, cast
 
 import numpy as np
@@ -131,6 +132,7 @@ def run_simulated(
     say: Callable[[str], object],
     controls: Controls | None = None,
     tables: StudyTables | None = None,
+    witness: Path | None = None,
 ) -> SessionOutcome:
     """Runs the remaining sessions of a participant, until one is not completed."""
     person = study.add(number, **simulated_person(study.design, number))
@@ -146,6 +148,7 @@ def run_simulated(
                 controls or Controls(say),
                 say,
                 tables=tables,
+                witness=witness,
             ).run()
         if outcome is not SessionOutcome.COMPLETE:
             break
@@ -153,9 +156,20 @@ def run_simulated(
 
 
 def simulate(
-    study: StudyFolder, participants: int, resume: bool, say: Callable[[str], object]
+    study: StudyFolder,
+    participants: int,
+    resume: bool,
+    say: Callable[[str], object],
+    witness: Path | None = None,
 ) -> dict[str, int]:
     """Runs a study with a number of simulated participants, one after another.
+
+    Args:
+        study: The study.
+        participants: Number of participants.
+        resume: True continues with those who have begun.
+        say: Prints a line.
+        witness: File to which the digests of journals are appended after every session.
 
     Returns:
         See `StudyTables.update`.
@@ -171,6 +185,6 @@ def simulate(
         )
     tables = StudyTables(study, say)
     for number in range(participants):
-        outcome = run_simulated(study, number, say, tables=tables)
+        outcome = run_simulated(study, number, say, tables=tables, witness=witness)
         say(f"participant {number + 1} of {participants}: {outcome}")
     return tables.update()

@@ -10,6 +10,8 @@ from sandbox.study.record.folder import StudyFolder
 from sandbox.study.record.journal import Journal, read_journal
 
 COPIES = "copies.jsonl"
+COPIED = "copied"
+"""Kind of the record in the journal of the study: how long the log of copies is now."""
 
 
 @dataclass(frozen=True)
@@ -41,8 +43,10 @@ def log_copy(study: StudyFolder, what: str, path: Path, ppids: Sequence[str]) ->
         journal = Journal(study.path / COPIES)
         try:
             journal.append(what, durable=True, path=str(path.resolve()), ppids=list(ppids))
+            records, head = len(journal.records), journal.head
         finally:
             journal.close()
+    study.note(COPIED, records=records, digest_of_last=head)
 
 
 def copies(study: StudyFolder, ppid: str | None = None) -> list[Copy]:

@@ -15,25 +15,45 @@ from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 from uuid import uuid4
 
 from models.errors import StudyError
 from models.json_input import checked, decoded_record
 from sandbox.recording.recording_file import SUFFIX, packed, read_stored
 from sandbox.study.record.build import changes
-from sandbox.study.record.files import TEMPORARY, locked, write_atomically
-from sandbox.study.record.folder import SCHEMA, StudyFolder, write_design
-from sandbox.study.record.journal import Record, journal_bytes, now, read_journal
+from sandbox.study.record.chain import (
+    DIGEST,
+    WITHDRAWAL,
+    Record,
+    chained,
+    record_line,
+    without_chain,
+)
+from sandbox.study.record.file_digests import recording_digests
+from sandbox.study.record.files import TEMPORARY, json_bytes, locked, write_atomically
+from sandbox.study.record.folder import (
+    LOCK,
+    SCHEMA,
+    STUDY_FILE,
+    STUDY_JOURNAL,
+    StudyFolder,
+    write_design,
+)
+from sandbox.study.record.journal import journal_bytes, now, read_journal
 from sandbox.study.record.pseudonym import new_pseudonym
 from sandbox.study.record.stored_sessions import JOURNAL, session_folders, sessions_of
 from sandbox.study.record.trial_files import TRIALS
 from sandbox.study.share.export_folder import new_folder
 from sandbox.study.share.privacy_records import RecordingEnd
-from sandbox.study.share.withdraw import SITES, WITHDRAWN, withdrawn
+from sandbox.study.share.withdraw import REMOVED, SITES, WITHDRAWN, withdrawn
 from sandbox.study.tables.column import csv_bytes
 from sandbox.study.tables.tables import rebuild_all
 
 Say = Callable[[str], object]
+
+MERGED, MOVED = "merged", "moved"
+"""Kinds of the records of a merge, in the journal of the study and in those of sessions."""
 
 
 @dataclass
@@ -79,13 +99,12 @@ def merge(first: StudyFolder, second: StudyFolder, out: Path, force: str = "") -
             "created": now(),
             "build": first.build,
         }
-        write_atomically(work / "study.json", json.dumps(about, indent=1).encode() + b"\n")
+        write_atomically(work / STUDY_FILE, json_bytes(about))
         write_design(work, first.design)
-        _write_journal(work, sites, chosen, different, force)
+        _write_journal(work, about, sites, chosen, different, force)
         for (site, old), new in chosen.items():
             _copy(sites[site].path, old, work, new, new_id)
-        rows = [{"ppid": new, "site": site} for (site, _), new in chosen.items()]
-        write_atomically(work / SITES, csv_bytes(rows, ["ppid", "site"]))
+        write_atomically(work / SITES, sites_bytes(read_journal(work / STUDY_JOURNAL)))
         rebuild_all(StudyFolder.at(work))
         (work / ".lock").unlink(missing_ok=True)
     merged.people = len(chosen)
@@ -152,7 +171,7 @@ def _same_person(first: StudyFolder, second: StudyFolder, ppid: str) -> StudyFol
     if not all(journals):
         # A participant who has not begun has only a pseudonym.
         return first if journals[0] or not journals[1] else second
-    one, other = ([_plain(r) for r in journal] for journal in journals)
+    one, other = ([_plain(r) for r in journal if r["kind"] != MOVED] for journal in journals)
     if one[0] != other[0]:
         return None
     shared = min(len(one), len(other))
@@ -167,8 +186,8 @@ def _same_person(first: StudyFolder, second: StudyFolder, ppid: str) -> StudyFol
 
 
 def _plain(record: Record) -> Record:
-    """A record without the study's id, which an earlier merge has changed."""
-    return {key: value for key, value in record.items() if key != "study"}
+    """A record without its place in the journal, which an earlier merge has changed."""
+    return {key: value for key, value in without_chain(record).items() if key != "n"}
 
 
 def _records(study: StudyFolder, ppid: str) -> list[Record]:
@@ -188,40 +207,50 @@ def _fresh(taken: set[str]) -> str:
 
 def _write_journal(
     work: Path,
+    about: Record,
     sites: Mapping[str, StudyFolder],
     chosen: Mapping[tuple[str, str], str],
     different: list[str],
     force: str,
 ) -> None:
-    """Writes the journal of the merged study: a record of the sites, then the records of both."""
+    """Writes the journal of the merged study: its lock, the sites, then the records of both."""
     of = {site: [new for (s, _), new in chosen.items() if s == site] for site in sites}
+    heads = {site: study.records() for site, study in sites.items()}
+    head = {"time": now(), "clock": 0.0}
     records: list[Record] = [
+        {**head, "kind": LOCK, **about},
         {
-            "time": now(),
-            "clock": 0.0,
-            "kind": "merged",
+            **head,
+            "kind": MERGED,
             "sites": {
-                site: {"study": study.id, "ppids": of[site]} for site, study in sites.items()
+                site: {
+                    "study": study.id,
+                    "ppids": of[site],
+                    "records": len(heads[site]),
+                    "digest_of_last": heads[site][-1][DIGEST] if heads[site] else "",
+                }
+                for site, study in sites.items()
             },
             **({"reason": force, "changed": different} if different else {}),
-        }
+        },
     ]
     tombstones: set[str] = set()
-    for site, study in sites.items():
-        path = study.path / "study.jsonl"
-        for record in read_journal(path) if path.exists() else []:
+    for site in sites:
+        for record in heads[site]:
             ppid = record.get("ppid")
             if record["kind"] == WITHDRAWN:
                 if ppid not in tombstones:
                     records.append(record)
                 tombstones.add(str(ppid))
+            elif record["kind"] in (WITHDRAWAL, REMOVED):
+                # What these are about is no longer in this chain.
+                continue
             elif ppid is None:
-                records.append(record)
+                # The lock and upgrades of a site are not those of the merged study.
+                records.append({**record, "site": site})
             elif (site, ppid) in chosen:
                 records.append({**record, "ppid": chosen[site, ppid]})
-    write_atomically(
-        work / "study.jsonl", journal_bytes([{**r, "n": n} for n, r in enumerate(records)])
-    )
+    write_atomically(work / STUDY_JOURNAL, journal_bytes(records))
 
 
 def _copy(source: Path, old: str, work: Path, new: str, study: str) -> None:
@@ -236,24 +265,40 @@ def _copy(source: Path, old: str, work: Path, new: str, study: str) -> None:
         shutil.copytree(source / old, work / new, ignore=_ignored)
     for session in session_folders(work / new):
         if (session / JOURNAL).exists():
-            _rename(session, new if new != old else "", study)
+            _rename(session, new, old, study)
 
 
-def _rename(session: Path, new: str, study: str) -> None:
-    """Replaces the id of the study in a copied session, and the pseudonym unless `new` is empty."""
+def _rename(session: Path, new: str, old: str, study: str) -> None:
+    """Tells a copied session the id of the merged study, and its pseudonym in it.
+
+    The journal stays as it is, with a record at its end. Recordings name the pseudonym; where it is
+    another one they are written anew, with their digests in that record.
+    """
     path = session / JOURNAL
-    renamed = {"study": study} | ({"ppid": new} if new else {})
-    records = [
-        {k: renamed.get(k, v) if r["kind"].startswith("session_") else v for k, v in r.items()}
-        for r in read_journal(path)
-    ]
-    write_atomically(path, journal_bytes(records), durable=False)
-    for recording in (session / TRIALS).glob("*.jsonl*") if new else ():
+    recordings = {}
+    for recording in sorted((session / TRIALS).glob("*.jsonl*")) if new != old else ():
         where = str(recording)
         kept = [_renamed(line, new, where) for line in read_stored(recording).data.split(b"\n")]
         data = b"\n".join(kept)
         small = recording.suffix == SUFFIX
         write_atomically(recording, packed(data) if small else data, durable=False)
+        plain = recording.with_name(recording.name.removesuffix(SUFFIX))
+        recordings[f"{TRIALS}/{plain.name}"] = recording_digests(plain)
+    records = read_journal(path)
+    if not records:
+        return
+    last = records[-1]
+    entry = {
+        "n": len(records),
+        "time": now(),
+        "clock": last["clock"],
+        "kind": MOVED,
+        "study": study,
+        "ppid": new,
+        "recordings": recordings,
+    }
+    line = chained(entry, last[DIGEST])[1]
+    write_atomically(path, b"".join(map(record_line, records)) + line, durable=False)
 
 
 def _renamed(line: bytes, new: str, where: str) -> bytes:
@@ -273,6 +318,13 @@ def _renamed(line: bytes, new: str, where: str) -> bytes:
     if isinstance(about.get("study"), dict):
         about["study"]["ppid"] = new
     return json.dumps(values, separators=(",", ":"), ensure_ascii=False).encode()
+
+
+def sites_bytes(records: list[Record]) -> bytes:
+    """Content of `sites.csv` according to the journal of the merged study."""
+    sites: Mapping[str, Any] = next((r["sites"] for r in records if r["kind"] == MERGED), {})
+    rows = [{"ppid": ppid, "site": site} for site in sites for ppid in sites[site]["ppids"]]
+    return csv_bytes(rows, ["ppid", "site"])
 
 
 def _ignored(folder: str, names: list[str]) -> list[str]:

@@ -9,7 +9,7 @@ results.
 from __future__ import annotations
 
 import shutil
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -19,26 +19,37 @@ from models.errors import StudyError
 from sandbox.recording.recording_file import read_stored, stored
 from sandbox.study.design.design import Design
 from sandbox.study.design.plan import in_the_air
+from sandbox.study.record.chain import DIGEST, Record
+from sandbox.study.record.file_digests import recording_digests, tables_of
 from sandbox.study.record.files import json_bytes, make_folder, write_atomically
-from sandbox.study.record.folder import StudyFolder, write_design
-from sandbox.study.record.journal import Record, journal_bytes
+from sandbox.study.record.folder import (
+    LOCK,
+    STUDY_FILE,
+    STUDY_JOURNAL,
+    StudyFolder,
+    write_design,
+)
+from sandbox.study.record.journal import journal_bytes, read_journal
 from sandbox.study.record.pseudonym import new_pseudonym
+from sandbox.study.record.session_folder import BEGUN, SEALED
 from sandbox.study.record.state import SessionState
 from sandbox.study.record.stored_sessions import JOURNAL, StoredSession, all_sessions, session_path
 from sandbox.study.share.export_folder import new_folder
 from sandbox.study.share.privacy_groups import Groups, binned, groups
 from sandbox.study.share.privacy_records import (
     EPOCH,
+    LEFT_OUT,
     PersonMasking,
     anonymous_line,
     anonymous_records,
     without_folders,
 )
-from sandbox.study.tables.tables import rebuild_all
+from sandbox.study.tables.tables import rebuild_all, rebuild_study
 
 DEMOGRAPHICS = "demographics"
 ABOUT = "anonymised.json"
-TABLES = ("csv.gz", "parquet", "json")
+ANONYMISED = "anonymised"
+"""Kind of the record that says what was done; `anonymised.json` has the same content."""
 
 Say = Callable[[str], object]
 
@@ -104,16 +115,16 @@ def anonymise(study: StudyFolder, out: Path, masking: Masking, say: Say) -> Anon
     with new_folder(out) as work:
         about = {**study.about, "study": new_id, "created": EPOCH.isoformat()}
         about["build"] = without_folders(study.build)
-        write_atomically(work / "study.json", json_bytes(about))
+        write_atomically(work / STUDY_FILE, json_bytes(about))
         write_design(work, study.design)
-        _write_people(work, agreed, names)
         for old in sorted(agreed, key=names.__getitem__):
             answer = _answer(study.design, masking)
             person_masking = PersonMasking(names[old], new_id, answer, masking.words)
             for session in agreed[old]:
                 say(f"{names[old]}: {len(session.records)} records")
                 _write_session(work, session, person_masking, masking)
-        anonymised = _finish(work, masking, len(sessions) - len(agreed))
+        copied = [(names[old], agreed[old]) for old in sorted(agreed, key=names.__getitem__)]
+        anonymised = _finish(work, about, copied, masking, len(sessions) - len(agreed))
     starts = [
         r
         for some in agreed.values()
@@ -168,25 +179,39 @@ def _answer(design: Design, masking: Masking) -> Callable[[str, str, Any], Any]:
     return kept
 
 
-def _write_people(
-    work: Path, sessions: Mapping[str, list[StoredSession]], names: Mapping[str, str]
-) -> None:
-    """Writes the study's journal with the participants, in the order of the new pseudonyms."""
-    records: list[Record] = []
-    for old in sorted(sessions, key=names.__getitem__):
-        start = sessions[old][0].state.start
+def _study_records(
+    work: Path, about: Record, people: Sequence[tuple[str, list[StoredSession]]]
+) -> list[Record]:
+    """Records of the study's journal: its lock, and the participants with their sessions."""
+    records: list[Record] = [{"kind": LOCK, **about}]
+    for ppid, sessions in people:
+        start = sessions[0].state.start
         records.append(
             {
-                "n": len(records),
-                "time": EPOCH.isoformat(timespec="milliseconds"),
-                "clock": 0.0,
                 "kind": "participant",
-                "ppid": names[old],
+                "ppid": ppid,
                 **{k: start[k] for k in ("number", "hand", "hand_size", "language")},
                 "user": without_folders(start["user"]),
             }
         )
-    write_atomically(work / "study.jsonl", journal_bytes(records))
+        for session in sessions:
+            of = {"ppid": ppid, "session": session.number}
+            copied = read_journal(session_path(work, ppid, session.number) / JOURNAL)
+            records.append({"kind": BEGUN, **of})
+            records.append(
+                {
+                    "kind": SEALED,
+                    **of,
+                    "records": len(copied),
+                    "digest_of_last": copied[-1][DIGEST],
+                }
+            )
+    return records
+
+
+def _write_study_journal(work: Path, records: Sequence[Record]) -> None:
+    head = {"time": EPOCH.isoformat(timespec="milliseconds"), "clock": 0.0}
+    write_atomically(work / STUDY_JOURNAL, journal_bytes([{**head, **r} for r in records]))
 
 
 def _write_session(
@@ -196,7 +221,6 @@ def _write_session(
     path = session_path(work, person_masking.ppid, session.number)
     for folder in ("trials", "trackers", "session_info"):
         make_folder(path / folder)
-    write_atomically(path / JOURNAL, journal_bytes(records), durable=False)
     for attempt in (a for some in SessionState.of(records).attempts.values() for a in some):
         recording = source / attempt.start["file"]
         kept = masking.recordings and (masking.hands or not in_the_air(attempt.start["values"]))
@@ -207,10 +231,13 @@ def _write_session(
             )
             write_atomically(path / attempt.start["file"], copied, durable=False)
         # Tables of poses and touches contain only numbers and names of fingers and objects.
-        for stem in ("frames", "touches", "measures"):
-            for table in (source / "trackers").glob(f"{stem}_{recording.stem}.*"):
-                if table.name.split(f"_{recording.stem}.", 1)[1] in TABLES:
-                    shutil.copyfile(table, path / "trackers" / table.name)
+        for table in tables_of(source / "trackers", recording.stem):
+            shutil.copyfile(table, path / "trackers" / table.name)
+    for record in records:
+        if record.get("recording") is not None:
+            found = recording_digests(path / record["file"])
+            record["recording"] = found or {LEFT_OUT: True}
+    write_atomically(path / JOURNAL, journal_bytes(records), durable=False)
 
 
 def _whole_lines(data: bytes) -> bytes:
@@ -218,8 +245,16 @@ def _whole_lines(data: bytes) -> bytes:
     return data[: data.rfind(b"\n") + 1]
 
 
-def _finish(work: Path, masking: Masking, without_consent: int) -> Anonymised:
+def _finish(
+    work: Path,
+    study: Record,
+    copied: Sequence[tuple[str, list[StoredSession]]],
+    masking: Masking,
+    without_consent: int,
+) -> Anonymised:
     """Builds all tables from the written files, and documents the anonymisation in the folder."""
+    records = _study_records(work, study, copied)
+    _write_study_journal(work, records)
     copy = StudyFolder.at(work)
     design = copy.design
     people: list[dict[str, Any]] = []
@@ -241,27 +276,25 @@ def _finish(work: Path, masking: Masking, without_consent: int) -> Anonymised:
     ]
     columns = [name for name in columns if len({p.get(name) for p in people}) > 1]
     group_sizes = groups(people, columns)
+    about = {
+        "participants": len(people),
+        "left_out_without_consent": without_consent,
+        "words_kept": masking.words,
+        "left_out": list(masking.drop),
+        "rounded_down_to": dict(masking.bins or {}),
+        "recordings": masking.recordings,
+        "recordings_of_hands_in_the_air": masking.recordings and masking.hands,
+        "compared": list(group_sizes.columns),
+        "smallest_group": group_sizes.smallest,
+        "people_in_groups_below_5": group_sizes.exposed,
+        "may_still_tell": [
+            "the order of arrival (participant_number)",
+            "hand_size",
+            "how somebody moves (touches and poses)",
+        ],
+    }
+    write_atomically(work / ABOUT, json_bytes(about))
+    _write_study_journal(work, [*records, {"kind": ANONYMISED, "about": about}])
+    rebuild_study(copy)
     (work / ".lock").unlink(missing_ok=True)
-    write_atomically(
-        work / ABOUT,
-        json_bytes(
-            {
-                "participants": len(people),
-                "left_out_without_consent": without_consent,
-                "words_kept": masking.words,
-                "left_out": list(masking.drop),
-                "rounded_down_to": dict(masking.bins or {}),
-                "recordings": masking.recordings,
-                "recordings_of_hands_in_the_air": masking.recordings and masking.hands,
-                "compared": list(group_sizes.columns),
-                "smallest_group": group_sizes.smallest,
-                "people_in_groups_below_5": group_sizes.exposed,
-                "may_still_tell": [
-                    "the order of arrival (participant_number)",
-                    "hand_size",
-                    "how somebody moves (touches and poses)",
-                ],
-            }
-        ),
-    )
     return Anonymised(len(people), without_consent, group_sizes)

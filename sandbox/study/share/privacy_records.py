@@ -17,12 +17,16 @@ from msgspec import Struct
 
 from models.errors import StudyError
 from models.json_input import checked, decoded_record
-from sandbox.study.record.journal import Record
+from sandbox.study.record.chain import Record
+from sandbox.study.record.session_clock import RUNS, SessionClock
 
 EPOCH = datetime(2000, 1, 1, tzinfo=UTC)
 """Start time of every anonymous session: dates and times of day are removed, durations are kept."""
 WITHHELD = "(words are left out)"
 """Replaces texts typed by the experimenter."""
+
+COPY = "anonymous copy"
+"""In the place of the id of the machine's start."""
 
 _ATTEMPT = ("step", "trial", "attempt", "file")
 KEPT: dict[str, tuple[str, ...]] = {
@@ -34,6 +38,7 @@ KEPT: dict[str, tuple[str, ...]] = {
         "session",
         "versions",
         "build",
+        "boot",
         "number",
         "hand",
         "hand_size",
@@ -55,8 +60,10 @@ KEPT: dict[str, tuple[str, ...]] = {
         "values",
         "seed",
     ),
-    "trial_end": (*_ATTEMPT, "result", "adopted"),
-    "trial_broken": _ATTEMPT,
+    "trial_end": (*_ATTEMPT, "result", "adopted", "taken_in", "recording"),
+    "trial_broken": (*_ATTEMPT, "recording"),
+    "tables": (*_ATTEMPT, "files"),
+    "clock_step": ("seconds",),
     "repeat": ("step", "trial"),
     "skip": ("step", "trial"),
     "exclude": ("trial",),
@@ -107,10 +114,10 @@ class PersonMasking:
 def anonymous_records(records: Iterable[Record], masking: PersonMasking) -> list[Record]:
     """Masks the journal of a session; number and order of records are unchanged."""
     masked: list[Record] = []
-    start: Record | None = None
+    clock = SessionClock()
     for record in records:
-        start = start or record
-        masked.append(_masked_record(record, start, masking))
+        clock.take(record)
+        masked.append(_masked_record(record, clock.of.get(record["n"], 0.0), masking))
     return masked
 
 
@@ -156,19 +163,21 @@ def anonymous_line(line: bytes, masking: PersonMasking, where: str = "recording"
     return json.dumps(values, separators=(",", ":"), ensure_ascii=False).encode()
 
 
-def _masked_record(record: Record, start: Record, masking: PersonMasking) -> Record:
+def _masked_record(record: Record, seconds: float, masking: PersonMasking) -> Record:
+    """Masks a record that was written so long after the session's start, s."""
     kind = record["kind"] if record["kind"] in KEPT else LEFT_OUT
     masked: Record = {
         "n": record["n"],
-        "time": _shifted(record["time"], start["time"]),
-        "clock": round(record["clock"] - start["clock"], 6),
+        "time": (EPOCH + timedelta(seconds=seconds)).isoformat(timespec="milliseconds"),
+        "clock": seconds,
         "kind": kind,
     }
     masked |= {k: without_folders(record[k]) for k in KEPT.get(kind, ()) if k in record}
     if kind in NAMED:
         masked["ppid"] = masking.ppid
-    if kind in ("session_start", "session_resume"):
-        masked["study"] = masking.study
+    if kind in RUNS:
+        # All clocks in the copy begin with the session.
+        masked |= {"study": masking.study, "boot": COPY}
     if kind == "answers":
         masked["answers"] = {
             item: masking.answer(record["form"], item, value)
@@ -195,8 +204,3 @@ def _masked_header(header: dict[str, Any], masking: PersonMasking) -> dict[str, 
 def _is_path(text: str) -> bool:
     looks = text.startswith(("/", "~", "../", "..\\", "\\\\")) or text[1:3] in (":\\", ":/")
     return looks and "\n" not in text
-
-
-def _shifted(time: str, start: str) -> str:
-    past: timedelta = datetime.fromisoformat(time) - datetime.fromisoformat(start)
-    return (EPOCH + past).isoformat(timespec="milliseconds")

@@ -15,9 +15,18 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from sandbox.study.record.chain import (
+    DIGEST,
+    REPLACED,
+    WITHDRAWAL,
+    Record,
+    chained,
+    record_line,
+    replaced,
+)
 from sandbox.study.record.files import locked, study_error, sync_folder, write_atomically
-from sandbox.study.record.folder import StudyFolder
-from sandbox.study.record.journal import Record, journal_bytes, now, read_journal
+from sandbox.study.record.folder import STUDY_JOURNAL, StudyFolder
+from sandbox.study.record.journal import now, read_journal
 from sandbox.study.record.stored_sessions import session_folders
 from sandbox.study.share.export_log import COPIES, Copy, copies
 from sandbox.study.tables.tables import rebuild_study
@@ -59,7 +68,7 @@ def withdraw(study: StudyFolder, ppid: str, reason: str) -> Withdrawal:
         for session in session_folders(study.path / ppid):
             stack.enter_context(locked(session / ".lock", wait=False, what=f"participant {ppid}"))
         with study.lock():
-            _write_tombstone(study.path / "study.jsonl", ppid, reason)
+            _write_tombstone(study.path / STUDY_JOURNAL, ppid, reason)
             files = _delete(study.path / ppid)
             _remove_from_sites(study.path / SITES, ppid)
     rebuild_study(study)
@@ -68,30 +77,40 @@ def withdraw(study: StudyFolder, ppid: str, reason: str) -> Withdrawal:
 
 def withdrawn(study: StudyFolder) -> set[str]:
     """Pseudonyms of withdrawn participants."""
-    path = study.path / "study.jsonl"
-    records = read_journal(path) if path.exists() else []
-    return {r["ppid"] for r in records if r["kind"] == WITHDRAWN}
+    return {r["ppid"] for r in study.records() if r["kind"] == WITHDRAWN}
 
 
 def _write_tombstone(path: Path, ppid: str, reason: str) -> None:
-    """Replaces the records of a participant in the study's journal, atomically."""
-    records = [_without(record, ppid, reason) for record in read_journal(path)]
-    write_atomically(path, journal_bytes(records))
+    """Replaces the records of a participant in the study's journal, atomically.
+
+    The records that take their places keep the digests, and a last record names them.
+    """
+    records = read_journal(path)
+    lines, found = [], {}
+    for record in records:
+        new = _without(record, ppid, reason)
+        if new == record:
+            lines.append(record_line(record))
+            continue
+        line, found[str(record["n"])] = replaced(new, record)
+        lines.append(line)
+    if found:
+        entry = {**_head(len(records), WITHDRAWAL), REPLACED: found}
+        lines.append(chained(entry, records[-1][DIGEST])[1])
+        write_atomically(path, b"".join(lines))
+
+
+def _head(n: int, kind: str) -> Record:
+    return {"n": n, "time": now(), "clock": round(time.monotonic(), 6), "kind": kind}
 
 
 def _without(record: Record, ppid: str, reason: str) -> Record:
     if record["kind"] == WITHDRAWN:
         return record
     if record.get("ppid") == ppid:
-        entry: Record = {
-            "n": record["n"],
-            "time": now(),
-            "clock": round(time.monotonic(), 6),
-            "kind": REMOVED,
-        }
         if record["kind"] == "participant":
-            entry |= {"kind": WITHDRAWN, "ppid": ppid, "reason": reason}
-        return entry
+            return {**_head(record["n"], WITHDRAWN), "ppid": ppid, "reason": reason}
+        return _head(record["n"], REMOVED)
     return {key: _scrubbed(value, ppid) for key, value in record.items()}
 
 
@@ -130,7 +149,7 @@ def _traces(study: StudyFolder, ppid: str) -> list[Path]:
     """Files of the study that contain the pseudonym, or may contain it since they are damaged;
     folders of other participants are not searched."""
     others = {person.ppid for person in study.participants()}
-    own = {study.path / "study.jsonl", study.path / COPIES}
+    own = {study.path / STUDY_JOURNAL, study.path / COPIES}
     paths = []
     for path in sorted(study.path.rglob("*")):
         inside = path.relative_to(study.path).parts

@@ -270,20 +270,29 @@ class Rebuilt:
         notices: A line for every failed measure.
         differs: What differs here, if the replayed states were not the recorded ones; empty if they
             were, or if nothing was to be built.
+        built: True if something was to be built.
     """
 
     notices: tuple[str, ...] = ()
     differs: str = ""
+    built: bool = True
 
 
-def complete_tables(recording: Path, folder: Path) -> Rebuilt:
+def complete_tables(recording: Path, folder: Path, anew: bool = False) -> Rebuilt:
     """Builds the tables and measures of a trial that are missing; see `rebuild_tables`.
 
     Nothing is replayed where all are there, or where a replay here has differed before.
+
+    Args:
+        recording: Recording of a finished trial.
+        folder: Folder of the tables.
+        anew: True builds them even if all are there.
     """
     stem = recording.stem
-    if not tables_are_missing(folder, stem) or measures_were_kept(folder, stem):
-        return Rebuilt()
+    if measures_were_kept(folder, stem):
+        return Rebuilt(built=anew)
+    if not anew and not tables_are_missing(folder, stem):
+        return Rebuilt(built=False)
     return rebuild_tables(recording, folder)
 
 

@@ -12,6 +12,9 @@ from sandbox.study.tables.trial_table import SESSION, UXF
 
 _COMMON = {column.name: column for column in (*UXF, *SESSION)}
 
+CLOCK_STEPS = "clock_steps"
+"""Column of `participants.csv` with the steps of the wall clock."""
+
 PARTICIPANT = (
     _COMMON["ppid"],
     Column("number", "", "order of arrival, from 0; it determines the order of levels"),
@@ -29,6 +32,12 @@ PARTICIPANT = (
         "excluded", "0/1", "1: a rule or the experimenter excluded all trials of the participant"
     ),
     Column("exclusion_reason", "", "`rule NAME`, or the experimenter's words"),
+    Column(
+        CLOCK_STEPS,
+        "s",
+        "steps of the wall clock during the sessions, separated by spaces; times of trials come "
+        "from another clock; empty if there was none",
+    ),
 )
 
 
@@ -74,5 +83,6 @@ def participant_row(
         "complete": ended == sessions,
         "excluded": bool(reason),
         "exclusion_reason": reason,
+        CLOCK_STEPS: " ".join(f"{step:+g}" for s in states for step in s.clock_steps),
         **(asked[-1]["answers"] if asked else {}),
     }

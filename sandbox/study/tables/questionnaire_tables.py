@@ -8,7 +8,7 @@ from collections.abc import Iterator
 
 from sandbox.study.design.design import Design
 from sandbox.study.design.scoring import scores
-from sandbox.study.record.journal import Record
+from sandbox.study.record.chain import Record
 from sandbox.study.record.state import SessionState
 from sandbox.study.tables.column import Column, Row, factor_columns
 from sandbox.study.tables.trial_table import SESSION, UXF, level_cells, session_cells

@@ -12,16 +12,17 @@ from __future__ import annotations
 
 import json
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 from typing import Any
 
 from sandbox.study.design.design import Design
 from sandbox.study.design.plan import trials_of
+from sandbox.study.record.chain import Record, without_chain
 from sandbox.study.record.files import write_atomically
-from sandbox.study.record.folder import Participant, StudyFolder
-from sandbox.study.record.journal import Record
+from sandbox.study.record.folder import STUDY_JOURNAL, Participant, StudyFolder
+from sandbox.study.record.session_clock import RUNS
 from sandbox.study.record.session_folder import SessionFolder
 from sandbox.study.record.stored_sessions import (
     JOURNAL,
@@ -42,6 +43,8 @@ from sandbox.study.tables.trial_table import FILE_NAMES, trial_rows
 
 SOURCES = ".tables.json"
 """File of a study with the size of every journal, bytes, when the tables were built from it."""
+LOG = "session_info/log.csv"
+"""The log of a session; of its tables it is written last."""
 SETTLED = 1_000_000_000
 """ns after which a second change of a file has another modification time than the first. File
 systems store times in steps of a few milliseconds, some of them in steps of a second."""
@@ -103,18 +106,19 @@ class StudyTables:
         study, design = self._study, self._study.design
         with study.lock():
             tables = _column_names(design)
+            # Its size first: what is added meanwhile is in the tables of the next update.
+            journal = study.path / STUDY_JOURNAL
+            sizes = {STUDY_JOURNAL: journal.stat().st_size if journal.exists() else 0}
             self._kept = {
                 person.ppid: rows
                 for person in study.participants()
                 if (rows := self._rows(person, tables)) is not None
             }
             kept = self._kept.values()
-            for name, columns in tables.items():
-                data = b"".join(participant.rows[name] for participant in kept)
-                write_atomically(study.path / name, csv_bytes([], columns) + data)
-            write_atomically(study.path / "codebook.csv", codebook(design))
-            sizes = {f"{p.person.ppid}/{name}": size for p in kept for name, size, *_ in p.sources}
-            write_atomically(study.path / SOURCES, json.dumps(sizes, indent=1).encode() + b"\n")
+            sizes |= {f"{p.person.ppid}/{name}": size for p in kept for name, size, *_ in p.sources}
+            files = study_files(design, [participant.rows for participant in kept], sizes)
+            for name, data in files.items():
+                write_atomically(study.path / name, data)
         return {
             "participants": len(kept),
             "trials": sum(participant.trials for participant in kept),
@@ -133,18 +137,50 @@ class StudyTables:
         sessions = sessions_of(self._study, person)
         if not sessions:
             return None
-        planned, times = planned_trials(self._study, person), self._study.design.sessions
-        rows = _rows_by_table(self._study, sessions, self._study.path, planned, times, self._say)
+        rows = participant_rows(self._study, person, sessions, self._say)
         counted = [r for r in rows["trial_results.csv"] if r["counted"] and not r["practice"]]
         return _ParticipantRows(
             person,
             columns,
             sources,
             settled,
-            {name: csv_rows(rows[name], names) for name, names in columns.items()},
+            csv_of(self._study.design, rows),
             len(counted),
             sum(row["excluded"] for row in counted),
         )
+
+
+def participant_rows(
+    study: StudyFolder, person: Participant, sessions: Sequence[StoredSession], say: Say = _silent
+) -> dict[str, list[Row]]:
+    """Rows of a participant in the tables of the study, by table."""
+    planned, times = planned_trials(study, person), study.design.sessions
+    return _rows_by_table(study, sessions, study.path, planned, times, say)
+
+
+def csv_of(design: Design, rows: Mapping[str, list[Row]]) -> dict[str, bytes]:
+    """Rows as CSV without the header line, by table."""
+    return {name: csv_rows(rows[name], names) for name, names in _column_names(design).items()}
+
+
+def study_files(
+    design: Design, rows: Sequence[Mapping[str, bytes]], sizes: Mapping[str, int]
+) -> dict[str, bytes]:
+    """Tables of a study by name, in the order in which they are written.
+
+    Args:
+        design: The design.
+        rows: Rows of every participant; see `csv_of`.
+        sizes: Size of every journal, bytes.
+    """
+    return {
+        **{
+            name: csv_bytes([], columns) + b"".join(of_person[name] for of_person in rows)
+            for name, columns in _column_names(design).items()
+        },
+        "codebook.csv": codebook(design),
+        SOURCES: json.dumps(sizes, indent=1).encode() + b"\n",
+    }
 
 
 def rebuild_study(study: StudyFolder, say: Say = _silent) -> dict[str, int]:
@@ -189,11 +225,15 @@ def tables_are_outdated(study: Path) -> bool:
         return False
     journals = study.glob(f"*/{SESSIONS}/{JOURNAL}")
     now = {f"{p.parent.parent.name}/{p.parent.name}": p.stat().st_size for p in journals}
+    # The journal of the study grows with copies, too, on which no table depends.
+    sizes.pop(STUDY_JOURNAL, None)
     return sizes.keys() <= now.keys() and bool(sizes != now)
 
 
 def rebuild_session(session: SessionFolder, durable: bool = True, say: Say = _silent) -> None:
     """Builds the tables of an open session again; see `write_session`."""
+    # Tables must not tell of records that a power cut can take away.
+    session.journal.sync()
     stored = StoredSession(
         session.person, session.number, session.path, session.journal.records, session.state
     )
@@ -214,33 +254,45 @@ def write_session(
     Raises:
         StudyError: A table cannot be written; its older version is still there.
     """
+    for name, data in session_files(study, session, say).items():
+        write_atomically(session.path / name, data, durable)
+
+
+def session_files(
+    study: StudyFolder, session: StoredSession, say: Say = _silent
+) -> dict[str, bytes]:
+    """Tables of a session by name, in the order in which they are written.
+
+    They follow from the journal, the design and the measures of the trials.
+    """
     design = study.design
     planned = len(trials_of(plan_of(study, session)))
     rows = _rows_by_table(study, [session], session.path, planned, 1, say)
     names = {"participants.csv": "session_info/participant_details.csv"}
-    files = {
-        names.get(table, table): csv_bytes(rows[table], columns)
-        for table, columns in _column_names(design).items()
-    }
-    settings = {"settings": design.settings, "build": study.build, "design": design.digest}
-    files |= {
+    builds = [r["build"] for r in session.records if r["kind"] in RUNS]
+    settings = {"settings": design.settings, "build": builds[-1], "design": design.digest}
+    return {
+        **{
+            names.get(table, table): csv_bytes(rows[table], columns)
+            for table, columns in _column_names(design).items()
+        },
         "codebook.csv": codebook(design),
         "session_info/settings.json": json.dumps(settings, indent=1, sort_keys=True).encode()
         + b"\n",
-        "session_info/log.csv": log_bytes(session.records),
+        LOG: log_bytes(session.records),
     }
-    for name, data in files.items():
-        write_atomically(session.path / name, data, durable)
 
 
 def log_bytes(records: Iterable[Record]) -> bytes:
-    """The log of a session in the format of UXF: time, kind, and the rest of each record."""
+    """The log of a session in the format of UXF: time, kind, and the rest of each record, without
+    its digests."""
     rows = [
         {
             "timestamp": r["time"],
             "log_type": r["kind"],
             "message": json.dumps(
-                {k: v for k, v in r.items() if k not in ("time", "kind")}, ensure_ascii=False
+                {k: v for k, v in without_chain(r).items() if k not in ("time", "kind")},
+                ensure_ascii=False,
             ),
         }
         for r in records

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from datetime import datetime
 from pathlib import Path
 from typing import Any
 
@@ -30,10 +29,14 @@ UXF = (
     ),
     Column("trial_num_in_block", "", "number of the trial in its block, from 1"),
     Column(
-        "start_time", "s", "wall-clock time from the start of the session to the start of the trial"
+        "start_time",
+        "s",
+        "time from the start of the session to the start of the trial (monotonic clock)",
     ),
     Column(
-        "end_time", "s", "wall-clock time from the start of the session to the end of the trial"
+        "end_time",
+        "s",
+        "time from the start of the session to the end of the trial (monotonic clock)",
     ),
 )
 """First columns, named as in UXF (Unity Experiment Framework)."""
@@ -165,8 +168,8 @@ def _trial_row(
         "trial_num": trial,
         "block_num": start["block"],
         "trial_num_in_block": start["in_block"],
-        "start_time": _seconds(session["time"], start["time"]),
-        "end_time": _seconds(session["time"], end["time"]),
+        "start_time": state.seconds[start["n"]],
+        "end_time": state.seconds[end["n"]],
         "participant_number": session["number"],
         "hand": session["hand"],
         "hand_size": session["hand_size"],
@@ -207,7 +210,3 @@ def _measure_combinations(rows: list[Row], say: Callable[[str], object]) -> None
             say(notice)
         for row in some:
             row |= measured.values
-
-
-def _seconds(start: str, then: str) -> float:
-    return (datetime.fromisoformat(then) - datetime.fromisoformat(start)).total_seconds()

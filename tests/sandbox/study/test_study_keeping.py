@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gzip
+import json
 import shutil
 import tarfile
 from pathlib import Path
@@ -13,8 +14,9 @@ from models.errors import StudyError
 from sandbox.recording.recording import load_recording
 from sandbox.recording.recording_file import packed, read_stored
 from sandbox.study.record.folder import PILOT, SIMULATED, StudyFolder
-from sandbox.study.record.journal import read_journal
+from sandbox.study.record.journal import journal_bytes, read_journal
 from sandbox.study.record.session_folder import SessionFolder
+from sandbox.study.record.state import SessionState
 from sandbox.study.record.stored_sessions import session_path
 from sandbox.study.run.runner import SessionOutcome
 from sandbox.study.run.simulate import run_simulated, simulate
@@ -59,7 +61,8 @@ def test_who_withdraws_is_gone_but_for_a_tombstone_and_others_are_untouched(
     assert mentions(study.path, gone) == [study.path / "study.jsonl"]
     records = read_journal(study.path / "study.jsonl")
     (tomb,) = [r for r in records if "ppid" in r and r["ppid"] == gone]
-    assert set(tomb) == {"n", "time", "clock", "kind", "ppid", "reason"}
+    fields = {"n", "time", "clock", "kind", "ppid", "reason", "previous", "digest"}
+    assert set(tomb) == fields
     assert tomb["kind"] == "withdrawn" and tomb["reason"] == "by phone"
     for table in (
         "trial_results.csv",
@@ -215,12 +218,14 @@ def test_two_people_of_one_pseudonym_stay_two_people(study: StudyFolder, tmp_pat
     (other.path / theirs).rename(other.path / mine)
     for path in (other.path / "study.jsonl", *session_path(other.path, mine).rglob("*.jsonl*")):
         data = read_stored(path).data.replace(theirs.encode(), mine.encode())
+        if path.name in ("study.jsonl", "journal.jsonl"):
+            data = journal_bytes([json.loads(line) for line in data.splitlines()])
         path.write_bytes(packed(data) if path.suffix == ".gz" else data)
     found = merge(study, other, tmp_path / "c/quick-simulated")
     ((_, new),) = found.renamed.items()
     assert found.people == 3 and new not in (mine, theirs)
     path = session_path(tmp_path / "c/quick-simulated", new)
-    assert read_journal(path / "journal.jsonl")[0]["ppid"] == new
+    assert SessionState.of(read_journal(path / "journal.jsonl")).start["ppid"] == new
     recording = load_recording(path / "trials/T001.jsonl")
     assert recording.header["study"]["ppid"] == new and not recording.damage
     merged = StudyFolder(tmp_path / "c", design(), SIMULATED)
@@ -292,4 +297,4 @@ def test_other_studies_and_other_kinds_of_data_are_not_merged(
         merge(StudyFolder.at(study.path), other, tmp_path / "c")
     assert not (tmp_path / "c").exists()
     merge(StudyFolder.at(study.path), other, tmp_path / "c", "a later patch")
-    assert read_journal(tmp_path / "c/study.jsonl")[0]["reason"] == "a later patch"
+    assert read_journal(tmp_path / "c/study.jsonl")[1]["reason"] == "a later patch"

@@ -1,0 +1,35 @@
+"""Digest of the program's source: which files count depends on what is to be kept equal."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from hashlib import blake2b
+from pathlib import Path
+
+SUFFIXES = (".py", ".xml")
+"""Suffixes of files that count: modules, and the hand's model. Digests of encoders cover arrays."""
+
+
+def program_root() -> Path:
+    """Folder of the packages of the program."""
+    return Path(__file__).resolve().parents[2]
+
+
+def source_files(folder: Path, below: bool = False) -> list[Path]:
+    """Source files of a folder, in order.
+
+    Args:
+        folder: The folder.
+        below: True also takes those of all folders below it.
+    """
+    found = folder.rglob("*") if below else folder.iterdir()
+    return sorted(path for path in found if path.suffix in SUFFIXES)
+
+
+def source_digest(files: Iterable[Path], root: Path) -> str:
+    """Digest of files, with their names relative to a folder."""
+    digest = blake2b(digest_size=8)
+    for path in files:
+        name, data = path.relative_to(root).as_posix().encode(), path.read_bytes()
+        digest.update(b"%s\0%d\0%s" % (name, len(data), data))
+    return digest.hexdigest()
