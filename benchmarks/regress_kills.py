@@ -1,7 +1,8 @@
 """Kills regression runs at random moments, resumes them, and compares with a run nobody killed.
 
-Kinds: a worker is killed; SIGTERM; SIGKILL of the main process; with the extra `ray` also both
-signals to the main process of a run on Ray, and a lost node of a Ray cluster on this machine. Every
+Kinds: a worker is killed; SIGTERM to the main process, and to all of its process group, as some
+schedulers send it; SIGKILL of the main process; with the extra `ray` also these signals to a run on
+Ray, and a lost node of a Ray cluster on this machine. Every
 run has quick trials in two processes; one of three fails. Prints for every kind:
 
 - how many runs were killed before they had ended;
@@ -100,7 +101,9 @@ class Run:
     def start(self, *more: str) -> None:
         out = ["--executor", self.executor, "--json", str(self.folder / "out.json"), *more]
         log = (self.folder / "log.txt").open("ab")
-        self.process = subprocess.Popen([*self.command, *out], stdout=log, stderr=log)
+        self.process = subprocess.Popen(
+            [*self.command, *out], stdout=log, stderr=log, start_new_session=True
+        )
 
     def end(self) -> int:
         assert self.process is not None
@@ -136,6 +139,16 @@ def main_process(number: int) -> Callable[[Run], None]:
     return kill
 
 
+def whole_group(number: int) -> Callable[[Run], None]:
+    """A signal to all processes of the run."""
+
+    def kill(run: Run) -> None:
+        assert run.process is not None
+        os.killpg(run.process.pid, number)
+
+    return kill
+
+
 def lose_node(run: Run) -> None:
     """SIGKILL of a node with its workers."""
     cluster, node = run.nodes
@@ -147,11 +160,13 @@ def kinds() -> list[Kind]:
     found = [
         Kind("a worker is killed", kill_worker, 1),
         Kind("SIGTERM", main_process(signal.SIGTERM), 143),
+        Kind("SIGTERM to the process group", whole_group(signal.SIGTERM), 143),
         Kind("SIGKILL of the main process", main_process(signal.SIGKILL), -9),
     ]
     if find_spec("ray") is not None:
         found += [
             Kind("Ray, SIGTERM", main_process(signal.SIGTERM), 143, "ray"),
+            Kind("Ray, SIGTERM to the process group", whole_group(signal.SIGTERM), 143, "ray"),
             Kind("Ray, SIGKILL of the main process", main_process(signal.SIGKILL), -9, "ray"),
             Kind("Ray, a lost node", lose_node, 1, "ray"),
         ]

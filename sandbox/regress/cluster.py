@@ -6,7 +6,8 @@ import os
 import signal
 import socket
 import threading
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from time import monotonic
 from typing import Any
 
@@ -111,7 +112,8 @@ class Cluster:
         # Ray takes signals for itself, and ends this process by them.
         ours = {number: signal.getsignal(number) for number in SIGNALS}
         try:
-            self._ray.init(**options)
+            with _blocked_below():
+                self._ray.init(**options)
         except (ConnectionError, ValueError, RuntimeError) as error:
             raise InputError(
                 "this cluster cannot be reached",
@@ -123,6 +125,21 @@ class Cluster:
             if threading.current_thread() is threading.main_thread():
                 for number, how in ours.items():
                     signal.signal(number, how)
+
+
+@contextmanager
+def _blocked_below() -> Iterator[None]:
+    """Processes that are started here never get our signals.
+
+    A scheduler sends SIGTERM to the whole process group. Ray's own processes would end by it, in
+    any order, while this one still waits for their answers: for ever, or until Ray ends it. Ray
+    itself does the same for SIGINT.
+    """
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, SIGNALS)
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 class _Cores:

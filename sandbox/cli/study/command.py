@@ -18,7 +18,7 @@ from models.errors import InputError, StudyError
 from sandbox.cli.common.parse import parse
 from sandbox.cli.study import data_commands
 from sandbox.cli.study.report import ReportOptions, report
-from sandbox.cli.study.run import run, say_noted, sayer
+from sandbox.cli.study.run import run, say_findings, say_noted, sayer
 from sandbox.cli.study.run_options import StudyRunOptions
 
 if TYPE_CHECKING:
@@ -141,19 +141,18 @@ def _load(file: Path) -> Design:
 def _check(options: CheckOptions, console: Console) -> int:
     from sandbox.study.design.balance import cycle_line
     from sandbox.study.design.conditions import combinations
-    from sandbox.study.design.meaning import findings
+    from sandbox.study.design.meaning.findings import findings
 
     design = _load(options.file)
     count = sum(1 for _ in combinations(design))
     found = findings(design)
-    for finding in found:
-        colour = "red" if finding.error else "yellow"
-        console.print(f"[{colour}]{escape(str(finding))}[/]", highlight=False)
+    say_findings(found, console)
     if any(finding.error for finding in found):
         return 2
     console.print(cycle_line(design), highlight=False)
+    warnings = f", {len(found)} warnings" if len(found) > 1 else ", 1 warning" if found else ""
     console.print(
-        f"[green]{design.name}[/]: no mistakes, {count} combinations of levels, all of "
+        f"[green]{design.name}[/]: no mistakes{warnings}, {count} combinations of levels, all of "
         "which can be run here"
     )
     return 0
@@ -215,10 +214,12 @@ def _say_cycle(design: Design, people: int, console: Console) -> None:
 
 
 def _simulate(options: StudySimulateOptions, console: Console) -> int:
+    from sandbox.study.design.meaning.findings import findings
     from sandbox.study.record.folder import SIMULATED, StudyFolder
     from sandbox.study.run.simulate import simulate
 
     design = _load(options.file)
+    say_findings(findings(design), console)
     study = StudyFolder(options.out, design, SIMULATED, options.force_upgrade)
     say_noted(study, sayer(console))
     count = options.participants or design.participants

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 import time
 import webbrowser
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from contextlib import ExitStack
 from typing import TYPE_CHECKING
 
@@ -27,6 +27,7 @@ from sandbox.cli.study.run_options import (
 from sandbox.views.display import has_display
 
 if TYPE_CHECKING:
+    from sandbox.study.design.meaning.findings import Finding
     from sandbox.study.record.folder import StudyFolder
     from sandbox.study.record.session_folder import SessionFolder
     from sandbox.study.run.controls import Controls, Terminal
@@ -42,6 +43,7 @@ def run(options: StudyRunOptions, console: Console) -> int:
     """Runs a session, or the rest of an interrupted one."""
     from sandbox.cli.study.people import find_participant, has_begun, next_session
     from sandbox.study.design.design_file import load_design
+    from sandbox.study.design.meaning.findings import findings
     from sandbox.study.record.folder import PILOT, REAL, StudyFolder
     from sandbox.study.record.session_folder import SessionFolder
     from sandbox.study.run.controls import Controls, Terminal
@@ -51,6 +53,7 @@ def run(options: StudyRunOptions, console: Console) -> int:
     design = load_design(options.file)
     check_leap(options, design)
     check_second_device(options, design)
+    say_findings(findings(design), console)
     study = StudyFolder(
         options.out, design, PILOT if options.pilot else REAL, options.force_upgrade
     )
@@ -195,6 +198,13 @@ def _player(
     if options.view == "window":
         player = WindowPlayer("simulated user" if simulated else "")
     return player if page is None else OffPagePlayer(player, page)
+
+
+def say_findings(found: Iterable[Finding], console: Console) -> None:
+    """Prints what is right in form and misleads, one line a cause."""
+    for finding in found:
+        colour = "red" if finding.error else "yellow"
+        console.print(f"[{colour}]{escape(str(finding))}[/]", highlight=False)
 
 
 def say_noted(study: StudyFolder, say: Callable[[str], object]) -> None:

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from sandbox.study.design.design import END, ITEMS, SCHEMA, START, Form, Item
-from sandbox.study.design.reading import Reader, Text, TomlTable
+from sandbox.study.design.reading import Mistake, Reader, Text, TomlTable
 from sandbox.study.design.scoring import RULES, Scale
 
 
@@ -64,12 +64,25 @@ def read_form(table: TomlTable, factors: list[str], folder: Path) -> Form:
     scales = tuple(_scale(t, items) for t in source.tables("scales"))
     if source is not table:
         source.done()
-        for mistake in source.reader.mistakes:
-            remedy = "Copy it to a file and translate it there" if use else "Correct that file"
-            table.add_mistake("use" if use else "file", f"{use or file}, {mistake}", remedy)
+        remedy = "Copy it to a file and translate it there" if use else "Correct that file"
+        for cause in _causes(source.reader.mistakes):
+            table.add_mistake("use" if use else "file", f"{use or file}, {cause}", remedy)
     table.done()
     origin = (file, text) if file and text else None
     return Form(name, title, items, at, scales, origin, sessions)
+
+
+def _causes(mistakes: list[Mistake]) -> list[str]:
+    """One line a cause: a language that a whole file lacks is one."""
+    by_cause: dict[str, list[Mistake]] = {}
+    for mistake in mistakes:
+        by_cause.setdefault(mistake.what, []).append(mistake)
+    return [
+        str(some[0])
+        if len(some) == 1
+        else f"{what} in {len(some)} places, from line {some[0].line} on"
+        for what, some in by_cause.items()
+    ]
 
 
 def read_item(table: TomlTable) -> Item:

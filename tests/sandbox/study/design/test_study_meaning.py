@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from sandbox.cli.main import main
-from sandbox.study.design.meaning import findings
+from sandbox.study.design.meaning.findings import findings
 from tests.support.study_files import DESIGN, design
 
 ROOT = Path(__file__).resolve().parents[4]

@@ -1,0 +1,1 @@
+"""What a design that is right in form may get wrong."""

@@ -1,0 +1,52 @@
+"""What a design that is right in form may get wrong: errors and warnings, one line a cause."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from sandbox.study.design.design import Design
+from sandbox.study.design.meaning.comparisons import comparison_flaws
+from sandbox.study.design.meaning.exclusions import exclusion_flaws
+from sandbox.study.design.meaning.flaw import Flaw
+from sandbox.study.design.meaning.people import people_flaws
+from sandbox.study.design.meaning.session import session_flaws
+from sandbox.study.design.reading import Mistake
+from sandbox.study.design.toml_lines import TomlLines
+
+
+@dataclass(frozen=True)
+class Finding:
+    """A finding of the check.
+
+    Attributes:
+        mistake: Line, place, what is wrong, and the remedy.
+        error: True if the study cannot give results as it is; False for a warning.
+    """
+
+    mistake: Mistake
+    error: bool = False
+
+    def __str__(self) -> str:
+        return f"{'error' if self.error else 'warning'}, {self.mistake}"
+
+
+def findings(design: Design) -> list[Finding]:
+    """All findings of a design without mistakes of form, by line."""
+    lines = TomlLines(design.text)
+    found = []
+    for flaw in _all(design):
+        where = ""
+        for part in flaw.path:
+            where += f"[{part + 1}]" if isinstance(part, int) else f".{part}" if where else part
+        mistake = Mistake(lines.of(flaw.path), where, flaw.what, flaw.remedy)
+        found.append(Finding(mistake, flaw.error))
+    return sorted(found, key=lambda finding: finding.mistake.line)
+
+
+def _all(design: Design) -> Iterator[Flaw]:
+    yield from session_flaws(design)
+    yield from comparison_flaws(design)
+    yield from people_flaws(design)
+    for i, rule in enumerate(design.exclusions):
+        yield from exclusion_flaws(design, ("exclusions", i), rule)
