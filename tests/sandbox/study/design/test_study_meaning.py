@@ -8,11 +8,40 @@ import pytest
 
 from sandbox.cli.main import main
 from sandbox.study.design.meaning.findings import findings
+from sandbox.study.design.reading import DesignError
 from tests.support.study_files import DESIGN, design
 
 ROOT = Path(__file__).resolve().parents[4]
 RULE = '\n[[exclusions]]\nname = "rule"\n'
 ASKED = '\n[[demographics]]\nname = "{}"\nkind = "text"\nask = "{}"\n'
+TWICE_SET = (
+    '\n[[factors]]\nname = "again"\norder = "random"\n'
+    'levels = [{name = "a", contact = "hard"}, {name = "b", contact = "soft"}]\n'
+)
+IDENTIFYING = [
+    "What is your full name?",
+    "Wie heißen Sie?",
+    "Ihr Nachname",
+    "Comment vous appelez-vous ?",
+    "¿Cuál es su correo electrónico?",
+    "Qual è il Suo cognome?",
+    "Wat is uw geboortedatum?",
+    "Qual é a sua data de nascimento?",
+    "Fødselsdato",
+    "Hva er ditt etternavn?",
+    "Podaj imię i nazwisko",
+    "Как ваша фамилия?",
+    "您的姓名",
+    "お名前は",
+    "전화번호",
+    "Matrikelnummer",
+    "Date de naissance (jj/mm/aaaa)",
+    "When? (DD.MM.YYYY)",
+    "Geben Sie TT.MM.JJJJ ein",
+    "Such as anna@example.org",
+    "Such as +49 30 123456",
+    "Your student ID",
+]
 
 
 def changed(old: str, new: str) -> str:
@@ -43,6 +72,19 @@ def changed(old: str, new: str) -> str:
         (DESIGN + "\n[breaks]\nevery = 4\n", False, "no break ever comes"),
         (changed('["hard", "soft"]', '["hard"]'), False, "one level"),
         (changed("participants = 2", "participants = 3"), False, "contact with practice"),
+        (DESIGN + RULE + 'measure = "time_s"\nabove = 600\n', False, "excludes nothing"),
+        (
+            DESIGN + RULE + 'of = "participant"\nmeasure = "success"\nbelow = 0.1\n',
+            False,
+            "leaves out people because of success",
+        ),
+        (
+            changed("repetitions = 2", "repetitions = 2\ntime_limit_s = 10\nexpected_s = 9"),
+            False,
+            "cut off",
+        ),
+        (changed("practice = 1", "practice = 0"), False, "nobody practises"),
+        (DESIGN + TWICE_SET, True, "the inner factor wins"),
         (DESIGN + ASKED.format("name", "Who are you?"), False, "identifies people"),
         (DESIGN + ASKED.format("contact", "Your e-mail?"), False, "identifies people"),
         (DESIGN + ASKED.format("birth-date", "When?"), False, "identifies people"),
@@ -62,6 +104,53 @@ def test_a_sound_design_has_none() -> None:
     assert findings(design(DESIGN + "\n[breaks]\nevery = 3\n")) == []
     assert findings(design(DESIGN + RULE + 'measure = "time_s"\nbelow = 0.5\n')) == []
     assert findings(design(DESIGN + ASKED.format("glasses", "Do you wear glasses?"))) == []
+
+
+@pytest.mark.parametrize("ask", IDENTIFYING)
+def test_a_question_that_identifies_is_found_in_many_languages_and_by_the_form_of_its_answer(
+    ask: str,
+) -> None:
+    (found,) = findings(design(DESIGN + ASKED.format("q", ask)))
+    assert "identifies people" in found.mistake.what
+
+
+@pytest.mark.parametrize(
+    "ask",
+    [
+        "What is your mother tongue?",
+        "Welches Instrument spielen Sie?",
+        "Which game did you name first in your list of games?",
+        "Quel est votre métier ?",
+        "Что вам понравилось?",
+        "何が難しかったですか",
+    ],
+)
+def test_other_questions_in_words_are_let_be(ask: str) -> None:
+    assert findings(design(DESIGN + ASKED.format("q", ask))) == []
+
+
+def test_how_often_one_uses_a_phone_is_no_telephone_number() -> None:
+    hours = '\n[[demographics]]\nname = "phone"\nkind = "number"\nlow = 0\nhigh = 24\n'
+    assert findings(design(DESIGN + hours + 'ask = "How many hours do you use a phone?"\n')) == []
+    number = hours.replace("24", "999999999")
+    (found,) = findings(design(DESIGN + number + 'ask = "And which number has it?"\n'))
+    assert "identifies people" in found.mistake.what
+
+
+def test_a_question_of_a_questionnaire_identifies_people_too() -> None:
+    item = '\n[[questionnaires.items]]\nname = "who"\nkind = "text"\nask = "Your surname?"\n'
+    (found,) = findings(design(DESIGN + item))
+    assert found.mistake.where == "questionnaires[1].items[2]"
+
+
+def test_a_language_that_instruments_lack_is_one_line_each() -> None:
+    text = changed("seed = 3", 'seed = 3\nlanguages = ["fi"]')
+    text += '\n[[questionnaires]]\nuse = "nasa-tlx"\nat = "end"\n'
+    with pytest.raises(DesignError) as caught:
+        design(text)
+    (mistake,) = caught.value.mistakes
+    assert "nasa-tlx" in mistake.what and "missing in fi in" in mistake.what
+    assert "translate it there" in mistake.remedy
 
 
 def test_check_prints_them_and_fails_on_errors_alone(
