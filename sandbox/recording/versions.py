@@ -50,6 +50,20 @@ def decisive_part(name: str, value: Any) -> Any:
     return value.rpartition(", ")[2] if name in DECISIVE and isinstance(value, str) else value
 
 
+def decisive_parts(known: Mapping[str, Any]) -> dict[str, str]:
+    """The parts of the fingerprint, by the names of `DECISIVE`; empty where they are unknown."""
+    return {name: str(decisive_part(name, known[name])) for name in DECISIVE if name in known}
+
+
+def differing_parts(there: Mapping[str, str], here: Mapping[str, str]) -> list[str]:
+    """Parts of two fingerprints that differ, in words; both as of `decisive_parts`."""
+    return [
+        f"{words} ({there.get(name, 'unknown')} there, {here.get(name, 'unknown')} here)"
+        for name, words in DECISIVE.items()
+        if there.get(name) != here.get(name)
+    ]
+
+
 def decisive_differences(there: Mapping[str, str]) -> list[str]:
     """What states depend on and differs here from a recording's `versions`, in words.
 

@@ -40,13 +40,15 @@ class KeptTask:
 
     Attributes:
         version: Version of the task.
-        fingerprint: Fingerprint of MuJoCo, architecture and libm; empty if there were several.
+        fingerprint: Fingerprint of what states depend on; empty if there were several.
+        depends_on: The parts of it, by the names of `versions.DECISIVE`; empty if unknown.
         trials: Results by seed.
     """
 
     version: int
     fingerprint: str
     trials: Mapping[int, Kept]
+    depends_on: Mapping[str, str] = field(default_factory=dict)
 
 
 class _TaskLines(Struct):
@@ -55,6 +57,7 @@ class _TaskLines(Struct):
     version: int
     fingerprint: str
     trials: dict[int, tuple[bool, float, float, str]]
+    depends_on: dict[str, str] = {}
 
 
 class _BaselineFile(Struct):
@@ -167,11 +170,12 @@ class Baseline:
         tasks = dict(self.tasks) if same else {}
         for name, version in versions.items():
             own = [t for t in trials if t["task"] == name]
-            fingerprints = {t["fingerprint"] for t in own}
+            one_machine = len({t["fingerprint"] for t in own}) == 1
             tasks[name] = KeptTask(
                 version,
-                fingerprints.pop() if len(fingerprints) == 1 else "",
+                own[0]["fingerprint"] if one_machine else "",
                 {t["seed"]: Kept(**{k: t[k] for k in kept_fields(KeptIn.BASELINE)}) for t in own},
+                own[0]["depends_on"] if one_machine else {},
             )
         return Baseline(configuration, tasks, self.path)
 
@@ -186,6 +190,7 @@ class Baseline:
             tasks.append(
                 f'  {json.dumps(name)}: {{\n   "version": {task.version},\n'
                 f'   "fingerprint": {json.dumps(task.fingerprint)},\n'
+                f'   "depends_on": {json.dumps(dict(task.depends_on))},\n'
                 '   "trials": {\n' + ",\n".join(rows) + "\n   }\n  }"
             )
         configuration = json.dumps(self.configuration, indent=1, sort_keys=True)
@@ -242,6 +247,7 @@ def load_baseline(path: Path) -> Baseline:
             task.version,
             task.fingerprint,
             {seed: Kept(*trial) for seed, trial in task.trials.items()},
+            task.depends_on,
         )
         for name, task in document.tasks.items()
     }

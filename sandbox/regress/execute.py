@@ -19,6 +19,7 @@ from tempfile import gettempdir
 from typing import Any, Protocol
 
 from models.errors import HandSandboxError, InputError
+from sandbox.recording.versions import decisive_parts
 from sandbox.regress.breaking_off import SIGNALS
 from sandbox.regress.plan import TrialJob, registered
 from sandbox.trial.assembly import load_encoder
@@ -27,7 +28,8 @@ from sandbox.trial.result import KeptIn, kept_fields
 from sandbox.trial.settings import RunSettings
 
 Trial = dict[str, Any]
-"""JSON of a trial: the fields of its result that `KeptIn.REGRESS` names, and its fingerprint."""
+"""JSON of a trial: the fields of its result that `KeptIn.REGRESS` names, and its fingerprint
+with the parts of it."""
 
 CRASHED = "crashed"
 """Status of a trial that has no result: its process died, or its code raised an error."""
@@ -82,7 +84,11 @@ def run_job(job: TrialJob) -> Trial:
         )
     if recording is not None and result.success:
         recording.unlink(missing_ok=True)
-    return {**result.kept_in(KeptIn.REGRESS), "fingerprint": result.fingerprint}
+    return {
+        **result.kept_in(KeptIn.REGRESS),
+        "fingerprint": result.fingerprint,
+        "depends_on": decisive_parts(result.versions or {}),
+    }
 
 
 def crashed(job: TrialJob, why: str) -> Trial:
@@ -98,6 +104,7 @@ def crashed(job: TrialJob, why: str) -> Trial:
         "reason": " ".join(why.split()),
         "state_hash": "",
         "fingerprint": "",
+        "depends_on": {},
     }
 
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from statistics import fmean, median
 from typing import Any
 
+from sandbox.recording.versions import differing_parts
 from sandbox.regress import statistics
 from sandbox.regress.baseline import Baseline, KeptTask
 from sandbox.regress.execute import CRASHED, Trial
@@ -85,6 +86,7 @@ class Comparison:
         both, lost, won, neither: Seeds that succeeded in both, before only, now only, in none.
         changed: Seeds with different states although the fingerprint is the baseline's.
         same_machine: Number of pairs with the baseline's fingerprint.
+        elsewhere: What states depend on and was different there, in words, for the other pairs.
         crashed: Number of pairs whose trial crashed now.
         p: P value of the exact one-sided McNemar test.
         p_holm: The p value, adjusted for all tasks of the run.
@@ -97,6 +99,7 @@ class Comparison:
     neither: list[int] = field(default_factory=list)
     changed: list[int] = field(default_factory=list)
     same_machine: int = 0
+    elsewhere: tuple[str, ...] = ()
     crashed: int = 0
     p: float = 1.0
     p_holm: float = 1.0
@@ -126,6 +129,7 @@ class Comparison:
             "significant_loss": self.significant,
             "progress_change": self.progress,
             "same_machine": self.same_machine,
+            "elsewhere": list(self.elsewhere),
             "changed_states": self.changed,
             "fewest_losses": statistics.fewest_losses(tests),
             "noticeable_drop": statistics.noticeable_drop(self.pairs, 0.0, tests),
@@ -341,6 +345,7 @@ def _compare(tasks: Sequence[TaskResult], baseline: Baseline) -> dict[str, Compa
 def _pairs(task: TaskResult, kept: KeptTask) -> Comparison:
     c = Comparison()
     same, crashed, changes = 0, 0, []
+    elsewhere: dict[str, None] = {}
     for trial in task.trials:
         seed = trial["seed"]
         before = kept.trials.get(seed)
@@ -354,8 +359,18 @@ def _pairs(task: TaskResult, kept: KeptTask) -> Comparison:
             same += 1
             if trial["state_hash"] != before.state_hash:
                 c.changed.append(seed)
+        elif trial["status"] != CRASHED and kept.depends_on:
+            elsewhere |= dict.fromkeys(differing_parts(kept.depends_on, trial["depends_on"]))
     progress = fmean(changes) if changes else 0.0
-    return Comparison(**{**vars(c), "same_machine": same, "crashed": crashed, "progress": progress})
+    return Comparison(
+        **{
+            **vars(c),
+            "same_machine": same,
+            "elsewhere": tuple(elsewhere),
+            "crashed": crashed,
+            "progress": progress,
+        }
+    )
 
 
 def _exact(comparisons: dict[str, Comparison]) -> tuple[list[str], list[str]]:
@@ -371,9 +386,9 @@ def _exact(comparisons: dict[str, Comparison]) -> tuple[list[str], list[str]]:
             notes.append(f"{name}: states of {c.same_machine} trials equal to the bit")
         elsewhere = c.pairs - c.same_machine - c.crashed
         if elsewhere:
+            what = " and ".join(c.elsewhere) or "a part that the baseline does not name"
             notes.append(
-                f"{name}: {elsewhere} of {c.pairs} trials ran with another "
-                "MuJoCo, architecture or libm than the baseline's, where states may differ: only "
-                "their success is compared"
+                f"{name}: {elsewhere} of {c.pairs} trials ran where what states depend on is not "
+                f"the baseline's, so only their success is compared. Other is {what}"
             )
     return reasons, notes

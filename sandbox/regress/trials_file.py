@@ -20,7 +20,7 @@ from msgspec import Struct
 from models.errors import InputError
 from models.json_input import check_layout, checked, decoded, decoded_record
 from sandbox.recording.source_digest import program_root, source_digest, source_files
-from sandbox.recording.versions import versions
+from sandbox.recording.versions import decisive_parts, versions
 from sandbox.regress.baseline import flat
 from sandbox.regress.execute import CRASHED, Trial
 from sandbox.regress.plan import RegressionPlan
@@ -74,7 +74,8 @@ def trials_path(output: Path) -> Path:
 
 
 def identity(plan: RegressionPlan, vary: Sequence[str] = ()) -> dict[str, Any]:
-    """Settings, seeds, versions and program of a run; its trials are those of an equal one.
+    """Settings, seeds, program of a run, and what states depend on beside these; its trials are
+    those of an equal one.
 
     Args:
         plan: Plan of the unvaried trials.
@@ -91,7 +92,8 @@ def identity(plan: RegressionPlan, vary: Sequence[str] = ()) -> dict[str, Any]:
         "seeds": _ranges(plan.seeds),
         "vary": " ".join(vary),
         "configuration": plan.configuration(),
-        "versions": versions(),
+        # States depend on nothing else: another processor, NumPy or Python may go on with a run.
+        "depends_on": decisive_parts(versions()),
         "files": files,
         "source code": source_digest(sources, root),
     }

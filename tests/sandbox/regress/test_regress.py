@@ -18,6 +18,7 @@ from sandbox.cli.main import main
 from sandbox.cli.regress import parse_known
 from sandbox.options.scene_options import SceneOptions, plan
 from sandbox.recording.recording import load_recording
+from sandbox.recording.versions import DECISIVE
 from sandbox.regress.execute import CRASHED, Processes, Serial, run_job
 from sandbox.regress.plan import (
     RegressionPlan,
@@ -68,9 +69,10 @@ def test_a_trial_is_that_of_the_run_command_to_the_bit():
     chosen = plan(SceneOptions(task="box-to-goal", seed=4, fingers=5))
     alone = run_trial(chosen.settings, chosen.makers, about=chosen.about)
     trial = run_job(TrialJob("box-to-goal", 4, {"fingers": 5}))
-    fingerprint = trial.pop("fingerprint")
+    fingerprint, parts = trial.pop("fingerprint"), trial.pop("depends_on")
     assert trial == {name: alone.as_json()[name] for name in trial}
     assert fingerprint == alone.fingerprint
+    assert parts.keys() == DECISIVE.keys() and all(parts.values())
 
 
 @pytest.mark.parametrize("executor", [Serial(), Processes(1)])

@@ -40,6 +40,7 @@ def trials(plan: RegressionPlan, failed=(), state="00", machine="here", reason="
             "time_s": 2.0,
             "state_hash": state,
             "fingerprint": machine,
+            "depends_on": {"mujoco": "4.0.0", "machine": "Linux x86_64", "libm": machine},
         }
         for job in plan.jobs()
     ]
@@ -84,7 +85,12 @@ def test_other_states_fail_only_where_they_were_asked_for_and_are_owed():
     found = judged(state="11", exact=True)
     assert not found.passed and "10 of 10 trials" in found.reasons[0]
     elsewhere = judged(state="11", machine="there", exact=True)
-    assert elsewhere.passed and any("another MuJoCo" in n for n in elsewhere.notes)
+    assert elsewhere.passed
+    (note,) = [n for n in elsewhere.notes if "only their success is compared" in n]
+    assert note.endswith("Other is the system's libm (here there, there here)")
+    assert elsewhere.as_json()["tasks"]["quick"]["baseline"]["elsewhere"] == [
+        "the system's libm (here there, there here)"
+    ]
     assert not judged(range(5), machine="there", exact=True).passed
 
 
@@ -103,6 +109,7 @@ def test_a_baseline_comes_back_from_its_file_as_it_was(tmp_path_factory, failed,
     made.save()
     found = load_baseline(path)
     assert found.tasks == made.tasks
+    assert found.tasks["quick"].depends_on["libm"] == machine
     found.check(BOTH.configuration(), BOTH.versions())
     # One line for every trial, for whoever reviews a change of it.
     assert sum(line.startswith('    "') for line in path.read_text().splitlines()) == 20

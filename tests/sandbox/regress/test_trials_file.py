@@ -12,6 +12,7 @@ import pytest
 
 from models.errors import InputError
 from sandbox.cli.main import main
+from sandbox.recording.versions import versions
 from sandbox.regress import trials_file
 from sandbox.regress.execute import Serial, crashed
 from sandbox.regress.plan import RegressionPlan, registered
@@ -192,6 +193,15 @@ def test_resuming_where_nothing_is_begins_anew(tmp_path):
     assert seeds(out) == [0, 1, 2, 3]
 
 
+def test_another_processor_or_library_that_no_state_depends_on_may_go_on(tmp_path, monkeypatch):
+    out = tmp_path / "out.json"
+    with stopping():
+        assert regress("--tasks", "stopping", "--json", out) == 130
+        elsewhere = {**versions(), "processor": "another", "numpy": "1.0", "python": "3.14"}
+        monkeypatch.setattr(trials_file, "versions", lambda: elsewhere)
+        assert regress("--tasks", "stopping", "--json", out, "--resume") in (0, 130)
+
+
 def test_trials_of_another_run_are_refused_in_one_line_and_stay(tmp_path, capsys, monkeypatch):
     out = tmp_path / "out.json"
     with stopping():
@@ -208,7 +218,8 @@ def test_trials_of_another_run_are_refused_in_one_line_and_stay(tmp_path, capsys
         ):
             error = refused(capsys, *words, *more)
             assert said in error and "another run's" in error and "--resume" in error
-        for name, value in (("versions", {"numpy": "1.0"}), ("_digest", "0")):
+        other_libm = {**versions(), "libm": "glibc 2.0, 0"}
+        for name, value in (("versions", other_libm), ("source_digest", "0")):
             with monkeypatch.context() as changed:
                 changed.setattr(trials_file, name, lambda *_, value=value: value)
                 assert "another run's" in refused(capsys, *words)
