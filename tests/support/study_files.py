@@ -17,7 +17,7 @@ from sandbox.study.design.design_file import parse_design
 from sandbox.study.design.plan import session_plan, trials_of
 from sandbox.study.record.folder import SIMULATED, StudyFolder
 from sandbox.study.record.journal import read_journal
-from sandbox.study.record.session_folder import finished_result
+from sandbox.study.record.recorded_result import finished_result
 from sandbox.study.record.state import SessionState
 from sandbox.study.record.stored_sessions import session_path
 from sandbox.study.tables.trial_table import trial_rows

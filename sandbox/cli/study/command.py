@@ -17,6 +17,7 @@ from rich.markup import escape
 from models.errors import InputError, StudyError
 from sandbox.cli.common.parse import parse
 from sandbox.cli.study import data_commands
+from sandbox.cli.study.recover import RecoverOptions, recover
 from sandbox.cli.study.report import ReportOptions, report
 from sandbox.cli.study.run import run, say_findings, say_noted, sayer
 from sandbox.cli.study.run_options import StudyRunOptions
@@ -238,6 +239,7 @@ ACTIONS: dict[str, tuple[Any, Callable[[Any, Console], int]]] = {
     "run": (StudyRunOptions, run),
     "simulate": (StudySimulateOptions, _simulate),
     "report": (ReportOptions, report),
+    "recover": (RecoverOptions, recover),
     **data_commands.ACTIONS,
 }
 """Action -> its options and what it does."""

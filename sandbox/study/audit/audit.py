@@ -22,6 +22,7 @@ from sandbox.study.audit.journals import (
 from sandbox.study.audit.session_files import INFO, TRACKERS, check_files
 from sandbox.study.audit.witness import check_witnesses
 from sandbox.study.record.build import code_digest
+from sandbox.study.record.chain import Record
 from sandbox.study.record.files import TEMPORARY, json_bytes
 from sandbox.study.record.folder import (
     DESIGN_FILE,
@@ -33,7 +34,7 @@ from sandbox.study.record.folder import (
     design_files,
     participants_of,
 )
-from sandbox.study.record.session_folder import BEGUN, SEALED
+from sandbox.study.record.session_folder import BEGUN, LOST, SEALED
 from sandbox.study.record.stored_sessions import JOURNAL, SESSIONS, session_path
 from sandbox.study.record.trial_files import TRIALS
 from sandbox.study.record.witness import Witness
@@ -178,7 +179,7 @@ def _check_person(
         For each session: what its tables are compared with (None if its journal is not sound), the
         recordings that are as they were written, and its journal.
     """
-    of = [r for _, r in numbered(journal, (BEGUN, SEALED)) if r["ppid"] == person.ppid]
+    of = [r for _, r in numbered(journal, (BEGUN, SEALED, LOST)) if r["ppid"] == person.ppid]
     begun = {r["session"] for r in of}
     folder = findings.root / person.ppid
     there = {int(path.name[1:]) for path in folder.glob(SESSIONS)}
@@ -195,11 +196,14 @@ def _check_person(
         if number not in begun and journal.sound:
             findings.add(Kind.ORPHANED, path, f"{STUDY_JOURNAL} does not know this session")
         read = read_journal_whole(path / JOURNAL, findings)
-        for seal in seals:
+        for seal in _in_force(of, number):
             check_head(findings, read, seal["records"], seal["digest_of_last"], STUDY_JOURNAL)
         sealed = max((r["records"] for r in seals), default=0)
         settled = bool(sealed) and sealed == len(read.records)
         files = check_files(findings, read, settled)
+        findings.counts["records whose loss was accepted"] += sum(
+            r["records"] for _, r in numbered(read, (LOST,))
+        )
         findings.counts["sessions"] += 1
         _check_session_entries(findings, path)
         session = None
@@ -207,6 +211,23 @@ def _check_person(
             session = AuditedSession(person, number, read, files.are_sound, sealed)
         results.append((session, files.finished, read))
     return results
+
+
+def _in_force(records: list[Record], session: int) -> list[Record]:
+    """What the journal of the study knows of a session's journal, without accepted losses.
+
+    Args:
+        records: Its records on the participant, in order.
+        session: Number of the session.
+    """
+    known: list[Record] = []
+    for record in records:
+        if record["session"] != session or record["kind"] == BEGUN:
+            continue
+        if record["kind"] == LOST:
+            known = [r for r in known if r["records"] <= record["records"]]
+        known.append(record)
+    return known
 
 
 def _check_session_entries(findings: Findings, session: Path) -> None:

@@ -12,7 +12,7 @@ from sandbox.study.audit.journals import ReadJournal, numbered
 from sandbox.study.record.chain import Record, digest_of
 from sandbox.study.record.file_digests import DATA, PACKED
 from sandbox.study.record.files import TEMPORARY
-from sandbox.study.record.session_folder import finished_result
+from sandbox.study.record.recorded_result import finished_result
 from sandbox.study.record.trial_files import TRIALS
 
 TRACKERS, INFO = "trackers", "session_info"
@@ -47,13 +47,20 @@ def check_files(findings: Findings, journal: ReadJournal, settled: bool) -> Sess
     for line, record, digests in _recordings(journal):
         path = session / record["file"]
         known |= {path.name, path.name + SUFFIX}
-        whose = f"trial {record['trial']}, attempt {record['attempt']}" if "trial" in record else ""
+        whose = (
+            f"trial {record['trial']}, attempt {record['attempt']}"
+            if "trial" in record
+            else "an attempt without records"
+        )
         sound = _check_recording(findings, path, digests, f"{whose} (journal line {line})")
         all_sound &= sound
         if record["kind"] == "trial_end":
             findings.counts["finished trials"] += 1
             if sound and digests is not None and LEFT_OUT not in digests:
                 finished.append(path)
+            findings.counts["trials that were taken in by hand"] += "taken_in" in record
+        elif record["kind"] == "set_aside":
+            findings.counts["recordings that were set aside by hand"] += 1
         elif record["kind"] == "trial_broken":
             findings.counts["attempts that were broken off"] += 1
     started = {r["file"] for _, r in numbered(journal, ("trial_start",))}
@@ -140,7 +147,7 @@ def _check_tables(findings: Findings, journal: ReadJournal, settled: bool) -> bo
     folder = journal.path.parent / TRACKERS
     expected: dict[str, tuple[int, str]] = {}
     built = set()
-    for line, record in numbered(journal, ("tables",)):
+    for line, record in numbered(journal, ("tables", "set_aside")):
         stem = Path(record["file"]).stem
         built.add(stem)
         expected = {k: v for k, v in expected.items() if _stem(k) != stem}

@@ -52,6 +52,7 @@ class Journal:
 
     Attributes:
         records: All records, in order.
+        found: Number of records that the file had.
 
     Raises:
         StudyError: The file cannot be opened, or is not a journal.
@@ -68,6 +69,7 @@ class Journal:
             regular = stat.S_ISREG(os.fstat(self._fd).st_mode)
             data = path.read_bytes() if regular else b""
             self.records, sound = parse_records(data, path)
+            self.found = len(self.records)
             if sound < len(data):
                 os.ftruncate(self._fd, sound)
                 self.append("recovered", lost_bytes=len(data) - sound)

@@ -107,6 +107,13 @@ class _Packed(Struct):
     recording: dict[str, Any] | None
 
 
+class _SetAside(_Packed):
+    """A whole recording whose records were lost, and that does not count."""
+
+    reason: str
+    files: dict[str, str]
+
+
 class _Moved(Struct):
     """A merge has moved the session into another study."""
 
@@ -152,6 +159,8 @@ FORMS: dict[str, type[Struct]] = {
     "sealed": _Sealed,
     "tables": _Files,
     "packed": _Packed,
+    "leftover": _Packed,
+    "set_aside": _SetAside,
     "moved": _Moved,
     "clock_step": _ClockStep,
 }

@@ -2,17 +2,12 @@
 
 from __future__ import annotations
 
-import os
 from contextlib import ExitStack, suppress
 from pathlib import Path
 from typing import Any
 
-from msgspec import Struct
-
-from models.errors import RecordingError, StudyError
-from models.json_input import decoded
+from models.errors import StudyError
 from sandbox.lsl.lsl_listening import tell
-from sandbox.recording.recording import load_recording
 from sandbox.recording.recording_file import stored
 from sandbox.recording.versions import versions
 from sandbox.session.closeable import Closeable
@@ -33,8 +28,15 @@ from sandbox.study.record.files import (
     sync_folder,
 )
 from sandbox.study.record.folder import Participant, StudyFolder
-from sandbox.study.record.journal import SCHEMA, Journal, SyncThread
+from sandbox.study.record.journal import SCHEMA, Journal, SyncThread, read_journal
+from sandbox.study.record.leftovers import (
+    LOG,
+    lost_records,
+    unknown_recordings,
+    whole_leftovers,
+)
 from sandbox.study.record.pack import pack
+from sandbox.study.record.recorded_result import finished_result
 from sandbox.study.record.state import Attempt, SessionState
 from sandbox.study.record.stored_sessions import JOURNAL, session_path, sessions_of
 from sandbox.trial.result import KeptIn, TrialResult
@@ -42,9 +44,9 @@ from sandbox.trial.result import KeptIn, TrialResult
 SENT = ("n", "step", "trial", "attempt", "practice", "form", "block", "levels", DIGEST)
 """Fields of a record that are sent over LSL to other instruments. With its digest, what they record
 is a witness of the journal."""
-BEGUN, SEALED = "begun", "sealed"
+BEGUN, SEALED, LOST = "begun", "sealed", "lost"
 """Kinds of records in the journal of the study: a session has begun; its journal when it was
-closed."""
+closed; its journal when somebody accepted that records after that were lost."""
 
 
 class SessionFolder(Closeable):
@@ -58,6 +60,9 @@ class SessionFolder(Closeable):
         person: The participant.
         number: Session number of this participant, from 1.
 
+        recovering: True opens a session whose journal has lost records; see
+            `sandbox.study.run.recover`.
+
     Attributes:
         path: Path of the folder.
         steps: All steps of the plan.
@@ -65,11 +70,17 @@ class SessionFolder(Closeable):
         resumed: True if the session had begun before.
 
     Raises:
-        StudyError: Another program has the session open, it belongs to another study, or an
-            earlier session is not complete.
+        StudyError: Another program has the session open, it belongs to another study, an earlier
+            session is not complete, or its journal has lost records.
     """
 
-    def __init__(self, study: StudyFolder, person: Participant, number: int = 1) -> None:
+    def __init__(
+        self,
+        study: StudyFolder,
+        person: Participant,
+        number: int = 1,
+        recovering: bool = False,
+    ) -> None:
         self.study, self.person, self.number = study, person, number
         self._check_turn()
         self.path = session_path(study.path, person.ppid, number)
@@ -86,16 +97,18 @@ class SessionFolder(Closeable):
         self._syncing: SyncThread | None = None
         self._closing = ExitStack()
         try:
-            self._open()
+            self._open(recovering)
         except BaseException:
             self._closing.close()
             raise
 
-    def _open(self) -> None:
+    def _open(self, recovering: bool) -> None:
         what = f"participant {self.person.ppid}"
         self._closing.enter_context(locked(self.path / ".lock", wait=False, what=what))
         for name in ("", "trials", "trackers", "session_info"):
             remove_unfinished(self.path / name)
+        if not recovering:
+            self._check_losses()
         self.journal = Journal(self.path / JOURNAL)
         self._closing.callback(self.journal.close)
         self.state = SessionState.of(self.journal.records)
@@ -121,6 +134,7 @@ class SessionFolder(Closeable):
         )
         # After the record above, whose clock is that of this start of the machine.
         self._recover()
+        self._note_leftovers()
         self._syncing = SyncThread(self._sync)
         self._closing.callback(self._syncing.close)
 
@@ -151,13 +165,55 @@ class SessionFolder(Closeable):
         Returns:
             Path of its recording, which does not exist yet.
         """
-        attempt = len(self.state.attempts.get(trial.number, [])) + 1
-        file = self._new_file(trial.number, attempt)
+        file = self._new_file(trial.number, len(self.state.attempts.get(trial.number, [])) + 1)
+        self._start(trial, file)
+        self._recording = self.path / file
+        return self._recording
+
+    def take_in(self, trial: TrialStep, file: str, result: TrialResult) -> None:
+        """Records an attempt whose records were lost; its times are not known.
+
+        Args:
+            trial: The trial of the plan.
+            file: Its recording, without `.gz`.
+            result: The result at the end of the recording.
+
+        Raises:
+            StudyError: The record cannot be written.
+        """
+        self._start(trial, file, taken_in=True)
+        self._commit(self.state.attempts[trial.number][-1], result, taken_in=True)
+
+    def set_aside(self, file: str, reason: str) -> None:
+        """Records that a recording without records does not count; the file stays."""
+        trackers = self.path / "trackers"
+        self.write(
+            "set_aside",
+            durable=True,
+            file=file,
+            reason=reason,
+            recording=self._digests(file),
+            files=file_digests(tables_of(trackers, Path(file).stem)),
+        )
+
+    def accept_loss(self, lost: int, reason: str) -> None:
+        """Records that records were lost, here and in the journal of the study."""
+        kept = self.journal.found
+        self.study.note(
+            LOST,
+            ppid=self.person.ppid,
+            session=self.number,
+            records=kept,
+            digest_of_last=self.journal.records[kept - 1][DIGEST] if kept else "",
+        )
+        self.write(LOST, durable=True, records=lost, reason=reason)
+
+    def _start(self, trial: TrialStep, file: str, **more: Any) -> None:
         self.write(
             "trial_start",
             step=trial.id,
             trial=trial.number,
-            attempt=attempt,
+            attempt=len(self.state.attempts.get(trial.number, [])) + 1,
             file=file,
             block=trial.block,
             in_block=trial.in_block,
@@ -166,9 +222,8 @@ class SessionFolder(Closeable):
             levels=trial.levels,
             values=trial.values,
             seed=trial.seed,
+            **more,
         )
-        self._recording = self.path / file
-        return self._recording
 
     def finish(self, trial: TrialStep, result: TrialResult) -> None:
         """Records the end of an attempt, after its recording has been flushed to the disk.
@@ -177,7 +232,7 @@ class SessionFolder(Closeable):
             StudyError: The record cannot be written.
         """
         attempt = self.state.attempts[trial.number][-1]
-        self._commit(attempt, result, adopted=False)
+        self._commit(attempt, result)
 
     def break_off(self, trial: TrialStep, why: str) -> None:
         """Records that an attempt was broken off."""
@@ -270,7 +325,7 @@ class SessionFolder(Closeable):
             name = f"trials/T{trial:03d}.a{attempt}.jsonl"
         return name
 
-    def _commit(self, attempt: Attempt, result: TrialResult, adopted: bool) -> None:
+    def _commit(self, attempt: Attempt, result: TrialResult, **more: Any) -> None:
         start = attempt.start
         # If it cannot be compressed now, the next opening does it.
         with suppress(StudyError):
@@ -282,7 +337,6 @@ class SessionFolder(Closeable):
         except OSError as error:
             raise study_error(error, path, "the recording cannot be flushed to the disk") from None
         self._recording = None
-        more = {"adopted": True} if adopted else {}
         self.write(
             "trial_end",
             durable=True,
@@ -354,6 +408,34 @@ class SessionFolder(Closeable):
                     "participant",
                 )
 
+    def _check_losses(self) -> None:
+        """Raises an error if the journal has lost records: nothing may go on without a decision."""
+        journal = self.path / JOURNAL
+        records = read_journal(journal) if journal.exists() else []
+        whole = whole_leftovers(self.path, SessionState.of(records))
+        lost = lost_records(self.path, len(records))
+        if not whole and not lost:
+            return
+        names = ", ".join(Path(file).stem for file in whole)
+        found = [
+            *([f"whole recordings without a record: {names}"] if whole else []),
+            *([f"{lost} records fewer than {LOG} has"] if lost else []),
+        ]
+        raise StudyError(
+            "the journal of this session has lost records",
+            where=str(self.path),
+            got="; ".join(found),
+            remedy=f"`sandbox study recover {self.study.path}` shows what is there, takes it in or "
+            "sets it aside; nothing was changed",
+        )
+
+    def _note_leftovers(self) -> None:
+        """Records what is left of attempts whose records a power cut has taken."""
+        whole = whole_leftovers(self.path, self.state)
+        for file in unknown_recordings(self.path, self.state):
+            if file not in whole:
+                self.write("leftover", file=file, recording=self._digests(file))
+
     def _recover(self) -> None:
         """Adds the attempt that ran when the program was killed, or marks it as interrupted."""
         attempt = self.state.open_attempt()
@@ -412,45 +494,3 @@ def boot_id() -> str:
         return Path("/proc/sys/kernel/random/boot_id").read_text().strip()
     except OSError:
         return ""
-
-
-def finished_result(path: Path) -> TrialResult | None:
-    """Result at the end of a recording; None if it is incomplete or was broken off."""
-    file = stored(path)
-    if not file.exists() or (file == path and not _may_be_complete(path)):
-        return None
-    try:
-        recording = load_recording(path)
-    except RecordingError:
-        # The program was killed before the first line was complete.
-        return None
-    if recording.damage or recording.end is None or recording.end["result"].get("broken_off"):
-        return None
-    return TrialResult.from_json(recording.end["result"], str(path))
-
-
-class _LastLine(Struct):
-    """Field that only the last line of a recording has."""
-
-    kind: str = ""
-
-
-def _may_be_complete(path: Path) -> bool:
-    """Returns False if the last line is half written or not an end line; reads 64 KiB at most."""
-    with path.open("rb") as file:
-        file.seek(max(0, os.fstat(file.fileno()).st_size - 65_536))
-        tail = file.read()
-    if not tail.endswith(b"\n"):
-        return False
-    try:
-        line = decoded(
-            tail.split(b"\n")[-2],
-            _LastLine,
-            RecordingError,
-            what="the last line is damaged",
-            where=str(path),
-        )
-    except RecordingError:
-        # The last line may be longer than the part that was read.
-        return True
-    return line.kind == "end"

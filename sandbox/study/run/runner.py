@@ -21,14 +21,13 @@ from sandbox.study.design.plan import (
     Step,
     TrialStep,
 )
-from sandbox.study.measures.kept import kept_lines
 from sandbox.study.record.session_folder import SessionFolder
 from sandbox.study.record.witness import add_witnesses, witnesses_of
 from sandbox.study.run.answers import Draft
 from sandbox.study.run.controls import Command, Controls
+from sandbox.study.run.finished_trials import complete_trials
 from sandbox.study.run.forms import Forms, Poll
 from sandbox.study.run.players import TICK, PlayedAttempt, TrialPlayer, TrialRequest
-from sandbox.study.tables.frames import complete_tables
 from sandbox.study.tables.tables import StudyTables, rebuild_session
 from sandbox.trial.device_makers import DeviceMakers
 from sandbox.trial.result import TrialResult
@@ -284,29 +283,11 @@ class SessionRunner:
         Args:
             seal: True records the journal's end in the journal of the study before.
         """
-        session = self.session
-        trackers = session.path / "trackers"
-        differs = []
         try:
-            for attempts in session.state.attempts.values():
-                for attempt in attempts:
-                    file = attempt.start["file"]
-                    if attempt.end is None:
-                        continue
-                    # Tables without a record may be those of a program that was killed.
-                    known = file in session.state.tables
-                    rebuilt = complete_tables(session.path / file, trackers, anew=not known)
-                    for notice in rebuilt.notices:
-                        self.say(notice)
-                    differs.append(rebuilt.differs)
-                    if rebuilt.built:
-                        session.note_tables(attempt)
-                    session.pack(file)
-            for line in kept_lines(differs):
-                self.say(line)
+            complete_trials(self.session, self.say)
             if seal:
                 self._seal()
-            rebuild_session(session, say=self.say)
+            rebuild_session(self.session, say=self.say)
             self._study_tables.update()
         except InputError as error:
             self.say(f"tables are not up to date: {error}")

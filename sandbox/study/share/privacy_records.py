@@ -52,6 +52,7 @@ KEPT: dict[str, tuple[str, ...]] = {
     "answers": ("step", "form", "block", "levels", "seconds"),
     "trial_start": (
         *_ATTEMPT,
+        "taken_in",
         "block",
         "in_block",
         "repetition",
@@ -69,6 +70,7 @@ KEPT: dict[str, tuple[str, ...]] = {
     "exclude": ("trial",),
     "note": ("trial",),
     "recovered": ("lost_bytes",),
+    "lost": ("records",),
     "participant": ("number", "hand", "hand_size", "language", "user"),
     "upgrade": ("changed", "before", "after"),
     "libraries": ("changed", "before", "after"),
@@ -78,6 +80,7 @@ KEPT: dict[str, tuple[str, ...]] = {
 }
 KEPT["session_resume"] = KEPT["session_start"]
 WORDS = {
+    "lost": "reason",
     "trial_broken": "why",
     "repeat": "reason",
     "skip": "reason",

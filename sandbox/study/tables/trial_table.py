@@ -168,8 +168,9 @@ def _trial_row(
         "trial_num": trial,
         "block_num": start["block"],
         "trial_num_in_block": start["in_block"],
-        "start_time": state.seconds[start["n"]],
-        "end_time": state.seconds[end["n"]],
+        # Of an attempt whose records were lost nobody knows when it was.
+        "start_time": None if "taken_in" in start else state.seconds[start["n"]],
+        "end_time": None if "taken_in" in start else state.seconds[end["n"]],
         "participant_number": session["number"],
         "hand": session["hand"],
         "hand_size": session["hand_size"],

@@ -18,7 +18,7 @@ from sandbox.recording.recording import load_recording
 from sandbox.recording.recording_file import read_stored
 from sandbox.study.record import build as build_module
 from sandbox.study.record.folder import PILOT, REAL, SIMULATED, StudyFolder
-from sandbox.study.record.journal import Journal, journal_bytes, parse_records, read_journal
+from sandbox.study.record.journal import Journal, journal_bytes, now, parse_records, read_journal
 from sandbox.study.record.session_folder import SessionFolder
 from sandbox.study.record.stored_sessions import session_path
 from sandbox.study.run.runner import SessionOutcome
@@ -187,7 +187,7 @@ def test_damage_in_the_middle_of_a_journal_is_refused_and_changes_nothing(tmp_pa
 
 
 def test_a_last_block_of_zeros_as_a_power_cut_leaves_it_is_cut_off() -> None:
-    line = journal_bytes([{"kind": "note"}])
+    line = journal_bytes([{"time": now(), "clock": 1.5, "kind": "note"}])
     assert parse_records(line + bytes(500) + b"\n", Path("x")) == ([json.loads(line)], len(line))
 
 

@@ -1,0 +1,68 @@
+"""`sandbox study recover`: sessions whose journal has lost records."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated
+
+import tyro
+from rich.console import Console
+
+from models.errors import InputError
+
+
+@dataclass(frozen=True)
+class RecoverOptions:
+    """Shows what journals of a study have lost, and takes in or sets aside what is still there.
+
+    Try: sandbox study recover studies/NAME
+
+    Then: sandbox study recover studies/NAME --take-in --reason "the disk lost 4 KiB"
+
+    A session whose journal has fewer records than its tables, or whole recordings without a record,
+    is not continued until this was decided. Exit status 1: something was lost, and nothing decided.
+    """
+
+    folder: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="DIR")]
+    """Folder of the study."""
+
+    take_in: tyro.conf.FlagCreatePairsOff[bool] = False
+    """Take whole recordings in as finished trials, at times that are not known; what does not fit
+    the plan is set aside."""
+
+    set_aside: tyro.conf.FlagCreatePairsOff[bool] = False
+    """Leave whole recordings where they are, uncounted; their trials are run again."""
+
+    reason: str = ""
+    """Reason, stored in the journals."""
+
+
+def recover(options: RecoverOptions, console: Console) -> int:
+    """Runs `sandbox study recover`."""
+    from sandbox.cli.study.run import sayer
+    from sandbox.study.record.folder import StudyFolder
+    from sandbox.study.run.recover import losses
+    from sandbox.study.run.recover import recover as decide
+
+    if options.take_in and options.set_aside:
+        raise InputError("--take-in and --set-aside exclude each other")
+    decided = options.take_in or options.set_aside
+    if decided and not options.reason:
+        raise InputError("the reason is missing", where="--reason", expected="a few words")
+    study = StudyFolder.at(options.folder)
+    say = sayer(console)
+    found = list(losses(study))
+    for loss in found:
+        say(f"{loss.person.ppid}, session {loss.session}: {loss.records} records are lost")
+        for one in loss.found:
+            what = f"trial {one.trial.number}" if one.trial else f"cannot count: {one.why_not}"
+            say(f"  {one.file}: {what}")
+        if decided:
+            decide(study, loss, options.take_in, options.reason, say)
+    if not found:
+        say("no journal has lost anything that its session still knows of")
+        return 0
+    if not decided:
+        say("--take-in takes these recordings in, --set-aside leaves them uncounted")
+    return 0 if decided else 1

@@ -1,0 +1,64 @@
+"""Recordings of a session that no record of its journal names, and records that it has lost."""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+
+from models.errors import RecordingError
+from sandbox.recording.recording import load_recording
+from sandbox.recording.recording_file import SUFFIX, stored
+from sandbox.study.record.recorded_result import finished_result
+from sandbox.study.record.state import SessionState
+from sandbox.study.record.trial_files import TRIALS
+
+LOG = "session_info/log.csv"
+"""The log of a session: a row for every record that its journal had when its tables were built."""
+
+
+def unknown_recordings(session: Path, state: SessionState) -> list[str]:
+    """Recordings that no record names, without `.gz`, in order.
+
+    Args:
+        session: Folder of the session.
+        state: State of the session according to its journal.
+    """
+    names = {p.name.removesuffix(SUFFIX) for p in (session / TRIALS).glob("T*.jsonl*")}
+    started = {a.start["file"] for attempts in state.attempts.values() for a in attempts}
+    known = started | state.recordings.keys()
+    return [file for name in sorted(names) if (file := f"{TRIALS}/{name}") not in known]
+
+
+def is_whole(path: Path) -> bool:
+    """True if a recording has its end, whether the attempt was broken off or not."""
+    if finished_result(path) is not None:
+        return True
+    try:
+        recording = load_recording(path) if stored(path).exists() else None
+    except RecordingError:
+        return False
+    return recording is not None and recording.end is not None and not recording.damage
+
+
+def lost_records(session: Path, there: int) -> int:
+    """Number of records that the log of a session has and its journal has not.
+
+    Args:
+        session: Folder of the session.
+        there: Number of records in the journal.
+    """
+    log = session / LOG
+    if not log.exists():
+        return 0
+    try:
+        with log.open(encoding="utf-8", newline="") as file:
+            logged = sum(1 for _ in csv.reader(file)) - 1
+    except (UnicodeDecodeError, csv.Error):
+        # A table that cannot be read is built again.
+        return 0
+    return max(0, logged - there)
+
+
+def whole_leftovers(session: Path, state: SessionState) -> list[str]:
+    """Those of `unknown_recordings` that have their end; see `is_whole`."""
+    return [file for file in unknown_recordings(session, state) if is_whole(session / file)]
