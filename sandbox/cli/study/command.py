@@ -6,7 +6,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from importlib.resources import files
 from itertools import product
-from math import comb
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -17,6 +16,7 @@ from rich.markup import escape
 from models.errors import InputError, StudyError
 from sandbox.cli.common.parse import parse
 from sandbox.cli.study import data_commands
+from sandbox.cli.study.plan_options import PlanOptions, say_power
 from sandbox.cli.study.recover import RecoverOptions, recover
 from sandbox.cli.study.report import ReportOptions, report
 from sandbox.cli.study.run import run, say_findings, say_noted, sayer
@@ -53,24 +53,6 @@ class CheckOptions:
 
     file: File
     """Design file."""
-
-
-@dataclass(frozen=True)
-class PlanOptions:
-    """Shows the order of conditions for each participant, and how long sessions take."""
-
-    file: File
-    """Design file."""
-
-    participants: Annotated[int | None, tyro.conf.arg(metavar="N")] = None
-    """Number of participants. Default: that of the design."""
-
-    power: tyro.conf.FlagCreatePairsOff[bool] = False
-    """Show which effect this number of participants can detect."""
-
-    spread: float = 0.30
-    """For --power: standard deviation between people of the difference in log completion time
-    between two conditions. A guess until a pilot has measured it."""
 
 
 @dataclass(frozen=True)
@@ -162,7 +144,6 @@ def _check(options: CheckOptions, console: Console) -> int:
 def _plan(options: PlanOptions, console: Console) -> int:
     from sandbox.cli.study.plan_table import add_session, plan_table
     from sandbox.study.design.plan import duration, session_plan, trials_of
-    from sandbox.study.design.power import detectable
 
     design = _load(options.file)
     count = options.participants or design.participants
@@ -180,27 +161,7 @@ def _plan(options: PlanOptions, console: Console) -> int:
         + (f"; {practice} of a session's trials are practice" if practice else "")
     )
     _say_cycle(design, count, console)
-    if not options.power:
-        return 0
-    if not 0.0 < options.spread < 10.0:
-        raise InputError(
-            "not a spread", where="--spread", got=options.spread, expected="between 0 and 10"
-        )
-    for factor in design.factors:
-        pairs = comb(len(factor.levels), 2)
-        if not pairs:
-            continue
-        between = factor.order == "between"
-        people = 2 * count // len(factor.levels) if between else count
-        effect = detectable(people, pairs, between, spread=options.spread)
-        console.print(
-            f"{factor.name}: {people} people{' in two groups' if between else ''} detect, with "
-            f"probability 0.8, a difference of {effect.effect:.2f} standard deviations between two "
-            f"of {len(factor.levels)} levels (two-sided t test, alpha 0.05"
-            + (f" over {pairs} pairs" if pairs > 1 else "")
-            + f"); that is {100 * effect.change:.0f} % of completion time if the difference in log "
-            f"time varies by {options.spread:g} from person to person"
-        )
+    say_power(design, options, console)
     return 0
 
 

@@ -52,6 +52,30 @@ def power(effect: float, n: int, alpha: float = 0.05, between: bool = False) -> 
     return float(np.mean(probability))
 
 
+def people_needed(
+    effect: float, tests: int = 1, between: bool = False, wanted: float = 0.8, most: int = 10_000
+) -> int | None:
+    """The smallest number of people who detect an effect with probability `wanted`.
+
+    Args:
+        effect: Size of the effect, in standard deviations.
+        tests: Number of tests of the study; alpha is 0.05 divided by it.
+        between: True for two groups instead of pairs.
+        wanted: Required power.
+        most: Largest number that is tried.
+
+    Returns:
+        The number, which is even for two groups; None if it is above `most`.
+    """
+    step = 2 if between else 1
+    low, high = 2 // step, most // step + 1
+    while high - low > 1:
+        middle = (low + high) // 2
+        found = power(effect, middle * step, 0.05 / tests, between) >= wanted
+        low, high = (low, middle) if found else (middle, high)
+    return high * step if high * step <= most else None
+
+
 def detectable(
     n: int,
     comparisons: int = 1,
@@ -63,7 +87,7 @@ def detectable(
 
     Args:
         n: Number of people.
-        comparisons: Number of compared pairs of levels; alpha is 0.05 divided by it.
+        comparisons: Number of tests of the study; alpha is 0.05 divided by it.
         between: True for two groups instead of pairs.
         wanted: Required power.
         spread: Standard deviation of the difference in log time over people.

@@ -84,6 +84,7 @@ class StudyData:
         codebook: Unit and meaning of columns of `trial_results.csv`.
         primary: Confirmatory outcomes of the design: measures, and questionnaires for their scores.
             Empty if it names none.
+        by_session: True if the session was added as a factor.
         digest: SHA-256 of `trial_results.csv`.
     """
 
@@ -98,6 +99,7 @@ class StudyData:
     scores: DataFrame
     codebook: dict[str, tuple[str, str]] = field(default_factory=dict)
     primary: tuple[str, ...] = ()
+    by_session: bool = False
     digest: str = ""
 
     @property
@@ -150,7 +152,8 @@ def load_study(folder: Path) -> StudyData:
     answers, scores = (
         _optional(folder / name) for name in ("questionnaires.csv", "questionnaire_scores.csv")
     )
-    if _did_the_same_again(trials):
+    by_session = _did_the_same_again(trials)
+    if by_session:
         for table in (trials, answers, scores):
             _name_sessions(table)
         meanings[FACTOR + SESSION] = ("", "session number of this participant, from 1")
@@ -171,6 +174,7 @@ def load_study(folder: Path) -> StudyData:
         scores=scores,
         codebook=meanings,
         primary=primary,
+        by_session=by_session,
         digest=sha256(path.read_bytes()).hexdigest(),
     )
 

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from math import nan
 
 from sandbox.study.report.models.comparisons import Pair
+from sandbox.study.report.models.data import SESSION
 from sandbox.study.report.models.fitted import Fitted
 from sandbox.study.report.models.intervals import holm
 
@@ -83,8 +84,13 @@ class Family:
 def family_of(fitted: Fitted) -> Family:
     """Tests the primary outcomes, or all outcomes if the design names none."""
     primary = fitted.data.primary
+    # What changes from session to session is practice, which the design does not compare.
+    unplanned = SESSION if fitted.data.by_session else ""
     pairs = [
-        (outcome, one) for outcome in primary or fitted.outcomes for one in fitted.pairs(outcome)
+        (outcome, one)
+        for outcome in primary or fitted.outcomes
+        for one in fitted.pairs(outcome)
+        if one.pair.factor.name != unplanned
     ]
     adjusted = holm([one.p for _, one in pairs])
     tests = (

@@ -1,0 +1,211 @@
+"""A plan takes spread and success rates from a pilot, and its preregistration is of the lock."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import sqrt
+from pathlib import Path
+
+import pytest
+
+from models.errors import InputError, StudyError
+from sandbox.cli.main import main
+from sandbox.study.design.design import Design
+from sandbox.study.design.design_file import parse_design
+from sandbox.study.design.power import people_needed, power
+from sandbox.study.planning.needed import change_of, needs, power_lines
+from sandbox.study.planning.pilot import Pilot, Spread, read_pilot
+from sandbox.study.planning.planned import family_size, planned_tests
+from sandbox.study.planning.preregistration import lock_of, preregistration
+from sandbox.study.record.folder import SIMULATED, StudyFolder
+from sandbox.study.report.models.analysis import analyse
+from sandbox.study.report.models.data import load_study
+from sandbox.study.report.models.quantities import LOG
+from sandbox.study.run.simulate import simulate
+from tests.sandbox.study.report.study_reports import planted, put
+from tests.support.study_files import DESIGN, design
+from tools.planted_study import Truth
+
+PLANNED = """
+name = "planned"
+participants = 24
+[settings]
+task = "box-to-goal"
+[[factors]]
+name = "encoder"
+order = "latin"
+levels = ["paper", "best"]
+[[factors]]
+name = "task"
+order = "latin"
+levels = ["box-to-goal", "wrench-turn"]
+[trials]
+repetitions = 3
+[[questionnaires]]
+use = "nasa-tlx-raw"
+at = "encoder"
+[[exclusions]]
+name = "too-fast"
+measure = "time_s"
+below = 0.5
+[analysis]
+primary = ["time_s", "success"]
+"""
+EVERY = Truth(people=12, times=(10.0, 8.5), repetitions=3, losses=(1e-9, 1e-9), limit=3600.0)
+
+
+def plan(text: str = PLANNED) -> Design:
+    return parse_design(text, Path("design.toml"), try_out=False)
+
+
+def pilot(folder: Path, truth: Truth = EVERY, seed: int = 1) -> Pilot:
+    planted(folder, truth, seed)
+    return read_pilot(folder, planned_tests(plan()))
+
+
+def spread(found: Pilot, outcome: str = "time_s") -> Spread:
+    one = found.spreads[outcome, "encoder"]
+    assert isinstance(one, Spread)
+    return one
+
+
+def test_the_spread_of_a_pilot_is_that_of_its_people(tmp_path: Path) -> None:
+    truth = replace(EVERY, people=150)
+    one = spread(pilot(tmp_path, truth, 2))
+    for trials in (2, 6, 40):
+        expected = sqrt(2 * truth.person_level**2 + 2 * truth.residual**2 / trials)
+        assert one.deviation(trials) == pytest.approx(expected, rel=0.15)
+
+
+def test_the_effect_of_a_pilot_changes_nothing(tmp_path: Path) -> None:
+    rows = planted(tmp_path, EVERY)
+    lines = []
+    for factor in (1.0, 3.0):
+        # Times in the table have six decimals.
+        slower = [
+            {**r, "time_s": float(r["time_s"]) * (factor if r["factor_encoder"] == "b" else 1.0)}
+            for r in rows
+        ]
+        put(tmp_path, slower)
+        found = read_pilot(tmp_path, planned_tests(plan()))
+        lines.append(list(power_lines(plan(), 24, found, change=0.15)))
+    assert lines[0] == lines[1]
+
+
+def test_repetitions_and_success_rates_count(tmp_path: Path) -> None:
+    one = needs(plan(), pilot(tmp_path), 0.3)[0]
+    people = [one.participants(0.15, trials) for trials in (1, 3, 9, 100)]
+    assert people == sorted(people, reverse=True) and people[0] != people[-1]
+    assert isinstance(one.spread, Spread)
+    half = replace(one, spread=replace(one.spread, success=0.5))
+    assert half.participants(0.15, 6) == one.participants(0.15, 3)
+    assert (half.participants(0.15) or 0) > (one.participants(0.15) or 0)
+
+
+def test_so_many_people_as_are_needed_find_the_effect_and_one_less_does_not() -> None:
+    for effect, tests, between in ((0.4, 1, False), (0.8, 6, False), (0.8, 3, True)):
+        people = people_needed(effect, tests, between)
+        assert people is not None
+        less = people - (2 if between else 1)
+        assert power(effect, people, 0.05 / tests, between) >= 0.8
+        assert power(effect, less, 0.05 / tests, between) < 0.8
+    assert people_needed(1e-4) is None
+
+
+def test_what_is_needed_and_what_is_detected_agree(tmp_path: Path) -> None:
+    one = needs(plan(), pilot(tmp_path), 0.3)[0]
+    people = one.participants(0.15)
+    assert people is not None
+    assert one.smallest(people) <= 0.15 < one.smallest(people - 1)
+    assert one.smallest(people, cautious=True) > one.smallest(people)
+
+
+def test_a_pilot_in_which_everybody_succeeds_does_not_promise_that(tmp_path: Path) -> None:
+    one = spread(pilot(tmp_path), "success")
+    assert 0.0 < one.deviation(6) < 0.2
+
+
+def test_levels_that_a_pilot_does_not_compare_are_said_to_be_unknown(tmp_path: Path) -> None:
+    planted(tmp_path, EVERY)
+    text = PLANNED.replace('name = "encoder"', 'name = "feel"\nsetting = "encoder"', 1)
+    other = plan(text.replace('at = "encoder"', 'at = "feel"'))
+    lines = list(power_lines(other, 24, read_pilot(tmp_path, planned_tests(other))))
+    assert any("time_s by feel: the pilot does not compare these levels" in x for x in lines)
+
+
+def test_the_planned_tests_are_those_of_the_report(tmp_path: Path) -> None:
+    study = StudyFolder(tmp_path, design(), SIMULATED)
+    simulate(study, 3, False, lambda text: None)
+    found = analyse(load_study(study.path)).family
+    assert len(found.tests) == family_size(planned_tests(design())) == 2
+
+
+def test_primary_outcomes_share_alpha_among_themselves_only() -> None:
+    assert family_size(planned_tests(plan())) == 4
+    every = plan(PLANNED.replace('[analysis]\nprimary = ["time_s", "success"]\n', ""))
+    assert family_size(planned_tests(every)) == 5
+    one = plan(PLANNED.replace('["time_s", "success"]', '["time_s"]'))
+    assert family_size(planned_tests(one)) == 2
+
+
+def test_a_guess_is_called_one() -> None:
+    lines = list(power_lines(plan(), 24, guess=0.2, change=0.15))
+    assert any("0.2 of log time, a guess" in line for line in lines)
+    assert any("success by task: a pilot must tell its spread" in line for line in lines)
+    assert needs(plan(), None, 0.2)[0].spread == Spread(LOG, 0, 0.2**2, 0.0, False, 1.0)
+
+
+@pytest.mark.parametrize(("text", "value"), [("15%", 0.15), ("0.15", 0.15), ("7.5%", 0.075)])
+def test_a_change_is_given_in_per_cent_or_as_a_share(text: str, value: float) -> None:
+    assert change_of(text) == pytest.approx(value)
+
+
+@pytest.mark.parametrize("text", ["", "much", "-15%", "0", "nan%"])
+def test_what_is_no_change_is_refused(text: str) -> None:
+    with pytest.raises(InputError, match="--detect"):
+        change_of(text)
+
+
+def test_a_preregistration_says_design_number_power_exclusions_analysis_and_lock() -> None:
+    text = preregistration(plan(), 24, ["24 participants detect 20 %"], {"mujoco": "4.0.0"})
+    for part in (
+        "Factor encoder: paper, best; within participants, order latin",
+        "24 participants finish all sessions",
+        "24 participants detect 20 %",
+        "too-fast: a trial with time_s below 0.5 is excluded",
+        "time_s by encoder: 1 comparison",
+        "P values of all 4 tests are adjusted together (Holm 1979)",
+        "Everything else is exploratory",
+        "mujoco: 4.0.0",
+    ):
+        assert part in text
+    assert "nasa-tlx-raw by" not in text, "it is not primary"
+
+
+def test_a_preregistration_of_a_begun_study_is_of_its_lock(tmp_path: Path) -> None:
+    study = StudyFolder(tmp_path, design(), SIMULATED)
+    path = study.path / "design.toml"
+    begun = parse_design(path.read_text(), path, try_out=False)
+    assert lock_of(begun) == study.build
+    path.write_text(DESIGN.replace("repetitions = 2", "repetitions = 3"))
+    with pytest.raises(StudyError, match="locked to another design"):
+        lock_of(parse_design(path.read_text(), path, try_out=False))
+
+
+def test_the_command_plans_from_a_pilot_and_writes_the_preregistration(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    planted(tmp_path / "pilot", EVERY)
+    file, out = tmp_path / "design.toml", tmp_path / "prereg.md"
+    file.write_text(PLANNED)
+    command = ["study", "plan", str(file), "--power", "--from", str(tmp_path / "pilot")]
+    assert main([*command, "--detect", "15%", "--preregistration", str(out)]) == 0
+    told = capsys.readouterr().out
+    assert "a change of 15 % needs" in told and "its effects are not" in told
+    assert "a change of 15 % needs" in out.read_text()
+    assert main([*command, "--preregistration", str(out)]) == 2
+    assert main([*command, "--detect", "much"]) == 2
+    assert main([*command[:3], "--from", str(tmp_path / "pilot")]) == 2
+    assert main([*command[:4], "--from", str(tmp_path / "nowhere")]) == 2
+    errors = capsys.readouterr().err
+    assert "exists already" in errors and "--detect" in errors and "--power" in errors
