@@ -102,7 +102,7 @@ def analyse(data: StudyData, measures: Sequence[str] = ()) -> Analysis:
     """
     asked, rest = other_quantities(data, [*primary_measures(data), *measures])
     fitted = Fitted(data, asked)
-    family = family_of(fitted)
+    family = family_of(fitted, data.primary)
     several = [f for f in data.factors if len(f.levels) > 1]
     # Factors of the design come before the session.
     main = min(several, key=lambda f: f.name == SESSION, default=None)

@@ -54,19 +54,16 @@ class ScaleAnswers:
         return f"{self.questionnaire}: {self.scale}"
 
 
-def scales(data: StudyData) -> list[ScaleAnswers]:
-    """All scales: first scores, then single questions with numerical answers."""
-    return [*_scores(data), *_items(data)]
-
-
-def _scores(data: StudyData) -> list[ScaleAnswers]:
+def score_scales(data: StudyData) -> list[ScaleAnswers]:
+    """Scores of all questionnaires."""
     table = data.scores.rename(columns={"participant": "ppid", "questionnaire": "instrument"})
     if not {"instrument", "scale", "score", "ppid"} <= set(table.columns):
         return []
     return _each(data, table, "instrument", "scale", "score", True)
 
 
-def _items(data: StudyData) -> list[ScaleAnswers]:
+def item_scales(data: StudyData) -> list[ScaleAnswers]:
+    """Single questions with numerical answers."""
     if not {"ppid", "instrument", "item", "answer"} <= set(data.answers.columns):
         return []
     table = data.answers[data.answers["instrument"] != "demographics"]
@@ -110,14 +107,15 @@ def _scale(
     bounds = _bounds(rows)
     levels = tuple(x for x in (factor.levels if factor else (ALL,)) if x in set(level))
     people = list(dict.fromkeys(rows["ppid"]))
+    row = {ppid: i for i, ppid in enumerate(people)}
     who = rows["ppid"].to_numpy()
     values = np.full((len(people), len(levels)), np.nan)
-    for i, ppid in enumerate(people):
-        for j, x in enumerate(levels):
-            mine = numbers[(who == ppid) & (level == x)]
-            mine = mine[np.isfinite(mine)]
-            if len(mine):
-                values[i, j] = mine.mean()
+    for j, x in enumerate(levels):
+        mine = (level == x) & np.isfinite(numbers)
+        at = [row[ppid] for ppid in who[mine]]
+        count = np.bincount(at, minlength=len(people))
+        total = np.bincount(at, numbers[mine], minlength=len(people))
+        np.divide(total, count, out=values[:, j], where=count > 0)
     return ScaleAnswers(
         name,
         scale,

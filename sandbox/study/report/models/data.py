@@ -212,8 +212,9 @@ def to_numbers(column: Series, path: Path | None = None) -> Series:
     """
     import pandas as pd
 
-    numbers = pd.to_numeric(column.astype(str).str.strip(), errors="coerce").astype(float)
-    wrong = numbers.isna() & (column.astype(str).str.strip() != "")
+    texts = column.astype(str).str.strip()
+    numbers = pd.to_numeric(texts, errors="coerce").astype(float)
+    wrong = numbers.isna() & (texts != "")
     if path is not None and wrong.any():
         row = int(wrong.to_numpy().argmax())
         raise StudyError(
@@ -320,8 +321,10 @@ def _used(
     used = main[(main["excluded"] != 1) & main["success"].isin([0, 1])].copy()
     used = used.sort_values("ppid", kind="stable").reset_index(drop=True)
     columns = [f.column for f in factors if len(f.levels) > 1]
-    names = used[columns].agg(BETWEEN_NAMES.join, axis=1) if columns and len(used) else None
-    used["condition"] = "all" if names is None else names
+    used["condition"] = "all"
+    if columns and len(used):
+        first, *rest = (used[column] for column in columns)
+        used["condition"] = first.str.cat(rest, sep=BETWEEN_NAMES) if rest else first
     rank = {f.column: {x: i for i, x in enumerate(f.levels)} for f in factors}
     seen = used[["condition", *columns]].drop_duplicates()
     keys = [tuple(rank[c].get(row[c], -1) for c in columns) for _, row in seen.iterrows()]

@@ -7,6 +7,7 @@ of every questionnaire are tested. All tests of the study are one family.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import nan
 
@@ -81,9 +82,13 @@ class Family:
         return CONFIRMATORY if tested else EXPLORATORY
 
 
-def family_of(fitted: Fitted) -> Family:
-    """Tests the primary outcomes, or all outcomes if the design names none."""
-    primary = fitted.data.primary
+def family_of(fitted: Fitted, primary: Sequence[str]) -> Family:
+    """Tests the primary outcomes.
+
+    Args:
+        fitted: Models of the study.
+        primary: Primary outcomes of the design; if it names none, all outcomes are tested.
+    """
     # What changes from session to session is practice, which the design does not compare.
     unplanned = SESSION if fitted.data.by_session else ""
     pairs = [
@@ -97,7 +102,7 @@ def family_of(fitted: Fitted) -> Family:
         Tested(outcome, one.pair, one.p, p)
         for (outcome, one), p in zip(pairs, adjusted, strict=True)
     )
-    return Family(primary, tuple(tests))
+    return Family(tuple(primary), tuple(tests))
 
 
 def _names(pair: Pair) -> tuple[str, str, str]:

@@ -8,7 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
-from sandbox.study.report.models.answers import ScaleAnswers, scales
+from sandbox.study.report.models.answers import ScaleAnswers, item_scales, score_scales
 from sandbox.study.report.models.censored import (
     Censored,
     censored_differences,
@@ -85,19 +85,26 @@ class Fitted:
     def with_unseen(self) -> bool:
         """True if completion times are tested by the model that includes trials without success,
         since there are some; otherwise by the mixed model."""
+        if not self.data.used["censored"].any():
+            return False
         unseen = isinstance(self.censored, Censored) and self.censored.unseen > 0
         return unseen and len(self.unseen) > 0
 
     @cached_property
+    def scores(self) -> list[ScaleAnswers]:
+        """Scores of questionnaires."""
+        return score_scales(self.data)
+
+    @property
     def scales(self) -> list[ScaleAnswers]:
-        """Scales of questionnaires."""
-        return scales(self.data)
+        """Scores, then single questions."""
+        return [*self.scores, *item_scales(self.data)]
 
     @property
     def outcomes(self) -> list[str]:
         """Names of everything that can be tested: measures, and questionnaires for their scores."""
         measures = ["time_s", "success", *(what.name for what in self.asked)]
-        return list(dict.fromkeys([*measures, *(s.questionnaire for s in self.scales if s.main)]))
+        return list(dict.fromkeys([*measures, *(s.questionnaire for s in self.scores if s.main)]))
 
     def compared(self, what: Quantity) -> Compared:
         """Comparisons of a measure."""
@@ -138,5 +145,5 @@ class Fitted:
             found = self.compared(what)
             return found.shares or found.differences
         return next(
-            (s.differences for s in self.scales if s.main and s.questionnaire == outcome), ()
+            (s.differences for s in self.scores if s.main and s.questionnaire == outcome), ()
         )

@@ -2,14 +2,13 @@
 
     y = condition + practice * log2(trial) + person + person x level of each factor + residual
 
-It is fitted by restricted maximum likelihood with statsmodels; the same in R is
+It is fitted by restricted maximum likelihood; the same in R is
 `lmer(y ~ 0 + condition + log2_position + (1 | ppid) + (1 | ppid:factor) + ...)`. Degrees of freedom
 are those of a paired t test over people, which is slightly conservative.
 """
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -24,6 +23,7 @@ from sandbox.study.report.models.comparisons import (
 )
 from sandbox.study.report.models.data import ObservedFactor, StudyData
 from sandbox.study.report.models.intervals import t_quantile
+from sandbox.study.report.models.reml import fit_reml
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -31,10 +31,6 @@ if TYPE_CHECKING:
 FEWEST_PEOPLE = 3
 """Smallest number of people for an estimate of the spread between people."""
 PRACTICE = "log2_position"
-NEAR_ZERO = 0.2
-"""Standard deviation, relative to the residual's, below which a spread may be at its boundary."""
-SAME_LIKELIHOOD = 0.01
-"""Difference of log likelihoods that is within the optimiser's tolerance."""
 
 
 @dataclass(frozen=True)
@@ -123,119 +119,28 @@ def fit_mixed(data: StudyData, rows: DataFrame, y: np.ndarray) -> Mixed | str:
     factors, lacking = random_factors(rows, data.factors)
     left_out += lacking
     while True:
-        fit = _fit(rows, y, X, factors)
+        levels = [rows[factor.column].to_numpy() for factor in factors]
+        fit = fit_reml(X, y, rows["ppid"].to_numpy(), levels)
         if fit is not None:
             break
         if not factors:
             return "the mixed model cannot be fitted to these data"
         left_out.append(f"person x {factors[-1].name}: it cannot be fitted")
         factors = factors[:-1]
-    spreads, converged = fit
-    spreads, singular = _at_boundary(rows, y, X, factors, spreads)
-    covariance, coefficients, _ = _generalised(rows, y, X, factors, spreads)
+    effects = ["person", *(f"person x {factor.name}" for factor in factors)]
+    spreads = dict(zip(effects, map(float, fit.deviations), strict=True))
     return Mixed(
         tuple(present),
         tuple(names),
-        coefficients,
-        covariance,
-        spreads,
+        fit.coefficients,
+        fit.covariance,
+        {**spreads, "residual": fit.residual},
         people,
         len(rows),
         tuple(left_out),
-        singular,
-        converged,
+        tuple(name for name, spread in spreads.items() if spread == 0.0),
+        fit.converged,
     )
-
-
-def _fit(
-    rows: DataFrame, y: np.ndarray, X: np.ndarray, factors: Sequence[ObservedFactor]
-) -> tuple[dict[str, float], bool] | None:
-    """Standard deviations of all random effects, and True if the optimiser converged."""
-    import pandas as pd
-    from statsmodels.regression.mixed_linear_model import MixedLM
-
-    # Names chosen by users are not put into a formula.
-    table = pd.DataFrame({"y": y, "who": rows["ppid"].to_numpy()})
-    for i, column in enumerate(X.T):
-        table[f"x{i}"] = column
-    for i, factor in enumerate(factors):
-        table[f"f{i}"] = rows[factor.column].to_numpy()
-    with warnings.catch_warnings():
-        # A spread of zero is a valid result that needs no warning.
-        warnings.simplefilter("ignore")
-        try:
-            model = MixedLM.from_formula(
-                "y ~ 0 + " + " + ".join(f"x{i}" for i in range(X.shape[1])),
-                table,
-                groups="who",
-                re_formula="1",
-                vc_formula={f"f{i}": f"0 + C(f{i})" for i in range(len(factors))} or None,
-            )
-            fit = model.fit(reml=True, method=["lbfgs", "powell"])
-        except (np.linalg.LinAlgError, ValueError):
-            return None
-    names = [f"person x {f.name}" for f in factors]
-    residual = float(np.sqrt(fit.scale))
-    person = float(np.sqrt(max(0.0, np.asarray(fit.cov_re)[0, 0])))
-    shares = [float(np.sqrt(max(0.0, v))) for v in fit.vcomp]
-    if not np.isfinite([residual, person, *shares]).all() or residual <= 0.0:
-        return None
-    spreads = {"person": person, **dict(zip(names, shares, strict=True)), "residual": residual}
-    return spreads, bool(fit.converged)
-
-
-def _at_boundary(
-    rows: DataFrame,
-    y: np.ndarray,
-    X: np.ndarray,
-    factors: Sequence[ObservedFactor],
-    spreads: dict[str, float],
-) -> tuple[dict[str, float], tuple[str, ...]]:
-    """Standard deviations, those at their boundary as exactly zero, and the names of these.
-
-    The optimiser stops near the boundary; a spread is zero if the model is as likely without it.
-    """
-    singular = []
-    for name in sorted(spreads, key=spreads.__getitem__):
-        if name == "residual" or spreads[name] > NEAR_ZERO * spreads["residual"]:
-            continue
-        without = {**spreads, name: 0.0}
-        loss = [_generalised(rows, y, X, factors, s)[2] for s in (spreads, without)]
-        if loss[0] - loss[1] < SAME_LIKELIHOOD:
-            spreads = without
-            singular.append(name)
-    return spreads, tuple(singular)
-
-
-def _generalised(
-    rows: DataFrame,
-    y: np.ndarray,
-    X: np.ndarray,
-    factors: Sequence[ObservedFactor],
-    spreads: dict[str, float],
-) -> tuple[np.ndarray, np.ndarray, float]:
-    """Covariance and values of the fixed effects for given spreads (generalised least squares),
-    and the logarithm of the restricted likelihood without its constant."""
-    information = np.zeros((X.shape[1], X.shape[1]))
-    score = np.zeros(X.shape[1])
-    square = size = 0.0
-    who = rows["ppid"].to_numpy()
-    for ppid in dict.fromkeys(who):
-        mine = who == ppid
-        V = np.full((mine.sum(), mine.sum()), spreads["person"] ** 2)
-        V[np.diag_indices_from(V)] += spreads["residual"] ** 2
-        for factor in factors:
-            levels = rows[factor.column].to_numpy()[mine]
-            V += spreads[f"person x {factor.name}"] ** 2 * (levels[:, None] == levels[None, :])
-        solved = np.linalg.solve(V, np.column_stack([X[mine], y[mine]]))
-        information += X[mine].T @ solved[:, :-1]
-        score += X[mine].T @ solved[:, -1]
-        square += float(y[mine] @ solved[:, -1])
-        size += float(np.linalg.slogdet(V)[1])
-    covariance = np.linalg.inv(information)
-    values = covariance @ score
-    size += float(np.linalg.slogdet(information)[1])
-    return covariance, values, -0.5 * (size + square - float(score @ values))
 
 
 def mixed_differences(data: StudyData, rows: DataFrame, model: Mixed) -> list[Difference]:
