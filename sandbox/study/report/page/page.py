@@ -158,4 +158,4 @@ def _verdict(family: Family, outcome: str, pair: Pair) -> str:
     if test is None:
         return "exploratory"
     said = f"p, Holm {formats.p_value(test.p_holm)}"
-    return said if test.found else f"{said}: no difference was found"
+    return said if test.found else f"{said}: there may be no difference"
