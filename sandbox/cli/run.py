@@ -64,6 +64,16 @@ def perform(options: RunOptions) -> int:
         raise InputError(
             "the mouse needs a window", where="--device mouse", remedy="Use `sandbox play`"
         )
+    for option, device in (
+        ("--device", options.device),
+        ("--second-device", options.second_device),
+    ):
+        if device == "web":
+            raise InputError(
+                "no page is served here, so nobody can touch it",
+                where=f"{option} web",
+                remedy=f"Use `sandbox play {options.task} --device web`",
+            )
     check_output(options.json)
     events = EventLog(options.events)
     # With `--json -`, only the result goes to standard output.

@@ -106,6 +106,10 @@ def run_trial(
     makers, about, live = chosen.makers, chosen.about, chosen.live
     if named == "mouse":
         raise InputError("the mouse needs a window", where="device", remedy="Use `sandbox play`")
+    if named == "web":
+        raise InputError(
+            "no page is served here", where="device", got="web", remedy="Use `sandbox play`"
+        )
     if not isinstance(device, str):
         makers, about, live = (_opens(device),), {"device": "from Python"}, False
     caption = "simulated user" if about.get("user") is not None else ""

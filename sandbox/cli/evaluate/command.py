@@ -90,7 +90,15 @@ def main(argv: list[str]) -> int:
         from sandbox.cli.evaluate.paalm_judge import main as judge_paalm
 
         return judge_paalm(argv)
-    options = parse(EvaluateOptions, "sandbox evaluate", argv, append=False)
+    try:
+        options = parse(EvaluateOptions, "sandbox evaluate", argv, append=False)
+    except SystemExit:
+        # It was asked for help, which is about both papers.
+        from sandbox.cli.evaluate.paalm_judge import PaalmJudgeOptions
+
+        print("\nWith --paalm:\n", flush=True)
+        parse(PaalmJudgeOptions, "sandbox evaluate", ["--help"])
+        raise
     _check(options)
     from encoders.evaluation.measure import MethodResult, Tests, evaluate_method
     from encoders.evaluation.report import report

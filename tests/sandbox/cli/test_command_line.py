@@ -46,6 +46,7 @@ def test_an_option_that_there_is_not_is_one_line_that_leads_on(command, capsys):
         (["play", "box-to-goal", "--page-port", "x"], ["--page-port", "'x'"]),
         (["play", "--view", "web", "--page-port", "99999"], ["--page-port", "0 to 65535"]),
         (["touches", "show", "--tablet", "--page-port", "-1"], ["--page-port", "0 to 65535"]),
+        (["run", "stack", "--device", "web"], ["--device web", "sandbox play stack --device web"]),
         (["play", "stak", "--view", "web"], ["no such task", "stak", "box-to-goal"]),
         (["play", "stak"], ["no such task", "stak", "box-to-goal"]),
         (["play", "--view", "web", "--record", "no-folder/x.jsonl"], ["no such folder"]),

@@ -150,6 +150,7 @@ def test_pictures_come_fifteen_times_a_second_and_a_film_is_written(tmp_path):
         ({"finger": 3}, "option is unknown .*got 'finger'.*expected .*fingers"),
         ({"task": "no-such-task"}, "no such task"),
         ({"device": "mouse"}, "needs a window"),
+        ({"device": "web"}, "no page is served"),
         ({"device": "nothing-of-the-kind"}, "no such device"),
         ({"fingers": 9}, "2 to 5"),
     ],
