@@ -1,7 +1,7 @@
 """Measures what reports find in studies whose truth is known: nothing where nothing is, and planted
 effects as often as `sandbox study plan` says.
 
-python -m benchmarks.study_findings [--studies 1000]
+python -m benchmarks.study_findings [--studies 1000] [--only nothing] [--dz 0.4 0.8]
 
 Tables are drawn from a model (tools/planted_study.py), not simulated. Each study is written as
 tables, read again, and tested by the code of `sandbox study report`.
@@ -66,10 +66,14 @@ def main() -> None:
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--studies", type=int, default=1000, help="of each kind")
-    count = parser.parse_args().studies
+    parser.add_argument("--only", choices=("nothing", "planted"), help="one of the two tables")
+    parser.add_argument("--dz", type=float, nargs="+", default=SIZES, help="planted effects")
+    options = parser.parse_args()
     print(f"{describe_machine()}\n", flush=True)
-    _print_nothing(count)
-    _print_planted(count)
+    if options.only != "planted":
+        _print_nothing(options.studies)
+    if options.only != "nothing":
+        _print_planted(options.studies, options.dz)
 
 
 def _print_nothing(count: int) -> None:
@@ -92,7 +96,7 @@ def _print_nothing(count: int) -> None:
         print(f"| {name} | {tests[name]} | {_shares(wrong[name], count)} |", flush=True)
 
 
-def _print_planted(count: int) -> None:
+def _print_planted(count: int, sizes: Sequence[float]) -> None:
     deviation = spread_of(PLANTED).deviation(PLANTED.repetitions)
     print(
         f"\nPlanted effects in completion time: two levels x {PLANTED.repetitions} repetitions, "
@@ -103,7 +107,7 @@ def _print_planted(count: int) -> None:
         "| share | 95 % interval |"
     )
     print("| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |")
-    for size in SIZES:
+    for size in sizes:
         for people in PEOPLE:
             told = list(planted(size, people, count))
             found, covers = sum(t.found for t in told), sum(t.covers for t in told)

@@ -124,8 +124,8 @@ def rows_for_model(data: StudyData, what: Quantity) -> tuple[DataFrame, np.ndarr
     if what.scale == SHARE or not len(rows):
         return rows, y
     groups = [rows["ppid"].to_numpy(), rows["cell"].to_numpy()]
-    spread = rows.assign(y=y).groupby(groups)["y"].agg(lambda v: v.max() - v.min())
-    if (spread > 1e-12).any():
+    cells = rows.assign(y=y).groupby(groups)["y"]
+    if (cells.max() - cells.min() > 1e-12).any():
         return rows, y
     first = ~rows[["ppid", "cell"]].duplicated().to_numpy()
     return rows[first], y[first]
