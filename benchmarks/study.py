@@ -26,13 +26,13 @@ from sandbox.study.design.design_file import load_design
 from sandbox.study.design.plan import TrialStep
 from sandbox.study.measures.compute import VERSION
 from sandbox.study.measures.registry import measures
-from sandbox.study.record.files import sync_file
 from sandbox.study.record.folder import SIMULATED, StudyFolder
 from sandbox.study.record.journal import Journal, SyncThread
 from sandbox.study.record.session_folder import SessionFolder
 from sandbox.study.run.simulate import simulated_person
 from sandbox.study.tables.frames import FrameTable
 from sandbox.study.tables.tables import rebuild_session, rebuild_study
+from sandbox.system.durable_files import sync_file
 from sandbox.trial.assembly import build
 from sandbox.trial.device_makers import DeviceMaker
 from sandbox.trial.driver import trial_header, undisturbed

@@ -6,7 +6,6 @@ which is on the disk before the next trial is awaited. Only the last line can be
 
 from __future__ import annotations
 
-import fcntl
 import json
 import os
 import stat
@@ -25,6 +24,7 @@ from sandbox.regress.baseline import flat
 from sandbox.regress.execute import CRASHED, Trial
 from sandbox.regress.plan import RegressionPlan
 from sandbox.session.closeable import Closeable
+from sandbox.system.durable_files import OPEN, Release, lock
 from tasks.discovery import place_file
 
 KIND = "trials of sandbox regress"
@@ -122,7 +122,7 @@ class TrialsFile(Closeable):
         self.trials: dict[Key, Trial] = {}
         self.crashed_before: list[Trial] = []
         self.set_aside: Path | None = None
-        self._fd = _opened(path)
+        self._fd, self._release = _opened(path)
         try:
             if not stat.S_ISREG(os.fstat(self._fd).st_mode):
                 raise InputError("this is no plain file", where=str(path))
@@ -174,6 +174,7 @@ class TrialsFile(Closeable):
     def close(self) -> None:
         """Closes the file, which then is another run's to write."""
         if self._fd >= 0:
+            self._release()
             os.close(self._fd)
             self._fd = -1
 
@@ -191,7 +192,7 @@ class TrialsFile(Closeable):
         if data and _lines(data)[0][-1:] != [_END]:
             self.set_aside = _aside(self.path)
             self.close()
-            self._fd = _opened(self.path)
+            self._fd, self._release = _opened(self.path)
         self._head(data)
 
     def _head(self, data: bytes) -> None:
@@ -246,30 +247,31 @@ class TrialsFile(Closeable):
         )
 
 
-def _opened(path: Path) -> int:
+def _opened(path: Path) -> tuple[int, Release]:
     """The file, locked until it is closed or the program ends in any way."""
     while True:
         try:
-            fd = os.open(path, os.O_RDWR | os.O_CREAT | os.O_APPEND | os.O_CLOEXEC, 0o666)
+            fd = os.open(path, os.O_RDWR | os.O_CREAT | os.O_APPEND | OPEN, 0o666)
         except OSError as error:
             raise InputError(
                 "trials cannot be written here", where=str(path), got=error.strerror
             ) from None
         try:
-            fcntl.flock(fd, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            if path.exists() and os.path.samestat(path.stat(), os.fstat(fd)):
-                return fd
-        except BlockingIOError:
+            release = lock(fd, path, wait=False)
+        except OSError as error:
+            os.close(fd)
+            raise InputError("no lock can be had", where=str(path), got=error.strerror) from None
+        if release is None:
             os.close(fd)
             raise InputError(
                 "another run writes its trials here",
                 where=str(path),
                 remedy="Wait until it ends, or give this one another --json FILE",
-            ) from None
-        except OSError as error:
-            os.close(fd)
-            raise InputError("no lock can be had", where=str(path), got=error.strerror) from None
+            )
+        if path.exists() and os.path.samestat(path.stat(), os.fstat(fd)):
+            return fd, release
         # Another run set it aside between the two calls.
+        release()
         os.close(fd)
 
 

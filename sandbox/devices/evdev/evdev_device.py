@@ -5,7 +5,6 @@ from __future__ import annotations
 import array
 import contextlib
 import errno
-import fcntl
 import os
 import time
 from collections.abc import Iterable, Sequence
@@ -203,6 +202,9 @@ class LinuxNode:
 
     def slots(self) -> Slots:
         """See `Node`; asks the kernel."""
+        # Only systems that have such devices have this module.
+        import fcntl
+
         values: dict[int, dict[int, int]] = {n: {} for n in range(self._count)}
         for code in SLOT_CODES:
             buffer = array.array("i", [code, *[0] * self._count])

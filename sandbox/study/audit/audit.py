@@ -23,7 +23,7 @@ from sandbox.study.audit.session_files import INFO, TRACKERS, check_files
 from sandbox.study.audit.witness import check_witnesses
 from sandbox.study.record.build import code_digest
 from sandbox.study.record.chain import Record
-from sandbox.study.record.files import TEMPORARY, json_bytes
+from sandbox.study.record.files import LOCK_FILES, TEMPORARY, json_bytes
 from sandbox.study.record.folder import (
     DESIGN_FILE,
     STUDY_FILE,
@@ -44,7 +44,6 @@ from sandbox.study.share.privacy import ABOUT, ANONYMISED
 from sandbox.study.share.withdraw import SITES, WITHDRAWN
 from sandbox.study.tables.tables import SOURCES
 
-LOCK_FILE = ".lock"
 PARTS = (TRIALS, TRACKERS, INFO)
 """Folders of a session."""
 
@@ -233,7 +232,7 @@ def _in_force(records: list[Record], session: int) -> list[Record]:
 def _check_session_entries(findings: Findings, session: Path) -> None:
     """Names files in a session's folder that nothing there has written."""
     tables = ("participant_details.csv", "settings.json", "log.csv")
-    known = {JOURNAL, LOCK_FILE, *PARTS, *CSV}
+    known = {JOURNAL, *LOCK_FILES, *PARTS, *CSV}
     for path in sorted((*session.iterdir(), *(session / INFO).glob("*"))):
         inside = path.parent != session
         if path.name.startswith(TEMPORARY) or path.name in (tables if inside else known):
@@ -260,7 +259,7 @@ def _check_entries(findings: Findings, people: set[str], study: StudyFolder | No
         SITES,
         ABOUT,
         SOURCES,
-        LOCK_FILE,
+        *LOCK_FILES,
         "participants.csv",
         *CSV,
         *people,

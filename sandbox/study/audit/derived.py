@@ -180,7 +180,10 @@ def _logged(findings: Findings, session: AuditedSession, log: Path, least: int) 
         count = sum(1 for _ in csv.reader(io.StringIO(data.decode(), newline=""))) - 1
     except (UnicodeDecodeError, csv.Error):
         count = len(records)
-    if count > len(records):
+    whole = log_bytes(records)
+    if count > len(records) and data.startswith(whole):
+        line = whole.count(b"\n") + 1
+        findings.add(Kind.CHANGED, log, "it has more records than the journal", line)
         findings.add(
             Kind.MISSING,
             session.journal.path,

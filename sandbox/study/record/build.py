@@ -49,6 +49,7 @@ LEFT_OUT = {
     "sandbox/server": "it carries the page; the touches that come of it are recorded",
     "sandbox/server/connections": "it carries the page",
     "sandbox/server/protocol": "it carries the page",
+    "sandbox/system": "it locks and flushes files",
     "sandbox/views": "it shows what happens",
     "sandbox/views/window": "it shows what happens",
 }

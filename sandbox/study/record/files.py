@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import fcntl
 import json
 import os
 from collections.abc import Iterator
@@ -11,9 +10,18 @@ from pathlib import Path
 from typing import Any
 
 from models.errors import StudyError
+from sandbox.system.durable_files import (
+    BESIDE,
+    OPEN,
+    lock,
+    sync_folder,
+    this_program,
+)
 
 TEMPORARY = ".tmp-"
 """Prefix of the names of unfinished files."""
+LOCK_FILES = (".lock", f".lock{BESIDE}")
+"""Names of files that hold locks; they hold no data."""
 
 
 def study_error(error: OSError, path: Path, what: str) -> StudyError:
@@ -58,22 +66,10 @@ def write_atomically(path: Path, data: bytes, durable: bool = True) -> bool:
     return True
 
 
-def sync_folder(folder: Path) -> None:
-    """Flushes new names in a folder to the disk, so that they survive a power cut."""
-    fd = os.open(folder, os.O_RDONLY)
-    try:
-        os.fsync(fd)
-    finally:
-        os.close(fd)
-
-
-def sync_file(path: Path) -> None:
-    """Flushes a file to the disk, so that its content survives a power cut."""
-    fd = os.open(path, os.O_RDONLY)
-    try:
-        os.fsync(fd)
-    finally:
-        os.close(fd)
+def remove_locks(folder: Path) -> None:
+    """Removes the lock files of a folder that nobody has open."""
+    for name in LOCK_FILES:
+        _remove(folder / name)
 
 
 def remove_unfinished(folder: Path) -> None:
@@ -113,23 +109,24 @@ def locked(path: Path, wait: bool, what: str = "") -> Iterator[None]:
         StudyError: Another program holds the lock, or the file cannot be created.
     """
     try:
-        fd = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o666)
+        fd = os.open(path, os.O_RDWR | os.O_CREAT | OPEN, 0o666)
     except OSError as error:
         raise study_error(error, path, "the lock file cannot be created") from None
+    release = None
     try:
-        try:
-            fcntl.flock(fd, fcntl.LOCK_EX | (0 if wait else fcntl.LOCK_NB))
-        except BlockingIOError:
-            holder = os.pread(fd, 100, 0).decode(errors="replace").strip()
+        release = lock(fd, path, wait)
+        if release is None:
             raise StudyError(
                 f"{what} is in use by another program",
                 where=str(path.parent),
-                got=holder or None,
+                got=os.read(fd, 100).decode(errors="replace").strip() or None,
                 remedy="End that program first",
-            ) from None
+            )
         _write_holder(fd)
         yield
     finally:
+        if release is not None:
+            release()
         os.close(fd)
 
 
@@ -142,4 +139,4 @@ def _write_holder(fd: int) -> None:
     """Writes process and host into the lock file, for the message of others; errors are ignored."""
     with suppress(OSError):
         os.ftruncate(fd, 0)
-        os.pwrite(fd, f"process {os.getpid()} on {os.uname().nodename}\n".encode(), 0)
+        os.write(fd, f"{this_program()}\n".encode())

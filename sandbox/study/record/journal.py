@@ -19,8 +19,9 @@ from typing import Any
 from models.errors import StudyError
 from models.json_input import checked, decoded_record
 from sandbox.study.record.chain import DIGEST, Chain, Record, chained, chained_bytes
-from sandbox.study.record.files import study_error, sync_folder
+from sandbox.study.record.files import study_error
 from sandbox.study.record.record_forms import FORMS, RecordHead
+from sandbox.system.durable_files import OPEN, flush, sync_folder
 
 SYNC = 0.5
 """s between two flushes of written data to the disk."""
@@ -62,7 +63,7 @@ class Journal:
         self.path = path
         self._clocks: tuple[float, float] | None = None
         try:
-            self._fd = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_APPEND | os.O_CLOEXEC, 0o666)
+            self._fd = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_APPEND | OPEN, 0o666)
         except OSError as error:
             raise study_error(error, path, "the journal cannot be opened") from None
         try:
@@ -113,7 +114,7 @@ class Journal:
 
     def sync(self) -> None:
         """Flushes the file to the disk."""
-        os.fdatasync(self._fd)
+        flush(self._fd)
 
     def close(self) -> None:
         """Closes the file."""

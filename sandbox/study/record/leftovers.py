@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import json
 from pathlib import Path
 
 from models.errors import RecordingError
@@ -52,11 +53,11 @@ def lost_records(session: Path, there: int) -> int:
         return 0
     try:
         with log.open(encoding="utf-8", newline="") as file:
-            logged = sum(1 for _ in csv.reader(file)) - 1
-    except (UnicodeDecodeError, csv.Error):
+            last = json.loads(list(csv.reader(file))[-1][-1])["n"]
+    except (ValueError, KeyError, IndexError, TypeError, csv.Error):
         # A table that cannot be read is built again.
         return 0
-    return max(0, logged - there)
+    return max(0, last + 1 - there) if isinstance(last, int) else 0
 
 
 def whole_leftovers(session: Path, state: SessionState) -> list[str]:

@@ -6,7 +6,8 @@ from pathlib import Path
 
 from models.errors import StudyError
 from sandbox.recording.recording_file import SUFFIX, packed, read_stored
-from sandbox.study.record.files import study_error, sync_folder, write_atomically
+from sandbox.study.record.files import study_error, write_atomically
+from sandbox.system.durable_files import sync_folder
 
 
 def pack(recording: Path) -> Path:

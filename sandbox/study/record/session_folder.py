@@ -19,14 +19,7 @@ from sandbox.study.record.file_digests import (
     recording_digests,
     tables_of,
 )
-from sandbox.study.record.files import (
-    locked,
-    make_folder,
-    remove_unfinished,
-    study_error,
-    sync_file,
-    sync_folder,
-)
+from sandbox.study.record.files import locked, make_folder, remove_unfinished, study_error
 from sandbox.study.record.folder import Participant, StudyFolder
 from sandbox.study.record.journal import SCHEMA, Journal, SyncThread, read_journal
 from sandbox.study.record.leftovers import (
@@ -39,6 +32,7 @@ from sandbox.study.record.pack import pack
 from sandbox.study.record.recorded_result import finished_result
 from sandbox.study.record.state import Attempt, SessionState
 from sandbox.study.record.stored_sessions import JOURNAL, session_path, sessions_of
+from sandbox.system.durable_files import sync_file, sync_folder
 from sandbox.trial.result import KeptIn, TrialResult
 
 SENT = ("n", "step", "trial", "attempt", "practice", "form", "block", "levels", DIGEST)

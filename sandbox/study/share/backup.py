@@ -19,10 +19,11 @@ from pathlib import Path, PurePosixPath
 
 from models.errors import StudyError
 from sandbox.recording.recording_file import SUFFIX, stored
-from sandbox.study.record.files import TEMPORARY, make_folder, study_error, sync_file, sync_folder
+from sandbox.study.record.files import LOCK_FILES, TEMPORARY, make_folder, study_error
 from sandbox.study.record.folder import StudyFolder
 from sandbox.study.record.journal import parse_records
 from sandbox.study.share.export_folder import refuse_existing
+from sandbox.system.durable_files import sync_file, sync_folder
 
 SUMS = "SHA256SUMS"
 """Name of the list of digests in an archive, in the format of `sha256sum --check`."""
@@ -162,7 +163,7 @@ def _contents(folder: Path) -> Iterator[tuple[str, bytes]]:
     for listing in listed:
         # A recording may have been compressed since it was listed.
         path = stored(listing)
-        temporary = path.name == ".lock" or path.name.startswith(TEMPORARY)
+        temporary = path.name in LOCK_FILES or path.name.startswith(TEMPORARY)
         if path in yielded or temporary or path.is_symlink() or not path.is_file():
             continue
         yielded.add(path)

@@ -9,7 +9,8 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from models.errors import StudyError
-from sandbox.study.record.files import TEMPORARY, make_folder, study_error, sync_folder
+from sandbox.study.record.files import TEMPORARY, make_folder, study_error
+from sandbox.system.durable_files import sync_folder
 
 
 @contextmanager

@@ -31,7 +31,14 @@ from sandbox.study.record.chain import (
     without_chain,
 )
 from sandbox.study.record.file_digests import recording_digests
-from sandbox.study.record.files import TEMPORARY, json_bytes, locked, write_atomically
+from sandbox.study.record.files import (
+    LOCK_FILES,
+    TEMPORARY,
+    json_bytes,
+    locked,
+    remove_locks,
+    write_atomically,
+)
 from sandbox.study.record.folder import (
     LOCK,
     SCHEMA,
@@ -106,7 +113,7 @@ def merge(first: StudyFolder, second: StudyFolder, out: Path, force: str = "") -
             _copy(sites[site].path, old, work, new, new_id)
         write_atomically(work / SITES, sites_bytes(read_journal(work / STUDY_JOURNAL)))
         rebuild_all(StudyFolder.at(work))
-        (work / ".lock").unlink(missing_ok=True)
+        remove_locks(work)
     merged.people = len(chosen)
     return merged
 
@@ -328,4 +335,4 @@ def sites_bytes(records: list[Record]) -> bytes:
 
 
 def _ignored(folder: str, names: list[str]) -> list[str]:
-    return [name for name in names if name == ".lock" or name.startswith(TEMPORARY)]
+    return [name for name in names if name in LOCK_FILES or name.startswith(TEMPORARY)]

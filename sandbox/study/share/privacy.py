@@ -21,7 +21,7 @@ from sandbox.study.design.design import Design
 from sandbox.study.design.plan import in_the_air
 from sandbox.study.record.chain import DIGEST, Record
 from sandbox.study.record.file_digests import recording_digests, tables_of
-from sandbox.study.record.files import json_bytes, make_folder, write_atomically
+from sandbox.study.record.files import json_bytes, make_folder, remove_locks, write_atomically
 from sandbox.study.record.folder import (
     LOCK,
     STUDY_FILE,
@@ -296,5 +296,5 @@ def _finish(
     write_atomically(work / ABOUT, json_bytes(about))
     _write_study_journal(work, [*records, {"kind": ANONYMISED, "about": about}])
     rebuild_study(copy)
-    (work / ".lock").unlink(missing_ok=True)
+    remove_locks(work)
     return Anonymised(len(people), without_consent, group_sizes)

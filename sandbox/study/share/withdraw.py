@@ -24,12 +24,13 @@ from sandbox.study.record.chain import (
     record_line,
     replaced,
 )
-from sandbox.study.record.files import locked, study_error, sync_folder, write_atomically
+from sandbox.study.record.files import LOCK_FILES, locked, study_error, write_atomically
 from sandbox.study.record.folder import STUDY_JOURNAL, StudyFolder
 from sandbox.study.record.journal import now, read_journal
 from sandbox.study.record.stored_sessions import session_folders
 from sandbox.study.share.export_log import COPIES, Copy, copies
 from sandbox.study.tables.tables import rebuild_study
+from sandbox.system.durable_files import sync_folder
 
 WITHDRAWN, REMOVED = "withdrawn", "removed"
 """Kinds of records: the tombstone, and the replacement of other records of the participant."""
@@ -126,7 +127,7 @@ def _scrubbed(value: Any, ppid: str) -> Any:
 def _delete(folder: Path) -> int:
     if not folder.exists():
         return 0
-    count = sum(path.is_file() for path in folder.rglob("*") if path.name != ".lock")
+    count = sum(path.is_file() for path in folder.rglob("*") if path.name not in LOCK_FILES)
     try:
         shutil.rmtree(folder)
         sync_folder(folder.parent)

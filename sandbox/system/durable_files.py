@@ -1,0 +1,116 @@
+"""Locks and flushes of files, on every operating system.
+
+Where Python has `fcntl`, a file is locked itself. Elsewhere a database of SQLite beside it is
+locked, since SQLite locks files in the way of each system. Either lock ends with the program that
+holds it, however that ends.
+"""
+
+from __future__ import annotations
+
+import errno
+import os
+import platform
+import sqlite3
+from collections.abc import Callable
+from importlib import import_module
+from pathlib import Path
+from types import ModuleType
+
+Release = Callable[[], None]
+"""Ends a lock; closing the file does so, too, where the file itself is locked."""
+
+BESIDE = ".held"
+"""What is appended to the name of a file for the database that is locked in its place."""
+LONGEST_WAIT = 3600.0
+"""s after which waiting for another program's lock is given up."""
+OPEN = getattr(os, "O_BINARY", 0)
+"""Flag for `os.open` that leaves line breaks as they are; only Windows needs it."""
+
+
+def _system_locks() -> ModuleType | None:
+    """The module `fcntl`, or None on a system without it."""
+    try:
+        return import_module("fcntl")
+    except ImportError:
+        return None
+
+
+_FCNTL = _system_locks()
+
+
+def lock(fd: int, path: Path, wait: bool) -> Release | None:
+    """Locks an open file for this program alone.
+
+    Args:
+        fd: The open file.
+        path: Its path.
+        wait: True waits until others end their lock.
+
+    Returns:
+        What ends the lock; None if another program holds it.
+
+    Raises:
+        OSError: The file cannot be locked.
+    """
+    if _FCNTL is None:
+        return _lock_beside(path, wait)
+    try:
+        _FCNTL.flock(fd, _FCNTL.LOCK_EX | (0 if wait else _FCNTL.LOCK_NB))
+    except BlockingIOError:
+        return None
+    return _nothing
+
+
+def _lock_beside(path: Path, wait: bool) -> Release | None:
+    """Locks the database beside a file."""
+    beside = f"{path}{BESIDE}"
+    held = sqlite3.connect(
+        beside,
+        timeout=LONGEST_WAIT if wait else 0.0,
+        isolation_level=None,
+        check_same_thread=False,
+    )
+    try:
+        held.execute("BEGIN EXCLUSIVE")
+    except sqlite3.OperationalError as error:
+        held.close()
+        if error.sqlite_errorcode == sqlite3.SQLITE_BUSY:
+            return None
+        raise OSError(errno.EIO, str(error), beside) from None
+    return held.close
+
+
+def _nothing() -> None:
+    """The lock ends when the file is closed."""
+
+
+def flush(fd: int) -> None:
+    """Flushes the content of an open file to the disk."""
+    getattr(os, "fdatasync", os.fsync)(fd)
+
+
+def sync_file(path: Path) -> None:
+    """Flushes a file to the disk, so that its content survives a power cut."""
+    # Windows flushes only files that may be written.
+    fd = os.open(path, (os.O_RDWR if os.name == "nt" else os.O_RDONLY) | OPEN)
+    try:
+        os.fsync(fd)
+    finally:
+        os.close(fd)
+
+
+def sync_folder(folder: Path) -> None:
+    """Flushes new names in a folder to the disk, so that they survive a power cut."""
+    if os.name == "nt":
+        # Windows opens no folders; NTFS keeps its names in a journal of its own.
+        return
+    fd = os.open(folder, os.O_RDONLY)
+    try:
+        os.fsync(fd)
+    finally:
+        os.close(fd)
+
+
+def this_program() -> str:
+    """Process and machine, for the message of another program that wants a lock."""
+    return f"process {os.getpid()} on {platform.node()}"

@@ -1,0 +1,109 @@
+"""Studies and regression runs need no module that only one operating system has."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from sandbox.system import durable_files
+from sandbox.system.durable_files import lock
+from tests.support.study_files import DESIGN, in_child, killed_after
+from tools.house import ROOT
+
+MISSING = ("fcntl", "resource", "termios", "pwd", "grp")
+
+WORK = """
+import os, sys
+for name in {missing!r}:
+    sys.modules[name] = None
+for name in ("fdatasync", "pread", "pwrite", "O_CLOEXEC"):
+    delattr(os, name)
+from sandbox.cli.main import main
+status = main(["study", "simulate", "design.toml", "--out", "out", "--participants", "1"])
+status += main(["replay", "out/quick-simulated", "--verify"])
+status += main(["regress", "--tasks", "{task}", "--encoder", "linear", "--seeds", "1:3",
+                "--executor", "serial", "--json", "report.json"])
+status += main(["run", "box-to-goal", "--encoder", "linear", "--record", "r.jsonl"])
+sys.exit(status)
+"""
+
+
+def test_a_study_and_a_regression_run_are_played_without_them(tmp_path: Path) -> None:
+    task = str(ROOT / "tests/support/regress_tasks.py:Quick")
+    text = DESIGN.replace("tests/support/regress_tasks.py:Quick", task)
+    (tmp_path / "design.toml").write_text(text)
+    work = WORK.format(missing=MISSING, task=task)
+    done = subprocess.run(
+        [sys.executable, "-c", work],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        timeout=300,
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+        check=False,
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "all is as it was written" in done.stdout
+
+
+def test_the_program_names_them_in_one_module_and_in_the_devices_of_one_system() -> None:
+    named = {
+        path.relative_to(ROOT).as_posix()
+        for package in ("models", "encoders", "tasks", "sandbox")
+        for path in (ROOT / package).rglob("*.py")
+        if any(
+            f"import {name}" in line or f'"{name}"' in line
+            for name in MISSING
+            for line in path.read_text(encoding="utf-8").splitlines()
+        )
+    }
+    assert named == {
+        "sandbox/devices/evdev/evdev_device.py",
+        "sandbox/system/durable_files.py",
+    }
+
+
+@pytest.mark.parametrize("has_fcntl", [True, False])
+def test_a_lock_holds_until_it_is_ended_or_its_program_is_killed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, has_fcntl: bool
+) -> None:
+    if not has_fcntl:
+        monkeypatch.setattr(durable_files, "_FCNTL", None)
+    path = tmp_path / "file"
+    path.touch()
+
+    def taken() -> bool:
+        fd = os.open(path, os.O_RDWR)
+        release = lock(fd, path, wait=False)
+        if release is not None:
+            release()
+        os.close(fd)
+        return release is None
+
+    def hold(say: object) -> None:
+        held = os.open(path, os.O_RDWR)
+        assert lock(held, path, wait=True) is not None
+        (tmp_path / "held").touch()
+        while True:
+            pass
+
+    assert not taken()
+    fd = os.open(path, os.O_RDWR)
+    release = lock(fd, path, wait=False)
+    assert release is not None and taken()
+    release()
+    os.close(fd)
+    assert not taken()
+    seen = []
+
+    def is_held() -> bool:
+        if (tmp_path / "held").exists():
+            seen.append(taken())
+        return bool(seen)
+
+    killed, _ = killed_after(in_child(hold), 60.0, is_held)
+    assert killed and seen == [True] and not taken()
