@@ -52,13 +52,15 @@ class StudyExportOptions:
     them."""
 
     keep_hands: tyro.conf.FlagCreatePairsOff[bool] = False
-    """Keep recordings over a Leap, which contain the lengths of fingers."""
+    """Keep recordings over a Leap, which contain the lengths of fingers, and those of hands whose
+    exact size fewer than five participants share."""
 
     drop: Annotated[tuple[str, ...], tyro.conf.arg(metavar="ITEM")] = ()
     """Demographic item to leave out; may be repeated."""
 
     bin: Annotated[tuple[str, ...], tyro.conf.arg(metavar="ITEM:WIDTH")] = ()
-    """Demographic number to round down, such as age:10; may be repeated."""
+    """Demographic number to round down, such as age:10, or hand_size (default hand_size:0.1); may
+    be repeated."""
 
     recordings: bool = True
     """Include recordings. Without them, trials cannot be replayed from the copy."""
@@ -321,8 +323,8 @@ def _tell(done: Anonymised, out: Path, console: Console) -> None:
         console.print(f"  {done.without_consent} who did not agree are left out")
     if done.hands:
         console.print(
-            f"  {done.hands} recordings of hands in the air are left out: they hold the "
-            "lengths of fingers; --keep-hands keeps them"
+            f"  {done.hands} recordings are left out: they hold the lengths of fingers, or a size "
+            "of the hand that few share; --keep-hands keeps them"
         )
     group_sizes = done.groups
     if group_sizes.exposed:

@@ -9,6 +9,7 @@ results.
 from __future__ import annotations
 
 import shutil
+from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -35,9 +36,10 @@ from sandbox.study.record.session_folder import BEGUN, SEALED
 from sandbox.study.record.state import SessionState
 from sandbox.study.record.stored_sessions import JOURNAL, StoredSession, all_sessions, session_path
 from sandbox.study.share.export_folder import new_folder
-from sandbox.study.share.privacy_groups import Groups, binned, groups
+from sandbox.study.share.privacy_groups import SMALLEST, Groups, binned, groups
 from sandbox.study.share.privacy_records import (
     EPOCH,
+    HAND_SIZE,
     LEFT_OUT,
     PersonMasking,
     anonymous_line,
@@ -47,6 +49,9 @@ from sandbox.study.share.privacy_records import (
 from sandbox.study.tables.tables import rebuild_all, rebuild_study
 
 DEMOGRAPHICS = "demographics"
+HAND_SIZE_BIN = 0.1
+"""Bin width of the size of hands, unless another one is given. Over people it has a standard
+deviation of about 0.07 (`sandbox.study.run.simulate`)."""
 ABOUT = "anonymised.json"
 ANONYMISED = "anonymised"
 """Kind of the record that says what was done; `anonymised.json` has the same content."""
@@ -61,9 +66,11 @@ class Masking:
     Attributes:
         words: True keeps free-text answers and texts typed by the experimenter.
         drop: Names of demographic items that are left out.
-        bins: Bin width by demographic item; numbers are rounded down to a multiple of it.
+        bins: Bin width by demographic item, and of `hand_size`; numbers are rounded down to a
+            multiple of it.
         recordings: True includes recordings of trials.
-        hands: True includes recordings of hands in the air, which contain the lengths of fingers.
+        hands: True includes recordings that tell how a hand is made: those in the air, which
+            contain the lengths of fingers, and those of hands whose exact size too few share.
     """
 
     words: bool = False
@@ -81,7 +88,7 @@ class Anonymised:
         people: Number of participants in the copy.
         without_consent: Number of participants left out for lack of consent.
         groups: Groups of participants with equal demographics.
-        hands: Number of recordings of hands in the air that were left out.
+        hands: Number of recordings that were left out, since they tell how a hand is made.
     """
 
     people: int
@@ -112,6 +119,8 @@ def anonymise(study: StudyFolder, out: Path, masking: Masking, say: Say) -> Anon
         raise StudyError("the study has no participant to export", where=str(study.path))
     names = _new_names(agreed)
     new_id = str(uuid4())
+    sizes = {p: some[0].state.start[HAND_SIZE] for p, some in agreed.items()}
+    tell_hands = _rare(sizes)
     with new_folder(out) as work:
         about = {**study.about, "study": new_id, "created": EPOCH.isoformat()}
         about["build"] = without_folders(study.build)
@@ -119,32 +128,47 @@ def anonymise(study: StudyFolder, out: Path, masking: Masking, say: Say) -> Anon
         write_design(work, study.design)
         for old in sorted(agreed, key=names.__getitem__):
             answer = _answer(study.design, masking)
-            person_masking = PersonMasking(names[old], new_id, answer, masking.words)
+            person_masking = PersonMasking(
+                names[old], new_id, answer, masking.words, lambda size: shared_size(size, masking)
+            )
             for session in agreed[old]:
                 say(f"{names[old]}: {len(session.records)} records")
-                _write_session(work, session, person_masking, masking)
+                _write_session(work, session, person_masking, masking, old in tell_hands)
         copied = [(names[old], agreed[old]) for old in sorted(agreed, key=names.__getitem__)]
-        anonymised = _finish(work, about, copied, masking, len(sessions) - len(agreed))
+        exact = {names[old]: size for old, size in sizes.items()}
+        without = len(sessions) - len(agreed)
+        anonymised = _finish(work, about, copied, masking, without, exact)
     starts = [
-        r
-        for some in agreed.values()
+        in_the_air(r["values"]) or ppid in tell_hands
+        for ppid, some in agreed.items()
         for session in some
         for r in session.records
         if r["kind"] == "trial_start"
     ]
     hidden = masking.recordings and not masking.hands
-    return replace(anonymised, hands=sum(hidden and in_the_air(r["values"]) for r in starts))
+    return replace(anonymised, hands=sum(starts) if hidden else 0)
+
+
+def shared_size(size: float, masking: Masking) -> float:
+    """Size of a hand as the copy tells it."""
+    return float(binned(size, (masking.bins or {}).get(HAND_SIZE, HAND_SIZE_BIN)))
+
+
+def _rare(sizes: Mapping[str, float]) -> set[str]:
+    """Participants whose exact hand size, which recordings contain, too few others share."""
+    shared = Counter(sizes.values())
+    return {ppid for ppid, size in sizes.items() if shared[size] < min(SMALLEST, len(sizes))}
 
 
 def _check(design: Design, masking: Masking) -> None:
     known = [item.name for item in design.demographics]
     for name in (*masking.drop, *(masking.bins or {})):
-        if name not in known:
+        if name not in known and (name != HAND_SIZE or name in masking.drop):
             raise StudyError(
                 "no such demographic item",
                 where="--drop or --bins",
                 got=name,
-                expected=", ".join(known) or "no demographics",
+                expected=", ".join(known) or f"no demographics; --bin takes {HAND_SIZE}",
             )
 
 
@@ -180,7 +204,10 @@ def _answer(design: Design, masking: Masking) -> Callable[[str, str, Any], Any]:
 
 
 def _study_records(
-    work: Path, about: Record, people: Sequence[tuple[str, list[StoredSession]]]
+    work: Path,
+    about: Record,
+    people: Sequence[tuple[str, list[StoredSession]]],
+    masking: Masking,
 ) -> list[Record]:
     """Records of the study's journal: its lock, and the participants with their sessions."""
     records: list[Record] = [{"kind": LOCK, **about}]
@@ -190,7 +217,8 @@ def _study_records(
             {
                 "kind": "participant",
                 "ppid": ppid,
-                **{k: start[k] for k in ("number", "hand", "hand_size", "language")},
+                **{k: start[k] for k in ("number", "hand", "language")},
+                HAND_SIZE: shared_size(start[HAND_SIZE], masking),
                 "user": without_folders(start["user"]),
             }
         )
@@ -215,15 +243,28 @@ def _write_study_journal(work: Path, records: Sequence[Record]) -> None:
 
 
 def _write_session(
-    work: Path, session: StoredSession, person_masking: PersonMasking, masking: Masking
+    work: Path,
+    session: StoredSession,
+    person_masking: PersonMasking,
+    masking: Masking,
+    tells_hand: bool,
 ) -> None:
+    """Writes a session.
+
+    Args:
+        work: Folder of the copy.
+        session: The original session.
+        person_masking, masking: Settings.
+        tells_hand: True if the hand's size, which all recordings contain, identifies the person.
+    """
     source, records = session.path, anonymous_records(session.records, person_masking)
     path = session_path(work, person_masking.ppid, session.number)
     for folder in ("trials", "trackers", "session_info"):
         make_folder(path / folder)
     for attempt in (a for some in SessionState.of(records).attempts.values() for a in some):
         recording = source / attempt.start["file"]
-        kept = masking.recordings and (masking.hands or not in_the_air(attempt.start["values"]))
+        tells = tells_hand or in_the_air(attempt.start["values"])
+        kept = masking.recordings and (masking.hands or not tells)
         if kept and stored(recording).exists():
             copied = b"\n".join(
                 anonymous_line(line, person_masking, str(recording)) if line else b""
@@ -251,9 +292,10 @@ def _finish(
     copied: Sequence[tuple[str, list[StoredSession]]],
     masking: Masking,
     without_consent: int,
+    exact: Mapping[str, float],
 ) -> Anonymised:
     """Builds all tables from the written files, and documents the anonymisation in the folder."""
-    records = _study_records(work, study, copied)
+    records = _study_records(work, study, copied, masking)
     _write_study_journal(work, records)
     copy = StudyFolder.at(work)
     design = copy.design
@@ -266,10 +308,17 @@ def _finish(
             for r in s.state.answers.values()
             if r["form"] == DEMOGRAPHICS
         ]
+        # Recordings contain the exact size.
+        seen = masking.recordings and masking.hands
         people.append(
-            {"hand": start["hand"], "language": start["language"], **(asked[-1] if asked else {})}
+            {
+                "hand": start["hand"],
+                HAND_SIZE: exact[start["ppid"]] if seen else start[HAND_SIZE],
+                "language": start["language"],
+                **(asked[-1] if asked else {}),
+            }
         )
-    columns = ["hand", "language"] + [
+    columns = ["hand", HAND_SIZE, "language"] + [
         item.name
         for item in design.demographics
         if item.name not in masking.drop and (masking.words or item.kind != "text")
@@ -281,15 +330,14 @@ def _finish(
         "left_out_without_consent": without_consent,
         "words_kept": masking.words,
         "left_out": list(masking.drop),
-        "rounded_down_to": dict(masking.bins or {}),
+        "rounded_down_to": {HAND_SIZE: HAND_SIZE_BIN, **(masking.bins or {})},
         "recordings": masking.recordings,
-        "recordings_of_hands_in_the_air": masking.recordings and masking.hands,
+        "recordings_that_tell_how_a_hand_is_made": masking.recordings and masking.hands,
         "compared": list(group_sizes.columns),
         "smallest_group": group_sizes.smallest,
         "people_in_groups_below_5": group_sizes.exposed,
         "may_still_tell": [
             "the order of arrival (participant_number)",
-            "hand_size",
             "how somebody moves (touches and poses)",
         ],
     }

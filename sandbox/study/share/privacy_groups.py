@@ -14,6 +14,8 @@ from typing import Any
 
 SMALLEST = 5
 """Number of people who should share every combination; a usual choice without a guarantee."""
+DIGITS = 9
+"""Decimals of rounded numbers."""
 
 
 @dataclass(frozen=True)
@@ -49,5 +51,6 @@ def binned(value: Any, width: float) -> Any:
     """A number rounded down to a multiple of a width; other values are returned unchanged."""
     if isinstance(value, bool) or not isinstance(value, int | float):
         return value
-    low = floor(value / width) * width
+    # Rounded before and after, since 0.7 / 0.1 is a little less than 7.
+    low = round(floor(round(value / width, DIGITS)) * width, DIGITS)
     return int(low) if low == int(low) else low

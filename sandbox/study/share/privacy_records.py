@@ -25,6 +25,8 @@ EPOCH = datetime(2000, 1, 1, tzinfo=UTC)
 WITHHELD = "(words are left out)"
 """Replaces texts typed by the experimenter."""
 
+HAND_SIZE = "hand_size"
+"""Field with the length of a hand relative to the trained one."""
 COPY = "anonymous copy"
 """In the place of the id of the machine's start."""
 
@@ -106,12 +108,14 @@ class PersonMasking:
         answer: Function of form, item and answer that returns the kept part of the answer, or
             None to leave it out.
         words: True keeps texts typed by the experimenter.
+        hand_size: Returns the size of the hand that the copy tells.
     """
 
     ppid: str
     study: str
     answer: Callable[[str, str, Any], Any] = field(default=lambda form, item, value: value)
     words: bool = False
+    hand_size: Callable[[float], float] = field(default=lambda size: size)
 
 
 def anonymous_records(records: Iterable[Record], masking: PersonMasking) -> list[Record]:
@@ -178,6 +182,8 @@ def _masked_record(record: Record, seconds: float, masking: PersonMasking) -> Re
     masked |= {k: without_folders(record[k]) for k in KEPT.get(kind, ()) if k in record}
     if kind in NAMED:
         masked["ppid"] = masking.ppid
+    if masked.get(HAND_SIZE) is not None:
+        masked[HAND_SIZE] = masking.hand_size(masked[HAND_SIZE])
     if kind in RUNS:
         # All clocks in the copy begin with the session.
         masked |= {"study": masking.study, "boot": COPY}

@@ -20,7 +20,7 @@ from sandbox.study.record.session_folder import SessionFolder
 from sandbox.study.record.state import SessionState
 from sandbox.study.record.stored_sessions import session_path
 from sandbox.study.run.simulate import run_simulated
-from sandbox.study.share.privacy import Anonymised, Masking, anonymise
+from sandbox.study.share.privacy import Anonymised, Masking, _rare, anonymise
 from sandbox.study.share.privacy_groups import binned, groups
 from sandbox.study.share.privacy_records import (
     KEPT,
@@ -73,7 +73,7 @@ def study(tmp_path_factory: pytest.TempPathFactory) -> StudyFolder:
 @pytest.fixture(scope="module")
 def copy(study: StudyFolder, tmp_path_factory: pytest.TempPathFactory) -> StudyFolder:
     out = tmp_path_factory.mktemp("shared") / "quick-simulated"
-    found = anonymise(study, out, Masking(bins={"age": 10}), quiet)
+    found = anonymise(study, out, Masking(bins={"age": 10}, hands=True), quiet)
     assert isinstance(found, Anonymised) and found.people == 2
     return StudyFolder.at(out)
 
@@ -128,7 +128,7 @@ def test_results_are_the_same_but_for_names_and_dates(
             "exclusion_reason",
         )
         rows.sort(key=lambda r: (int(r["participant_number"]), int(r["trial_num"])))
-        return [{k: v for k, v in r.items() if k not in files} for r in rows]
+        return [{k: v for k, v in r.items() if k not in (*files, "hand_size")} for r in rows]
 
     assert results(study) == results(copy) and len(results(copy)) == 2 * TRIALS
     excluded = [r for r in rows_of(copy.path / "trial_results.csv") if r["excluded"] == "1"]
@@ -188,6 +188,32 @@ def test_a_copy_is_never_written_over_anything(study: StudyFolder, tmp_path: Pat
     with pytest.raises(StudyError, match="no such demographic item"):
         anonymise(study, tmp_path / "other", Masking(drop=("income",)), quiet)
     assert list(tmp_path.iterdir()) == [tmp_path / "there"]
+
+
+def test_the_size_of_a_hand_is_coarse_and_recordings_that_tell_it_are_left_out(
+    study: StudyFolder, tmp_path: Path
+) -> None:
+    sizes = {p.hand_size for p in study.participants()}
+    done = anonymise(study, tmp_path / "coarse", Masking(), quiet)
+    assert done.hands == 2 * TRIALS and not list((tmp_path / "coarse").rglob("T0*.jsonl*"))
+    for row in rows_of(tmp_path / "coarse/participants.csv"):
+        assert float(row["hand_size"]) in {binned(size, 0.1) for size in sizes}
+    for data in contents(tmp_path / "coarse").values():
+        assert not [size for size in sizes if str(size).encode() in data]
+    anonymise(study, tmp_path / "kept", Masking(hands=True), quiet)
+    about = json.loads((tmp_path / "kept/anonymised.json").read_bytes())
+    assert "hand_size" in about["compared"] and about["smallest_group"] == 1
+    anonymise(study, tmp_path / "one", Masking(bins={"hand_size": 5.0}, drop=("age",)), quiet)
+    about = json.loads((tmp_path / "one/anonymised.json").read_bytes())
+    assert "hand_size" not in about["compared"]
+    with pytest.raises(StudyError, match="no such demographic item"):
+        anonymise(study, tmp_path / "none", Masking(drop=("hand_size",)), quiet)
+
+
+@pytest.mark.parametrize(("people", "left_out"), [([1.0] * 3, 0), ([1.0] * 5 + [0.9], 1)])
+def test_a_size_that_enough_people_share_tells_nobody(people: list[float], left_out: int) -> None:
+    sizes = {str(i): size for i, size in enumerate(people)}
+    assert len(_rare(sizes)) == left_out
 
 
 words = st.text(min_size=8).map(lambda t: "secret " + t)

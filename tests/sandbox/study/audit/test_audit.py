@@ -211,7 +211,7 @@ def test_an_anonymous_copy_is_accepted_and_counted_with_and_without_recordings(
     study: StudyFolder, tmp_path: Path
 ) -> None:
     for name, recordings in (("with", True), ("without", False)):
-        anonymise(study, tmp_path / name, Masking(recordings=recordings), quiet)
+        anonymise(study, tmp_path / name, Masking(recordings=recordings, hands=True), quiet)
         found = audit(tmp_path / name)
         assert told(found) == [] and found.findings.notes == []
         assert found.findings.counts["anonymous copy"] == 1
