@@ -19,6 +19,7 @@ import random
 import re
 import shutil
 import tempfile
+import time
 from collections import Counter
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -357,6 +358,9 @@ def killed_runs(
     Yields:
         The study; True if it was killed; True if every trial and record from before is there.
     """
+    began = time.perf_counter()
+    simulate(open_study(out / "whole"), 1, False, lambda text: None)
+    whole = time.perf_counter() - began
     kills = number = 0
     while kills < count:
         study = open_study(out / f"study{number}")
@@ -364,8 +368,7 @@ def killed_runs(
         killed, finished = True, 0
         before: list[str] = []
         while killed:
-            wait = chance.choice([chance.uniform(0.0, 0.02), chance.uniform(0.0, 0.6)])
-            wait = wait if kills < count else WHOLE
+            wait = chance.uniform(0.0, whole / 2) if kills < count else WHOLE
             child = in_child(lambda say, study=study: simulate(study, 1, True, say))  # type: ignore[misc]
             killed, said = killed_after(child, wait)
             kills += killed

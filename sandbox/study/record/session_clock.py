@@ -5,6 +5,8 @@ from __future__ import annotations
 from datetime import datetime
 from typing import Any
 
+CLOCK_STEPS = "clock_steps"
+"""Column of `participants.csv` with the steps of the wall clock."""
 RUNS = ("session_start", "session_resume")
 """Kinds of the records with which a run of the program begins."""
 

@@ -44,7 +44,7 @@ def make_report(
 
     say("reading the tables")
     data = load_study(folder)
-    for line in data.kept:
+    for line in (*data.kept, *data.clock_steps):
         note(line)
     say(f"models of {len(data.used)} trials of {len(data.ppids)} participants")
     analysis = analyse(data, measures)

@@ -5,15 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from sandbox.study.design.design import Design
+from sandbox.study.record.session_clock import CLOCK_STEPS
 from sandbox.study.record.state import SessionState
 from sandbox.study.tables.column import Column, Row
 from sandbox.study.tables.exclusions import PERSON
 from sandbox.study.tables.trial_table import SESSION, UXF
 
 _COMMON = {column.name: column for column in (*UXF, *SESSION)}
-
-CLOCK_STEPS = "clock_steps"
-"""Column of `participants.csv` with the steps of the wall clock."""
 
 PARTICIPANT = (
     _COMMON["ppid"],

@@ -18,6 +18,7 @@ from models.errors import StudyError
 from models.json_input import decoded, read_bytes
 from sandbox.study.measures.kept import DIFFERS, kept_lines
 from sandbox.study.measures.measure import PRIMARY
+from sandbox.study.record.session_clock import CLOCK_STEPS
 
 if TYPE_CHECKING:
     from pandas import DataFrame, Series
@@ -106,6 +107,24 @@ class StudyData:
     def ppids(self) -> list[str]:
         """Participants with used trials, in order of first appearance."""
         return list(dict.fromkeys(self.used["ppid"]))
+
+    @property
+    def clock_steps(self) -> list[str]:
+        """A line about steps of the wall clock during sessions; none without steps."""
+        if CLOCK_STEPS not in self.people:
+            return []
+        steps = {
+            person: steps
+            for person, steps in zip(self.people["ppid"], self.people[CLOCK_STEPS], strict=True)
+            if steps
+        }
+        if not steps:
+            return []
+        told = ", ".join(f"{person} {steps} s" for person, steps in steps.items())
+        return [
+            f"The wall clock made steps during sessions ({told}), and no time here depends on it: "
+            "all come from a clock that nobody sets"
+        ]
 
     @property
     def kept(self) -> list[str]:

@@ -74,7 +74,7 @@ def methods_section(analysis: Analysis) -> Section:
         "docs/report.md of Hand Sandbox reports how often these intervals cover the true value in "
         "simulated studies with known true values."
     )
-    for line in data.kept:
+    for line in (*data.kept, *data.clock_steps):
         section.say(f"{line}.", "note")
     section.parts.append(
         Table("Files of this report", ["File", "Content"], [list(f) for f in FILES])

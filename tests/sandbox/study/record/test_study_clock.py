@@ -14,6 +14,7 @@ from sandbox.study.audit.audit import audit
 from sandbox.study.record import journal as journal_module
 from sandbox.study.record.folder import SIMULATED, StudyFolder
 from sandbox.study.record.session_clock import SessionClock
+from sandbox.study.report.models.data import load_study
 from sandbox.study.run.simulate import run_simulated
 from sandbox.study.share.privacy import Masking, anonymise
 from tests.support.study_files import TRIALS, design, rows_of
@@ -43,6 +44,8 @@ def test_a_clock_that_is_set_back_changes_no_time_of_a_trial_and_is_told(
     assert times[0] > 0.0 and times[-1] < 600.0
     (person,) = rows_of(study.path / "participants.csv")
     assert float(person["clock_steps"]) == pytest.approx(-7200.0, abs=1.0)
+    (line,) = load_study(study.path).clock_steps
+    assert f"{person['ppid']} {person['clock_steps']} s" in line
     assert audit(study.path).findings.sound
     anonymise(study, tmp_path / "copy", Masking(), lambda text: None)
     (other,) = rows_of(tmp_path / "copy/participants.csv")
