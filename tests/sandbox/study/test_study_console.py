@@ -197,7 +197,7 @@ def test_check_plan_new_and_simulate_say_what_they_should(
     assert main(["study", "check", str(file)]) == 0
     assert main(["study", "plan", str(file), "--power", "--participants", "3"]) == 0
     told = capsys.readouterr().out
-    assert "no mistakes" in told and "no full cycle" in told and "standard deviations" in told
+    assert "no mistakes" in told and "no full cycle" in told and "standard deviation over" in told
     file.write_text(file.read_text().replace("latin", "lattin"))
     assert main(["study", "check", str(file)]) == 2
     assert "Did you mean latin" in capsys.readouterr().err
