@@ -35,9 +35,9 @@ from sandbox.study.record.stored_sessions import JOURNAL, session_path, sessions
 from sandbox.system.durable_files import sync_file, sync_folder
 from sandbox.trial.result import KeptIn, TrialResult
 
-SENT = ("n", "step", "trial", "attempt", "practice", "form", "block", "levels", DIGEST)
-"""Fields of a record that are sent over LSL to other instruments. With its digest, what they record
-is a witness of the journal."""
+SENT = ("n", "step", "trial", "attempt", "practice", "form", "block", "levels")
+"""Fields of a record that are sent over LSL to other instruments. Its digest is not: whoever knows
+all else of a record could try out what was answered."""
 BEGUN, SEALED, LOST = "begun", "sealed", "lost"
 """Kinds of records in the journal of the study: a session has begun; its journal when it was
 closed; its journal when somebody accepted that records after that were lost."""
@@ -297,6 +297,7 @@ class SessionFolder(Closeable):
                 digest_of_last=head,
             )
             self._sealed = head
+            # What another machine records of this is a witness of the whole journal.
             tell(SEALED, {"session": self.number, "records": count, DIGEST: head})
         return head
 

@@ -220,7 +220,9 @@ def test_other_instruments_hear_of_a_study_what_happens_and_nothing_that_was_sai
         run_simulated(study, 0, lambda text: None)
     ear.close()
     kinds = [what for what, _ in heard]
-    assert kinds[0] == "journal_session_start" and kinds[-1] == "journal_session_end"
+    assert kinds[0] == "journal_session_start" and kinds[-2:] == ["journal_session_end", "sealed"]
+    (seal,) = [r for r in study.records() if r["kind"] == "sealed"]
+    assert heard[-1][1]["digest"] == seal["digest_of_last"]
     assert kinds.count("journal_trial_end") == kinds.count("trial_end") == TRIALS
     known = {"n", "step", "trial", "attempt", "practice", "form", "block", "levels"}
     assert all(set(d) <= known for what, d in heard if what.startswith("journal_"))
