@@ -15,6 +15,9 @@ left. So the labeller keeps a belief: a probability for every labelling of the c
   evaluation are judged again.
 
 So the belief keeps early mistakes as uncertainty, which later frames can correct.
+
+Five contacts are named without error, also of people whom nobody knows. Such layouts are kept, and
+are evidence about fewer fingers (see `encoders.labels.own_layouts`).
 """
 
 from __future__ import annotations
@@ -24,12 +27,15 @@ from functools import cache
 from importlib.resources import files
 from math import exp, expm1, fsum, inf, isfinite, log
 from pathlib import Path
+from typing import Protocol
 
 import numpy as np
 
 from encoders.labels.label_evidence import normalised
 from encoders.labels.label_sums import bounded, rows_of, summed
 from encoders.labels.labelling import Labelling, allowed, arranged, hypotheses
+from encoders.labels.network_evidence import FrameEvidence
+from encoders.labels.own_layouts import OwnLayouts
 from encoders.labels.recent_liftoffs import AT_ONCE, LATER, LiftOff, that_fit
 from encoders.labels.trained_belief import TrainedBelief, load_belief
 from models.arithmetic import functions
@@ -38,8 +44,35 @@ from models.errors import EncoderError
 from models.frames import FINGERS
 from models.surface import METRES_PER_INCH
 
+CERTAIN = 0.99
+"""Least probability at which a layout of five fingers is kept."""
+
 _LOOK_AGAIN = 0.5
 """Share of a layout that must be new before contacts that stay are evaluated again."""
+
+
+class BeliefModel(Protocol):
+    """A trained model of the belief over labels.
+
+    Attributes:
+        evidence: Evidence of a single frame.
+        eta: Weight of a new evaluation of old contacts that have moved, when others join them; 0 to
+            1.
+        stay: Weight of a new evaluation of contacts that stay and have moved; 0 to 1.
+        digest: Digest of everything that decides a label.
+    """
+
+    @property
+    def evidence(self) -> FrameEvidence: ...
+
+    @property
+    def eta(self) -> float: ...
+
+    @property
+    def stay(self) -> float: ...
+
+    @property
+    def digest(self) -> str: ...
 
 
 class BeliefLabels:
@@ -50,13 +83,27 @@ class BeliefLabels:
 
     Args:
         trained: The trained model; may be shared, since the belief itself is kept in this object.
+        known: The person's own layouts at the beginning of a trial.
+        learns: True adds layouts of five fingers to them during a trial.
+
+    Attributes:
+        own: The person's own layouts so far.
     """
 
     remembers = True
 
-    def __init__(self, trained: TrainedBelief) -> None:
+    def __init__(
+        self, trained: BeliefModel, known: OwnLayouts | None = None, learns: bool = True
+    ) -> None:
         self.trained = trained
         self.evidence = trained.evidence
+        self.known = known or OwnLayouts()
+        self.learns = learns
+        self.restart()
+
+    def restart(self) -> None:
+        """Forgets all contacts, and all layouts but those known at the beginning."""
+        self.own = self.known
         self.reset()
 
     def reset(self) -> None:
@@ -93,8 +140,31 @@ class BeliefLabels:
         best = int(np.argmax(candidates))
         labels = hypotheses(len(ids))[best].tolist()
         labelling = Labelling(dict(zip(ids, labels, strict=True)), exp(self._belief[best]))
+        if self.learns and len(ids) == len(FINGERS):
+            self._learn(ids, xy)
         self._answered = dict(fixed), labelling
         return labelling
+
+    def _learn(self, ids: tuple[int, ...], xy: Array) -> None:
+        """Keeps a layout of five fingers whose names are certain, whatever the fixed labels say."""
+        best = int(np.argmax(self._belief))
+        if self._belief[best] >= log(CERTAIN):
+            order = np.argsort(hypotheses(len(ids))[best])
+            self.own = self.own.with_new(xy[order])
+
+    def _log_posterior(self, xy: Array) -> Array:
+        """Evidence (P,) of a frame alone, with the person's own layouts."""
+        if not self._own_layouts_tell(xy):
+            return self.evidence.log_posterior(xy)
+        return normalised(self.evidence.log_posterior(xy) + self.own.log_evidence(xy))
+
+    def _log_joint(self, xy: Array) -> Array:
+        if not self._own_layouts_tell(xy):
+            return self.evidence.log_joint(xy)
+        return self.evidence.log_joint(xy) + self.own.log_evidence(xy)
+
+    def _own_layouts_tell(self, xy: Array) -> bool:
+        return len(self.own) > 0 and 1 < len(xy) < len(FINGERS)
 
     def _nothing_new(self, contacts: Mapping[int, tuple[float, float]]) -> bool:
         """True if the contacts and their order are unchanged and their layout gives no new
@@ -183,7 +253,7 @@ class BeliefLabels:
         xy = np.array([self._places[i] for i in ids])
         new = self._freshness(xy, np.array([self._looked[i] for i in ids]))
         if new > _LOOK_AGAIN:
-            look = self.trained.stay * new * self.evidence.log_posterior(xy)
+            look = self.trained.stay * new * self._log_posterior(xy)
             rows = rows_of(len(ids) + len(lifted), tuple(range(len(ids))))
             joint = bounded(joint + look[rows])
             self._looked = self._places
@@ -207,6 +277,8 @@ class BeliefLabels:
             apart = self._grown(stayed, others, came)
             touching = [*range(len(stayed)), *range(len(stayed) + len(others), count)]
             apart = summed(apart, count, touching)
+            if not self.evidence.with_density:
+                apart, joint = normalised(apart), normalised(joint)
             back = AT_ONCE if any(contact.just for contact in others.values()) else LATER
             joint = functions.log_sum_exp(log(1.0 - back) + apart, log(back) + joint)
         here = (*stayed, *came)
@@ -223,10 +295,10 @@ class BeliefLabels:
         """
         old = [self._places[i] for i in stayed] + [contact.place for contact in lifted.values()]
         xy = np.array(old + [self._places[i] for i in came])
-        joint = self.evidence.log_joint(xy)
+        joint = self._log_joint(xy)
         if not old:
             return joint
-        at_first = self.evidence.log_joint(xy[: len(old)])
+        at_first = self._log_joint(xy[: len(old)])
         carried = self._believed(stayed, lifted) - at_first
         if self.trained.eta and len(old) > 1:
             looked = [self._looked[i] for i in stayed] + [c.looked for c in lifted.values()]
@@ -251,7 +323,7 @@ class BeliefLabels:
         moved = 0.0
         for a, b in zip(x, y, strict=True):
             moved += (a - mx) ** 2 + (b - my) ** 2
-        width = self.evidence.shapes[n].width * METRES_PER_INCH
+        width = self.evidence.width(n) * METRES_PER_INCH
         return -expm1(-0.5 * (moved / n) / width**2)
 
 

@@ -93,6 +93,8 @@ class LabelEvidence:
         EncoderError: A probability is invalid.
     """
 
+    with_density = True
+
     def __init__(
         self,
         layouts: Mapping[int, Layouts],
@@ -109,6 +111,10 @@ class LabelEvidence:
         )
         self._log_prior = _of_labellings(self.prior)
         self._stranger_prior = _of_labellings(natural_prior(STRANGER_THUMB_AND_NEXT))
+
+    def width(self, count: int) -> float:
+        """inches, width of the captured hand's kernels for so many contacts."""
+        return self.shapes[count].width
 
     def log_posterior(self, xy: Array) -> Array:
         """Log probabilities (P,) of the labellings of `hypotheses(k)` given contacts (k, 2) in

@@ -81,6 +81,9 @@ class Labeller(Protocol):
     def reset(self) -> None:
         """Forgets all contacts, as when the hand has left the surface."""
 
+    def restart(self) -> None:
+        """Forgets everything since the beginning of a trial."""
+
 
 @cache
 def hypotheses(count: int) -> Labels:
@@ -212,6 +215,9 @@ class PaperLabels:
 
     def reset(self) -> None:
         """Does nothing: the rule has no history."""
+
+    def restart(self) -> None:
+        """Does nothing, likewise."""
 
     def _closest(self, xy: Array, labels: Labels) -> int:
         U = labelled_contact_vectors(xy, labels)

@@ -176,7 +176,7 @@ class TouchReconstructor:
         self._arrival.reset()
         self._lift.reset()
         self._filter.reset()
-        self.labeller.reset()
+        self.labeller.restart()
         # Never modified in place, only replaced.
         self._labels: Mapping[int, int] = {}
         self._previous_labels: Mapping[int, int] = {}

@@ -26,7 +26,7 @@ from encoders.captures.second_subject.grips import (
     path,
     with_manner,
 )
-from encoders.captures.second_subject.hand import SLENDER
+from encoders.captures.second_subject.hand import SLENDER, SecondHand
 from encoders.captures.second_subject.measurement import Markers, touches
 from encoders.captures.second_subject.placing import MovementPlan, place
 from models.arithmetic.arrays import Array
@@ -58,6 +58,8 @@ def simulate(
     seed: int,
     day: int,
     progress: Callable[[float], None] | None = None,
+    hand: SecondHand = SLENDER,
+    lean: Array | None = None,
 ) -> Capture:
     """Captures a second simulated subject.
 
@@ -67,6 +69,9 @@ def simulate(
         day: 0 plays the training script, every later day is free play. Markers are placed anew
             every day.
         progress: Called with the share done, 0 to 1.
+        hand: The subject's hand.
+        lean: (13,) constant part of the subject's manner, in the order of `manners.MANNERS` and in
+            units of the habits' spread; None for a subject without one.
 
     Returns:
         The capture; equal arguments give equal captures. `meta["simulated"]` is True.
@@ -78,7 +83,7 @@ def simulate(
         if value < 0:
             raise InputError(f"the {name} is out of range", got=value, expected="0 or more")
     c, surface = configuration, Surface()
-    person = _person(seed, day, c, surface)
+    person = _person(seed, day, c, surface, lean)
     play = np.random.default_rng([_PLAY, seed, day])
     takes = free_play(play, person.taste, c) if day else script(c)
     # Day 0 is shuffled, too: habits drift, and would otherwise correlate with the script.
@@ -87,21 +92,21 @@ def simulate(
     wishes = []
     for number, take in enumerate(takes):
         rng = np.random.default_rng([_TAKE, seed, day, number])
-        wishes.append(_plan(rng, take, habits[number], person, surface, c))
+        wishes.append(_plan(rng, take, habits[number], person, hand, surface, c))
         if progress:
             progress(0.3 * (number + 1) / len(takes))
     plan = MovementPlan.joined(wishes)
-    root, turn, angles = place(plan, SLENDER, surface, c)
+    root, turn, angles = place(plan, hand, surface, c)
     if progress:
         progress(0.8)
 
     numbers = np.repeat(np.arange(len(takes)), [len(t.down) for t in takes])
-    q = SLENDER.pose(root, turn, angles)
-    _, rotations, tips = SLENDER.chain(q)
+    q = hand.pose(root, turn, angles)
+    _, rotations, tips = hand.chain(q)
     sensors = np.random.default_rng([_SENSORS, seed, day])
-    along = rotations[:, SLENDER.last_bone][..., 1]
+    along = rotations[:, hand.last_bone][..., 1]
     xy = touches(sensors, tips, along, numbers, takes[0].rate, surface, c)
-    measured = Markers(sensors, SLENDER, c).poses(sensors, q)
+    measured = Markers(sensors, hand, c).poses(sensors, q)
     down = np.concatenate([t.down for t in takes])
     ids, times, clock, free = [], [], 0.0, 0
     for take in takes:
@@ -117,7 +122,7 @@ def simulate(
         "seed": seed,
         "day": day,
         "side": "right",
-        "skeleton": SLENDER.name,
+        "skeleton": hand.name,
         "surface_in": [surface.width_in, surface.height_in],
         "rate_hz": takes[0].rate,
         "configuration": c.as_json(),
@@ -126,17 +131,19 @@ def simulate(
     return Capture(np.concatenate(times), numbers, np.concatenate(ids), xy, measured, meta)
 
 
-def _person(seed: int, day: int, c: SecondConfiguration, surface: Surface) -> _SubjectDay:
+def _person(
+    seed: int, day: int, c: SecondConfiguration, surface: Surface, lean: Array | None
+) -> _SubjectDay:
     always = np.random.default_rng([_PERSON, seed])
     taste = preferences(always, c.taste)
     coupling = always.uniform(*c.coupling, len(FINGERS))
     lift = always.uniform(*c.raise_, len(FINGERS))
     curl = always.random(len(FINGERS)) < c.curl
     elbow = np.array([surface.size[0] / 2 + 0.06, -surface.size[1] - c.elbow])
-    lean = np.zeros(len(MANNERS))
+    lean = np.zeros(len(MANNERS)) if lean is None else lean
     if day:
         today = np.random.default_rng([_DAY, seed, day])
-        lean = c.day_manner * today.uniform(-1, 1, len(MANNERS))
+        lean = lean + c.day_manner * today.uniform(-1, 1, len(MANNERS))
         elbow = elbow + c.day_elbow * today.uniform(-1.7, 1.7, 2)
     return _SubjectDay(taste, coupling, lift, curl, lean, elbow)
 
@@ -153,6 +160,7 @@ def _plan(
     take: TakeSettings,
     habit: Array,
     person: _SubjectDay,
+    hand: SecondHand,
     surface: Surface,
     c: SecondConfiguration,
 ) -> MovementPlan:
@@ -169,7 +177,7 @@ def _plan(
     change = np.clip(rng.standard_t(c.tail, (len(moments), len(MANNERS))), -3, 3)
     manner = np.array(c.habit) * (habit + person.lean) + np.array(c.variety) * change
     manner = path(times, moments, manner)
-    angles = clamped(with_manner(angles, manner), SLENDER)
+    angles = clamped(with_manner(angles, manner), hand)
 
     middle = _way(rng, times, take, calm, surface, c)
     arm = middle - person.elbow

@@ -41,6 +41,7 @@ def simulate(
     day: int,
     progress: Progress | None = None,
     skeleton: Skeleton = ADULT,
+    lean: Array | None = None,
 ) -> Capture:
     """Captures a simulated subject.
 
@@ -50,6 +51,8 @@ def simulate(
         day: 0 plays the training script, every later day is free play, sensors placed anew.
         progress: Called with the share done, 0 to 1.
         skeleton: The subject's hand; another size gives the same habits to another hand.
+        lean: (27,) deviation of the subject's resting posture from the middle of all ranges, in
+            units of its habits; None for a subject without one.
 
     Returns:
         The capture; equal arguments give equal captures. `meta["simulated"]` is True.
@@ -60,7 +63,7 @@ def simulate(
     for name, value in (("seed", seed), ("day", day)):
         if value < 0:
             raise InputError(f"the {name} is out of range", got=value, expected="0 or more")
-    person = _Person(configuration, seed, skeleton)
+    person = _Person(configuration, seed, skeleton, lean)
     session = _Session(person, day)
     takes = takes_of(day, np.random.default_rng([seed, DAY, day, 1]), configuration)
     parts = []
@@ -95,7 +98,11 @@ class _Person:
     """Constants of all days: the hand and its posture at rest."""
 
     def __init__(
-        self, configuration: SubjectConfiguration, seed: int, skeleton: Skeleton = ADULT
+        self,
+        configuration: SubjectConfiguration,
+        seed: int,
+        skeleton: Skeleton = ADULT,
+        lean: Array | None = None,
     ) -> None:
         self.configuration, self.seed = configuration, seed
         self.surface = Surface()
@@ -105,15 +112,15 @@ class _Person:
         self.solver = PostureSolver(self.kinematics, self.anatomy)
         # Factor that turns independent unit variables into deviations of posture.
         self.habit = np.linalg.cholesky(self.anatomy.covariance).T
-        self.rest, self.layout = self._rest()
+        self.rest, self.layout = self._rest(np.zeros(FREEDOMS) if lean is None else lean)
 
-    def _rest(self) -> tuple[Array, Array]:
+    def _rest(self, lean: Array) -> tuple[Array, Array]:
         """Posture (27,) with all fingertips on the surface, and their positions (5, 2) m.
 
         Both are relative to the fingertips' middle, and as near as possible to the middle of all
-        ranges.
+        ranges, or as far from it as the subject leans.
         """
-        aim = np.zeros((1, FREEDOMS))
+        aim = (lean @ self.habit)[None]
         aim[0, 2] = -self.kinematics.tips(np.zeros(POSE_SIZE))[:, 2].mean()
         targets = np.zeros((1, len(FINGERS), 3))
         targets[..., 2] = self.configuration.tip_height

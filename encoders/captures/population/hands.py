@@ -1,0 +1,75 @@
+"""Random hands: bones of people of any size, for each generator of simulated people.
+
+Hand lengths of adults run from 16.5 cm (5 % of women are smaller) to 21.1 cm (5 % of men are
+larger; Gordon and others 1989, anthropometric survey of the U.S. Army), which is 0.83 to 1.06 times
+the trained hand's 20.0 cm; sizes are drawn from a wider range. Finger lengths scatter by 6 to 11 %
+about their mean (Chatzioglou, Pinar, Govsa 2024); overall size explains about half of that.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from encoders.captures.second_subject.hand import SLENDER, SecondHand
+from models.arithmetic.arrays import Array
+from models.frames import FINGERS
+from models.rotations import exp
+from models.skeleton import ADULT, Skeleton
+
+SIZES = (0.82, 1.18)
+"""Least and greatest hand size relative to the trained hand."""
+
+FINGER = 0.05
+"""Spread of the logarithm of each finger's length."""
+
+BONE = 0.03
+"""Spread of the logarithm of each bone's length beside its finger's."""
+
+KNUCKLE = 0.003
+"""m, spread of each coordinate of a knuckle's place."""
+
+SADDLE = 0.087
+"""rad, spread of the resting direction of a finger's first bone about each axis; 5 degrees."""
+
+HINGE = 0.035
+"""rad, the same of the other bones."""
+
+
+def drawn_size(rng: np.random.Generator) -> float:
+    """Size of a hand, uniform in its logarithm."""
+    return float(np.exp(rng.uniform(*np.log(SIZES))))
+
+
+def drawn_skeleton(rng: np.random.Generator, size: float, name: str) -> Skeleton:
+    """Draws a hand of a size with proportions of its own."""
+    fingers = np.exp(rng.normal(0, FINGER, len(FINGERS)))
+    bones, previous = [], 0.0
+    for bone in ADULT.scaled(size).bones:
+        first = ADULT.first_bone[bone.finger] == len(bones)
+        factor = float(fingers[bone.finger] * np.exp(rng.normal(0, BONE)))
+        turn = exp(rng.normal(0, SADDLE if first else HINGE, 3))
+        place = rng.normal(0, KNUCKLE * size, 3)
+        x, y, z = (np.array(bone.anchor) + place).tolist() if first else (0.0, previous, 0.0)
+        bones.append(
+            replace(bone, anchor=(x, y, z), rest=bone.rest @ turn, length=bone.length * factor)
+        )
+        previous = bone.length * factor
+    return Skeleton(name, tuple(bones), ADULT.palm_radius * size)
+
+
+def drawn_second_hand(rng: np.random.Generator, size: float, name: str) -> SecondHand:
+    """The same for the second generator, whose hands have another description."""
+    fingers = np.exp(rng.normal(0, FINGER, (len(FINGERS), 1)))
+    bones = SLENDER.bones * size * fingers * np.exp(rng.normal(0, BONE, SLENDER.bones.shape))
+    knuckle = size * (SLENDER.knuckle + rng.normal(0, KNUCKLE, SLENDER.knuckle.shape))
+    turns: Array = np.stack([exp(v) for v in rng.normal(0, SADDLE, (len(FINGERS), 3))])
+    return replace(
+        SLENDER,
+        name=name,
+        knuckle=knuckle,
+        saddle=SLENDER.saddle @ turns,
+        bones=bones,
+        tip_radius=SLENDER.tip_radius * size,
+    )

@@ -1,0 +1,249 @@
+"""Training of the network that names contacts, on layouts of a population.
+
+The loss is minus the log probability of the true labelling. Every batch has one number of contacts,
+a set of fingers drawn evenly, and people drawn evenly; layouts are turned, scaled and trembled a
+little. Subsets of touching fingers count as layouts of their own: fingers rest beside others much
+as they do alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from encoders.capture import Capture
+from encoders.labels.labelling import hypotheses
+from encoders.labels.layout_density import finger_sets
+from encoders.labels.pair_network import (
+    BIASES,
+    SHAPES,
+    contact_features,
+    initial_weights,
+    ordered_pairs,
+    pair_features,
+    score_places,
+)
+from models.arithmetic.arrays import Array
+
+Weights = dict[str, NDArray[np.float32]]
+
+
+@dataclass(frozen=True)
+class TrainingSettings:
+    """Settings of the training.
+
+    Attributes:
+        sizes: Sizes of the hidden layers; see `pair_network.SHAPES`.
+        steps: Number of batches.
+        batch: Layouts in a batch.
+        rate: Greatest step size of Adam; it falls to 0 along half a cosine.
+        decay: Decay of the weights per step, as a share of the step size.
+        turn: rad, spread of rotations that are added to layouts.
+        growth: Spread of the logarithm of factors on their size.
+        tremble: m, spread of noise on every contact.
+        exact: Share of layouts whose fingers are all that touch.
+        seed: Seed of weights and batches.
+    """
+
+    sizes: Mapping[str, int]
+    steps: int = 6000
+    batch: int = 384
+    rate: float = 3e-3
+    decay: float = 0.01
+    turn: float = 0.12
+    growth: float = 0.05
+    tremble: float = 0.0007
+    exact: float = 0.5
+    seed: int = 0
+
+
+DEFAULT = TrainingSettings({"g": 48, "context": 24, "f": 48, "h": 48})
+"""Settings of the network that ships."""
+
+
+class LayoutPool:
+    """Layouts of people, by number of contacts and set of fingers.
+
+    Args:
+        people: Captures.
+        weights: Weight of every person in draws; by default all are equal.
+    """
+
+    def __init__(self, people: Sequence[Capture], weights: Sequence[float] | None = None) -> None:
+        self._xy = np.concatenate([p.xy for p in people])
+        down = np.concatenate([p.down for p in people])
+        given = np.ones(len(people)) if weights is None else np.asarray(weights, float)
+        frames = np.array([len(p) for p in people])
+        share = np.repeat(given / frames, frames)
+        self._pools: dict[tuple[int, int, bool], tuple[NDArray[np.intp], Array]] = {}
+        for count in range(2, 6):
+            for number, fingers in enumerate(finger_sets(count)):
+                whole = down[:, fingers].all(axis=1)
+                for exact in (False, True):
+                    rows = np.flatnonzero(whole & (down.sum(axis=1) == count) if exact else whole)
+                    self._pools[count, number, exact] = rows, np.cumsum(share[rows])
+
+    def draw(self, rng: np.random.Generator, count: int, n: int, exact: float) -> tuple[Array, Array]:
+        """Layouts (n, count, 2) m in random order, and their fingers (n, count)."""
+        sets = finger_sets(count)
+        chosen = rng.integers(len(sets), size=n)
+        alone = rng.random(n) < exact
+        xy, fingers = np.empty((n, count, 2)), np.empty((n, count), np.intp)
+        for number, members in enumerate(sets):
+            for only in (False, True):
+                at = np.flatnonzero((chosen == number) & (alone == only))
+                rows, share = self._pools[count, number, only]
+                picked = rows[np.searchsorted(share, rng.random(len(at)) * share[-1])]
+                xy[at] = self._xy[picked][:, members]
+                fingers[at] = members
+        order = rng.permuted(np.tile(np.arange(count), (n, 1)), axis=1)
+        return (
+            np.take_along_axis(xy, order[..., None], axis=1),
+            np.take_along_axis(fingers, order, axis=1),
+        )
+
+
+def train_network(
+    pool: LayoutPool,
+    settings: TrainingSettings = DEFAULT,
+    say: Callable[[int, float], None] = lambda step, loss: None,
+) -> Weights:
+    """Trains a network; equal arguments give equal weights on one machine.
+
+    Args:
+        pool: Layouts to learn.
+        settings: Sizes and schedule.
+        say: Called every 100 steps with the step and the mean loss since then.
+    """
+    rng = np.random.default_rng(settings.seed)
+    weights = initial_weights(rng, settings.sizes)
+    first = {k: np.zeros_like(v) for k, v in weights.items()}
+    second = {k: np.zeros_like(v) for k, v in weights.items()}
+    losses = []
+    for step in range(1, settings.steps + 1):
+        count = (2, 3, 4, 2, 3, 5)[step % 6]
+        xy, fingers = pool.draw(rng, count, settings.batch, settings.exact)
+        loss, slopes = loss_and_slopes(weights, _varied(rng, xy, settings), fingers)
+        losses.append(loss)
+        rate = settings.rate * 0.5 * (1 + np.cos(np.pi * step / settings.steps))
+        rate *= min(1.0, step / 200)
+        for name, slope in slopes.items():
+            first[name] += 0.1 * (slope - first[name])
+            second[name] += 0.005 * (slope * slope - second[name])
+            mean = first[name] / (1 - 0.9**step)
+            square = second[name] / (1 - 0.995**step)
+            weights[name] -= np.float32(rate) * (
+                mean / (np.sqrt(square) + 1e-8) + np.float32(settings.decay) * weights[name]
+            )
+        if step % 100 == 0:
+            say(step, float(np.mean(losses)))
+            losses.clear()
+    return weights
+
+
+def _varied(rng: np.random.Generator, xy: Array, settings: TrainingSettings) -> Array:
+    n = len(xy)
+    angle = settings.turn * rng.normal(size=n)
+    factor = np.exp(settings.growth * rng.normal(size=n))
+    z = (xy[..., 0] + 1j * xy[..., 1]) * (factor * np.exp(1j * angle))[:, None]
+    turned = np.stack([z.real, z.imag], axis=-1)
+    return np.asarray(turned + settings.tremble * rng.normal(size=turned.shape))
+
+
+def loss_and_slopes(
+    weights: Weights, xy: Array, fingers: NDArray[np.intp]
+) -> tuple[float, Weights]:
+    """Mean loss of a batch, and its derivatives by all weights."""
+    n, k = fingers.shape
+    forward = _Forward(weights, xy)
+    codes = 5 ** np.arange(k)
+    row = np.full(5**k, -1)
+    row[hypotheses(k) @ codes] = np.arange(len(hypotheses(k)))
+    truth = row[fingers @ codes]
+    scores = forward.scores - forward.scores.max(axis=1, keepdims=True)
+    share = np.exp(scores)
+    share /= share.sum(axis=1, keepdims=True)
+    loss = -np.log(np.maximum(share[np.arange(n), truth], 1e-12)).mean()
+    share[np.arange(n), truth] -= 1.0
+    return float(loss), forward.slopes(share / n)
+
+
+def batch_log_probabilities(weights: Mapping[str, NDArray[np.float32]], xy: Array) -> Array:
+    """Log probabilities (n, P) of the labellings of layouts (n, k, 2) m."""
+    scores = _Forward(weights, xy).scores.astype(float)
+    scores -= scores.max(axis=1, keepdims=True)
+    return np.asarray(scores - np.log(np.exp(scores).sum(axis=1, keepdims=True)))
+
+
+class _Forward:
+    """The network's layers for a batch of layouts (n, k, 2), and derivatives through them."""
+
+    def __init__(self, weights: Mapping[str, NDArray[np.float32]], xy: Array) -> None:
+        w = self.w = weights
+        n, k = xy.shape[:2]
+        features, places = contact_features(xy)
+        self.features = features.astype(np.float32)
+        self.between = pair_features(places).astype(np.float32)
+        self.pair = ordered_pairs(k)
+        self.g1 = np.maximum(self.features @ w["g1"] + w["g1_bias"], 0)
+        self.g2 = np.maximum(self.g1 @ w["g2"] + w["g2_bias"], 0)
+        self.context = self.g2.mean(axis=1)
+        x = (self.features @ w["f_first"])[:, self.pair[0]]
+        x += (self.features @ w["f_second"])[:, self.pair[1]]
+        x += self.between @ w["f_between"]
+        x += (self.context @ w["f_context"] + w["f1_bias"])[:, None]
+        self.f1 = np.maximum(x, 0, out=x)
+        self.f2 = np.maximum(self.f1 @ w["f2"] + w["f2_bias"], 0)
+        table = (self.f2 @ w["f3"]).reshape(n, -1)
+        self.sums = _summing(k)
+        self.scores: NDArray[np.float32] = table @ self.sums.T
+
+    def slopes(self, by_score: Array) -> Weights:
+        """Derivatives by the weights, given those by the scores (n, P)."""
+        w = self.w
+        n, k = self.features.shape[:2]
+        pairs = len(self.pair[0])
+        out: Weights = {}
+        by_table = (by_score.astype(np.float32) @ self.sums).reshape(n * pairs, -1)
+        f2, f1 = self.f2.reshape(n * pairs, -1), self.f1.reshape(n * pairs, -1)
+        out["f3"] = f2.T @ by_table
+        by_f2 = (by_table @ w["f3"].T) * (f2 > 0)
+        out["f2"], out["f2_bias"] = f1.T @ by_f2, by_f2.sum(axis=0)
+        by_f1 = (by_f2 @ w["f2"].T) * (f1 > 0)
+        out["f1_bias"] = by_f1.sum(axis=0)
+        out["f_between"] = self.between.reshape(n * pairs, -1).T @ by_f1
+        by_f1 = by_f1.reshape(n, pairs, -1)
+        flat = self.features.reshape(n * k, -1)
+        for name, ends in zip(("f_first", "f_second"), self.pair, strict=True):
+            gathered = np.zeros((n, k, by_f1.shape[-1]), np.float32)
+            for i in range(k):
+                gathered[:, i] = by_f1[:, ends == i].sum(axis=1)
+            out[name] = flat.T @ gathered.reshape(n * k, -1)
+        by_common = by_f1.sum(axis=1)
+        out["f_context"] = self.context.T @ by_common
+        by_g2 = (by_common @ w["f_context"].T)[:, None] / k * (self.g2 > 0)
+        by_g2 = by_g2.reshape(n * k, -1)
+        g1 = self.g1.reshape(n * k, -1)
+        out["g2"], out["g2_bias"] = g1.T @ by_g2, by_g2.sum(axis=0)
+        by_g1 = (by_g2 @ w["g2"].T) * (g1 > 0)
+        out["g1"], out["g1_bias"] = flat.T @ by_g1, by_g1.sum(axis=0)
+        return out
+
+
+def _summing(count: int) -> NDArray[np.float32]:
+    """Matrix (P, pairs * 25) that sums the scores of pairs to those of labellings."""
+    table = _SUMS.get(count)
+    if table is None:
+        places = score_places(count)
+        table = np.zeros((len(places), len(ordered_pairs(count)[0]) * 25), np.float32)
+        table[np.arange(len(places))[:, None], places] = 1.0
+        _SUMS[count] = table
+    return table
+
+
+_SUMS: dict[int, NDArray[np.float32]] = {}
+
+assert set(BIASES) <= set(SHAPES)

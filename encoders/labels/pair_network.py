@@ -1,0 +1,198 @@
+"""A small network that scores the labels of pairs of contacts, and its probabilities of labellings.
+
+    context = mean over contacts i of  g(contact i)
+    s_ij    = f(context, contact i, contact j, what lies between them)      (5, 5) scores
+    score of a labelling = sum over ordered pairs i, j of s_ij[label i, label j]
+
+g and f are perceptrons with rectifiers. A labelling's probability is its share of the exponentials
+of all scores, which are at most 120, so nothing is approximated. The answer does not depend on the
+order of the contacts, and all numbers of contacts share the weights. `network_training` trains it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import cache
+from math import log, sqrt
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from encoders.labels.labelling import hypotheses
+from models.arithmetic.arrays import Array
+from models.arithmetic.products import matrix_product, vector_matrix
+from models.errors import EncoderError
+from models.frames import FINGERS
+from models.surface import METRES_PER_INCH
+
+CONTACT_FEATURES, PAIR_FEATURES = 6, 6
+"""Numbers that describe a contact, and a pair beside its two contacts."""
+
+LEAST_SPREAD = 0.05
+"""inches, least spread and distance of contacts in features, which divide by them."""
+
+SHAPES: dict[str, tuple[int | str, int | str]] = {
+    "g1": (CONTACT_FEATURES, "g"),
+    "g2": ("g", "context"),
+    "f_context": ("context", "f"),
+    "f_first": (CONTACT_FEATURES, "f"),
+    "f_second": (CONTACT_FEATURES, "f"),
+    "f_between": (PAIR_FEATURES, "f"),
+    "f2": ("f", "h"),
+    "f3": ("h", len(FINGERS) ** 2),
+}
+"""Rows and columns of the weights; names stand for sizes that are free."""
+
+BIASES = {"g1": "g1_bias", "g2": "g2_bias", "f_context": "f1_bias", "f2": "f2_bias"}
+"""Bias of a layer by one of its weights. The scores need none: it would be the same for all."""
+
+
+@cache
+def ordered_pairs(count: int) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """First and second contact of all ordered pairs of `count` contacts, count (count - 1)."""
+    pairs = [(i, j) for i in range(count) for j in range(count) if i != j]
+    first, second = np.array(pairs, np.intp).T
+    return first, second
+
+
+@cache
+def score_places(count: int) -> NDArray[np.intp]:
+    """Places (P, pairs) in the raveled scores (pairs, 25) that a labelling sums."""
+    first, second = ordered_pairs(count)
+    labels = hypotheses(count)
+    number = len(FINGERS)
+    pair = np.arange(len(first)) * number**2
+    return pair + labels[:, first] * number + labels[:, second]
+
+
+def contact_features(xy: Array) -> tuple[Array, Array]:
+    """Features of contacts.
+
+    Args:
+        xy: (..., k, 2) m on the surface.
+
+    Returns:
+        Features (..., k, 6), and places (..., k, 2) in inches from the contacts' middle.
+    """
+    k = xy.shape[-2]
+    inches = xy / METRES_PER_INCH
+    middle = inches[..., :1, :]
+    for i in range(1, k):
+        middle = middle + inches[..., i : i + 1, :]
+    places = inches - middle / k
+    squares = places * places
+    total = squares[..., 0] + squares[..., 1]
+    spread = total[..., :1]
+    for i in range(1, k):
+        spread = spread + total[..., i : i + 1]
+    spread = np.maximum(np.sqrt(spread / k), LEAST_SPREAD)[..., None]
+    features = np.empty((*xy.shape[:-1], CONTACT_FEATURES))
+    features[..., :2] = places
+    features[..., 2:4] = places / spread
+    features[..., 4:5] = spread
+    features[..., 5] = k - 3.5
+    return features, places
+
+
+def pair_features(places: Array) -> Array:
+    """Features (..., pairs, 6) of all ordered pairs of contacts at places (..., k, 2), inches."""
+    first, second = ordered_pairs(places.shape[-2])
+    between = places[..., second, :] - places[..., first, :]
+    squares = between * between
+    apart = np.maximum(np.sqrt(squares[..., 0] + squares[..., 1]), LEAST_SPREAD)[..., None]
+    features = np.empty((*between.shape[:-1], PAIR_FEATURES))
+    features[..., :2] = between
+    features[..., 2:4] = between / apart
+    features[..., 4:5] = apart
+    features[..., 5:6] = 1.0 / (0.5 + apart)
+    return features
+
+
+class PairNetwork:
+    """The network with its weights; computed in fixed order, so that every machine agrees.
+
+    Args:
+        weights: Matrices of `SHAPES` and their biases, by name.
+
+    Raises:
+        EncoderError: A weight is missing, of the wrong shape or not finite.
+    """
+
+    def __init__(self, weights: Mapping[str, NDArray[Any]]) -> None:
+        check_weights(weights)
+        self.weights = {k: np.ascontiguousarray(v, np.float64) for k, v in weights.items()}
+
+    def scores(self, xy: Array) -> Array:
+        """Scores (P,) of the labellings of `hypotheses(k)`, for contacts (k, 2) in m, k >= 2."""
+        w = self.weights
+        features, places = contact_features(xy)
+        first, second = ordered_pairs(len(xy))
+        hidden = _rectified(matrix_product(features, w["g1"]) + w["g1_bias"])
+        parts = _rectified(matrix_product(hidden, w["g2"]) + w["g2_bias"])
+        context = parts[0]
+        for part in parts[1:]:
+            context = context + part
+        common = vector_matrix(context / len(xy), w["f_context"]) + w["f1_bias"]
+        inputs = matrix_product(features, w["f_first"])[first]
+        inputs += matrix_product(features, w["f_second"])[second]
+        inputs += matrix_product(pair_features(places), w["f_between"])
+        inputs += common
+        hidden = _rectified(matrix_product(_rectified(inputs), w["f2"]) + w["f2_bias"])
+        table = matrix_product(hidden, w["f3"]).ravel()
+        chosen = table[score_places(len(xy))]
+        total = chosen[:, 0]
+        for pair in range(1, chosen.shape[1]):
+            total = total + chosen[:, pair]
+        return total
+
+
+def _rectified(x: Array) -> Array:
+    return np.maximum(x, 0.0, out=x)
+
+
+def check_weights(weights: Mapping[str, NDArray[Any]]) -> None:
+    """Checks names, shapes and values of a network's weights.
+
+    Raises:
+        EncoderError: A weight is missing, of the wrong shape or not finite.
+    """
+    sizes: dict[str, int] = {}
+    for name, shape in SHAPES.items():
+        wanted = [(name, shape)]
+        if name in BIASES:
+            wanted.append((BIASES[name], shape[1:]))
+        for key, expected in wanted:
+            value = weights.get(key)
+            if value is None or value.ndim != len(expected) or not np.isfinite(value).all():
+                raise EncoderError(
+                    "a weight of the network is missing or damaged",
+                    where=key,
+                    got=None if value is None else value.shape,
+                    expected=f"{len(expected)} axes of finite numbers",
+                )
+            for size, axis in zip(value.shape, expected, strict=True):
+                if size != (sizes.setdefault(axis, size) if isinstance(axis, str) else axis):
+                    raise EncoderError(
+                        "the weights of the network do not fit each other",
+                        where=key,
+                        got=value.shape,
+                        expected=str(tuple(sizes.get(str(a), a) for a in expected)),
+                    )
+
+
+def initial_weights(
+    rng: np.random.Generator, sizes: Mapping[str, int]
+) -> dict[str, NDArray[np.float32]]:
+    """Random weights to begin training with (He and others 2015), single precision."""
+    weights = {}
+    for name, shape in SHAPES.items():
+        rows, columns = (sizes[a] if isinstance(a, str) else a for a in shape)
+        inputs = sizes["context"] + 2 * CONTACT_FEATURES + PAIR_FEATURES
+        fan = inputs if name.startswith("f_") else rows
+        scale = 0.1 * log(2.0) if name == "f3" else 1.0
+        drawn = rng.normal(0, scale * sqrt(2.0 / fan), (rows, columns))
+        weights[name] = drawn.astype(np.float32)
+        if name in BIASES:
+            weights[BIASES[name]] = np.zeros(columns, np.float32)
+    return weights
