@@ -73,6 +73,9 @@ class SizedLabels:
     def reset(self) -> None:
         self.labeller.reset()
 
+    def restart(self) -> None:
+        self.labeller.restart()
+
 
 def layouts(capture: Capture, rng: np.random.Generator) -> list[Array]:
     """Three spreads (5, 2) m out of a day."""

@@ -98,6 +98,9 @@ class AssignmentLabels:
     def reset(self) -> None:
         """Does nothing: this labeller has no history."""
 
+    def restart(self) -> None:
+        """Does nothing, likewise."""
+
     def _settled(
         self, z: Layout, barred: Array, turn: float, middle: complex
     ) -> tuple[float, list[int]]:

@@ -93,7 +93,7 @@ class BeliefLabels:
     remembers = True
 
     def __init__(
-        self, trained: BeliefModel, known: OwnLayouts | None = None, learns: bool = True
+        self, trained: BeliefModel, known: OwnLayouts | None = None, learns: bool = False
     ) -> None:
         self.trained = trained
         self.evidence = trained.evidence

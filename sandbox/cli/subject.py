@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import ceil
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import numpy as np
 import tyro
 from rich.console import Console
 from rich.progress import Progress
 
+from encoders.captures.population import save_population, simulate_population
+from encoders.captures.population.population import PEOPLE
 from encoders.captures.subject import FROZEN, SEED, simulate
 from encoders.store import save_capture
 from models.errors import InputError
@@ -28,6 +31,8 @@ class SubjectOptions:
     and day make the same file. A capture is an .npz file: time (s), trial, ids, xy (m on the
     surface, x right, y down, by finger), q (48 numbers in m and rad), and a header.
 
+    `sandbox subject population` makes hundreds of people at once.
+
     Try:
 
         sandbox subject --seed 7 --day 0 --out training.npz
@@ -44,8 +49,39 @@ class SubjectOptions:
     """Day: 0 is the training script, 1 and later are free play."""
 
 
+@dataclass(frozen=True)
+class PopulationOptions:
+    """Makes captures of hundreds of SIMULATED people, to train names of fingers for any person.
+
+    People have their own bones, resting postures, habits and sensors. They come from both
+    generators of simulated subjects with settings drawn at random, and from random postures of
+    random hands. By default there are people to train on, people to choose settings on, and people
+    to judge on; nobody is in two groups. The file's header has their seeds and a digest. The same
+    salt gives the same people.
+
+    Try:
+
+        sandbox subject population --out people.npz
+        sandbox train --population people.npz --out names.npz
+    """
+
+    out: Annotated[Path, tyro.conf.arg(metavar="FILE")]
+    """File for the population; an existing file is replaced."""
+
+    salt: str = ""
+    """Any text; another one draws other people."""
+
+    group: Literal["train", "choose", "judge", "all"] = "all"
+    """Make the people of one group only."""
+
+    share: float = 1.0
+    """Make this share of the people only, 0 to 1, for a quick try."""
+
+
 def main(argv: list[str]) -> int:
     """Runs `sandbox subject ...`."""
+    if argv[:1] == ["population"]:
+        return _population(argv[1:])
     options = parse(SubjectOptions, "sandbox subject", argv)
     if not options.out.absolute().parent.is_dir():
         raise InputError("no such folder", where=f"--out {options.out}")
@@ -67,6 +103,39 @@ def main(argv: list[str]) -> int:
     console.print(
         f"{options.out}: {len(capture):,} frames at {capture.meta['rate_hz']:g} Hz in "
         f"{len(np.unique(capture.trial))} takes ({split} fingers), simulated",
+        soft_wrap=True,
+    )
+    return 0
+
+
+def _population(argv: list[str]) -> int:
+    options = parse(PopulationOptions, "sandbox subject population", argv)
+    if not options.out.absolute().parent.is_dir():
+        raise InputError("no such folder", where=f"--out {options.out}")
+    if not 0.0 < options.share <= 1.0:
+        raise InputError("not a share", where="--share", got=options.share, expected="0 to 1")
+    groups = {
+        group: {source: ceil(options.share * count) for source, count in sources.items()}
+        for group, sources in PEOPLE.items()
+        if options.group in (group, "all")
+    }
+    console = Console()
+    bars = Console(stderr=True)
+    with Progress(console=bars, transient=True, disable=not bars.is_terminal) as progress:
+        bar = progress.add_task("people", total=1.0)
+        population = simulate_population(
+            options.salt, groups, lambda share: progress.update(bar, completed=share)
+        )
+    try:
+        save_population(population, options.out)
+    except OSError as error:
+        raise InputError(
+            "the population cannot be written", where=f"--out {options.out}", got=str(error)
+        ) from error
+    frames = sum(len(person) for person in population.people)
+    console.print(
+        f"{options.out}: {len(population.people):,} people, {frames:,} frames, digest "
+        f"{population.digest}, simulated",
         soft_wrap=True,
     )
     return 0

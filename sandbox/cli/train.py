@@ -12,8 +12,10 @@ from rich.console import Console
 from rich.progress import Progress
 
 from encoders.capture import Capture
+from encoders.captures.population import load_population
 from encoders.captures.subject import FROZEN, SEED, simulate
 from encoders.evaluation.best import train_best_model
+from encoders.labels.network_training import train_names
 from encoders.regression.registry import find_encoder
 from encoders.regression.trained import (
     BUILTIN,
@@ -69,6 +71,10 @@ class TrainOptions:
     capture: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
     """Capture to train on. With --encoder, the default is the built-in capture."""
 
+    population: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    """Train names of fingers, not an encoder, on a population of simulated people, made by `sandbox
+    subject population`."""
+
     builtin: bool = False
     """Train the built-in models again and compare them with the shipped ones."""
 
@@ -96,6 +102,15 @@ def main(argv: list[str]) -> int:
         ):
             if given:
                 raise InputError("this option does not apply to an encoder of your own", where=name)
+    elif options.population is not None:
+        for name, given in (
+            ("--builtin", options.builtin),
+            ("--capture", options.capture is not None),
+            ("--degree", options.degree is not None),
+            ("--ridge", options.ridge is not None),
+        ):
+            if given:
+                raise InputError("this option does not apply to names of fingers", where=name)
     elif options.builtin == (options.capture is not None):
         raise InputError(
             "expected either a capture or the built-in models",
@@ -104,6 +119,8 @@ def main(argv: list[str]) -> int:
         )
     console = Console()
     try:
+        if options.population is not None:
+            return _names(options.population, options.out, console)
         if options.builtin:
             return _builtin(options.out, console)
         capture = load_capture(options.capture) if options.capture else builtin_capture()
@@ -135,6 +152,26 @@ def _one(options: TrainOptions, capture: Capture, console: Console) -> int:
             model = train(capture, options.out.stem, degree, options.ridge)
     save_model(model, options.out)
     _report(console, options.out, model)
+    return 0
+
+
+def _names(path: Path, out: Path, console: Console) -> int:
+    if not out.absolute().parent.is_dir():
+        raise InputError("no such folder", where=f"--out {out}")
+    population = load_population(path).of(group="train")
+    people = population.people
+    bars = Console(stderr=True)
+    with Progress(console=bars, transient=True, disable=not bars.is_terminal) as progress:
+        bar = progress.add_task("training", total=1.0)
+        belief = train_names(
+            people, population.digest, lambda share, loss: progress.update(bar, completed=share)
+        )
+    belief.save(out)
+    console.print(
+        f"{out}: names for any person, trained on {len(people):,} "
+        f"simulated people, {out.stat().st_size:,} bytes",
+        soft_wrap=True,
+    )
     return 0
 
 

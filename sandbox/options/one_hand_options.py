@@ -45,6 +45,11 @@ class OneHandOptions:
     bare: tyro.conf.FlagCreatePairsOff[bool] = False
     """Use the paper's labels, and no correction or smoothing, with any encoder."""
 
+    labels: Literal["history", "population"] = "history"
+    """What names the fingers, both with the history of the touches. history: trained on one
+    simulated person. population: trained on hundreds of simulated people, for hands that nobody
+    knows; it also learns from five fingers that touch together."""
+
     without: tuple[Part, ...] = ()
     """Switch off a part of the pipeline, to measure what it contributes."""
 

@@ -244,6 +244,8 @@ def _settings(options: SceneOptions, recording: Recording | None) -> RunSettings
         "impulse": impulse_limit(options.impulse),
         "contact": options.contact,
     }
+    if options.labels != SceneOptions.labels:
+        values["labels"] = options.labels
     if options.encoder == "paper" or options.bare:
         values = bare(values)
     for part in options.without:
@@ -281,6 +283,7 @@ def _keeps_recorded_settings(options: SceneOptions) -> bool:
     pipeline = (
         "encoder",
         "bare",
+        "labels",
         "without",
         "impulse",
         "contact",

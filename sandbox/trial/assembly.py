@@ -8,8 +8,9 @@ from dataclasses import replace
 from typing import Any
 
 from encoders.correction import CorrectionSettings
-from encoders.labels.belief import builtin_belief
+from encoders.labels.belief import BeliefLabels, builtin_belief
 from encoders.labels.labelling import Labeller, PaperLabels
+from encoders.labels.population_belief import builtin_population_belief
 from encoders.paalm.hand_reconstructor import HandReconstructor
 from encoders.person.yaw_range import YawMonitor, YawRange
 from encoders.reconstruction.arrival import ArrivalSettings
@@ -75,7 +76,8 @@ def _print_progress(line: str) -> None:
 
 def digests(settings: RunSettings) -> dict[str, str]:
     """Digests of the trained models: the encoder, and the belief over labels if it is used."""
-    labels = "" if settings.labels == "paper" else builtin_belief().trained.digest
+    belief = _belief(settings)
+    labels = "" if belief is None else belief.trained.digest
     return {"encoder": load_encoder(settings.encoder).digest, "labels": labels}
 
 
@@ -111,7 +113,14 @@ def make_labeller(settings: RunSettings, model: TrainedModel) -> Labeller:
 
     `device` gives the labeller of `history`, which labels the contacts that come without a label.
     """
-    return PaperLabels(model) if settings.labels == "paper" else builtin_belief()
+    return _belief(settings) or PaperLabels(model)
+
+
+def _belief(settings: RunSettings) -> BeliefLabels | None:
+    """The belief over labels that the settings name; None for the paper's rule."""
+    if settings.labels == "paper":
+        return None
+    return builtin_population_belief() if settings.labels == "population" else builtin_belief()
 
 
 def place_surface(surface: Surface, task: type[Task]) -> Surface:

@@ -16,9 +16,11 @@ from sandbox.session.contact_modes import ContactMode, contact_mode
 from sandbox.trial.hand_input import HandInput
 from tasks.variation import Variation
 
-LABELS = ("history", "paper", "device")
-"""`history`: a belief carried from contact to contact; `paper`: nearest training pose; `device`:
-labels of the device if it knows them, also as an upper bound with the simulated user."""
+LABELS = ("history", "population", "paper", "device")
+"""`history`: a belief carried from contact to contact, trained on one simulated person;
+`population`: the same, trained on hundreds of them, which also learns from layouts of five fingers
+during a trial; `paper`: nearest training pose; `device`: labels of the device if it knows them,
+also as an upper bound with the simulated user."""
 
 MOST_HANDS = 2
 """Largest number of hands in a scene."""

@@ -34,6 +34,7 @@ APART = {
     "encoders/capture.py": "captures",
     "encoders/labels/assignment.py": "a rival in evaluations",
     "encoders/labels/belief_training.py": "training",
+    "encoders/labels/network_training.py": "training",
     "encoders/labels/fast_search.py": "numba, which sessions do not use",
     "encoders/labels/hand_split.py": "a study of labels, not a session",
     "encoders/paalm/angles.py": "measured angles of tracked joints, for evaluations",

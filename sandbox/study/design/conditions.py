@@ -27,6 +27,7 @@ SETTINGS: dict[str, type | tuple[type, ...]] = {
     "one_surface": bool,
     "encoder": str,
     "bare": bool,
+    "labels": str,
     "without": (list, str),
     "impulse": (str, int, float),
     "contact": str,
@@ -44,6 +45,7 @@ CHOICES = {
     "second_device": ("touch", "leap", PARTNER),
     "second_hand": ("right", "left"),
     "contact": ("hard", "soft", "none"),
+    "labels": ("history", "population"),
     "servo": ("orientation", "position"),
     "turn": (0, 90, 180, 270),
 }

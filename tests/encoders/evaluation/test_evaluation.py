@@ -75,6 +75,9 @@ class Knowing:
     def reset(self) -> None:
         self.resets += 1
 
+    def restart(self) -> None:
+        self.resets += 1
+
 
 class ByOrder(Knowing):
     """A labeller that names contacts in the order in which it is told of them."""

@@ -1,0 +1,171 @@
+"""Names of strangers: people and generators that took no part in the training.
+
+    sandbox subject population --group train --out people.npz
+    python -m benchmarks.strangers --population people.npz
+    python -m benchmarks.strangers --population people.npz --days 2 --people 6      # a quick look
+
+Three questions. Both frozen subjects by names that were trained on people of the other sources
+alone (held-out generator). People to judge on, drawn with the digest of the names that ship, at
+first and after one touch with five fingers. And how true the probabilities are. The belief is
+called at every frame and begins anew with every take; nothing is carried from take to take.
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+from rich.console import Console
+from rich.progress import track
+from rich.table import Table
+
+from encoders.capture import Capture
+from encoders.captures.population import load_population, simulate_population
+from encoders.captures.population.population import PEOPLE
+from encoders.evaluation.subjects import subject
+from encoders.labels.belief import BeliefLabels, builtin_belief
+from encoders.labels.network_training import train_names
+from encoders.labels.own_layouts import OwnLayouts
+from encoders.labels.population_belief import PopulationBelief, builtin_population_belief
+
+DAY_SEED = 19
+"""Seed of the judged days."""
+
+SURE = 0.99
+"""Probability from which on an answer counts as sure."""
+
+_BARS = Console(stderr=True)
+
+Maker = Callable[[OwnLayouts | None], BeliefLabels]
+
+
+@dataclass
+class Frames:
+    """Answers at frames of one person or day.
+
+    Attributes:
+        fingers: Number of contacts.
+        right: True where all of them are named right.
+        claimed: Probability that the labeller gave.
+    """
+
+    fingers: list[int] = field(default_factory=list)
+    right: list[bool] = field(default_factory=list)
+    claimed: list[float] = field(default_factory=list)
+
+
+def answers(capture: Capture, make: Maker, known: OwnLayouts | None = None) -> Frames:
+    """Names all frames of a capture, each take from the beginning."""
+    frames, labeller, take = Frames(), make(known), None
+    rng = np.random.default_rng(0)
+    for t in range(len(capture)):
+        if capture.trial[t] != take:
+            labeller.restart()
+            take = capture.trial[t]
+        fingers = rng.permutation(np.flatnonzero(capture.down[t]))
+        places = {int(capture.ids[t, f]): tuple(capture.xy[t, f].tolist()) for f in fingers}
+        labelling = labeller.assign(places, {})
+        truth = {int(capture.ids[t, f]): int(f) for f in fingers}
+        frames.fingers.append(len(fingers))
+        frames.right.append(labelling.labels == truth)
+        frames.claimed.append(labelling.probability)
+    return frames
+
+
+def row(table: Table, name: str, people: Sequence[Frames]) -> None:
+    """Adds percent right by number of fingers and in all, with an interval over people, and how
+    true the probabilities are."""
+    fingers = np.concatenate([p.fingers for p in people])
+    right = np.concatenate([p.right for p in people])
+    claimed = np.concatenate([p.claimed for p in people])
+    shares = [f"{100 * right[fingers == k].mean():.1f}" for k in range(2, 6)]
+    rng = np.random.default_rng(0)
+    sums = np.array([[np.sum(p.right), len(p.right)] for p in people], float)
+    drawn = sums[rng.integers(len(sums), size=(2000, len(sums)))].sum(axis=1)
+    low, high = 100 * np.percentile(drawn[:, 0] / drawn[:, 1], [2.5, 97.5])
+    sure = claimed >= SURE
+    several = fingers >= 3
+    tenth = np.minimum((10 * claimed).astype(int), 9)
+    gap = sum(
+        abs(claimed[tenth == b].mean() - right[tenth == b].mean()) * (tenth == b).mean()
+        for b in np.unique(tenth)
+    )
+    table.add_row(
+        name,
+        *shares,
+        f"{100 * right.mean():.1f} [{low:.1f}, {high:.1f}]",
+        f"{100 * right[sure].mean():.1f}" if sure.any() else "-",
+        f"{100 * sure[several].mean():.0f}",
+        f"{100 * gap:.1f}",
+    )
+
+
+def after_five(person: Capture) -> OwnLayouts:
+    """One layout of five fingers of a person: the first of the capture."""
+    return OwnLayouts(person.xy[np.flatnonzero(person.down.all(axis=1))[:1]])
+
+
+def shipped_before(known: OwnLayouts | None) -> BeliefLabels:
+    """The belief trained on one simulated person."""
+    return BeliefLabels(builtin_belief().trained)
+
+
+def of(belief: PopulationBelief) -> Maker:
+    """Labellers with a trained belief."""
+    return lambda known: BeliefLabels(belief, known, learns=True)
+
+
+def tracked(captures: Iterable[Capture], what: str, total: int) -> Iterable[Capture]:
+    """The captures, with a progress bar."""
+    return track(captures, what, total, console=_BARS)
+
+
+def main() -> None:
+    """Prints the table."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--population", type=Path, required=True, help="people to train on")
+    parser.add_argument("--days", type=int, default=12, help="judged days of each frozen subject")
+    parser.add_argument("--people", type=int, default=None, help="people of each generator")
+    options = parser.parse_args()
+    train = load_population(options.population).of(group="train")
+    table = Table(
+        "names, % of frames right",
+        "2",
+        "3",
+        "4",
+        "5",
+        "all [95 %]",
+        "sure: right",
+        "sure, 3+",
+        "error of p",
+        title="simulated people; sure: claims 0.99 or more",
+    )
+    for held in ("first", "second"):
+        others = train.of(without=held)
+        with _BARS.status(f"training without the {held} generator"):
+            belief = train_names(others.people, others.digest)
+        one = subject(held)
+        days = [one.day(day, None) for day in one.judged_days(options.days, DAY_SEED)]
+        judged = list(tracked(days, f"{held} subject", len(days)))
+        row(table, f"{held} subject, generator held out", [answers(c, of(belief)) for c in judged])
+        row(table, f"{held} subject, by `history`", [answers(c, shipped_before) for c in judged])
+    count = options.people
+    groups = {g: count if count is not None else n for g, n in PEOPLE["judge"].items() if n}
+    salt = builtin_population_belief().trained.digest
+    with _BARS.status("drawing people to judge on"):
+        judged = list(simulate_population(salt, {"judge": groups}).people)
+    seen = [p for p in judged if p.down.all(axis=1).any()]
+    row(table, f"{len(seen)} judged people", [answers(p, builtin_population_belief) for p in seen])
+    primed = [answers(p, builtin_population_belief, after_five(p)) for p in seen]
+    row(table, "the same after one touch with five", primed)
+    row(table, "the same people by `history`", [answers(p, shipped_before) for p in seen])
+    Console(width=130).print(table)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,142 @@
+"""The network that names contacts: its symmetries, its derivatives, its file."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from encoders.labels.labelling import hypotheses
+from encoders.labels.network_evidence import NetworkEvidence, set_prior
+from encoders.labels.network_training import batch_log_probabilities, loss_and_slopes
+from encoders.labels.pair_network import PairNetwork, initial_weights
+from encoders.labels.population_belief import (
+    builtin_population_belief,
+    from_weights,
+    load_population_belief,
+)
+from models.errors import EncoderError
+
+SIZES = {"g": 7, "context": 5, "f": 9, "h": 6}
+
+
+def drawn_weights(seed: int = 0):
+    rng = np.random.default_rng(seed)
+    weights = initial_weights(rng, SIZES)
+    return {k: v + rng.normal(0, 0.05, v.shape).astype(np.float32) for k, v in weights.items()}
+
+
+@given(st.integers(2, 5), st.integers(0, 1000))
+@settings(max_examples=30, deadline=None)
+def test_probabilities_follow_the_contacts_whatever_their_order_and_place(count, seed):
+    rng = np.random.default_rng(seed)
+    evidence = NetworkEvidence(PairNetwork(drawn_weights()), dict.fromkeys(range(2, 6), 1.0))
+    xy = rng.normal(0, 0.03, (count, 2))
+    order = rng.permutation(count)
+    before = evidence.log_posterior(xy)
+    after = evidence.log_posterior(xy[order] + rng.normal(0, 0.1, 2))
+    row = {tuple(labels): i for i, labels in enumerate(hypotheses(count).tolist())}
+    same = [row[tuple(labels[list(order)])] for labels in hypotheses(count)]
+    assert np.allclose(after[same], before, atol=1e-9)
+    assert np.exp(before).sum() == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize("count", [2, 3, 5])
+def test_the_slopes_of_the_loss_are_its_finite_differences(count):
+    rng = np.random.default_rng(count)
+    weights, step = {k: v.astype(float) for k, v in drawn_weights().items()}, 1e-5
+    xy = rng.normal(0, 0.03, (6, count, 2))
+    fingers = np.array([rng.permutation(5)[:count] for _ in range(6)])
+    _, slopes = loss_and_slopes(weights, xy, fingers)
+    for name, slope in slopes.items():
+        place = np.unravel_index(np.argmax(np.abs(slope)), slope.shape)
+        ends = []
+        for sign in (1, -1):
+            moved = {k: v.copy() for k, v in weights.items()}
+            moved[name][place] += sign * step
+            ends.append(loss_and_slopes(moved, xy, fingers)[0])
+        assert (ends[0] - ends[1]) / (2 * step) == pytest.approx(slope[place], rel=1e-3, abs=1e-6)
+
+
+@pytest.mark.parametrize("count", [2, 3, 4, 5])
+def test_a_batch_gets_the_probabilities_that_single_layouts_get(count):
+    weights = drawn_weights()
+    xy = np.random.default_rng(0).normal(0, 0.03, (4, count, 2))
+    flat = NetworkEvidence(PairNetwork(weights), dict.fromkeys(range(2, 6), 1.0), {})
+    together = batch_log_probabilities(weights, xy)
+    assert np.allclose(together, [flat.log_posterior(one) for one in xy], atol=1e-4)
+
+
+def test_the_prior_prefers_thumb_and_index_and_gives_every_set_a_chance():
+    for count in (2, 3, 4):
+        prior = np.exp(set_prior()[count])
+        usual = {tuple(sorted(row)) for row in hypotheses(count)[prior == prior.max()].tolist()}
+        assert tuple(range(count)) in usual
+        assert prior.sum() == pytest.approx(1.0) and prior.min() > 0.001
+
+
+def test_a_stored_belief_is_the_same_belief(tmp_path: Path):
+    belief = from_weights(drawn_weights(), "people")
+    belief.save(tmp_path / "names.npz")
+    back = load_population_belief(tmp_path / "names.npz")
+    xy = np.random.default_rng(1).normal(0, 0.03, (3, 2))
+    assert back.digest == belief.digest
+    assert np.array_equal(back.evidence.log_posterior(xy), belief.evidence.log_posterior(xy))
+
+
+@pytest.mark.parametrize("damage", ["missing", "shape", "nan", "cut"])
+def test_a_damaged_file_is_one_clear_error(tmp_path: Path, damage: str):
+    path, weights = tmp_path / "names.npz", drawn_weights()
+    from_weights(weights, "people").save(path)
+    if damage == "cut":
+        path.write_bytes(path.read_bytes()[:-200])
+    else:
+        with np.load(path) as file:
+            arrays = {name: file[name] for name in file.files}
+        if damage == "missing":
+            del arrays["f2"]
+        elif damage == "shape":
+            arrays["f2"] = arrays["f2"][:-1]
+        else:
+            arrays["f2"] = arrays["f2"] * np.nan
+        np.savez(path, **arrays)
+    with pytest.raises(EncoderError):
+        load_population_belief(path)
+
+
+def test_five_fingers_of_a_stranger_are_named_and_kept_and_help_with_fewer():
+    rng = np.random.default_rng(3)
+    # Distances of real layouts: thumb, index, middle, ring, little; metres, y down.
+    hand = 1e-3 * np.array([[0, 0], [35, -42], [60, -55], [83, -48], [104, -26]])
+    belief = builtin_population_belief()
+    five = {7 * f: tuple(hand[f]) for f in range(5)}
+    assert belief.assign(five, {}).labels == {7 * f: f for f in range(5)}
+    assert len(belief.own) == 1
+    belief.reset()
+    again = {f: tuple(hand[f] + rng.normal(0, 0.002, 2)) for f in (1, 2, 4)}
+    known = belief.assign(again, {})
+    stranger = builtin_population_belief()
+    stranger.assign(again, {})
+    truth = {f: f for f in again}
+    assert known.labels == truth
+    assert belief.log_probability(truth) > stranger.log_probability(truth)
+
+
+def test_a_new_trial_begins_with_what_was_known_before_the_last_one():
+    hand = 1e-3 * np.array([[0, 0], [35, -42], [60, -55], [83, -48], [104, -26]])
+    belief = builtin_population_belief()
+    belief.assign({f: tuple(hand[f]) for f in range(5)}, {})
+    assert len(belief.own) == 1
+    belief.restart()
+    assert len(belief.own) == 0
+
+
+def test_confident_answers_about_fewer_fingers_are_not_fed_back():
+    rng = np.random.default_rng(0)
+    belief = builtin_population_belief()
+    for _ in range(40):
+        hand = rng.normal(0, 0.03, (4, 2))
+        belief.assign({f: tuple(hand[f]) for f in range(4)}, {})
+        belief.reset()
+    assert len(belief.own) == 0
