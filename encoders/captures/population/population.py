@@ -57,7 +57,8 @@ POSTURES = 20
 ORDERLY = 0.75
 """Least share of a person's layouts of four and five fingers whose touches are in the fingers'
 order. Of real layouts of five fingers 99 % are. Drawn people who cross their fingers more often are
-left out, about a fifth of those of the generators; of the others, such frames are."""
+left out: about a fifth of those of the generators, half of the posed ones. Of the others, single
+frames are."""
 
 Progress = Callable[[float], None]
 
