@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from encoders.labels.belief import builtin_belief
+from encoders.labels.belief import builtin_trained_belief
 from encoders.labels.finger_order import in_order
 from encoders.labels.label_evidence import (
     STRANGER,
@@ -22,7 +22,7 @@ Contacts = dict[int, tuple[float, float]]
 
 def plain_belief(contacts: Contacts) -> tuple[int, ...]:
     """The likeliest labels at one look, kernel by kernel from the definition."""
-    evidence = builtin_belief().evidence
+    evidence = builtin_trained_belief().evidence
     layouts, count = evidence.layouts[len(contacts)], len(contacts)
     xy = np.array(list(contacts.values())) / METRES_PER_INCH
     z = xy[:, 0] + 1j * xy[:, 1]

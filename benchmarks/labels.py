@@ -33,7 +33,7 @@ from benchmarks.machine import describe_machine
 from encoders.capture import Capture
 from encoders.captures.subject import FROZEN, SEED, simulate
 from encoders.labels.assignment import AssignmentLabels
-from encoders.labels.belief import BeliefLabels, builtin_belief
+from encoders.labels.belief import BeliefLabels, builtin_belief, builtin_trained_belief
 from encoders.labels.label_evidence import LabelEvidence, even_prior
 from encoders.labels.labelling import Labeller, PaperLabels
 from encoders.regression.polynomial import PolynomialEncoder
@@ -58,7 +58,7 @@ EVERY = 3
 
 def test_days(count: int) -> list[int]:
     """Days that follow from the configuration and the belief."""
-    text = json.dumps(FROZEN.as_json(), sort_keys=True) + builtin_belief().trained.digest
+    text = json.dumps(FROZEN.as_json(), sort_keys=True) + builtin_trained_belief().digest
     return [
         1 + int.from_bytes(sha256(f"{text}\n{i}".encode()).digest()[:3], "big")
         for i in range(count)
@@ -73,7 +73,7 @@ def labellers() -> dict[str, Labeller]:
         encoder = PolynomialEncoder(degree).fit(U, Q)
         return TrainedModel("", encoder, np.eye(POSE_SIZE), U, Q)
 
-    quadratic, trained = model(2), builtin_belief().trained
+    quadratic, trained = model(2), builtin_trained_belief()
     known = trained.evidence
     even = LabelEvidence(known.layouts, known.shapes, known.order, even_prior())
     return {

@@ -20,9 +20,9 @@ from rich.table import Table
 
 from encoders.capture import Capture
 from encoders.captures.population import simulate_population
-from encoders.labels.belief import builtin_belief
+from encoders.labels.belief import builtin_trained_belief
 from encoders.labels.labelling import true_row
-from encoders.labels.population_belief import builtin_population_belief
+from encoders.labels.population_belief import builtin_population_model
 from models.arithmetic.arrays import Array
 
 OPENING = (0.045, 0.085)
@@ -81,19 +81,21 @@ def main() -> None:
     parser.add_argument("--layouts", type=int, default=10000, help="layouts of every set")
     parser.add_argument("--people", type=int, default=36, help="people of each generator")
     options = parser.parse_args()
-    population = builtin_population_belief().trained
+    population = builtin_population_model()
     groups = {"judge": {"first": options.people, "second": options.people}}
     with Console(stderr=True).status("drawing people to judge on"):
         people = simulate_population(population.digest, groups).people
     rng = np.random.default_rng(0)
-    cases = {"thumb + index, as people pinch": (pinches(rng, options.layouts), (0, 1))}
+    cases: dict[str, tuple[Array, tuple[int, ...]]] = {
+        "thumb + index, as people pinch": (pinches(rng, options.layouts), (0, 1))
+    }
     for name, fingers in SETS.items():
         cases[name] = layouts_of(rng, people, fingers, options.layouts), fingers
     table = Table("single looks, % right", "`population`", "`history`")
     for name, (layouts, fingers) in cases.items():
         shares = (
             right(evidence.log_posterior, layouts, fingers)
-            for evidence in (population.evidence, builtin_belief().evidence)
+            for evidence in (population.evidence, builtin_trained_belief().evidence)
         )
         table.add_row(name, *(f"{share:.1f}" for share in shares))
     Console(width=100).print(table)

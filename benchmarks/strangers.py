@@ -110,7 +110,7 @@ def after_five(person: Capture) -> OwnLayouts:
 
 def shipped_before(known: OwnLayouts | None) -> BeliefLabels:
     """The belief trained on one simulated person."""
-    return BeliefLabels(builtin_belief().trained)
+    return builtin_belief()
 
 
 def of(belief: PopulationBelief) -> Maker:

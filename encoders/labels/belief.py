@@ -328,7 +328,8 @@ class BeliefLabels:
 
 
 @cache
-def _builtin() -> TrainedBelief:
+def builtin_trained_belief() -> TrainedBelief:
+    """The model trained on the built-in capture."""
     return load_belief(Path(str(files("encoders") / "data" / "belief.npz")))
 
 
@@ -337,4 +338,4 @@ def builtin_belief() -> BeliefLabels:
 
     `python -m encoders.labels.belief_training` trains it again.
     """
-    return BeliefLabels(_builtin())
+    return BeliefLabels(builtin_trained_belief())

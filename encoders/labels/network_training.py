@@ -92,7 +92,7 @@ class LayoutPool:
 
     def draw(
         self, rng: np.random.Generator, count: int, n: int, exact: float
-    ) -> tuple[Array, Array]:
+    ) -> tuple[Array, NDArray[np.intp]]:
         """Layouts (n, count, 2) m in random order, and their fingers (n, count)."""
         sets = finger_sets(count)
         chosen = rng.integers(len(sets), size=n)
@@ -106,10 +106,8 @@ class LayoutPool:
                 xy[at] = self._xy[picked][:, members]
                 fingers[at] = members
         order = rng.permuted(np.tile(np.arange(count), (n, 1)), axis=1)
-        return (
-            np.take_along_axis(xy, order[..., None], axis=1),
-            np.take_along_axis(fingers, order, axis=1),
-        )
+        row = np.arange(n)[:, None]
+        return xy[row, order], fingers[row, order]
 
 
 def train_names(

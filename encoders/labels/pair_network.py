@@ -159,7 +159,7 @@ def check_weights(weights: Mapping[str, NDArray[Any]]) -> None:
     """
     sizes: dict[str, int] = {}
     for name, shape in SHAPES.items():
-        wanted = [(name, shape)]
+        wanted: list[tuple[str, tuple[int | str, ...]]] = [(name, shape)]
         if name in BIASES:
             wanted.append((BIASES[name], shape[1:]))
         for key, expected in wanted:

@@ -127,7 +127,8 @@ def load_population_belief(path: Path) -> PopulationBelief:
 
 
 @cache
-def _builtin() -> PopulationBelief:
+def builtin_population_model() -> PopulationBelief:
+    """The model trained on the population."""
     return load_population_belief(Path(str(files("encoders") / "data" / "names.npz")))
 
 
@@ -137,4 +138,4 @@ def builtin_population_belief(known: OwnLayouts | None = None) -> BeliefLabels:
     Args:
         known: The person's own layouts of five fingers, where some are known.
     """
-    return BeliefLabels(_builtin(), known, learns=True)
+    return BeliefLabels(builtin_population_model(), known, learns=True)

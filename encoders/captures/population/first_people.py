@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -25,36 +26,38 @@ def drawn_configuration(rng: np.random.Generator) -> SubjectConfiguration:
     """
     c = FROZEN
     yaw = between(rng, 0.7, 1.3)
-    return replace(
-        c,
-        grasp=between(rng, 0.35, 0.9),
-        grasp_closed=between(rng, -0.2, 0.5),
-        widest=between(rng, 1.3, 1.9),
-        pinch=between(rng, 0.5, 0.95),
-        pinch_closed=between(rng, -0.3, 0.9),
-        pinch_least=between(rng, -1.1, -0.3),
-        move=around(rng, c.move, 0.3),
-        turn=between(rng, 0.5, 1.4),
-        placing=between(rng, 0.003, 0.008),
-        wobble=between(rng, 0.0015, 0.004),
-        tip_width=between(rng, 0.012, 0.019),
-        aside=between(rng, 0.05, 0.5),
-        synergy_spread=tuple(around(rng, v, 0.25) for v in c.synergy_spread),
-        finger_spread=tuple(around(rng, v, 0.25) for v in c.finger_spread),
-        thumb_spread=tuple(around(rng, v, 0.25) for v in c.thumb_spread),
-        root_rotation_spread=tuple(yaw * v for v in c.root_rotation_spread),
-        arm_turn=between(rng, 0.75, 1.0),
-        elbow=between(rng, 0.0, 0.5),
-        elbow_distance=between(rng, 0.15, 0.35),
-        curl_share=between(rng, 0.0, 0.6),
-        lift_posture=between(rng, 0.1, 0.4),
-        pad_roll=between(rng, 0.002, 0.0055),
-        touch_noise=between(rng, 0.0001, 0.0006),
-        natural=between(rng, 1.0, 3.0),
-    )
+    drawn: dict[str, Any] = {
+        "grasp": between(rng, 0.35, 0.9),
+        "grasp_closed": between(rng, -0.2, 0.5),
+        "widest": between(rng, 1.3, 1.9),
+        "pinch": between(rng, 0.5, 0.95),
+        "pinch_closed": between(rng, -0.3, 0.9),
+        "pinch_least": between(rng, -1.1, -0.3),
+        "move": around(rng, c.move, 0.3),
+        "turn": between(rng, 0.5, 1.4),
+        "placing": between(rng, 0.003, 0.008),
+        "wobble": between(rng, 0.0015, 0.004),
+        "tip_width": between(rng, 0.012, 0.019),
+        "aside": between(rng, 0.05, 0.5),
+        "synergy_spread": tuple(around(rng, v, 0.25) for v in c.synergy_spread),
+        "finger_spread": tuple(around(rng, v, 0.25) for v in c.finger_spread),
+        "thumb_spread": tuple(around(rng, v, 0.25) for v in c.thumb_spread),
+        "root_rotation_spread": tuple(yaw * v for v in c.root_rotation_spread),
+        "arm_turn": between(rng, 0.75, 1.0),
+        "elbow": between(rng, 0.0, 0.5),
+        "elbow_distance": between(rng, 0.15, 0.35),
+        "curl_share": between(rng, 0.0, 0.6),
+        "lift_posture": between(rng, 0.1, 0.4),
+        "pad_roll": between(rng, 0.002, 0.0055),
+        "touch_noise": between(rng, 0.0001, 0.0006),
+        "natural": between(rng, 1.0, 3.0),
+    }
+    return replace(c, **drawn)
 
 
-def capture_person(seed: list[int], frames: tuple[int, ...], day: int, rate: float) -> Capture:
+def capture_person(
+    seed: list[int], frames: tuple[int, int, int, int], day: int, rate: float
+) -> Capture:
     """Captures a person of this generator.
 
     Args:

@@ -16,7 +16,7 @@ from encoders.captures.second_subject.hand import SLENDER, SecondHand
 from models.arithmetic.arrays import Array
 from models.frames import FINGERS
 from models.rotations import exp
-from models.skeleton import ADULT, Skeleton
+from models.skeleton import ADULT, Bone, Skeleton
 
 SIZES = (0.82, 1.18)
 """Least and greatest hand size relative to the trained hand."""
@@ -45,7 +45,8 @@ def drawn_size(rng: np.random.Generator) -> float:
 def drawn_skeleton(rng: np.random.Generator, size: float, name: str) -> Skeleton:
     """Draws a hand of a size with proportions of its own."""
     fingers = np.exp(rng.normal(0, FINGER, len(FINGERS)))
-    bones, previous = [], 0.0
+    bones: list[Bone] = []
+    previous = 0.0
     for bone in ADULT.scaled(size).bones:
         first = ADULT.first_bone[bone.finger] == len(bones)
         factor = float(fingers[bone.finger] * np.exp(rng.normal(0, BONE)))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -22,29 +23,31 @@ def drawn_configuration(rng: np.random.Generator) -> SecondConfiguration:
     c = FROZEN
     weak = between(rng, 0.1, 0.5)
     turn = between(rng, 0.6, 1.3)
-    return replace(
-        c,
-        strength=(weak, between(rng, weak + 0.2, 1.15)),
-        bold=between(rng, 0.0, 0.3),
-        calm=between(rng, 0.7, 1.0),
-        way=tuple(around(rng, v, 0.2) for v in c.way),
-        turn=tuple(turn * v for v in c.turn),
-        bias=between(rng, 0.05, 0.4),
-        forearm=between(rng, 0.0, 0.8),
-        elbow=between(rng, 0.15, 0.35),
-        habit=tuple(around(rng, v, 0.3) for v in c.habit),
-        variety=tuple(around(rng, v, 0.3) for v in c.variety),
-        tip_width=between(rng, 0.012, 0.019),
-        raise_=(between(rng, 0.05, 0.2), between(rng, 0.25, 0.5)),
-        curl=between(rng, 0.0, 0.6),
-        coupling=(between(rng, 0.1, 0.4), between(rng, 0.5, 0.8)),
-        pad=between(rng, 0.002, 0.0065),
-        jitter=between(rng, 0.0001, 0.0006),
-        taste=between(rng, 0.1, 0.6),
-    )
+    drawn: dict[str, Any] = {
+        "strength": (weak, between(rng, weak + 0.2, 1.15)),
+        "bold": between(rng, 0.0, 0.3),
+        "calm": between(rng, 0.7, 1.0),
+        "way": tuple(around(rng, v, 0.2) for v in c.way),
+        "turn": tuple(turn * v for v in c.turn),
+        "bias": between(rng, 0.05, 0.4),
+        "forearm": between(rng, 0.0, 0.8),
+        "elbow": between(rng, 0.15, 0.35),
+        "habit": tuple(around(rng, v, 0.3) for v in c.habit),
+        "variety": tuple(around(rng, v, 0.3) for v in c.variety),
+        "tip_width": between(rng, 0.012, 0.019),
+        "raise_": (between(rng, 0.05, 0.2), between(rng, 0.25, 0.5)),
+        "curl": between(rng, 0.0, 0.6),
+        "coupling": (between(rng, 0.1, 0.4), between(rng, 0.5, 0.8)),
+        "pad": between(rng, 0.002, 0.0065),
+        "jitter": between(rng, 0.0001, 0.0006),
+        "taste": between(rng, 0.1, 0.6),
+    }
+    return replace(c, **drawn)
 
 
-def capture_person(seed: list[int], frames: tuple[int, ...], day: int, rate: float) -> Capture:
+def capture_person(
+    seed: list[int], frames: tuple[int, int, int, int], day: int, rate: float
+) -> Capture:
     """Captures a person of this generator; arguments as those of the first generator's."""
     rng = np.random.default_rng(seed)
     size = drawn_size(rng)

@@ -14,7 +14,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import encoders.labels.belief_training as training
-from encoders.labels.belief import builtin_belief
+from encoders.labels.belief import builtin_trained_belief
 from encoders.labels.label_evidence import even_prior, natural_prior
 from encoders.labels.layout_density import finger_sets
 from encoders.labels.trained_belief import TrainedBelief, capture_digest, load_belief
@@ -28,7 +28,7 @@ SEEDS = st.integers(0, 2**32 - 1)
 
 @cache
 def shipped() -> TrainedBelief:
-    return builtin_belief().trained
+    return builtin_trained_belief()
 
 
 def test_a_belief_comes_back_from_its_file_as_it_was(tmp_path: Path) -> None:
