@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from models.errors import EncoderError
 
-__all__ = ["ANY_ORDER", "njit"]
+__all__ = ["ANY_ORDER", "NumbaError", "njit"]
 
 try:
     from numba import njit
+    from numba.core.errors import NumbaError
 except ImportError as error:
     raise EncoderError(
         "compiled encoders need numba", remedy="pip install 'hand-sandbox[fast]', or leave out fast"

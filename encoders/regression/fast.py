@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from encoders.input_vector import CONTACT_VECTOR_SIZE
-from encoders.numba_extra import ANY_ORDER, njit
+from encoders.numba_extra import ANY_ORDER, NumbaError, njit
 from encoders.regression.collapsed import FLAGS, SETS, ContactPoses, collapse, set_code
 from models.arithmetic.arrays import Array
 from models.frames import FINGERS
@@ -146,8 +146,8 @@ class FastContactPoses(ContactPoses):
                 u, self._starts, self._factors, self._rows, self._values, out
             ):
                 return out
-        except TypeError:
-            # The compiled function does not accept this type of array.
+        except (TypeError, NumbaError):
+            # The compiled function does not accept this type of array; numba says so in two ways.
             return super().__call__(u)
         return super().__call__(u)
 
