@@ -50,7 +50,10 @@ def test_a_backup_an_export_and_a_withdrawal_follow_each_other(
     )
     assert "k = 1: 2 people share their" in capsys.readouterr().out
     about = json.loads((shared / "anonymised.json").read_text())
-    assert about["rounded_down_to"] == {"age": 10.0} and about["people_in_groups_below_5"] == 2
+    assert (
+        about["rounded_down_to"] == {"age": 10.0, "hand_size": 0.1}
+        and about["people_in_groups_below_5"] == 2
+    )
     gone, stays = people_of(folder)
     assert main(["study", "withdraw", str(folder), "--participant", gone.lower(), "--yes"]) == 0
     said = capsys.readouterr().out

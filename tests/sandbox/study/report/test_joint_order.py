@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from functools import cache
 from pathlib import Path
 
 import pytest
 
+from sandbox.study.design.design import Design
 from sandbox.study.design.plan import session_plan, trials_of
 from sandbox.study.report.models.data import StudyData, load_study
 from sandbox.study.report.models.joint_order import confounded_pairs, design_orders
@@ -14,7 +16,12 @@ from sandbox.study.tables.column import csv_bytes
 from tests.support.study_files import DESIGN, design
 
 SECOND = '\n[[factors]]\nname = "servo"\norder = "latin"\nlevels = ["orientation", "position"]\n'
-CROSSED = design(DESIGN.replace("[trials]", SECOND + "[trials]"))
+
+
+@cache
+def crossed() -> Design:
+    """The design with a second factor."""
+    return design(DESIGN.replace("[trials]", SECOND + "[trials]"))
 
 
 def study(folder: Path, people: int) -> StudyData:
@@ -31,10 +38,10 @@ def study(folder: Path, people: int) -> StudyData:
             **{f"factor_{name}": level for name, level in trial.levels.items()},
         }
         for number in range(people)
-        for trial in trials_of(session_plan(CROSSED, number))
+        for trial in trials_of(session_plan(crossed(), number))
     ]
     (folder / "trial_results.csv").write_bytes(csv_bytes(rows, list(rows[0])))
-    (folder / "codebook.csv").write_bytes(codebook(CROSSED))
+    (folder / "codebook.csv").write_bytes(codebook(crossed()))
     return load_study(folder)
 
 
