@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import shutil
+import subprocess
 from collections.abc import Callable
 from pathlib import Path
 
@@ -243,7 +244,9 @@ def test_a_merged_study_keeps_the_chains_of_both_and_what_their_witnesses_know(
 def test_a_backup_that_is_unpacked_passes(study: StudyFolder, tmp_path: Path) -> None:
     log_copy(study, "backup", tmp_path / "b.tar.gz", back_up(study, tmp_path / "b.tar.gz").ppids)
     assert told(audit(study.path)) == []
-    shutil.unpack_archive(tmp_path / "b.tar.gz", tmp_path / "back", filter="data")
+    (tmp_path / "back").mkdir()
+    # The program that people unpack with; Python's own needs an argument that 3.11.2 lacks.
+    subprocess.run(["tar", "-xzf", tmp_path / "b.tar.gz", "-C", tmp_path / "back"], check=True)
     found = audit(tmp_path / "back/quick-simulated")
     assert told(found) == [] and found.findings.notes == [
         "SHA256SUMS: not a part of the study's record"
