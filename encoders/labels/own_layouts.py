@@ -53,7 +53,7 @@ class OwnLayouts:
         layouts: (n, 5, 2) inches, each with its middle at 0, rounded to a thousandth.
 
     Raises:
-        EncoderError: A layout is not finite, or is not that of a hand.
+        EncoderError: A layout is not finite, or is not that of a right hand.
     """
 
     def __init__(self, layouts: ArrayLike = ()) -> None:
@@ -76,6 +76,14 @@ class OwnLayouts:
                     expected=f"distances of {_LEAST:g} to {_WIDEST:g} inches between fingertips",
                     remedy="Forget the layouts of the profile, and touch with five fingers again",
                 )
+            if not of_right_hand(layout):
+                raise EncoderError(
+                    "this layout is of the other hand",
+                    where="a layout of five fingers",
+                    got=layout.round(2).tolist(),
+                    expected="thumb to little finger clockwise, as a right hand's",
+                    remedy="Forget the layouts of the profile, and touch with five fingers again",
+                )
 
     def __len__(self) -> int:
         return len(self.layouts)
@@ -83,7 +91,7 @@ class OwnLayouts:
     def with_new(self, xy: Array) -> OwnLayouts:
         """These layouts and another one (5, 2) m by finger; the same object if it is not new."""
         layout = _centred(np.asarray(xy, float) / METRES_PER_INCH)
-        if not like_a_hand(layout):
+        if not (like_a_hand(layout) and of_right_hand(layout)):
             return self
         off = self.layouts - layout
         if len(off) and (squared_lengths(off.reshape(len(off), -1)) < 5 * NEW**2).any():
@@ -115,6 +123,16 @@ def like_a_hand(layout: Array) -> bool:
     i, j = np.triu_indices(len(FINGERS), 1)
     between = np.sqrt(squared_lengths(layout[i] - layout[j]))
     return bool((between > _LEAST).all() and (between < _WIDEST).all())
+
+
+def of_right_hand(layout: Array) -> bool:
+    """True if touches (5, 2), thumb first and y down, go clockwise about their middle.
+
+    The signed area of their pentagon is positive; so it is for all layouts of simulated people.
+    """
+    x, y = layout.T.tolist()
+    after = [*range(1, len(FINGERS)), 0]
+    return sum((x[i] * y[k] - x[k] * y[i] for i, k in enumerate(after)), 0.0) > 0.0
 
 
 def _centred(layout: Array) -> Array:

@@ -11,6 +11,7 @@ from typing import Annotated, Literal
 import tyro
 from rich.console import Console
 
+from encoders.labels.population_belief import builtin_population_belief
 from encoders.person.hand_size import SPREADS, HandSize, builtin_sizes
 from encoders.person.spreads import SpreadCollector
 from models.arithmetic.arrays import Array
@@ -26,6 +27,7 @@ from sandbox.options.profiles import Profile, default_path, save_profile
 from sandbox.options.scene_options import Plan, SceneOptions, plan
 from sandbox.recording.recording import is_recording
 from sandbox.session.device import Device
+from sandbox.session.own_layouts import Layouts, kept_layouts
 from sandbox.trial.settings import RunSettings
 from tasks.registry import find_task
 
@@ -41,8 +43,9 @@ class CalibrateOptions:
     """Measures a hand: put down five fingers three times, relaxed, close together and wide apart.
 
     The profile stores the length of the hand relative to the trained hand, by which touches are
-    scaled. `sandbox play` with a touch device uses the profile automatically; other commands need
-    --profile.
+    scaled, and the three layouts, which help to name fewer fingers. `sandbox play` with a touch
+    device uses the profile automatically; other commands need --profile. A profile that is there is
+    replaced; `sandbox profile` shows it.
 
     Try: sandbox calibrate --device simulated --hand-size 0.9 --out profile.json
     """
@@ -117,11 +120,13 @@ def main(argv: list[str]) -> int:
     finally:
         device.close()
     frame = PersonFrame(asked, surface)
-    size = builtin_sizes().estimate([frame.inwards(xy) for xy in layouts])
+    inward = [frame.inwards(xy) for xy in layouts]
+    size = builtin_sizes().estimate(inward)
     _report(size, console)
     measured = replace(asked, hand_size=round(size.ratio, 4))
     played = simulated or chosen.about.get("user") is not None
-    profile = Profile(measured, _rounded(size, measured), options.device, simulated=played)
+    interval = _rounded(size, measured)
+    profile = Profile(measured, interval, options.device, played, _named(inward, measured))
     path = options.out or default_path()
     save_profile(profile, path)
     console.print(f"{profile.line}; written to {path}", soft_wrap=True)
@@ -199,6 +204,15 @@ def _report(size: HandSize, console: Console) -> None:
         f"alone: {alone}",
         soft_wrap=True,
     )
+
+
+def _named(layouts: list[Array], person: Person) -> Layouts:
+    """The layouts of five fingers, thumb first, that are named with certainty."""
+    belief = builtin_population_belief()
+    for xy in layouts:
+        belief.reset()
+        belief.assign(dict(enumerate(map(tuple, (xy / person.hand_size).tolist()))), {})
+    return kept_layouts(belief.own, person.hand_size)
 
 
 def _rounded(size: HandSize, person: Person) -> tuple[float, float]:

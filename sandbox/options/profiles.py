@@ -1,4 +1,6 @@
-"""Profiles of persons: side, size and seat as measured by `sandbox calibrate`, in a file.
+"""Profiles of persons: side, size, seat and layouts of five fingers, in a file.
+
+`sandbox calibrate` measures them, and `sandbox play --learn` adds layouts.
 
 A profile is for people who play. Measurements and comparisons ignore it unless --profile is given.
 A recording holds the values themselves, so that it replays without a profile.
@@ -9,14 +11,17 @@ from __future__ import annotations
 import json
 import os
 import sys
-from dataclasses import asdict, dataclass
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
 from msgspec import Struct
 
-from models.errors import InputError
+from models.errors import EncoderError, InputError
 from models.json_input import check_layout, decoded, read_bytes
 from models.person import Person
+from sandbox.session.own_layouts import Layouts, known_layouts
+from sandbox.trial.settings import HandSettings
 
 SCHEMA = 1
 """Version of the file's layout."""
@@ -27,6 +32,8 @@ DEFAULT = "default"
 
 _UNSOUND = "a value of the profile cannot be used"
 _REMEDY = "`sandbox calibrate` makes a valid one"
+FORGET = "`sandbox profile --forget` forgets them"
+"""Remedy for layouts that cannot be used."""
 
 
 class _ProfileFile(Struct, forbid_unknown_fields=True):
@@ -40,6 +47,7 @@ class _ProfileFile(Struct, forbid_unknown_fields=True):
     hand_size_95: tuple[float, float]
     device: str
     simulated: bool
+    layouts: list[list[tuple[float, float]]] = []
 
 
 @dataclass(frozen=True)
@@ -51,12 +59,14 @@ class Profile:
         interval: 95 % interval of the size, a ratio.
         device: Device of the measurement.
         simulated: True if a simulated person was measured.
+        layouts: Touches of the person's five fingers; see `sandbox.session.own_layouts`.
     """
 
     person: Person
     interval: tuple[float, float]
     device: str
     simulated: bool
+    layouts: Layouts = ()
 
     @property
     def line(self) -> str:
@@ -66,8 +76,17 @@ class Profile:
         seat = f", from {self.person.turn} degrees round the screen" if self.person.turn else ""
         return (
             f"{who}{self.person.hand} hand, {self.person.hand_size:.2f} times as long as the "
-            f"trained hand ({low:.2f} to {high:.2f}){seat}"
+            f"trained hand ({low:.2f} to {high:.2f}){seat}, {len(self.layouts)} layouts of five "
+            "fingers"
         )
+
+    def hand(self, with_layouts: bool) -> HandSettings:
+        """Settings of the person's hand.
+
+        Args:
+            with_layouts: True lets names of fingers use the layouts.
+        """
+        return replace(HandSettings.of(self.person), layouts=self.layouts if with_layouts else ())
 
 
 def default_path() -> Path:
@@ -94,6 +113,7 @@ def save_profile(profile: Profile, path: Path) -> None:
         "hand_size_95": list(profile.interval),
         "device": profile.device,
         "simulated": profile.simulated,
+        **({"layouts": profile.layouts} if profile.layouts else {}),
     }
     beside = path.with_name(path.name + ".new")
     try:
@@ -106,8 +126,12 @@ def save_profile(profile: Profile, path: Path) -> None:
         ) from None
 
 
-def load_profile(path: Path) -> Profile:
+def load_profile(path: Path, with_layouts: bool = True) -> Profile:
     """Reads a profile.
+
+    Args:
+        path: Its file.
+        with_layouts: False leaves the layouts out, unread.
 
     Raises:
         InputError: The file is missing, is not a profile, or holds an invalid value.
@@ -118,12 +142,19 @@ def load_profile(path: Path) -> Profile:
         data, KIND, SCHEMA, InputError, what="this is not a profile", where=where, remedy=_REMEDY
     )
     values = decoded(data, _ProfileFile, InputError, what=_UNSOUND, where=where, remedy=_REMEDY)
+    if not with_layouts:
+        values.layouts = []
     return _profile(values, where)
 
 
-def find_profile(name: str) -> Profile:
-    """Returns the profile of a name: `default`, or a file."""
-    return load_profile(default_path() if name == DEFAULT else Path(name))
+def profile_path(name: str) -> Path:
+    """Returns the file of a profile by its name: `default`, or a file."""
+    return default_path() if name == DEFAULT else Path(name)
+
+
+def find_profile(name: str, with_layouts: bool = True) -> Profile:
+    """Returns the profile of a name: `default`, or a file; see `load_profile`."""
+    return load_profile(profile_path(name), with_layouts)
 
 
 def _profile(values: _ProfileFile, where: str) -> Profile:
@@ -146,4 +177,21 @@ def _profile(values: _ProfileFile, where: str) -> Profile:
             expected="an interval around hand_size",
             remedy=_REMEDY,
         )
-    return Profile(person, (low, high), values.device, values.simulated)
+    layouts = _layouts(values.layouts, person, where)
+    return Profile(person, (low, high), values.device, values.simulated, layouts)
+
+
+def _layouts(given: Sequence[Sequence[tuple[float, float]]], person: Person, where: str) -> Layouts:
+    """The layouts of a profile, checked."""
+    layouts = tuple(tuple(places) for places in given)
+    try:
+        known_layouts(layouts, person.hand_size)
+    except EncoderError as error:
+        raise InputError(
+            error.what,
+            where=f"{where}, layouts",
+            got=error.got,
+            expected=error.expected,
+            remedy=FORGET,
+        ) from None
+    return layouts

@@ -35,7 +35,7 @@ from sandbox.server.web import WebDevice
 from sandbox.session.device import Device
 from sandbox.trial.device_makers import DeviceMaker, DeviceMakers, merging, sharing
 from sandbox.trial.recorded_encoder import recorded_encoder
-from sandbox.trial.settings import HandSettings, RunSettings, bare
+from sandbox.trial.settings import RunSettings, bare
 from sandbox.trial.surfaces import home
 from tasks.task import Task
 from tasks.user import UserConfiguration
@@ -254,10 +254,11 @@ def _settings(options: SceneOptions, recording: Recording | None) -> RunSettings
         values["labels"] = "device"
     first, *others = base.hands
     if uses_touch_profile(options, is_leap(options.device)):
-        own = HandSettings.of(find_profile(str(options.profile)).person)
+        learned = values.get("labels", base.labels) == "population"
+        own = find_profile(str(options.profile)).hand(with_layouts=learned)
         first = replace(own, in_air=first.in_air)
+    first = first.on(options.hand or first.side)
     asked: dict[str, Any] = {
-        "side": options.hand,
         "size": options.hand_size,
         "turn": options.turn,
     }

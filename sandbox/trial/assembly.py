@@ -28,9 +28,10 @@ from models.skeleton import ADULT
 from models.surface import Surface
 from sandbox.lsl.lsl_listening import ForwardingRecorder
 from sandbox.session.collision_gating import CollisionGatingRules
+from sandbox.session.own_layouts import known_layouts
 from sandbox.session.session import Recorder, Rig, Session
 from sandbox.trial.device_makers import DeviceMakers, check_count
-from sandbox.trial.settings import RunSettings
+from sandbox.trial.settings import HandSettings, RunSettings
 from sandbox.trial.surfaces import place_all
 from tasks.registry import draw_task, find_task
 from tasks.task import Task
@@ -108,19 +109,29 @@ def reconstructor_settings(settings: RunSettings, lift_range: float = 0.0) -> Re
     return chosen if settings.smoothing else replace(chosen, posture_tau=0.0)
 
 
-def make_labeller(settings: RunSettings, model: TrainedModel) -> Labeller:
+def make_labeller(
+    settings: RunSettings, model: TrainedModel, hand: HandSettings | None = None
+) -> Labeller:
     """The labeller that the settings name.
 
     `device` gives the labeller of `history`, which labels the contacts that come without a label.
+
+    Args:
+        settings: Settings of the run.
+        model: The encoder's model.
+        hand: The hand whose known layouts are used; None uses none.
     """
-    return _belief(settings) or PaperLabels(model)
+    return _belief(settings, hand) or PaperLabels(model)
 
 
-def _belief(settings: RunSettings) -> BeliefLabels | None:
+def _belief(settings: RunSettings, hand: HandSettings | None = None) -> BeliefLabels | None:
     """The belief over labels that the settings name; None for the paper's rule."""
     if settings.labels == "paper":
         return None
-    return builtin_population_belief() if settings.labels == "population" else builtin_belief()
+    if settings.labels != "population":
+        return builtin_belief()
+    known = known_layouts(hand.layouts, hand.size) if hand and hand.layouts else None
+    return builtin_population_belief(known)
 
 
 def place_surface(surface: Surface, task: type[Task]) -> Surface:
@@ -169,10 +180,12 @@ def build(
             reconstructors.append(hand.in_air.reconstructor(hand.person, surface, rate))
             continue
 
-        def trained_hand(surface: Surface) -> TouchReconstructor:
+        labeller = make_labeller(settings, model, hand)
+
+        def trained_hand(surface: Surface, labeller: Labeller = labeller) -> TouchReconstructor:
             return TouchReconstructor(
                 model,
-                make_labeller(settings, model),
+                labeller,
                 ADULT,
                 surface,
                 reconstructor_settings(settings, task.lift_range),

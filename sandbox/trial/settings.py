@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field, fields
+from dataclasses import asdict, dataclass, field, fields, replace
 from typing import Any
 
 import msgspec
@@ -13,6 +13,7 @@ from models.hand import IMPULSE_PROFILES, SERVOS
 from models.person import HANDS, Person
 from models.surface import PRESETS, Surface
 from sandbox.session.contact_modes import ContactMode, contact_mode
+from sandbox.session.own_layouts import Layouts
 from sandbox.trial.hand_input import HandInput
 from tasks.variation import Variation
 
@@ -25,7 +26,13 @@ also as an upper bound with the simulated user."""
 MOST_HANDS = 2
 """Largest number of hands in a scene."""
 
-_IN_RESULTS = {"side": "hand", "size": "hand_size", "turn": "turn", "in_air": "in_air"}
+_IN_RESULTS = {
+    "side": "hand",
+    "size": "hand_size",
+    "turn": "turn",
+    "in_air": "in_air",
+    "layouts": "layouts",
+}
 """Names of a hand's settings in results, by their names in headers."""
 
 
@@ -38,12 +45,15 @@ class HandSettings:
         size: Length of the person's hand relative to the trained hand.
         turn: degrees, direction in which the person sits (see `models.person.Person`).
         in_air: Settings of the 3-D device that drives the hand; None if touches drive it.
+        layouts: Known touches of the person's five fingers (see `sandbox.session.own_layouts`),
+            which names of fingers by `population` use.
     """
 
     side: str = HANDS[0]
     size: float = 1.0
     turn: int = 0
     in_air: HandInput | None = None
+    layouts: Layouts = ()
 
     def __post_init__(self) -> None:
         _ = self.person
@@ -57,6 +67,10 @@ class HandSettings:
     def person(self) -> Person:
         """The person whose hand it is, checked."""
         return Person(self.side, self.size, self.turn)
+
+    def on(self, side: str) -> HandSettings:
+        """The same with another side; layouts are those of one side only."""
+        return self if side == self.side else replace(self, side=side, layouts=())
 
     @property
     def other(self) -> HandSettings:
@@ -143,12 +157,23 @@ class RunSettings:
         """The touch rectangle of one hand, not yet placed in the world."""
         return Surface(*self.surface_in, calibrated=self.surface_calibrated)
 
+    def knowing(self, layouts: Mapping[str, Layouts]) -> RunSettings:
+        """The same with known layouts of hands, by the hand's name, if its labels use them."""
+        if self.labels != "population":
+            return self
+        hands = tuple(
+            replace(hand, layouts=layouts.get(name, hand.layouts))
+            for name, hand in zip(self.hand_names, self.hands, strict=True)
+        )
+        return replace(self, hands=hands)
+
     def as_json(self) -> dict[str, Any]:
-        """Values for a recording's header, without a neutral variation or an `in_air` of None."""
+        """Values for a recording's header, without a neutral variation, an `in_air` of None, or
+        empty layouts."""
         values = asdict(self)
         if self.variation.neutral:
             del values["variation"]
-        values["hands"] = [_without_none(hand) for hand in values["hands"]]
+        values["hands"] = [_without_defaults(hand) for hand in values["hands"]]
         return values
 
     @classmethod
@@ -161,7 +186,7 @@ class RunSettings:
         """
         _check_names(values, cls, optional={"variation"})
         for hand in values["hands"] if isinstance(values["hands"], list) else ():
-            _check_names(hand, HandSettings, optional={"in_air"})
+            _check_names(hand, HandSettings, optional={"in_air", "layouts"})
             if hand.get("in_air") is not None:
                 _check_names(hand["in_air"], HandInput)
         if "variation" in values:
@@ -200,8 +225,8 @@ def bare(settings: dict[str, Any]) -> dict[str, Any]:
     return {**settings, "labels": "paper", "correction": False, "smoothing": False}
 
 
-def _without_none(hand: dict[str, Any]) -> dict[str, Any]:
-    return {name: value for name, value in hand.items() if value is not None}
+def _without_defaults(hand: dict[str, Any]) -> dict[str, Any]:
+    return {name: value for name, value in hand.items() if value is not None and value != ()}
 
 
 def _names(kind: type[Any]) -> set[str]:

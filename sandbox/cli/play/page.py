@@ -80,9 +80,7 @@ class PlayerRequests:
 
     def wanted(self, settings: RunSettings) -> RunSettings:
         """The settings with the wanted task and hands, and the seed of this trial."""
-        hands = tuple(
-            replace(hand, side=side) for hand, side in zip(settings.hands, self.sides, strict=False)
-        )
+        hands = tuple(hand.on(side) for hand, side in zip(settings.hands, self.sides, strict=False))
         return replace(
             settings,
             task=self.task,

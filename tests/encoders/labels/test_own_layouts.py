@@ -37,9 +37,21 @@ def test_the_same_posture_is_kept_once_and_the_oldest_makes_room():
 
 @pytest.mark.parametrize(
     "layouts",
-    [np.zeros((1, 5, 2)), HAND[None] * 9, np.full((1, 5, 2), np.nan), np.zeros((4, 2))],
-    ids=["one spot", "too far apart", "not finite", "four fingers"],
+    [
+        np.zeros((1, 5, 2)),
+        HAND[None] * 9,
+        np.full((1, 5, 2), np.nan),
+        np.zeros((4, 2)),
+        HAND[None] * [-1, 1],
+    ],
+    ids=["one spot", "too far apart", "not finite", "four fingers", "the other hand"],
 )
 def test_layouts_that_no_hand_has_are_refused(layouts):
     with pytest.raises(EncoderError):
         OwnLayouts(layouts)
+
+
+def test_a_layout_of_the_other_hand_is_not_kept():
+    own = OwnLayouts(HAND[None])
+    assert own.with_new(HAND * [-1.2, 1.2]) is own
+    assert len(own.with_new(HAND * 1.2)) == 2

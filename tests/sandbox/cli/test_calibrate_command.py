@@ -121,6 +121,7 @@ def test_a_recording_of_five_fingers_in_three_spreads_gives_the_size_of_the_hand
     profile = load_profile(out)
     assert profile.person.hand == "left" and profile.simulated
     assert profile.interval[0] < 1.12 < profile.interval[1]
+    assert 1 <= len(profile.layouts) <= 3
 
 
 @pytest.mark.parametrize(
@@ -157,13 +158,15 @@ def test_a_recording_with_fewer_fingers_is_refused_with_what_was_found(tmp_path)
     high=st.floats(1.0, 3.0),
     device=st.text(max_size=20),
     simulated=st.booleans(),
+    spreads=st.lists(st.floats(0.8, 1.2), max_size=3),
 )
 def test_a_profile_survives_its_file(
-    tmp_path_factory, hand, size, turn, low, high, device, simulated
+    tmp_path_factory, hand, size, turn, low, high, device, simulated, spreads
 ):
     path = tmp_path_factory.mktemp("profile") / "p.json"
     person = Person(hand, size, turn)
-    profile = Profile(person, (low * size, high * size), device, simulated)
+    layouts = tuple(tuple(map(tuple, (LAYOUT * s).tolist())) for s in spreads)
+    profile = Profile(person, (low * size, high * size), device, simulated, layouts)
     save_profile(profile, path)
     assert load_profile(path) == profile
 
@@ -177,6 +180,7 @@ SOUND = {
     "hand_size_95": [0.8, 1.0],
     "device": "tuio",
     "simulated": False,
+    "layouts": [LAYOUT.tolist()],
 }
 
 values = st.recursive(
@@ -194,7 +198,7 @@ def test_a_profile_with_any_other_value_is_sound_or_one_clear_error(tmp_path_fac
         profile = load_profile(path)
     except InputError as error:
         assert str(path) in str(error) and len(str(error).splitlines()) == 1
-        assert "calibrate" in str(error)
+        assert "calibrate" in str(error) or "profile --forget" in str(error)
     else:
         assert 0.6 <= profile.person.hand_size <= 1.6
 

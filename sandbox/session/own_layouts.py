@@ -1,0 +1,74 @@
+"""Layouts of five fingers that a session has found: for the settings of a later one, and profiles.
+
+They are in metres in the person's own size, in the frame of a right hand from the screen's lower
+edge: x right, y down, thumb first.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from encoders.labels.belief import BeliefLabels
+from encoders.labels.own_layouts import MOST, OwnLayouts
+from encoders.reconstruction.personal import PersonalReconstructor
+from encoders.reconstruction.touch_reconstructor import TouchReconstructor
+from models.errors import EncoderError
+from models.frames import FINGERS
+from models.surface import METRES_PER_INCH
+from sandbox.session.session import Session
+
+Layouts = tuple[tuple[tuple[float, float], ...], ...]
+"""Places (x, y) of five fingers for every layout, the newest last."""
+
+DIGITS = 5
+"""Decimals of a place in metres: a hundredth of a millimetre."""
+
+
+def kept_layouts(own: OwnLayouts, size: float) -> Layouts:
+    """Layouts as settings and profiles keep them, of a hand of a size."""
+    xy = (own.layouts * METRES_PER_INCH * size).round(DIGITS)
+    return tuple(tuple((x, y) for x, y in places) for places in xy.tolist())
+
+
+def known_layouts(layouts: Sequence[Sequence[tuple[float, float]]], size: float) -> OwnLayouts:
+    """Kept layouts of a hand of a size, divided by it, for names of fingers.
+
+    Raises:
+        EncoderError: They are too many, or not those of a right hand's five fingers.
+    """
+    if len(layouts) > MOST:
+        raise EncoderError("too many layouts", got=len(layouts), expected=f"at most {MOST}")
+    if any(len(places) != len(FINGERS) for places in layouts):
+        raise EncoderError("not layouts of five fingers", expected="five places each")
+    return OwnLayouts(np.array(layouts, float).reshape(-1, len(FINGERS), 2) / size)
+
+
+def learned_layouts(session: Session) -> dict[str, Layouts]:
+    """The layouts of hands that have found new ones, by the hand's name.
+
+    Those known at the session's beginning are included, as far as there is room.
+    """
+    found = {}
+    for rig in session.rigs:
+        reconstructor: Any = rig.reconstructor
+        size = 1.0
+        if isinstance(reconstructor, PersonalReconstructor):
+            size = reconstructor.frame.person.hand_size
+            reconstructor = reconstructor.trained
+        own = _new(reconstructor)
+        if own is not None:
+            found[rig.hand.name] = kept_layouts(own, size)
+    return found
+
+
+def _new(reconstructor: Any) -> OwnLayouts | None:
+    """What a hand's labeller knows; None if it has learned nothing since its beginning."""
+    if not isinstance(reconstructor, TouchReconstructor):
+        return None
+    labeller = reconstructor.labeller
+    if not isinstance(labeller, BeliefLabels) or labeller.own is labeller.known:
+        return None
+    return labeller.own

@@ -1,0 +1,70 @@
+"""Layouts of five fingers in a profile: where they are used, how they are forgotten, bad ones."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from models.errors import InputError
+from models.person import Person
+from sandbox.cli import profile as profile_command
+from sandbox.options.profiles import Profile, load_profile, save_profile
+from sandbox.options.scene_options import SceneOptions, plan
+
+LAYOUT = ((0.0, 0.0), (0.035, -0.042), (0.06, -0.055), (0.083, -0.048), (0.104, -0.026))
+MIRRORED = tuple((-x, y) for x, y in LAYOUT)
+FAR = tuple((9 * x, 9 * y) for x, y in LAYOUT)
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    path = tmp_path / "me.json"
+    save_profile(Profile(Person("left", 0.9), (0.8, 1.0), "tuio", False, (LAYOUT,)), path)
+    return path
+
+
+def with_value(path: Path, **values: Any) -> None:
+    path.write_text(json.dumps({**json.loads(path.read_text()), **values}))
+
+
+def test_layouts_of_a_profile_are_used_where_names_are_those_of_the_population(path):
+    def layouts(**options: Any) -> object:
+        return plan(SceneOptions(profile=str(path), **options)).settings.hands[0].layouts
+
+    assert layouts(labels="population") == (LAYOUT,)
+    assert layouts(labels="history") == ()
+    assert layouts(labels="population", hand="left") == (LAYOUT,)
+    assert layouts(labels="population", hand="right") == ()
+    assert layouts(labels="population", hand_size=1.1) == (LAYOUT,)
+
+
+def test_a_profile_shows_and_forgets_its_layouts(path, capsys):
+    assert profile_command.main(["--file", str(path)]) == 0
+    assert "1 layouts of five fingers" in capsys.readouterr().out.replace("\n", " ")
+    assert profile_command.main(["--file", str(path), "--forget"]) == 0
+    assert "0 layouts of five fingers" in capsys.readouterr().out.replace("\n", " ")
+    profile = load_profile(path)
+    assert profile.layouts == () and profile.person == Person("left", 0.9)
+
+
+@pytest.mark.parametrize(
+    ("layouts", "says"),
+    [
+        ([MIRRORED], "other hand"),
+        ([FAR], "no hand"),
+        ([LAYOUT[:4]], "five places"),
+        ([LAYOUT] * 25, "at most 24"),
+        ([[[0, "x"]] * 5], "a number"),
+    ],
+)
+def test_layouts_that_cannot_be_used_are_one_clear_line_and_can_be_forgotten(path, layouts, says):
+    with_value(path, layouts=layouts)
+    with pytest.raises(InputError, match=says) as raised:
+        load_profile(path)
+    assert str(path) in str(raised.value) and len(str(raised.value).splitlines()) == 1
+    if says != "a number":
+        profile_command.main(["--file", str(path), "--forget"])
+        assert load_profile(path).person == Person("left", 0.9)
