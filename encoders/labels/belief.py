@@ -23,7 +23,7 @@ are evidence about fewer fingers (see `encoders.labels.own_layouts`).
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from functools import cache
+from functools import cache, partial
 from importlib.resources import files
 from math import exp, expm1, fsum, inf, isfinite, log
 from pathlib import Path
@@ -139,7 +139,11 @@ class BeliefLabels:
             candidates = np.where(allowed(ids, fixed), self._belief, -np.inf)
         best = int(np.argmax(candidates))
         labels = hypotheses(len(ids))[best].tolist()
-        labelling = Labelling(dict(zip(ids, labels, strict=True)), exp(self._belief[best]))
+        labelling = Labelling(
+            dict(zip(ids, labels, strict=True)),
+            exp(self._belief[best]),
+            partial(_marginals, ids, self._belief),
+        )
         if self.learns and len(ids) == len(FINGERS):
             self._learn(ids, xy)
         self._answered = dict(fixed), labelling
@@ -187,12 +191,7 @@ class BeliefLabels:
 
     def marginals(self) -> dict[int, Array]:
         """Probabilities (5,) of the fingers by contact id, after the last `assign`."""
-        probability = functions.exp(self._belief)
-        labels = hypotheses(len(self._ids)) if self._ids else np.empty((0, 0), np.int64)
-        return {
-            contact: np.bincount(labels[:, place], probability, len(FINGERS)).astype(float)
-            for place, contact in enumerate(self._ids)
-        }
+        return _marginals(self._ids, self._belief)
 
     def log_probability(self, labels: Mapping[int, int]) -> float:
         """Log probability of labels for all contacts of the last `assign`.
@@ -325,6 +324,16 @@ class BeliefLabels:
             moved += (a - mx) ** 2 + (b - my) ** 2
         width = self.evidence.width(n) * METRES_PER_INCH
         return -expm1(-0.5 * (moved / n) / width**2)
+
+
+def _marginals(ids: tuple[int, ...], belief: Array) -> dict[int, Array]:
+    """Probabilities (5,) of the fingers by contact id, of a belief (P,) about these contacts."""
+    probability = functions.exp(belief)
+    labels = hypotheses(len(ids)) if ids else np.empty((0, 0), np.int64)
+    return {
+        contact: np.bincount(labels[:, place], probability, len(FINGERS)).astype(float)
+        for place, contact in enumerate(ids)
+    }
 
 
 @cache

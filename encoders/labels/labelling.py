@@ -8,9 +8,9 @@ closest to some pose of the training data.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
-from functools import cache
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from functools import cache, cached_property
 from itertools import permutations
 from typing import Protocol
 
@@ -48,10 +48,25 @@ class Labelling:
         labels: Finger (thumb 0 .. little 4) by contact id; no finger occurs twice. Read-only, as
             labellers may return the same object again.
         probability: Probability of all labels together, 0 to 1.
+        chances: Function that returns the probabilities (5,) of the fingers by contact id; None if
+            only that of all labels together is known.
     """
 
     labels: Mapping[int, int]
     probability: float
+    chances: Callable[[], Mapping[int, Array]] | None = field(
+        default=None, compare=False, repr=False
+    )
+
+    def chance(self, contact: int) -> float:
+        """Probability of the label of one contact, 0 to 1, whatever the labels of the others."""
+        if self.chances is None:
+            return self.probability
+        return float(self._known_chances[contact][self.labels[contact]])
+
+    @cached_property
+    def _known_chances(self) -> Mapping[int, Array]:
+        return {} if self.chances is None else self.chances()
 
 
 class Labeller(Protocol):

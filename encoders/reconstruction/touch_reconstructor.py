@@ -15,7 +15,7 @@ import numpy as np
 
 from encoders.correction import PAD_HEIGHT, CorrectionSettings, FingertipCorrection
 from encoders.input_vector import contact_vector
-from encoders.labels.labelling import Labeller
+from encoders.labels.labelling import Labeller, Labelling
 from encoders.reconstruction.arrival import Arrival, ArrivalSettings, Phase
 from encoders.reconstruction.contact_tracker import ContactTracker, TrackerSettings
 from encoders.reconstruction.lift import Lift, LiftSettings
@@ -80,12 +80,14 @@ class ReconstructedContact:
         xy: (2,) m on the surface, smoothed.
         label: Its finger; None while unlabelled or ignored.
         state: `active`, `lost` (living on for a moment) or `ignored`.
+        probability: Probability of the label, 0 to 1; 1 without one, and for the device's own.
     """
 
     id: int
     xy: Array
     label: int | None
     state: str
+    probability: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -179,9 +181,9 @@ class TouchReconstructor:
         self.labeller.restart()
         # Never modified in place, only replaced.
         self._labels: Mapping[int, int] = {}
+        self._labelling = Labelling({}, 1.0)
         self._previous_labels: Mapping[int, int] = {}
         self._same_grasp = False
-        self._probability = 1.0
         self._known: frozenset[int] = frozenset()
         self._changed_at = -np.inf
         self._time: float | None = None
@@ -234,7 +236,7 @@ class TouchReconstructor:
             phase=self._arrival.phase,
             fingers=frozenset(self._labels.values()),
             u=u,
-            probability=self._probability,
+            probability=self._labelling.probability,
             tip_error=self._tip_error,
         )
 
@@ -265,10 +267,11 @@ class TouchReconstructor:
         fixed = self._labels if low and settle > 0 else {}
         given = {i: t.device_label for i, t in tracks.items() if t.device_label is not None}
         if self.settings.device_labels and len(set(given.values())) == len(tracks):
-            self._labels, self._probability = given, 1.0
-            return
-        labelling = self.labeller.assign({i: t.place for i, t in tracks.items()}, fixed)
-        self._labels, self._probability = labelling.labels, labelling.probability
+            self._labelling = Labelling(given, 1.0)
+        else:
+            places = {i: t.place for i, t in tracks.items()}
+            self._labelling = self.labeller.assign(places, fixed)
+        self._labels = self._labelling.labels
 
     def _motion(self, dt: float) -> tuple[Motion, float]:
         """Common motion of the touches since the last step, and the fastest one's speed."""
@@ -353,12 +356,19 @@ class TouchReconstructor:
     def _contacts(self) -> Callable[[], dict[str, Any]]:
         """Function that returns all contacts on the surface now; it is called only on demand."""
         tracks, ignored = self._tracker.tracks.items(), self._tracker.ignored
-        seen = [(t.device_id, t.place, self._labels.get(i), t.active) for i, t in tracks]
+        labels, labelling = self._labels, self._labelling
+        seen = [(i, t.device_id, t.place, t.active) for i, t in tracks]
 
         def contacts() -> dict[str, Any]:
             tracked = [
-                ReconstructedContact(i, np.array(place), label, "active" if active else "lost")
-                for i, place, label, active in seen
+                ReconstructedContact(
+                    device_id,
+                    np.array(place),
+                    labels.get(i),
+                    "active" if active else "lost",
+                    labelling.chance(i) if i in labels else 1.0,
+                )
+                for i, device_id, place, active in seen
             ]
             others = [
                 ReconstructedContact(c.id, np.array([c.x, c.y]), None, "ignored") for c in ignored

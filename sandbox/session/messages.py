@@ -14,6 +14,9 @@ from models.lazy_fields import LazyFields
 from tasks.score import Score
 from tasks.task import Goal
 
+SURE = 0.8
+"""Probability of a finger's name below which views show that it is not sure."""
+
 
 @dataclass(frozen=True)
 class ContactView:
@@ -24,12 +27,19 @@ class ContactView:
         position: (3,) m, in the world, on the touch surface.
         label: Its finger, thumb 0 to little 4; None before it is labelled.
         state: `active`; `lost` during the grace period after it was lost; `ignored` (drawn grey).
+        probability: Probability of the label, 0 to 1; 1 where no label is given.
     """
 
     id: int
     position: Array
     label: int | None
     state: str
+    probability: float = 1.0
+
+    @property
+    def sure(self) -> bool:
+        """False if the label may well be wrong."""
+        return self.probability >= SURE
 
 
 @dataclass(frozen=True)

@@ -375,7 +375,7 @@ def _hand_view(
     touching = reconstruction.contacts
     positions = surface.to_world([c.xy for c in touching]) if touching else ()
     contacts = tuple(
-        ContactView(c.id, position, c.label, c.state)
+        ContactView(c.id, position, c.label, c.state, c.probability)
         for c, position in zip(touching, positions, strict=True)
     )
     return HandView(reconstruction.q, tips, solid, reconstruction.phase.value, contacts)

@@ -289,7 +289,8 @@ class Drawing:
         colour = palette.finger_colour(contact.label, contact.state)
         strength = 0.45 if contact.state == "lost" else 1.0
         rotation = self.surface.rotation
-        self._marks.ring(place, rotation, RING_RADIUS, RING_WIDTH, RING_SIDES, colour, strength)
+        size = RING_RADIUS, RING_WIDTH, RING_SIDES
+        self._marks.ring(place, rotation, *size, colour, strength, dashed=not contact.sure)
         filled = 0.55 if contact.label in hand.solid else 0.22
         self._marks.disc(RING_RADIUS, place, rotation, colour, filled * strength)
 

@@ -85,10 +85,14 @@ class Marks:
         sides: int,
         colour: Colour,
         alpha: float,
+        dashed: bool = False,
     ) -> None:
-        """Adds a flat ring of `sides` straight pieces; radius and width in m."""
+        """Adds a flat ring of `sides` straight pieces; radius and width in m.
+
+        Every other piece of a dashed ring is left out.
+        """
         half = radius * np.tan(np.pi / sides)
-        for angle in 2 * np.pi * np.arange(sides) / sides:
+        for angle in 2 * np.pi * np.arange(0, sides, 2 if dashed else 1) / sides:
             cos, sin = np.cos(angle), np.sin(angle)
             turn = rotation @ np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])
             middle = position + turn @ np.array([radius, 0.0, 0.0])

@@ -181,7 +181,7 @@ def _names(snapshot: Snapshot, lens: Lens, drop: np.ndarray, scale: float) -> li
     for i in sorted(shown, key=lambda i: float(pixels[i, 1])):
         contact = contacts[i]
         colour = palette.finger_colour(contact.label, contact.state)
-        name = palette.finger_name(contact.label, contact.state)
+        name = palette.finger_name(contact.label, contact.state, contact.sure)
         image = _label(name, palette.PANEL, colour, SMALL, scale)
         away = pixels[i] - middle
         length = float(np.linalg.norm(away))

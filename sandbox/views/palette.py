@@ -43,11 +43,11 @@ def finger_colour(label: int | None, state: str = "active") -> Colour:
     return FINGER_COLOURS[label]
 
 
-def finger_name(label: int | None, state: str = "active") -> str:
-    """The text beside a contact."""
+def finger_name(label: int | None, state: str = "active", sure: bool = True) -> str:
+    """The text beside a contact, with a question mark if the finger is not sure."""
     if state == "ignored":
         return "ignored"
-    return "?" if label is None else FINGERS[label]
+    return "?" if label is None else FINGERS[label] + ("" if sure else "?")
 
 
 def bytes_of(colour: Colour, alpha: float = 1.0) -> tuple[int, int, int, int]:

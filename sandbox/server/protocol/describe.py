@@ -157,6 +157,7 @@ def _hand(hand: HandView, feedback: HandFeedback, own: bool) -> HandState:
             _state(c),
             _force(feedback, c.label),
             _floats(c.position),
+            c.sure,
         )
         for c in hand.contacts
     ]

@@ -265,7 +265,7 @@ class ContactState(Struct, frozen=True):
     """A contact in the session.
 
     `position` (m) in the world is for fingers that are not on this screen; `force` (N) is that of
-    its fingertip on objects.
+    its fingertip on objects. `sure` is false if the label may well be wrong.
     """
 
     id: int
@@ -273,6 +273,7 @@ class ContactState(Struct, frozen=True):
     state: Literal["active", "lost", "ignored"]
     force: float
     position: tuple[float, float, float]
+    sure: bool
 
 
 class HandState(Struct, frozen=True):

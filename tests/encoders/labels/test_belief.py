@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from encoders.labels.belief import BeliefLabels, builtin_belief
-from encoders.labels.labelling import hypotheses
+from encoders.labels.labelling import Labelling, hypotheses
 from encoders.regression.trained import builtin_capture
 from models.errors import EncoderError
 
@@ -279,3 +279,21 @@ def test_a_belief_about_other_contacts_is_not_asked_for() -> None:
         belief.log_probability({3: 0})
     with pytest.raises(EncoderError, match="different fingers"):
         belief.log_probability({3: 0, 4: 0})
+
+
+def test_the_chance_of_one_finger_is_its_marginal_even_for_labels_that_must_be_kept() -> None:
+    belief = builtin_belief()
+    contacts = {4: (0.05, 0.09), 2: (0.08, 0.04), 9: (0.10, 0.045)}
+    labelling = belief.assign(contacts, {})
+    chances = belief.marginals()
+    for contact, finger in labelling.labels.items():
+        assert labelling.chance(contact) == chances[contact][finger]
+        assert labelling.chance(contact) >= labelling.probability - 1e-12
+    wrong = (labelling.labels[4] + 1) % 5
+    kept = belief.assign(contacts, {4: wrong})
+    assert kept.labels[4] == wrong
+    assert kept.chance(4) == chances[4][wrong] < labelling.chance(4)
+
+
+def test_a_labelling_without_marginals_gives_the_chance_of_all_labels() -> None:
+    assert Labelling({3: 1}, 0.7).chance(3) == 0.7

@@ -20,10 +20,10 @@ from models.frames import FINGERS
 from models.hand import Hand
 from models.scene import SceneSpec, scene_xml
 from models.surface import Surface
-from sandbox.session.messages import ContactView, Snapshot
+from sandbox.session.messages import SURE, ContactView, Snapshot
 from sandbox.views import palette
 from sandbox.views.cameras import camera_above, film_camera, window_camera
-from sandbox.views.drawing import Drawing, Hidden
+from sandbox.views.drawing import RING_SIDES, Drawing, Hidden
 from sandbox.views.lens import Lens
 from sandbox.views.overlay import OverlayTexts, stickers
 from sandbox.views.renderer import Renderer
@@ -215,6 +215,27 @@ def test_every_finger_has_a_colour_of_its_own_and_the_ignored_are_grey(
         assert changed(a, b).sum() > 60
     grey = look(renderer, with_contacts(v.ghost, ContactView(1, place, 0, "ignored")))
     assert like(grey, palette.FINGER_COLOURS[0]).sum() < 10
+
+
+def test_a_finger_that_is_not_sure_has_a_broken_ring_and_a_question_mark(
+    v: Viewed, renderer: Renderer
+) -> None:
+    place = v.surface.to_world([0.02, 0.13])
+
+    def seen(probability: float) -> tuple[int, Picture]:
+        contact = ContactView(1, place, 1, "active", probability)
+        snapshot = with_contacts(v.ghost, contact)
+        drawing = Drawing(v.scene, v.surface)
+        drawing.update(snapshot, camera_above(v.surface))
+        return drawing.view.ngeom, look(renderer, snapshot)
+
+    (whole, sure), (broken, unsure) = seen(SURE), seen(SURE - 0.01)
+    # Every other piece of the ring is missing: shape tells, not colour alone.
+    assert whole - broken == RING_SIDES // 2
+    assert changed(sure, unsure).sum() > 30
+    assert not changed(sure, seen(1.0)[1]).any()
+    assert palette.finger_name(1, "active", sure=False) == "index?"
+    assert palette.finger_name(None, "active", sure=False) == "?"
 
 
 def test_the_goal_is_green_and_turns_golden_when_it_was_held(v: Viewed, renderer: Renderer) -> None:

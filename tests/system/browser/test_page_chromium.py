@@ -6,6 +6,7 @@ import os
 import socket
 import time
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +22,7 @@ from sandbox.server.page_server import PageServer
 from sandbox.server.protocol.contact_forces import hand_feedback
 from sandbox.server.protocol.describe import describe_scene
 from sandbox.server.protocol.rectangle import rectangle
+from sandbox.session.messages import ContactView
 from tasks.user import UserConfiguration
 from tests.sandbox.server.staged_page import (
     HEIGHT,
@@ -114,6 +116,44 @@ def test_fingers_on_the_page_bring_the_box_to_its_goal(
     assert "drawn" in stage.server.latency.percentiles()
     assert nobody_else_was_asked(tab, stage.server)
     assert not tab.events("Runtime.exceptionThrown")
+
+
+WRITTEN = """
+window.written = {};
+const fill = CanvasRenderingContext2D.prototype.fillText;
+const dash = CanvasRenderingContext2D.prototype.setLineDash;
+let dashes = 0;
+CanvasRenderingContext2D.prototype.setLineDash = function (parts) {
+  dashes += parts.length > 0 ? 1 : 0;
+  return dash.call(this, parts);
+};
+CanvasRenderingContext2D.prototype.fillText = function (text, ...rest) {
+  written[text] = dashes;
+  dashes = 0;
+  return fill.call(this, text, ...rest);
+};
+true
+"""
+"""Writes down names beside fingers, each with the number of dashed rings since the name before."""
+
+
+def test_a_finger_that_is_not_sure_has_a_dashed_ring_and_a_question_mark(
+    stage: Stage, tab: Tab, tmp_path: Path
+) -> None:
+    tab.wait(READY)
+    stage.advance()
+    tab.wait("document.querySelector('.task').textContent !== ''")
+    tab.evaluate(WRITTEN)
+    tab.touch([(1, 200.0, 300.0)])
+    frames(stage, lambda found: len(found[-1:] and found[-1].contacts) == 1)
+    snapshot = stage.session.advance()
+    for probability, name in ((0.5, "index?"), (0.95, "index")):
+        contact = ContactView(1, snapshot.hands[0].tips[1], 1, "active", probability)
+        hand = replace(snapshot.hands[0], contacts=(contact,))
+        stage.server.publish(replace(snapshot, hands=(hand,)))
+        tab.wait(f"window.written[{name!r}] !== undefined")
+        assert tab.evaluate(f"window.written[{name!r}] > 0") == name.endswith("?")
+        (tmp_path / f"{probability}.png").write_bytes(tab.picture())
 
 
 def test_a_moving_finger_is_sent_before_the_picture_that_has_its_ring(

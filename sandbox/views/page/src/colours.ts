@@ -16,5 +16,7 @@ export const BACKGROUND = 0x10161b;
 export const fingerColour = (label: number | null): string =>
   label === null ? UNKNOWN : (FINGER_COLOURS[label] ?? UNKNOWN);
 
-export const fingerName = (label: number | null): string =>
-  label === null ? "?" : (FINGERS[label] ?? "?");
+export const fingerName = (label: number | null, sure = true): string => {
+  const name = label === null ? undefined : FINGERS[label];
+  return name === undefined ? "?" : sure ? name : `${name}?`;
+};

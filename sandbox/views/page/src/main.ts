@@ -336,6 +336,7 @@ class Page {
           label: c?.label ?? null,
           force: c?.force ?? 0,
           ignored: c?.state === "ignored",
+          sure: c?.sure ?? true,
         };
       });
     }
@@ -344,6 +345,7 @@ class Page {
       label: c.label,
       force: c.force,
       ignored: c.state === "ignored",
+      sure: c.sure,
     }));
   }
 

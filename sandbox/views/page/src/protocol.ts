@@ -195,13 +195,14 @@ export interface Echo {
   t: number;
 }
 
-/** A contact in the session. `position` (m) in the world is for fingers that are not on this screen; `force` (N) is that of its fingertip on objects. */
+/** A contact in the session. `position` (m) in the world is for fingers that are not on this screen; `force` (N) is that of its fingertip on objects. `sure` is false if the label may well be wrong. */
 export interface ContactState {
   id: number;
   label: number | null;
   state: "active" | "ignored" | "lost";
   force: number;
   position: [number, number, number];
+  sure: boolean;
 }
 
 /** A hand: phase of its arrival, solid fingers, contacts, probability of the labels. */

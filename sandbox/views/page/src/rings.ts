@@ -11,11 +11,15 @@ export interface Ring {
   /** Force on objects, N. */
   force: number;
   ignored: boolean;
+  /** False if the label may well be wrong: the ring is dashed, and the name has a question mark. */
+  sure: boolean;
 }
 
 /** In inches, size of the ring, which must be visible around a fingertip. */
 const RADIUS = 0.42;
 const NAME_ABOVE = 0.3;
+/** Dash and gap of a ring in radii: nine of each. */
+const DASH = Math.PI / 9;
 const PLAIN = "#dfe8ef";
 
 export class Rings {
@@ -56,6 +60,7 @@ export class Rings {
   private drawRing(ring: Ring, radius: number): void {
     const pen = this.pen;
     // From a thin line without force to a thick one at 3 N.
+    pen.setLineDash(this.plain || ring.sure ? [] : [DASH * radius, DASH * radius]);
     const thick = 3 + (this.plain ? 0 : 7 * Math.min(ring.force / 3, 1));
     pen.lineWidth = thick + 3;
     pen.strokeStyle = "rgba(8, 12, 15, 0.55)";
@@ -65,11 +70,12 @@ export class Rings {
     pen.lineWidth = thick;
     pen.strokeStyle = this.colour(ring);
     pen.stroke();
+    pen.setLineDash([]);
   }
 
   private drawName(ring: Ring, y: number): void {
     const pen = this.pen;
-    const name = fingerName(ring.label);
+    const name = fingerName(ring.label, ring.sure);
     pen.font = "600 15px system-ui, sans-serif";
     pen.textAlign = "center";
     pen.textBaseline = "middle";
