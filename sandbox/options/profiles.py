@@ -80,13 +80,10 @@ class Profile:
             "fingers"
         )
 
-    def hand(self, with_layouts: bool) -> HandSettings:
-        """Settings of the person's hand.
-
-        Args:
-            with_layouts: True lets names of fingers use the layouts.
-        """
-        return replace(HandSettings.of(self.person), layouts=self.layouts if with_layouts else ())
+    @property
+    def hand(self) -> HandSettings:
+        """Settings of the person's hand, with its layouts."""
+        return replace(HandSettings.of(self.person), layouts=self.layouts)
 
 
 def default_path() -> Path:

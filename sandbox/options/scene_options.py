@@ -254,10 +254,10 @@ def _settings(options: SceneOptions, recording: Recording | None) -> RunSettings
         values["labels"] = "device"
     first, *others = base.hands
     if uses_touch_profile(options, is_leap(options.device)):
-        learned = values.get("labels", base.labels) == "population"
-        own = find_profile(str(options.profile)).hand(with_layouts=learned)
-        first = replace(own, in_air=first.in_air)
+        first = replace(find_profile(str(options.profile)).hand, in_air=first.in_air)
     first = first.on(options.hand or first.side)
+    if values.get("labels", base.labels) != "population":
+        first = replace(first, layouts=())
     asked: dict[str, Any] = {
         "size": options.hand_size,
         "turn": options.turn,

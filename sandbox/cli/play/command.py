@@ -14,6 +14,7 @@ from sandbox.cli.common.latency import checked_limit
 from sandbox.cli.common.lsl_options import LslOptions, streaming
 from sandbox.cli.common.page_options import PageOptions
 from sandbox.cli.common.parse import parse
+from sandbox.cli.play.own_profile import Learner, with_usable_profile
 from sandbox.cli.play.page import play_on_page
 from sandbox.cli.run import RunOptions, perform
 from sandbox.options.leap_calibration import uses_touch_profile, with_measured_hand
@@ -53,6 +54,10 @@ class PlayOptions(LslOptions, PageOptions, SceneOptions):
     """Exit status 1 if the 95th percentile of the time from a touch to its picture, in the window
     or on the page, was longer. Delays of the display are not included."""
 
+    learn: tyro.conf.FlagCreatePairsOff[bool] = False
+    """Keep new layouts of your five fingers in the profile, and use them from the next take on.
+    Otherwise every take begins with the profile as it is, and leaves it so."""
+
     def with_own_profile(self) -> PlayOptions:
         """Returns the options with this user's own profile, if a person touches the device."""
         other = self.profile is not None or self.device in ("mouse", "simulated")
@@ -76,12 +81,14 @@ def main(argv: list[str]) -> int:
         options = replace(options, device="web")
     console = Console()
     options = with_measured_hand(options.with_own_profile(), console)
+    options = with_usable_profile(options, console)
     if options.view in ("film", "none"):
         return _without_window(options)
     _check(options)
+    learner = Learner.of(options, console) if options.learn else None
     if options.view == "web":
         with streaming(options.lsl, console):
-            return play_on_page(options, options, console, limit)
+            return play_on_page(options, options, console, limit, learner)
     if not has_display():
         raise InputError(
             "no display to open a window on",
@@ -93,7 +100,7 @@ def main(argv: list[str]) -> int:
     from sandbox.cli.play.window import play_in_window
 
     with streaming(options.lsl, console):
-        return play_in_window(options, options, limit, console)
+        return play_in_window(options, options, limit, console, learner)
 
 
 def _check(options: PlayOptions) -> None:
@@ -116,6 +123,13 @@ def _without_window(options: PlayOptions) -> int:
             where=f"--view {options.view}",
             got=options.device,
             expected="simulated, tuio or a file as --device",
+        )
+    if options.learn:
+        raise InputError(
+            "nothing is learned from runs that nobody sees",
+            where="--learn",
+            got=f"--view {options.view}",
+            expected="--view window or --view web",
         )
     if options.max_latency is not None:
         raise InputError(

@@ -14,6 +14,7 @@ from models.person import HANDS
 from sandbox.cli.common.latency import judge_latency, print_latency
 from sandbox.cli.common.page_options import PageOptions, open_page
 from sandbox.cli.common.page_view import show_address, show_session, touched_pages
+from sandbox.cli.play.own_profile import Learner
 from sandbox.cli.play.screen_too_small import explain_refusal
 from sandbox.cli.run import report_end
 from sandbox.options.scene_options import Plan, SceneOptions, plan
@@ -98,12 +99,14 @@ class PagePlay:
         servers: Server of the page, or of every hand's page if hands have their own pages.
         events: Log of events.
         console: Console for messages.
+        learner: Keeps layouts of five fingers in the player's profile; None keeps none.
     """
 
     options: SceneOptions
     servers: tuple[PageServer, ...]
     events: EventLog
     console: Console
+    learner: Learner | None = None
 
     def run(self) -> None:
         """Runs trials until the program is interrupted."""
@@ -206,6 +209,8 @@ class PagePlay:
         finally:
             live.stop()
             ended.append(trial.end(latency=self.servers[0].latency.as_json()))
+            if self.learner is not None:
+                self.learner.after(session)
         for server in self.servers:
             server.publish(session.snapshot())
         if live.failure:
@@ -248,11 +253,16 @@ class PagePlay:
 
 
 def play_on_page(
-    options: SceneOptions, page: PageOptions, console: Console, limit: float | None = None
+    options: SceneOptions,
+    page: PageOptions,
+    console: Console,
+    limit: float | None = None,
+    learner: Learner | None = None,
 ) -> int:
     """Serves the page until interrupted, then prints the latency of touches.
 
-    Returns 1 if the latency exceeds `limit`, ms (see `judge_latency`); None sets no limit.
+    Returns 1 if the latency exceeds `limit`, ms (see `judge_latency`); None sets no limit. For
+    `learner` see `PagePlay`.
     """
     hands = [options.device, options.second_device].count("web")
     sides = [hand.side for hand in plan(options).settings.hands]
@@ -267,7 +277,7 @@ def play_on_page(
             if hands == 2:
                 console.print(f"for the {whose} hand:")
             show_address(server, page, events, console)
-        PagePlay(options, tuple(servers), events, console).run()
+        PagePlay(options, tuple(servers), events, console, learner).run()
     except KeyboardInterrupt:
         console.print("stopped")
     finally:

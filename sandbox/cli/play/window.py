@@ -19,6 +19,7 @@ from sandbox.cli.common.page_view import (
     show_session,
     touched_pages,
 )
+from sandbox.cli.play.own_profile import Learner
 from sandbox.cli.play.page import PlayerRequests, numbered, print_refusals
 from sandbox.cli.run import report_end
 from sandbox.devices.wrappers.first_touch import FirstTouch
@@ -99,6 +100,7 @@ class WindowPlay:
         events: Log of events.
         console: Console for messages.
         latency: Latency log of all trials.
+        learner: Keeps layouts of five fingers in the player's profile; None keeps none.
         window: The window; None until it is open.
     """
 
@@ -109,6 +111,7 @@ class WindowPlay:
     events: EventLog
     console: Console
     latency: LatencyLog
+    learner: Learner | None = None
     window: Window | None = None
 
     def run(self) -> None:
@@ -164,6 +167,8 @@ class WindowPlay:
                     live.stop()
             finally:
                 result = trial.end(latency=self.latency.as_json())
+                if self.learner is not None:
+                    self.learner.after(session)
         if live.failure:
             raise live.failure
         self.events.tell("trial_end", **result.as_json())
@@ -285,7 +290,11 @@ class WindowPlay:
 
 
 def play_in_window(
-    options: SceneOptions, page: PageOptions, limit: float | None, console: Console
+    options: SceneOptions,
+    page: PageOptions,
+    limit: float | None,
+    console: Console,
+    learner: Learner | None = None,
 ) -> int:
     """Plays until the window is closed; returns 1 if latency exceeds the limit, else 0.
 
@@ -295,6 +304,7 @@ def play_in_window(
         page: Options of the page's server.
         limit: ms, see `judge_latency`; None sets no limit.
         console: Console for messages.
+        learner: See `WindowPlay`.
     """
     events = EventLog(options.events)
     try:
@@ -303,7 +313,7 @@ def play_in_window(
         latency = server.latency if server else LatencyLog()
         share = server is not None and mouse and not second
         lan = page.tablet or page.lan is not None
-        play = WindowPlay(options, server, share, lan, events, console, latency)
+        play = WindowPlay(options, server, share, lan, events, console, latency, learner)
         try:
             play.run()
         finally:

@@ -1,0 +1,130 @@
+"""The player's profile: what of it can be used, and layouts that are learned into it."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from typing import Any, TypeVar
+
+from rich.console import Console
+from rich.text import Text
+
+from models.errors import InputError
+from sandbox.options.leap_calibration import uses_touch_profile
+from sandbox.options.leap_devices import is_leap
+from sandbox.options.profiles import (
+    find_profile,
+    load_profile,
+    profile_path,
+    save_profile,
+)
+from sandbox.options.scene_options import SceneOptions
+from sandbox.session.own_layouts import learned_layouts
+from sandbox.session.session import Session
+
+Options = TypeVar("Options", bound=SceneOptions)
+
+
+def with_usable_profile(options: Options, console: Console) -> Options:
+    """Options without what cannot be used of the profile, which one line tells.
+
+    Raises:
+        InputError: There is no such file, or it is a calibration over a Leap.
+    """
+    if not uses_touch_profile(options, is_leap(options.device)):
+        return options
+    name = str(options.profile)
+    try:
+        profile = find_profile(name)
+    except InputError as error:
+        if not profile_path(name).exists():
+            raise
+        _say(f"{error}. Fingers are named without the profile", console)
+        return _with_person_alone(options, name)
+    learned = profile.layouts and options.labels == "population"
+    if learned and options.hand not in (None, profile.person.hand):
+        _say(
+            f"the layouts of the profile are of the {profile.person.hand} hand, and the "
+            f"{options.hand} one plays: its fingers are named without them",
+            console,
+        )
+    return options
+
+
+def _with_person_alone(options: Options, name: str) -> Options:
+    """Options with hand, size and seat of a profile, as far as they can be read."""
+    alone = replace(options, profile="none")
+    try:
+        person = find_profile(name, with_layouts=False).person
+    except InputError:
+        return alone
+    known: dict[str, Any] = asdict(person)
+    return replace(alone, **{k: v for k, v in known.items() if getattr(options, k) is None})
+
+
+def _say(text: str, console: Console) -> None:
+    console.print(Text(text, style="yellow"), soft_wrap=True)
+
+
+@dataclass
+class Learner:
+    """Layouts of five fingers that a player's takes add to the profile, for the takes after them.
+
+    Attributes:
+        path: File of the profile.
+        console: Console for messages.
+    """
+
+    path: Path
+    console: Console
+
+    @classmethod
+    def of(cls, options: SceneOptions, console: Console) -> Learner:
+        """The learner of the options' profile.
+
+        Raises:
+            InputError: Nothing can be learned with these options.
+        """
+        if options.labels != "population":
+            raise InputError(
+                "only names by the population use layouts of five fingers",
+                where="--learn",
+                got=f"--labels {options.labels}",
+                expected="--labels population",
+            )
+        if options.device == "mouse" or is_leap(options.device):
+            raise InputError(
+                "there are no fingers on a touch surface to learn from",
+                where="--learn",
+                got=f"--device {options.device}",
+                expected="tuio, evdev or web",
+            )
+        if options.profile in (None, "none"):
+            raise InputError(
+                "there is no profile to learn into",
+                where="--learn",
+                remedy="`sandbox calibrate` makes one",
+            )
+        learner = cls(profile_path(str(options.profile)), console)
+        profile = load_profile(learner.path)
+        if profile.simulated != (options.device == "simulated"):
+            raise InputError(
+                "a simulated person and a real one do not share a profile",
+                where="--learn",
+                got=f"--device {options.device} and a profile of "
+                + ("a simulated person" if profile.simulated else "a real person"),
+                remedy="Choose another --profile",
+            )
+        return learner
+
+    def after(self, session: Session) -> None:
+        """Keeps what a take has learned of the profile's hand."""
+        profile = load_profile(self.path)
+        side = profile.person.hand
+        layouts = learned_layouts(session).get(side)
+        if layouts is None or session.first_rig.hand.name != side:
+            return
+        save_profile(replace(profile, layouts=layouts), self.path)
+        self.console.print(
+            f"{len(layouts)} layouts of five fingers are kept in {self.path}", soft_wrap=True
+        )
