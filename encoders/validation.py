@@ -52,8 +52,8 @@ def error_product(q: Array, truth: Array) -> float:
     return float(wrist * joints)
 
 
-def robust_covariance(residuals: Array) -> Array:
-    """Second moments (N, N) of errors (T, N), with the length of each frame's error limited.
+def bounded_errors(residuals: Array) -> Array:
+    """Errors (T, N) with the length of each frame's error limited.
 
     Otherwise a few frames with extreme errors of plain least squares would dominate the covariance
     of all poses.
@@ -61,6 +61,11 @@ def robust_covariance(residuals: Array) -> Array:
     spread = np.median(np.abs(residuals), axis=0) * 1.4826 + 1e-9
     length = np.sqrt(np.mean((residuals / spread) ** 2, axis=1))
     bound = np.minimum(1.0, _LARGEST_LENGTH / np.maximum(length, 1e-9))
-    bounded = residuals * bound[:, None]
+    return np.asarray(residuals * bound[:, None])
+
+
+def robust_covariance(residuals: Array) -> Array:
+    """Second moments (N, N) of errors (T, N), with the length of each frame's error limited."""
+    bounded = bounded_errors(residuals)
     moments: Array = bounded.T @ bounded / len(bounded)
     return moments

@@ -23,6 +23,7 @@ from encoders.regression.pca_ik import PcaIkEncoder
 from encoders.regression.registry import find_encoder, is_external, origin_of
 from encoders.regression.trained import (
     BUILTIN,
+    POPULATION,
     SCHEMA,
     TrainedModel,
     builtin,
@@ -35,7 +36,7 @@ from models.errors import EncoderError
 
 PCA_IK = "pca-ik"
 
-MODELS = (*BUILTIN, PCA_IK)
+MODELS = (*BUILTIN, POPULATION, PCA_IK)
 """Names of the models that are always there."""
 
 LONG = 2.0
@@ -84,7 +85,7 @@ def find_model(name: str, tell: Callable[[str], None]) -> TrainedModel:
     Raises:
         EncoderError: There is none, or it cannot be used.
     """
-    if name in BUILTIN:
+    if name in (*BUILTIN, POPULATION):
         return builtin(name)
     if name == PCA_IK:
         return pca_ik_model()

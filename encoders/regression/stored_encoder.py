@@ -23,6 +23,7 @@ OUTSIDE = "outside"
 MODEL_ARRAYS = (
     "header",
     "covariance",
+    "personal",
     "training_u",
     "training_pose",
     "anchors",

@@ -60,7 +60,12 @@ POLYNOMIALS: dict[str, tuple[int, float | None]] = {
 """Name -> degree and ridge (None: chosen by validation) of the built-in polynomials."""
 
 BUILTIN = (*POLYNOMIALS, "best")
-"""Names of the built-in models; `encoders.evaluation.best` trains the last one."""
+"""Names of the models trained on the built-in capture; `encoders.evaluation.best` trains the last
+one."""
+
+POPULATION = "population"
+"""Name of the built-in model for any person; `encoders.regression.population_training` trains
+it."""
 
 
 @dataclass(frozen=True)
@@ -77,6 +82,8 @@ class TrainedModel:
         meta: Origin of the capture, simulated or not, degree and ridge; JSON values.
         correction: Correction of estimates of the captured person's pose by the touches. It does
             not apply to our hand, and no session uses it.
+        personal_covariance: (48, 48) part of the covariance that stays the same for a person, in
+            the frame that turns with the hand; None for a model of one person.
     """
 
     name: str
@@ -86,6 +93,7 @@ class TrainedModel:
     training_pose: Array
     meta: dict[str, Any] = field(default_factory=dict)
     correction: PersonCorrection | None = None
+    personal_covariance: Array | None = None
 
     @cached_property
     def digest(self) -> str:
@@ -97,6 +105,8 @@ class TrainedModel:
         if self.correction is not None:
             variance = self.correction.tip_variance
             arrays += [_anchors(self.correction), _lengths(self.correction), variance]
+        if self.personal_covariance is not None:
+            arrays.append(self.personal_covariance)
         for array in arrays:
             hash_.update(np.ascontiguousarray(array, np.float32).tobytes())
         hash_.update(json.dumps(self.meta, sort_keys=True).encode())
@@ -234,6 +244,9 @@ def rounded(model: TrainedModel) -> TrainedModel:
         training_pose=training_pose,
         meta=json.loads(json.dumps(model.meta)),
         correction=correction,
+        personal_covariance=(
+            None if model.personal_covariance is None else single(model.personal_covariance)
+        ),
     )
 
 
@@ -286,6 +299,8 @@ def save_model(model: TrainedModel, path: Path | str, training: bool = True) -> 
             "lengths": _lengths(model.correction),
             "tip_variance": model.correction.tip_variance,
         }
+    if model.personal_covariance is not None:
+        arrays["personal"] = model.personal_covariance
     ours = {name: array.astype(np.float32) for name, array in arrays.items()}
     write_npz(Path(path), header, model.encoder.arrays() | ours)
 
@@ -319,6 +334,8 @@ def load_model(path: Path | str, capture: Capture | None = None) -> TrainedModel
         wanted += ["training_u", "training_pose"]
     if distrust is not None:
         wanted += ["anchors", "lengths", "tip_variance"]
+    if "personal" in raw:
+        wanted.append("personal")
     arrays = {name: _array(raw, name, where) for name in wanted}
     if capture is not None:
         arrays |= {"training_u": single(capture.u), "training_pose": single(capture.relative)}
@@ -342,7 +359,14 @@ def load_model(path: Path | str, capture: Capture | None = None) -> TrainedModel
             bones, arrays["covariance"], arrays["tip_variance"], float(distrust)
         )
     return TrainedModel(
-        str(header.get("name")), encoder, arrays["covariance"], U, Q, meta, correction
+        str(header.get("name")),
+        encoder,
+        arrays["covariance"],
+        U,
+        Q,
+        meta,
+        correction,
+        arrays.get("personal"),
     )
 
 
@@ -393,6 +417,7 @@ def _check(arrays: Mapping[str, Array], where: str) -> None:
     frames = len(np.atleast_1d(arrays["training_u"]))
     shapes = {
         "covariance": (POSE_SIZE, POSE_SIZE),
+        "personal": (POSE_SIZE, POSE_SIZE),
         "training_u": (frames, CONTACT_VECTOR_SIZE),
         "training_pose": (frames, POSE_SIZE),
         "anchors": (BALL_JOINTS, 3),
@@ -421,13 +446,16 @@ def builtin(name: str) -> TrainedModel:
     """Loads a built-in model by name.
 
     Args:
-        name: `paper`, `linear`, `quadratic`, `cubic` or `best`.
+        name: `paper`, `linear`, `quadratic`, `cubic`, `best` or `population`.
 
     Raises:
         EncoderError: The name is unknown.
     """
+    if name == POPULATION:
+        return load_model(builtin_folder() / f"{name}.npz")
     if name not in BUILTIN:
-        raise EncoderError("no such encoder", got=name, expected=", ".join(BUILTIN))
+        known = ", ".join((*BUILTIN, POPULATION))
+        raise EncoderError("no such encoder", got=name, expected=known)
     return load_model(builtin_folder() / f"{name}.npz", builtin_capture())
 
 

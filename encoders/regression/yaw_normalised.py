@@ -219,6 +219,20 @@ def _from_normalised(Q: Array, turn: Array, middle: Array) -> Array:
     return out
 
 
+def turned_root(errors: Array, turn: Array) -> Array:
+    """Errors (T, 48) of poses with those of the root, two vectors, turned about the normal.
+
+    Args:
+        errors: (T, 48) differences of poses, m and rad.
+        turn: (T,) rad; minus the hand's yaw turns errors to the frame that turns with the hand.
+    """
+    out = np.array(errors)
+    rotation = _about_normal(turn)
+    for part in (ROOT_POSITION, ROOT_ROTATION):
+        out[:, part] = stacked_applied(rotation, errors[:, part])
+    return out
+
+
 def _about_normal(turn: Array) -> Array:
     vectors = np.zeros((len(turn), 3))
     vectors[:, 2] = turn

@@ -63,6 +63,7 @@ class PopulationOptions:
 
         sandbox subject population --out people.npz
         sandbox train --population people.npz --out names.npz
+        sandbox train --population people.npz --part pose --out population.npz
     """
 
     out: Annotated[Path, tyro.conf.arg(metavar="FILE")]

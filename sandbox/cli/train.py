@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import numpy as np
 import tyro
@@ -16,6 +16,7 @@ from encoders.captures.population import load_population
 from encoders.captures.subject import FROZEN, SEED, simulate
 from encoders.evaluation.best import train_best_model
 from encoders.labels.network_training import train_names
+from encoders.regression.population_training import train_population
 from encoders.regression.registry import find_encoder
 from encoders.regression.trained import (
     BUILTIN,
@@ -58,10 +59,14 @@ class TrainOptions:
     rad), and predictions by 0.001 (root mean square); exit status 1 if they do. This takes a
     minute or two.
 
+    --population trains what serves people whom nobody captured: names of fingers, or the pose.
+    A capture of your own is the way to more than that.
+
     Try:
 
         sandbox train --capture training.npz --out mine.npz
         sandbox run box-to-goal --encoder mine.npz
+        sandbox train --population people.npz --part pose --out population.npz
         sandbox train --encoder examples/kernel_ridge.py:KernelRidge --out kernel.npz
     """
 
@@ -72,8 +77,12 @@ class TrainOptions:
     """Capture to train on. With --encoder, the default is the built-in capture."""
 
     population: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
-    """Train names of fingers, not an encoder, on a population of simulated people, made by `sandbox
-    subject population`."""
+    """Train for people whom nobody knows, on a population of simulated people, made by `sandbox
+    subject population`: the names of fingers, or what --part says."""
+
+    part: Literal["names", "pose"] = "names"
+    """With --population, what is trained: names of fingers (--labels population), or the encoder of
+    the pose (--encoder population)."""
 
     builtin: bool = False
     """Train the built-in models again and compare them with the shipped ones."""
@@ -110,7 +119,13 @@ def main(argv: list[str]) -> int:
             ("--ridge", options.ridge is not None),
         ):
             if given:
-                raise InputError("this option does not apply to names of fingers", where=name)
+                raise InputError("this option does not apply to a population", where=name)
+    elif options.part != "names":
+        raise InputError(
+            "only a population has parts",
+            where=f"--part {options.part}",
+            remedy="Add --population FILE; `sandbox subject population` makes one",
+        )
     elif options.builtin == (options.capture is not None):
         raise InputError(
             "expected either a capture or the built-in models",
@@ -120,7 +135,8 @@ def main(argv: list[str]) -> int:
     console = Console()
     try:
         if options.population is not None:
-            return _names(options.population, options.out, console)
+            trained = _names if options.part == "names" else _pose
+            return trained(options.population, options.out, console)
         if options.builtin:
             return _builtin(options.out, console)
         capture = load_capture(options.capture) if options.capture else builtin_capture()
@@ -175,19 +191,40 @@ def _names(path: Path, out: Path, console: Console) -> int:
     return 0
 
 
+def _pose(path: Path, out: Path, console: Console) -> int:
+    if not out.absolute().parent.is_dir():
+        raise InputError("no such folder", where=f"--out {out}")
+    population = load_population(path).of(group="train")
+    people = population.people
+    about = {"digest": population.digest, **population.meta}
+    bars = Console(stderr=True)
+    with Progress(console=bars, transient=True, disable=not bars.is_terminal) as progress:
+        bar = progress.add_task("training", total=1.0)
+        model = train_population(
+            people, about, out.stem, lambda share: progress.update(bar, completed=share)
+        )
+    save_model(model, out)
+    _report(console, out, model)
+    return 0
+
+
 def _report(console: Console, path: Path, model: TrainedModel) -> None:
     spread = np.sqrt(np.diag(model.residual_covariance))
     wrist = 100 * float(np.linalg.norm(spread[:3]))
+    unseen = "takes" if model.personal_covariance is None else "people"
     source = "simulated" if model.meta["simulated"] else "not marked as simulated"
     console.print(
         f"{path}: {_kind(model)}, "
-        f"{len(model.training_u):,} frames ({source}); error of the wrist on unseen takes "
+        f"{len(model.training_u):,} frames ({source}); error of the wrist on unseen {unseen} "
         f"{wrist:.1f} cm (root mean square, outliers bounded)",
         soft_wrap=True,
     )
 
 
 def _kind(model: TrainedModel) -> str:
+    if model.personal_covariance is not None:
+        people = sum(len(numbers) for numbers in model.meta["population"]["people"].values())
+        return f"the pose of any person, trained on {people:,} people, of whom the file keeps"
     if model.correction is not None:
         trust = f"the touches' variance trusted 1 / {model.correction.distrust:g}"
         return f"{model.meta['winner']}, {trust}"

@@ -39,7 +39,8 @@ class OneHandOptions:
     encoder: Annotated[str, tyro.conf.arg(metavar=choices(*MODELS, "FILE"))] = "best"
     """Encoder, which estimates the hand's pose from the touches. paper: least squares with the
     paper's labels, without correction and smoothing. The others use the labels, correction and
-    smoothing of best. FILE: a model by `sandbox train`, or FILE.py:CLASS or MODULE:CLASS, an
+    smoothing of best. population: the pose of any person, trained on hundreds of simulated people;
+    best is of one. FILE: a model by `sandbox train`, or FILE.py:CLASS or MODULE:CLASS, an
     encoder of your own (docs/write-an-encoder.md)."""
 
     bare: tyro.conf.FlagCreatePairsOff[bool] = False
