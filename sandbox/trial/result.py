@@ -193,6 +193,10 @@ class TrialResult(msgspec.Struct, frozen=True, kw_only=True):
     latency: Annotated[
         dict[str, Any] | None, _field("ms", "percentiles of delays, by kind", JOURNAL)
     ] = None
+    learned: Annotated[
+        dict[str, Any] | None,
+        _field("m", "layouts of five fingers for the session's next trial, by hand", JOURNAL),
+    ] = None
     fingers: Annotated[
         list[tuple[int, int]] | None, _field("", "true finger of each contact: (contact, finger)")
     ] = None

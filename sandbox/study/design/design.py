@@ -19,6 +19,10 @@ each place and after each other level); `blocked`: as listed, for all participan
 from the seed; `factorial`: every possible order equally often; `between`: each participant gets one
 level only."""
 
+LEARNING = ("trial", "session")
+"""How long layouts of five fingers are kept that name fewer fingers. `trial`: every trial begins
+without them; `session`: it begins with those of the trials before it in its session."""
+
 START, END = "start", "end"
 
 ITEMS = ("choice", "scale", "number", "text")
@@ -176,6 +180,7 @@ class Design:
         practice_each: Name of a factor; empty for practice once at the start.
         practice_sessions: Sessions with practice; empty means all.
         seeds: `own` starts and goals for each participant, or `shared` ones.
+        learning: One of `LEARNING`.
         time_limit: Time limit of a trial, s; a shorter limit of the task has priority.
         expected: Expected duration of a trial, s, for plans.
         break_every: Number of trials between breaks; 0 for no breaks.
@@ -204,6 +209,7 @@ class Design:
     practice_each: str
     practice_sessions: tuple[int, ...]
     seeds: str
+    learning: str
     time_limit: float
     expected: float
     break_every: int

@@ -13,6 +13,7 @@ from models.errors import StudyError
 from sandbox.study.design.conditions import SETTINGS, check_conditions
 from sandbox.study.design.design import (
     END,
+    LEARNING,
     ORDERS,
     SCHEMA,
     START,
@@ -119,6 +120,7 @@ def _design(top: TomlTable, text: str, path: Path) -> Design:
         practice_each=_factor(trials, "practice_each", names),
         practice_sessions=trials.session_numbers("practice_sessions"),
         seeds=trials.choice("seeds", ("own", "shared"), "own"),
+        learning=trials.choice("learning", LEARNING, LEARNING[0]),
         time_limit=float(trials.number("time_limit_s", 600.0, 0.05, 3600.0)),
         expected=float(trials.number("expected_s", 20.0, 0.05, 3600.0)),
         break_every=breaks.number("every", 0, 0, 10_000, whole=True),
@@ -135,6 +137,7 @@ def _design(top: TomlTable, text: str, path: Path) -> Design:
         text=text,
         path=path,
     )
+    _check_learning(design, trials)
     for table in (trials, breaks, consent, analysis, top):
         table.done()
     _check_unique(top, "demographics", [item.name for item in design.demographics])
@@ -148,6 +151,15 @@ def _digest(text: str, forms: tuple[Form, ...]) -> str:
     for name, content in sorted({form.source for form in forms if form.source}):
         digest.update(b"\0" + name.encode() + b"\0" + content.encode())
     return digest.hexdigest()
+
+
+def _check_learning(design: Design, trials: TomlTable) -> None:
+    levels = (level.settings for factor in design.factors for level in factor.levels)
+    learns = any(s.get("labels") == "population" for s in (design.settings, *levels))
+    if design.learning == "session" and not learns:
+        trials.add_mistake(
+            "learning", "no trial learns layouts", 'Write labels = "population" in [settings]'
+        )
 
 
 def _check_unique(top: TomlTable, key: str, names: list[str]) -> None:

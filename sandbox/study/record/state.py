@@ -7,6 +7,8 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from models.errors import StudyError
+from models.json_input import checked
+from sandbox.session.own_layouts import Layouts
 from sandbox.study.design.plan import Step, TrialStep
 from sandbox.study.record.chain import Record
 from sandbox.study.record.session_clock import SessionClock
@@ -55,6 +57,7 @@ class SessionState:
         consent: True if the participant consented; None before the question.
         calibration: Calibration of the hand over a Leap, in the format of `sandbox paalm
             calibrate`; None uses an average hand.
+        learned: Layouts of five fingers that the last trial to find some has left, by hand.
         complete: True if the session reached its planned end.
         recordings: Digests of recordings by file (see `sandbox.study.record.file_digests`).
         tables: Digests of the tables derived from a recording, by name of the table, by recording.
@@ -72,6 +75,7 @@ class SessionState:
     drafts: dict[str, dict[str, Any]] = field(default_factory=dict)
     consent: bool | None = None
     calibration: dict[str, Any] | None = None
+    learned: dict[str, Layouts] = field(default_factory=dict)
     complete: bool = False
     recordings: dict[str, dict[str, Any] | None] = field(default_factory=dict)
     tables: dict[str, dict[str, str]] = field(default_factory=dict)
@@ -105,6 +109,7 @@ class SessionState:
                 self.attempts.setdefault(record["trial"], []).append(Attempt(record))
             case "trial_end":
                 self._attempt(record).end = record
+                self.learned |= _learned(record)
                 self.finished.add(record["step"])
             case "repeat":
                 self._set_aside(record)
@@ -178,3 +183,15 @@ class SessionState:
             self.excluded_participant = record["reason"]
         else:
             self.excluded[record["trial"]] = record["reason"]
+
+
+def _learned(record: Record) -> dict[str, Layouts]:
+    """What a `trial_end` record says that later trials of its session know."""
+    return checked(
+        record["result"].get("learned", {}),
+        dict[str, Layouts],
+        StudyError,
+        what="the journal has layouts of fingers that cannot be read",
+        where=f"record {record['n']}",
+        remedy="Restore the journal from a backup",
+    )

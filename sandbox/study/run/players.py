@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from sandbox.session.messages import Snapshot
+from sandbox.session.own_layouts import learned_layouts
 from sandbox.session.session import Session
 from sandbox.study.tables.frames import FrameTable
 from sandbox.trial.device_makers import DeviceMakers
@@ -39,6 +40,7 @@ class TrialRequest:
         time_limit: Time limit of the study, s.
         watch: See `Watch`.
         paused: Returns True while simulated time must stand still.
+        learns: Names of the hands whose new layouts of five fingers are kept for the next trial.
     """
 
     settings: RunSettings
@@ -48,6 +50,7 @@ class TrialRequest:
     time_limit: float
     watch: Watch
     paused: Callable[[], bool]
+    learns: tuple[str, ...] = ()
 
 
 @dataclass
@@ -206,6 +209,9 @@ class RunningAttempt:
                 **(more or {}),
             }
         }
+        learned = learned_layouts(session)
+        if kept := {name: learned[name] for name in self._request.learns if name in learned}:
+            fields["learned"] = kept
         latency = session.first_rig.device.latency
         if latency is not None:
             latencies = latency.as_json()

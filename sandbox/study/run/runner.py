@@ -198,6 +198,9 @@ class SessionRunner:
         except _StepLeft:
             self.say("left this step")
             return
+        learns = self._learning_hands(trial, settings)
+        known = session.state.learned
+        settings = settings.knowing({name: known[name] for name in learns if name in known})
         done, of = session.state.done(session.steps)
         levels = ", ".join(trial.levels.values())
         kind = "  practice" if trial.practice else ""
@@ -229,6 +232,7 @@ class SessionRunner:
                     session.study.design.time_limit,
                     self._poll_trial,
                     lambda: self.controls.paused,
+                    learns,
                 )
             )
         except InputError as error:
@@ -238,6 +242,19 @@ class SessionRunner:
             self._break_off(trial, "interrupted")
             raise
         self._commit(trial, played)
+
+    def _learning_hands(self, trial: TrialStep, settings: RunSettings) -> tuple[str, ...]:
+        """Names of the participant's hands if the design lets a session learn their layouts."""
+        if self.session.study.design.learning != "session":
+            return ()
+        if self._has_partner(trial):
+            return settings.hand_names[:1]
+        return settings.hand_names
+
+    def _has_partner(self, trial: TrialStep) -> bool:
+        """True if a simulated user moves the second hand."""
+        asked = (trial.values.get("second_device"), self.second_device)
+        return self.session.person.user is not None or PARTNER in asked
 
     def _second(self, trial: TrialStep) -> dict[str, Any]:
         """Device and simulated user of the second hand, for the recording."""

@@ -70,7 +70,8 @@ class Masking:
             multiple of it.
         recordings: True includes recordings of trials.
         hands: True includes recordings that tell how a hand is made: those in the air, which
-            contain the lengths of fingers, and those of hands whose exact size too few share.
+            contain the lengths of fingers, those of hands whose exact size too few share, and those
+            of sessions that learn layouts of fingers.
     """
 
     words: bool = False
@@ -120,7 +121,8 @@ def anonymise(study: StudyFolder, out: Path, masking: Masking, say: Say) -> Anon
     names = _new_names(agreed)
     new_id = str(uuid4())
     sizes = {p: some[0].state.start[HAND_SIZE] for p, some in agreed.items()}
-    tell_hands = _rare(sizes)
+    # Recordings of sessions that learn have layouts of the person's fingers in their headers.
+    tell_hands = set(sizes) if study.design.learning == "session" else _rare(sizes)
     with new_folder(out) as work:
         about = {**study.about, "study": new_id, "created": EPOCH.isoformat()}
         about["build"] = without_folders(study.build)

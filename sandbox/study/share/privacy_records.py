@@ -80,6 +80,9 @@ KEPT: dict[str, tuple[str, ...]] = {
     "pause": (),
     "go_on": (),
 }
+LEARNED = "learned"
+"""Field of results with the layouts of a person's fingers; touches in recordings tell the same, and
+copies without recordings must not."""
 KEPT["session_resume"] = KEPT["session_start"]
 WORDS = {
     "lost": "reason",
@@ -187,6 +190,8 @@ def _masked_record(record: Record, seconds: float, masking: PersonMasking) -> Re
     if kind in RUNS:
         # All clocks in the copy begin with the session.
         masked |= {"study": masking.study, "boot": COPY}
+    if LEARNED in masked.get("result", {}):
+        masked["result"] = {k: v for k, v in masked["result"].items() if k != LEARNED}
     if kind == "answers":
         masked["answers"] = {
             item: masking.answer(record["form"], item, value)
@@ -200,7 +205,7 @@ def _masked_record(record: Record, seconds: float, masking: PersonMasking) -> Re
 
 def _masked_header(header: dict[str, Any], masking: PersonMasking) -> dict[str, Any]:
     """Masks the header of a recording, or its result, which repeats fields of the header."""
-    masked = without_folders(header)
+    masked = {key: value for key, value in without_folders(header).items() if key != LEARNED}
     if isinstance(masked.get("study"), dict):
         masked["study"]["ppid"] = masking.ppid
     if "broken_off" in masked and not masking.words:
