@@ -360,3 +360,22 @@ def test_the_documentation_s_example_runs():
     names: dict[str, Any] = {}
     exec(example, names)
     assert names["observation"] in names["env"].observation_space
+
+
+FIVE = 1e-3 * np.array([[70, 100], [105, 58], [130, 45], [153, 52], [174, 74]])
+"""Touches of five fingers, m on the surface, thumb first."""
+
+
+def test_an_episode_learns_nothing_for_the_next_one() -> None:
+    def touching(fingers: tuple[int, ...]) -> np.ndarray:
+        rows = [(1.0, *FIVE[f]) if f in fingers else (0.0, 0.0, 0.0) for f in range(5)]
+        return np.ravel(rows)
+
+    env = HandSandboxEnv(labels="population")
+    for episode in range(2):
+        *_, last = play(env, [touching((0, 1, 2, 3, 4))] * 40, seed=1)
+        assert last[0]["labels"].tolist() == [0, 1, 2, 3, 4]
+        # Index and ring finger alone look like index and middle, unless five fingers have taught.
+        *_, last = play(env, [touching((1, 3))] * 40, seed=2)
+        assert last[0]["labels"].tolist() == [-1, 1, -1, 2, -1], episode
+    env.close()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -75,7 +76,7 @@ def test_every_trial_begins_without_layouts_unless_the_design_says_otherwise(tmp
 def test_a_session_that_learns_begins_each_trial_with_what_the_trials_before_it_found(learned):
     layouts = known(learned)
     assert layouts[0] == [] and layouts[1]
-    for before, after in zip(layouts, layouts[1:], strict=False):
+    for before, after in pairwise(layouts):
         assert len(after) >= len(before)
     folder = session_path(learned.path, learned.participants()[0].ppid)
     _, verification = replay(load_recording(folder / "trials" / "T003.jsonl"))
