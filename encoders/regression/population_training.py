@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from encoders.capture import Capture
 from encoders.input_vector import contact_vectors
@@ -49,6 +50,12 @@ JUDGED = 120
 KEPT = 3
 """Frames of each person that the model's file keeps: for the mean posture, and for methods that
 look up training frames."""
+
+MOST_PERSONAL = 0.9
+"""Greatest share of the variance, in any direction, that counts as personal."""
+
+_LEAST = 1e-10
+"""m2 and rad2, added to variances so that their matrix has an inverse."""
 
 Progress = Callable[[float], None]
 
@@ -105,7 +112,7 @@ def train_population(
     rng = np.random.default_rng(0)
     steps = FOLDS + 2
     errors: list[Array] = []
-    left_out: list[tuple[_Sized, Array, Array]] = []
+    left_out: list[tuple[_Sized, NDArray[np.intp], Array]] = []
     for fold in range(FOLDS):
         encoder = _fitted([p for i, p in enumerate(sized) if i % FOLDS != fold], rng)
         for person in sized[fold::FOLDS]:
@@ -179,13 +186,17 @@ def _covariances(errors: Sequence[Array], guesses: Sequence[Array]) -> tuple[Arr
     turned = [turned_root(e, -yaw_of(q)) for e, q in zip(parts, guesses, strict=True)]
     means = np.array([e.mean(axis=0) for e in turned])
     within = sum(np.cov(e, rowvar=False) / len(e) for e in turned) / len(turned)
-    values, vectors = np.linalg.eigh(means.T @ means / len(means) - within)
-    personal = (vectors * np.maximum(values, 0.0)) @ vectors.T
-    return bounded.T @ bounded / len(bounded), personal
+    covariance = bounded.T @ bounded / len(bounded)
+    # As shares of the errors: none is below 0, and in no direction are all errors personal.
+    root = np.linalg.cholesky(covariance + _LEAST * np.eye(len(covariance)))
+    shares = np.linalg.solve(root, means.T @ means / len(means) - within)
+    values, vectors = np.linalg.eigh(np.linalg.solve(root, shares.T))
+    part = root @ vectors * np.sqrt(np.clip(values, 0.0, MOST_PERSONAL))
+    return covariance, part @ part.T
 
 
 def _correction(
-    left_out: Sequence[tuple[_Sized, Array, Array]], covariance: Array
+    left_out: Sequence[tuple[_Sized, NDArray[np.intp], Array]], covariance: Array
 ) -> PersonCorrection:
     """The correction for people whose bones nobody knows, with a validated trust in touches."""
     hand = Kinematics(ADULT)

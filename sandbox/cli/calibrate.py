@@ -13,6 +13,7 @@ from rich.console import Console
 
 from encoders.labels.population_belief import builtin_population_belief
 from encoders.person.hand_size import SPREADS, HandSize, builtin_sizes
+from encoders.person.rest_posture import Looks, load_rest
 from encoders.person.spreads import SpreadCollector
 from models.arithmetic.arrays import Array
 from models.errors import InputError
@@ -68,6 +69,10 @@ class CalibrateOptions:
 
     out: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
     """File for the profile. Default: this user's own profile."""
+
+    rest: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    """Rest posture of the hand, to keep in the profile: a file of looks at the hand, or a capture
+    of it (docs/strangers.md)."""
 
     hand_size: Annotated[float, tyro.conf.arg(metavar="RATIO")] = 1.0
     """True size of the simulated person's hand."""
@@ -126,7 +131,10 @@ def main(argv: list[str]) -> int:
     measured = replace(asked, hand_size=round(size.ratio, 4))
     played = simulated or chosen.about.get("user") is not None
     interval = _rounded(size, measured)
-    profile = Profile(measured, interval, options.device, played, _named(inward, measured))
+    rest: Looks = ()
+    if options.rest is not None:
+        rest = load_rest(options.rest, measured.hand, measured.hand_size)
+    profile = Profile(measured, interval, options.device, played, _named(inward, measured), rest)
     path = options.out or default_path()
     save_profile(profile, path)
     console.print(f"{profile.line}; written to {path}", soft_wrap=True)

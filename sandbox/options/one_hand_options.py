@@ -85,6 +85,11 @@ class OneHandOptions:
     option. Over a Leap: a calibration by `sandbox paalm calibrate`; default is this user's own
     measured hand."""
 
+    rest: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    """Rest posture: a few looks at the person's hand while it touches, or a capture of it. With
+    --encoder population it removes what the hand does differently all the time
+    (docs/strangers.md). Default: that of the profile."""
+
     surface: Annotated[str | None, tyro.conf.arg(metavar="SIZE")] = None
     """Size of the touch surface: 7.76x5.82in, 197x148mm, or a preset such as ipad2."""
 

@@ -17,6 +17,7 @@ from pathlib import Path
 
 from msgspec import Struct
 
+from encoders.person.rest_posture import Look, Looks, check_looks
 from models.errors import EncoderError, InputError
 from models.json_input import check_layout, decoded, read_bytes
 from models.person import Person
@@ -48,6 +49,7 @@ class _ProfileFile(Struct, forbid_unknown_fields=True):
     device: str
     simulated: bool
     layouts: list[list[tuple[float, float]]] = []
+    rest: list[Look] = []
 
 
 @dataclass(frozen=True)
@@ -60,6 +62,7 @@ class Profile:
         device: Device of the measurement.
         simulated: True if a simulated person was measured.
         layouts: Touches of the person's five fingers; see `sandbox.session.own_layouts`.
+        rest: Looks at the person's hand; see `encoders.person.rest_posture`.
     """
 
     person: Person
@@ -67,6 +70,7 @@ class Profile:
     device: str
     simulated: bool
     layouts: Layouts = ()
+    rest: Looks = ()
 
     @property
     def line(self) -> str:
@@ -74,16 +78,17 @@ class Profile:
         low, high = self.interval
         who = "a SIMULATED person's " if self.simulated else ""
         seat = f", from {self.person.turn} degrees round the screen" if self.person.turn else ""
+        rest = f", a rest posture of {len(self.rest)} looks" if self.rest else ""
         return (
             f"{who}{self.person.hand} hand, {self.person.hand_size:.2f} times as long as the "
             f"trained hand ({low:.2f} to {high:.2f}){seat}, {len(self.layouts)} layouts of five "
-            "fingers"
+            f"fingers{rest}"
         )
 
     @property
     def hand(self) -> HandSettings:
-        """Settings of the person's hand, with its layouts."""
-        return replace(HandSettings.of(self.person), layouts=self.layouts)
+        """Settings of the person's hand, with its layouts and rest posture."""
+        return replace(HandSettings.of(self.person), layouts=self.layouts, rest=self.rest)
 
 
 def default_path() -> Path:
@@ -111,6 +116,7 @@ def save_profile(profile: Profile, path: Path) -> None:
         "device": profile.device,
         "simulated": profile.simulated,
         **({"layouts": profile.layouts} if profile.layouts else {}),
+        **({"rest": [asdict(look) for look in profile.rest]} if profile.rest else {}),
     }
     beside = path.with_name(path.name + ".new")
     try:
@@ -175,7 +181,19 @@ def _profile(values: _ProfileFile, where: str) -> Profile:
             remedy=_REMEDY,
         )
     layouts = _layouts(values.layouts, person, where)
-    return Profile(person, (low, high), values.device, values.simulated, layouts)
+    rest = tuple(values.rest)
+    if rest:
+        try:
+            check_looks(rest, person.hand_size)
+        except EncoderError as error:
+            raise InputError(
+                error.what,
+                where=f"{where}, rest{f', {error.where}' if error.where else ''}",
+                got=error.got,
+                expected=error.expected,
+                remedy="`sandbox calibrate --rest FILE` sees the hand again",
+            ) from None
+    return Profile(person, (low, high), values.device, values.simulated, layouts, rest)
 
 
 def _layouts(given: Sequence[Sequence[tuple[float, float]]], person: Person, where: str) -> Layouts:

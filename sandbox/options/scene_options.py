@@ -7,6 +7,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from encoders.person.rest_posture import load_rest
+from encoders.regression.trained import POPULATION
 from models.errors import InputError
 from models.surface import Surface, parse_surface
 from sandbox.devices.discovery import OWN_DEVICE, find_device, offered_devices
@@ -266,6 +268,11 @@ def _settings(options: SceneOptions, recording: Recording | None) -> RunSettings
     if recording is None:
         first = replace(first, size=size * first.size)
         values["variation"] = variation
+    if options.rest is not None:
+        first = replace(first, rest=load_rest(options.rest, first.side, first.size))
+    elif options.encoder != POPULATION:
+        # A model of one person knows nothing of others'.
+        first = replace(first, rest=())
     values["hands"] = (first, *others)
     if options.surface:
         surface = parse_surface(options.surface)
@@ -292,7 +299,7 @@ def _keeps_recorded_settings(options: SceneOptions) -> bool:
         "surface",
         "tell_labels",
     )
-    person = ("hand", "hand_size", "turn", "profile")
+    person = ("hand", "hand_size", "turn", "profile", "rest")
     return all(getattr(options, k) == getattr(plain, k) for k in (*pipeline, *person))
 
 

@@ -12,6 +12,7 @@ from encoders.labels.belief import BeliefLabels, builtin_belief
 from encoders.labels.labelling import Labeller, PaperLabels
 from encoders.labels.population_belief import builtin_population_belief
 from encoders.paalm.hand_reconstructor import HandReconstructor
+from encoders.person.rest_posture import knowing_rest
 from encoders.person.yaw_range import YawMonitor, YawRange
 from encoders.reconstruction.arrival import ArrivalSettings
 from encoders.reconstruction.contact_tracker import TrackerSettings
@@ -181,10 +182,13 @@ def build(
             continue
 
         labeller = make_labeller(settings, model, hand)
+        known = knowing_rest(model, hand.rest, hand.size) if hand.rest else model
 
-        def trained_hand(surface: Surface, labeller: Labeller = labeller) -> TouchReconstructor:
+        def trained_hand(
+            surface: Surface, labeller: Labeller = labeller, known: TrainedModel = known
+        ) -> TouchReconstructor:
             return TouchReconstructor(
-                model,
+                known,
                 labeller,
                 ADULT,
                 surface,

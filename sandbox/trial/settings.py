@@ -8,6 +8,7 @@ from typing import Any
 
 import msgspec
 
+from encoders.person.rest_posture import Looks
 from models.errors import InputError, RecordingError
 from models.hand import IMPULSE_PROFILES, SERVOS
 from models.person import HANDS, Person
@@ -32,6 +33,7 @@ _IN_RESULTS = {
     "turn": "turn",
     "in_air": "in_air",
     "layouts": "layouts",
+    "rest": "rest",
 }
 """Names of a hand's settings in results, by their names in headers."""
 
@@ -47,6 +49,8 @@ class HandSettings:
         in_air: Settings of the 3-D device that drives the hand; None if touches drive it.
         layouts: Known touches of the person's five fingers (see `sandbox.session.own_layouts`),
             which names of fingers by `population` use.
+        rest: Looks at the person's hand (see `encoders.person.rest_posture`), which the encoder
+            `population` uses.
     """
 
     side: str = HANDS[0]
@@ -54,6 +58,7 @@ class HandSettings:
     turn: int = 0
     in_air: HandInput | None = None
     layouts: Layouts = ()
+    rest: Looks = ()
 
     def __post_init__(self) -> None:
         _ = self.person
@@ -69,8 +74,8 @@ class HandSettings:
         return Person(self.side, self.size, self.turn)
 
     def on(self, side: str) -> HandSettings:
-        """The same with another side; layouts are those of one side only."""
-        return self if side == self.side else replace(self, side=side, layouts=())
+        """The same with another side; layouts and rest posture are those of one side only."""
+        return self if side == self.side else replace(self, side=side, layouts=(), rest=())
 
     @property
     def other(self) -> HandSettings:
@@ -169,7 +174,7 @@ class RunSettings:
 
     def as_json(self) -> dict[str, Any]:
         """Values for a recording's header, without a neutral variation, an `in_air` of None, or
-        empty layouts."""
+        empty layouts and looks."""
         values = asdict(self)
         if self.variation.neutral:
             del values["variation"]
@@ -186,7 +191,7 @@ class RunSettings:
         """
         _check_names(values, cls, optional={"variation"})
         for hand in values["hands"] if isinstance(values["hands"], list) else ():
-            _check_names(hand, HandSettings, optional={"in_air", "layouts"})
+            _check_names(hand, HandSettings, optional={"in_air", "layouts", "rest"})
             if hand.get("in_air") is not None:
                 _check_names(hand["in_air"], HandInput)
         if "variation" in values:

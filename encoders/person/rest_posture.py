@@ -1,0 +1,299 @@
+"""Rest posture: what a person's hand looks like while it touches, seen once.
+
+Touches leave a constant of every person open: how high the wrist is held, how far fingers bend at
+rest, where a device has its zero. An encoder for any person errs by it in all frames. Whoever sees
+the hand on the surface for a moment, with a camera or a Leap, can tell it: the difference between
+the seen pose and the encoder's, averaged over a few looks. A single look also shows what the hand
+happens to do just then, so the difference counts only for as much as it is likely to stay
+(a random effect whose variance the population gives).
+
+A look has the touches and the pose of one moment, in metres and radians, of the person's own size,
+in the 3-D surface frame of the screen's lower edge, as of a right hand.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from typing import Any, Self
+
+import numpy as np
+from msgspec import Struct
+from numpy.typing import ArrayLike, NDArray
+
+from encoders.capture import Capture
+from encoders.encoder import Encoder
+from encoders.input_vector import contact_vectors
+from encoders.regression.bone_fit import tip_targets
+from encoders.regression.trained import TrainedModel
+from encoders.regression.yaw_normalised import turned_root, yaw_of
+from encoders.store import load_capture
+from models.arithmetic.arrays import Array
+from models.arithmetic.products import matrix_product, matrix_vector, solve_positive
+from models.errors import EncoderError, InputError
+from models.frames import FINGERS
+from models.json_input import check_layout, decoded, read_bytes
+from models.kinematics import Kinematics
+from models.pose import JOINTS, POSE_SIZE, ROOT_POSITION, mirrored, relative_pose
+from models.skeleton import ADULT
+
+SCHEMA = 1
+"""Version of the file's layout."""
+
+KIND = "hand-sandbox rest posture"
+
+MOST = 12
+"""Most looks of a posture; more tell hardly more."""
+
+LEAST_FINGERS = 2
+"""A single touch has no layout, from which an encoder could predict a pose."""
+
+SLACK = 0.35
+"""rad, by which a seen joint may be outside our hand's range: other hands have other zeros."""
+
+FAR = 0.05
+"""m at the trained hand's size, greatest distance of a fingertip of our hand in a seen pose from
+its touch. Bones differ by a centimetre; two fingers that are swapped are farther apart."""
+
+DIGITS = 5
+"""Decimals of metres and radians in files."""
+
+_WHAT = "the rest posture cannot be used"
+_REMEDY = "docs/strangers.md says how a rest posture is made"
+
+Place = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Look:
+    """Touches and pose of one moment; JSON values only.
+
+    Attributes:
+        touches: Place (x right, y down) m of each finger, thumb first; None while it is lifted.
+        pose: The 48 numbers of `models.pose`.
+    """
+
+    touches: tuple[Place | None, ...]
+    pose: tuple[float, ...]
+
+
+Looks = tuple[Look, ...]
+
+
+class _RestFile(Struct, forbid_unknown_fields=True):
+    kind: str
+    schema: int
+    hand: str
+    simulated: bool
+    looks: list[Look]
+
+
+def looks_of(capture: Capture, most: int = MOST) -> Looks:
+    """The last frame of takes of a capture, evenly spaced among all takes."""
+    last = np.flatnonzero(np.diff(capture.trial, append=capture.trial[-1] + 1))
+    last = last[capture.down[last].sum(axis=1) >= LEAST_FINGERS]
+    chosen = last[np.unique(np.linspace(0, len(last) - 1, most).astype(int))] if len(last) else last
+    return tuple(_look(capture.xy[t], capture.q[t]) for t in chosen)
+
+
+def _look(xy: Array, q: Array) -> Look:
+    places = [None if np.isnan(x) else (x, y) for x, y in xy.round(DIGITS).tolist()]
+    return Look(tuple(places), tuple(q.round(DIGITS).tolist()))
+
+
+def check_looks(looks: Sequence[Look], size: float) -> None:
+    """Checks the looks of a right hand of a size.
+
+    Raises:
+        EncoderError: There are none or too many, or no such hand has the joints or touches.
+    """
+    if not 1 <= len(looks) <= MOST:
+        raise EncoderError(
+            "a rest posture has another number of looks",
+            got=len(looks),
+            expected=f"1 to {MOST}",
+        )
+    for number, look in enumerate(looks, 1):
+        where = f"look {number}"
+        touching = sum(place is not None for place in look.touches)
+        if len(look.touches) != len(FINGERS) or touching < LEAST_FINGERS:
+            raise EncoderError(
+                "a look has too few touches",
+                where=where,
+                got=f"{touching} of {len(look.touches)} fingers",
+                expected=f"{LEAST_FINGERS} to 5 touches, null for lifted fingers",
+            )
+        if len(look.pose) != POSE_SIZE:
+            raise EncoderError(
+                "a look's pose is not one", where=where, got=len(look.pose), expected="48 numbers"
+            )
+    xy, q = _arrays(looks, size)
+    joints = q[:, JOINTS]
+    beyond = np.maximum(ADULT.lower - joints, joints - ADULT.upper)
+    number, component = np.unravel_index(int(beyond.argmax()), beyond.shape)
+    if beyond[number, component] > SLACK:
+        raise EncoderError(
+            "no hand has such a joint",
+            where=f"look {number + 1}, number {JOINTS.start + int(component) + 1} of the pose",
+            got=f"{joints[number, component]:.2f} rad",
+            expected=f"{ADULT.lower[component]:.2f} to {ADULT.upper[component]:.2f} rad",
+        )
+    off = np.linalg.norm(tip_targets(xy) - Kinematics(ADULT).tips(q), axis=2)
+    if np.nanmax(off) > FAR:
+        number, finger = np.unravel_index(int(np.nanargmax(off)), off.shape)
+        raise EncoderError(
+            "the pose's fingertip is far from its touch",
+            where=f"look {number + 1}, {FINGERS[finger]}",
+            got=f"{100 * off[number, finger]:.1f} cm",
+            expected=f"{100 * FAR:.0f} cm or less, of a hand of size {size:.2f}",
+        )
+
+
+def _arrays(looks: Sequence[Look], size: float) -> tuple[Array, Array]:
+    """Touches (n, 5, 2) and poses (n, 48) of a hand of a size, at the trained hand's."""
+    nothing = (np.nan, np.nan)
+    xy = np.array([[nothing if p is None else p for p in look.touches] for look in looks], float)
+    q = np.array([look.pose for look in looks], float)
+    q[:, ROOT_POSITION] /= size
+    return xy / size, q
+
+
+def load_rest(path: Path, hand: str, size: float) -> Looks:
+    """Reads a rest posture: a file of looks, or a capture (.npz), of whose takes the last frames.
+
+    Args:
+        path: The file.
+        hand: `right` or `left`, of the person whose rest posture is wanted.
+        size: Size of the person's hand.
+
+    Raises:
+        InputError: The file is missing, of another version or kind, of the other hand, or no hand
+            has its joints.
+    """
+    if path.suffix == ".npz":
+        capture = load_capture(path)
+        side, looks = str(capture.meta.get("side", hand)), looks_of(capture)
+    else:
+        side, looks = _read(path)
+    if side != hand:
+        raise InputError(
+            "the rest posture is of the other hand",
+            where=str(path),
+            got=side,
+            expected=hand,
+            remedy=f"Use it with --hand {side}, or see the {hand} hand",
+        )
+    try:
+        check_looks(looks, size)
+    except EncoderError as error:
+        raise InputError(
+            f"{_WHAT}: {error.what}",
+            where=f"{path}, {error.where}" if error.where else str(path),
+            got=error.got,
+            expected=error.expected,
+            remedy=_REMEDY,
+        ) from None
+    return looks
+
+
+def _read(path: Path) -> tuple[str, Looks]:
+    where = str(path)
+    data = read_bytes(path, InputError, what="the rest posture cannot be read", remedy=_REMEDY)
+    what = "this is not a rest posture"
+    check_layout(data, KIND, SCHEMA, InputError, what=what, where=where, remedy=_REMEDY)
+    values = decoded(data, _RestFile, InputError, what=_WHAT, where=where, remedy=_REMEDY)
+    looks = tuple(values.looks)
+    return values.hand, tuple(map(_mirrored, looks)) if values.hand == "left" else looks
+
+
+def save_rest(looks: Sequence[Look], path: Path, hand: str, simulated: bool) -> None:
+    """Writes a rest posture, with the looks of the person's own hand.
+
+    Args:
+        looks: As of a right hand.
+        path: The file.
+        hand: `right` or `left`; a left hand's looks are mirrored.
+        simulated: True if nobody was seen.
+    """
+    own = [_mirrored(look) for look in looks] if hand == "left" else list(looks)
+    values: dict[str, Any] = {"kind": KIND, "schema": SCHEMA, "hand": hand, "simulated": simulated}
+    path.write_text(json.dumps(values | {"looks": [asdict(look) for look in own]}, indent=1))
+
+
+def _mirrored(look: Look) -> Look:
+    if len(look.pose) != POSE_SIZE:
+        return look
+    touches = tuple(place and (-place[0], place[1]) for place in look.touches)
+    return Look(touches, tuple(mirrored(look.pose).tolist()))
+
+
+class _Shifted(Encoder):
+    """An encoder whose poses are moved by a person's constant offset.
+
+    Args:
+        inner: A fitted encoder.
+        offset: (48,) m and rad, those of the root in the frame that turns with the hand.
+    """
+
+    def __init__(self, inner: Encoder, offset: Array) -> None:
+        self.inner, self.offset = inner, offset
+
+    def fit(self, U: ArrayLike, Q: ArrayLike) -> Self:
+        """Fits the inner encoder; the offset stays."""
+        self.inner.fit(U, Q)
+        return self
+
+    def predict(self, U: ArrayLike) -> Array:
+        """See `Encoder.predict`."""
+        q = np.asarray(self.inner.predict(U), float)
+        rows = q.reshape(-1, POSE_SIZE)
+        moved = rows + turned_root(np.tile(self.offset, (len(rows), 1)), yaw_of(rows))
+        return np.asarray(moved.reshape(q.shape))
+
+    def arrays(self) -> dict[str, NDArray[Any]]:
+        """Those of the inner encoder, and the offset."""
+        return self.inner.arrays() | {"offset": self.offset}
+
+
+def knowing_rest(model: TrainedModel, looks: Sequence[Look], size: float) -> TrainedModel:
+    """The model for a person whose rest posture was seen.
+
+    Args:
+        model: A model for any person.
+        looks: Looks of the person's hand, as of a right hand.
+        size: Size of the person's hand.
+
+    Raises:
+        EncoderError: The model is of one person and knows nothing of others, or no hand has looks
+            such as these.
+    """
+    personal = model.personal_covariance
+    if personal is None:
+        raise EncoderError(
+            "this encoder cannot use a rest posture",
+            where=f"--encoder {model.name}",
+            expected="an encoder for any person, such as population",
+        )
+    check_looks(looks, size)
+    xy, q = _arrays(looks, size)
+    u, leftmost = contact_vectors(xy)
+    guess = model.encoder.predict(u)
+    off = turned_root(relative_pose(q, leftmost) - guess, -yaw_of(guess))
+    mean = off[0].copy()
+    for row in off[1:]:
+        mean += row
+    mean /= len(off)
+    # Covariance of a mean: what stays, and what differs from look to look.
+    varying = model.residual_covariance - personal
+    spread = personal + varying / len(off) + _LEAST * np.eye(POSE_SIZE)
+    gain = np.array([solve_positive(spread.copy(), row) for row in personal])
+    offset = matrix_vector(gain, mean)
+    told = matrix_product(gain, personal)
+    covariance = model.residual_covariance - 0.5 * (told + told.T)
+    return replace(model, encoder=_Shifted(model.encoder, offset), residual_covariance=covariance)
+
+
+_LEAST = 1e-9
+"""m2 and rad2, added to a variance so that its matrix has an inverse."""
