@@ -27,7 +27,8 @@ class UserConfiguration:
 
     Attributes:
         kind: One of `KINDS`.
-        fingers: Number of touching fingers, 2 to 5: the thumb, then index, middle, ...
+        fingers: Number of touching fingers, 2 to 5: the thumb, then index, middle, ...; fewer touch
+            an object whose faces have no room for as many.
         reaction: s, range from which each trial's delay between seeing and acting is drawn.
         peak_speed: m/s, highest speed of a fingertip.
         movement_base, movement_slope: s; a movement of d metres takes base + slope log2(d / 2 mm),
@@ -39,11 +40,15 @@ class UserConfiguration:
             is not under the fingers, so the user does not see where they will land.
         finger_error: m per axis, error of a single finger's first touch relative to the others.
         stagger: s, within which the fingers land, and lift, in random order.
+        hand_size: Length of the hand relative to a middling adult's, which scales the distances of
+            its fingers and its openings. A device sets it to the size of its person's hand.
         opening: m per side by which the hand comes down wider than the object.
+        easy_opening: m from thumb to fingers, beyond which the hand opens only for an object that
+            is too wide otherwise.
         squeeze: m per side by which the touches close inside the object's faces.
-        pitch: m between neighbouring fingers on one face.
-        natural_axis: rad, direction from thumb to fingers that is most comfortable.
-        longest_span: m, largest distance of the thumb from any finger.
+        natural_axis: rad, direction from thumb to index finger that is most comfortable.
+        natural_axis_of_row: rad, the same across an object from the thumb to several fingers.
+        longest_span: m from thumb to fingers, the widest opening of the hand.
         attempts: Number of grasps before giving up.
     """
 
@@ -60,11 +65,13 @@ class UserConfiguration:
     aim_error: float = 0.015
     finger_error: float = 0.0015
     stagger: float = 0.033
-    opening: float = 0.013
+    hand_size: float = 1.0
+    opening: float = 0.006
+    easy_opening: float = 0.085
     squeeze: float = 0.0035
-    pitch: float = 0.0145
-    natural_axis: float = float(np.deg2rad(55.0))
-    longest_span: float = 0.13
+    natural_axis: float = float(np.deg2rad(45.0))
+    natural_axis_of_row: float = float(np.deg2rad(75.0))
+    longest_span: float = 0.110
     attempts: int = 8
 
     def __post_init__(self) -> None:

@@ -16,7 +16,8 @@ from models.arithmetic.products import length
 from models.frames import TouchFrame
 from models.objects import Box, Tray
 from models.surface import Surface
-from tasks.simulated_user.grasp import Grasp, wrapped
+from tasks.simulated_user.grasp import Grasp, grasp_across, wrapped
+from tasks.simulated_user.hand import Hand
 from tasks.simulated_user.handling import BoxHandling
 from tasks.simulated_user.lift import Slider
 from tasks.simulated_user.user import SkilledUser
@@ -53,14 +54,14 @@ class HandleHandling(BoxHandling):
     enough = (0.0, 0.0)
 
     def grasp(
-        self, seen: SeenObject, turn: float, c: UserConfiguration, failed: Grasp | None = None
+        self, seen: SeenObject, turn: float, hand: Hand, failed: Grasp | None = None
     ) -> Grasp:
         """Grasp with the thumb on one long side and the fingers on the other."""
         assert isinstance(seen.shape, Box)
         length, width, _ = seen.shape.half_size
         sides = [seen.yaw + side for side in (np.pi / 2, -np.pi / 2)]
-        axis = min(sides, key=lambda a: abs(wrapped(a - c.natural_axis)))
-        return Grasp(axis, 2 * width, 2 * length)
+        axis = min(sides, key=lambda a: abs(wrapped(a - hand.natural_axis)))
+        return grasp_across(axis, 2 * width, 2 * length, hand)
 
 
 class Carrier(SkilledUser):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import cos, exp, log2, sin, sqrt
+from math import cos, exp, hypot, log2, sin, sqrt
 
 import numpy as np
 
@@ -12,6 +12,7 @@ from models.arithmetic.arrays import Array
 from models.arithmetic.products import small_product, squared_lengths
 from models.frames import Contact
 from models.surface import METRES_PER_INCH, Surface
+from tasks.simulated_user.hand import NARROWEST
 from tasks.user import UserConfiguration
 
 _PEAK = 1.875
@@ -19,6 +20,9 @@ _PEAK = 1.875
 
 _MARGIN = 0.001
 """m, least distance from the border of the screen at which a finger still touches it."""
+
+_WIDTH = NARROWEST + 1e-9
+"""m from a finger to one that it pushes aside."""
 
 
 def minimum_jerk(s: float) -> float:
@@ -90,8 +94,9 @@ class Fingers:
         return self._movement.at(now)
 
     def land(self, places: Array, now: float) -> None:
-        """Puts the fingers down, one shortly after another."""
-        n = self._c.fingers
+        """Puts fingers down at places (n, 2) m, thumb first, one shortly after another; n may be
+        less than the number that the user wants."""
+        n = len(places)
         self._movement = _Movement(places, places, now, 1e-9)
         self._down_at = now + self._rng.permutation(np.linspace(0.0, self._c.stagger, n))
         self._up_at = np.full(n, np.inf)
@@ -103,13 +108,13 @@ class Fingers:
 
     def lift(self, now: float) -> None:
         """Takes the fingers off, one shortly after another."""
-        n = self._c.fingers
+        n = len(self._ids)
         self._up_at = now + self._rng.permutation(np.linspace(0.0, self._c.stagger, n))
         self._plan()
 
     def _plan(self) -> None:
         """Plans the landing and lifting times of every contact."""
-        fingers = range(self._c.fingers)
+        fingers = range(len(self._ids))
         times = self._down_at.tolist(), self._up_at.tolist()
         self._spans = sorted(zip(self._ids.tolist(), fingers, *times, strict=True))
 
@@ -139,10 +144,11 @@ class Fingers:
         if not touching:
             return ()
         intended, size = self.places(now).ravel().tolist(), self._c.noise
-        noise = zip(self._tremor, drawn[many:], strict=True)
+        # Fewer fingers touch than the user wants where an object has no room for them.
+        noise = list(zip(self._tremor, drawn[many:], strict=True))[: len(intended)]
         actual = [a + b + size * c for a, (b, c) in zip(intended, noise, strict=True)]
         left, top, height = surface.origin
-        places = zip(actual[::2], actual[1::2], strict=True)
+        places = _side_by_side(list(zip(actual[::2], actual[1::2], strict=True)))
         if surface.aligned:
             # Same as `to_surface`, which handles any direction.
             xy = [[x - left, top - y] for x, y in places]
@@ -150,9 +156,14 @@ class Fingers:
             xy = surface.to_surface([(x, y, height) for x, y in places]).tolist()
         right = surface.width_in * METRES_PER_INCH - _MARGIN
         bottom = surface.height_in * METRES_PER_INCH - _MARGIN
+        # The hand stops as a whole where a finger is at the border.
+        inwards = [
+            max(_MARGIN - min(values), 0.0) - max(max(values) - most, 0.0)
+            for values, most in zip(zip(*xy, strict=True), (right, bottom), strict=True)
+        ]
         contacts = []
         for contact, finger in touching:
-            x, y = xy[finger]
+            x, y = (a + b for a, b in zip(xy[finger], inwards, strict=True))
             x, y = min(max(x, _MARGIN), right), min(max(y, _MARGIN), bottom)
             contacts.append(Contact(contact, x, y))
         return tuple(contacts)
@@ -180,3 +191,18 @@ class Fingers:
         self._tremor = [
             keep * a + share * (size * b) for a, b in zip(self._tremor, drawn, strict=True)
         ]
+
+
+def _side_by_side(tips: list[tuple[float, float]]) -> list[tuple[float, float]]:
+    """Tips, thumb first, each pushed aside by its neighbour where the two would be nearer to each
+    other than fingers are wide."""
+    apart = tips[:1]
+    for x, y in tips[1:]:
+        a, b = apart[-1]
+        far = hypot(x - a, y - b)
+        if far < NARROWEST:
+            # Two at the same place: any direction.
+            c, s = ((x - a) / far, (y - b) / far) if far else (1.0, 0.0)
+            x, y = a + _WIDTH * c, b + _WIDTH * s
+        apart.append((x, y))
+    return apart

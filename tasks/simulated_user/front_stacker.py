@@ -16,7 +16,8 @@ from models.arithmetic.products import length
 from models.objects import Box
 from models.surface import Surface
 from tasks.goals import flat_yaw
-from tasks.simulated_user.grasp import Grasp
+from tasks.simulated_user.grasp import Grasp, grasp_across
+from tasks.simulated_user.hand import Hand
 from tasks.simulated_user.handling import BoxHandling
 from tasks.simulated_user.user import SkilledUser
 from tasks.user import SeenObject, Sight, UserConfiguration
@@ -43,12 +44,12 @@ class FrontBoxHandling(BoxHandling):
     enough = (0.006, float(np.deg2rad(2.0)))
 
     def grasp(
-        self, seen: SeenObject, turn: float, c: UserConfiguration, failed: Grasp | None = None
+        self, seen: SeenObject, turn: float, hand: Hand, failed: Grasp | None = None
     ) -> Grasp:
         """Grasp with the thumb to the left and the fingers to the right."""
         assert isinstance(seen.shape, Box)
         edge = 2 * seen.shape.half_size[0]
-        return Grasp(roll(seen), edge, edge)
+        return grasp_across(roll(seen), edge, edge, hand)
 
 
 class FrontStacker(SkilledUser):

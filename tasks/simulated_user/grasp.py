@@ -3,17 +3,23 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import cos, sin
+from math import cos, sin, tan
 
 import numpy as np
 
 from models.arithmetic.arrays import Array
 from models.objects import Box, Wrench
-from tasks.user import SeenObject, UserConfiguration
+from tasks.simulated_user.hand import Hand
+from tasks.user import SeenObject
 
 _TIP_RADIUS = 0.007
 """m, radius of a fingertip as the user assumes it."""
+_CLEAR = 0.005
+"""m per side by which a hand has to be wider than an object, so as not to come down in it."""
 
+_LEAN = float(np.deg2rad(20.0))
+"""rad by which the line from thumb to fingers may lean on the faces of a box: friction holds it,
+and the wrist has to turn as much less."""
 _COMFORT = float(np.deg2rad(95.0))
 """rad from the natural axis, limit of the wrist's rotation while carrying."""
 _FARTHEST = float(np.deg2rad(100.0))
@@ -33,7 +39,7 @@ class Grasp:
     Attributes:
         axis: rad, direction from thumb to fingers in the world.
         width: m, distance between the two faces.
-        face: m, width of the face that the fingers share.
+        fingers: Number of touching fingers with the thumb, as many as the faces have room for.
         grip: m along the object's x axis from its middle to the middle of the pinch.
         side: rad, the axis relative to the object's x axis.
         skew: m along the face, shift of the thumb from the point opposite the fingers' middle.
@@ -41,7 +47,7 @@ class Grasp:
 
     axis: float
     width: float
-    face: float
+    fingers: int
     grip: float = 0.0
     side: float = 0.0
     skew: float = 0.0
@@ -56,47 +62,78 @@ class Grasp:
             return np.array(seen.position[:2])
         return np.asarray(seen.position[:2] + self.grip * seen.rotation[:2, 0])
 
-    def places(self, centre: Array, gap: float, c: UserConfiguration) -> Array:
-        """Positions (n, 2) m of the fingertips, thumb first, at `gap` outside the faces (inside if
-        negative)."""
+    def opening(self, hand: Hand) -> float:
+        """Distance in m from the faces at which the fingertips come down: no wider than is easy for
+        the hand, unless the object is."""
+        c = hand.configuration
+        easy = 0.5 * (c.easy_opening * c.hand_size - self.width) - _TIP_RADIUS
+        return min(max(easy, _CLEAR), c.opening)
+
+    def places(self, centre: Array, gap: float, hand: Hand) -> Array:
+        """Positions (fingers, 2) m of the fingertips, thumb first.
+
+        Args:
+            centre: (2,) m, the middle of the pinch.
+            gap: m outside the faces (inside if negative) of the thumb and of the outermost fingers;
+                those between them reach farther, as the row is an arc.
+            hand: The user's hand.
+        """
         along = np.array([cos(self.axis), sin(self.axis)])
         across = np.array([along[1], -along[0]])
-        others = c.fingers - 1
-        pitch = min(c.pitch, (self.face - 0.004) / max(others - 1, 1))
-        # At most the span of a real hand: the outermost finger is the farthest from the thumb.
-        widest = 0.5 * np.sqrt(c.longest_span**2 - (0.5 * (others - 1) * pitch) ** 2)
-        reach = min(self.width / 2 + _TIP_RADIUS + gap, widest)
+        c = hand.configuration
+        # At most the span of a real hand.
+        reach = min(self.width / 2 + _TIP_RADIUS + gap, 0.5 * c.longest_span * c.hand_size)
         # Index first: with the thumb to the lower left, the index is the leftmost finger.
-        offsets = (np.arange(others) - (others - 1) / 2) * pitch
-        fingers = centre + reach * along + offsets[:, None] * across
+        row = hand.row(self.fingers)
+        fingers = centre + (reach + row[:, 1:]) * along + row[:, :1] * across
         if self.skew:
             fingers = fingers - 0.5 * self.skew * across
             centre = centre + 0.5 * self.skew * across
         return np.vstack([centre - reach * along, fingers])
 
 
-def choose_grasp(box: SeenObject, turn: float, c: UserConfiguration) -> Grasp:
+def grasp_across(axis: float, width: float, face: float, hand: Hand) -> Grasp:
+    """A grasp of a box across two of its faces.
+
+    The thumb is not quite opposite the fingers where the wrist would be turned, as far as the faces
+    have room.
+
+    Args:
+        axis: rad, the direction across the faces, away from the thumb.
+        width: m from face to face.
+        face: m, length of the faces.
+        hand: The user's hand.
+    """
+    fingers = hand.fitting(face)
+    lean = float(np.clip(wrapped(axis - hand.natural_axis), -_LEAN, _LEAN))
+    room = hand.room(face, fingers)
+    skew = float(np.clip(-tan(lean) * (width + _TIP_RADIUS), -room, room))
+    return Grasp(axis, width, fingers, skew=skew)
+
+
+def choose_grasp(box: SeenObject, turn: float, hand: Hand) -> Grasp:
     """Chooses the pair of faces that is most comfortable at the start and the end of a turn.
 
     Args:
         box: The box as seen.
         turn: rad by which it is to be turned.
-        c: The user whose comfort counts.
+        hand: The hand of the user whose comfort counts.
     """
     assert isinstance(box.shape, Box)
+    natural = hand.natural_axis
     half = box.shape.half_size
     options = []
     for quarter in range(4):
         axis = box.yaw + quarter * np.pi / 2
-        start, end = axis - c.natural_axis, axis + turn - c.natural_axis
+        start, end = axis - natural, axis + turn - natural
         worst = max(abs(wrapped(start)), abs(wrapped(end)))
         width, face = (half[0], half[1]) if quarter % 2 == 0 else (half[1], half[0])
-        options.append((worst, quarter, Grasp(axis, 2 * width, 2 * face)))
+        options.append((worst, quarter, grasp_across(axis, 2 * width, 2 * face, hand)))
     return min(options, key=lambda o: o[:2])[2]
 
 
 def choose_handle_grasp(
-    seen: SeenObject, turn: float, grip: float, c: UserConfiguration, failed: float | None = None
+    seen: SeenObject, turn: float, grip: float, hand: Hand, failed: float | None = None
 ) -> Grasp:
     """Chooses the side of a handle for the thumb that allows the largest comfortable turn.
 
@@ -104,7 +141,7 @@ def choose_handle_grasp(
         seen: The wrench as seen.
         turn: rad by which it is to be turned.
         grip: m along the handle from the object's middle, where the fingers close.
-        c: The user whose comfort counts.
+        hand: The hand of the user whose comfort counts.
         failed: rad, the side of a grasp that has just failed: the other one is chosen if the wrist
             can reach it.
     """
@@ -112,12 +149,14 @@ def choose_handle_grasp(
     near, far = seen.shape.handle
     # Available width for the fingers' middles: the outermost has its whole pad on the handle.
     room = max(far - near - 0.011, 0.0)
+    fingers = hand.within(room)
+    others = hand.length(fingers)
     options = []
     for number, side in enumerate((np.pi / 2, -np.pi / 2)):
         axis = seen.yaw + side
-        start = abs(wrapped(axis - c.natural_axis))
-        made = within_comfort(axis, turn, c)
-        end = abs(wrapped(axis + made - c.natural_axis))
+        start = abs(wrapped(axis - hand.natural_axis))
+        made = within_comfort(axis, turn, hand)
+        end = abs(wrapped(axis + made - hand.natural_axis))
         # The rest of the turn needs another grasp, which is worth some discomfort.
         cost = max(start, end) + 2.0 * (abs(turn) - abs(made))
         if start > _FARTHEST:
@@ -125,25 +164,26 @@ def choose_handle_grasp(
         if side == failed:
             cost += 50.0
         # With one finger against the thumb, the handle begins to turn in the intended direction.
-        skew = float(np.copysign(_COUPLE, turn)) if c.fingers == 2 else 0.0
-        if c.fingers > 2 and start > _OBLIQUE:
-            skew = -float(np.copysign(_SIDESTEP, wrapped(axis - c.natural_axis)))
-        # All fingers stay on the handle; on a short one the thumb comes nearer to the fingers.
-        others = min((c.fingers - 2) * c.pitch, room)
-        skew = float(np.clip(skew, others - room, room - others))
+        skew = float(np.copysign(_COUPLE, turn)) if fingers == 2 else 0.0
+        if fingers > 2 and start > _OBLIQUE:
+            skew = -float(np.copysign(_SIDESTEP, wrapped(axis - hand.natural_axis)))
+        # All fingers stay on the handle; where there is no room, the thumb comes nearer to the
+        # fingers.
+        free = max(min(room, 2 * (grip - near - 0.008)) - others, 0.0)
+        skew = float(np.clip(skew, -free, free))
         span = 0.5 * (others + abs(skew))
         at = float(np.clip(grip, near + 0.008 + span, far - 0.003 - span))
-        face = 2 * min(at - near, far - at)
-        options.append((cost, number, Grasp(axis, seen.shape.handle_width, face, at, side, skew)))
+        grasp = Grasp(axis, seen.shape.handle_width, fingers, at, side, skew)
+        options.append((cost, number, grasp))
     return min(options, key=lambda o: o[:2])[2]
 
 
-def within_comfort(axis: float, turn: float, c: UserConfiguration) -> float:
+def within_comfort(axis: float, turn: float, hand: Hand) -> float:
     """Part in rad of a turn that a hand on an axis can make without regrasping.
 
     A hand that is already rotated too far may always turn back.
     """
-    now = wrapped(axis - c.natural_axis)
+    now = wrapped(axis - hand.natural_axis)
     low, high = min(-_COMFORT, now), max(_COMFORT, now)
     return float(np.clip(now + turn, low, high) - now)
 

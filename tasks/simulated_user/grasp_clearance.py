@@ -11,13 +11,13 @@ import numpy as np
 from models.arithmetic.arrays import Array
 from models.objects import Box
 from models.surface import Surface
-from tasks.simulated_user.grasp import Grasp, wrapped
-from tasks.user import SeenObject, UserConfiguration
+from tasks.simulated_user.grasp import Grasp, grasp_across, wrapped
+from tasks.simulated_user.hand import Hand
+from tasks.simulated_user.screen import beyond_border
+from tasks.user import SeenObject
 
 _ROOM = 0.014
 """m, least distance of the middle of a fingertip from a neighbour's face."""
-_EDGE = 0.003
-"""m, least distance of a finger from the border of the screen."""
 _CROWDED = 150.0
 """rad/m, additional rotation of the wrist that is as bad as lacking one metre of room."""
 _AGAIN = 2.0
@@ -46,7 +46,7 @@ class Surroundings:
 def roomiest_grasp(
     box: SeenObject,
     turn: float,
-    c: UserConfiguration,
+    hand: Hand,
     around: Surroundings,
     failed: Grasp | None = None,
 ) -> Grasp:
@@ -55,20 +55,21 @@ def roomiest_grasp(
     Args:
         box: The box as seen, upright.
         turn: rad by which it is to be turned.
-        c: The user whose comfort counts.
+        hand: The hand of the user whose comfort counts.
         around: Objects that may be in the way, and the surface.
         failed: A grasp that has just failed.
     """
     assert isinstance(box.shape, Box)
     half = box.shape.half_size
+    natural = hand.natural_axis
     options = []
     for quarter in range(4):
         axis = box.yaw + quarter * np.pi / 2
-        start, end = axis - c.natural_axis, axis + turn - c.natural_axis
+        start, end = axis - natural, axis + turn - natural
         width, face = (half[0], half[1]) if quarter % 2 == 0 else (half[1], half[0])
-        grasp = Grasp(axis, 2 * width, 2 * face)
+        grasp = grasp_across(axis, 2 * width, 2 * face, hand)
         cost = max(abs(wrapped(start)), abs(wrapped(end)))
-        cost += _CROWDED * _missing_room(grasp, turn, box, c, around)
+        cost += _CROWDED * _missing_room(grasp, turn, box, hand, around)
         if failed and abs(wrapped(axis - failed.axis)) < np.pi / 4:
             cost += _AGAIN
         options.append((cost, quarter, grasp))
@@ -76,15 +77,16 @@ def roomiest_grasp(
 
 
 def _missing_room(
-    grasp: Grasp, turn: float, box: SeenObject, c: UserConfiguration, around: Surroundings
+    grasp: Grasp, turn: float, box: SeenObject, hand: Hand, around: Surroundings
 ) -> float:
     """Missing room in m: beside neighbours, at the border, and at the border at the goal."""
-    places = grasp.places(np.asarray(box.position[:2]), c.opening, c)
+    places = grasp.places(np.asarray(box.position[:2]), grasp.opening(hand), hand)
     short = max(_ROOM - _nearest(places, grasp.axis, float(box.position[2]), around.neighbours), 0)
-    short += _beyond(places, around.surface)
+    short += beyond_border(places, around.surface)
     if around.goal is not None:
         there = replace(grasp, axis=grasp.axis + turn)
-        short += _beyond(there.places(around.goal, -c.squeeze, c), around.surface)
+        closed = there.places(around.goal, -hand.configuration.squeeze, hand)
+        short += beyond_border(closed, around.surface)
     return short
 
 
@@ -95,9 +97,3 @@ def _nearest(places: Array, axis: float, height: float, neighbours: Iterable[See
     points = np.vstack([np.column_stack([xy, np.full(len(xy), z)]) for xy, z in links])
     distances = [float(o.shape.clearance(points, o.position, o.rotation).min()) for o in neighbours]
     return min(distances, default=np.inf)
-
-
-def _beyond(places: Array, surface: Surface) -> float:
-    """Distance in m by which fingers would have to touch beyond the border."""
-    xy = surface.to_surface(np.column_stack([places, np.zeros(len(places))]))
-    return float(max(_EDGE - min(xy.min(), (surface.size - xy).min()), 0.0))

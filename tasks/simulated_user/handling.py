@@ -14,9 +14,10 @@ from models.errors import InputError
 from models.mjcf_object import MjcfObject
 from models.objects import JAW, Box, SceneObject, Wrench
 from tasks.simulated_user.grasp import Grasp, choose_grasp, choose_handle_grasp, within_comfort
+from tasks.simulated_user.hand import Hand
 from tasks.simulated_user.outline_handling import OutlineHandling
 from tasks.task import Goal
-from tasks.user import SeenObject, UserConfiguration
+from tasks.user import SeenObject
 
 _TURN_GRIP, _SLIDE_GRIP = 0.032, 0.004
 """m along a wrench of size 1 to the grip: near the handle's end for the longest lever about a bolt,
@@ -46,7 +47,7 @@ class Handling(Protocol):
         ...
 
     def grasp(
-        self, seen: SeenObject, turn: float, c: UserConfiguration, failed: Grasp | None = None
+        self, seen: SeenObject, turn: float, hand: Hand, failed: Grasp | None = None
     ) -> Grasp:
         """Grasp for thumb and fingers; `failed` is the grasp that has just failed."""
         ...
@@ -55,7 +56,7 @@ class Handling(Protocol):
         """Pivot (2,) m of a turn."""
         ...
 
-    def reach(self, seen: SeenObject, grasp: Grasp, turn: float, c: UserConfiguration) -> float:
+    def reach(self, seen: SeenObject, grasp: Grasp, turn: float, hand: Hand) -> float:
         """Part in rad of a turn that this grasp allows."""
         ...
 
@@ -74,16 +75,16 @@ class BoxHandling:
         return np.asarray(goal.position[:2]) - seen.position[:2], float(turn)
 
     def grasp(
-        self, seen: SeenObject, turn: float, c: UserConfiguration, failed: Grasp | None = None
+        self, seen: SeenObject, turn: float, hand: Hand, failed: Grasp | None = None
     ) -> Grasp:
         """Grasp across the most comfortable faces."""
-        return choose_grasp(seen, turn, c)
+        return choose_grasp(seen, turn, hand)
 
     def pivot(self, seen: SeenObject) -> Array:
         """The middle of the box."""
         return np.array(seen.position[:2])
 
-    def reach(self, seen: SeenObject, grasp: Grasp, turn: float, c: UserConfiguration) -> float:
+    def reach(self, seen: SeenObject, grasp: Grasp, turn: float, hand: Hand) -> float:
         """The whole turn, which is never more than an eighth."""
         return turn
 
@@ -112,10 +113,10 @@ class WrenchHandling:
         return (np.zeros(2) if self._bolted else off), turn
 
     def grasp(
-        self, seen: SeenObject, turn: float, c: UserConfiguration, failed: Grasp | None = None
+        self, seen: SeenObject, turn: float, hand: Hand, failed: Grasp | None = None
     ) -> Grasp:
         """Grasp with thumb and fingers on either side of the handle; swapped if that failed."""
-        return choose_handle_grasp(seen, turn, self._grip, c, failed.side if failed else None)
+        return choose_handle_grasp(seen, turn, self._grip, hand, failed.side if failed else None)
 
     def pivot(self, seen: SeenObject) -> Array:
         """The bolt, or a free wrench's middle."""
@@ -123,9 +124,9 @@ class WrenchHandling:
             return np.array(self._wrench.bolt_place(seen.position[:2], seen.yaw))
         return np.array(seen.position[:2])
 
-    def reach(self, seen: SeenObject, grasp: Grasp, turn: float, c: UserConfiguration) -> float:
+    def reach(self, seen: SeenObject, grasp: Grasp, turn: float, hand: Hand) -> float:
         """Part of the turn that the wrist allows."""
-        return within_comfort(grasp.axis_on(seen.yaw), turn, c)
+        return within_comfort(grasp.axis_on(seen.yaw), turn, hand)
 
 
 def handling_of(shape: SceneObject) -> Handling:

@@ -11,8 +11,9 @@ from models.arithmetic.products import small_product
 from models.mjcf_object import MjcfObject
 from models.objects import Box
 from tasks.simulated_user.grasp import Grasp, choose_grasp, within_comfort
+from tasks.simulated_user.hand import Hand
 from tasks.task import Goal
-from tasks.user import SeenObject, UserConfiguration
+from tasks.user import SeenObject
 
 
 @dataclass(frozen=True)
@@ -57,11 +58,11 @@ class OutlineHandling:
         return off, float((goal.yaw - seen.yaw + part / 2) % part - part / 2)
 
     def grasp(
-        self, seen: SeenObject, turn: float, c: UserConfiguration, failed: Grasp | None = None
+        self, seen: SeenObject, turn: float, hand: Hand, failed: Grasp | None = None
     ) -> Grasp:
         """Grasp across the most comfortable sides of the bounding box."""
         about = SeenObject(self._box, seen.position, seen.rotation)
-        grasp = choose_grasp(about, turn, c)
+        grasp = choose_grasp(about, turn, hand)
         return OutlineGrasp(
             **{**vars(grasp), "side": grasp.axis - seen.yaw},
             offset=(float(self._middle[0]), float(self._middle[1])),
@@ -71,6 +72,6 @@ class OutlineHandling:
         """The object's origin, to which goals refer."""
         return np.array(seen.position[:2])
 
-    def reach(self, seen: SeenObject, grasp: Grasp, turn: float, c: UserConfiguration) -> float:
+    def reach(self, seen: SeenObject, grasp: Grasp, turn: float, hand: Hand) -> float:
         """Part of the turn that the wrist allows."""
-        return within_comfort(grasp.axis_on(seen.yaw), turn, c)
+        return within_comfort(grasp.axis_on(seen.yaw), turn, hand)

@@ -19,6 +19,7 @@ from models.surface import Surface
 from tasks.goals import flat_yaw
 from tasks.simulated_user.grasp import Grasp
 from tasks.simulated_user.grasp_clearance import Surroundings, roomiest_grasp
+from tasks.simulated_user.hand import Hand
 from tasks.simulated_user.handling import BoxHandling
 from tasks.simulated_user.lift import Slider
 from tasks.simulated_user.user import SkilledUser
@@ -65,10 +66,10 @@ class StackHandling(BoxHandling):
         self.around = Surroundings(surface)
 
     def grasp(
-        self, seen: SeenObject, turn: float, c: UserConfiguration, failed: Grasp | None = None
+        self, seen: SeenObject, turn: float, hand: Hand, failed: Grasp | None = None
     ) -> Grasp:
         """Grasp across the faces with the best compromise between room and comfort."""
-        return roomiest_grasp(seen, turn, c, self.around, failed)
+        return roomiest_grasp(seen, turn, hand, self.around, failed)
 
 
 class Stacker(SkilledUser):

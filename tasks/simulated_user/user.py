@@ -3,6 +3,7 @@ look."""
 
 from __future__ import annotations
 
+from dataclasses import replace
 from enum import Enum, auto
 
 import numpy as np
@@ -14,7 +15,9 @@ from models.surface import Surface
 from tasks.simulated_user.eye import Eye
 from tasks.simulated_user.fingers import Fingers
 from tasks.simulated_user.grasp import Grasp
+from tasks.simulated_user.hand import Hand
 from tasks.simulated_user.handling import Handling, handling_of
+from tasks.simulated_user.screen import beyond_border, stopped_at_border
 from tasks.user import SeenObject, Sight, UserConfiguration
 
 _IN_PLACE = 0.004
@@ -23,6 +26,8 @@ _DRAGS = 7
 """Corrected movements of one grasp before the user lets go and starts again."""
 _SLIPPED = 0.015
 """m by which the box may lag behind the fingers before it counts as slipped."""
+_HARDLY = 0.001
+"""m beyond the border that make no difference."""
 _SETTLE = 0.08
 """s that the user watches the effect of a movement, in addition to the reaction time."""
 
@@ -50,6 +55,7 @@ class SkilledUser:
         self._rng = np.random.default_rng([seed, 7_001])
         self._eye = Eye(float(self._rng.uniform(*configuration.reaction)))
         self._fingers = Fingers(configuration, self._rng)
+        self._hand = Hand.draw(configuration, seed)
         self._doing = _Doing.LOOKING
         self._until = 0.0
         self._grasp: Grasp | None = None
@@ -107,22 +113,36 @@ class SkilledUser:
             self._doing = _Doing.CONTENT
             return
         self._grasps += 1
-        self._grasp = self._handling.grasp(box, turn, c, self._failed)
-        centre = self._grasp.middle(box)
+        grasp = self._handling.grasp(box, turn, self._hand, self._failed)
+        centre = grasp.middle(box)
+        self._grasp = self._on_screen(grasp, centre)
         error = self._rng.normal(0.0, c.aim_error, 2)
-        each = self._rng.normal(0.0, c.finger_error, (c.fingers, 2))
-        self._fingers.land(self._grasp.places(centre, c.opening, c) + error + each, now)
+        places = self._grasp.places(centre, self._grasp.opening(self._hand), self._hand)
+        each = self._rng.normal(0.0, c.finger_error, places.shape)
+        self._fingers.land(places + error + each, now)
         self._doing, self._tries = _Doing.ADJUSTING, 0
         # The user waits until the hand is seen to come down.
         self._wait(self._eye.delay + 0.45, now)
+
+    def _on_screen(self, grasp: Grasp, centre: Array) -> Grasp:
+        """The same grasp with fewer fingers, if some of them were beyond the border of the
+        screen."""
+        beyond = {}
+        for fingers in range(grasp.fingers, min(grasp.fingers, 3) - 1, -1):
+            fewer = replace(grasp, fingers=fingers)
+            places = fewer.places(centre, grasp.opening(self._hand), self._hand)
+            beyond[fingers] = beyond_border(places, self.surface)
+        room = min(beyond.values()) + _HARDLY
+        return replace(grasp, fingers=max(n for n, off in beyond.items() if off <= room))
 
     def _adjust(self, sight: Sight, box: SeenObject, now: float) -> None:
         """Moves the fingers until the drawn hand is around the box."""
         assert self._grasp is not None and self._handling is not None
         c = self.configuration
         middle = self._grasp.middle(box)
-        wanted = self._grasp.places(middle, c.opening, c)
-        wanted = wanted + self._drawn_offset(sight)
+        opening = self._grasp.opening(self._hand)
+        wanted = self._grasp.places(middle, opening, self._hand) + self._drawn_offset(sight)
+        wanted = stopped_at_border(wanted, self.surface)
         off = float(np.sqrt(squared_lengths(wanted - self._fingers.places(now))).max())
         self._tries += 1
         if off > _IN_PLACE and self._tries <= 8:
@@ -135,12 +155,12 @@ class SkilledUser:
                 return
             # Still a ghost: perhaps a finger is inside the box; open a little wider and look.
             if self._tries > 4:
-                wider = self._grasp.places(middle, c.opening + 0.004, c)
+                wider = self._grasp.places(middle, opening + 0.004, self._hand)
                 self._watch(self._fingers.move(wider + self._drawn_offset(sight), now))
             else:
                 self._wait(0.1, now)
             return
-        closed = self._grasp.places(middle, -c.squeeze, c)
+        closed = self._grasp.places(middle, -c.squeeze, self._hand)
         closed = closed + self._drawn_offset(sight)
         self._failed = None
         self._doing = _Doing.CLOSING
@@ -157,7 +177,7 @@ class SkilledUser:
         held = self._grasp.middle(box) + self._drawn_offset(sight)
         lag = length(held - self._middle(now))
         near, straight = self._handling.good
-        now_turn = self._handling.reach(box, self._grasp, turn, self.configuration)
+        now_turn = self._handling.reach(box, self._grasp, turn, self._hand)
         # The part that this grasp allows; a wrist at its limit needs a new grasp.
         good = length(off) < near and abs(now_turn) < straight
         slipped = self._tries > 0 and lag > _SLIPPED
@@ -178,9 +198,8 @@ class SkilledUser:
         return self._handling.missing(box, sight.goals[0])
 
     def _middle(self, now: float) -> Array:
-        """Point (2,) m halfway between the thumb and the middle of the other fingers."""
-        places = self._fingers.places(now)
-        return 0.5 * (places[0] + places[1:].mean(axis=0))
+        """Point (2,) m in the middle of the pinch."""
+        return _pinch_middle(self._fingers.places(now))
 
     def _drawn_offset(self, sight: Sight) -> Array:
         """Offset (2,) m to add to the fingers, so that the *drawn* hand is in the intended place.
@@ -192,10 +211,7 @@ class SkilledUser:
         if any(i not in sight.tips for i in ids):
             return np.zeros(2)
         drawn = np.array([sight.tips[i][:2] for i in ids])
-        middle = 0.5 * (drawn[0] + drawn[1:].mean(axis=0))
-        places = self._seen_places(sight)
-        seen = 0.5 * (places[0] + places[1:].mean(axis=0))
-        off = seen - middle
+        off = _pinch_middle(self._seen_places(sight)) - _pinch_middle(drawn)
         # A person does not notice errors smaller than the blur of a fingertip on the screen.
         return off if length(off) > 0.004 else np.zeros(2)
 
@@ -209,3 +225,8 @@ class SkilledUser:
 
     def _wait(self, seconds: float, now: float) -> None:
         self._until = now + seconds
+
+
+def _pinch_middle(tips: Array) -> Array:
+    """Point (2,) m halfway between the thumb and the outermost of the other fingers (n, 2) m."""
+    return 0.5 * (tips[0] + 0.5 * (tips[1] + tips[-1]))

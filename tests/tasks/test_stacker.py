@@ -13,12 +13,14 @@ from sandbox.options.scene_options import SceneOptions, plan
 from sandbox.trial.headless import run_trial
 from sandbox.trial.result import TrialResult
 from tasks.simulated_user.grasp_clearance import Surroundings, roomiest_grasp
+from tasks.simulated_user.hand import Hand
 from tasks.simulated_user.lift import IdleLiftUser, RandomLiftUser, Slider
 from tasks.stack import Stack
 from tasks.user import SeenObject, UserConfiguration
 
 TABLET = Surface().centred_at((0.0, 0.0, Stack.touch_height))
 USER = UserConfiguration()
+HAND = Hand.draw(USER, 0)
 
 
 def trial(**options) -> TrialResult:
@@ -87,8 +89,8 @@ def test_fingers_are_put_where_there_is_room(direction):
     box = seen((0.0, 0.0))
     beside = 0.068 * np.array([np.cos(direction), np.sin(direction)])
     neighbour = seen(beside, yaw=direction)
-    grasp = roomiest_grasp(box, 0.0, USER, Surroundings(TABLET, (neighbour,)))
-    places = grasp.places(np.zeros(2), USER.opening, USER)
+    grasp = roomiest_grasp(box, 0.0, HAND, Surroundings(TABLET, (neighbour,)))
+    places = grasp.places(np.zeros(2), grasp.opening(HAND), HAND)
     points = np.column_stack([places, np.full(len(places), 0.028)])
     room = neighbour.shape.clearance(points, neighbour.position, neighbour.rotation)
     assert room.min() > 0.0
@@ -97,16 +99,16 @@ def test_fingers_are_put_where_there_is_room(direction):
 @pytest.mark.parametrize("yaw", np.linspace(-0.7, 0.7, 5))
 def test_a_failed_grasp_is_not_tried_again_at_once(yaw):
     box = seen((0.0, 0.0), yaw=yaw)
-    first = roomiest_grasp(box, 0.0, USER, Surroundings(TABLET))
-    second = roomiest_grasp(box, 0.0, USER, Surroundings(TABLET), first)
+    first = roomiest_grasp(box, 0.0, HAND, Surroundings(TABLET))
+    second = roomiest_grasp(box, 0.0, HAND, Surroundings(TABLET), first)
     assert abs(np.sin(second.axis - first.axis)) > 0.9 or np.cos(second.axis - first.axis) < -0.9
 
 
 def test_a_grasp_is_chosen_that_fits_on_the_screen_at_the_goal_as_well():
     width = TABLET.size[0]
     goal = TABLET.to_world([width - 0.030, TABLET.size[1] / 2])[:2]
-    grasp = roomiest_grasp(seen((0.0, 0.0)), 0.0, USER, Surroundings(TABLET, (), goal))
-    places = grasp.places(goal, -USER.squeeze, USER)
+    grasp = roomiest_grasp(seen((0.0, 0.0)), 0.0, HAND, Surroundings(TABLET, (), goal))
+    places = grasp.places(goal, -USER.squeeze, HAND)
     xy = TABLET.to_surface(np.column_stack([places, np.zeros(len(places))]))
     assert np.all(xy > 0.0) and np.all(xy < TABLET.size)
 

@@ -92,6 +92,7 @@ class SimulatedDevice(Device):
         self._tell_labels = tell_labels
         self._screen = DropOuts(drop_outs, seed)
         person = person or Person()
+        configuration = replace(configuration, hand_size=person.hand_size)
         upright, view = surface.upright, FrontView(surface)
         surface = view.surface if upright else surface
         seat = Seat(person, surface)

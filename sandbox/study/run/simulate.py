@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import asdict, replace
+from dataclasses import asdict, fields, replace
 from pathlib import Path
 from typing import Any, cast
 
@@ -77,7 +77,9 @@ def simulated_person(design: Design, number: int) -> dict[str, Any]:
 
 def simulated_devices(person: Participant) -> OpenDevices:
     """Returns a function that opens the devices of a simulated participant."""
-    values = {k: v for k, v in (person.user or {}).items() if k != "skill"}
+    # Besides skill, a participant of an earlier version may have settings that are no more.
+    known = {field.name for field in fields(UserConfiguration)}
+    values = {k: v for k, v in (person.user or {}).items() if k in known}
     user = UserConfiguration(**{**values, "reaction": tuple(values["reaction"])})
 
     def of_trial(trial: TrialStep, settings: RunSettings) -> DeviceMakers:
