@@ -88,25 +88,33 @@ class Best:
         Returns:
             Poses (T, 48) in the 3-D surface frame.
         """
-        u, leftmost = contact_vectors(xy)
-        q = absolute_pose(self.model.encoder.predict(u), leftmost)
-        if self.model.correction is not None:
-            q = self.model.correction.correct(q, xy)
-        return self._smoothed(q, time, trial, xy)
+        return _estimated(self.model, self.tau, time, trial, xy)
 
-    def _smoothed(self, q: Array, time: Array, trial: NDArray[np.int64], xy: Array) -> Array:
-        out = np.empty_like(q)
-        posture = PoseFilter(self.tau)
-        for t in range(len(q)):
-            if t == 0 or trial[t] != trial[t - 1]:
-                posture.reset()
-                out[t] = posture.step(q[t], (0.0, 0.0), 0.0)
-                continue
-            motion = rigid_motion(xy[t - 1], xy[t])
-            out[t] = posture.step(
-                q[t], motion.carried, time[t] - time[t - 1], motion.turn, motion.about
-            )
-        return out
+
+def estimated(model: TrainedModel, capture: Capture) -> Array:
+    """Poses (T, 48) of a capture by a model, from true labels, in the 3-D surface frame."""
+    return _estimated(model, POSTURE_TAU, capture.time, capture.trial, capture.xy)
+
+
+def _estimated(
+    model: TrainedModel, tau: float, time: Array, trial: NDArray[np.int64], xy: Array
+) -> Array:
+    u, leftmost = contact_vectors(xy)
+    q = absolute_pose(model.encoder.predict(u), leftmost)
+    if model.correction is not None:
+        q = model.correction.correct(q, xy)
+    out = np.empty_like(q)
+    posture = PoseFilter(tau)
+    for t in range(len(q)):
+        if t == 0 or trial[t] != trial[t - 1]:
+            posture.reset()
+            out[t] = posture.step(q[t], (0.0, 0.0), 0.0)
+            continue
+        motion = rigid_motion(xy[t - 1], xy[t])
+        out[t] = posture.step(
+            q[t], motion.carried, time[t] - time[t - 1], motion.turn, motion.about
+        )
+    return out
 
 
 def train_best_model(

@@ -132,17 +132,17 @@ def check_looks(looks: Sequence[Look], size: float) -> None:
     xy, q = _arrays(looks, size)
     joints = q[:, JOINTS]
     beyond = np.maximum(ADULT.lower - joints, joints - ADULT.upper)
-    number, component = np.unravel_index(int(beyond.argmax()), beyond.shape)
+    number, component = divmod(int(beyond.argmax()), beyond.shape[1])
     if beyond[number, component] > SLACK:
         raise EncoderError(
             "no hand has such a joint",
-            where=f"look {number + 1}, number {JOINTS.start + int(component) + 1} of the pose",
+            where=f"look {number + 1}, number {JOINTS.start + component + 1} of the pose",
             got=f"{joints[number, component]:.2f} rad",
             expected=f"{ADULT.lower[component]:.2f} to {ADULT.upper[component]:.2f} rad",
         )
     off = np.linalg.norm(tip_targets(xy) - Kinematics(ADULT).tips(q), axis=2)
     if np.nanmax(off) > FAR:
-        number, finger = np.unravel_index(int(np.nanargmax(off)), off.shape)
+        number, finger = divmod(int(np.nanargmax(off)), len(FINGERS))
         raise EncoderError(
             "the pose's fingertip is far from its touch",
             where=f"look {number + 1}, {FINGERS[finger]}",

@@ -4,7 +4,7 @@ pictures."""
 from __future__ import annotations
 
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -17,6 +17,7 @@ from rich.progress import Progress, TaskID
 from models.errors import InputError
 from sandbox.cli.common.json_out import check_output, write_json
 from sandbox.cli.common.parse import parse
+from sandbox.cli.evaluate.asked import is_about_strangers
 
 BUILTIN = "builtin"
 
@@ -30,14 +31,16 @@ class EvaluateOptions:
     quadratic), pca-ik, pca-ik-null, map-ik (inverse kinematics), mean, best, FILE.npz (a model by
     `sandbox train`), or FILE.py:CLASS (an encoder of your own, docs/write-an-encoder.md).
 
-    Without --capture, they are tested on days of a SIMULATED subject that none was trained on:
-    --days of them, chosen by the subject's configuration and --day-seed. docs/evaluation.md defines
-    all measures.
+    Without --capture, they are tested on another day of the same SIMULATED person that they were
+    trained on: --days of them, chosen by the subject's configuration and --day-seed. That flatters
+    them: everyone who uses this program is a stranger, whom --train population is about (below).
+    docs/evaluation.md defines all measures.
 
     Try:
 
         sandbox evaluate --encoders linear quadratic best --days 1
         sandbox evaluate --days 5 --json out.json --plots pictures
+        sandbox evaluate --train population --people 12
 
     The paper of 2013 instead: sandbox evaluate --paalm simulated|FOLDER [--json OUT]
     """
@@ -60,8 +63,9 @@ class EvaluateOptions:
     """Test captures: builtin, the simulated subject's test days (default); captures; a folder of
     captures; or a text file (.txt) with one capture per line. May be repeated."""
 
-    train: Annotated[str, tyro.conf.arg(metavar="builtin|split|FILE")] = BUILTIN
-    """Training data: builtin, the subject's day 0; a capture; or split, four fifths of the takes of
+    train: Annotated[str, tyro.conf.arg(metavar="own|population|split|FILE")] = BUILTIN
+    """Training data: own (or builtin), day 0 of the same person; population, hundreds of other
+    people (below); a capture; or split, four fifths of the takes of
     the one --capture FILE, whose other fifth is the test data."""
 
     subject: Literal["first", "second"] = "first"
@@ -90,12 +94,20 @@ def main(argv: list[str]) -> int:
         from sandbox.cli.evaluate.paalm_judge import main as judge_paalm
 
         return judge_paalm(argv)
+    if is_about_strangers(argv):
+        from sandbox.cli.evaluate.strangers import main as judge_strangers
+
+        return judge_strangers(argv)
     try:
         options = parse(EvaluateOptions, "sandbox evaluate", argv, append=False)
     except SystemExit:
         # It was asked for help, which is about both papers.
         from sandbox.cli.evaluate.paalm_judge import PaalmJudgeOptions
+        from sandbox.cli.evaluate.strangers import StrangersOptions
 
+        print("\nWith --train population, --hold-out or --people:\n", flush=True)
+        with suppress(SystemExit):
+            parse(StrangersOptions, "sandbox evaluate", ["--help"])
         print("\nWith --paalm:\n", flush=True)
         parse(PaalmJudgeOptions, "sandbox evaluate", ["--help"])
         raise
@@ -112,7 +124,7 @@ def main(argv: list[str]) -> int:
     with _bars() as progress:
         data = gather(
             [place for places in options.capture for place in places] or [BUILTIN],
-            options.train,
+            BUILTIN if options.train == "own" else options.train,
             options.subject,
             options.days,
             options.day_seed,
