@@ -150,8 +150,8 @@ def _rows(options: StrangersOptions, progress: Progress) -> dict[str, list[Stran
             _judge(rows, f"{name}, {what}", day, model, make, looks)
             progress.advance(bar)
     if count := _people(options):
-        with_names = builtin_population_belief if options.names else None
-        shipped = builtin(POPULATION), with_names
+        shipped: tuple[TrainedModel, Maker | None]
+        shipped = builtin(POPULATION), builtin_population_belief if options.names else None
         if options.train == "own":
             shipped = builtin("best"), builtin_belief if options.names else None
         groups = {"first": (count + 1) // 2, "second": count // 2}
