@@ -105,7 +105,7 @@ def grasp_across(axis: float, width: float, face: float, hand: Hand) -> Grasp:
         hand: The user's hand.
     """
     fingers = hand.fitting(face)
-    lean = float(np.clip(wrapped(axis - hand.natural_axis), -_LEAN, _LEAN))
+    lean = float(np.clip(wrapped(axis - hand.configuration.natural_axis), -_LEAN, _LEAN))
     room = hand.room(face, fingers)
     skew = float(np.clip(-tan(lean) * (width + _TIP_RADIUS), -room, room))
     return Grasp(axis, width, fingers, skew=skew)
