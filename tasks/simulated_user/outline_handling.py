@@ -60,11 +60,15 @@ class OutlineHandling:
     def grasp(
         self, seen: SeenObject, turn: float, hand: Hand, failed: Grasp | None = None
     ) -> Grasp:
-        """Grasp across the most comfortable sides of the bounding box."""
+        """Grasp across the most comfortable sides of the bounding box: thumb and fingers opposite
+        each other, on the middle half, as outlines may be round."""
         about = SeenObject(self._box, seen.position, seen.rotation)
         grasp = choose_grasp(about, turn, hand)
+        a, b, _ = self._box.half_size
+        face = 2 * b if grasp.width == 2 * a else 2 * a
+        on_middle = {"side": grasp.axis - seen.yaw, "skew": 0.0, "fingers": hand.fitting(face / 2)}
         return OutlineGrasp(
-            **{**vars(grasp), "side": grasp.axis - seen.yaw},
+            **{**vars(grasp), **on_middle},
             offset=(float(self._middle[0]), float(self._middle[1])),
         )
 
