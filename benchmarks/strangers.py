@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -163,12 +163,6 @@ def main() -> None:
     row(table, f"{len(seen)} judged people", [answers(p, builtin_population_belief) for p in seen])
     primed = [answers(p, builtin_population_belief, after_five(p)) for p in seen]
     row(table, "the same after one touch with five", primed)
-    sized = [replace(p, xy=p.xy / p.meta["size"]) for p in seen]
-    row(
-        table,
-        "the same with known hand size",
-        [answers(p, builtin_population_belief) for p in sized],
-    )
     row(table, "the same people by `history`", [answers(p, shipped_before) for p in seen])
     Console(width=130).print(table)
 

@@ -88,6 +88,11 @@ class OwnLayouts:
     def __len__(self) -> int:
         return len(self.layouts)
 
+    @property
+    def metres(self) -> Array:
+        """The layouts (n, 5, 2) in m."""
+        return self.layouts * METRES_PER_INCH
+
     def with_new(self, xy: Array) -> OwnLayouts:
         """These layouts and another one (5, 2) m by finger; the same object if it is not new."""
         layout = _centred(np.asarray(xy, float) / METRES_PER_INCH)

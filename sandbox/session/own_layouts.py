@@ -17,7 +17,6 @@ from encoders.reconstruction.personal import PersonalReconstructor
 from encoders.reconstruction.touch_reconstructor import TouchReconstructor
 from models.errors import EncoderError
 from models.frames import FINGERS
-from models.surface import METRES_PER_INCH
 from sandbox.session.session import Session
 
 Layouts = tuple[tuple[tuple[float, float], ...], ...]
@@ -29,7 +28,7 @@ DIGITS = 5
 
 def kept_layouts(own: OwnLayouts, size: float) -> Layouts:
     """Layouts as settings and profiles keep them, of a hand of a size."""
-    xy = (own.layouts * METRES_PER_INCH * size).round(DIGITS)
+    xy = (own.metres * size).round(DIGITS)
     return tuple(tuple((x, y) for x, y in places) for places in xy.tolist())
 
 

@@ -39,8 +39,10 @@ def with_usable_profile(options: Options, console: Console) -> Options:
     except InputError as error:
         if not profile_path(name).exists():
             raise
-        _say(f"{error}. Fingers are named without the profile", console)
-        return _with_person_alone(options, name)
+        usable = _with_person_alone(options, name)
+        rest = "without the profile" if usable is None else "with its hand, size and seat alone"
+        _say(f"{error}. Play goes on {rest}", console)
+        return usable or replace(options, profile="none")
     learned = profile.layouts and options.labels == "population"
     if learned and options.hand not in (None, profile.person.hand):
         _say(
@@ -51,14 +53,14 @@ def with_usable_profile(options: Options, console: Console) -> Options:
     return options
 
 
-def _with_person_alone(options: Options, name: str) -> Options:
-    """Options with hand, size and seat of a profile, as far as they can be read."""
-    alone = replace(options, profile="none")
+def _with_person_alone(options: Options, name: str) -> Options | None:
+    """Options with hand, size and seat of a profile; None if they cannot be read."""
     try:
         person = find_profile(name, with_layouts=False).person
     except InputError:
-        return alone
+        return None
     known: dict[str, Any] = asdict(person)
+    alone = replace(options, profile="none")
     return replace(alone, **{k: v for k, v in known.items() if getattr(options, k) is None})
 
 
