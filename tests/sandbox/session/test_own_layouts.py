@@ -2,103 +2,136 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
-from sandbox.options.scene_options import SceneOptions, plan
+from models.frames import Contact
+from models.person import Person, PersonFrame
+from models.surface import Surface
 from sandbox.recording.recording import load_recording
 from sandbox.session.own_layouts import Layouts, known_layouts, learned_layouts
 from sandbox.trial.driver import open_trial
-from sandbox.trial.headless import run_trial
 from sandbox.trial.replay import replay
-from sandbox.trial.settings import RunSettings
+from sandbox.trial.settings import HandSettings, RunSettings
+from tests.support.scripted import Script
+
+FIVE = 1e-3 * np.array([[70, 100], [105, 58], [130, 45], [153, 52], [174, 74]])
+"""Touches of a right hand of size 1, m on the surface, thumb first."""
 
 KNOWN: Layouts = (
-    ((0.0, 0.0), (0.035, -0.042), (0.06, -0.055), (0.083, -0.048), (0.104, -0.026)),
+    ((0.0, 0.0), (0.04, -0.03), (0.07, -0.04), (0.095, -0.03), (0.115, -0.005)),
     ((0.0, 0.0), (0.030, -0.050), (0.05, -0.065), (0.075, -0.058), (0.110, -0.030)),
 )
+SETTINGS = RunSettings(labels="population")
+INDEX_AND_RING = (1, 3)
+"""Fingers that look like index and middle finger, unless five fingers have taught better."""
 
 
-def chosen(fingers: int, seed: int = 4, **more: Any) -> Any:
-    return plan(SceneOptions(labels="population", fingers=fingers, seed=seed, **more))
+@dataclass
+class Touched:
+    """A trial in which some fingers touched and stayed, for a second.
+
+    Attributes:
+        learned: See `learned_layouts`.
+        labels: Finger by contact id, which is the true finger.
+        state_hash: The last state's.
+        own: Layouts that the labeller knows at the end.
+    """
+
+    learned: dict[str, Layouts]
+    labels: dict[int, int | None]
+    state_hash: str
+    own: Any
 
 
-def learned(fingers: int, **more: Any) -> dict[str, Layouts]:
-    """What a trial of the simulated user has learned at its end."""
-    planned = chosen(fingers, **more)
-    with open_trial(planned.settings, planned.makers) as trial:
-        trial.run()
-        return learned_layouts(trial.session)
+def touched(
+    fingers: tuple[int, ...], settings: RunSettings = SETTINGS, record: Path | None = None
+) -> Touched:
+    person = settings.hands[0].person
+
+    def maker(task: object, surface: Surface) -> Script:
+        xy = PersonFrame(Person(person.hand), surface).outwards(FIVE * person.hand_size)
+        contacts = [Contact(f, *xy[f].tolist()) for f in fingers]
+        return Script(lambda now: contacts)
+
+    with open_trial(settings, (maker,), record=record) as trial:
+        trial.run(stop=lambda: trial.session.time >= 1.0)
+        session = trial.session
+        trial.end()
+        reconstructor: Any = session.first_rig.reconstructor
+        return Touched(
+            learned_layouts(session),
+            {c.id: c.label for c in session.reconstructions[0].contacts},
+            session.state_hash,
+            getattr(reconstructor, "trained", reconstructor).labeller.own,
+        )
 
 
-@pytest.mark.parametrize("fingers", [2, 3, 4])
+@pytest.mark.parametrize("fingers", [(0, 1), (1, 3), (0, 1, 2), (2, 3, 4), (0, 1, 2, 3)])
 def test_names_of_fewer_than_five_fingers_teach_nothing_however_sure_they_are(fingers):
-    assert learned(fingers) == {}
+    assert touched(fingers).learned == {}
 
 
-@pytest.mark.parametrize("size", [0.8, 1.2])
-def test_five_fingers_teach_their_layout_in_the_persons_own_size(size):
-    planned = chosen(5, hand_size=size, hand="left")
-    with open_trial(planned.settings, planned.makers) as trial:
-        trial.run()
-        hand: Any = trial.session.first_rig.reconstructor
-        own = hand.trained.labeller.own
-        found = learned_layouts(trial.session)
-    (after,) = planned.settings.knowing(found).hands
-    assert after.side == "left" and len(after.layouts) == len(own) > 0
-    again = known_layouts(after.layouts, size)
-    np.testing.assert_allclose(again.layouts, own.layouts, atol=2e-3)
+@pytest.mark.parametrize(("side", "size"), [("right", 1.0), ("left", 0.8), ("left", 1.2)])
+def test_five_fingers_teach_their_layout_in_the_persons_own_size(side, size):
+    settings = replace(SETTINGS, hands=(HandSettings(side, size),))
+    after = touched((0, 1, 2, 3, 4), settings)
+    (hand,) = settings.knowing(after.learned).hands
+    assert list(after.learned) == [side]
+    (layout,) = np.array(hand.layouts)
+    np.testing.assert_allclose(layout - layout[0], size * (FIVE - FIVE[0]), atol=3e-4)
+    again = known_layouts(hand.layouts, size)
+    np.testing.assert_allclose(again.layouts, after.own.layouts, atol=2e-3)
 
 
 def test_every_trial_begins_with_the_settings_alone_so_that_their_order_does_not_matter():
-    trials = [chosen(fingers, seed) for fingers, seed in ((5, 1), (4, 2), (2, 3))]
+    trials = [(0, 1, 2, 3, 4), INDEX_AND_RING, (2, 3, 4)]
 
     def hashes(order: list[int]) -> dict[int, str]:
-        return {i: run_trial(trials[i].settings, trials[i].makers).state_hash for i in order}
+        return {i: touched(trials[i]).state_hash for i in order}
 
     forwards = hashes([0, 1, 2])
     assert forwards == hashes([2, 1, 0])
-    # They would depend on it if the first trial taught the others.
-    taught = learned(5, seed=1)
-    for i in (1, 2):
-        settings = trials[i].settings.knowing(taught)
-        assert run_trial(settings, trials[i].makers).state_hash != forwards[i]
+    # It would matter if the first trial taught the second.
+    taught = SETTINGS.knowing(touched(trials[0]).learned)
+    assert touched(INDEX_AND_RING, taught).state_hash != forwards[1]
+
+
+def test_layouts_of_five_fingers_mend_names_of_two():
+    taught = SETTINGS.knowing(touched((0, 1, 2, 3, 4)).learned)
+    assert touched(INDEX_AND_RING).labels == {1: 1, 3: 2}
+    assert touched(INDEX_AND_RING, taught).labels == {1: 1, 3: 3}
 
 
 def test_a_recording_holds_the_layouts_that_were_used_and_replays_without_a_profile(tmp_path):
-    planned = chosen(3)
-    settings = planned.settings.knowing({"right": KNOWN})
+    taught = SETTINGS.knowing(touched((0, 1, 2, 3, 4)).learned)
     path = tmp_path / "known.jsonl"
-    run_trial(settings, planned.makers, record=path)
+    played = touched(INDEX_AND_RING, taught, path)
     recording = load_recording(path)
-    assert RunSettings.from_json(recording.header["settings"]).hands[0].layouts == KNOWN
-    _, verification = replay(recording)
-    assert verification.exact and verification.complete
+    assert RunSettings.from_json(recording.header["settings"]) == taught
+    session, verification = replay(recording)
+    assert verification.exact and session.reconstructions[0].contacts[1].label == 3
+    assert played.learned == {}
 
 
 def test_what_was_known_at_the_beginning_stays_and_the_new_comes_last():
-    planned = chosen(5)
-    settings = planned.settings.knowing({"right": KNOWN})
-    with open_trial(settings, planned.makers) as trial:
-        trial.run()
-        (after,) = learned_layouts(trial.session).values()
-    assert len(after) > len(KNOWN)
+    (after,) = touched((0, 1, 2, 3, 4), SETTINGS.knowing({"right": KNOWN})).learned.values()
+    assert len(after) == len(KNOWN) + 1
     for kept, known in zip(after, KNOWN, strict=False):
         # Layouts have their middle at 0.
-        for a, b in zip(kept, known, strict=True):
-            assert a[0] - b[0] == pytest.approx(kept[0][0] - known[0][0], abs=5e-5)
-            assert a[1] - b[1] == pytest.approx(kept[0][1] - known[0][1], abs=5e-5)
+        shift = np.array(kept) - np.array(known)
+        np.testing.assert_allclose(shift - shift[0], 0.0, atol=5e-5)
 
 
 def test_layouts_are_for_names_by_the_population_and_for_the_same_side():
-    settings = chosen(3).settings
-    other = replace(settings, labels="history")
+    other = replace(SETTINGS, labels="history")
     assert other.knowing({"right": KNOWN}) == other
-    assert settings.knowing({"left": KNOWN}) == settings
-    known = settings.knowing({"right": KNOWN}).hands[0]
+    assert SETTINGS.knowing({"left": KNOWN}) == SETTINGS
+    known = SETTINGS.knowing({"right": KNOWN}).hands[0]
     assert known.on("right") == known
     assert known.on("left").layouts == ()
     assert known.other.layouts == ()

@@ -4,23 +4,36 @@ from __future__ import annotations
 
 import json
 from itertools import pairwise
-from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
+from models.frames import Contact
+from models.person import Person, PersonFrame
+from models.surface import Surface
 from sandbox.recording.recording import load_recording
+from sandbox.study.design.plan import TrialStep
 from sandbox.study.design.reading import DesignError
 from sandbox.study.record.folder import SIMULATED, StudyFolder
 from sandbox.study.record.journal import read_journal
+from sandbox.study.record.session_folder import SessionFolder
 from sandbox.study.record.state import SessionState
 from sandbox.study.record.stored_sessions import session_path
 from sandbox.study.run.controls import Controls
-from sandbox.study.run.runner import SessionOutcome
-from sandbox.study.run.simulate import run_simulated, simulated_person
+from sandbox.study.run.forms import SimulatedForms
+from sandbox.study.run.players import HeadlessPlayer
+from sandbox.study.run.runner import SessionOutcome, SessionRunner
+from sandbox.study.run.simulate import simulated_person
 from sandbox.study.share.privacy import Masking, anonymise
+from sandbox.trial.device_makers import DeviceMakers
 from sandbox.trial.replay import replay
+from sandbox.trial.settings import RunSettings
+from tests.support.scripted import Script
 from tests.support.study_files import design
+
+FIVE = 1e-3 * np.array([[40, 110], [75, 68], [100, 55], [123, 62], [144, 84]])
+"""Touches of a right hand of size 1, m on the surface, thumb first."""
 
 DESIGN = """
 name = "learning"
@@ -35,7 +48,7 @@ order = "blocked"
 levels = ["hard", "soft"]
 [trials]
 repetitions = 2
-time_limit_s = 2.0
+time_limit_s = 1.0
 learning = "session"
 """
 
@@ -44,12 +57,26 @@ def quiet(text: str) -> None:
     """Nobody listens."""
 
 
-def with_five_fingers(out: Path, text: str) -> StudyFolder:
-    """A study with one participant who touches with five fingers."""
-    study = StudyFolder(out, design(text), SIMULATED)
-    person = simulated_person(study.design, 0)
-    study.add(0, **{**person, "user": {**person["user"], "fingers": 5}})
-    return study
+def touching(trial: TrialStep, settings: RunSettings) -> DeviceMakers:
+    """Five fingers that touch and stay, a little farther apart in each trial."""
+    hand = settings.hands[0].person
+
+    def maker(task: object, surface: Surface) -> Script:
+        spread = (FIVE - FIVE[0]) * (0.92 + 0.08 * trial.number)
+        xy = PersonFrame(Person(hand.hand), surface).outwards(FIVE[0] + spread * hand.hand_size)
+        contacts = [Contact(f, *place) for f, place in enumerate(xy.tolist())]
+        return Script(lambda now: contacts)
+
+    return (maker,)
+
+
+def play(study: StudyFolder, controls: Controls | None = None, say: Any = quiet) -> SessionOutcome:
+    """Plays the session of one participant, or what remains of it."""
+    person = study.add(0, **simulated_person(study.design, 0))
+    with SessionFolder(study, person, 1) as session:
+        controls = controls or Controls(say)
+        player, forms = HeadlessPlayer(), SimulatedForms(1)
+        return SessionRunner(session, player, touching, forms, controls, say).run()
 
 
 def known(study: StudyFolder) -> list[Any]:
@@ -61,30 +88,31 @@ def known(study: StudyFolder) -> list[Any]:
 
 @pytest.fixture(scope="module")
 def learned(tmp_path_factory: pytest.TempPathFactory) -> StudyFolder:
-    study = with_five_fingers(tmp_path_factory.mktemp("learned"), DESIGN)
-    assert run_simulated(study, 0, quiet) is SessionOutcome.COMPLETE
+    study = StudyFolder(tmp_path_factory.mktemp("learned"), design(DESIGN), SIMULATED)
+    assert play(study) is SessionOutcome.COMPLETE
     return study
 
 
 def test_every_trial_begins_without_layouts_unless_the_design_says_otherwise(tmp_path):
-    study = with_five_fingers(tmp_path, DESIGN.replace('learning = "session"\n', ""))
-    assert run_simulated(study, 0, quiet) is SessionOutcome.COMPLETE
+    text = DESIGN.replace('learning = "session"\n', "")
+    study = StudyFolder(tmp_path, design(text), SIMULATED)
+    assert play(study) is SessionOutcome.COMPLETE
     assert known(study) == [[], [], [], []]
     assert study.design.learning == "trial"
 
 
 def test_a_session_that_learns_begins_each_trial_with_what_the_trials_before_it_found(learned):
     layouts = known(learned)
-    assert layouts[0] == [] and layouts[1]
+    assert [len(known) for known in layouts] == [0, 1, 2, 3]
     for before, after in pairwise(layouts):
-        assert len(after) >= len(before)
+        assert after[: len(before)] == before
     folder = session_path(learned.path, learned.participants()[0].ppid)
     _, verification = replay(load_recording(folder / "trials" / "T003.jsonl"))
     assert verification.exact and verification.complete
 
 
 def test_a_session_that_was_stopped_goes_on_with_what_it_had_learned(tmp_path, learned):
-    study = with_five_fingers(tmp_path, DESIGN)
+    study = StudyFolder(tmp_path, design(DESIGN), SIMULATED)
     controls = Controls(quiet)
     left = [2]
 
@@ -93,8 +121,8 @@ def test_a_session_that_was_stopped_goes_on_with_what_it_had_learned(tmp_path, l
         if left[0] == 0:
             controls.type("q later")
 
-    assert run_simulated(study, 0, say, controls) is SessionOutcome.STOPPED
-    assert run_simulated(study, 0, quiet) is SessionOutcome.COMPLETE
+    assert play(study, controls, say) is SessionOutcome.STOPPED
+    assert play(study) is SessionOutcome.COMPLETE
     assert known(study)[-1] == known(learned)[-1]
 
 
