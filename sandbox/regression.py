@@ -15,6 +15,7 @@ from typing import Any
 
 import pytest
 
+from encoders.regression.model_registry import DEFAULT_MODEL
 from encoders.regression.trained import TrainedModel, save_model
 from models.errors import InputError
 from sandbox.regress import statistics
@@ -48,7 +49,7 @@ class Regression:
         self,
         task: str | type[Task] = "box-to-goal",
         seeds: str = "0:30",
-        encoder: str | Path | TrainedModel = "best",
+        encoder: str | Path | TrainedModel = DEFAULT_MODEL,
         baseline: str | Path | None = None,
         *,
         at_least: float | None = None,

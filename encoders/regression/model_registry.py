@@ -39,6 +39,9 @@ PCA_IK = "pca-ik"
 MODELS = (*BUILTIN, POPULATION, PCA_IK)
 """Names of the models that are always there."""
 
+DEFAULT_MODEL = "best"
+"""Name of the model that is used where none is named; all defaults are this one."""
+
 LONG = 2.0
 """s; training that takes longer is kept for the next time."""
 

@@ -17,6 +17,7 @@ from rich.console import Console
 from rich.markup import escape
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
+from encoders.regression.model_registry import DEFAULT_MODEL
 from models.errors import InputError
 from sandbox.cli.common.json_out import TERMINAL, check_output
 from sandbox.cli.common.parse import parse, with_one_line_errors
@@ -61,7 +62,7 @@ class RegressOptions:
     seeds: Annotated[str, tyro.conf.arg(metavar="A:B")] = "0:120"
     """From A to before B; commas join several."""
 
-    encoder: Annotated[str, tyro.conf.arg(metavar="NAME|FILE|FILE.py:CLASS")] = "best"
+    encoder: Annotated[str, tyro.conf.arg(metavar="NAME|FILE|FILE.py:CLASS")] = DEFAULT_MODEL
     """As for `sandbox run`."""
 
     fingers: int = 3

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import tyro
 from rich.console import Console
 
+from encoders.regression.model_registry import DEFAULT_MODEL
 from models.errors import InputError
 from sandbox.cli.common.json_out import check_output, write_json
 from sandbox.cli.common.page_options import PageOptions
@@ -111,7 +112,7 @@ class StreamOptions(LeapOptions, PageOptions):
     hand: Literal["right", "left"] | None = None
     """Which hand."""
 
-    encoder: str = "best"
+    encoder: str = DEFAULT_MODEL
     """Encoder, as for `sandbox run`."""
 
     surface: Annotated[str | None, tyro.conf.arg(metavar="SIZE")] = None

@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 
 import tyro
 
-from encoders.regression.model_registry import MODELS
+from encoders.regression.model_registry import DEFAULT_MODEL, MODELS
 from sandbox.devices.tuio.tuio import DEFAULT_PORT, LOOPBACK, Transport
 from sandbox.devices.tuio.tuio_streams import DEFAULT_WEBSOCKET_PORT
 from sandbox.options.metavars import choices, device_choices
@@ -36,7 +36,7 @@ class OneHandOptions:
     this program, a file by `touches record`, a capture of TUIO packets, or a Leap recording (.json,
     .json.lz). Or a device of your own (docs/write-a-device.md)."""
 
-    encoder: Annotated[str, tyro.conf.arg(metavar=choices(*MODELS, "FILE"))] = "best"
+    encoder: Annotated[str, tyro.conf.arg(metavar=choices(*MODELS, "FILE"))] = DEFAULT_MODEL
     """Encoder, which estimates the hand's pose from the touches. paper: least squares with the
     paper's labels, without correction and smoothing. The others use the labels, correction and
     smoothing of best. population: the pose of any person, trained on hundreds of simulated people;

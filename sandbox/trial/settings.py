@@ -9,6 +9,7 @@ from typing import Any
 import msgspec
 
 from encoders.person.rest_posture import Looks
+from encoders.regression.model_registry import DEFAULT_MODEL
 from models.errors import InputError, RecordingError
 from models.hand import IMPULSE_PROFILES, SERVOS
 from models.person import HANDS, Person
@@ -113,7 +114,7 @@ class RunSettings:
 
     task: str = "box-to-goal"
     seed: int = 0
-    encoder: str = "best"
+    encoder: str = DEFAULT_MODEL
     labels: str = "history"
     correction: bool = True
     smoothing: bool = True

@@ -1,0 +1,14 @@
+"""Whoever names no encoder gets the same one everywhere."""
+
+import inspect
+
+from encoders.regression.model_registry import DEFAULT_MODEL, MODELS
+from sandbox.cli.regress import RegressOptions
+from sandbox.options.scene_options import SceneOptions
+from sandbox.trial.settings import RunSettings
+
+
+def test_all_defaults_are_the_one_default():
+    assert DEFAULT_MODEL in MODELS
+    assert {SceneOptions().encoder, RunSettings().encoder} == {DEFAULT_MODEL}
+    assert inspect.signature(RegressOptions).parameters["encoder"].default == DEFAULT_MODEL
