@@ -10,11 +10,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from encoders.capture import Capture
+from encoders.captures.population.surface_people import surface_person
 from encoders.labels.labelling import hypotheses
 from encoders.labels.layout_density import finger_sets
 from encoders.labels.pair_network import (
@@ -45,7 +47,9 @@ class TrainingSettings:
         growth: Spread of the logarithm of factors on their size.
         tremble: m, spread of noise on every contact.
         exact: Share of layouts whose fingers are all that touch.
-        seed: Seed of weights and batches.
+        surface: People whose layouts are drawn beside those of the population, as real people put
+            them down; see `surface_people`.
+        seed: Seed of weights, batches and those people.
     """
 
     sizes: Mapping[str, int]
@@ -57,6 +61,7 @@ class TrainingSettings:
     growth: float = 0.03
     tremble: float = 0.0007
     exact: float = 0.5
+    surface: int = 150
     seed: int = 0
 
 
@@ -64,23 +69,38 @@ DEFAULT = TrainingSettings({"g": 48, "context": 32, "f": 64, "h": 48})
 """Settings of the network that ships."""
 
 
-SHARES = {"first": 1.0, "second": 1.0, "posed": 0.5}
+SHARES = {"first": 1.0, "second": 1.0, "posed": 0.5, "surface": 1.0}
 """Share of every source of people in the draws. Posed people have postures that nobody shows."""
+
+
+class SeenLayouts(Protocol):
+    """Layouts of a person: captures have them, and more.
+
+    Attributes:
+        xy: (T, 5, 2) m, touches by finger; NaN for fingers that do not touch.
+        down: True (T, 5) for touching fingers.
+    """
+
+    @property
+    def xy(self) -> Array: ...
+
+    @property
+    def down(self) -> NDArray[np.bool_]: ...
 
 
 class LayoutPool:
     """Layouts of people, by number of contacts and set of fingers.
 
     Args:
-        people: Captures.
+        people: Their layouts.
         weights: Weight of every person in draws; by default all are equal.
     """
 
-    def __init__(self, people: Sequence[Capture], weights: Sequence[float] | None = None) -> None:
+    def __init__(self, people: Sequence[SeenLayouts], weights: Sequence[float] | None = None) -> None:
         self._xy = np.concatenate([p.xy for p in people])
         down = np.concatenate([p.down for p in people])
         given = np.ones(len(people)) if weights is None else np.asarray(weights, float)
-        frames = np.array([len(p) for p in people])
+        frames = np.array([len(p.xy) for p in people])
         share = np.repeat(given / frames, frames)
         self._pools: dict[tuple[int, int, bool], tuple[NDArray[np.intp], Array]] = {}
         for count in range(2, 6):
@@ -132,8 +152,10 @@ def train_names(
             "the population has nobody to train on",
             remedy="`sandbox subject population --out FILE` makes one with people to train on",
         )
-    sources = [person.meta["source"] for person in people]
-    pool = LayoutPool(people, [SHARES[source] / sources.count(source) for source in sources])
+    drawn = [surface_person([settings.seed, i]) for i in range(settings.surface)]
+    sources = [str(person.meta["source"]) for person in people] + ["surface"] * len(drawn)
+    shares = [SHARES[source] / sources.count(source) for source in sources]
+    pool = LayoutPool([*people, *drawn], shares)
     steps = settings.steps
     weights = train_network(pool, settings, lambda step, loss: say(step / steps, loss))
     return from_weights(weights, population)

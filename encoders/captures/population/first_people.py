@@ -14,7 +14,7 @@ from encoders.captures.subject.configuration import FROZEN, SubjectConfiguration
 from encoders.captures.subject.posture import FREEDOMS
 from encoders.captures.subject.subject import simulate
 
-LEAN = 0.7
+LEAN = 0.4
 """Spread of people's resting postures, as a share of the postures that one person shows."""
 
 

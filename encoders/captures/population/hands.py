@@ -27,14 +27,20 @@ FINGER = 0.05
 BONE = 0.03
 """Spread of the logarithm of each bone's length beside its finger's."""
 
-KNUCKLE = 0.003
-"""m, spread of each coordinate of a knuckle's place."""
+KNUCKLE = (0.0015, 0.003, 0.003)
+"""m, spread of a knuckle's place across, along and above the hand. A knuckle is about 20 mm from
+its neighbour, and hands differ by 6 % in breadth."""
 
-SADDLE = 0.087
-"""rad, spread of the resting direction of a finger's first bone about each axis; 5 degrees."""
+SADDLE = (0.087, 0.087, 0.0175)
+"""rad, spread of the resting direction of a finger's first bone about its axes of flexion, twist
+and abduction; 5, 5 and 1 degrees. The last decides how far apart people put down neighbouring
+fingers, which differs little from person to person; see `population.NEIGHBOURS`."""
 
-HINGE = 0.035
-"""rad, the same of the other bones."""
+SADDLE_OF_THUMB = (0.087, 0.087, 0.087)
+"""The same of the thumb."""
+
+HINGE = (0.035, 0.035, 0.0175)
+"""The same of the other bones."""
 
 
 def drawn_size(rng: np.random.Generator) -> float:
@@ -50,8 +56,8 @@ def drawn_skeleton(rng: np.random.Generator, size: float, name: str) -> Skeleton
     for bone in ADULT.scaled(size).bones:
         first = ADULT.first_bone[bone.finger] == len(bones)
         factor = float(fingers[bone.finger] * np.exp(rng.normal(0, BONE)))
-        turn = exp(rng.normal(0, SADDLE if first else HINGE, 3))
-        place = rng.normal(0, KNUCKLE * size, 3)
+        turn = exp(rng.normal(0, _spread(bone.finger, first)))
+        place = size * rng.normal(0, KNUCKLE)
         x, y, z = (np.array(bone.anchor) + place).tolist() if first else (0.0, previous, 0.0)
         bones.append(
             replace(bone, anchor=(x, y, z), rest=bone.rest @ turn, length=bone.length * factor)
@@ -65,7 +71,8 @@ def drawn_second_hand(rng: np.random.Generator, size: float, name: str) -> Secon
     fingers = np.exp(rng.normal(0, FINGER, (len(FINGERS), 1)))
     bones = SLENDER.bones * size * fingers * np.exp(rng.normal(0, BONE, SLENDER.bones.shape))
     knuckle = size * (SLENDER.knuckle + rng.normal(0, KNUCKLE, SLENDER.knuckle.shape))
-    turns: Array = np.stack([exp(v) for v in rng.normal(0, SADDLE, (len(FINGERS), 3))])
+    spreads = [_spread(finger, True) for finger in range(len(FINGERS))]
+    turns: Array = np.stack([exp(rng.normal(0, spread)) for spread in spreads])
     return replace(
         SLENDER,
         name=name,
@@ -74,3 +81,10 @@ def drawn_second_hand(rng: np.random.Generator, size: float, name: str) -> Secon
         bones=bones,
         tip_radius=SLENDER.tip_radius * size,
     )
+
+
+def _spread(finger: int, first: bool) -> tuple[float, float, float]:
+    """Spread of a bone's resting direction about its axes x, y and z, rad."""
+    if not first:
+        return HINGE
+    return SADDLE if finger else SADDLE_OF_THUMB

@@ -21,7 +21,7 @@ from models.errors import CaptureError, InputError
 SCHEMA = 1
 """Version of the file's layout."""
 
-VERSION = 1
+VERSION = 2
 """Version of the people; a change of anything that draws them raises it, and draws others."""
 
 SOURCES = ("first", "second", "posed")
@@ -31,9 +31,9 @@ GROUPS = ("train", "choose", "judge")
 """What people are for: to train on, to choose settings on, to judge on. No person is in two."""
 
 PEOPLE = {
-    "train": {"first": 120, "second": 120, "posed": 300},
-    "choose": {"first": 24, "second": 24, "posed": 0},
-    "judge": {"first": 36, "second": 36, "posed": 0},
+    "train": {"first": 200, "second": 160, "posed": 360},
+    "choose": {"first": 36, "second": 30, "posed": 0},
+    "judge": {"first": 72, "second": 48, "posed": 0},
 }
 """People that are drawn, by group and source. Posed people have no movement, so nothing with
 history is judged on them."""
@@ -59,6 +59,14 @@ ORDERLY = 0.75
 order. Of real layouts of five fingers 99 % are. Drawn people who cross their fingers more often are
 left out: about a fifth of those of the generators, half of the posed ones. Of the others, single
 frames are."""
+
+NEIGHBOURS = ((41, 54, 62), (25, 29, 34), (19, 23, 26), (25, 31, 36))
+"""mm between neighbouring fingertips, thumb and index first, of 147 layouts that 19 real people put
+down with five fingers on a tablet: 10, 50 and 90 %."""
+
+BEYOND = 3.0
+"""How far a person's median of these distances, divided by the hand's size, may be from the middle
+one of real layouts, in distances of the outer ones from it. People beyond are left out."""
 
 Progress = Callable[[float], None]
 
@@ -141,6 +149,8 @@ def _capture(salt: str, group: str, source: str, number: int) -> Capture | None:
     drawn = sha256(f"{VERSION} {salt} {group} {source} {number}".encode()).digest()
     seed = [int.from_bytes(drawn[k : k + 4], "big") for k in range(0, 16, 4)]
     capture = _of_source(seed, group, source)
+    if not _usual(capture):
+        return None
     crossed = _crossed(capture)
     if crossed.mean() > (1.0 - ORDERLY) * (capture.down.sum(axis=1) > 3).mean():
         return None
@@ -173,6 +183,17 @@ def _crossed(capture: Capture) -> NDArray[np.bool_]:
         steps = np.roll(angle, -1, axis=1) > angle
         crossed[frames] = steps.sum(axis=1) != count - 1
     return crossed
+
+
+def _usual(capture: Capture) -> bool:
+    """True if a person usually puts down five fingers about as far apart as real people do."""
+    five = capture.xy[capture.down.all(axis=1)]
+    if not len(five):
+        return False
+    apart = np.linalg.norm(np.diff(five, axis=1), axis=-1) / capture.meta["size"]
+    least, middle, most = 1e-3 * np.array(NEIGHBOURS).T
+    off = np.median(apart, axis=0) - middle
+    return bool((np.abs(off) < BEYOND * np.where(off < 0, middle - least, most - middle)).all())
 
 
 def _who(person: Capture) -> dict[str, Any]:

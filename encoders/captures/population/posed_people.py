@@ -107,8 +107,8 @@ def _postures(rng: np.random.Generator, n: int, lean: dict[str, Array]) -> Array
     q[:, ROOT_ROTATION] = log(turn)
     common = rng.normal(0, 1, (n, 1, 2)) * [0.35, 0.45]
     bend = common + rng.normal(0, 1, (n, 4, 2)) * [0.16, 0.22] + lean["bend"]
-    spread = rng.normal(0.02, 0.09, (n, 1)) * np.array([1.0, 0.3, -0.4, -1.0])
-    spread = spread + rng.normal(0, 0.05, (n, 4)) + rng.normal(0, 0.05, (n, 1))
+    spread = rng.normal(0.0, 0.06, (n, 1)) * np.array([1.0, 0.3, -0.4, -1.0])
+    spread = spread + rng.normal(0, 0.035, (n, 4)) + rng.normal(0, 0.05, (n, 1))
     for finger in range(4):
         start = 12 + 9 * finger
         q[:, start] = -bend[:, finger, 0]

@@ -14,7 +14,7 @@ from encoders.captures.second_subject.configuration import FROZEN, SecondConfigu
 from encoders.captures.second_subject.grips import MANNERS
 from encoders.captures.second_subject.session import simulate
 
-LEAN = 1.0
+LEAN = 0.6
 """Spread of people's constant manner, as a share of the range of one person's habits."""
 
 
