@@ -24,10 +24,10 @@ from rich.table import Table
 
 from encoders.capture import Capture
 from encoders.captures.population import load_population, simulate_population
+from encoders.captures.population.names import train_names
 from encoders.captures.population.population import PEOPLE
 from encoders.evaluation.subjects import subject
 from encoders.labels.belief import BeliefLabels, builtin_belief
-from encoders.labels.network_training import train_names
 from encoders.labels.own_layouts import OwnLayouts
 from encoders.labels.population_belief import PopulationBelief, builtin_population_belief
 

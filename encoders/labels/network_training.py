@@ -15,8 +15,6 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from encoders.capture import Capture
-from encoders.captures.population.surface_people import surface_person
 from encoders.labels.labelling import hypotheses
 from encoders.labels.layout_density import finger_sets
 from encoders.labels.pair_network import (
@@ -26,9 +24,7 @@ from encoders.labels.pair_network import (
     pair_features,
     score_places,
 )
-from encoders.labels.population_belief import PopulationBelief, from_weights
 from models.arithmetic.arrays import Array
-from models.errors import EncoderError
 
 Weights = dict[str, NDArray[np.float32]]
 
@@ -47,9 +43,7 @@ class TrainingSettings:
         growth: Spread of the logarithm of factors on their size.
         tremble: m, spread of noise on every contact.
         exact: Share of layouts whose fingers are all that touch.
-        surface: People whose layouts are drawn beside those of the population, as real people put
-            them down; see `surface_people`.
-        seed: Seed of weights, batches and those people.
+        seed: Seed of weights and batches.
     """
 
     sizes: Mapping[str, int]
@@ -61,16 +55,11 @@ class TrainingSettings:
     growth: float = 0.03
     tremble: float = 0.0007
     exact: float = 0.5
-    surface: int = 150
     seed: int = 0
 
 
 DEFAULT = TrainingSettings({"g": 48, "context": 32, "f": 64, "h": 48})
 """Settings of the network that ships."""
-
-
-SHARES = {"first": 1.0, "second": 1.0, "posed": 0.5, "surface": 1.0}
-"""Share of every source of people in the draws. Posed people have postures that nobody shows."""
 
 
 class SeenLayouts(Protocol):
@@ -96,7 +85,9 @@ class LayoutPool:
         weights: Weight of every person in draws; by default all are equal.
     """
 
-    def __init__(self, people: Sequence[SeenLayouts], weights: Sequence[float] | None = None) -> None:
+    def __init__(
+        self, people: Sequence[SeenLayouts], weights: Sequence[float] | None = None
+    ) -> None:
         self._xy = np.concatenate([p.xy for p in people])
         down = np.concatenate([p.down for p in people])
         given = np.ones(len(people)) if weights is None else np.asarray(weights, float)
@@ -128,37 +119,6 @@ class LayoutPool:
         order = rng.permuted(np.tile(np.arange(count), (n, 1)), axis=1)
         row = np.arange(n)[:, None]
         return xy[row, order], fingers[row, order]
-
-
-def train_names(
-    people: Sequence[Capture],
-    population: str,
-    say: Callable[[float, float], None] = lambda share, loss: None,
-    settings: TrainingSettings = DEFAULT,
-) -> PopulationBelief:
-    """Trains the belief over labels for any person.
-
-    Args:
-        people: People to train on; `meta` names the source of each.
-        population: Digest of the population they are from.
-        say: Called with the share done and the mean loss of the last 100 steps.
-        settings: Sizes and schedule.
-
-    Raises:
-        EncoderError: Nobody is there to train on.
-    """
-    if not people:
-        raise EncoderError(
-            "the population has nobody to train on",
-            remedy="`sandbox subject population --out FILE` makes one with people to train on",
-        )
-    drawn = [surface_person([settings.seed, i]) for i in range(settings.surface)]
-    sources = [str(person.meta["source"]) for person in people] + ["surface"] * len(drawn)
-    shares = [SHARES[source] / sources.count(source) for source in sources]
-    pool = LayoutPool([*people, *drawn], shares)
-    steps = settings.steps
-    weights = train_network(pool, settings, lambda step, loss: say(step / steps, loss))
-    return from_weights(weights, population)
 
 
 def train_network(

@@ -13,9 +13,9 @@ from rich.progress import Progress
 
 from encoders.capture import Capture
 from encoders.captures.population import load_population
+from encoders.captures.population.names import train_names
 from encoders.captures.subject import FROZEN, SEED, simulate
 from encoders.evaluation.best import train_best_model
-from encoders.labels.network_training import train_names
 from encoders.regression.population_training import train_population
 from encoders.regression.registry import find_encoder
 from encoders.regression.trained import (

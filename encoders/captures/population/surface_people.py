@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from encoders.captures.population.hands import drawn_size
-from encoders.labels.layout_density import finger_sets
+from encoders.captures.subject.script import SETS
 from models.arithmetic.arrays import Array
 from models.frames import FINGERS
 
@@ -90,6 +90,6 @@ def _down(rng: np.random.Generator, count: NDArray[np.int64]) -> NDArray[np.bool
     """Touching fingers (T, 5), sets of one number of fingers drawn evenly."""
     down = np.zeros((len(count), len(FINGERS)), bool)
     for row, number in zip(down, count.tolist(), strict=True):
-        sets = finger_sets(number)
+        sets = [fingers for fingers in SETS if len(fingers) == number]
         row[list(sets[rng.integers(len(sets))])] = True
     return down
