@@ -16,12 +16,12 @@ from rich.table import Table
 
 from encoders.capture import Capture
 from encoders.captures.population import Population, load_population, simulate_population
+from encoders.captures.population.names import train_names
 from encoders.captures.population.population import PEOPLE
 from encoders.evaluation.report import plain
 from encoders.evaluation.strangers import StrangerResult, judge_stranger, summary
 from encoders.evaluation.subjects import TRAINING_DAY, subject
 from encoders.labels.belief import BeliefLabels, builtin_belief
-from encoders.labels.network_training import train_names
 from encoders.labels.population_belief import builtin_population_belief
 from encoders.person.rest_posture import MOST, Looks, knowing_rest, looks_of
 from encoders.regression.population_training import at_trained_size, train_population
