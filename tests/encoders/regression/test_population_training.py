@@ -27,8 +27,8 @@ from sandbox.cli.main import main
 @cache
 def few() -> Population:
     groups = {
-        "train": {"first": 5, "second": 4, "posed": 10},
-        "choose": {"first": 1, "second": 1, "posed": 0},
+        "train": {"first": 9, "second": 5, "posed": 23},
+        "choose": {"first": 1, "second": 2, "posed": 0},
     }
     return simulate_population("pose", groups)
 
@@ -124,7 +124,7 @@ def test_the_encoder_for_strangers_has_a_name_and_says_that_it_is_simulated():
     model = find_model("population", pytest.fail)
     assert model is builtin("population") and model.meta["simulated"] is True
     assert len(model.meta["population"]["digest"]) == 32
-    assert sum(map(len, model.meta["population"]["people"].values())) == 341
+    assert sum(map(len, model.meta["population"]["people"].values())) == 263
     assert (builtin_folder() / "population.npz").stat().st_size < 300_000
 
 

@@ -13,7 +13,8 @@ from encoders.captures.population import (
 )
 from models.errors import CaptureError, InputError
 
-FEW = {"train": {"first": 2, "second": 2, "posed": 2}, "judge": {"second": 1}}
+FEW = {"train": {"first": 6, "second": 2, "posed": 4}, "judge": {"second": 1}}
+"""Of the first generator and of those who are posed, more are left out."""
 
 
 @pytest.fixture(scope="module")
@@ -85,3 +86,11 @@ def test_a_population_of_another_version_is_refused(people: Population, tmp_path
 def test_unknown_people_are_refused(groups: dict[str, dict[str, int]]):
     with pytest.raises(InputError):
         simulate_population("", groups)
+
+
+def test_people_put_down_neighbouring_fingers_about_as_far_apart_as_real_ones(people: Population):
+    for person in people.people:
+        five = person.xy[person.down.all(axis=1)] / person.meta["size"]
+        middle = np.median(np.linalg.norm(np.diff(five, axis=1), axis=-1), axis=0)
+        # Real medians are 54, 29, 23 and 31 mm.
+        assert (np.abs(1e3 * middle - [54, 29, 23, 31]) < [39, 15, 12, 18]).all()
