@@ -25,10 +25,12 @@ def test_the_options_say_who_is_meant():
 
 
 def test_people_on_whom_nothing_was_trained_are_judged_with_and_without_a_look_at_them(capsys):
-    found = evaluated(capsys, "--train", "population", "--people", "4", "--no-names", "--rest", "6")
+    found = evaluated(
+        capsys, "--train", "population", "--people", "16", "--no-names", "--rest", "6"
+    )
     assert found["simulated"] is True
     plain, seen = found["strangers"].values()
-    assert 1 <= plain["people"] == seen["people"] <= 4
+    assert 4 <= plain["people"] == seen["people"] <= 16
     for key in ("wrist_cm", "angle_deg"):
         low, high = plain[f"{key}_interval"]
         assert low <= plain[key] <= high
@@ -44,7 +46,7 @@ def test_one_persons_models_are_judged_on_the_same_people(capsys):
 
 
 def test_a_generator_is_held_out(capsys, tmp_path):
-    groups = {"train": {"first": 9, "second": 1}}
+    groups = {"train": {"first": 24, "second": 1}}
     save_population(simulate_population("held", groups), tmp_path / "p.npz")
     file = str(tmp_path / "p.npz")
     line = ("--hold-out", "second", "--population", file, "--days", "1", "--no-names")

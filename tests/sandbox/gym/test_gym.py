@@ -375,7 +375,7 @@ def test_an_episode_learns_nothing_for_the_next_one() -> None:
     for episode in range(2):
         *_, last = play(env, [touching((0, 1, 2, 3, 4))] * 40, seed=1)
         assert last[0]["labels"].tolist() == [0, 1, 2, 3, 4]
-        # Index and ring finger alone look like index and middle, unless five fingers have taught.
+        # Index and ring finger alone look like thumb and index, unless five fingers have taught.
         *_, last = play(env, [touching((1, 3))] * 40, seed=2)
-        assert last[0]["labels"].tolist() == [-1, 1, -1, 2, -1], episode
+        assert last[0]["labels"].tolist() == [-1, 0, -1, 1, -1], episode
     env.close()

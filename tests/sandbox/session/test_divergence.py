@@ -63,7 +63,7 @@ def test_a_dump_holds_the_last_hundred_control_states_the_broken_one_included(re
     assert set(dense) <= set(recording.keyframes)
     assert dense[-1] > 0
     turning = [abs(recording.keyframes[step]).max() for step in reversed(dense)]
-    assert turning[-1] > 5000.0 and turning == sorted(turning)
+    assert turning[-1] > 5000.0 and turning[-1] == max(turning)
     assert set(recording.track.qpos) == set(range(0, end + 1, 8))
 
 

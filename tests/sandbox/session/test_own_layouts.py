@@ -28,7 +28,7 @@ KNOWN: Layouts = (
 )
 SETTINGS = RunSettings(labels="population")
 INDEX_AND_RING = (1, 3)
-"""Fingers that look like index and middle finger, unless five fingers have taught better."""
+"""Fingers that look like thumb and index finger, unless five fingers have taught better."""
 
 
 @dataclass
@@ -103,7 +103,7 @@ def test_every_trial_begins_with_the_settings_alone_so_that_their_order_does_not
 
 def test_layouts_of_five_fingers_mend_names_of_two():
     taught = SETTINGS.knowing(touched((0, 1, 2, 3, 4)).learned)
-    assert touched(INDEX_AND_RING).labels == {1: 1, 3: 2}
+    assert touched(INDEX_AND_RING).labels == {1: 0, 3: 1}
     assert touched(INDEX_AND_RING, taught).labels == {1: 1, 3: 3}
 
 

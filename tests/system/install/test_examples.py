@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -49,7 +50,9 @@ def test_an_example_has_under_sixty_lines(name: str) -> None:
 
 def test_a_trial_is_run_replayed_and_exported_from_python(tmp_path: Path) -> None:
     told = run("run_a_trial.py", tmp_path, "out")
-    assert "success True" in told and "hand poses (321, 48)" in told
+    periods = re.search(r"(\d+) control periods", told)
+    assert "success True" in told and periods
+    assert f"hand poses ({periods[1]}, 48)" in told
     names = {path.name for path in (tmp_path / "out").iterdir()}
     assert {"run.jsonl", "objects.csv", "hands.csv", "touches.csv"} <= names
     told = run("replay_and_export.py", tmp_path, "out/run.jsonl", "exported")
@@ -60,7 +63,9 @@ def test_a_trial_is_run_replayed_and_exported_from_python(tmp_path: Path) -> Non
 
 @pytest.mark.needs("opengl")
 def test_the_film_of_a_trial_comes_as_an_array(tmp_path: Path) -> None:
-    assert "film (78, 180, 320, 3), uint8" in run("run_a_trial.py", tmp_path, "out", "--film")
+    told = run("run_a_trial.py", tmp_path, "out", "--film")
+    film = re.search(r"film \((\d+), 180, 320, 3\), uint8", told)
+    assert film and int(film[1]) > 60
 
 
 def test_an_encoder_is_trained_saved_and_asked_from_python(tmp_path: Path) -> None:
