@@ -2,7 +2,8 @@
 
 Distances of neighbouring fingertips are those of 147 layouts of five fingers that people put on a
 screen: their medians, and the values that one in ten is below and above. The bends of the row are
-those of the simulated people whose layouts train the names of fingers.
+estimated: the middle fingertip is then 17 mm above the line from index to little finger, and was 19
+mm above it in 180 frames of simulated people.
 """
 
 from __future__ import annotations
