@@ -140,7 +140,7 @@ def check_looks(looks: Sequence[Look], size: float) -> None:
             got=f"{joints[number, component]:.2f} rad",
             expected=f"{ADULT.lower[component]:.2f} to {ADULT.upper[component]:.2f} rad",
         )
-    off = np.linalg.norm(tip_targets(xy) - Kinematics(ADULT).tips(q), axis=2)
+    off = np.linalg.norm(tip_targets(xy) - Kinematics(ADULT).tips(q), axis=2)  # any order: a check
     if np.nanmax(off) > FAR:
         number, finger = divmod(int(np.nanargmax(off)), len(FINGERS))
         raise EncoderError(
@@ -233,28 +233,28 @@ class _Shifted(Encoder):
     """An encoder whose poses are moved by a person's constant offset.
 
     Args:
-        inner: A fitted encoder.
+        plain: A fitted encoder.
         offset: (48,) m and rad, those of the root in the frame that turns with the hand.
     """
 
-    def __init__(self, inner: Encoder, offset: Array) -> None:
-        self.inner, self.offset = inner, offset
+    def __init__(self, plain: Encoder, offset: Array) -> None:
+        self.plain, self.offset = plain, offset
 
     def fit(self, U: ArrayLike, Q: ArrayLike) -> Self:
         """Fits the inner encoder; the offset stays."""
-        self.inner.fit(U, Q)
+        self.plain.fit(U, Q)
         return self
 
     def predict(self, U: ArrayLike) -> Array:
         """See `Encoder.predict`."""
-        q = np.asarray(self.inner.predict(U), float)
+        q = np.asarray(self.plain.predict(U), float)
         rows = q.reshape(-1, POSE_SIZE)
         moved = rows + turned_root(np.tile(self.offset, (len(rows), 1)), yaw_of(rows))
         return np.asarray(moved.reshape(q.shape))
 
     def arrays(self) -> dict[str, NDArray[Any]]:
         """Those of the inner encoder, and the offset."""
-        return self.inner.arrays() | {"offset": self.offset}
+        return self.plain.arrays() | {"offset": self.offset}
 
 
 def knowing_rest(model: TrainedModel, looks: Sequence[Look], size: float) -> TrainedModel:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import cos, exp, hypot, log2, sin, sqrt
+from math import cos, exp, log2, sin, sqrt
 
 import numpy as np
 
@@ -199,7 +199,7 @@ def _side_by_side(tips: list[tuple[float, float]]) -> list[tuple[float, float]]:
     apart = tips[:1]
     for x, y in tips[1:]:
         a, b = apart[-1]
-        far = hypot(x - a, y - b)
+        far = sqrt((x - a) ** 2 + (y - b) ** 2)
         if far < NARROWEST:
             # Two at the same place: any direction.
             c, s = ((x - a) / far, (y - b) / far) if far else (1.0, 0.0)

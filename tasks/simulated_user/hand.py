@@ -9,7 +9,7 @@ mm above it in 180 frames of simulated people.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import cos, hypot, sin
+from math import cos, sin, sqrt
 
 import numpy as np
 
@@ -90,7 +90,7 @@ class Hand:
         """
         tips = np.array(self.tips[: fingers - 1])
         end = tips[-1]
-        far = hypot(*end)
+        far = sqrt(end[0] ** 2 + end[1] ** 2)
         if far == 0.0:
             return tips
         c, s = end / far
@@ -99,7 +99,8 @@ class Hand:
 
     def length(self, fingers: int) -> float:
         """Distance in m of the first and the last touching finger beside the thumb."""
-        return hypot(*self.tips[fingers - 2])
+        x, y = self.tips[fingers - 2]
+        return sqrt(x**2 + y**2)
 
     @property
     def natural_axis(self) -> float:

@@ -45,6 +45,7 @@ APART = {
     "encoders/regression/fast.py": "numba, which sessions do not use",
     "encoders/regression/least_squares.py": "training",
     "encoders/regression/person_correction.py": "training",
+    "encoders/regression/population_training.py": "training",
     "encoders/regression/regularised_ik.py": "rivals in evaluations",
     "encoders/regression/trained.py": "training; what ships is stored",
     "encoders/validation.py": "training",
