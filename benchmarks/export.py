@@ -3,11 +3,13 @@
     python -m benchmarks.export                 # ten minutes, one hand
     python -m benchmarks.export --hands 2
     python -m benchmarks.export --minutes 60 --only .bvh .glb    # memory is no more
+    python -m benchmarks.export --leap --only .bvh   # PAALM's hand of a simulated Leap's recording
 
 The session's recording holds no touches: a lively hand at 62.5 poses a second, as a session writes
-them, with two boxes beside it and the states of every second. Each export is a process of its own,
-the command as a person would type it: seconds of the wall clock and of the processor, start
-included, and the process's peak memory.
+them, with two boxes beside it and the states of every second. The Leap's recording is a simulated
+take of half a minute, over and over. Each export is a process of its own, the command as a person
+would type it: seconds of the wall clock and of the processor, start included, and the process's
+peak memory.
 """
 
 from __future__ import annotations
@@ -17,13 +19,17 @@ import json
 import subprocess
 import sys
 import tempfile
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from benchmarks.machine import describe_machine
+from encoders.paalm.simulated.air import simulate_air
+from encoders.paalm.simulated.forward import leap_take
 from models.rotations import quaternion_exp
 from models.skeleton import ADULT
+from sandbox.devices.leap.leap_write import leap_message
 from sandbox.export.targets import FORMATS
 from sandbox.recording.recording import RecordingWriter
 from sandbox.trial.settings import RunSettings
@@ -62,6 +68,19 @@ def write_recording(path: Path, minutes: float, hands: int) -> None:
     writer.close()
 
 
+def write_leap(path: Path, minutes: float) -> None:
+    """A simulated Leap's recording, 100 frames a second."""
+    frames = leap_take(simulate_air(0), 0).frames
+    length = len(frames)
+    with path.open("w", encoding="utf-8") as file:
+        file.write('{"metadata":{"side":"right"},"frames":[')
+        for i in range(round(minutes * 60 * 100)):
+            frame = replace(frames[i % length], time=0.01 * i)
+            text = json.dumps(leap_message(frame, i), separators=(",", ":"))
+            file.write(f"{',' if i else ''}{text}")
+        file.write("]}")
+
+
 def exported(recording: Path, out: Path) -> tuple[float, float, float]:
     """Seconds, seconds of the processor, and MiB of one export."""
     line = [sys.executable, "-c", CHILD, "export", str(recording), "--to", str(out)]
@@ -77,15 +96,20 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
     parser.add_argument("--minutes", type=float, default=10.0)
     parser.add_argument("--hands", type=int, choices=(1, 2), default=1)
+    parser.add_argument("--leap", action="store_true")
     parser.add_argument("--repeats", type=int, default=3)
     parser.add_argument("--only", choices=tuple(FORMATS), nargs="*", default=tuple(FORMATS))
     options = parser.parse_args()
     print(describe_machine())
     with tempfile.TemporaryDirectory() as folder:
-        recording = Path(folder) / "session.jsonl"
-        write_recording(recording, options.minutes, options.hands)
+        recording = Path(folder) / ("leap.json" if options.leap else "session.jsonl")
+        if options.leap:
+            write_leap(recording, options.minutes)
+        else:
+            write_recording(recording, options.minutes, options.hands)
         size = recording.stat().st_size / 2**20
-        print(f"{options.minutes:g} minutes, {options.hands} hand(s), recording {size:.1f} MiB")
+        hands = 1 if options.leap else options.hands
+        print(f"{options.minutes:g} minutes, {hands} hand(s), recording {size:.1f} MiB")
         print(f"{'format':8}{'seconds':>9}{'cpu s':>9}{'MiB peak':>10}{'MiB file':>10}")
         for kind in options.only:
             if kind == ".asf":

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from benchmarks.judged import freeze, frozen_seeds, frozen_settings
+from encoders.paalm.coupling import coupling_of
 from encoders.paalm.hand_reconstructor import HandReconstructorSettings
 from encoders.paalm.options import PaalmOptions
 from encoders.paalm.simulated.air import FROZEN_AIR
@@ -29,11 +30,11 @@ FROZEN = Path(__file__).with_name("frozen_air.json")
 
 
 def configuration() -> dict[str, Any]:
-    """Everything that decides how a run in the air goes, as it is in the code now."""
+    """Everything that decides how a run over the first Leap goes, as it is in the code now."""
     return {
         "settings": frozen_settings(RunSettings(hands=(HandSettings(in_air=HandInput()),))),
         "reconstructor": asdict(HandReconstructorSettings()),
-        "paalm": asdict(PaalmOptions()),
+        "paalm": asdict(PaalmOptions(coupling=coupling_of("v1"))),
         "device": asdict(FROZEN_LEAP),
         "persons": asdict(FROZEN_AIR),
         "habits": asdict(AirHabits()),

@@ -111,5 +111,5 @@ def measure(url: str, seconds: float, rate: float, core: int | None, out: Any) -
 
 def _touch(seq: int, now: float) -> dict[str, Any]:
     x, y = 500 + 60 * float(np.cos(2 * now)), 380 + 60 * float(np.sin(2 * now))
-    contacts = [[1, x - 80, y + 60, 20.0], [2, x + 60, y - 60, 20.0]]
+    contacts = [[1, x - 80, y + 60, 20.0, 20.0], [2, x + 60, y - 60, 20.0, 20.0]]
     return {"type": "touches", "seq": seq, "t": now * 1e3, "contacts": contacts}

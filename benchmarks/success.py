@@ -4,7 +4,7 @@ Every row is the same judged seeds with one thing changed. Resumable: finished t
 file of JSON lines and not run again; what was broken off counts up to the first seed that is
 missing. Trials with PCA-IK run last, side by side in one process.
 
-    python -m benchmarks.success --tasks all --seeds 600 --rows best
+    python -m benchmarks.success --tasks all --seeds 600 --rows shipped
     python -m benchmarks.success --tasks all --seeds 100 --rows encoders
     python -m benchmarks.success --tasks box-to-goal --fingers 2 3 5 --seeds 100 --rows parts
     python -m benchmarks.success --tasks all --rows encoders --table
@@ -31,12 +31,13 @@ from benchmarks.lanes import in_lanes
 from tasks.registry import TASKS
 
 ENCODERS: dict[str, dict[str, Any]] = {
-    "best": {},
+    "shipped": {},
+    "best": {"encoder": "best", "labels": "history"},
     "cubic": {"encoder": "cubic"},
     "quadratic": {"encoder": "quadratic"},
     "linear": {"encoder": "linear"},
     "pca-ik": {"encoder": "pca-ik"},
-    "best --bare": {"bare": True},
+    "best --bare": {"encoder": "best", "bare": True},
     "paper": {"encoder": "paper"},
 }
 """Row -> options of `sandbox run` that differ from its defaults. `paper` is bare as well; both keep
@@ -48,8 +49,8 @@ CONTROLS: dict[str, dict[str, Any]] = {
 }
 
 PARTS: dict[str, dict[str, Any]] = {
-    "best": {},
-    "best, true labels": {"tell_labels": True},
+    "shipped": {},
+    "true labels": {"tell_labels": True},
     "without fingertip correction": {"without": ("correction",)},
     "without arrival rules": {"without": ("arrival",)},
     "without ghost until clear": {"without": ("ghost",)},
@@ -154,7 +155,7 @@ def main() -> None:
     parser.add_argument("--tasks", nargs="+", default=["all"], help="all, or names")
     parser.add_argument("--seeds", type=int, default=600, help="the first N judged seeds")
     parser.add_argument(
-        "--rows", default="best", help="all, encoders, controls, parts, or names separated by ;"
+        "--rows", default="shipped", help="all, encoders, controls, parts, or names separated by ;"
     )
     parser.add_argument("--fingers", type=int, nargs="+", default=[3])
     parser.add_argument("--workers", type=int, default=os.cpu_count() or 1)

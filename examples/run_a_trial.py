@@ -20,7 +20,6 @@ out.mkdir(parents=True, exist_ok=True)
 run = run_trial(
     "box-to-goal",
     seed=3,
-    encoder="best",
     fingers=3,
     record=out / "run.jsonl",
     pictures=(320, 180) if "--film" in sys.argv else None,

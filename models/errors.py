@@ -46,6 +46,36 @@ class InputError(HandSandboxError):
     """Input from a person or a file cannot be used; the command line exits with 2."""
 
 
+class SurfaceTooSmallError(InputError):
+    """A touch surface has no room for a task.
+
+    Args:
+        task: Name of the task; empty if the caller does not know it.
+        size_in: (2,) inches of the surface, width and height.
+        room: What needs room.
+        example_in: (2,) inches of a surface that has it; None if nobody has looked for one.
+        remedy: Next step for the reader of the message.
+    """
+
+    def __init__(
+        self,
+        task: str,
+        size_in: tuple[float, float],
+        room: str,
+        example_in: tuple[float, float] | None = None,
+        remedy: str | None = None,
+    ) -> None:
+        self.example_in = example_in
+        example = f", as on {example_in[0]:g}x{example_in[1]:g}in" if example_in else ""
+        super().__init__(
+            "the surface is too small for this task",
+            where=task or None,
+            got=f"{size_in[0]:.3g}x{size_in[1]:.3g}in",
+            expected=f"room for {room}{example}",
+            remedy=remedy,
+        )
+
+
 class FrameError(InputError):
     """A touch or hand frame breaks its contract."""
 

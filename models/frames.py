@@ -21,6 +21,8 @@ class Contact:
         y: Surface position, metres down from the top left corner.
         size: Contact diameter in metres; None where the device does not measure it.
         label: Finger (thumb 0 .. little 4), where the *device* knows it; None otherwise.
+        extent: Width and height of the contact in metres, both above 0; None where the device does
+            not measure both. Palms are told from fingers by it.
     """
 
     id: int
@@ -28,6 +30,7 @@ class Contact:
     y: float
     size: float | None = None
     label: int | None = None
+    extent: tuple[float, float] | None = None
 
     def __post_init__(self) -> None:
         if not (math.isfinite(self.x) and math.isfinite(self.y)):
@@ -40,6 +43,13 @@ class Contact:
         if self.label is not None and self.label not in range(len(FINGERS)):
             raise FrameError(
                 "no such finger", where=f"contact {self.id}", got=self.label, expected="0 to 4"
+            )
+        if self.extent is not None and not all(0.0 < e < math.inf for e in self.extent):
+            raise FrameError(
+                "a contact's width and height must be finite and above 0",
+                where=f"contact {self.id}",
+                got=self.extent,
+                expected="metres",
             )
 
 
@@ -90,13 +100,14 @@ class TrackedFinger:
 
     Attributes:
         id: Constant while the finger is visible; unique among the fingers of one hand.
-        tip: m, position of the fingertip.
+        tip: m, position of the fingertip, as the device reports it; where it models bones, this
+            may be a point within the last one.
         direction: Unit vector along the finger, as the device reports it.
         length: m, finger length as the device reports it: the visible length (first Leap software),
             or the sum of the bones.
         finger: Thumb 0 .. little 4 where the *device* knows it; None otherwise.
         joints: m, (knuckle, PIP, DIP, tip), for the thumb (CMC, MCP, IP, tip), where the device
-            models bones; None otherwise.
+            models bones; None otherwise. The last is the end of the last bone.
         extended: True if the device reports the finger as stretched; None where it does not say.
     """
 
@@ -124,6 +135,12 @@ class TrackedFinger:
             )
         if self.finger is not None and self.finger not in range(len(FINGERS)):
             raise FrameError("no such finger", where=where, got=self.finger, expected="0 to 4")
+
+    @property
+    def end(self) -> Vector:
+        """The finger's end in m: that of its last bone where the device models bones, else the
+        tip."""
+        return self.tip if self.joints is None else self.joints[3]
 
 
 @dataclass(frozen=True, slots=True)
@@ -183,11 +200,14 @@ class HandFrame:
         time: Seconds on the device's own monotonic clock.
         hands: The visible hands, in any order.
         source: Name of the device, for messages and logs.
+        dialect: Version of a Leap's software, by its messages: `v1`, `v2`, `v3` or `bridge`; None
+            where it is unknown, as in recordings made before it was stored.
     """
 
     time: float
     hands: tuple[TrackedHand, ...] = ()
     source: str = ""
+    dialect: str | None = None
 
     def __post_init__(self) -> None:
         if not math.isfinite(self.time):

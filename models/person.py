@@ -123,6 +123,10 @@ class PersonFrame:
         """Transforms differences (..., 2) between points outwards, without the frames' origins."""
         return np.asarray(steps, float) * self.person.hand_size @ self.matrix
 
+    def inward_steps(self, steps: ArrayLike) -> Array:
+        """Inverse of `outward_steps`."""
+        return np.asarray(steps, float) @ self.matrix.T / self.person.hand_size
+
     def outward_pose(self, q: ArrayLike) -> Array:
         """The person's pose (..., 48) in the screen's 3-D surface frame.
 

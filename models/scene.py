@@ -11,6 +11,7 @@ import mujoco
 import numpy as np
 
 from models.arithmetic.arrays import Array
+from models.arithmetic.products import squared_lengths
 from models.errors import SceneError
 from models.hand import CONTACT_HAND, CONTACT_TABLE
 from models.mjcf_object import MjcfObject
@@ -136,6 +137,13 @@ class Scene:
         """Position (3,) and rotation (3, 3) of an object in the world."""
         body = self.object_bodies[name]
         return data.xpos[body].copy(), data.xmat[body].reshape(3, 3).copy()
+
+    def object_radius(self, name: str) -> float:
+        """Distance in m from an object's origin to its farthest point, at most."""
+        model = self.model
+        geoms = np.flatnonzero(model.geom_bodyid == self.object_bodies[name])
+        ends = np.sqrt(squared_lengths(model.geom_pos[geoms])) + model.geom_rbound[geoms]
+        return float(np.max(ends))
 
     def pose_to_qpos(self, hand: int, q: Array) -> Array:
         """Joint positions (n,) of a hand at a pose (48,), in the order of its joints."""

@@ -8,7 +8,8 @@ from typing import ClassVar
 import numpy as np
 
 from models.arithmetic.products import distance, length
-from models.errors import InputError
+from models.errors import SurfaceTooSmallError
+from models.messages.message import Message
 from models.objects import Box
 from models.surface import Surface
 from tasks.sensing import Sensing
@@ -69,18 +70,14 @@ class BoxToGoal(TaskDefaults):
         """Draws the trial of a seed; the same seed and surface give the same trial.
 
         Raises:
-            InputError: The surface has no room for a start and a goal.
+            SurfaceTooSmallError: The surface has no room for a start and a goal.
         """
         rng = np.random.default_rng([seed, cls.version])
         low = np.array([BORDER, BORDER])
         high = surface.size - BORDER
         if np.any(high < low) or length(high - low) < ROOM:
-            raise InputError(
-                "the surface is too small for this task",
-                where=cls.name,
-                got=f"{surface.width_in:.3g}x{surface.height_in:.3g}in",
-                expected="room for two places of a box, as on 5.5x4in",
-            )
+            size = surface.width_in, surface.height_in
+            raise SurfaceTooSmallError(cls.name, size, "two places of a box", (5.5, 4.0))
         distance = 0.0
         while not DISTANCE[0] <= distance <= DISTANCE[1]:
             start, end = rng.uniform(low, high), rng.uniform(low, high)
@@ -102,19 +99,28 @@ class BoxToGoal(TaskDefaults):
         # Seen from above, a cube repeats every 90 degrees.
         quarter = np.pi / 2
         turn = abs((box.yaw - goal.yaw + quarter / 2) % quarter - quarter / 2)
-        reason = ""
+        reason: str = ""
         if off > POSITION_TOLERANCE:
-            reason = f"the box is {1000 * off:.0f} mm from the goal"
+            reason = Message(
+                "box_from_goal", "the box is {mm} mm from the goal", mm=f"{1000 * off:.0f}"
+            )
         elif box.tilt > TILT_TOLERANCE:
-            reason = f"the box is tilted by {np.rad2deg(box.tilt):.0f} degrees"
+            degrees = f"{np.rad2deg(box.tilt):.0f}"
+            reason = Message(
+                "box_tilted", "the box is tilted by {degrees} degrees", degrees=degrees
+            )
         elif turn > YAW_TOLERANCE:
-            reason = f"the box is turned by {np.rad2deg(turn):.0f} degrees against the goal"
+            reason = Message(
+                "box_turned",
+                "the box is turned by {degrees} degrees against the goal",
+                degrees=f"{np.rad2deg(turn):.0f}",
+            )
         elif not box.on_table:
-            reason = "the box does not stand on the table"
+            reason = Message("box_off_table", "the box does not stand on the table")
         elif box.held:
-            reason = "a hand still touches the box"
+            reason = Message("box_touched", "a hand still touches the box")
         elif box.speed > SPEED_TOLERANCE:
-            reason = "the box is still moving"
+            reason = Message("box_moves", "the box is still moving")
         way = max(distance(target, self.objects[0].position) - POSITION_TOLERANCE, 1e-9)
         travelled = 1.0 - max(off - POSITION_TOLERANCE, 0.0) / way
         # Only success is 1: a box on its way, tilted or still held stays below.

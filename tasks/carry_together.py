@@ -9,7 +9,8 @@ from typing import ClassVar
 import numpy as np
 
 from models.arithmetic.products import distance
-from models.errors import InputError
+from models.errors import SurfaceTooSmallError
+from models.messages.message import Message
 from models.objects import TRAY_GRIP, TRAY_HANDLE, Tray
 from models.surface import Surface
 from tasks.sensing import Sensing
@@ -82,7 +83,7 @@ class CarryTogether(TaskDefaults):
             surface: The surface of both hands together.
 
         Raises:
-            InputError: The surface has no room for a start and a goal.
+            SurfaceTooSmallError: The surface has no room for a start and a goal.
         """
         rng = np.random.default_rng([seed, cls.version, 20])
         # Only there both grips of a tray are in their halves.
@@ -100,12 +101,12 @@ class CarryTogether(TaskDefaults):
             ):
                 break
         else:
-            raise InputError(
-                "the surface is too small for this task",
-                where=cls.name,
-                got=f"{surface.width_in:.3g}x{surface.height_in:.3g}in",
-                expected="room for a tray between two hands, as on 14x5.5in",
-                remedy="Give every hand a surface of its own: --device A --device B",
+            raise SurfaceTooSmallError(
+                cls.name,
+                (surface.width_in, surface.height_in),
+                "a tray between two hands",
+                (14.0, 5.5),
+                "Give every hand a surface of its own: --device A --device B",
             )
         mass, rise = float(rng.uniform(*MASS)), float(rng.uniform(*RISE))
         places = surface.to_world(np.array([start, end]))[:, :2].tolist()
@@ -121,19 +122,33 @@ class CarryTogether(TaskDefaults):
         slope, roll = (asin(min(abs(z), 1.0)) for z in tray.rotation[2, :2].tolist())
         if tray.rotation[2, 2] < 0.0:
             roll = np.pi - roll
-        reason = ""
+        reason: str = ""
         if tray.on_table:
-            reason = "the tray is on the table"
+            reason = Message("tray_on_table", "the tray is on the table")
         elif slope > SLOPE_TOLERANCE:
-            reason = f"the tray slopes by {np.rad2deg(slope):.0f} degrees from end to end"
+            reason = Message(
+                "tray_slopes",
+                "the tray slopes by {degrees} degrees from end to end",
+                degrees=f"{np.rad2deg(slope):.0f}",
+            )
         elif roll > ROLL_TOLERANCE:
-            reason = f"the tray is rolled by {np.rad2deg(roll):.0f} degrees"
+            reason = Message(
+                "tray_rolled",
+                "the tray is rolled by {degrees} degrees",
+                degrees=f"{np.rad2deg(roll):.0f}",
+            )
         elif off > POSITION_TOLERANCE:
-            reason = f"the tray is {1000 * off:.0f} mm from the goal"
+            reason = Message(
+                "tray_from_goal", "the tray is {mm} mm from the goal", mm=f"{1000 * off:.0f}"
+            )
         elif turn > YAW_TOLERANCE:
-            reason = f"the tray is turned by {np.rad2deg(turn):.0f} degrees against the goal"
+            reason = Message(
+                "tray_turned",
+                "the tray is turned by {degrees} degrees against the goal",
+                degrees=f"{np.rad2deg(turn):.0f}",
+            )
         elif tray.speed > SPEED_TOLERANCE:
-            reason = "the tray is still moving"
+            reason = Message("tray_moves", "the tray is still moving")
         way = max(distance(goal.position, self.objects[0].position) - POSITION_TOLERANCE, 1e-9)
         travelled = 1.0 - max(off - POSITION_TOLERANCE, 0.0) / way
         progress = 1.0 if not reason else min(max(travelled, 0.0), 0.99)

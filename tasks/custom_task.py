@@ -29,7 +29,7 @@ import numpy as np
 
 from models.arithmetic.arrays import Array
 from models.arithmetic.products import length
-from models.errors import InputError
+from models.errors import SurfaceTooSmallError
 from models.objects import SceneObject
 from models.surface import Surface
 from tasks.sensing import Sensing
@@ -117,7 +117,7 @@ def two_places(
         border: m from the surface's border, so that fingers have room beside an object.
 
     Raises:
-        InputError: The surface is too small for them.
+        SurfaceTooSmallError: The surface is too small for them.
     """
     low, high = np.full(2, border), surface.size - border
     for _ in range(_TRIES if np.all(high > low) else 0):
@@ -126,8 +126,5 @@ def two_places(
             places = surface.to_world(np.stack([start, end]))
             places[:, 2] = 0.0
             return places[0], places[1]
-    raise InputError(
-        "the surface is too small for this task",
-        got=f"{surface.width_in:.3g}x{surface.height_in:.3g}in",
-        expected=f"room for two places {1000 * apart[0]:.0f} mm apart",
-    )
+    size = surface.width_in, surface.height_in
+    raise SurfaceTooSmallError("", size, f"two places {1000 * apart[0]:.0f} mm apart")

@@ -25,7 +25,8 @@ class Status(StrEnum):
 def ending(status: str, success: bool) -> str:
     """Text for people of how a trial ended, in a word or two."""
     if status == "running":
-        return "broken off"
+        # A trial runs for another second after success; it may be left before.
+        return "done" if success else "broken off"
     return "done" if success else status.replace("_", " ")
 
 

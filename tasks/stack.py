@@ -64,7 +64,7 @@ class Stack(Stacking):
             if np.all(surface.size > 2 * low) and _apart(places, edges):
                 break
         else:
-            raise too_small(cls.name, surface, "7.76x5.82in")
+            raise too_small(cls.name, surface, (7.76, 5.82))
         masses, yaws = rng.uniform(*MASS, cls.count), rng.uniform(-YAW, YAW, cls.count)
         return cls.of(seed, edges, masses, surface.to_world(places)[:, :2], yaws)
 

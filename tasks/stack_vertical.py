@@ -71,7 +71,7 @@ class StackVertical(Stacking):
             if fits and abs(across[1] - across[0]) >= edges.mean() + GAP:
                 break
         else:
-            raise too_small(cls.name, surface, "7.76x5.82in")
+            raise too_small(cls.name, surface, (7.76, 5.82))
         masses = rng.uniform(*MASS, cls.count)
         places = np.column_stack([surface.origin[0] + across, np.zeros(cls.count)])
         return cls.of(seed, edges, masses, places, np.zeros(cls.count))

@@ -13,7 +13,8 @@ import numpy as np
 
 from models.arithmetic.arrays import Array
 from models.arithmetic.products import length
-from models.errors import InputError
+from models.errors import SurfaceTooSmallError
+from models.messages.message import Message
 from models.objects import Box
 from models.scene import TABLE
 from models.surface import Surface
@@ -24,7 +25,7 @@ from tasks.task import Goal, Measure, TaskDefaults
 NAMES = ("base", "second", "third")
 """Names of the boxes, from below."""
 COLOURS = ((0.86, 0.30, 0.24), (0.93, 0.68, 0.22), (0.30, 0.52, 0.78))
-"""Colours of the boxes, by which messages name them."""
+"""Colours of the boxes, by which the page names them (sandbox/words)."""
 
 EDGE = (0.040, 0.060)
 """m."""
@@ -109,9 +110,9 @@ class Stacking(TaskDefaults):
     def _base_missing(self, states: dict[str, ObjectState], sensing: Sensing) -> str:
         name = self.objects[0].name
         if not sensing.rests_on(name, TABLE):
-            return f"the {name} box does not stand on the table"
+            return Message("stack_off_table", "the {box} box does not stand on the table", box=name)
         if any(sensing.rests_on(name, other.name) for other in self.objects[1:]):
-            return f"the {name} box stands on another one"
+            return Message("stack_on_other", "the {box} box stands on another one", box=name)
         return _reason_not_settled(name, states[name])
 
     def _missing(
@@ -120,13 +121,24 @@ class Stacking(TaskDefaults):
         """Reason why a box does not stand on the right box below; empty if it does."""
         name, below = upper.name, lower.name
         if sensing.touching(name, TABLE):
-            return f"the {name} box stands on the table"
+            return Message("stack_on_table", "the {box} box stands on the table", box=name)
         others = (o.name for o in self.objects if o.name not in (name, below))
         if not sensing.rests_on(name, below) or any(sensing.rests_on(name, o) for o in others):
-            return f"the {name} box does not stand on the {below} box"
+            return Message(
+                "stack_not_on",
+                "the {box} box does not stand on the {below} box",
+                box=name,
+                below=below,
+            )
         off = length((states[name].position - states[below].position)[:2])
         if off > OFFSET_TOLERANCE * 2 * min(lower.half_size[0], upper.half_size[0]):
-            return f"the {name} box is {1000 * off:.0f} mm off the middle of the {below} box"
+            return Message(
+                "stack_off_middle",
+                "the {box} box is {mm} mm off the middle of the {below} box",
+                box=name,
+                mm=f"{1000 * off:.0f}",
+                below=below,
+            )
         return _reason_not_settled(name, states[name])
 
     def _progress(self, states: dict[str, ObjectState], done: int) -> float:
@@ -161,19 +173,20 @@ class _Start:
 
 def _reason_not_settled(name: str, state: ObjectState) -> str:
     if state.lean > LEAN_TOLERANCE:
-        return f"the {name} box is tilted by {np.rad2deg(state.lean):.0f} degrees"
+        return Message(
+            "stack_tilted",
+            "the {box} box is tilted by {degrees} degrees",
+            box=name,
+            degrees=f"{np.rad2deg(state.lean):.0f}",
+        )
     if state.held:
-        return f"a hand still touches the {name} box"
+        return Message("stack_touched", "a hand still touches the {box} box", box=name)
     if state.speed > SPEED_TOLERANCE:
-        return f"the {name} box is still moving"
+        return Message("stack_moves", "the {box} box is still moving", box=name)
     return ""
 
 
-def too_small(name: str, surface: Surface, example: str) -> InputError:
+def too_small(name: str, surface: Surface, example_in: tuple[float, float]) -> SurfaceTooSmallError:
     """The error for a surface that is too small for a task."""
-    return InputError(
-        "the surface is too small for this task",
-        where=name,
-        got=f"{surface.width_in:.3g}x{surface.height_in:.3g}in",
-        expected=f"room for the boxes, as on {example}",
-    )
+    size = surface.width_in, surface.height_in
+    return SurfaceTooSmallError(name, size, "the boxes", example_in)

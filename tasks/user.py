@@ -66,7 +66,7 @@ class UserConfiguration:
     finger_error: float = 0.0015
     stagger: float = 0.033
     hand_size: float = 1.0
-    opening: float = 0.006
+    opening: float = 0.009
     easy_opening: float = 0.085
     squeeze: float = 0.0035
     natural_axis: float = float(np.deg2rad(45.0))

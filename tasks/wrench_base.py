@@ -9,7 +9,8 @@ from typing import ClassVar, Self
 import numpy as np
 
 from models.arithmetic.arrays import Array
-from models.errors import InputError
+from models.errors import SurfaceTooSmallError
+from models.messages.message import Message
 from models.objects import Wrench
 from models.surface import Surface
 from tasks.sensing import ObjectState, Sensing
@@ -39,7 +40,8 @@ class WrenchTask(TaskDefaults, ABC):
     Attributes:
         stream: Number of this task's random stream of a seed.
         border: m from the surface's border to the nearest place that is drawn.
-        room: Text for errors: what a surface must have room for, with a size that is large enough.
+        room: Text for errors: what a surface must have room for.
+        room_in: (2,) inches of a surface that has it.
     """
 
     name: ClassVar[str]
@@ -47,6 +49,7 @@ class WrenchTask(TaskDefaults, ABC):
     stream: ClassVar[int]
     border: ClassVar[float]
     room: ClassVar[str]
+    room_in: ClassVar[tuple[float, float]]
     time_limit: ClassVar[float] = 30.0
     hold_time: ClassVar[float] = 0.5
     table_friction: ClassVar[float] = 0.3
@@ -63,7 +66,7 @@ class WrenchTask(TaskDefaults, ABC):
         """Draws the trial of a seed; the same seed and surface give the same trial.
 
         Raises:
-            InputError: The surface is too small for a start and a goal.
+            SurfaceTooSmallError: The surface is too small for a start and a goal.
         """
         rng = np.random.default_rng([seed, cls.version, cls.stream])
         low, high = np.full(2, cls.border), surface.size - cls.border
@@ -72,12 +75,8 @@ class WrenchTask(TaskDefaults, ABC):
             if way is not None:
                 break
         else:
-            raise InputError(
-                "the surface is too small for this task",
-                where=cls.name,
-                got=f"{surface.width_in:.3g}x{surface.height_in:.3g}in",
-                expected=f"room for {cls.room}",
-            )
+            size = surface.width_in, surface.height_in
+            raise SurfaceTooSmallError(cls.name, size, cls.room, cls.room_in)
         start, yaw, end, turn = way
         mass = float(rng.uniform(*MASS))
         wrench = Wrench(NAME, mass, start, yaw, cls._bolt(rng))
@@ -138,8 +137,10 @@ def share(left: float, whole: float, tolerance: float) -> float:
 
 def _reason_not_settled(wrench: ObjectState) -> str:
     if wrench.held:
-        return "a hand still touches the wrench"
-    return "the wrench is still moving" if wrench.speed > SPEED_TOLERANCE else ""
+        return Message("wrench_touched", "a hand still touches the wrench")
+    if wrench.speed > SPEED_TOLERANCE:
+        return Message("wrench_moves", "the wrench is still moving")
+    return ""
 
 
 def wrapped(angle: float) -> float:

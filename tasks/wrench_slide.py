@@ -10,6 +10,7 @@ import numpy as np
 
 from models.arithmetic.arrays import Array
 from models.arithmetic.products import length
+from models.messages.message import Message
 from models.objects import HANDLE, JAW, THICKNESS
 from models.surface import Surface
 from tasks.sensing import ObjectState
@@ -48,7 +49,8 @@ class WrenchSlide(WrenchTask):
     version: ClassVar[int] = 1
     stream: ClassVar[int] = 3
     border: ClassVar[float] = 0.036
-    room: ClassVar[str] = "two places of a wrench, as on 7.06x4.65in"
+    room: ClassVar[str] = "two places of a wrench"
+    room_in: ClassVar[tuple[float, float]] = (7.06, 4.65)
 
     @classmethod
     def _way(
@@ -66,12 +68,24 @@ class WrenchSlide(WrenchTask):
     def _missing(self, wrench: ObjectState) -> str:
         off, turn = self._off(wrench), self._turn_left(wrench)
         if off > POSITION_TOLERANCE:
-            return f"the wrench is {1000 * off:.0f} mm from the goal"
+            return Message(
+                "wrench_from_goal", "the wrench is {mm} mm from the goal", mm=f"{1000 * off:.0f}"
+            )
         if wrench.tilt > TILT_TOLERANCE:
-            return f"the wrench is tilted by {np.rad2deg(wrench.tilt):.0f} degrees"
+            return Message(
+                "wrench_tilted",
+                "the wrench is tilted by {degrees} degrees",
+                degrees=f"{np.rad2deg(wrench.tilt):.0f}",
+            )
         if turn > YAW_TOLERANCE:
-            return f"the wrench is turned by {np.rad2deg(turn):.0f} degrees against the goal"
-        return "" if wrench.on_table else "the wrench does not lie on the table"
+            return Message(
+                "wrench_turned",
+                "the wrench is turned by {degrees} degrees against the goal",
+                degrees=f"{np.rad2deg(turn):.0f}",
+            )
+        if not wrench.on_table:
+            return Message("wrench_off_table", "the wrench does not lie on the table")
+        return ""
 
     def _progress(self, wrench: ObjectState) -> float:
         """Progress: half for the slide, half for the turn."""

@@ -10,6 +10,7 @@ import numpy as np
 
 from models.arithmetic import functions
 from models.arithmetic.arrays import Array
+from models.messages.message import Message
 from models.objects import BOLT_LIFT, HANDLE, JAW, THICKNESS
 from models.surface import Surface
 from tasks.sensing import ObjectState
@@ -60,7 +61,8 @@ class WrenchTurn(WrenchTask):
     time_limit: ClassVar[float] = 20.0
     hold_time: ClassVar[float] = 2.0
     border: ClassVar[float] = 0.018
-    room: ClassVar[str] = "the way of a wrench's handle, as on 7.76x5.82in"
+    room: ClassVar[str] = "the way of a wrench's handle"
+    room_in: ClassVar[tuple[float, float]] = (7.76, 5.82)
 
     @classmethod
     def _way(
@@ -82,9 +84,13 @@ class WrenchTurn(WrenchTask):
     def _missing(self, wrench: ObjectState) -> str:
         off = self._turn_left(wrench)
         if self._lost(wrench):
-            return "the nut is overtightened"
+            return Message("nut_overtightened", "the nut is overtightened")
         if off > YAW_TOLERANCE:
-            return f"the wrench is {np.rad2deg(off):.0f} degrees from the goal"
+            return Message(
+                "wrench_from_angle",
+                "the wrench is {degrees} degrees from the goal",
+                degrees=f"{np.rad2deg(off):.0f}",
+            )
         return ""
 
     def _lost(self, wrench: ObjectState) -> bool:

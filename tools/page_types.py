@@ -36,6 +36,7 @@ def typescript() -> str:
         f"export const FRAME_KIND = {KIND};",
         f"export const POSE_BYTES = {POSE_BYTES};",
         f"export const SKIN_KIND = {SKIN_KIND};",
+        f"export const LIFT_STRIP_PX = {protocol.LIFT_STRIP_PX:g};",
     ]
     for struct in vars(protocol).values():
         if isinstance(struct, type) and issubclass(struct, Struct) and struct is not Struct:

@@ -9,16 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from encoders.paalm.angles import angles_of_joints
-from encoders.paalm.calibration import MOST_BENT, measure, pointing
+from encoders.paalm.calibration import EQUAL_BENDS, MOST_BENT, measure, pointing
 from encoders.paalm.palm import palm_of
 from encoders.paalm.simulated.forward import LeapTake
 from models.arithmetic.arrays import Array
 from models.errors import EncoderError
 from models.frames import FINGERS, HandFrame, TrackedFinger, TrackedHand
-
-SAME = 0.1
-"""Degrees. If PIP and DIP differ by less on average, they are equal by construction, as in Leap v2,
-and are not a truth for single joints."""
 
 
 def take_of_recording(frames: Sequence[HandFrame], side: str) -> LeapTake:
@@ -51,7 +47,8 @@ def take_of_recording(frames: Sequence[HandFrame], side: str) -> LeapTake:
 
 def independent(take: LeapTake) -> bool:
     """True if PIP and DIP are independent in this recording, so that they can be evaluated."""
-    return bool(np.abs(take.angles[:, 1:, 2] - take.angles[:, 1:, 3]).mean() > SAME)
+    apart = np.abs(take.angles[:, 1:, 2] - take.angles[:, 1:, 3]).mean()
+    return bool(apart > EQUAL_BENDS)
 
 
 def as_first_software(take: LeapTake, seed: int = 0) -> LeapTake:
@@ -78,7 +75,8 @@ def as_first_software(take: LeapTake, seed: int = 0) -> LeapTake:
             )
         order = rng.permutation(len(shown)).tolist()
         shown = [shown[i] for i in order]
-        frames.append(replace(frame, hands=(replace(hand, fingers=tuple(shown)),)))
+        unnamed = replace(hand, fingers=tuple(shown))
+        frames.append(replace(frame, hands=(unnamed,), dialect="v1"))
         names.append({i: n for n, i in current.items() if i >= 0})
     return replace(take, frames=tuple(frames), fingers=tuple(names), dialect="v1")
 

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from encoders.paalm.angles import joints_of_angles
-from encoders.paalm.calibration import HandCalibration
+from encoders.paalm.calibration import HandCalibration, coupling_of_joints, dialect_of_bones
 from encoders.paalm.hand_pose import PALM_CENTRE
 from encoders.paalm.options import PaalmOptions
 from encoders.paalm.rig import bone_lengths
+from models.arithmetic.arrays import Array
 from models.arithmetic.products import squared_lengths
 from models.frames import FINGERS, HandFrame
 from models.skeleton import ADULT
@@ -34,14 +36,19 @@ def average_calibration(
     """
     options = options or PaalmOptions()
     lengths = np.array(bone_lengths())
-    bones = _bones(frames, side)
+    dialect = next((f.dialect for f in frames if f.dialect is not None), None)
+    joints = _joints(frames, side)
+    bones = None
     hidden = np.array([options.thumb_hidden, *[options.hidden] * (len(FINGERS) - 1)])
-    if bones is not None:
+    if joints is not None:
+        dialect = dialect_of_bones(dialect, joints)
+        bones = np.sqrt(squared_lengths(np.diff(joints, axis=2))).mean(axis=0)
         lengths, hidden = bones, np.zeros(len(FINGERS))
     angles = np.zeros((len(FINGERS), 4))
     angles[:, 1] = OPEN_SPREAD
     angles[:, 2] = 0.0 if bones is not None else options.open_bend
-    angles[:, 3] = options.coupling.slope * angles[:, 2] + options.coupling.offset
+    coupling = options.coupling_for(dialect)
+    angles[:, 3] = coupling.slope * angles[:, 2] + coupling.offset
     knuckles = np.array([ADULT.bones[i].anchor for i in ADULT.first_bone]) - PALM_CENTRE
     joints = joints_of_angles(angles, knuckles, lengths)
     base = joints[:, 0] + hidden[:, None] * (joints[:, 1] - joints[:, 0])
@@ -56,17 +63,37 @@ def average_calibration(
         bones,
         0,
         0.0,
-        {"not measured: an average hand": 1},
+        {f"not measured: {'an average hand' if bones is None else 'the bones of the device'}": 1},
+        dialect,
     )
 
 
-def _bones(frames: Sequence[HandFrame], side: str) -> np.ndarray | None:
-    """Mean (5, 3) m of the device's own bones; None where it has none."""
-    bones = []
+def knows_bones(frames: Sequence[HandFrame], side: str) -> bool:
+    """True if the device reports all joints of a hand in some frame, so that it needs no open
+    hand."""
+    return _joints(frames, side) is not None
+
+
+def with_reported_coupling(
+    calibration: HandCalibration, frames: Sequence[HandFrame]
+) -> HandCalibration:
+    """The calibration with the coupling that the device reports in frames in which the hand moves.
+
+    A person's joints, and a device's model of them, differ from the average of their dialect. The
+    calibration stays as it is where the device reports no joints, or where they hardly bend.
+    """
+    joints = _joints(frames, calibration.side)
+    return (
+        calibration if joints is None else replace(calibration, coupling=coupling_of_joints(joints))
+    )
+
+
+def _joints(frames: Sequence[HandFrame], side: str) -> Array | None:
+    """The device's own joints (n, 5, 4, 3), m; None where it reports none."""
+    found = []
     for frame in frames:
         for hand in frame.hands:
             named = {f.finger: f.joints for f in hand.fingers if f.joints is not None}
             if hand.side == side and len(named) == len(FINGERS):
-                joints = np.array([named[i] for i in range(len(FINGERS))])
-                bones.append(np.sqrt(squared_lengths(np.diff(joints, axis=1))))
-    return np.mean(bones, axis=0) if bones else None
+                found.append([named[i] for i in range(len(FINGERS))])
+    return np.array(found) if found else None

@@ -9,10 +9,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from encoders.paalm.coupling import Coupling
 from encoders.paalm.palm import palm_of
 from models.arithmetic.arrays import Array
 from models.errors import EncoderError
-from models.frames import FINGERS, TrackedFinger, TrackedHand
+from models.frames import FINGERS, TrackedFinger, TrackedHand, Vector
 
 PAPER_FRAMES = 1000
 
@@ -27,6 +28,18 @@ MOST_BENT = 60.0
 """Degrees, PIP and DIP together, of an open hand whose joints the device knows."""
 LEAST_USABLE = 0.5
 """Share of frames in which five fingers must be seen."""
+
+EQUAL_BENDS = 0.1
+"""Degrees. If PIP and DIP differ by less on average, they are equal by construction, as in Leap
+v2."""
+
+LONGEST, NEARLY = 90.0, 0.93
+"""Percentile of the lengths that is a standard, and share of it above which all of a finger is
+seen."""
+
+LEAST_FITTED = 15.0
+"""Degrees of PIP above which a frame counts for the coupling: an angle without sign says little
+about a straight finger."""
 
 _OUTLIER = 3.0
 """Median deviations beyond which a length is an outlier."""
@@ -46,6 +59,14 @@ class HandCalibration:
         frames: Number of frames used.
         seconds: Time from the first to the last.
         left_out: Number of unused frames, by reason.
+        dialect: Version of the device's software, see `HandFrame`; it decides the coupling of
+            joints. None where it is unknown.
+        by_tip: Fingers are solved from the knuckle to the tip, whatever length is seen of them; see
+            `longest_calibration`.
+        palm_shift: (3,) m in palm coordinates, from the device's centre of the palm to that of the
+            average hand, whose knuckles then count; None leaves the device's.
+        coupling: Coupling of this hand as its device reports it, which then decides instead of the
+            dialect. None where it was not measured.
     """
 
     side: str
@@ -57,6 +78,10 @@ class HandCalibration:
     frames: int
     seconds: float
     left_out: dict[str, int]
+    dialect: str | None = None
+    coupling: Coupling | None = None
+    by_tip: bool = False
+    palm_shift: Vector | None = None
 
     @property
     def bases(self) -> Array:
@@ -65,14 +90,20 @@ class HandCalibration:
 
 
 def calibrated(
-    samples: Iterable[tuple[float, TrackedHand | None]], side: str, wanted: int = PAPER_FRAMES
+    samples: Iterable[tuple[float, TrackedHand | None]],
+    side: str,
+    wanted: int = PAPER_FRAMES,
+    least: int | None = None,
+    dialect: str | None = None,
 ) -> HandCalibration:
     """Calibrates one hand.
 
     Args:
         samples: (time in s, the hand or None where it is not seen), one a frame.
         side: `right` or `left`.
-        wanted: Number of frames with five fingers that are needed and used.
+        wanted: Number of frames with five fingers that are used.
+        least: Number of them that is enough; None is all of `wanted`.
+        dialect: Dialect of the frames.
 
     Raises:
         EncoderError: Too few frames, a hand that was not open, or lengths that vary too much.
@@ -80,7 +111,7 @@ def calibrated(
     left_out: Counter[str] = Counter()
     times: list[float] = []
     rows: list[list[tuple[float, ...]]] = []
-    bones: list[Array] = []
+    known: list[Array] = []
     for time, hand in samples:
         if len(rows) == wanted:
             break
@@ -93,11 +124,10 @@ def calibrated(
         palm = palm_of(hand, side)
         ordered = in_order(hand, side)
         times.append(time)
-        rows.append([(measure(f), *palm.place(f.tip), *palm.turn(pointing(f))) for f in ordered])
+        rows.append([(measure(f), *palm.place(f.end), *palm.turn(pointing(f))) for f in ordered])
         if all(f.joints for f in ordered):
-            joints = np.array([f.joints for f in ordered])
-            bones.append(np.linalg.norm(np.diff(joints, axis=1), axis=2))
-    _enough(len(rows), wanted, left_out, side)
+            known.append(np.array([f.joints for f in ordered]))
+    _enough(len(rows), wanted if least is None else least, left_out, side)
     table = np.array(rows)
     keep = _inliers(table[:, :, 0])
     left_out["lengths far from the others"] = int((~keep).sum())
@@ -106,30 +136,125 @@ def calibrated(
     spread = 1.4826 * np.median(np.abs(lengths - np.median(lengths, axis=0)), axis=0)
     directions = table[:, :, 4:].mean(axis=0)
     directions /= np.linalg.norm(directions, axis=1, keepdims=True)
+    joints = np.array(known) if len(known) == len(rows) else None
     result = HandCalibration(
         side,
         lengths.mean(axis=0),
         spread,
         table[:, :, 1:4].mean(axis=0),
         directions,
-        np.mean(bones, axis=0) if len(bones) == len(rows) else None,
+        None if joints is None else np.linalg.norm(np.diff(joints, axis=2), axis=3).mean(axis=0),
         len(table),
         times[-1] - times[0],
         {k: v for k, v in left_out.items() if v},
+        dialect if joints is None else dialect_of_bones(dialect, joints),
+    )
+    _check_open(result)
+    return result
+
+
+def longest_calibration(
+    samples: Iterable[tuple[float, TrackedHand | None]], side: str, least: int
+) -> HandCalibration:
+    """Calibrates a hand on all frames that show five fingers, wherever they are in a recording.
+
+    The first software sees more or less of a finger that does not move: in the real recording
+    v1-hands, lengths shrink by half while fingertips stay within 5 mm of their place in the palm.
+    So the standard is the longest length seen, not the mean, and fingers are solved by their tips.
+
+    Args:
+        samples: As in `calibrated`.
+        side: `right` or `left`.
+        least: Number of long frames of every finger that is needed.
+
+    Raises:
+        EncoderError: Too few frames, or a hand that was not open in them.
+    """
+    times: list[float] = []
+    rows: list[list[tuple[float, ...]]] = []
+    left_out: Counter[str] = Counter()
+    for time, hand in samples:
+        if hand is None or len(hand.fingers) != len(FINGERS):
+            left_out["the hand was not seen" if hand is None else "not five fingers"] += 1
+            continue
+        palm = palm_of(hand, side)
+        ordered = in_order(hand, side)
+        times.append(time)
+        rows.append([(measure(f), *palm.place(f.end), *palm.turn(pointing(f))) for f in ordered])
+    table = np.array(rows).reshape(-1, len(FINGERS), 7)
+    lengths = table[:, :, 0]
+    standard = np.percentile(lengths, LONGEST, axis=0) if rows else np.zeros(len(FINGERS))
+    long = lengths > NEARLY * standard
+    if not rows or long.sum(axis=0).min() < least:
+        _enough(0 if not rows else int(long.sum(axis=0).min()), least, left_out, side)
+        raise EncoderError(
+            f"too few frames show five fingers of the {side} hand",
+            got=f"{len(rows)}",
+            expected=f"{least} with each finger at its full length",
+        )
+    tips = np.array([np.median(table[long[:, f], f, 1:4], axis=0) for f in range(len(FINGERS))])
+    along = np.array([np.median(table[long[:, f], f, 4:], axis=0) for f in range(len(FINGERS))])
+    along /= np.linalg.norm(along, axis=1, keepdims=True)
+    result = HandCalibration(
+        side,
+        standard,
+        np.array([lengths[long[:, f], f].std() for f in range(len(FINGERS))]),
+        tips,
+        along,
+        None,
+        len(rows),
+        times[-1] - times[0],
+        dict(left_out),
+        by_tip=True,
     )
     _check_open(result)
     return result
 
 
 def in_order(hand: TrackedHand, side: str) -> list[TrackedFinger]:
-    """The fingers from thumb to little finger, by the device's labels or else by x as in the paper.
+    """The fingers from thumb to little finger, by the device's labels or else by their order.
 
-    The device's x increases from the thumb on, for a right hand whose palm faces down.
+    The paper orders by the device's x, which names the fingers of a turned hand wrongly. Here x is
+    the palm's, which points towards the little finger of either hand, however it is turned.
     """
     named: dict[int, TrackedFinger] = {f.finger: f for f in hand.fingers if f.finger is not None}
     if len(named) == len(hand.fingers):
         return [named[i] for i in sorted(named)]
-    return sorted(hand.fingers, key=lambda f: f.tip[0], reverse=side == "left")
+    palm = palm_of(hand, side)
+    return sorted(hand.fingers, key=lambda f: palm.place(f.end)[0])
+
+
+def dialect_of_bones(dialect: str | None, joints: Array) -> str | None:
+    """The dialect of joints (n, 5, 4, 3) that the device reported.
+
+    Packed recordings of v2 and v3 have the same fields. They differ in that the two last joints of
+    a v2 hand bend equally.
+    """
+    apart = float(np.abs(np.diff(_bends(joints), axis=2)).mean())
+    return "v3" if dialect == "v2" and apart > EQUAL_BENDS else dialect
+
+
+def coupling_of_joints(joints: Array) -> Coupling | None:
+    """The coupling of PIP and DIP in joints (n, 5, 4, 3) that a device reported.
+
+    Returns:
+        The fitted line; None if the fingers hardly bend in these frames.
+    """
+    bends = _bends(joints)
+    pip, dip = bends[..., 0], bends[..., 1]
+    bent = pip > LEAST_FITTED
+    try:
+        return Coupling.fitted(pip[bent], dip[bent])
+    except EncoderError:
+        return None
+
+
+def _bends(joints: Array) -> Array:
+    """PIP and DIP (n, 4, 2), degrees without sign, of the fingers in joints (n, 5, 4, 3)."""
+    bones = np.diff(joints[:, 1:], axis=2)
+    bones /= np.maximum(np.linalg.norm(bones, axis=3, keepdims=True), 1e-9)
+    cosines = (bones[:, :, 1:] * bones[:, :, :-1]).sum(axis=3)
+    return np.asarray(np.rad2deg(np.arccos(np.clip(cosines, -1.0, 1.0))))
 
 
 def measure(finger: TrackedFinger) -> float:
@@ -155,7 +280,7 @@ def _enough(usable: int, wanted: int, left_out: Counter[str], side: str) -> None
         return
     why = ", ".join(f"{n} x {what}" for what, n in left_out.most_common()) or "the frames ended"
     raise EncoderError(
-        f"the {side} hand cannot be calibrated: too few frames with five fingers",
+        f"too few frames show five fingers of the {side} hand",
         got=f"{usable} of {total} ({why})",
         expected=f"{wanted}, and at least half of all",
         remedy="Hold the hand open, palm down, fingers spread, 20 cm above the device",

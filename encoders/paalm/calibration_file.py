@@ -12,6 +12,7 @@ import numpy as np
 from msgspec import Meta, Struct
 
 from encoders.paalm.calibration import HandCalibration
+from encoders.paalm.coupling import Coupling
 from models.errors import EncoderError
 from models.frames import SIDES
 from models.json_input import checked, decoded, read_bytes
@@ -22,6 +23,7 @@ _LARGEST = 1 << 20
 
 _Finite = Annotated[float, Meta(ge=-1e6, le=1e6)]
 _Length = Annotated[float, Meta(gt=0, le=1e6)]
+_Slope = Annotated[float, Meta(ge=0, le=3)]
 _Place = tuple[_Finite, _Finite, _Finite]
 _Bones = tuple[_Length, _Length, _Finite]
 
@@ -37,6 +39,10 @@ class _HandRecord(Struct):
     frames: int
     seconds: _Finite
     left_out: dict[str, int]
+    dialect: str | None = None
+    coupling: tuple[_Slope, _Finite] | None = None
+    by_tip: bool = False
+    palm_shift: _Place | None = None
 
     def __post_init__(self) -> None:
         if any(
@@ -79,7 +85,7 @@ def write_calibration(hands: Mapping[str, HandCalibration], path: Path) -> None:
 
 def calibration_to_json(c: HandCalibration) -> dict[str, Any]:
     """One hand's calibration as JSON values, exact to the bit."""
-    return {
+    record: dict[str, Any] = {
         "standard": c.standard.tolist(),
         "spread": c.spread.tolist(),
         "tips": c.tips.tolist(),
@@ -89,6 +95,15 @@ def calibration_to_json(c: HandCalibration) -> dict[str, Any]:
         "seconds": c.seconds,
         "left_out": c.left_out,
     }
+    if c.dialect is not None:
+        record["dialect"] = c.dialect
+    if c.coupling is not None:
+        record["coupling"] = [c.coupling.slope, c.coupling.offset]
+    if c.by_tip:
+        record["by_tip"] = True
+    if c.palm_shift is not None:
+        record["palm_shift"] = list(c.palm_shift)
+    return record
 
 
 def calibration_from_json(side: str, fields: Mapping[str, Any]) -> HandCalibration:
@@ -165,4 +180,8 @@ def _hand(side: str, record: _HandRecord, where: str) -> HandCalibration:
         record.frames,
         record.seconds,
         record.left_out,
+        record.dialect,
+        None if record.coupling is None else Coupling(*record.coupling),
+        record.by_tip,
+        record.palm_shift,
     )

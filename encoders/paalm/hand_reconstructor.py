@@ -23,6 +23,7 @@ from models.arithmetic.products import length
 from models.errors import EncoderError
 from models.frames import FINGERS, HandFrame, Vector
 from models.limits import RateLimit
+from models.messages.message import Message
 from models.one_pose import OnePose
 from models.person import Person
 from models.pose import ROOT_POSITION, ROOT_ROTATION
@@ -123,9 +124,13 @@ class HandReconstructor:
     def notice(self) -> str:
         """Notice to the person whose hand is not tracked; empty while all is well."""
         if self._refused and (self._time or 0.0) - self._refused_at < NOTICE_LASTS:
-            return f"{self._refused}: hold them apart"
+            return Message("hands_apart", "{why}: hold them apart", why=self._refused)
         if self._unseen > self.settings.patience + UNSEEN_NOTICE:
-            return f"the {self.side} hand is not seen: hold it over the device"
+            return Message(
+                "hand_unseen",
+                "the {side} hand is not seen: hold it over the device",
+                side=self.side,
+            )
         return ""
 
     def reset(self) -> None:

@@ -14,6 +14,7 @@ from itertools import permutations
 from math import exp, perm
 
 import numpy as np
+from numpy.typing import NDArray
 
 from encoders.paalm.calibration import HandCalibration
 from encoders.paalm.palm import Palm
@@ -43,6 +44,10 @@ _JUMP = 0.015
 _SAME_ID = 16.0
 """Weight of the device's id, relative to half-squared deviations; finite, since devices swap
 ids."""
+_ABREAST = 0.012
+"""m across the palm by which two fingertips may be in the wrong order."""
+_CROSSED = 100.0
+"""Weight of two fingers that are farther in the wrong order: more than all else of both."""
 _TOO_LONG = 0.06
 """Share, spread of a length beyond a finger's standard."""
 _CAP = 30.0
@@ -92,7 +97,9 @@ class TrackedIdentity:
         tips = np.array(places)
         cost = self._costs(fingers, tips, palm, time)
         ways = _ASSIGNMENTS[len(fingers)]
-        best = ways[int(np.argmin(cost[np.arange(len(fingers)), ways].sum(axis=1)))].tolist()
+        total = cost[np.arange(len(fingers)), ways].sum(axis=1)
+        total += _crossed(tips[:, 0], ways)
+        best = ways[int(np.argmin(total))].tolist()
         for i, name in enumerate(best):
             self._tips[name] = tips[i]
             self._places[name] = places[i]
@@ -151,3 +158,17 @@ class TrackedIdentity:
         along = (to[:, 0] * lines).sum(axis=1, keepdims=True)
         missed[:, 0] = ((to[:, 0] - along * lines) ** 2).sum(axis=1) / _THUMB**2
         return np.asarray(missed)
+
+
+def _crossed(across: Array, ways: NDArray[np.intp]) -> Array:
+    """Weights (n,) of assignments (n, k) whose fingers change places.
+
+    The tips of the four fingers are in the order of the fingers; the thumb may pass under the palm.
+
+    Args:
+        across: (k,) m, the tips' places across the palm.
+        ways: (n, k) labels.
+    """
+    beyond = across[:, None] - across > _ABREAST
+    wrong = (ways[:, :, None] < ways[:, None]) & (ways[:, :, None] > 0)
+    return np.asarray(_CROSSED * (beyond & wrong).sum(axis=(1, 2)))

@@ -6,7 +6,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from encoders.paalm.coupling import TWO_THIRDS, Coupling
+from encoders.paalm.coupling import TWO_THIRDS, Coupling, coupling_of
 from models.errors import EncoderError
 
 Hands = Literal["right", "left", "both"]
@@ -28,7 +28,10 @@ class PaalmOptions:
         hidden, thumb_hidden: Share of the first bone that the device's length leaves out; 0 as in
             the paper, which takes the length from the knuckle.
         open_bend: Degrees of PIP of an open hand, at a ratio of 1; 0 as in the paper.
-        coupling: Relation of DIP to PIP.
+        coupling: Relation of DIP to PIP; None is that of the device's dialect
+            (`encoders.paalm.coupling`).
+        learns: Learns the coupling of each hand while its device reports joints, unless a coupling
+            is chosen (`encoders.paalm.learned_coupling`).
         hold: Frame in which a vanished finger stays: the `palm`'s or the `device`'s.
         vanished: Treatment of a vanished finger: `held` in its place, as in the paper, or `folded`,
             because fingers mostly vanish by folding: it closes within `fold_seconds`.
@@ -44,12 +47,17 @@ class PaalmOptions:
     hidden: float = 0.45
     thumb_hidden: float = 0.9
     open_bend: float = 5.0
-    coupling: Coupling = TWO_THIRDS
+    coupling: Coupling | None = None
+    learns: bool = True
     hold: Literal["palm", "device"] = "palm"
     vanished: Literal["held", "folded"] = "held"
     smoothing: float = 0.03
     longest: float = 0.15
     fold_seconds: float = 0.1
+
+    def coupling_for(self, dialect: str | None) -> Coupling:
+        """The chosen coupling, or that of a dialect."""
+        return self.coupling or coupling_of(dialect)
 
     def __post_init__(self) -> None:
         choices = {
@@ -86,6 +94,8 @@ PAPER = PaalmOptions(
     hidden=0.0,
     thumb_hidden=0.0,
     open_bend=0.0,
+    coupling=TWO_THIRDS,
+    learns=False,
     smoothing=0.0,
 )
 """The paper's choices as far as it states them; the paper uses an animation program's inverse

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import exp
 
 import numpy as np
@@ -26,14 +26,18 @@ from encoders.paalm.calibration import (
 )
 from encoders.paalm.fingertip_noise import FingertipNoise
 from encoders.paalm.identity import TrackedIdentity, paper_order
+from encoders.paalm.learned_coupling import LearnedCoupling
 from encoders.paalm.options import Hands, PaalmOptions
 from encoders.paalm.palm import Palm, palm_of, stacked
-from encoders.paalm.rig import RiggedFinger, rig
+from encoders.paalm.palm_slip import slip
+from encoders.paalm.rig import RiggedFinger, assumed_coupling, rig
 from encoders.paalm.sides import HandSides
 from models.arithmetic.arrays import Array
 from models.errors import EncoderError
 from models.frames import FINGERS, HandFrame, TrackedHand, Vector
 
+TIP_SMOOTHING = 1.0 / 3.0
+"""Share of the smoothing of fingers that are solved by their tips."""
 _FIST = 90.0
 """Degrees, least PIP of a finger that folded out of sight."""
 _FOLDING = 0.8
@@ -112,6 +116,7 @@ class Paalm:
         hands: Hands = "right",
         wanted: int = PAPER_FRAMES,
         progress: Callable[[float], None] | None = None,
+        least: int | None = None,
     ) -> dict[str, HandCalibration]:
         """Measures hands that are held open: palm down, fingers spread.
 
@@ -120,6 +125,7 @@ class Paalm:
             hands: `right`, `left` or `both`.
             wanted: Number of frames with five fingers for each hand.
             progress: Called with the share done, 0 to 1.
+            least: Number of those frames that is enough where the frames end; None is all.
 
         Raises:
             EncoderError: The hands were not seen, not open, or not still; the error gives the
@@ -137,8 +143,10 @@ class Paalm:
         chooser = HandSides(sides)
         samples: dict[str, list[tuple[float, TrackedHand | None]]] = {s: [] for s in sides}
         counts = dict.fromkeys(sides, 0)
+        dialect = None
         for frame in frames:
-            chosen = {} if _stacked(frame) else chooser.choose(frame)
+            dialect = dialect or frame.dialect
+            chosen = {} if stacked_hands(frame) else chooser.choose(frame)
             for side in sides:
                 hand = chosen.get(side)
                 samples[side].append((frame.time, hand))
@@ -147,7 +155,7 @@ class Paalm:
                 progress(min(1.0, min(counts.values()) / wanted))
             if min(counts.values()) >= wanted:
                 break
-        self.use({s: calibrated(samples[s], s, wanted) for s in sides})
+        self.use({s: calibrated(samples[s], s, wanted, least, dialect) for s in sides})
         return self.calibration
 
     def use(self, calibration: Mapping[str, HandCalibration]) -> None:
@@ -175,7 +183,7 @@ class Paalm:
         refused = None
         if self._time is not None and frame.time < self._time:
             refused = "the time runs backwards"
-        elif _stacked(frame):
+        elif stacked_hands(frame):
             refused = "one hand is above the other"
         if refused is not None:
             self.counts[refused] += 1
@@ -209,6 +217,11 @@ class _Hand:
         self.reset()
 
     def reset(self) -> None:
+        options = self._options
+        self._coupling: LearnedCoupling | None = None
+        if options.learns and options.coupling is None:
+            self._coupling = LearnedCoupling(assumed_coupling(self._calibration, options))
+        self._rig = rig(self._calibration, options)
         self._identity.reset()
         self._last: PaalmHand | None = None
         self._targets: list[Vector] = []
@@ -222,6 +235,7 @@ class _Hand:
         self._unseen = [0.0] * len(FINGERS)
         self._noise = [FingertipNoise() for _ in FINGERS]
         self._palm: Palm | None = None
+        self._slip = 0.0
         for finger in range(len(FINGERS)):
             self._solve(finger)
 
@@ -234,6 +248,8 @@ class _Hand:
     def step(self, hand: TrackedHand, time: float, dt: float) -> PaalmHand:
         side, options = self._calibration.side, self._options
         palm = palm_of(hand, side)
+        if self._coupling and self._coupling.add(hand):
+            self._rig = rig(replace(self._calibration, coupling=self._coupling.used), options)
         fingers = hand.fingers
         if fingers and all(f.finger is not None for f in fingers):
             names = [f.finger or 0 for f in fingers]
@@ -241,7 +257,9 @@ class _Hand:
             names = self._identity.names(fingers, palm, time)
         else:
             names = paper_order(fingers, side)
-        smooth = options.smoothing > 0.0 and self._last is not None
+        # What a tip says is quieter than what a length says.
+        smoothing = options.smoothing * (TIP_SMOOTHING if self._calibration.by_tip else 1.0)
+        smooth = smoothing > 0.0 and self._last is not None
         ids: dict[str, int | None] = dict.fromkeys(FINGERS)
         for finger, name in zip(fingers, names, strict=True):
             rigged = self._rig[name]
@@ -259,7 +277,7 @@ class _Hand:
             if smooth:
                 noise = self._noise[name]
                 noise.add(new)
-                keep = exp(-dt / noise.constant(dt, options.smoothing, options.longest))
+                keep = exp(-dt / noise.constant(dt, smoothing, options.longest))
             old = self._targets[name]
             self._targets[name] = (
                 new[0] + keep * (old[0] - new[0]),
@@ -268,6 +286,11 @@ class _Hand:
             )
             self._unseen[name] = 0.0
             ids[FINGERS[name]] = finger.id
+        if self._calibration.by_tip:
+            now = slip([(self._rig[n].chain, self._targets[n]) for n in names if n])
+            keep = exp(-dt / smoothing) if smooth else 0.0
+            self._slip = now + keep * (self._slip - now)
+        for name in names:
             self._solve(name)
         for name, label in enumerate(FINGERS):
             if ids[label] is None:
@@ -279,7 +302,9 @@ class _Hand:
         target = self._targets[name]
         if abs(target[0]) + abs(target[1]) + abs(target[2]) < 1e-6:
             return  # Without a direction the finger stays as it is.
-        bend = self._rig[name].solve(target, self._options.first_joint)
+        rigged = self._rig[name]
+        x, y, z = target
+        bend = rigged.solve((x, y + self._slip, z), self._options.first_joint)
         self._rows[name] = (bend.flexion, bend.spread, bend.pip, bend.dip)
         self._miss[name] = bend.miss
 
@@ -301,13 +326,14 @@ class _Hand:
             self._rows[name] = (flexion, spread, pip, self._rig[name].chain.dip(pip))
 
     def _result(self, palm: Palm, ids: dict[str, int | None], seen: bool) -> PaalmHand:
+        shift = self._calibration.palm_shift
         self._last = PaalmHand(
             self._calibration.side,
             np.array(self._rows),
             dict(zip(FINGERS, self._ratios, strict=True)),
             ids,
             frozenset(f for f in FINGERS if ids[f] is None),
-            palm,
+            palm if shift is None else palm.shifted((shift[0], shift[1] - self._slip, shift[2])),
             np.array(self._targets),
             np.array(self._miss),
             seen,
@@ -315,6 +341,7 @@ class _Hand:
         return self._last
 
 
-def _stacked(frame: HandFrame) -> bool:
+def stacked_hands(frame: HandFrame) -> bool:
+    """True if one hand of a frame is above another, so that the frame is of no use."""
     hands = frame.hands
     return any(stacked(a, b) for i, a in enumerate(hands) for b in hands[:i])

@@ -14,6 +14,8 @@ from models.frames import TrackedHand, Vector
 STACKED = 0.10
 """m, distance of two palms' centres, seen from above, below which they are on top of each other: a
 palm is about 0.085 m wide, and the lower one hides the other from the device."""
+BEHIND = 0.020
+"""m behind the palm's centre, where no fingertip of a hand is that the first software sees."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,6 +55,12 @@ class Palm:
         x, y, z = (v[0] * a[i] + v[1] * f[i] + v[2] * d[i] for i in range(3))
         return x, y, z
 
+    def shifted(self, shift: Vector) -> Palm:
+        """The palm with its centre at a place in palm coordinates, m."""
+        x, y, z = self.back(shift)
+        a, b, c = self.origin
+        return Palm((a + x, b + y, c + z), self.across, self.forward, self.dorsal)
+
     @property
     def rotation(self) -> Array:
         """Matrix (3, 3) device from palm: a rotation for a right hand, a reflection for a left
@@ -69,11 +77,33 @@ def palm_of(hand: TrackedHand, side: str) -> Palm:
     length = sqrt(fx * fx + fy * fy + fz * fz)
     fx, fy, fz = fx / length, fy / length, fz / length
     ux, uy, uz = -nx, -ny, -nz
+    if _reversed(hand, (fx, fy, fz)):
+        # Turned about the line across the palm, as the software then sees it.
+        fx, fy, fz, ux, uy, uz = -fx, -fy, -fz, -ux, -uy, -uz
     # Forward x dorsal points towards the little finger of a right hand whose palm faces down.
     ax, ay, az = fy * uz - fz * uy, fz * ux - fx * uz, fx * uy - fy * ux
     if side == "left":
         ax, ay, az = -ax, -ay, -az
     return Palm(hand.palm, (ax, ay, az), (fx, fy, fz), (ux, uy, uz))
+
+
+def _reversed(hand: TrackedHand, forward: Vector) -> bool:
+    """True if most fingertips are well behind the palm, and point there.
+
+    The first software, which does not know the arm, sometimes takes the wrist for the fingers' end
+    of a hand that has just come into view. Fingers whose joints are known never look so.
+    """
+    x, y, z = hand.palm
+    behind = 0
+    for finger in hand.fingers:
+        if finger.joints is not None:
+            return False
+        a, b, c = finger.tip
+        d = finger.direction
+        way = (a - x) * forward[0] + (b - y) * forward[1] + (c - z) * forward[2]
+        along = d[0] * forward[0] + d[1] * forward[1] + d[2] * forward[2]
+        behind += way < -BEHIND and along < 0.0
+    return 2 * behind > len(hand.fingers)
 
 
 def stacked(a: TrackedHand, b: TrackedHand) -> bool:

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from encoders.paalm.angles import FRAMES
 from encoders.paalm.calibration import HandCalibration
 from encoders.paalm.chain import FINGER_LIMITS, THUMB_LIMITS, Bend, FingerChain
+from encoders.paalm.coupling import Coupling
+from encoders.paalm.hand_pose import PALM_CENTRE
 from encoders.paalm.options import PaalmOptions
 from encoders.paalm.palm import vector_of
 from models.frames import FINGERS, Vector
@@ -66,16 +68,23 @@ class RiggedFinger:
         return self.chain.with_first_joint((x, y, z), length)
 
 
+def assumed_coupling(calibration: HandCalibration, options: PaalmOptions) -> Coupling:
+    """The coupling of a hand as far as it is known: the chosen one, the hand's own, or that of its
+    device's dialect."""
+    return options.coupling or calibration.coupling or options.coupling_for(calibration.dialect)
+
+
 def rig(calibration: HandCalibration, options: PaalmOptions) -> list[RiggedFinger]:
     """The five chains of a calibrated hand."""
     out = []
     rest = bone_lengths()
+    coupling = assumed_coupling(calibration, options)
     for finger in range(len(FINGERS)):
         limits = FINGER_LIMITS if finger else THUMB_LIMITS
         standard = float(calibration.standard[finger])
         if calibration.bones is not None:
             first, second, third = calibration.bones[finger].tolist()
-            chain = FingerChain((first, second, third), options.coupling, limits)
+            chain = FingerChain((first, second, third), coupling, limits)
             out.append(
                 RiggedFinger(
                     finger, chain, standard, vector_of(calibration.bases[finger]), False, 1.0
@@ -83,16 +92,37 @@ def rig(calibration: HandCalibration, options: PaalmOptions) -> list[RiggedFinge
             )
             continue
         hidden = options.hidden if finger else options.thumb_hidden
-        chain = FingerChain(rest[finger], options.coupling, limits, hidden)
+        chain = FingerChain(rest[finger], coupling, limits, hidden)
         open_length = chain.chord(options.open_bend)
         scale = open_length / standard
-        by_knuckle = options.direction == "knuckle_to_tip" or (
-            options.direction == "thumb" and finger == 0
+        by_knuckle = (
+            calibration.by_tip
+            or options.direction == "knuckle_to_tip"
+            or (options.direction == "thumb" and finger == 0)
         )
         base, along = calibration.bases[finger], calibration.directions[finger]
         knuckle = vector_of(base - along * (hidden * chain.lengths[0] / scale))
         if by_knuckle:
-            chain = FingerChain(rest[finger], options.coupling, limits)
+            chain = FingerChain(rest[finger], coupling, limits)
             open_length = chain.chord(options.open_bend)
+        if finger and calibration.palm_shift is not None:
+            # The pose is that of the average hand: its knuckles, and the device's own metres.
+            x, y, z = _average_knuckle(finger)
+            a, b, c = calibration.palm_shift
+            knuckle, scale = (x + a, y + b, z + c), 1.0
         out.append(RiggedFinger(finger, chain, open_length, knuckle, by_knuckle, scale))
     return out
+
+
+def with_palm_shift(calibration: HandCalibration, options: PaalmOptions) -> HandCalibration:
+    """The calibration with the shift that brings the average hand's knuckles to those measured."""
+    measured = np.array([r.knuckle for r in rig(calibration, options)])[1:]
+    average = np.array([_average_knuckle(finger) for finger in range(1, len(FINGERS))])
+    return replace(calibration, palm_shift=vector_of((measured - average).mean(axis=0)))
+
+
+def _average_knuckle(finger: int) -> Vector:
+    """Knuckle of the average hand, m, in palm coordinates."""
+    x, y, z = ADULT.bones[ADULT.first_bone[finger]].anchor
+    a, b, c = PALM_CENTRE
+    return x - a, y - b, z - c

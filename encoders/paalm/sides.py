@@ -2,19 +2,30 @@
 
 from __future__ import annotations
 
+from encoders.paalm.palm import palm_of
 from models.arithmetic.products import distance
 from models.frames import HandFrame, TrackedHand, Vector
 
 _FAR = 0.30
 """m, distance from a hand's last place beyond which a new hand does not take over its side while
 both are possible."""
+_THUMB_BEHIND = 0.020
+"""m by which a thumb's tip is nearer to the palm than those of the fingers."""
+_SURE = 5
+"""Frames, more on one side than on the other, that decide by the thumb."""
+_MOST = 50
+"""Limit of these frames, so that a mistake can be mended."""
+_REMEMBERED = 64
+"""Number of the device's ids beyond which those of hands that are gone are forgotten."""
 
 
 class HandSides:
-    """Tracks the sides of hands by id and position, where the device does not know them.
+    """Tracks the sides of hands by thumb, id and position, where the device does not know them.
 
-    Two hands seen at once are distinguished by x, since arms do not cross in the paper. A side,
-    once given to a hand's id, stays with it; a new id gets the side whose last place is nearest.
+    A hand whose thumb has been seen has the side of its thumb. Otherwise two hands seen at once are
+    distinguished by x, since arms do not cross in the paper. A side, once given to a hand's id,
+    stays with it until its thumb says otherwise; a new id gets the side whose last place is
+    nearest.
 
     Args:
         sides: The wanted sides.
@@ -27,6 +38,7 @@ class HandSides:
     def reset(self) -> None:
         """Forgets all hands."""
         self._ids: dict[str, int] = {}
+        self._thumbs: dict[int, int] = {}
         self._places: dict[str, Vector] = {}
 
     def choose(self, frame: HandFrame) -> dict[str, TrackedHand]:
@@ -40,6 +52,13 @@ class HandSides:
                     chosen[hand.side or ""] = hand
         unknown = [h for h in frame.hands if h.side is None]
         free = [s for s in self.sides if s not in chosen]
+        if len(self.sides) == 2:
+            for hand in list(unknown):
+                side = self._by_thumb(hand)
+                if side in free:
+                    chosen[side] = hand
+                    unknown.remove(hand)
+                    free.remove(side)
         for side in list(free):
             same = [h for h in unknown if h.id == self._ids.get(side)]
             if same:
@@ -54,6 +73,14 @@ class HandSides:
         for side, hand in chosen.items():
             self._ids[side], self._places[side] = hand.id, hand.palm
         return chosen
+
+    def _by_thumb(self, hand: TrackedHand) -> str:
+        """Side of a hand by its thumb in this and in past frames; empty where it is not known."""
+        if len(self._thumbs) > _REMEMBERED:
+            self._thumbs = {i: self._thumbs[i] for i in self._ids.values() if i in self._thumbs}
+        now = self._thumbs.get(hand.id, 0) + _thumb_side(hand)
+        self._thumbs[hand.id] = min(max(now, -_MOST), _MOST)
+        return "" if abs(now) < _SURE else "right" if now > 0 else "left"
 
     def _nearest(
         self, chosen: dict[str, TrackedHand], unknown: list[TrackedHand], free: list[str]
@@ -71,3 +98,16 @@ class HandSides:
                 return
             chosen[side] = unknown.pop(index)
             free.remove(side)
+
+
+def _thumb_side(hand: TrackedHand) -> int:
+    """1 if the thumb is where a right hand has it, -1 for a left hand, 0 if it cannot be told."""
+    if len(hand.fingers) < 4:
+        return 0
+    palm = palm_of(hand, "right")
+    places = [palm.place(f.end) for f in hand.fingers]
+    thumb, *fingers = sorted(places, key=lambda place: place[1])
+    across = [place[0] for place in fingers]
+    if thumb[1] > fingers[0][1] - _THUMB_BEHIND or min(across) < thumb[0] < max(across):
+        return 0
+    return 1 if thumb[0] < min(across) else -1

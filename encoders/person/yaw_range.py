@@ -18,6 +18,7 @@ import numpy as np
 from encoders.person.natural_layout import LEAST, NaturalLayout
 from models.arithmetic.arrays import Array
 from models.errors import CaptureError
+from models.messages.message import Message
 
 RARE = 0.005
 """Share of the training frames on either side that are left out of the range as outliers."""
@@ -122,7 +123,8 @@ class YawMonitor:
 
     def reset(self) -> None:
         """Returns to the initial state."""
-        self.notice, self.warnings = "", 0
+        self.notice: str = ""
+        self.warnings = 0
         self._since: float | None = None
         self._warned = -np.inf
 
@@ -145,9 +147,13 @@ class YawMonitor:
             self.notice, self._since = "", None
         elif time - self._warned >= s.apart:
             low, high = np.rad2deg([self.range.low, self.range.high])
-            self.notice = (
-                f"the hand seems turned by {np.rad2deg(turn):.0f} degrees, beyond the "
-                f"{low:.0f} to {high:.0f} that were trained: see --turn"
+            self.notice = Message(
+                "hand_turned",
+                "the hand seems turned by {degrees} degrees, beyond the {low} to {high} that were "
+                "trained: see --turn",
+                degrees=f"{np.rad2deg(turn):.0f}",
+                low=f"{low:.0f}",
+                high=f"{high:.0f}",
             )
             self.warnings += 1
             self._warned, self._since = time, None

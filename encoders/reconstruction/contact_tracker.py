@@ -8,13 +8,22 @@ a touch that the system *cancelled*, so it is kept longer.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from math import expm1
+from math import expm1, inf
 
 import numpy as np
 
+from encoders.reconstruction.palm_judge import Kind, PalmJudge
 from models.arithmetic.arrays import Array
 from models.arithmetic.products import distance, length
 from models.frames import FINGERS, Contact, TouchFrame
+
+PALM = "palm"
+"""Why a contact is ignored that is none of a finger."""
+
+
+JOINING = 0.2
+"""s after which a finger with an extent may join a hand that is down. Before, a palm that begins to
+grow slowly looks like a finger, and would push at once."""
 
 
 @dataclass(frozen=True)
@@ -26,7 +35,8 @@ class TrackerSettings:
         cancelled_grace: s that a cancelled contact is kept.
         inherit: m, largest distance from a lost contact at which a new id inherits it.
         low_pass: s, time constant of the smoothing of positions.
-        blob: m, least contact diameter of a palm; smaller contacts are fingers.
+        blob: m, least contact diameter of a palm where only the diameter is known; smaller contacts
+            are fingers.
         span: m, largest distance between two fingers of one hand.
     """
 
@@ -50,6 +60,8 @@ class Track:
         lost_at: s, time when the device lost it; None while it touches.
         grace: s that it is kept once lost.
         device_label: Finger according to the device, if it knows.
+        unsure: True while it may still turn out to be a palm; it must get no label until then.
+        joins: s, time from which on it may join a hand that is down.
     """
 
     id: int
@@ -59,6 +71,8 @@ class Track:
     lost_at: float | None = None
     grace: float = 0.0
     device_label: int | None = None
+    unsure: bool = False
+    joins: float = -inf
 
     @property
     def xy(self) -> Array:
@@ -78,23 +92,27 @@ class ContactTracker:
     Attributes:
         tracks: Current tracks by our id, in the order in which they came down.
         ignored: Contacts of the last frame that are not fingers of this hand, for views.
+        palms: Ids of those of them that are palms.
         counts: Number of ignored or repaired contacts, by reason.
     """
 
     settings: TrackerSettings = field(default_factory=TrackerSettings)
     tracks: dict[int, Track] = field(default_factory=dict)
     ignored: tuple[Contact, ...] = ()
+    palms: frozenset[int] = frozenset()
     counts: dict[str, int] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         self._next_id = 0
         self._time: float | None = None
         self._ignored_ids: dict[int, str] = {}
+        self._judge = PalmJudge()
 
     def reset(self) -> None:
         """Forgets all tracks, but not the counts."""
         self.tracks, self.ignored, self._time = {}, (), None
-        self._ignored_ids = {}
+        self.palms, self._ignored_ids = frozenset(), {}
+        self._judge.reset()
 
     def step(self, frame: TouchFrame) -> None:
         """Processes the next frame; its time never runs backwards."""
@@ -103,6 +121,8 @@ class ContactTracker:
         seen = {c.id: c for c in frame.contacts}
         self._ignored_ids = {i: why for i, why in self._ignored_ids.items() if i in seen}
         self._drop_reused_ids(seen)
+        self._judge.step(frame.time, frame.contacts)
+        self._drop_palms(seen)
         by_device = {t.device_id for t in self.tracks.values()}
 
         moves = []
@@ -118,7 +138,9 @@ class ContactTracker:
                 # The same id returns: devices that keep ids need no inheritance.
                 self._find(track, contact, share)
             else:
-                moves.append(self._follow(track, contact, share))
+                moved = self._follow(track, contact, share)
+                if not track.unsure:
+                    moves.append(moved)
         lost = [track for track in self.tracks.values() if track.lost_at is not None]
         if lost and moves:
             right, down = np.mean(moves, axis=0).tolist()
@@ -131,6 +153,27 @@ class ContactTracker:
         if lost:
             self._expire(frame.time)
         self.ignored = tuple(seen[i] for i in sorted(self._ignored_ids))
+        self.palms = frozenset(i for i, why in self._ignored_ids.items() if why == PALM)
+
+    def _drop_palms(self, seen: dict[int, Contact]) -> None:
+        """Forgets fingers that turned out to be palms, and lets those come that had no room."""
+        found = False
+        for track in list(self.tracks.values()):
+            kind = self._judge.kind(track.device_id)
+            track.unsure = track.unsure and kind is Kind.UNSURE
+            if kind is Kind.PALM and track.device_id in seen:
+                del self.tracks[track.id]
+                self._ignored_ids[track.device_id] = PALM
+                self._count(PALM)
+                found = True
+        for i, why in list(self._ignored_ids.items()):
+            if why == PALM:
+                continue
+            if self._judge.kind(i) is Kind.PALM:
+                self._ignored_ids[i] = PALM
+                self._count(PALM)
+            elif found:
+                del self._ignored_ids[i]
 
     def _drop_reused_ids(self, seen: dict[int, Contact]) -> None:
         """Forgets lost fingers whose id the device has given to a contact in another place."""
@@ -180,14 +223,23 @@ class ContactTracker:
             oldest = min(lost, key=lambda t: (t.lost_at, t.id))
             del self.tracks[oldest.id]
         self.tracks[self._next_id] = Track(
-            self._next_id, contact.id, (contact.x, contact.y), time, device_label=contact.label
+            self._next_id,
+            contact.id,
+            (contact.x, contact.y),
+            time,
+            device_label=contact.label,
+            unsure=self._judge.kind(contact.id) is Kind.UNSURE,
+            joins=-inf if contact.extent is None else time + JOINING,
         )
         self._next_id += 1
 
     def _reason_to_ignore(self, contact: Contact, xy: Array) -> str:
         """Reason why a new contact is not a finger of this hand; empty if it is one."""
-        if contact.size is not None and contact.size > self.settings.blob:
-            return "palm"
+        if contact.extent is not None:
+            if self._judge.kind(contact.id) is Kind.PALM:
+                return PALM
+        elif contact.size is not None and contact.size > self.settings.blob:
+            return PALM
         active = [t for t in self.tracks.values() if t.active]
         if len(active) >= len(FINGERS):
             return "more than five"

@@ -61,6 +61,10 @@ class PersonalReconstructor:
         """Number of ignored or repaired contacts, by reason."""
         return self.trained.counts
 
+    def lead(self, offsets: Array | None) -> None:
+        """Sets how far fingertips are led off their touches on the person's screen."""
+        self.trained.lead(None if offsets is None else self.frame.inward_steps(offsets))
+
     def reset(self) -> None:
         """Returns to the initial state: a hand without contacts that hovers over the middle of the
         surface."""
@@ -81,6 +85,8 @@ class PersonalReconstructor:
             q=self._outward(reconstruction.q),
             tip_error=reconstruction.tip_error * size,
             contacts=contacts,
+            touches={f: self._place_outward(xy) for f, xy in reconstruction.touches.items()},
+            tip_height=reconstruction.tip_height * size,
         )
 
     def _inward(self, frame: TouchFrame) -> TouchFrame:
@@ -89,10 +95,21 @@ class PersonalReconstructor:
         xy = self.frame.inwards([(c.x, c.y) for c in frame.contacts])
         size = self.frame.person.hand_size
         contacts = tuple(
-            Contact(c.id, float(x), float(y), c.size and c.size / size, c.label)
+            Contact(
+                c.id,
+                float(x),
+                float(y),
+                c.size and c.size / size,
+                c.label,
+                c.extent and (c.extent[0] / size, c.extent[1] / size),
+            )
             for c, (x, y) in zip(frame.contacts, xy, strict=True)
         )
         return replace(frame, contacts=contacts)
+
+    def _place_outward(self, xy: tuple[float, float]) -> tuple[float, float]:
+        x, y = self.frame.outwards(xy).tolist()
+        return x, y
 
     def _outward(self, q: Array) -> Array:
         return surface_to_world(self.frame.outward_pose(q), self._surface)

@@ -49,8 +49,17 @@ class FrameReconstructor(Protocol[Frame_contra]):
         ...
 
 
-Reconstructor = FrameReconstructor[TouchFrame]
-"""Reconstructs a hand from its touches."""
+class Reconstructor(FrameReconstructor[TouchFrame], Protocol):
+    """Reconstructs a hand from its touches."""
+
+    def lead(self, offsets: Array | None) -> None:
+        """Sets how far fingertips are led off their touches, from the next step on.
+
+        Args:
+            offsets: (5, 2) m along the surface, y down; None leads no finger.
+        """
+        ...
+
 
 HandFrameReconstructor = FrameReconstructor[HandFrame]
 """Reconstructs a hand from the frames of a 3-D device."""

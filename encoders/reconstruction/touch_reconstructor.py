@@ -35,6 +35,9 @@ TURN_LENGTH = 0.08
 """m, from wrist to knuckles: converts an error of the hand's rotation (rad) to an error of
 position."""
 
+_UP = np.array([1.0, -1.0])
+"""From the surface's y, which points down, to the pose's."""
+
 _LOW = (Phase.COMING_DOWN, Phase.DOWN)
 
 _SETTLED = 0.010
@@ -79,7 +82,7 @@ class ReconstructedContact:
         id: The device's id.
         xy: (2,) m on the surface, smoothed.
         label: Its finger; None while unlabelled or ignored.
-        state: `active`, `lost` (living on for a moment) or `ignored`.
+        state: `active`, `lost` (living on for a moment), `palm` or `ignored`.
         probability: Probability of the label, 0 to 1; 1 without one, and for the device's own.
     """
 
@@ -100,8 +103,11 @@ class Reconstruction(LazyFields):
         fingers: Labels of the fingers that touch.
         u: (15,) contact vector, or None without a labelled contact.
         probability: Probability of the labels, 0 to 1.
-        tip_error: m, largest distance between a corrected fingertip and its touch.
+        tip_error: m, largest distance between a corrected fingertip and its touch, or the place
+            beside it that it was led to.
         contacts: All contacts on the surface.
+        touches: (x, y) m on the surface, smoothed, by the label of the touching finger.
+        tip_height: m over the surface, where touching fingertips are once the hand is down.
     """
 
     q: Array
@@ -111,6 +117,8 @@ class Reconstruction(LazyFields):
     probability: float
     tip_error: float
     contacts: tuple[ReconstructedContact, ...]
+    touches: Mapping[int, tuple[float, float]] = field(default_factory=dict)
+    tip_height: float = 0.0
 
     @property
     def down(self) -> bool:
@@ -171,9 +179,18 @@ class TouchReconstructor:
         """The pose last commanded (48,), in the world; a simulation starts its hand there."""
         return surface_to_world(self._commanded, self.surface)
 
+    def lead(self, offsets: Array | None) -> None:
+        """Sets how far fingertips are led off their touches, from the next step on.
+
+        Args:
+            offsets: (5, 2) m along the surface, y down; None leads no finger.
+        """
+        self._offsets: Array | None = offsets
+
     def reset(self) -> None:
         """Returns to the initial state: a hand without contacts that hovers over the middle of the
         surface."""
+        self.lead(None)
         self._tracker.reset()
         self._arrival.reset()
         self._lift.reset()
@@ -238,6 +255,8 @@ class TouchReconstructor:
             u=u,
             probability=self._labelling.probability,
             tip_error=self._tip_error,
+            touches={self._labels[i]: place for i, place in named.items()},
+            tip_height=PAD_HEIGHT + self._lift.height,
         )
 
     @property
@@ -258,6 +277,17 @@ class TouchReconstructor:
         self._known = present
         settle = self.settings.arrival.settle if self.settings.arrival.hover > 0 else 0.0
         low = self._low
+        unsure = [
+            i
+            for i, t in tracks.items()
+            if i not in self._labels and (t.unsure or (low and time < t.joins - 1e-9))
+        ]
+        if unsure:
+            # A hand that is up waits until every contact is known to be a finger; one that is down
+            # goes on without them.
+            if not low:
+                return
+            tracks = {i: t for i, t in tracks.items() if i not in unsure}
         # A labeller with history learns from moving touches and lifted fingers even while the hand
         # is down and its labels are not used.
         again = self.labeller.remembers and settle > 0
@@ -276,7 +306,7 @@ class TouchReconstructor:
     def _motion(self, dt: float) -> tuple[Motion, float]:
         """Common motion of the touches since the last step, and the fastest one's speed."""
         tracks = self._tracker.tracks
-        now = {i: t.place for i, t in tracks.items()}
+        now = {i: t.place for i, t in tracks.items() if not t.unsure or i in self._labels}
         known = [i for i in now if i in self._last_xy]
         before, after = [self._last_xy[i] for i in known], [now[i] for i in known]
         self._last_xy = now
@@ -300,6 +330,8 @@ class TouchReconstructor:
         labels = [self._labels[i] for i in ids]
         places = [named[i] for i in ids]
         targets = np.array([(x, -y, PAD_HEIGHT) for x, y in places])
+        if self._offsets is not None:
+            targets[:, :2] += self._offsets[labels] * _UP
         carried = motion.carried
         if len(ids) == 1:
             # Without a layout there is no information: the posture stays, and the hand follows the
@@ -356,6 +388,7 @@ class TouchReconstructor:
     def _contacts(self) -> Callable[[], dict[str, Any]]:
         """Function that returns all contacts on the surface now; it is called only on demand."""
         tracks, ignored = self._tracker.tracks.items(), self._tracker.ignored
+        palms = self._tracker.palms
         labels, labelling = self._labels, self._labelling
         seen = [(i, t.device_id, t.place, t.active) for i, t in tracks]
 
@@ -371,7 +404,10 @@ class TouchReconstructor:
                 for i, device_id, place, active in seen
             ]
             others = [
-                ReconstructedContact(c.id, np.array([c.x, c.y]), None, "ignored") for c in ignored
+                ReconstructedContact(
+                    c.id, np.array([c.x, c.y]), None, "palm" if c.id in palms else "ignored"
+                )
+                for c in ignored
             ]
             return {"contacts": (*tracked, *others)}
 

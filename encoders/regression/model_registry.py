@@ -39,7 +39,7 @@ PCA_IK = "pca-ik"
 MODELS = (*BUILTIN, POPULATION, PCA_IK)
 """Names of the models that are always there."""
 
-DEFAULT_MODEL = "best"
+DEFAULT_MODEL = POPULATION
 """Name of the model that is used where none is named; all defaults are this one."""
 
 LONG = 2.0

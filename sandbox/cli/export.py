@@ -16,7 +16,8 @@ from models.frames import FINGERS
 from models.motion.sampling import Poses
 from models.motion.write.bvh import BvhWriter
 from sandbox.cli.common.parse import parse
-from sandbox.export.sources import open_source
+from sandbox.export.leap_source import Hand
+from sandbox.export.sources import Of, open_source
 from sandbox.export.targets import Exporter, ExportSettings, format_of
 from sandbox.study.record.trial_files import find_recordings
 
@@ -27,6 +28,9 @@ Order = Literal["XYZ", "XZY", "YXZ", "YZX", "ZXY", "ZYX"]
 @dataclass(frozen=True)
 class ExportOptions:
     """Writes the motion of recorded hands for other programs, as keys at a constant rate.
+
+    A recording of a Leap needs no task: PAALM turns it into the motion of a hand in the frame of
+    the device (docs/paalm.md). Recordings of sessions, trials and captures have poses already.
 
     The suffix of the file chooses the format:
 
@@ -44,6 +48,9 @@ class ExportOptions:
 
     Try:
 
+        sandbox leap simulate --out leap.json
+        sandbox export leap.json --to hand.bvh
+        sandbox export both.json.lz --to hands.glb --hand both --calibration me.json
         sandbox run box-to-goal --device simulated --seed 3 --record run.jsonl
         sandbox export run.jsonl --to hand.bvh
         sandbox export run.jsonl --to hand.glb
@@ -54,18 +61,26 @@ class ExportOptions:
 
     file: Annotated[str, tyro.conf.Positional, tyro.conf.arg(metavar="RECORDING|TRIAL|CAPTURE")]
     """A recording (--record), a trial of a study (NAME/PARTICIPANT/S001/T007, as for `sandbox
-    replay`), or a capture (.npz)."""
+    replay`), a capture (.npz), or a recording of a Leap (`sandbox leap formats` lists them)."""
 
     to: Annotated[Path, tyro.conf.arg(metavar="FILE")]
     """File to write; an existing file is replaced."""
 
     rate: Annotated[float, tyro.conf.arg(metavar="HZ")] = 60.0
-    """Keys per second. Recordings have 62.5 poses per second; between them, poses are
-    interpolated."""
+    """Keys per second. Sessions have 62.5 poses per second, a Leap has its own times; between
+    them, poses are interpolated."""
 
-    of: Literal["simulated", "commanded"] = "simulated"
-    """simulated: the hand as it moved. commanded: the pose that the touches asked for, for which
-    the recording is replayed; this takes longer. For recordings only."""
+    of: Of | None = None
+    """simulated, the default: the hand as it moved. commanded: the pose that the touches asked for,
+    for which the recording is replayed; this takes longer. For recordings of sessions only."""
+
+    hand: Hand | None = None
+    """Whose hand of a Leap recording. Default: all hands that are there. Where the Leap does not
+    say whose hand it is, a single one is taken as a right hand."""
+
+    calibration: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    """Your hands over a Leap as `sandbox paalm calibrate --out FILE` measured them. Default: the
+    open hand in the recording, the bones that the device reports, or an average hand."""
 
     euler: Order = "ZXY"
     """Order of the rotations in a BVH file. The first axis is always that of flexion, the last that
@@ -93,9 +108,12 @@ def main(argv: list[str]) -> int:
     file = _input_file(options)
     if options.to.absolute() == file.absolute():
         raise InputError("the output would replace the input", where=f"--to {options.to}")
-    source = open_source(file, options.of, options.take)
     with Progress(console=errors, transient=True, disable=not errors.is_terminal) as progress:
-        bar = progress.add_task("writing keys", total=source.duration or None)
+        bar = progress.add_task("reading", total=None)
+        source = open_source(file, options.of, options.take, options.hand, options.calibration)
+        for remark in source.remarks:
+            errors.print(f"{file}: {remark}", soft_wrap=True, markup=False, style="yellow")
+        progress.update(bar, description="writing keys", total=source.duration or None)
         with Exporter(options.to, source.armatures, source.names, settings) as exporter:
 
             def take(poses: Poses) -> None:

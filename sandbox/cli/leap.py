@@ -9,15 +9,19 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated, Literal
 
+import numpy as np
 import tyro
 from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
 from encoders.paalm.simulated.air import AirTake, simulate_air, takes_of_capture
+from encoders.paalm.simulated.air import turned as turned_take
 from encoders.paalm.simulated.forward import leap_take
 from encoders.store import load_capture
+from models.arithmetic.arrays import Array
 from models.errors import InputError
+from models.rotations import exp
 from sandbox.cli.common.parse import subcommand
 from sandbox.devices.leap.leap_fake import DEFAULT_PORT, FakeLeapd
 from sandbox.devices.leap.leap_file import read_leap
@@ -82,6 +86,7 @@ def simulate(
     hand: Literal["right", "left"] = "right",
     dialect: Literal["v1", "v3"] = "v1",
     drop_outs: bool = True,
+    turned: Annotated[str, tyro.conf.arg(metavar="ROLL,PITCH,YAW")] = "0,0,0",
     capture: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None,
 ) -> int:
     """Makes SIMULATED recordings of a hand over a Leap.
@@ -97,10 +102,13 @@ def simulate(
         hand: Which hand.
         dialect: v1 (2013), or v3 with joints and names of fingers.
         drop_outs: With --no-drop-outs, the device sees every finger at all times.
+        turned: Degrees by which the whole hand is turned, the open hand included: about the axis
+            that points away from the person, about the one to the right, about the one up.
         capture: Capture of touches whose hand motion is used; one recording for each take.
     """
     if seed < 0 or takes < 1:
         raise InputError("out of range", where="--seed, --takes", expected="0 or more, 1 or more")
+    rotation = _rotation(turned)
     motions: list[AirTake]
     if capture is not None:
         motions = list(takes_of_capture(load_capture(capture)))[:takes]
@@ -112,13 +120,27 @@ def simulate(
     except OSError as error:
         raise InputError(f"the folder cannot be made: {error}", where=f"--out {out}") from error
     for i, motion in enumerate(motions):
-        take = leap_take(motion, seed + i, dialect, drop_outs)
+        take = leap_take(turned_take(motion, rotation), seed + i, dialect, drop_outs)
         path = out / f"take-{seed + i:04d}.json" if many else out
         made_from = {"seed": seed + i, "capture": str(capture) if capture else None}
         write_take(take, path, made_from)
     count = "1 simulated recording" if len(motions) == 1 else f"{len(motions)} simulated recordings"
     Console(stderr=True).print(Text(f"{count} ({dialect}): {out}"))
     return 0
+
+
+def _rotation(turned: str) -> Array:
+    """Rotation (3, 3) of `ROLL,PITCH,YAW` in degrees."""
+    try:
+        roll, pitch, yaw = np.deg2rad([float(part) for part in turned.split(",")])
+        if not np.isfinite([roll, pitch, yaw]).all():
+            raise ValueError(turned)
+    except ValueError:
+        raise InputError(
+            "not three angles", where="--turned", got=turned, expected="ROLL,PITCH,YAW in degrees"
+        ) from None
+    axes = ([0.0, 0.0, yaw], [pitch, 0.0, 0.0], [0.0, roll, 0.0])
+    return np.asarray(exp(axes[0]) @ exp(axes[1]) @ exp(axes[2]))
 
 
 def formats() -> int:
@@ -130,7 +152,9 @@ def formats() -> int:
     table.add_row("v3 (Orion), bridge", "service, FILE", "joints, PIP and DIP apart")
     table.add_row(r"\[frame, ...]", "FILE", "JSON as the first software dumped it")
     table.add_row("{metadata, frames}", "FILE", "LeapJS recording, plain or packed")
+    table.add_row("{frames: 87, data: ...}", "FILE", "a list of frames under another name")
     table.add_row(".json.lz", "FILE", "the same, LZString base64")
     table.add_row("one message a line", "FILE", "JSON lines; good up to damage")
     Console().print(table)
+    print("Files are recognised by content; the suffix does not matter.")
     return 0

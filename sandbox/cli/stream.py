@@ -13,15 +13,21 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import tyro
 from rich.console import Console
 
+from encoders.paalm.calibration import HandCalibration
+from encoders.paalm.calibration_file import read_hand
 from encoders.regression.model_registry import DEFAULT_MODEL
 from models.errors import InputError
+from models.frames import SIDES
 from sandbox.cli.common.json_out import check_output, write_json
 from sandbox.cli.common.page_options import PageOptions
 from sandbox.cli.common.parse import parse
 from sandbox.devices.registry import DEVICES
 from sandbox.devices.tuio.tuio import DEFAULT_PORT, LOOPBACK
-from sandbox.export.sources import MotionSource, open_source
-from sandbox.options.leap_devices import LeapOptions, is_leap
+from sandbox.export.leap_source import Hand
+from sandbox.export.motion_source import MotionSource
+from sandbox.export.sources import open_source
+from sandbox.options.leap_devices import LIVE as LEAP
+from sandbox.options.leap_devices import LeapOptions, is_leap, open_leap
 from sandbox.options.metavars import choices
 from sandbox.options.scene_options import SceneOptions, plan
 from sandbox.recording.recording import is_recording
@@ -35,6 +41,8 @@ if TYPE_CHECKING:
     from sandbox.trial.device_makers import DeviceMakers
     from sandbox.trial.settings import RunSettings
 
+TASK = "box-to-goal"
+"""Task whose workspace is used unless another is named."""
 LIVE = tuple(name for name in DEVICES if name != "mouse")
 PAGE_PATIENCE = 600.0
 """s within which somebody must open the page."""
@@ -60,6 +68,12 @@ class StreamOptions(LeapOptions, PageOptions):
         blender -P hand_sandbox_blender.py
         sandbox stream --device leap --blender :7004
 
+    Hands over a Leap come straight from PAALM, in the frame of the device, without a task and its
+    table; --hand both streams two. A recording of a Leap does as well:
+
+        sandbox leap simulate --out leap.json
+        sandbox stream leap.json --blender :7004
+
     Try it without a device, with a recorded hand or a simulated person:
 
         sandbox run box-to-goal --device simulated --seed 3 --record run.jsonl
@@ -73,8 +87,8 @@ class StreamOptions(LeapOptions, PageOptions):
     file: Annotated[
         Path | None, tyro.conf.Positional, tyro.conf.arg(metavar="RECORDING|TRIAL|CAPTURE")
     ] = None
-    """A recording (--record), a trial of a study, or a capture (.npz), of which every key is sent.
-    Or use --device."""
+    """A recording (--record), a trial of a study, a capture (.npz), or a recording of a Leap, of
+    which every key is sent. Or use --device."""
 
     maya: Annotated[str | None, tyro.conf.arg(metavar="HOST:PORT")] = None
     """Address of Maya's command port."""
@@ -106,11 +120,12 @@ class StreamOptions(LeapOptions, PageOptions):
     language: Literal["python", "mel"] = "python"
     """Language of Maya's command port (sourceType)."""
 
-    task: str = "box-to-goal"
-    """Task whose workspace is used; a simulated person performs it."""
+    task: str | None = None
+    """Task whose workspace is used, box-to-goal by default; a simulated person performs it. Hands
+    over a Leap need none; with one, they stay above its table."""
 
-    hand: Literal["right", "left"] | None = None
-    """Which hand."""
+    hand: Hand | None = None
+    """Which hand; both are for a Leap. Default: the right one, or all in a recording of a Leap."""
 
     encoder: str = DEFAULT_MODEL
     """Encoder, as for `sandbox run`."""
@@ -151,6 +166,8 @@ def main(argv: list[str]) -> int:
             options.rate, 0.0 if live else options.speed, 0.0 if live else KEY_PATIENCE
         )
         player = StreamPlayer(source, target, pace)
+        for remark in source.remarks:
+            console.print(remark, style="yellow", soft_wrap=True, markup=False)
         if address is None:
             return _print(player, console)
         host, port = address
@@ -210,21 +227,31 @@ def _open(
 ) -> Iterator[tuple[MotionSource, bool]]:
     """Opens the source of poses; the flag is True for a live source."""
     path = options.file
-    if options.device and Path(options.device).is_file() and not is_leap(options.device):
+    straight = options.task is None and options.of != "simulated"
+    if options.device and Path(options.device).is_file():
         given = Path(options.device)
-        path = given if is_recording(given) or given.suffix == ".npz" else None
+        whole = straight if is_leap(options.device) else is_recording(given) or _is_capture(given)
+        path = given if whole else None
     if path is not None:
-        files = find_recordings(str(path), options.out)
-        if len(files) > 1:
-            raise InputError(
-                "only one recording can be streamed at a time",
-                where=str(path),
-                got=f"{len(files)} recordings",
-            )
-        yield open_source(files[0], options.of or "simulated", options.take), False
+        yield _recorded(options, path), False
         return
     # This import loads the simulation, which recordings do not need.
-    from sandbox.stream.motion import source_of_session
+    from sandbox.stream.motion import source_of_leap, source_of_session
+
+    if straight and options.device == LEAP:
+        device = open_leap(options.leap, tell=True)
+        try:
+            yield source_of_leap(device, *_leap_hands(options), stop), True
+        finally:
+            device.close()
+        return
+    if options.hand == "both":
+        raise InputError(
+            "both hands can be streamed from a Leap without a task",
+            where="--hand both",
+            got=f"--device {options.device}" + (f" --task {options.task}" if options.task else ""),
+            expected="--device leap, or a recording of a Leap",
+        )
     from sandbox.trial.assembly import build
 
     session = build(*_session(options, console))
@@ -234,12 +261,52 @@ def _open(
         session.close()
 
 
+def _recorded(options: StreamOptions, path: Path) -> MotionSource:
+    """Opens a recording."""
+    if options.task is not None:
+        raise InputError(
+            "a recording has its own task, or none", where="--task", remedy="Leave it out"
+        )
+    _no_table(options)
+    files = find_recordings(str(path), options.out)
+    if len(files) > 1:
+        raise InputError(
+            "only one recording can be streamed at a time",
+            where=str(path),
+            got=f"{len(files)} recordings",
+        )
+    return open_source(files[0], options.of, options.take, options.hand, options.calibration)
+
+
+def _leap_hands(options: StreamOptions) -> tuple[tuple[str, ...], dict[str, HandCalibration]]:
+    """Sides and calibrations of the hands over a live Leap."""
+    _no_table(options)
+    sides = SIDES if options.hand == "both" else (options.hand or "right",)
+    file = options.calibration
+    return sides, {side: read_hand(file, side) for side in sides} if file is not None else {}
+
+
+def _no_table(options: StreamOptions) -> None:
+    """Refuses a place for the Leap where there is no scene."""
+    if options.leap_at != LeapOptions.leap_at:
+        raise InputError(
+            "without a task the hand is in the frame of the Leap",
+            where="--leap-at",
+            got=options.leap_at,
+            remedy="Leave it out, or name a --task",
+        )
+
+
+def _is_capture(path: Path) -> bool:
+    return path.suffix == ".npz"
+
+
 def _session(options: StreamOptions, console: Console) -> tuple[RunSettings, DeviceMakers]:
     scene = SceneOptions(
-        task=options.task,
+        task=options.task or TASK,
         device=str(options.device),
         encoder=options.encoder,
-        hand=options.hand,
+        hand=None if options.hand == "both" else options.hand,
         surface=options.surface,
         seed=options.seed,
         port=options.port,

@@ -1,4 +1,5 @@
-"""Sources of poses for an export: recordings (simulated or commanded hands) and captures.
+"""Sources of poses for an export: recordings (simulated or commanded hands), captures, and
+recordings of a Leap.
 
 Recordings are read line by line, so that memory does not grow with their length.
 """
@@ -8,10 +9,9 @@ from __future__ import annotations
 import gzip
 import json
 import zlib
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from msgspec import Struct
@@ -23,9 +23,9 @@ from models.errors import InputError, RecordingError
 from models.json_input import checked, decoded_record
 from models.motion.armature import CHUNK, Armature
 from models.motion.sampling import Poses
-from models.pose import ROOT_POSITION, ROOT_ROTATION, joint_vectors
-from models.rotations import quaternion_exp
 from models.skeleton import ADULT
+from sandbox.export.leap_source import Hand, open_leap
+from sandbox.export.motion_source import MotionSource, PoseCallback, poses_of, together
 from sandbox.recording.recording import is_recording, load_recording, read_header
 from sandbox.recording.recording_file import GZIP, first_line, stored
 from sandbox.session.pose_track import PoseTrack, read_track_line
@@ -36,66 +36,72 @@ if TYPE_CHECKING:
     from sandbox.session.session import Session
 
 
+Of = Literal["simulated", "commanded"]
+
 HAND_JOINTS = 3 + 4 * 15
 """Joint positions of one hand in a scene; hands come before objects."""
 
-PoseCallback = Callable[[Poses], None]
 
-
-@dataclass(frozen=True)
-class MotionSource:
-    """Poses of hands over time.
-
-    Attributes:
-        armatures: Armatures of the hands.
-        names: Names of the hands, `right`, `left` or `right_too`.
-        duration: s, if it is known beforehand; else 0.
-        what: Description for people.
-        play: Passes all poses, in batches, to a callback; returns an error text for the rest, or an
-            empty text.
-    """
-
-    armatures: tuple[Armature, ...]
-    names: tuple[str, ...]
-    duration: float
-    what: str
-    play: Callable[[PoseCallback], str]
-
-
-def open_source(path: Path, of: str = "simulated", take: int = 1) -> MotionSource:
-    """Opens a recording or a capture, distinguished by content.
+def open_source(
+    path: Path,
+    of: Of | None = None,
+    take: int = 1,
+    hand: Hand | None = None,
+    calibration: Path | None = None,
+) -> MotionSource:
+    """Opens a recording, a capture or a recording of a Leap, distinguished by content.
 
     Args:
         path: The file.
-        of: `simulated` hands of a recording; or `commanded` poses, for which the recording is
-            played again.
+        of: `simulated` hands of a recording, the default; or `commanded` poses, for which the
+            recording is played again.
         take: Number of the take of a capture, from 1.
+        hand: Whose hand of a Leap recording; None: all that are there.
+        calibration: File with the measured hands of a Leap recording.
 
     Raises:
-        InputError: The file is neither, or has no poses.
+        InputError: The file is none of them, or has no poses.
     """
     if not stored(path).exists():
         raise InputError("no such file", where=str(path))
     if is_recording(path):
+        _only_leaps(hand, calibration, "a recording of a session")
         return _commanded(path) if of == "commanded" else _simulated(path)
     try:
         with path.open("rb") as file:
-            packed = file.read(2) == b"PK"
+            head = file.read(64)
     except OSError as error:
         raise InputError("cannot be read", where=str(path), got=error.strerror) from error
-    if not packed:
+    if head.startswith(b"PK"):
+        _only_leaps(hand, calibration, "a capture")
+        return _capture(load_capture(path), str(path), take)
+    if of is not None:
         raise InputError(
-            "this is neither a recording nor a capture",
-            where=str(path),
-            remedy="`--record FILE` of run and play makes a recording, `sandbox capture` a capture",
+            "only the recording of a session has a simulated and a commanded hand",
+            where=f"--of {of}",
+            got=str(path),
+            remedy="Leave out --of",
         )
-    return _capture(load_capture(path), str(path), take)
+    try:
+        return open_leap(path, hand, calibration)
+    except RecordingError as error:
+        if head.lstrip()[:1] in (b"{", b"[") or path.suffix == ".lz":
+            raise
+        raise InputError(
+            "this is neither a recording nor a capture, nor a recording of a Leap",
+            where=str(path),
+            remedy="`--record FILE` of run and play makes a recording, `sandbox capture` a "
+            "capture; `sandbox leap formats` lists recordings of a Leap",
+        ) from error
 
 
-def poses_of(time: Array, q: Array) -> Poses:
-    """Poses of one hand at times (n,), from world poses (n, 48)."""
-    vectors = np.concatenate([q[:, None, ROOT_ROTATION], joint_vectors(q)], axis=1)
-    return Poses(time, q[:, None, ROOT_POSITION], quaternion_exp(vectors)[:, None])
+def _only_leaps(hand: Hand | None, calibration: Path | None, what: str) -> None:
+    """Refuses options that a source has no use for."""
+    given = "--hand" if hand else "--calibration" if calibration else ""
+    if given:
+        raise InputError(
+            "this option is for recordings of a Leap", where=given, got=what, remedy="Leave it out"
+        )
 
 
 def poses_of_qpos(time: Array, qpos: Array, hands: int) -> Poses:
@@ -171,15 +177,6 @@ def _commanded(path: Path) -> MotionSource:
 def commanded_poses(snapshot: Snapshot) -> Poses:
     """Commanded poses of all hands at one moment."""
     return together([poses_of(np.array([snapshot.time]), h.target[None]) for h in snapshot.hands])
-
-
-def together(hands: Sequence[Poses]) -> Poses:
-    """Poses of several hands at the same times."""
-    return Poses(
-        hands[0].time,
-        np.concatenate([h.root for h in hands], axis=1),
-        np.concatenate([h.turns for h in hands], axis=1),
-    )
 
 
 def _capture(capture: Capture, where: str, take: int) -> MotionSource:

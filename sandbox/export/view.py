@@ -4,18 +4,16 @@ from __future__ import annotations
 
 from pathlib import Path
 from types import TracebackType
-from typing import Literal, Self
+from typing import Self
 
 import numpy as np
 
 from models.motion.armature import Armature
 from models.motion.sampling import Poses
-from sandbox.export.sources import commanded_poses, poses_of_qpos
+from sandbox.export.sources import Of, commanded_poses, poses_of_qpos
 from sandbox.export.targets import Exporter, ExportSettings
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
-
-Of = Literal["simulated", "commanded"]
 
 
 def simulated_poses(snapshot: Snapshot) -> Poses:

@@ -78,7 +78,7 @@ class TouchTable:
         contact: (n,) id of the contact, from touch-down to touch-up.
         finger: (n,) 0 for the thumb to 4 for the little finger; -1 until it is labelled.
         xy: (n, 2) m on the surface, from its top left corner, x right and y down.
-        state: (n,) `active`, `lost` (predicted for a moment) or `ignored`.
+        state: (n,) `active`, `lost` (predicted for a moment), `palm` or `ignored`.
     """
 
     time: Array

@@ -12,13 +12,18 @@ from rich.console import Console
 from rich.text import Text
 
 from encoders.paalm import Paalm
-from encoders.paalm.average import average_calibration
 from encoders.paalm.calibration import HandCalibration
 from encoders.paalm.calibration_file import read_hand
-from models.errors import EncoderError, InputError
+from encoders.paalm.recorded import calibrate_on_recording
+from models.errors import InputError
 from models.surface import Surface
 from sandbox.devices.leap.leap import DEFAULT_ADDRESS, LeapDevice, LeapFileDevice
-from sandbox.devices.leap.leap_file import LeapRecording, check_side, read_leap
+from sandbox.devices.leap.leap_file import (
+    LeapRecording,
+    check_side,
+    is_leap_recording,
+    read_leap,
+)
 from sandbox.devices.leap.shared_leap import MergedLeap, SharedLeap
 from sandbox.devices.registry import built_in, open_built_in
 from sandbox.options.leap_calibration import chosen_calibration
@@ -32,13 +37,11 @@ from tasks.user import UserConfiguration
 
 LIVE, SIMULATED = "leap", "leap-simulated"
 SUFFIXES = (".json", ".lz")
-"""Suffixes of Leap recordings; recordings of touches have other suffixes."""
+"""Suffixes of Leap recordings, which no recording of touches has; others are told by content."""
 PATIENCE = 3.0
 """s within which a live device must send its first frame."""
 _NORMAL_COUNTS = ("frames", "handshakes", "connections")
 """Counts of a device that do not report a problem."""
-OPEN_FRAMES = 100
-"""Number of frames of an open hand that calibrate a recording, as in `sandbox paalm show`."""
 
 
 @dataclass(frozen=True)
@@ -63,7 +66,7 @@ def is_leap(device: str) -> bool:
     if entry is not None:
         return entry.in_air
     path = Path(device)
-    return path.suffix in SUFFIXES and path.is_file()
+    return path.is_file() and (path.suffix in SUFFIXES or is_leap_recording(path))
 
 
 def both_over_one_device(options: Any) -> bool:
@@ -130,7 +133,10 @@ def hand_input(options: LeapOptions, device: str, side: str) -> HandInput:
     elif (entry := built_in(device)) is None:
         calibration = _recorded(read_leap(Path(device)), side, device)
     elif not entry.simulated:
-        _warn(f"no --calibration: an average {side} hand is assumed")
+        _warn(
+            f"no --calibration: the {side} hand has the bones that the device reports, or those of "
+            "an average hand where it reports none"
+        )
     return HandInput.of((x, y, z), calibration)
 
 
@@ -225,14 +231,13 @@ def open_leap(address: str = DEFAULT_ADDRESS, tell: bool = False) -> LeapDevice:
 
 
 def _recorded(recording: LeapRecording, side: str, name: str) -> HandCalibration:
-    """Returns the hand in a recording: measured if it is held open, else an average hand."""
+    """Returns the calibration of the hand in a recording."""
     check_side(recording.frames, side, name, "--hand")
     paalm = Paalm()
-    try:
-        return paalm.calibrate(recording.frames, cast(Any, side), OPEN_FRAMES)[side]
-    except EncoderError as error:
-        _warn(f"an average hand is assumed, because {error}")
-        return average_calibration(recording.frames, side, paalm.options)
+    why = calibrate_on_recording(paalm, recording.frames, cast(Any, side))
+    if why:
+        _warn(why)
+    return paalm.calibration[side]
 
 
 def _report_left_out(counts: Counter[str]) -> None:

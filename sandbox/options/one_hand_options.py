@@ -38,18 +38,19 @@ class OneHandOptions:
 
     encoder: Annotated[str, tyro.conf.arg(metavar=choices(*MODELS, "FILE"))] = DEFAULT_MODEL
     """Encoder, which estimates the hand's pose from the touches. paper: least squares with the
-    paper's labels, without correction and smoothing. The others use the labels, correction and
-    smoothing of best. population: the pose of any person, trained on hundreds of simulated people;
-    best is of one. FILE: a model by `sandbox train`, or FILE.py:CLASS or MODULE:CLASS, an
+    paper's labels, without correction and smoothing. The others use --labels, correction and
+    smoothing. population: the pose of any person, trained on hundreds of simulated people; best is
+    of one. FILE: a model by `sandbox train`, or FILE.py:CLASS or MODULE:CLASS, an
     encoder of your own (docs/write-an-encoder.md)."""
 
     bare: tyro.conf.FlagCreatePairsOff[bool] = False
     """Use the paper's labels, and no correction or smoothing, with any encoder."""
 
-    labels: Literal["history", "population"] = "history"
-    """What names the fingers, both with the history of the touches. history: trained on one
-    simulated person. population: trained on hundreds of simulated people, for hands that nobody
-    knows; it also learns from five fingers that touch together."""
+    labels: Literal["history", "population"] | None = None
+    """What names the fingers, both with the history of the touches. population: trained on hundreds
+    of simulated people, for hands that nobody knows; it also learns from five fingers that touch
+    together. history: trained on one simulated person. Default: those of the recording, else
+    population."""
 
     without: tuple[Part, ...] = ()
     """Switch off a part of the pipeline, to measure what it contributes."""

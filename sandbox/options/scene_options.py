@@ -246,7 +246,7 @@ def _settings(options: SceneOptions, recording: Recording | None) -> RunSettings
         "impulse": impulse_limit(options.impulse),
         "contact": options.contact,
     }
-    if options.labels != SceneOptions.labels:
+    if options.labels is not None:
         values["labels"] = options.labels
     if options.encoder == "paper" or options.bare:
         values = bare(values)

@@ -11,8 +11,9 @@ def frame_to_json(frame: Frame) -> dict[str, Any]:
     """Converts a frame to JSON values; Python writes floats so that they are read back exactly."""
     if isinstance(frame, HandFrame):
         line: dict[str, Any] = {"time": frame.time, "hands": [_hand(h) for h in frame.hands]}
-        return line | ({"source": frame.source} if frame.source else {})
-    contacts = [[c.id, c.x, c.y, c.size, c.label] for c in frame.contacts]
+        told = {"source": frame.source, "dialect": frame.dialect}
+        return line | {name: value for name, value in told.items() if value}
+    contacts = [[c.id, c.x, c.y, c.size, c.label, *(c.extent or ())] for c in frame.contacts]
     line = {"time": frame.time, "contacts": contacts}
     if frame.lift is not None:
         line["lift"] = frame.lift
@@ -30,13 +31,28 @@ def frame_from_json(line: dict[str, Any]) -> Frame:
     """
     if "hands" in line:
         hands = tuple(map(_read_hand, line["hands"]))
-        return HandFrame(float(line["time"]), hands, str(line.get("source", "")))
+        dialect = line.get("dialect")
+        return HandFrame(
+            float(line["time"]),
+            hands,
+            str(line.get("source", "")),
+            None if dialect is None else str(dialect),
+        )
     contacts = tuple(
-        Contact(int(i), x, y, size, label) for i, x, y, size, label in line["contacts"]
+        Contact(int(i), x, y, size, label, _extent(extent))
+        for i, x, y, size, label, *extent in line["contacts"]
     )
     return TouchFrame(
         float(line["time"]), contacts, line.get("lift"), frozenset(line.get("cancelled", ()))
     )
+
+
+def _extent(values: list[Any]) -> tuple[float, float] | None:
+    """Width and height of a contact; contacts without them end with the label."""
+    if not values:
+        return None
+    width, height = values
+    return float(width), float(height)
 
 
 def _hand(hand: TrackedHand) -> dict[str, Any]:

@@ -31,6 +31,7 @@ from sandbox.server.protocol.protocol import (
     PageScreen,
     PageTouches,
     PlayerRequest,
+    Presence,
     Resized,
     SceneMessage,
     Sheet,
@@ -47,6 +48,11 @@ MOST_CLIENTS = 8
 SILENCE = 1.0
 """s without a message after which a page's touches are cancelled; a page with a finger down sends
 ten messages a second."""
+QUIET = 1.5
+"""s without a message after which a page without a finger counts as away; it sends two messages a
+second."""
+SEAT_KEPT = 60.0
+"""s for which the seat of a player who is away is kept against other pages."""
 GREETING = 5.0
 """s within which a page has to send its hello message."""
 
@@ -71,6 +77,7 @@ class Audience:
         asked: Queue of the player's requests; read by another thread.
         filled: Queue of the player's inputs to a study's sheets; read by another thread.
         screen: Size of the player's screen; None before a player connected.
+        language: Language of the player's page; empty before a player connected.
     """
 
     def __init__(
@@ -95,10 +102,12 @@ class Audience:
         self._sheet: Sheet | None = None
         self._trouble: bytes | None = None
         self._heard = float("-inf")
+        self._left = float("-inf")
         self.joined = threading.Event()
         self.asked: queue.SimpleQueue[PlayerRequest] = queue.SimpleQueue()
         self.filled: queue.SimpleQueue[ItemAnswer | Leave] = queue.SimpleQueue()
         self.screen: PageScreen | None = None
+        self.language = ""
 
     def __len__(self) -> int:
         return len(self._clients)
@@ -130,9 +139,17 @@ class Audience:
 
     @property
     def silence(self) -> float:
-        """s since the last message of a player; infinite before the first. From any thread."""
-        heard = [c.heard for c in tuple(self._clients) if c.player]
-        return time.monotonic() - max(heard, default=self._heard)
+        """s since a player was last there; infinite before the first. From any thread."""
+        seen = [c.seen for c in tuple(self._clients) if c.player]
+        return time.monotonic() - max(seen, default=self._heard)
+
+    @property
+    def away(self) -> bool:
+        """True if no player's page can be played: closed, hidden or silent. From any thread."""
+        device = self._device
+        limit = SILENCE if device and device.touched else QUIET
+        players = [c for c in tuple(self._clients) if c.player]
+        return not any(c.here and time.monotonic() - c.heard <= limit for c in players)
 
     def show_sheet(self, sheet: Sheet, tell: bool) -> None:
         """Stores the sheet for a page that reconnects, and sends it to the player if `tell`."""
@@ -156,10 +173,6 @@ class Audience:
     async def handle(self, connection: PageConnection) -> None:
         """Handles the connection of a page from its first message to its end."""
         client = Client(connection, self._counters, time.monotonic)
-        if len(self._clients) >= MOST_CLIENTS:
-            self._counters.add("too many clients")
-            await connection.close(TOO_MANY, "too many pages are open")
-            return
         self._clients.append(client)
         writing = asyncio.create_task(client.write())
         try:
@@ -173,7 +186,11 @@ class Audience:
                 self._counters.add("wrong version")
                 await connection.close(WRONG_VERSION, f"this server uses version {PROTOCOL}")
                 return
-            await self._greet(client, first)
+            if not self._has_room(first):
+                self._counters.add("too many clients")
+                await connection.close(TOO_MANY, "too many pages are open")
+                return
+            self._greet(client, first)
             connection.hear = functools.partial(self._hear, client)
             async for message in connection:
                 self._hear(client, message)
@@ -198,21 +215,38 @@ class Audience:
             if up is not None:
                 self._take(client, up)
 
-    async def _greet(self, client: Client, hello: Hello) -> None:
+    def _greet(self, client: Client, hello: Hello) -> None:
         client.hello, client.screen = hello, hello.screen
         same = hello.role == "player" and hello.client == self._last_player
         for other in [c for c in self._clients if c.player and same and c is not client]:
             # The same page has reconnected before the loss of its old socket was noticed.
+            # Its end is not waited for: a dead socket takes a second to close.
             self._leave(other)
-            await other.connection.close(REPLACED, "the page is open elsewhere")
+            other.part(REPLACED, "the page is open elsewhere")
         if hello.role == "player" and (player := self._player()) and self._trouble:
             # The player's screen is too small; the new page may have enough room.
             player.player = False
             self._welcome(player)
-        if hello.role == "player" and self._player() is None:
+        if hello.role == "player" and self._player() is None and self._may_sit(hello):
             self._seat(client)
             self.joined.set()
         self._welcome(client)
+
+    def _has_room(self, hello: Hello) -> bool:
+        """True if a page may stay: one place is the player's, the others are for whoever comes."""
+        others = [c for c in self._clients if c.hello and not c.player]
+        mine = hello.role == "player" and self._may_sit(hello)
+        return mine or len(others) < MOST_CLIENTS - 1
+
+    def _may_sit(self, hello: Hello) -> bool:
+        """True if the player's seat is the page's own, or nobody's."""
+        return hello.client == self._last_player or (self._player() is None and self._seat_is_free)
+
+    @property
+    def _seat_is_free(self) -> bool:
+        """True if the last player has been away for too long, or had no room to play."""
+        kept = self._last_player and time.monotonic() - self._left <= SEAT_KEPT
+        return not kept or self._trouble is not None
 
     def _player(self) -> Client | None:
         return next((c for c in self._clients if c.player), None)
@@ -221,7 +255,10 @@ class Audience:
         assert client.hello is not None
         other = client.hello.client != self._last_player
         client.player, self._last_player = True, client.hello.client
+        if self._device:
+            self._device.begin_page()
         self.screen, self.seated = client.screen, self.seated + other
+        self.language = client.hello.language
 
     def _welcome(self, client: Client) -> None:
         role = "player" if client.player else "spectator"
@@ -251,15 +288,33 @@ class Audience:
         if not client.player:
             return
         client.player = False
-        self._heard = client.heard
+        self._heard = client.seen
+        self._left = time.monotonic()
         if self._device:
             self._device.cancel_all()
-        # The next page that asked to be the player becomes it now.
+        self._fill_seat(client)
+
+    def _fill_seat(self, gone: Client | None = None) -> None:
+        """Gives a seat that is free to the first other page that asked to be the player."""
+        if self._player() is not None or not self._seat_is_free:
+            return
         for other in self._clients:
-            if other is not client and other.hello and other.hello.role == "player":
+            if other is not gone and other.hello and other.hello.role == "player":
                 self._seat(other)
                 self._welcome(other)
                 return
+
+    def _give_up_seat(self, now: float) -> None:
+        """Takes the seat from a player who has been hidden for too long, if somebody waits."""
+        player = self._player()
+        if player is None or now - player.seen <= SEAT_KEPT:
+            return
+        waiting = [c for c in self._clients if c.hello and c.hello.role == "player"]
+        if len(waiting) > 1:
+            self._leave(player)
+            self._left = float("-inf")
+            self._fill_seat(player)
+            self._welcome(player)
 
     def _take(self, client: Client, up: Up) -> None:
         """Acts on a valid message."""
@@ -276,6 +331,8 @@ class Audience:
                 client.screen = up.screen
                 if client.player:
                     self.screen = up.screen
+            case Presence():
+                client.appear(up.here)
             case PageTouches() if client.player and client.screen:
                 if self._device:
                     self._device.push(up, client.screen)
@@ -291,9 +348,12 @@ class Audience:
                 self._counters.add("not the player")
 
     async def watch(self) -> None:
-        """Cancels the touches of a silent page; runs until it is cancelled."""
+        """Cancels the touches of a silent page, and ends the keeping of seats; runs until it is
+        cancelled."""
         while True:
             await asyncio.sleep(0.1)
+            self._give_up_seat(time.monotonic())
+            self._fill_seat()
             device = self._device
             for client in self._clients:
                 silent = time.monotonic() - client.heard > SILENCE

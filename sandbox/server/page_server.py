@@ -26,13 +26,14 @@ from sandbox.server.connections.access import Access
 from sandbox.server.connections.connection_limits import ConnectionLimits, limited_connection
 from sandbox.server.connections.counters import Counters
 from sandbox.server.protocol.contact_forces import HandFeedback
-from sandbox.server.protocol.describe import BodyKinematics, state_of
+from sandbox.server.protocol.describe import BodyKinematics, state_of, told
 from sandbox.server.protocol.frames import pack
 from sandbox.server.protocol.protocol import (
     LARGEST_MESSAGE,
     ItemAnswer,
     Leave,
     PageScreen,
+    Pause,
     PlayerRequest,
     Refusal,
     SceneMessage,
@@ -46,6 +47,7 @@ from sandbox.server.static import StaticFiles, plain
 from sandbox.server.web import WebDevice
 from sandbox.session.latency import LatencyLog
 from sandbox.session.messages import Snapshot
+from sandbox.words.words import preferred, words_in
 
 _T = TypeVar("_T")
 
@@ -99,12 +101,13 @@ class PageServer:
     ) -> None:
         self.counters, self.latency = Counters(), LatencyLog()
         self._tls, self._token = tls, token
+        self._language = study.language if study else ""
         self._limits = ConnectionLimits(self.counters)
         self._files = files or StaticFiles()
         self._audience = Audience(tasks, version, self.counters, self.latency, study, touch)
         self._shown: _Shown | None = None
         self._scenes = 0
-        self._moment: tuple[_Shown, int, Snapshot, bool, Sequence[HandFeedback]] | None = None
+        self._moment: tuple[_Shown, int, Snapshot, Pause, Sequence[HandFeedback]] | None = None
         self._scheduled = False
         self._ready: queue.Queue[Access | OSError] = queue.Queue()
         self._loop = asyncio.new_event_loop()
@@ -137,9 +140,19 @@ class PageServer:
         return self._audience.screen
 
     @property
+    def language(self) -> str:
+        """Language of the player's page, by ISO 639-1; empty before one came."""
+        return self._audience.language
+
+    @property
     def seated(self) -> int:
-        """Number of times that another page became the player's; the screen may have changed."""
+        """Number of times that another page became the player's, with another screen."""
         return self._audience.seated
+
+    @property
+    def away(self) -> bool:
+        """True if nobody can play: the player's page is closed, hidden or silent."""
+        return self._audience.away
 
     @property
     def clients(self) -> int:
@@ -152,7 +165,7 @@ class PageServer:
 
     @property
     def silence(self) -> float:
-        """s since a player was last heard; infinite before there was one."""
+        """s since a player was last there: heard, and not hidden; infinite before the first."""
         return self._audience.silence
 
     def asked(self) -> list[PlayerRequest]:
@@ -202,28 +215,30 @@ class PageServer:
         shown = _Shown(message, device, BodyKinematics(scene), skins, own)
         self._loop.call_soon_threadsafe(self._open_scene, shown)
 
-    def show_problem(self, text: str) -> None:
+    def show_problem(self, *sentences: str) -> None:
         """Shows on all pages why there is no scene, until there is one.
 
         Meanwhile the next page that connects may become the player's.
         """
-        self._loop.call_soon_threadsafe(self._audience.show_problem, encode(Trouble(text)))
+        self._loop.call_soon_threadsafe(
+            self._audience.show_problem, encode(Trouble([told(s) for s in sentences]))
+        )
 
     def publish(
-        self, snapshot: Snapshot, paused: bool = False, feedback: Sequence[HandFeedback] = ()
+        self, snapshot: Snapshot, pause: Pause = "", feedback: Sequence[HandFeedback] = ()
     ) -> None:
         """Publishes the newest snapshot; called from the session's thread, and never waits.
 
         Args:
             snapshot: The snapshot.
-            paused: True while the trial is paused.
+            pause: Why simulated time stands still; empty while it runs.
             feedback: Contact forces and label probability of every hand; empty without a page.
         """
         shown = self._shown
         if shown is None:
             return
         touch = shown.device.applied if shown.device else 0
-        self._moment = (shown, touch, snapshot, paused, feedback)
+        self._moment = (shown, touch, snapshot, pause, feedback)
         if not self._scheduled:
             self._scheduled = True
             with contextlib.suppress(RuntimeError):  # the loop is closed
@@ -289,17 +304,27 @@ class PageServer:
             origins[0] if origins else None,
             wants_socket,
         )
+        if reason == "token" and self.access.asks_to_return(request.path, wants_socket):
+            # Reloads are among them; strangers, too, so that a flood of them is seen.
+            self.counters.add("asked without a token")
+            return self._files.way_back()
         if reason:
             self.counters.add(f"wrong {reason}")
-            return plain(HTTPStatus.FORBIDDEN, "This link is not valid. Scan the code again.")
+            return plain(HTTPStatus.FORBIDDEN, self._words(request)["link_invalid"])
         full = wants_socket and len(self._audience) >= 2 * MOST_CLIENTS
         if full or not self._limits.authenticate(connection):
             self.counters.add("too many clients")
-            return plain(HTTPStatus.SERVICE_UNAVAILABLE, "Too many pages are open.")
+            return plain(HTTPStatus.SERVICE_UNAVAILABLE, self._words(request)["too_many_pages"])
         if wants_socket:
             return None
         origin = f"{'wss' if self._tls else 'ws'}://{hosts[0]}"
-        return self._files.response(urlsplit(request.path).path, origin, self.access.token)
+        path = urlsplit(request.path).path
+        return self._files.response(path, origin, self.access.token, self._language)
+
+    def _words(self, request: Request) -> dict[str, str]:
+        """Words for somebody who gets no page, in the study's language or the browser's."""
+        accepted = request.headers.get_all("Accept-Language")
+        return words_in(self._language or preferred(accepted[0] if accepted else ""))
 
     def _open_scene(self, shown: _Shown) -> None:
         self._shown = shown
@@ -310,8 +335,8 @@ class PageServer:
         self._scheduled = False
         if self._moment is None or self._moment[0] is not self._shown or not len(self._audience):
             return
-        shown, touch, snapshot, paused, feedback = self._moment
-        poses, state = shown.poses(snapshot.qpos), state_of(snapshot, paused, feedback, shown.own)
+        shown, touch, snapshot, pause, feedback = self._moment
+        poses, state = shown.poses(snapshot.qpos), state_of(snapshot, pause, feedback, shown.own)
         self._audience.show(pack(shown.message.scene, touch, snapshot.time, poses, state))
 
 

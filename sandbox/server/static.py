@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from base64 import b64encode
+from hashlib import sha256
 from http import HTTPStatus
 from pathlib import Path
 from urllib.parse import quote
@@ -13,7 +15,9 @@ from models.errors import HandSandboxError
 
 STATIC = Path(__file__).resolve().parents[1] / "views" / "static"
 
-TOKEN_PLACE = b"{{token}}"
+TOKEN_PLACE, LANGUAGE_PLACE = b"{{token}}", b"{{language}}"
+WAY_BACK = "/return.html"
+"""Page for an address without a token."""
 
 _TYPES = {
     ".html": "text/html; charset=utf-8",
@@ -44,14 +48,32 @@ class StaticFiles:
             for p in paths
             if p.is_file() and p.suffix in _TYPES
         }
-        if "/index.html" not in self._files:
+        if not {"/index.html", WAY_BACK} <= set(self._files):
             raise HandSandboxError(
                 "the page is missing",
                 where=str(folder),
                 remedy="Reinstall Hand Sandbox, or build the page: see docs/page.md",
             )
 
-    def response(self, path: str, websocket_origin: str, token: str = "") -> Response:
+    def way_back(self) -> Response:
+        """The response to a request without a token, the same for everybody.
+
+        The page looks for the token in its own tab, and loads the real page with it. It may run its
+        own script, which is named by its hash, and load or send nothing.
+        """
+        body = self._files[WAY_BACK]
+        script = body.partition(b"<script>")[2].partition(b"</script>")[0]
+        digest = b64encode(sha256(script).digest()).decode()
+        policy = (
+            f"default-src 'none'; script-src 'sha256-{digest}'; style-src 'unsafe-inline'; "
+            "img-src data:; frame-ancestors 'none'; base-uri 'none'; form-action 'none'"
+        )
+        headers = {"Content-Type": _TYPES[".html"], "Content-Security-Policy": policy}
+        return _response(HTTPStatus.OK, headers, body)
+
+    def response(
+        self, path: str, websocket_origin: str, token: str = "", language: str = ""
+    ) -> Response:
         """The response to a GET request.
 
         Args:
@@ -59,6 +81,8 @@ class StaticFiles:
             websocket_origin: Origin of WebSockets, such as ws://127.0.0.1:8000, which some browsers
                 do not treat as 'self'.
             token: Token that is written into the links of index.html, since all requests need it.
+            language: Language of a study's participant, written into index.html; empty: the page
+                chooses.
         """
         name = "/index.html" if path == "/" else path
         body = self._files.get(name)
@@ -66,6 +90,7 @@ class StaticFiles:
             return plain(HTTPStatus.NOT_FOUND, "Page not found.")
         if name == "/index.html":
             body = body.replace(TOKEN_PLACE, quote(token).encode())
+            body = body.replace(LANGUAGE_PLACE, quote(language).encode())
         headers = {
             "Content-Type": _TYPES[Path(name).suffix],
             "Content-Security-Policy": (

@@ -69,7 +69,7 @@ class WebDevice(Device):
         metres = METRES_PER_INCH / screen.px_per_in
         with self._lock:
             contacts, ids = [], set()
-            for i, x_px, y_px, width_px in touches.contacts:
+            for i, x_px, y_px, width_px, height_px in touches.contacts:
                 x, y = x_px * metres, y_px * metres
                 inside = 0.0 <= x <= self._size[0] and 0.0 <= y <= self._size[1]
                 if i in ids or not (inside or i in self._inside):
@@ -78,11 +78,22 @@ class WebDevice(Device):
                 x, y = min(max(x, 0.0), self._size[0]), min(max(y, 0.0), self._size[1])
                 # A browser that does not know the width reports one pixel, or zero.
                 size = width_px * metres if width_px > 1.0 else None
-                contacts.append(Contact(i, float(x), float(y), size))
+                extent = (
+                    (width_px * metres, height_px * metres)
+                    if width_px > 1.0 and height_px > 1.0
+                    else None
+                )
+                contacts.append(Contact(i, float(x), float(y), size, extent=extent))
             self._inside = ids
             self._lift = touches.lift if touches.lift is not None else self._lift
             gone = frozenset(touches.cancelled) & (self._present - ids)
             self._put(tuple(contacts), gone, touches.seq)
+
+    def begin_page(self) -> None:
+        """A page begins to send: its messages are counted anew."""
+        with self._lock:
+            self._frames = deque(((f, 0, at) for f, _, at in self._frames), maxlen=QUEUE_FRAMES)
+            self.applied = 0
 
     def cancel_all(self) -> None:
         """Cancels all touches of a page that was closed or fell silent."""

@@ -16,7 +16,9 @@ from encoders.reconstruction.touch_reconstructor import Reconstruction
 from models.arithmetic.arrays import Array
 from models.arithmetic.products import squared_lengths
 from models.frames import FINGERS
+from models.messages.message import Message
 from models.scene import CONTROL_PERIOD, BodyPoses, Scene
+from sandbox.session.messages import MOVE_APART
 
 CLEARANCE = 0.0005
 """m, least distance of a fingertip's surface from an object when it becomes solid."""
@@ -30,9 +32,10 @@ unnoticed; with these, half a millimetre."""
 
 GHOST: frozenset[int] = frozenset()
 
-STUCK = "a finger is inside an object: the hand passes through things until it is out"
-STUCK_TIME = 1.0
-"""s that a hand stays a ghost over a finger inside an object before the person is told."""
+STUCK = Message("stuck", f"{MOVE_APART}: a finger is inside an object")
+STUCK_TIME = 0.15
+"""s that a finger of a hand that is down has been inside an object before the person is told: no
+longer than it takes to lead a finger out that is only beside it."""
 
 
 @dataclass(frozen=True)
@@ -44,12 +47,15 @@ class CollisionGatingRules:
         distal_only: Only the last links of touching fingers are ever solid; otherwise every link.
         links: Number of solid links of a finger, counted from its tip.
         together: All fingers of a hand become solid in the same step; otherwise each by itself.
+        lead: Fingertips beside things are led off their touches, out of them, and keep the width
+            of their grip until they spread.
     """
 
     ghost_until_clear: bool = True
     distal_only: bool = True
     links: int = 1
     together: bool = True
+    lead: bool = False
 
 
 class CollisionGate:
@@ -62,6 +68,7 @@ class CollisionGate:
 
     Attributes:
         fingers: Labels of the fingers that are solid now.
+        inside: Labels of the fingers that cannot become solid, as they are inside an object.
     """
 
     def __init__(self, scene: Scene, hand: int, rules: CollisionGatingRules) -> None:
@@ -82,12 +89,14 @@ class CollisionGate:
         # finger leans, and may be inside a high object with its tip well beside it.
         self._inner = np.array([link.solid_from for link in last])
         self.fingers = GHOST
-        self._inside = 0  # steps in a row that a finger inside an object kept the hand a ghost
+        self.inside = GHOST
+        # Steps in a row that each finger has been inside an object.
+        self._stuck: dict[int, int] = {}
 
     @property
     def notice(self) -> str:
         """Message for the person whose hand stays a ghost; empty otherwise."""
-        return STUCK if self._inside * CONTROL_PERIOD > STUCK_TIME else ""
+        return STUCK if self.inside and not self.fingers else ""
 
     def tips(self, data: BodyPoses) -> Array:
         """(5, 3) m, fingertips of the simulated hand."""
@@ -97,6 +106,13 @@ class CollisionGate:
         """(35, 3) m, 7 points on the solid part of each last link; fingers vary fastest."""
         shares = self._inner + ALONG[:, None] * (1.0 - self._inner)
         return np.concatenate([self._along(data, share) for share in shares])
+
+    def behind_tips(self, data: BodyPoses) -> Array:
+        """(7, 5, 3) m, the points of `links`, seen from each finger's tip."""
+        shares = self._inner + ALONG[:, None] * (1.0 - self._inner)
+        # The middle column of each rotation is a bone's own direction.
+        axis = data.xmat.take(self._bodies, 0)[:, 1::3]
+        return ((shares - 1.0) * self._reach)[:, :, None] * axis
 
     def update(
         self,
@@ -114,20 +130,23 @@ class CollisionGate:
         wanted = reconstruction.fingers if reconstruction.down and not ghost else GHOST
         staying = self.fingers & wanted
         joining = wanted - staying
-        inside = False
+        stuck: dict[int, int] = {}
         if joining:
             target = self._commanded(reconstruction.q)
             near = np.sqrt(squared_lengths(self.tips(data) - target)) < ARRIVED
             free = near & (self._clear(data) if self._rules.ghost_until_clear else True)
             fit = frozenset(f for f in joining if free[f])
-            inside = any(near[f] and not free[f] for f in joining)
+            stuck = {f: self._stuck.get(f, 0) + 1 for f in joining if near[f] and not free[f]}
             # A hand that comes down becomes solid as a whole: a finger that is solid before the
             # others would push away the object that they are about to grasp.
             if staying or not self._rules.together:
                 staying |= fit
             elif fit == joining:
                 staying = fit
-        self._inside = self._inside + 1 if inside and not staying else 0
+        self._stuck = stuck
+        self.inside = frozenset(
+            f for f, steps in stuck.items() if steps * CONTROL_PERIOD > STUCK_TIME
+        )
         if staying != self.fingers:
             rules = self._rules
             self._scene.set_solid(

@@ -14,6 +14,9 @@ from models.lazy_fields import LazyFields
 from tasks.score import Score
 from tasks.task import Goal
 
+MOVE_APART = "Move apart"
+"""What a person is told beside a finger that is inside an object."""
+
 SURE = 0.8
 """Probability of a finger's name below which views show that it is not sure."""
 
@@ -26,7 +29,8 @@ class ContactView:
         id: Id of the contact.
         position: (3,) m, in the world, on the touch surface.
         label: Its finger, thumb 0 to little 4; None before it is labelled.
-        state: `active`; `lost` during the grace period after it was lost; `ignored` (drawn grey).
+        state: `active`; `lost` during the grace period after it was lost; `palm` (drawn as a faint
+            patch); `ignored` (drawn grey).
         probability: Probability of the label, 0 to 1; 1 where no label is given.
     """
 
@@ -52,6 +56,8 @@ class HandView:
         solid: Labels of the fingers that can collide now; the hand is a ghost while it is empty.
         phase: Phase between hovering and down (`encoders.reconstruction.arrival.Phase`).
         contacts: Contacts on the touch surface.
+        inside: Labels of the fingers that are inside an object and therefore not solid; beside them
+            a view says `MOVE_APART`.
     """
 
     target: Array
@@ -59,6 +65,7 @@ class HandView:
     solid: frozenset[int]
     phase: str
     contacts: tuple[ContactView, ...]
+    inside: frozenset[int] = frozenset()
 
 
 @dataclass(frozen=True)

@@ -171,10 +171,7 @@ class _Place:
             )
             for j in joints[slides]
         ]
-        geoms = np.flatnonzero(model.geom_bodyid == body)
-        self.radius = float(
-            np.max(np.sqrt(squared_lengths(model.geom_pos[geoms])) + model.geom_rbound[geoms])
-        )
+        self.radius = scene.object_radius(thing.name)
 
     def put(self, data: mujoco.MjData, shift: Array) -> None:
         """Puts the object at rest at its start, moved by a shift (3,) m in the world."""

@@ -7,7 +7,7 @@ bit, because nothing here reads a clock.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from hashlib import blake2b
 from typing import Any, Protocol
@@ -22,6 +22,7 @@ from encoders.reconstruction.touch_reconstructor import Reconstruction
 from models.arithmetic.arrays import Array
 from models.errors import DivergenceError
 from models.frames import Frame, TouchFrame
+from models.messages.message import Message
 from models.scene import Scene, SceneSpec, StillPoses
 from models.scene_hand import SceneHand
 from models.surface import Surface, enclosing
@@ -29,6 +30,8 @@ from sandbox.session.collision_gating import CollisionGate, CollisionGatingRules
 from sandbox.session.contact_modes import ContactMode, ContactModes, contact_mode
 from sandbox.session.device import AnyDevice
 from sandbox.session.divergence import command_error, state_error
+from sandbox.session.finger_loads import FingerLoads, HandLoad
+from sandbox.session.fingertip_leading import FingertipLeading
 from sandbox.session.latest_frame import LatestFrame
 from sandbox.session.messages import ContactView, HandView, ObjectView, Snapshot
 from sandbox.session.pose_track import bits
@@ -57,6 +60,8 @@ class Rig:
         hand: The simulated hand that follows the poses.
         yaw: Warns about hands that are turned too far, and changes no pose; None does not watch.
         rules: Collision gating of this hand; None uses the session's rules.
+        lead: Leads fingertips off their touches, by (5, 2) m (see `Reconstructor.lead`); None for
+            a hand that no touches drive.
     """
 
     device: AnyDevice
@@ -64,6 +69,7 @@ class Rig:
     hand: SceneHand
     yaw: YawMonitor | None = None
     rules: CollisionGatingRules | None = None
+    lead: Callable[[Array | None], None] | None = None
 
 
 class Recorder(Protocol):
@@ -123,9 +129,16 @@ class Session:
         self.data = mujoco.MjData(self.scene.model)
         self._gates = [CollisionGate(self.scene, i, r.rules or rules) for i, r in enumerate(rigs)]
         surfaces = [rig.reconstructor.surface for rig in rigs]
+        self._leading = [
+            FingertipLeading(self.scene, i, surface, gate)
+            if rig.lead and (rig.rules or rules).lead
+            else None
+            for i, (rig, surface, gate) in enumerate(zip(rigs, surfaces, self._gates, strict=True))
+        ]
         self._hands = [(s.tips, on) for s, on in zip(self._gates, surfaces, strict=True)]
         self._contact = ContactModes(self.scene, contact_mode(contact))
         self._asked: ContactMode | None = None
+        self._loads = FingerLoads(self.scene)
         self._respawn = Respawn(self.scene, surfaces)
         self._respawn_notice: tuple[float, str] = (-np.inf, "")
         self.diverged = ""
@@ -198,6 +211,13 @@ class Session:
         """(5, 3) m, fingertips of a hand in a state of this session's model."""
         return self._gates[hand].tips(data)
 
+    def loads(self) -> list[HandLoad]:
+        """What the fingers of each hand press with now, and how near their limit the servos are.
+
+        Computed when asked for, in the session's thread; states do not depend on it.
+        """
+        return self._loads.read(self.data)
+
     def set_contact(self, mode: str) -> None:
         """Requests another contact mode, from any thread; it takes effect with the next step.
 
@@ -232,7 +252,10 @@ class Session:
             self._diverge(wrong)
         self.scorer.update(self.time, measure(self.task, self._sensing))
         if all(rig.device.finished for rig in self.rigs):
-            self.scorer.abort(Status.INPUT_ENDED, "the input ended before the task was done")
+            self.scorer.abort(
+                Status.INPUT_ENDED,
+                Message("input_ended", "the input ended before the task was done"),
+            )
         snapshot = self.snapshot()
         if not self.over:
             # The state at the beginning of the next period is recorded now: after a pause for real
@@ -247,7 +270,7 @@ class Session:
         # keep MuJoCo's memory after the trial.
         scene, task, hands = self.scene, self.task, self._hands
         reconstructions = tuple(self.reconstructions)
-        solid = [gate.fingers for gate in self._gates]
+        fingers = [(gate.fingers, gate.inside) for gate in self._gates]
 
         def compute() -> dict[str, Any]:
             objects = {
@@ -256,9 +279,9 @@ class Session:
             }
             return {
                 "hands": tuple(
-                    _hand_view(reconstruction, fingers, tips(poses), surface)
-                    for reconstruction, fingers, (tips, surface) in zip(
-                        reconstructions, solid, hands, strict=True
+                    _hand_view(reconstruction, solid, inside, tips(poses), surface)
+                    for reconstruction, (solid, inside), (tips, surface) in zip(
+                        reconstructions, fingers, hands, strict=True
                     )
                 ),
                 "objects": objects,
@@ -313,7 +336,10 @@ class Session:
             self.data, lambda: np.concatenate([s.links(self.data) for s in self._gates])
         )
         if names:
-            self._respawn_notice = (self.time, f"out of reach, and put back: {', '.join(names)}")
+            self._respawn_notice = (
+                self.time,
+                Message("put_back", "out of reach, and put back: {objects}", objects=list(names)),
+            )
             if self._recorder:
                 self._recorder.event(self.step, "respawn", objects=names)
 
@@ -336,7 +362,12 @@ class Session:
         if rig.yaw:
             rig.yaw.step(self.time, reconstruction.u)
         self.data.ctrl[self.scene.control_slice(i)] = rig.hand.controls(reconstruction.q)
-        self._gates[i].update(self.data, reconstruction, self._contact.ghost)
+        leading = self._leading[i]
+        ghost = self._contact.ghost
+        lets_go = leading.lets_go(self.data, reconstruction, ghost) if leading else False
+        self._gates[i].update(self.data, reconstruction, ghost or lets_go)
+        if leading and rig.lead:
+            rig.lead(leading.step(self.data, reconstruction))
         return reconstruction
 
     def _latest(self, i: int) -> Any:
@@ -360,7 +391,12 @@ class Session:
         self.diverged = wrong
         self._record_state()
         where = f"{self.time:.3f} s"
-        self.scorer.abort(Status.DIVERGED, f"the simulation diverged at {where}: {wrong}")
+        self.scorer.abort(
+            Status.DIVERGED,
+            Message(
+                "diverged", "the simulation diverged at {where}: {why}", where=where, why=wrong
+            ),
+        )
         raise DivergenceError(
             "the simulation diverged",
             where=where,
@@ -370,7 +406,11 @@ class Session:
 
 
 def _hand_view(
-    reconstruction: Reconstruction, solid: frozenset[int], tips: Array, surface: Surface
+    reconstruction: Reconstruction,
+    solid: frozenset[int],
+    inside: frozenset[int],
+    tips: Array,
+    surface: Surface,
 ) -> HandView:
     touching = reconstruction.contacts
     positions = surface.to_world([c.xy for c in touching]) if touching else ()
@@ -378,4 +418,5 @@ def _hand_view(
         ContactView(c.id, position, c.label, c.state, c.probability)
         for c, position in zip(touching, positions, strict=True)
     )
-    return HandView(reconstruction.q, tips, solid, reconstruction.phase.value, contacts)
+    phase = reconstruction.phase.value
+    return HandView(reconstruction.q, tips, solid, phase, contacts, inside)

@@ -62,8 +62,13 @@ RATES = {
     "show": 48.0,
     "palf": 50.0,
     "ntscf": 60.0,
+    "millisec": 1000.0,
+    "sec": 1.0,
+    "min": 1.0 / 60.0,
+    "hour": 1.0 / 3600.0,
 }
 STEP = 10.0  # degrees by which a solver is told to bend joints that are straight
+COUPLING = 2.0 / 3.0  # of a finger's last joint to the one before it, as in PAALM
 TOLD = 3  # warnings about lines that cannot be used; more would fill the script editor
 
 # Published stubs of maya.cmds know no query together with another flag.
@@ -105,7 +110,7 @@ class HandRig:
         # A finger's length is the sum of its bones, as in the paper.
         self.lengths = [sum(length(minus(a, b)) for a, b in zip(p, p[1:])) for p in places]
         self.frame = frame or palm_frame(places, self.fingers, side, _up())
-        self.group = str(cmds.group(empty=True, name="hand_sandbox_" + side))
+        self.group = _long(cmds.group(empty=True, name="hand_sandbox_" + side))
         try:
             self._build(places)
         except Exception:
@@ -115,8 +120,7 @@ class HandRig:
     def _build(self, places: List[List[Vector]]) -> None:
         where = _place(self.root) if self.root else places[0][0]
         self.rest = (where, quaternion_of(self.frame))
-        palm = cmds.group(empty=True, name="palm_" + self.side, parent=self.group)
-        self.palm = str(palm)
+        self.palm = _long(cmds.group(empty=True, name="palm_" + self.side, parent=self.group))
         self._put_palm(*self.rest)
         for finger, chain, place, size in zip(self.fingers, self.chains, places, self.lengths):
             name = "%s_%s" % (FINGERS[finger], self.side)
@@ -125,12 +129,13 @@ class HandRig:
             self.targets.append(self._locator(name + "_target", into(self.frame, where, place[-1])))
             self.poles.append(self._locator(name + "_pole", plus(base, (0.0, 0.0, size))))
             for joint in chain[1:-1]:
-                _prefer(joint, self.frame)
+                last = finger > 0 and len(chain) > 3 and joint == chain[-2]
+                _prefer(joint, self.frame, COUPLING if last else 1.0)
             solver = "ikRPsolver" if len(chain) > 2 else "ikSCsolver"
             made = cmds.ikHandle(
                 startJoint=chain[0], endEffector=chain[-1], solver=solver, name=name + "_ik"
             )
-            handle = str(cmds.parent(made[0], self.group)[0])
+            handle = _long(cmds.parent(made[0], self.group)[0])
             cmds.pointConstraint(self.targets[-1], handle)
             if solver == "ikRPsolver":
                 cmds.poleVectorConstraint(self.poles[-1], handle)
@@ -138,7 +143,7 @@ class HandRig:
             cmds.parentConstraint(self.palm, self.root, maintainOffset=True)
 
     def _locator(self, name: str, place: Vector) -> str:
-        made = str(cmds.parent(cmds.spaceLocator(name=name)[0], self.palm, relative=True)[0])
+        made = _long(cmds.parent(cmds.spaceLocator(name=name)[0], self.palm, relative=True)[0])
         cmds.setAttr(made + ".translate", *place)
         return made
 
@@ -192,9 +197,10 @@ class HandRig:
         self._put_palm(plus(self.rest[0], moved), product(turned, self.rest[1]))
 
     def _put_palm(self, place: Vector, turn: Quaternion) -> None:
-        before = cmds.getAttr(self.palm + ".rotate")[0]
+        unit = _degree()
+        before = times(cmds.getAttr(self.palm + ".rotate")[0], 1.0 / unit)
         cmds.setAttr(self.palm + ".translate", *place)
-        cmds.setAttr(self.palm + ".rotate", *angles_of(turn, before))
+        cmds.setAttr(self.palm + ".rotate", *times(angles_of(turn, before), unit))
 
     def finish(self, bake: bool) -> None:
         """Bakes what was keyed, and takes handles and targets away."""
@@ -214,11 +220,13 @@ class HandRig:
                         disableImplicitControl=True,
                         preserveOutsideKeys=True,
                     )
+            _show(self.keyed[0], self.keyed[1])
         # Constraints hang below what they move, everything else in the group.
         for one in (
             cmds.listRelatives(self.root, type="parentConstraint") or [] if self.root else []
         ):
-            if self.palm in (asked.parentConstraint(one, query=True, targetList=True) or ()):
+            targets = asked.parentConstraint(one, query=True, targetList=True) or ()
+            if self.palm in [_long(target) for target in targets]:
                 cmds.delete(one)
         if cmds.objExists(self.group):
             cmds.delete(self.group)
@@ -236,6 +244,11 @@ def start(
     stop(side, bake=False)
     chosen = cmds.ls(selection=True, type="joint", long=True) or []
     options: Dict[str, Any] = {"root": root, "scale": scale, "key": key, "absolute": absolute}
+    try:
+        _rate()
+    except Refused as error:
+        cmds.warning("hand_sandbox: %s" % error)
+        return
     if not chosen:
         waiting[side] = options
         print("hand_sandbox: no joint is selected; the streamed hand is made when it comes")
@@ -245,6 +258,13 @@ def start(
         hand = hands[side] = _hand(chosen, fingers, side, **options)
         for finger, chain in zip(hand.fingers, hand.chains):
             print("hand_sandbox: the %s moves %s" % (FINGERS[finger], chain[0]))
+        if hand.root:
+            print("hand_sandbox: the palm moves %s" % hand.root)
+        elif root is None:
+            cmds.warning(
+                "hand_sandbox: the palm moves nothing, since no transform is above all chains; "
+                'start(root="NAME") names one'
+            )
     except Refused as error:
         cmds.warning("hand_sandbox: %s" % error)
     finally:
@@ -321,10 +341,14 @@ def _hand(
     if len({*every}) != len(every):
         raise Refused("one of the selected joints is in the chain of another one")
     if root is None:
-        above = {(cmds.listRelatives(c[0], parent=True, fullPath=True) or [""])[0] for c in chains}
-        root = above.pop() if len(above) == 1 else ""
-    if root and not cmds.objExists(root):
-        raise Refused("there is no %s" % root)
+        root = _above(chains)
+    elif root:
+        root = _long(root)
+    for chain in chains:
+        for joint in chain[:-1]:
+            _check_free(joint, "rotate")
+    if root:
+        _check_free(root, "translate", "rotate")
     return HandRig(chains, wanted, side, root or None, **options)
 
 
@@ -339,6 +363,28 @@ def _chain(joint: str) -> List[str]:
     if len(chain) < 2:
         raise Refused("%s has no joint below it" % joint)
     return chain
+
+
+def _above(chains: Sequence[Sequence[str]]) -> str:
+    """The nearest transform above all chains, also where metacarpals lie between; or nothing."""
+    shared: List[str] = []
+    for names in zip(*(chain[0].split("|")[:-1] for chain in chains)):
+        if len({*names}) > 1:
+            break
+        shared.append(names[0])
+    return "|".join(shared)
+
+
+def _check_free(node: str, *attributes: str) -> None:
+    """Refuses channels that cannot be baked: what was played would be lost in the end."""
+    for attribute in attributes:
+        for axis in ("", "X", "Y", "Z"):
+            plug = "%s.%s%s" % (node, attribute, axis)
+            if cmds.getAttr(plug, lock=True):
+                raise Refused("%s is locked: unlock it, or nothing can be baked there" % plug)
+            for source in cmds.listConnections(plug, source=True, destination=False) or []:
+                if not str(cmds.nodeType(source)).startswith("animCurve"):
+                    raise Refused("%s is driven by %s: disconnect it first" % (plug, source))
 
 
 def _make(line: Line, **options: Any) -> None:
@@ -360,6 +406,16 @@ def _make(line: Line, **options: Any) -> None:
         name = "%s_tip_%s" % (line.bones[parent][0], line.side)
         _joint(name, plus(place, rotated(so_far, reach)), metre, above)
     firsts = [made[i][0] for i, bone in enumerate(line.bones) if bone[1] == 0]
+    for first in firsts:
+        # As riggers expect it: x along the bone, y out of the back of the hand.
+        cmds.joint(
+            first,
+            edit=True,
+            orientJoint="xyz",
+            secondaryAxisOrient="zup" if _up()[2] else "yup",
+            children=True,
+            zeroScaleOrient=True,
+        )
     options.update(root=made[0][0], scale=metre, absolute=True, frame=rows_of(flat))
     hands[line.side] = _hand(firsts, None, line.side, **options)
 
@@ -367,18 +423,28 @@ def _make(line: Line, **options: Any) -> None:
 def _joint(name: str, place: Vector, metre: float, above: Optional[str]) -> str:
     cmds.select(clear=True)
     joint = str(cmds.joint(name=name, position=times(place, metre)))
-    if above:
-        joint = str(cmds.parent(joint, above)[0])
-    return str(cmds.ls(joint, long=True)[0])
+    return _long(cmds.parent(joint, above)[0] if above else joint)
 
 
-def _prefer(joint: str, frame: Rows) -> None:
-    """Tells a solver which way a joint bends: about the palm's x axis, on from where it is."""
+def _long(name: Any) -> str:
+    """The whole path of a node: short names are no longer unique once another rig has them."""
+    found = cmds.ls(str(name), long=True) or []
+    if len(found) != 1:
+        raise Refused("%s %s" % ("more than one node is named" if found else "there is no", name))
+    return str(found[0])
+
+
+def _prefer(joint: str, frame: Rows, coupling: float) -> None:
+    """Tells a solver which way a joint bends: about the palm's x axis, on from where it is.
+
+    Solvers bend the joints of a chain in proportion to their preferred angles.
+    """
+    step = STEP * coupling * _degree()
     m = asked.xform(joint, query=True, worldSpace=True, matrix=True)
     rest = cmds.getAttr(joint + ".rotate")[0]
     for i, letter in enumerate("XYZ"):
         share = sum(m[4 * i + k] * frame[k][0] for k in range(3))
-        cmds.setAttr("%s.preferredAngle%s" % (joint, letter), rest[i] - STEP * share)
+        cmds.setAttr("%s.preferredAngle%s" % (joint, letter), rest[i] - step * share)
 
 
 def _place(node: str) -> Vector:
@@ -393,8 +459,25 @@ def _up() -> Vector:
 def _rate() -> float:
     """Frames a second of the scene."""
     unit = str(cmds.currentUnit(query=True, time=True))
-    told = re.match(r"([0-9.]+)fps\Z", unit)
-    return float(told.group(1)) if told else RATES.get(unit, 24.0)
+    told = re.match(r"([0-9]+\.?[0-9]*)(fps|df)\Z", unit)
+    if told is None and unit not in RATES:
+        raise Refused("the scene's unit of time is not known: %s" % unit)
+    return float(told.group(1)) if told else RATES[unit]
+
+
+def _degree() -> float:
+    """A degree in the scene's unit of angles."""
+    return math.radians(1.0) if cmds.currentUnit(query=True, angle=True) == "rad" else 1.0
+
+
+def _show(first: int, last: int) -> None:
+    """Extends the time slider to the keys."""
+    begin, end = ("animationStartTime", "minTime"), ("animationEndTime", "maxTime")
+    for flag in begin + end:
+        now = float(asked.playbackOptions(**{"query": True, flag: True}))
+        wanted = min(now, first) if flag in begin else max(now, last)
+        if wanted != now:
+            asked.playbackOptions(**{flag: wanted})
 
 
 # A command port runs what it hears in __main__, wherever this file was loaded from.

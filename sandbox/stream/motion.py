@@ -1,4 +1,5 @@
-"""Source of streamed hands: a session that computes commanded poses without physics.
+"""Sources of streamed hands: a live Leap, or a session that computes commanded poses without
+physics.
 
 Simulated persons look at the scene before they move, so with them the physics runs, too.
 """
@@ -6,15 +7,25 @@ Simulated persons look at the scene before they move, so with them the physics r
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
+from encoders.paalm.calibration import HandCalibration
+from encoders.reconstruction.reconstructor import HandFrameReconstructor, Reconstructor
 from models.motion.armature import Armature
 from models.motion.sampling import Poses
 from models.scene import CONTROL_PERIOD
-from sandbox.export.sources import MotionSource, PoseCallback, commanded_poses, poses_of, together
+from sandbox.export.leap_hands import (
+    described,
+    devices_by_side,
+    leap_armatures,
+    straight_reconstructors,
+)
+from sandbox.export.motion_source import MotionSource, PoseCallback, poses_of, together
+from sandbox.export.sources import commanded_poses
 from sandbox.export.view import simulated_poses
+from sandbox.session.device import AnyDevice, HandDevice
 from sandbox.session.latest_frame import LatestFrame
 from sandbox.session.session import Session
 from sandbox.trial.driver import Trial
@@ -33,15 +44,46 @@ def source_of_session(
     """
     looking = [rig.device.show for rig in session.rigs if rig.device.looks]
     physics = bool(looking) or of == "simulated"
-    play = _with_physics if physics else _without_physics
     names = tuple(rig.hand.name for rig in session.rigs)
     armatures = tuple(Armature.of_hand(rig.hand) for rig in session.rigs)
     what = "the simulated hand" if of == "simulated" else "the commanded pose"
 
     def run(take: PoseCallback) -> str:
-        return play(session, stop, of, take)
+        if physics:
+            return _with_physics(session, stop, of, take)
+        return _without_physics([(r.device, r.reconstructor) for r in session.rigs], stop, take)
 
     return MotionSource(armatures, names, 0.0, what, run)
+
+
+def source_of_leap(
+    device: HandDevice,
+    sides: Sequence[str],
+    calibrations: Mapping[str, HandCalibration],
+    stop: threading.Event,
+) -> MotionSource:
+    """Yields the hands over a live Leap in real time, in the frame of the device, until `stop`.
+
+    Args:
+        device: The running device.
+        sides: Sides of the hands, one or both.
+        calibrations: Calibrations by side. A hand without one has the bones that the device
+            reports when it is first seen, or is average.
+        stop: Ends it.
+    """
+    names = tuple(sides)
+
+    def run(take: PoseCallback) -> str:
+        reconstructors = straight_reconstructors(names, calibrations)
+        pairs = list(zip(devices_by_side(device, names), reconstructors, strict=True))
+        return _without_physics(pairs, stop, take)
+
+    remarks = tuple(
+        f"no --calibration: the {side} hand has the bones that the Leap reports, or is average"
+        for side in names
+        if side not in calibrations
+    )
+    return MotionSource(leap_armatures(names), names, 0.0, described(names), run, remarks)
 
 
 def _with_physics(session: Session, stop: threading.Event, of: str, take: PoseCallback) -> str:
@@ -50,18 +92,21 @@ def _with_physics(session: Session, stop: threading.Event, of: str, take: PoseCa
     return f"the simulation diverged: {session.diverged}" if session.diverged else ""
 
 
-def _without_physics(session: Session, stop: threading.Event, of: str, take: PoseCallback) -> str:
-    rigs = session.rigs
-    newest = [LatestFrame(rig.reconstructor.empty) for rig in rigs]
+def _without_physics(
+    hands: Sequence[tuple[AnyDevice, Reconstructor | HandFrameReconstructor]],
+    stop: threading.Event,
+    take: PoseCallback,
+) -> str:
+    newest = [LatestFrame(reconstructor.empty) for _, reconstructor in hands]
     clock, ticks = RealTime(), 0
-    while not (stop.is_set() or all(rig.device.finished for rig in rigs)):
+    while not (stop.is_set() or all(device.finished for device, _ in hands)):
         now = ticks * CONTROL_PERIOD
-        hands = []
-        for rig, heard in zip(rigs, newest, strict=True):
-            heard.take(rig.device.poll(now), now)
-            reconstruction = rig.reconstructor.step(heard.frame)  # type: ignore[arg-type]
-            hands.append(poses_of(np.array([now]), reconstruction.q[None]))
-        take(together(hands))
+        poses = []
+        for (device, reconstructor), heard in zip(hands, newest, strict=True):
+            heard.take(device.poll(now), now)
+            reconstruction = reconstructor.step(heard.frame)  # type: ignore[arg-type]
+            poses.append(poses_of(np.array([now]), reconstruction.q[None]))
+        take(together(poses))
         ticks += 1
         clock.wait(ticks * CONTROL_PERIOD)
     return ""

@@ -10,7 +10,7 @@ from typing import Protocol
 
 from models.motion.armature import Keys
 from models.motion.sampling import Poses, Sampler
-from sandbox.export.sources import MotionSource
+from sandbox.export.motion_source import MotionSource
 from sandbox.stream.lines import HandLines, StreamTarget
 from sandbox.stream.sender import Moment
 from sandbox.trial.pacing import RealTime

@@ -22,6 +22,7 @@ from encoders.reconstruction.reconstructor import Reconstructor
 from encoders.reconstruction.touch_reconstructor import ReconstructorSettings, TouchReconstructor
 from encoders.regression.model_registry import find_model
 from encoders.regression.trained import TrainedModel
+from models.arithmetic.arrays import Array
 from models.errors import CaptureError, InputError
 from models.hand import Hand, finger_armature, is_gentle
 from models.limits import GENTLE, RateLimit
@@ -57,6 +58,9 @@ UPRIGHT_END = 0.0
 are solid. Otherwise fingers would push objects below or before the held one, in a depth that the
 person cannot see."""
 
+
+TIP_END = 0.012
+"""m, solid length of the last links of a hand that is led out of things."""
 
 IN_AIR: dict[str, Any] = {"links": 2, "together": True}
 """Collision gating of a hand in the air. A Leap measures where middle links are, and objects that
@@ -175,10 +179,12 @@ def build(
     check_count(makers, settings)
     model = load_encoder(settings.encoder)
     reconstructors: list[Reconstructor | HandReconstructor] = []
+    leads: list[Callable[[Array | None], None] | None] = []
     for hand, surface in zip(settings.hands, surfaces, strict=True):
         if hand.in_air is not None:
             rate = reconstructor_settings(settings).rate
             reconstructors.append(hand.in_air.reconstructor(hand.person, surface, rate))
+            leads.append(None)
             continue
 
         labeller = make_labeller(settings, model, hand)
@@ -196,23 +202,33 @@ def build(
             )
 
         own = personal(hand.person, surface, trained_hand)
-        reconstructors.append(wrap_reconstructor(own) if wrap_reconstructor else own)
-    rules = CollisionGatingRules(settings.ghost_until_clear, settings.distal_only)
-    air_rules = replace(rules, **IN_AIR)
+        touched = wrap_reconstructor(own) if wrap_reconstructor else own
+        reconstructors.append(touched)
+        leads.append(touched.lead)
+    rules = CollisionGatingRules(
+        settings.ghost_until_clear,
+        settings.distal_only,
+        # Tips that are not at their touches cannot be led; nor is there a need where a hand
+        # becomes solid within things.
+        lead=settings.rules > 1 and settings.correction and settings.ghost_until_clear,
+    )
+    air_rules = replace(rules, lead=False, **IN_AIR)
     friction = settings.variation.friction
     rigs: list[Rig] = []
     try:
-        for hand, make, surface, reconstructor, model_hand in zip(
+        for hand, make, surface, reconstructor, lead, model_hand in zip(
             settings.hands,
             makers,
             surfaces,
             reconstructors,
+            leads,
             _hands(settings, task_type),
             strict=True,
         ):
             yaw = None if hand.in_air else _yaw_watch(model)
             own_rules = air_rules if hand.in_air else None
-            rigs.append(Rig(make(task, surface), reconstructor, model_hand, yaw, own_rules))
+            device = make(task, surface)
+            rigs.append(Rig(device, reconstructor, model_hand, yaw, own_rules, lead))
         session = Session(
             task, rigs, rules, settings.timestep, recorder, settings.contact, friction
         )
@@ -234,7 +250,11 @@ def _hands(settings: RunSettings, task_type: type[Task]) -> list[Hand]:
             servo=settings.servo,
             impulse=settings.impulse,
             finger_armature=finger_armature(settings.impulse),
-            solid_end=UPRIGHT_END if task_type.plane == "front" else None,
+            solid_end=UPRIGHT_END
+            if task_type.plane == "front"
+            else TIP_END
+            if settings.rules > 1 and hand.in_air is None
+            else None,
         )
         for name, hand in zip(settings.hand_names, settings.hands, strict=True)
     ]

@@ -9,6 +9,7 @@ from typing import Any
 from encoders.paalm.calibration import HandCalibration
 from encoders.paalm.calibration_file import calibration_from_json, calibration_to_json
 from encoders.paalm.hand_reconstructor import HandReconstructor, HandReconstructorSettings
+from encoders.paalm.options import PaalmOptions
 from encoders.paalm.paalm import Paalm
 from models.errors import InputError
 from models.limits import RateLimit
@@ -31,10 +32,13 @@ class HandInput:
         at: (3,) m, position of the device in the world; its axes are the world's.
         calibration: Calibration of this hand, as `sandbox paalm calibrate` writes it; None uses an
             average hand, or the bone lengths that the device reports.
+        learns: Learns the coupling of the hand while the device reports joints; a header without
+            it does not (see `PaalmOptions.learns`).
     """
 
     at: tuple[float, float, float] = UNDER
     calibration: dict[str, Any] | None = None
+    learns: bool = True
 
     def __post_init__(self) -> None:
         if not all(isfinite(c) and abs(c) <= FARTHEST for c in self.at):
@@ -69,7 +73,7 @@ class HandInput:
                 got=person.turn or "a task with an upright surface",
                 remedy="stack is the same task on the table" if surface.upright else None,
             )
-        paalm = Paalm()
+        paalm = Paalm(PaalmOptions(learns=self.learns))
         if self.calibration is not None:
             paalm.use({person.hand: calibration_from_json(person.hand, self.calibration)})
         settings = HandReconstructorSettings(device=self.at, rate=rate, size=person.hand_size)

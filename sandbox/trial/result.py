@@ -193,6 +193,14 @@ class TrialResult(msgspec.Struct, frozen=True, kw_only=True):
     latency: Annotated[
         dict[str, Any] | None, _field("ms", "percentiles of delays, by kind", JOURNAL)
     ] = None
+    absences: Annotated[
+        list[dict[str, float]] | None,
+        _field(
+            "s",
+            "times for which simulated time stood still, as a player's page was away: `at_s`, "
+            "simulated time, and `lasted_s`, real time",
+        ),
+    ] = None
     learned: Annotated[
         dict[str, Any] | None,
         _field("m", "layouts of five fingers for the session's next trial, by hand", JOURNAL),
@@ -242,7 +250,7 @@ class TrialResult(msgspec.Struct, frozen=True, kw_only=True):
             "status": score.status,
             "progress": round(score.progress, 6),
             "time_s": round(score.time, 6),
-            "reason": score.reason,
+            "reason": str(score.reason),
             "diverged": session.diverged,
             "respawned": session.respawned,
             "state_hash": session.state_hash,

@@ -19,11 +19,18 @@ from sandbox.session.own_layouts import Layouts
 from sandbox.trial.hand_input import HandInput
 from tasks.variation import Variation
 
+DEFAULT_LABELS = "population"
+"""What names the fingers where nothing is said."""
+
 LABELS = ("history", "population", "paper", "device")
 """`history`: a belief carried from contact to contact, trained on one simulated person;
 `population`: the same, trained on hundreds of them, which also learns from layouts of five fingers
 during a trial; `paper`: nearest training pose; `device`: labels of the device if it knows them,
 also as an upper bound with the simulated user."""
+
+RULES = (1, 2)
+"""Rules of fingers near things, by the number of their first version: 1 as in 0.2.0; 2 leads
+fingertips out of things beside their touches, and lets fingers that spread let go at once."""
 
 MOST_HANDS = 2
 """Largest number of hands in a scene."""
@@ -110,12 +117,13 @@ class RunSettings:
         hands: One entry per hand, in the order of devices, rigs and recorded inputs.
         one_surface: All hands touch one surface; otherwise each has its own, of the same size.
         variation: Differences from the drawn trial, and disturbances of the touches.
+        rules: One of `RULES`, by default the second; a header without it has the first.
     """
 
     task: str = "box-to-goal"
     seed: int = 0
     encoder: str = DEFAULT_MODEL
-    labels: str = "history"
+    labels: str = DEFAULT_LABELS
     correction: bool = True
     smoothing: bool = True
     arrival: bool = True
@@ -132,8 +140,13 @@ class RunSettings:
     hands: tuple[HandSettings, ...] = (HandSettings(),)
     one_surface: bool = False
     variation: Variation = field(default_factory=Variation)
+    rules: int = RULES[1]
 
     def __post_init__(self) -> None:
+        if self.rules not in RULES:
+            raise InputError(
+                "no such rules", where="rules", got=self.rules, expected=f"{RULES[0]} or {RULES[1]}"
+            )
         if self.labels not in LABELS:
             raise InputError(
                 "no such labels", where="labels", got=self.labels, expected=", ".join(LABELS)
@@ -174,9 +187,11 @@ class RunSettings:
         return replace(self, hands=hands)
 
     def as_json(self) -> dict[str, Any]:
-        """Values for a recording's header, without a neutral variation, an `in_air` of None, or
-        empty layouts and looks."""
+        """Values for a recording's header, without a neutral variation, the first rules, an
+        `in_air` of None, or empty layouts and looks."""
         values = asdict(self)
+        if self.rules == RULES[0]:
+            del values["rules"]
         if self.variation.neutral:
             del values["variation"]
         values["hands"] = [_without_defaults(hand) for hand in values["hands"]]
@@ -190,15 +205,15 @@ class RunSettings:
             RecordingError: A setting is missing, unknown or of the wrong type.
             InputError: A value is not allowed.
         """
-        _check_names(values, cls, optional={"variation"})
+        _check_names(values, cls, optional={"variation", "rules"})
         for hand in values["hands"] if isinstance(values["hands"], list) else ():
             _check_names(hand, HandSettings, optional={"in_air", "layouts", "rest"})
             if hand.get("in_air") is not None:
-                _check_names(hand["in_air"], HandInput)
+                _check_names(hand["in_air"], HandInput, optional={"learns"})
         if "variation" in values:
             _check_names(values["variation"], Variation, optional=_names(Variation))
         try:
-            return msgspec.convert(values, cls)
+            return msgspec.convert(_as_it_was(values), cls)
         except msgspec.ValidationError as error:
             raise RecordingError(
                 "these settings cannot be read",
@@ -206,6 +221,17 @@ class RunSettings:
                 got=str(error),
                 remedy="The file is damaged, or was written by another program",
             ) from None
+
+
+def _as_it_was(values: Mapping[str, Any]) -> dict[str, Any]:
+    """The values of a header, with what was in force before a setting existed."""
+    hands = values["hands"]
+    if isinstance(hands, list):
+        hands = [
+            {**hand, "in_air": {"learns": False, **hand["in_air"]}} if hand.get("in_air") else hand
+            for hand in hands
+        ]
+    return {"rules": RULES[0], **values, "hands": hands}
 
 
 def result_settings(values: Mapping[str, Any]) -> dict[str, Any]:

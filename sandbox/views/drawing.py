@@ -37,6 +37,8 @@ RING_RADIUS, RING_WIDTH, RING_SIDES = 0.0100, 0.0016, 20
 """m, m and number of straight pieces of the ring around a contact."""
 EDGE_RADIUS, THREAD_RADIUS = 0.0008, 0.0006
 """m, radii of the edges of a goal and of the threads between touches and fingertips."""
+PALM_RADIUS = 0.015
+"""m, radius of the patch on a palm."""
 LIFT = 0.0007
 """m, height of flat marks above the table; the mat is 0.2 mm above it, and lower marks would
 flicker."""
@@ -279,7 +281,7 @@ class Drawing:
     def _draw_threads(self, hand: HandView) -> None:
         """Adds a line from every touch to its fingertip, to show where a hovering one will land."""
         for contact in hand.contacts:
-            if contact.label is not None and contact.state != "ignored":
+            if contact.label is not None and contact.state not in palette.NO_FINGER:
                 colour = palette.finger_colour(contact.label)
                 place = contact.position + self.drop
                 self._marks.line(place, hand.tips[contact.label], THREAD_RADIUS, colour, 0.9)
@@ -289,6 +291,9 @@ class Drawing:
         colour = palette.finger_colour(contact.label, contact.state)
         strength = 0.45 if contact.state == "lost" else 1.0
         rotation = self.surface.rotation
+        if contact.state == "palm":
+            self._marks.disc(PALM_RADIUS, place, rotation, colour, 0.12)
+            return
         size = RING_RADIUS, RING_WIDTH, RING_SIDES
         self._marks.ring(place, rotation, *size, colour, strength, dashed=not contact.sure)
         filled = 0.55 if contact.label in hand.solid else 0.22

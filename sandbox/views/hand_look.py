@@ -171,5 +171,5 @@ def part_colour(part: str, hand: HandView) -> Colour | None:
     if kind != "nail":
         return CUFF if kind == "cuff" else SLEEVE
     label = FINGERS.index(finger)
-    touching = {c.label for c in hand.contacts if c.state != "ignored"}
+    touching = {c.label for c in hand.contacts if c.state not in palette.NO_FINGER}
     return palette.finger_colour(label) if label in touching else NAIL

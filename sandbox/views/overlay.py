@@ -13,7 +13,7 @@ import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
 from models.surface import Surface
-from sandbox.session.messages import Snapshot
+from sandbox.session.messages import MOVE_APART, Snapshot
 from sandbox.views import palette
 from sandbox.views.lens import Lens
 from sandbox.views.palette import Colour
@@ -165,12 +165,14 @@ def _result(score: Score, time: float) -> tuple[str, str, Colour]:
 
 
 def _names(snapshot: Snapshot, lens: Lens, drop: np.ndarray, scale: float) -> list[Sticker]:
-    """The finger's name at every contact, on the side that faces away from the other contacts.
+    """The finger's name at every contact, on the side that faces away from the other contacts; what
+    to do instead, where the finger is inside an object.
 
     A held object lies between the contacts, so that names do not cover it.
     """
     placed: list[Sticker] = []
     contacts = [c for hand in snapshot.hands for c in hand.contacts]
+    stuck = [c.label in hand.inside for hand in snapshot.hands for c in hand.contacts]
     if not contacts:
         return placed
     pixels, ahead = lens.project(np.array([c.position + drop for c in contacts]))
@@ -182,6 +184,8 @@ def _names(snapshot: Snapshot, lens: Lens, drop: np.ndarray, scale: float) -> li
         contact = contacts[i]
         colour = palette.finger_colour(contact.label, contact.state)
         name = palette.finger_name(contact.label, contact.state, contact.sure)
+        if stuck[i]:
+            name, colour = MOVE_APART, palette.WARNING
         image = _label(name, palette.PANEL, colour, SMALL, scale)
         away = pixels[i] - middle
         length = float(np.linalg.norm(away))

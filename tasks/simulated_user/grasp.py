@@ -14,8 +14,12 @@ from tasks.user import SeenObject
 
 _TIP_RADIUS = 0.007
 """m, radius of a fingertip as the user assumes it."""
-_CLEAR = 0.005
-"""m per side by which a hand has to be wider than an object, so as not to come down in it."""
+_HOLDS = 0.001
+"""m by which a finger between the outermost ones stays behind them once the hand has closed: it
+bends farther until it presses as well."""
+_CLEAR, _CLEAR_OF_HANDLE = 0.005, 0.0086
+"""m per side by which a hand has to be wider than a box or a handle, so as not to come down in it:
+a row of fingers beside a handle is seldom quite parallel to it."""
 
 _LEAN = float(np.deg2rad(20.0))
 """rad by which the line from thumb to fingers may lean on the faces of a box: friction holds it,
@@ -43,6 +47,7 @@ class Grasp:
         grip: m along the object's x axis from its middle to the middle of the pinch.
         side: rad, the axis relative to the object's x axis.
         skew: m along the face, shift of the thumb from the point opposite the fingers' middle.
+        clear: m per side by which the hand has to be wider than the object.
     """
 
     axis: float
@@ -51,6 +56,7 @@ class Grasp:
     grip: float = 0.0
     side: float = 0.0
     skew: float = 0.0
+    clear: float = _CLEAR
 
     def axis_on(self, yaw: float) -> float:
         """Axis of this grasp, in rad, once the object has turned to a yaw."""
@@ -67,15 +73,15 @@ class Grasp:
         the hand, unless the object is."""
         c = hand.configuration
         easy = 0.5 * (c.easy_opening * c.hand_size - self.width) - _TIP_RADIUS
-        return min(max(easy, _CLEAR), c.opening)
+        return min(max(easy, self.clear), c.opening)
 
     def places(self, centre: Array, gap: float, hand: Hand) -> Array:
         """Positions (fingers, 2) m of the fingertips, thumb first.
 
         Args:
             centre: (2,) m, the middle of the pinch.
-            gap: m outside the faces (inside if negative) of the thumb and of the outermost fingers;
-                those between them reach farther, as the row is an arc.
+            gap: m outside the faces (inside if negative: the hand presses) of the thumb and of the
+                outermost fingers; those between them reach farther, as the row is an arc.
             hand: The user's hand.
         """
         along = np.array([cos(self.axis), sin(self.axis)])
@@ -85,7 +91,8 @@ class Grasp:
         reach = min(self.width / 2 + _TIP_RADIUS + gap, 0.5 * c.longest_span * c.hand_size)
         # Index first: with the thumb to the lower left, the index is the leftmost finger.
         row = hand.row(self.fingers)
-        fingers = centre + (reach + row[:, 1:]) * along + row[:, :1] * across
+        farther = row[:, 1:] if gap >= 0.0 else np.minimum(row[:, 1:], _HOLDS)
+        fingers = centre + (reach + farther) * along + row[:, :1] * across
         if self.skew:
             fingers = fingers - 0.5 * self.skew * across
             centre = centre + 0.5 * self.skew * across
@@ -173,7 +180,8 @@ def choose_handle_grasp(
         skew = float(np.clip(skew, -free, free))
         span = 0.5 * (others + abs(skew))
         at = float(np.clip(grip, near + 0.008 + span, far - 0.003 - span))
-        grasp = Grasp(axis, seen.shape.handle_width, fingers, at, side, skew)
+        width = seen.shape.handle_width
+        grasp = Grasp(axis, width, fingers, at, side, skew, _CLEAR_OF_HANDLE)
         options.append((cost, number, grasp))
     return min(options, key=lambda o: o[:2])[2]
 

@@ -28,6 +28,8 @@ _SLIPPED = 0.015
 """m by which the box may lag behind the fingers before it counts as slipped."""
 _HARDLY = 0.001
 """m beyond the border that make no difference."""
+_BLUR = 0.004
+"""m, blur of a fingertip on the screen: a person does not notice smaller errors."""
 _SETTLE = 0.08
 """s that the user watches the effect of a movement, in addition to the reaction time."""
 
@@ -161,7 +163,7 @@ class SkilledUser:
                 self._wait(0.1, now)
             return
         closed = self._grasp.places(middle, -c.squeeze, self._hand)
-        closed = closed + self._drawn_offset(sight)
+        closed = closed + self._drawn_offset_of_each(sight)
         self._failed = None
         self._doing = _Doing.CLOSING
         self._watch(self._fingers.move(closed, now))
@@ -212,8 +214,21 @@ class SkilledUser:
             return np.zeros(2)
         drawn = np.array([sight.tips[i][:2] for i in ids])
         off = _pinch_middle(self._seen_places(sight)) - _pinch_middle(drawn)
-        # A person does not notice errors smaller than the blur of a fingertip on the screen.
-        return off if length(off) > 0.004 else np.zeros(2)
+        return off if length(off) > _BLUR else np.zeros(2)
+
+    def _drawn_offset_of_each(self, sight: Sight) -> Array:
+        """Offsets (n, 2) m for each finger, so that every drawn fingertip presses on its face.
+
+        Fingers beside a thing are led off their touches (`sandbox.session.fingertip_leading`). Who
+        closes them sees when each one is at its face.
+        """
+        common = self._drawn_offset(sight)
+        ids = self._fingers.ids()
+        if any(i not in sight.tips for i in ids):
+            return np.zeros((len(ids), 2))
+        off = self._seen_places(sight) - np.array([sight.tips[i][:2] for i in ids])
+        apart = np.sqrt(squared_lengths(off - common))
+        return np.where(apart[:, None] > _BLUR, off, common)
 
     def _seen_places(self, sight: Sight) -> Array:
         """Positions of the fingers at the time of the sight."""

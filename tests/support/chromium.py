@@ -9,7 +9,7 @@ import shutil
 import signal
 import subprocess
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
@@ -75,11 +75,15 @@ class Browser:
         self._last = 0
         self.events: list[dict[str, Any]] = []
 
-    def call(self, method: str, session: str | None = None, **values: Any) -> dict[str, Any]:
-        """Asks, and waits for the answer; what happens meanwhile is in `events`."""
+    def send(self, method: str, session: str | None = None, **values: Any) -> None:
+        """Asks, without waiting for an answer."""
         self._last += 1
         asked = {"id": self._last, "method": method, "params": values}
         self._socket.send(json.dumps(asked | ({"sessionId": session} if session else {})))
+
+    def call(self, method: str, session: str | None = None, **values: Any) -> dict[str, Any]:
+        """Asks, and waits for the answer; what happens meanwhile is in `events`."""
+        self.send(method, session, **values)
         while True:
             told = json.loads(self._socket.recv(timeout=PATIENCE))
             if told.get("id") == self._last:
@@ -175,9 +179,16 @@ class Tab:
             "if (b) b.click(); return !!b; })()"
         )
 
-    def touch(self, fingers: Sequence[tuple[int, float, float]]) -> None:
-        """Fingers on the glass as id and CSS pixels: all that are down now."""
-        now = {i: {"x": x, "y": y, "id": i, "radiusX": 8, "radiusY": 8} for i, x, y in fingers}
+    def touch(
+        self,
+        fingers: Sequence[tuple[int, float, float]],
+        radii: Mapping[int, tuple[float, float]] | None = None,
+    ) -> None:
+        """Fingers on the glass as id and CSS pixels: all that are down now; some have radii."""
+        now: dict[int, dict[str, float]] = {}
+        for i, x, y in fingers:
+            across, down = (radii or {}).get(i, (8.0, 8.0))
+            now[i] = {"x": x, "y": y, "id": i, "radiusX": across, "radiusY": down}
         gone = [p for i, p in self._down.items() if i not in now]
         new = [p for i, p in now.items() if i not in self._down]
         moved = [p for i, p in now.items() if i in self._down and p != self._down[i]]
@@ -190,6 +201,23 @@ class Tab:
         """The system takes all fingers away."""
         self.call("Input.dispatchTouchEvent", type="touchCancel", touchPoints=[])
         self._down = {}
+
+    def crash(self) -> None:
+        """Ends the process of the page, whose history and session storage stay."""
+        self._browser.send("Page.crash", self._session)
+        self._down = {}
+
+    def beside(self) -> Callable[[], object]:
+        """Opens another tab in this one's window, which hides this one; returns what closes it."""
+        other = self._browser.call(
+            "Target.createTarget", url="about:blank", browserContextId=self._context
+        )["targetId"]
+        self._browser.call("Target.activateTarget", targetId=other)
+        return lambda: self._browser.call("Target.closeTarget", targetId=other)
+
+    def show(self) -> None:
+        """Shows this tab of its window."""
+        self._browser.call("Target.activateTarget", targetId=self._target)
 
     def events(self, method: str) -> list[dict[str, Any]]:
         """Parameters of everything of a kind that happened in this tab."""

@@ -10,6 +10,7 @@ import ctypes
 import shutil
 from collections.abc import Callable
 from functools import cache
+from pathlib import Path
 
 import pytest
 
@@ -38,11 +39,20 @@ def _screen() -> str:
     return f"no {' and no '.join(missing)}" if missing else _library("libGL.so.1", "libgl1")
 
 
+AXE = Path(__file__).resolve().parents[2] / "sandbox/views/page/node_modules/axe-core/axe.min.js"
+"""The checks of axe-core, which npm fetches with what builds the page."""
+
+
+def _axe() -> str:
+    return "" if AXE.is_file() else "no axe-core (npm ci in sandbox/views/page)"
+
+
 _WHAT_LACKS: dict[str, Callable[[], str]] = {
     "opengl": _opengl,
     "egl": lambda: _library("libEGL.so.1", "libegl1"),
     "osmesa": lambda: _library("libOSMesa.so.8", "libosmesa6"),
     "screen": _screen,
+    "axe": _axe,
 }
 """Need -> what is missing for it on this machine; empty: nothing."""
 

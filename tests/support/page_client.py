@@ -47,7 +47,7 @@ class Page:
     name: str = "test"
     role: str = "player"
     screen: dict[str, Any] = field(default_factory=lambda: dict(SCREEN))
-    protocol: int = 2
+    protocol: int = 4
     beats: bool = False
 
     def __post_init__(self) -> None:
@@ -71,7 +71,7 @@ class Page:
         """Contacts as id and inches; returns the message's seq."""
         self.seq += 1
         ppi = self.screen["px_per_in"]
-        listed = [[i, x * ppi, y * ppi, 20.0] for i, x, y in contacts]
+        listed = [[i, x * ppi, y * ppi, 20.0, 20.0] for i, x, y in contacts]
         self.say(type="touches", seq=self.seq, t=self.seq * 16.0, contacts=listed, **more)
         return self.seq
 

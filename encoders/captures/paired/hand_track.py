@@ -13,6 +13,7 @@ from scipy.ndimage import gaussian_filter1d
 from encoders.captures.conversion.joint_track import JointTrack
 from encoders.captures.paired.registration import DevicePose
 from encoders.paalm import Paalm, PaalmOptions
+from encoders.paalm.average import with_reported_coupling
 from encoders.paalm.calibration import HandCalibration
 from encoders.paalm.hand_pose import PALM_CENTRE, hand_pose
 from encoders.paalm.rig import bone_lengths
@@ -81,7 +82,7 @@ def hand_track(
     left = calibration.side == "left"
     skeleton, centre = skeleton_of(calibration)
     paalm = Paalm(PaalmOptions(smoothing=0.0))
-    paalm.use({calibration.side: calibration})
+    paalm.use({calibration.side: with_reported_coupling(calibration, frames)})
     rows, q, seen = [], [], []
     for row, frame in enumerate(frames):
         hand = paalm.step(frame).hands.get(calibration.side)
@@ -142,7 +143,7 @@ def _tips(hands: Sequence[TrackedHand], ids: dict[str, int | None], left: bool) 
     out = np.full((len(FINGERS), 3), np.nan)
     wanted = {id_: name for name, id_ in enumerate(ids[f] for f in FINGERS) if id_ is not None}
     for hand in hands:
-        tips = {f.id: f.tip for f in hand.fingers}
+        tips = {f.id: f.end for f in hand.fingers}
         if wanted and set(wanted) <= set(tips):
             for id_, name in wanted.items():
                 out[name] = tips[id_]

@@ -8,7 +8,7 @@ coupling of their last joints. All data are simulated, not recorded.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -136,6 +136,16 @@ def simulate_air(
     return AirTake(
         time, origin, rotation, joints_of_angles(angles, knuckles, lengths), is_open, side
     )
+
+
+def turned(take: AirTake, rotation: Array) -> AirTake:
+    """The take with the whole hand turned about its palm's centre, open hand included.
+
+    Args:
+        take: The take.
+        rotation: (3, 3), in the device's frame.
+    """
+    return replace(take, rotation=rotation @ take.rotation)
 
 
 def takes_of_capture(capture: Capture, skeleton: Skeleton = ADULT) -> Iterator[AirTake]:

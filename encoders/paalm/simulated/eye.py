@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from encoders.paalm.palm import vector_of
-from encoders.paalm.simulated.forward import FROZEN_LEAP, LeapConfiguration
+from encoders.paalm.simulated.forward import FROZEN_LEAP, LeapConfiguration, balls
 from models.arithmetic.arrays import Array
 from models.errors import EncoderError
 from models.frames import FINGERS, HandFrame, TrackedFinger, TrackedHand
@@ -79,7 +79,7 @@ class LeapEye:
             fingers,
             self._side if self._dialect == "v3" else None,
         )
-        return HandFrame(time, (hand,), f"simulated {self._dialect}")
+        return HandFrame(time, (hand,), f"simulated {self._dialect}", self._dialect)
 
     def lose(self) -> None:
         """Records that the hand has left the view: a returning hand is new to the device."""
@@ -90,12 +90,18 @@ class LeapEye:
         along = world[:, 2] - world[:, 1]
         along /= np.linalg.norm(along, axis=1, keepdims=True)
         length = np.linalg.norm(np.diff(world, axis=1), axis=2).sum(axis=1)
+        tips = balls(world)
         rows = []
         for f in self._rng.permutation(len(FINGERS)).tolist():
-            mcp, pip, dip, tip = (vector_of(j) for j in world[f])
+            mcp, pip, dip, end = (vector_of(j) for j in world[f])
             rows.append(
                 TrackedFinger(
-                    10 + f, tip, vector_of(along[f]), float(length[f]), f, (mcp, pip, dip, tip)
+                    10 + f,
+                    vector_of(tips[f]),
+                    vector_of(along[f]),
+                    float(length[f]),
+                    f,
+                    (mcp, pip, dip, end),
                 )
             )
         return tuple(rows)

@@ -6,6 +6,7 @@ from rich.console import Console
 
 from encoders.paalm.hand_reconstructor import HandReconstructor
 from models.errors import DeviceError
+from models.messages.message import Message
 from sandbox.cli.common.page_options import PageOptions, open_page
 from sandbox.devices.wrappers.device_wrapper import DeviceWrapper
 from sandbox.server.connections.address import LOOPBACK
@@ -16,6 +17,9 @@ from sandbox.server.protocol.skins import pack_skin
 from sandbox.server.web import WebDevice
 from sandbox.session.session import Session
 from sandbox.trial.events import EventLog
+
+SIMULATED_USER = Message("simulated_user", "simulated user")
+"""Caption of pictures in which no person plays."""
 
 
 def show_session(

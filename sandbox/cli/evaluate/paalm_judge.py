@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -15,6 +15,7 @@ from rich.text import Text
 
 from encoders.evaluation.paalm_judge import Judgement, judge_recording, summary, test_seeds
 from encoders.evaluation.paalm_pair import two_hand_milliseconds
+from encoders.evaluation.paalm_plausible import Plausibility, plausibility
 from encoders.evaluation.paalm_recorded import as_first_software, independent, take_of_recording
 from encoders.paalm import EQUAL, PAPER, TWO_THIRDS, Coupling, PaalmOptions
 from encoders.paalm.simulated.air import simulate_air
@@ -24,7 +25,7 @@ from models.frames import SIDES
 from sandbox.cli.common.json_out import check_output, write_json
 from sandbox.cli.common.parse import parse
 from sandbox.cli.evaluate.paalm_readings import SIMULATED_FIT, judge_readings, show_readings
-from sandbox.devices.leap.leap_file import read_leap
+from sandbox.devices.leap.leap_file import LeapRecording, read_leap
 from sandbox.devices.leap.leap_truth import take_with_truth
 
 SCHEMA = 1
@@ -45,7 +46,8 @@ class PaalmJudgeOptions:
     simulated: hands in the air seen by a simulated Leap, with and without drop-outs, and as joints
     (v3). Persons follow from the frozen configuration. FOLDER: recordings; the truth is the
     device's own bones where PIP and DIP are independent (never v2, where they are equal by
-    construction), or what `sandbox leap simulate` wrote beside the frames.
+    construction), or what `sandbox leap simulate` wrote beside the frames. Recordings of the first
+    software have no truth: what no real hand does is counted.
 
     Try: sandbox evaluate --paalm simulated --takes 4 --json out.json
     """
@@ -136,10 +138,15 @@ def _folder(folder: Path, shown: Callable[[float], None]) -> dict[str, Any]:
         )
     left_out: dict[str, str] = {}
     takes: list[tuple[str, LeapTake, LeapTake | None]] = []
+    plausible: dict[str, Plausibility] = {}
     paths = sorted(p for p in folder.iterdir() if p.is_file())
     for number, path in enumerate(paths):
         try:
-            takes += list(_takes(path))
+            recording = read_leap(path)
+            if recording.dialect == "v1" and take_with_truth(recording, str(path)) is None:
+                plausible[path.name] = plausibility(recording.frames)
+            else:
+                takes += list(_takes(path, recording))
         except (RecordingError, EncoderError) as error:
             left_out[path.name] = str(error)
         shown(0.3 * (number + 1) / len(paths))
@@ -162,10 +169,10 @@ def _folder(folder: Path, shown: Callable[[float], None]) -> dict[str, Any]:
         except EncoderError as error:
             left_out[name] = str(error)
         shown(0.3 + 0.7 * (number + 1) / len(takes))
-    if not angles and not names:
+    if not angles and not names and not plausible:
         why = "; ".join(f"{k}: {v}" for k, v in list(left_out.items())[:3]) or "it is empty"
         raise InputError("no recording can be judged", where=f"--paalm {folder}", got=why)
-    figures = summary(angles or names)
+    figures = summary(angles or names) if angles or names else {"recordings": 0}
     if names:
         figures["identity_percent"] = summary(names)["identity_percent"]
     return {
@@ -173,6 +180,7 @@ def _folder(folder: Path, shown: Callable[[float], None]) -> dict[str, Any]:
         **figures,
         "identity_recordings": [j.name for j in names],
         "couplings": {k: _short(j) for k, j in couplings.items()},
+        "plausibility": {name: asdict(found) for name, found in plausible.items()},
         "left_out": left_out,
     }
 
@@ -185,15 +193,12 @@ def _names(found: list[Judgement], left_out: dict[str, str], name: str, unnamed:
         left_out[f"{name} (names)"] = str(error)
 
 
-def _takes(path: Path) -> Iterator[tuple[str, LeapTake, LeapTake | None]]:
+def _takes(path: Path, recording: LeapRecording) -> Iterator[tuple[str, LeapTake, LeapTake | None]]:
     """Takes of a file: name, as recorded, and without names where the device names fingers."""
-    recording = read_leap(path)
     known = take_with_truth(recording, str(path))
     if known is not None:
         yield path.name, known, as_first_software(known) if known.dialect == "v3" else None
         return
-    if recording.dialect == "v1":
-        raise EncoderError("the first software's recordings have no truth", where=path.name)
     sides = {h.side for f in recording.frames for h in f.hands}
     for side in SIDES:
         if side in sides:
@@ -235,13 +240,16 @@ def _show(found: dict[str, Any]) -> None:
         if key in found:
             rows[key.replace("_", " ")] = found[key]
     for name, row in rows.items():
+        if not row["recordings"]:
+            continue
         cells = [row[k] for k in ("mcp_deg", "pip_deg", "dip_deg", "pip_dip_deg")]
         cells += [row["identity_percent"]["paper"], row["identity_percent"]["tracked"]]
         cells += [row["jitter_deg"], row["ms_per_frame"]]
         table.add_row(name, *("-" if c is None else f"{c:.2f}" for c in cells))
     console = Console()
     console = Console(width=max(console.width, 100))
-    console.print(table)
+    if found["recordings"]:
+        console.print(table)
     console.print(
         Text(f"{found['source']}; {found['recordings']} recordings; degrees, percent, ms a frame")
     )
@@ -252,6 +260,16 @@ def _show(found: dict[str, Any]) -> None:
             Text(
                 f"joints, coupling {name}: PIP {row['pip_deg']:.2f}, DIP {row['dip_deg']:.2f}, "
                 f"PIP+DIP {row['pip_dip_deg']:.2f}"
+            )
+        )
+    for name, row in found.get("plausibility", {}).items():
+        console.print(
+            Text(
+                f"{name}, no truth: of {row['fingers']} seen fingers, "
+                f"{100 * row['backward']:.1f} % with the knuckle at its backward limit, "
+                f"{100 * row['claws']:.1f} % claws, "
+                f"{100 * row['at_limit']:.1f} % with another joint at a limit; fingertips of the "
+                f"pose within {1000 * row['tips']:.1f} mm (95 %) of where the device saw them"
             )
         )
     for what, why in found.get("left_out", {}).items():

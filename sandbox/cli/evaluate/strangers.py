@@ -60,8 +60,8 @@ class StrangersOptions:
     """Generator that is left out of the training, and whose frozen subject is judged."""
 
     people: int | None = None
-    """Number of judged people of the population, of whom those who cross their fingers are left
-    out. Default: 12, or none with --hold-out."""
+    """Number of judged people of the population, of whom those whose fingers touch unlike
+    real people's are left out. Default: 12, or none with --hold-out."""
 
     days: int = 12
     """Judged days of the frozen subject, with --hold-out."""
@@ -162,7 +162,7 @@ def _rows(options: StrangersOptions, progress: Progress) -> dict[str, list[Stran
         )
         if not judged.people:
             raise InputError(
-                "all judged people cross their fingers and are left out",
+                "all judged people are left out: their fingers touch unlike real people's",
                 where=f"--people {count}",
                 expected="more people",
             )

@@ -15,10 +15,11 @@ from rich.progress import Progress
 from rich.text import Text
 
 from encoders.paalm import PAPER, Paalm, PaalmFrame, PaalmOptions
-from encoders.paalm.average import average_calibration
+from encoders.paalm.average import average_calibration, knows_bones
 from encoders.paalm.calibration import PAPER_FRAMES, HandCalibration
 from encoders.paalm.calibration_file import read_calibration, write_calibration
-from models.errors import EncoderError, InputError
+from encoders.paalm.recorded import calibrate_on_recording
+from models.errors import InputError
 from models.frames import SIDES, HandFrame
 from sandbox.cli.common.parse import subcommand
 from sandbox.cli.paalm.views import check_picture, show_pictures
@@ -67,8 +68,9 @@ def show(
     a hand (finger vectors, the palm's normal and sphere, vanished fingers dimmed) beside the hand
     that PAALM makes of it, with its angles. A recording is played at its own pace.
 
-    Without --calibration, the hand is measured in the first frames with five fingers, where it must
-    be open; if a recorded hand is not open, an average hand is assumed, with a message. --json
+    Without --calibration, a hand whose bones the device reports has those. Any other is measured in
+    the first frames with five fingers, where it must be open; if a recorded hand is not open, an
+    average hand stands in for it, with a message. --json
     prints a line per frame: {"time", "hands": {side: {"angles", "ratios", "ids", "held"}}}, in
     degrees.
 
@@ -84,7 +86,7 @@ def show(
         address: WebSocket address of the service.
         hands: Sides of the hands that are visible.
         frames: Number of frames that measure the hand. Default: 1000 of a device, as in the paper,
-            100 of a file.
+            20 to 100 of a file.
         calibration: Calibration by `sandbox paalm calibrate --out`.
         method: paper: as printed in the paper. default: with changes that measured better.
         as_json: Print JSON lines.
@@ -106,14 +108,12 @@ def show(
         if calibration is not None:
             paalm.use(read_calibration(calibration))
         else:
-            wanted = frames or (PAPER_FRAMES if file is None else 100)
-            try:
-                _measure(paalm, stream, hands, wanted)
-            except EncoderError as error:
-                if file is None or frames is not None:
-                    raise
-                # A recorded hand cannot be asked to open; it is shown as an average hand.
-                _assume(paalm, list(source.frames()), hands, error)
+            if file is not None and frames is None:
+                why = calibrate_on_recording(paalm, list(stream), hands)
+                if why:
+                    Console(stderr=True).print(Text(why))
+            elif frames is not None or not _has_bones(paalm, source, hands):
+                _measure(paalm, stream, hands, frames or PAPER_FRAMES)
             if file is not None:
                 stream = source.frames()
         if view != "text" or picture is not None:
@@ -245,10 +245,20 @@ def _measure(
         )
 
 
-def _assume(paalm: Paalm, frames: list[HandFrame], hands: Hands, error: EncoderError) -> None:
+def _has_bones(paalm: Paalm, source: _Source, hands: Hands) -> bool:
+    """Waits for the hands; True if the device reports their bones, which PAALM then uses."""
     sides = SIDES if hands == "both" else (hands,)
-    paalm.use({side: average_calibration(frames, side, paalm.options) for side in sides})
-    Console(stderr=True).print(Text(f"shown as an average hand, because {error}"))
+    seen: list[HandFrame] = []
+    for frame in source.frames():
+        if not any(hand.fingers for hand in frame.hands):
+            continue
+        seen.append(frame)
+        if any(f.joints is None for hand in frame.hands for f in hand.fingers):
+            return False
+        if all(knows_bones(seen, side) for side in sides):
+            paalm.use({side: average_calibration(seen, side, paalm.options) for side in sides})
+            return True
+    return False
 
 
 def _check(file: Path | None, device: str | None, frames: int | None, seconds: float) -> None:

@@ -43,7 +43,7 @@ def with_usable_profile(options: Options, console: Console) -> Options:
         rest = "without the profile" if usable is None else "with its hand, size and seat alone"
         _say(f"{error}. Play goes on {rest}", console)
         return usable or replace(options, profile="none")
-    learned = profile.layouts and options.labels == "population"
+    learned = profile.layouts and options.labels != "history"
     if learned and options.hand not in (None, profile.person.hand):
         _say(
             f"the layouts of the profile are of the {profile.person.hand} hand, and the "
@@ -87,11 +87,11 @@ class Learner:
         Raises:
             InputError: Nothing can be learned with these options.
         """
-        if options.labels != "population":
+        if options.labels == "history":
             raise InputError(
                 "only names by the population use layouts of five fingers",
                 where="--learn",
-                got=f"--labels {options.labels}",
+                got="--labels history",
                 expected="--labels population",
             )
         if options.device == "mouse" or is_leap(options.device):

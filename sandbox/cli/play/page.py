@@ -10,16 +10,18 @@ from pathlib import Path
 from rich.console import Console
 
 from models.errors import InputError
+from models.messages.message import Message
 from models.person import HANDS
 from sandbox.cli.common.latency import judge_latency, print_latency
 from sandbox.cli.common.page_options import PageOptions, open_page
-from sandbox.cli.common.page_view import show_address, show_session, touched_pages
+from sandbox.cli.common.page_view import SIMULATED_USER, show_address, show_session, touched_pages
+from sandbox.cli.play.absences import Absences
 from sandbox.cli.play.own_profile import Learner
 from sandbox.cli.play.screen_too_small import explain_refusal
 from sandbox.cli.run import report_end
 from sandbox.options.scene_options import Plan, SceneOptions, plan
 from sandbox.server.page_server import PageServer
-from sandbox.server.protocol.protocol import PlayerRequest
+from sandbox.server.protocol.protocol import LIFT_STRIP_PX, PlayerRequest
 from sandbox.server.protocol.rectangle import common, rectangle
 from sandbox.server.publishing import publish
 from sandbox.session.messages import Snapshot
@@ -27,6 +29,7 @@ from sandbox.session.session import Session
 from sandbox.trial.device_makers import with_first
 from sandbox.trial.driver import Trial, View, open_trial
 from sandbox.trial.events import EventLog, NoticeEvents
+from sandbox.trial.lift import lifts
 from sandbox.trial.live import LiveTrial
 from sandbox.trial.result import TrialResult
 from sandbox.trial.settings import RunSettings
@@ -38,6 +41,8 @@ TICK = 0.02
 
 OTHER_PAGE_PATIENCE = 2.0
 """s after which the player on one of two pages is told that the other page is not open."""
+
+OTHER_PAGE = Message("other_page", "The page of the other hand is not open yet.")
 
 
 @dataclass
@@ -132,7 +137,7 @@ class PagePlay:
             ):
                 notified = True
                 for server in set(self.servers) - set(missing):
-                    server.show_problem("The page of the other hand is not open yet.")
+                    server.show_problem(OTHER_PAGE)
             elif len(missing) == len(self.servers):
                 start = time.monotonic()
 
@@ -193,22 +198,27 @@ class PagePlay:
         hears = touched[0] if touched else session.first_rig.device
         live = LiveTrial(trial, news=hears.news)
         self._show(session, chosen)
-        # The time of a person begins with the first touch.
-        waiting = bool(touched)
-        live.pause(waiting)
+        absences = Absences(list(zip(self.servers, touched, strict=False)))
+        live.pause(bool(touched))
         live.start()
         try:
             while not live.over and not wishes.again:
                 self._hear(wishes)
-                waiting = waiting and not any(device.touched for device in touched)
-                live.pause(waiting or wishes.paused)
-                if waiting or wishes.paused:
+                pause = absences.check(session.time, session.scorer.score.held)
+                if pause == "away":
+                    # A menu that was open on a page that was left is open no more.
+                    wishes.paused = False
+                elif wishes.paused:
+                    pause = "menu"
+                live.pause(bool(pause))
+                if pause:
                     for server in self.servers:
-                        server.publish(session.snapshot(), True)
+                        server.publish(session.snapshot(), pause)
                 time.sleep(TICK)
         finally:
             live.stop()
-            ended.append(trial.end(latency=self.servers[0].latency.as_json()))
+            latency = self.servers[0].latency.as_json()
+            ended.append(trial.end(latency=latency, absences=absences.listed() or None))
             if self.learner is not None:
                 self.learner.after(session)
         for server in self.servers:
@@ -222,16 +232,19 @@ class PagePlay:
         screens = [server.screen for server in self.servers if server.screen]
         if "web" in (self.options.device, self.options.second_device) and screens:
             hands = len(settings.hands) if settings.one_surface else 1
-            settings = replace(settings, **common([rectangle(s, hands) for s in screens]))
+            sizes = [rectangle(screen, hands, lifts(settings)) for screen in screens]
+            settings = replace(settings, **common(sizes))
         return replace(chosen, settings=settings)
 
     def _show(self, session: Session, chosen: Plan) -> None:
-        caption = "simulated user" if chosen.about.get("user") else ""
+        caption = SIMULATED_USER if chosen.about.get("user") else ""
         hands, touched = chosen.settings.hands, touched_pages(session)
         for k, server in enumerate(self.servers):
             own, device = touched[k] if k < len(touched) else (None, None)
             show_session(server, session, hands[own or 0].side, caption, device, own)
-        self.events.tell("trial_start", task=session.task.name, seed=session.task.seed)
+        language = self.servers[0].language
+        said = {"language": language} if language else {}
+        self.events.tell("trial_start", task=session.task.name, seed=session.task.seed, **said)
 
     def _views(self, session: Session, timing: Timing) -> list[View]:
         notices = NoticeEvents(
@@ -247,7 +260,8 @@ class PagePlay:
     def _refuse(self, error: InputError, settings: RunSettings) -> None:
         """A task that this screen has no room for: said on the page; another can be chosen."""
         for server in self.servers:
-            server.show_problem(explain_refusal(error, settings))
+            strip = LIFT_STRIP_PX / server.screen.px_per_in if server.screen else 0.0
+            server.show_problem(*explain_refusal(error, settings, strip))
         self.events.tell("warning", what=str(error))
         self.console.print(f"[yellow]{error}[/]")
 

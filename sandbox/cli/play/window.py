@@ -13,6 +13,7 @@ from models.surface import Surface
 from sandbox.cli.common.latency import judge_latency, print_latency
 from sandbox.cli.common.page_options import PageOptions
 from sandbox.cli.common.page_view import (
+    SIMULATED_USER,
     in_air,
     open_page_beside_window,
     short_address,
@@ -21,6 +22,7 @@ from sandbox.cli.common.page_view import (
 )
 from sandbox.cli.play.own_profile import Learner
 from sandbox.cli.play.page import PlayerRequests, numbered, print_refusals
+from sandbox.cli.play.screen_too_small import CANNOT_BEGIN
 from sandbox.cli.run import report_end
 from sandbox.devices.wrappers.first_touch import FirstTouch
 from sandbox.devices.wrappers.merged import MergedDevice
@@ -197,7 +199,9 @@ class WindowPlay:
                 wishes.hear(self.server.asked())
                 window.paused = wishes.paused
                 if (window.paused or waiting) and seen is not None:
-                    self.server.publish(session.snapshot() if waiting else seen, True)
+                    self.server.publish(
+                        session.snapshot() if waiting else seen, "start" if waiting else "menu"
+                    )
             window.link = self.server.url if self.server and self._inviting() else ""
             window.footer = footer.lines(window, live.lost, session)
             live.pause(window.paused or waiting)
@@ -251,7 +255,7 @@ class WindowPlay:
     def _open_window(self, session: Session, chosen: Plan) -> Window:
         surface = session.whole_surface
         title = f"Hand Sandbox: {session.task.name}"
-        caption = "simulated user" if chosen.about.get("user") is not None else ""
+        caption = SIMULATED_USER if chosen.about.get("user") is not None else ""
         if self.window is None:
             self.window = Window(session.scene, surface, title, SIZE, caption, in_air(session))
         else:
@@ -266,7 +270,7 @@ class WindowPlay:
 
     def _show_on_page(self, session: Session, chosen: Plan) -> None:
         if self.server:
-            caption = "simulated user" if chosen.about.get("user") is not None else ""
+            caption = SIMULATED_USER if chosen.about.get("user") is not None else ""
             # The page is for the second hand, or for touches beside the mouse.
             beside = session.first_rig.device.find(WebDevice)
             own, web = next(iter(touched_pages(session)), (0, beside))
@@ -284,7 +288,7 @@ class WindowPlay:
 
     def _tell(self, text: str) -> None:
         if self.server:
-            self.server.show_problem(text)
+            self.server.show_problem(CANNOT_BEGIN)
         self.events.tell("warning", what=text)
         self.console.print(f"[yellow]{text}[/]")
 

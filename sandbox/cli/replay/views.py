@@ -83,7 +83,7 @@ def show_on_page(
                     playback.paused = ask.what == "pause"
                 elif ask.what == "retry":
                     playback.restart()
-            server.publish(playback.now, playback.paused)
+            server.publish(playback.now, "menu" if playback.paused else "")
             time.sleep(1.0 / RATE)
     except KeyboardInterrupt:
         console.print("stopped")

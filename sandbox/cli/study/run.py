@@ -110,19 +110,21 @@ def _open_page(
     from sandbox.cli.common.page_options import open_page
     from sandbox.cli.common.page_view import show_address
     from sandbox.cli.play.page import print_refusals
+    from sandbox.study.design.conditions import any_lifts
     from sandbox.study.run.study_page import StudyPage, study_view
     from sandbox.trial.events import EventLog
 
     where = page_options(options)
-    language = session.person.language
-    server = open_page(where, study_view(language, session.study.design.page.shows))
+    language, settings = session.person.language, session.study.design.page
+    server = open_page(where, study_view(settings, language))
     closing.callback(lambda: print_refusals(server, console))
     closing.callback(server.close)
-    page = StudyPage(server, language, sayer(console))
+    page = StudyPage(server, language, sayer(console), settings.words.get(language))
     surface = session.study.design.settings.get("surface")
     if surface is not None and options.touches == "web":
         designed = parse_surface(surface)
         page.needed_in = designed.width_in, designed.height_in
+        page.needed_lifts = any_lifts(session.study.design)
     show_address(server, where, EventLog(None), console)
     beside = options.touches != "web" and options.view == "window"
     if beside and has_display() and not options.no_browser:
@@ -153,9 +155,10 @@ def _play(
         forms = TerminalForms(terminal, lambda text: console.print(text, markup=False))
     player = _player(options, session, page)
     say, leap = sayer(console), options.leap_address
+    own = session.study.design.page.words.get(person.language)
     # A simulated hand in the air differs in every trial, so it is not measured.
     simulated = options.device == "simulated"
-    calibrate = _average if simulated else hand_measurer(forms, person, leap, say)
+    calibrate = _average if simulated else hand_measurer(forms, person, leap, say, own=own)
     other = second.device if second else name
     runner = SessionRunner(
         session,

@@ -17,6 +17,7 @@ from sandbox.devices.evdev.evdev_touch import (
     ABS_MT_POSITION_X,
     ABS_MT_POSITION_Y,
     ABS_MT_SLOT,
+    ABS_MT_TOUCH_MAJOR,
     EV_ABS,
     MAX_SLOTS,
     SLOT_CODES,
@@ -36,6 +37,7 @@ class Node(Protocol):
     name: str
     x: Axis
     y: Axis
+    diameter: Axis | None
 
     def read(self) -> Iterable[tuple[int, int, int]]:
         """Waiting events (kind, code, value); never blocks.
@@ -67,7 +69,7 @@ class EvdevDevice(Device):
     def __init__(self, node: Node, surface: Surface) -> None:
         self._node = node
         size = float(surface.size[0]), float(surface.size[1])
-        self._touch = MultiTouch(node.x, node.y, size, node.slots())
+        self._touch = MultiTouch(node.x, node.y, size, node.slots(), node.diameter)
         self._present: frozenset[int] = frozenset()
         self._failure: DeviceError | None = None
         self._first = True
@@ -180,6 +182,8 @@ class LinuxNode:
                 Axis(absolute[c].min, absolute[c].max, absolute[c].resolution)
                 for c in (ABS_MT_POSITION_X, ABS_MT_POSITION_Y)
             )
+            major = absolute.get(ABS_MT_TOUCH_MAJOR)
+            self.diameter = major and Axis(major.min, major.max, major.resolution)
             if grab:
                 self._device.grab()
         except OSError as error:

@@ -17,6 +17,7 @@ EV_SYN, EV_ABS = 0x00, 0x03
 SYN_REPORT, SYN_DROPPED = 0, 3
 ABS_MT_SLOT = 0x2F
 ABS_MT_TOUCH_MAJOR = 0x30
+ABS_MT_TOUCH_MINOR = 0x31
 ABS_MT_POSITION_X = 0x35
 ABS_MT_POSITION_Y = 0x36
 ABS_MT_TOOL_TYPE = 0x37
@@ -29,6 +30,7 @@ MAX_SLOTS = 64
 
 SLOT_CODES = (
     ABS_MT_TOUCH_MAJOR,
+    ABS_MT_TOUCH_MINOR,
     ABS_MT_POSITION_X,
     ABS_MT_POSITION_Y,
     ABS_MT_TOOL_TYPE,
@@ -75,6 +77,8 @@ class MultiTouch:
         size: (2,) m, size of the surface, which the axes span.
         state: Initial values of the slots. Without them, fingers that rest on the device when it is
             opened are missed.
+        diameter: Axis of the contacts' diameters; its resolution is that of `x` where the driver
+            reports none.
 
     Attributes:
         lost: Events were lost; frames count again after `resync`.
@@ -82,11 +86,20 @@ class MultiTouch:
     """
 
     def __init__(
-        self, x: Axis, y: Axis, size: tuple[float, float], state: Slots | None = None
+        self,
+        x: Axis,
+        y: Axis,
+        size: tuple[float, float],
+        state: Slots | None = None,
+        diameter: Axis | None = None,
     ) -> None:
         self._x, self._y, self._size = x, y, size
-        # Contacts count as round; their size is given in units of one axis.
-        self._metres = size[0] / max(x.high - x.low, 1)
+        # The kernel's document gives diameters in units of the surface, unless they have their own.
+        self._metres = (
+            0.001 / diameter.resolution
+            if diameter is not None and diameter.resolution > 0
+            else size[0] / max(x.high - x.low, 1)
+        )
         self._slots = state or Slots()
         self._skipping = False
         self.lost = False
@@ -123,8 +136,14 @@ class MultiTouch:
                 continue
             x = self._x.fraction(slot.get(ABS_MT_POSITION_X, self._x.low)) * self._size[0]
             y = self._y.fraction(slot.get(ABS_MT_POSITION_Y, self._y.low)) * self._size[1]
-            major = slot.get(ABS_MT_TOUCH_MAJOR, 0)
-            contacts[id_] = Contact(id_, x, y, major * self._metres if major > 0 else None)
+            major, minor = slot.get(ABS_MT_TOUCH_MAJOR, 0), slot.get(ABS_MT_TOUCH_MINOR, 0)
+            size = extent = None
+            if major > 0:
+                size = major * self._metres
+                # A driver without the smaller diameter reports round contacts; the larger one lies
+                # along y unless the driver reports another orientation.
+                extent = (minor * self._metres if minor > 0 else size), size
+            contacts[id_] = Contact(id_, x, y, size, extent=extent)
         return tuple(contacts.values())
 
     def palms(self) -> frozenset[int]:

@@ -4,7 +4,7 @@
     {"time": 2.99, "contacts": [{"id": 0, "x": 1.21, "y": 1.21, "finger": null}]}
 
 The first line is optional. A frame may also have `cancelled` (ids) and `lift` (0 to 1), a contact
-`size`. A damaged file is read up to the damage.
+`size`, or `width` and `height` too. A damaged file is read up to the damage.
 """
 
 from __future__ import annotations
@@ -39,6 +39,8 @@ class TouchLine(Struct):
     y: float
     finger: Literal["thumb", "index", "middle", "ring", "little"] | None = None
     size: Annotated[float, Meta(gt=0)] | None = None
+    width: Annotated[float, Meta(gt=0)] | None = None
+    height: Annotated[float, Meta(gt=0)] | None = None
 
 
 class FrameLine(Struct):
@@ -120,6 +122,8 @@ def frame_record(frame: TouchFrame) -> dict[str, Any]:
         }
         if contact.size is not None:
             record["size"] = contact.size / METRES_PER_INCH
+        if contact.extent is not None:
+            record["width"], record["height"] = (e / METRES_PER_INCH for e in contact.extent)
         contacts.append(record)
     line: dict[str, Any] = {"time": frame.time, "contacts": contacts}
     if frame.lift is not None:
@@ -226,6 +230,9 @@ def _frame(line: FrameLine) -> TouchFrame:
                 METRES_PER_INCH * touch.y,
                 None if touch.size is None else METRES_PER_INCH * touch.size,
                 None if touch.finger is None else FINGERS.index(touch.finger),
+                None
+                if touch.width is None or touch.height is None
+                else (METRES_PER_INCH * touch.width, METRES_PER_INCH * touch.height),
             )
             for touch in line.contacts
         ),

@@ -4,6 +4,7 @@ They are recognised by content, not by name:
 
     [frame, frame, ...]                         dumps of the first Leap software
     {"metadata": {...}, "frames": [...]}        LeapJS; packed if frames[0] is a list of keys
+    {"frames": 87, "data": [...]}               any other name of the list of frames
     LZString base64 of such a text              LeapJS, `.json.lz`
     one message per line                        messages of leapd; read up to any damage
 """
@@ -21,13 +22,22 @@ import msgspec
 from models.errors import InputError, RecordingError
 from models.frames import HandFrame
 from sandbox.devices.leap.leap_json import LeapDecoder
-from sandbox.devices.leap.leap_lz import decompress_base64
+from sandbox.devices.leap.leap_lz import decompress_base64, is_json_in_base64
 
 LARGEST = 1 << 28
 """Bytes of the largest file that is read; an hour of two hands takes about half of it."""
 
+_LOOKED_AT = 1 << 16
+"""Bytes at the beginning of a file by which it is recognised."""
+
 _UNREADABLE = (msgspec.DecodeError, UnicodeDecodeError, RecursionError)
 """Errors that damaged JSON raises; a field name that is not UTF-8 raises no DecodeError."""
+
+_FRAME = ("hands", "pointables")
+"""Keys by which a message is a frame."""
+
+_MARKS = (b'"pointables"', b'"palmPosition"')
+"""Keys that no other JSON has."""
 
 _REMEDY = "`sandbox leap formats` lists what can be played"
 
@@ -80,6 +90,31 @@ def check_side(frames: Sequence[HandFrame], side: str, where: str, option: str) 
             expected=other,
             remedy=f"{option} {other}",
         )
+
+
+def is_leap_recording(path: Path) -> bool:
+    """True if a file is a Leap recording by its first bytes, whatever its name; it may be damaged.
+
+    A recording of this program is none, although its lines have hands, too.
+    """
+    try:
+        with path.open("rb") as file:
+            start = file.read(_LOOKED_AT).lstrip()
+    except OSError:
+        return False
+    if start[:1] not in (b"{", b"["):
+        return is_json_in_base64(start)
+    for line in start.split(b"\n"):
+        try:
+            message = msgspec.json.decode(line)
+        except _UNREADABLE:
+            break
+        if _is_frame(message):
+            return "kind" not in message
+        # A handshake or an event comes before the frames.
+        if not isinstance(message, dict) or not {"version", "event"} & set(message):
+            break
+    return any(mark in start for mark in _MARKS)
 
 
 def read_leap(path: Path) -> LeapRecording:
@@ -142,15 +177,31 @@ def _messages(
         return _objects(whole), {}, None
     if not isinstance(whole, dict):
         raise RecordingError("this is not a Leap recording", got=str(whole)[:40])
-    if "frames" not in whole:
+    if _is_frame(whole):
         return [whole], {}, None
-    frames = whole["frames"]
+    frames = _list_of_frames(whole)
     metadata = whole.get("metadata")
-    if not isinstance(frames, list):
-        raise RecordingError("`frames` is not a list", got=str(frames)[:40])
     if frames and isinstance(frames[0], list):
         frames = _unpacked(frames[0], frames[1:])
     return _objects(frames), metadata if isinstance(metadata, dict) else {}, None
+
+
+def _list_of_frames(whole: Mapping[str, Any]) -> list[Any]:
+    """The frames of a file that wraps them: `frames`, or else the only list of objects in it."""
+    if isinstance(whole.get("frames"), list):
+        return list(whole["frames"])
+    framed = [v for v in whole.values() if isinstance(v, list) and any(map(_is_frame, v))]
+    if len(framed) != 1:
+        raise RecordingError(
+            "the file has no list of Leap frames" if not framed else "two lists hold Leap frames",
+            got=", ".join(map(str, list(whole)[:6]))[:80] or "an empty object",
+            expected='objects with "hands" and "pointables" in one list',
+        )
+    return list(framed[0])
+
+
+def _is_frame(message: Any) -> bool:
+    return isinstance(message, dict) and any(name in message for name in _FRAME)
 
 
 def _is_lines(data: bytes) -> bool:

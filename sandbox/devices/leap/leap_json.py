@@ -11,6 +11,10 @@ Leap: millimetres, microseconds, x right, y up, z towards the person. HandFrame:
 right, y away from the person, z up. Both are right-handed, so nothing is mirrored. If joints are
 given, a finger's length is the sum of its bones, as v2 and v3 define it; the bridge's is wrong.
 
+The last bone ends at `btipPosition`. `tipPosition` is the centre of a sphere at the fingertip: on
+33,262 real v3 hands the two are 6.5 mm apart on average. Software before 2.0 sends no
+`btipPosition`; its bones end at `tipPosition`.
+
 Fields are checked here and not by structs: a struct would refuse a whole finger for a wrong
 optional field (side, hand, confidence), while here everything else is used.
 """
@@ -31,7 +35,8 @@ SECONDS_PER_US = 1e-6
 RESTART = 1.0
 """s. If time runs back by more, the service was restarted; by less, the frame is late."""
 
-_JOINTS = ("mcpPosition", "pipPosition", "dipPosition", "tipPosition")
+_JOINTS = ("mcpPosition", "pipPosition", "dipPosition")
+_END = "btipPosition"
 _FARTHEST = 10_000.0
 """mm, largest coordinate of a valid position; the device sees about one metre."""
 _MOST_HANDS = 8
@@ -73,7 +78,7 @@ class LeapDecoder:
             if time is None:
                 self.counts["frames whose time ran backwards"] += 1
                 return None
-            frame = HandFrame(time, hands, self._source)
+            frame = HandFrame(time, hands, self._source, self.dialect)
         except (DeviceError, FrameError) as error:
             self.counts[f"frames refused: {error.what}"] += 1
             return None
@@ -143,7 +148,8 @@ def _finger(record: Mapping[str, Any]) -> TrackedFinger:
     tip = _place(record, "tipPosition")
     joints = None
     if _JOINTS[0] in record:
-        mcp, pip, dip, end = (_place(record, name) for name in _JOINTS)
+        mcp, pip, dip = (_place(record, name) for name in _JOINTS)
+        end = _place(record, _END) if _END in record else tip
         joints = (mcp, pip, dip, end)
         length = math.dist(mcp, pip) + math.dist(pip, dip) + math.dist(dip, end)
     else:

@@ -17,6 +17,18 @@ _BYTE, _WORD, _END = 0, 1, 2
 """Codes for a new 8-bit character, a new 16-bit character, and the end."""
 
 
+def is_json_in_base64(start: bytes) -> bool:
+    """True if a text begins as an object or list of JSON does in LZString's base64.
+
+    It begins with the code of a new character (2 bits) and the character (8 bits, least significant
+    first): `{` becomes N4 to N7, `[` becomes No to Nr.
+    """
+    known = set(_ALPHABET.encode()) | set(b"=\r\n")
+    return (
+        start[:1] == b"N" and start[1:2] in b"4567opqr" and len(start) > 1 and set(start) <= known
+    )
+
+
 def decompress_base64(text: str, limit: int = MOST_CHARACTERS) -> str:
     """The text that LZString's compressToBase64 was given.
 

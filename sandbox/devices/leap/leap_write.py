@@ -1,18 +1,25 @@
-"""Conversion of a `HandFrame` to a Leap JSON message, v1 or with joints (v3).
+"""Conversion of a `HandFrame` to a Leap JSON message, v1 or with joints (v2, v3).
 
 It is the inverse of `sandbox.devices.leap.leap_json`.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
+import numpy as np
+
+from encoders.paalm.palm import vector_of
 from models.frames import HandFrame, TrackedFinger, TrackedHand, Vector
 from sandbox.devices.leap.leap_json import METRES_PER_MM, SECONDS_PER_US
 
 
 def leap_message(frame: HandFrame, number: int) -> dict[str, Any]:
-    """The message that a Leap service would send; v3 if the fingers have joints, else v1.
+    """The message that a Leap service would send.
+
+    Fingers with joints have the fields of v2, and of v3 if that is the frame's dialect; others have
+    those of v1.
 
     Args:
         frame: The hand frame.
@@ -22,7 +29,7 @@ def leap_message(frame: HandFrame, number: int) -> dict[str, Any]:
         "id": number,
         "timestamp": round(frame.time / SECONDS_PER_US),
         "hands": [_hand(h) for h in frame.hands],
-        "pointables": [_pointable(h, f) for h in frame.hands for f in h.fingers],
+        "pointables": [_pointable(h, f, frame.dialect) for h in frame.hands for f in h.fingers],
     }
 
 
@@ -42,7 +49,7 @@ def _hand(hand: TrackedHand) -> dict[str, Any]:
     return record
 
 
-def _pointable(hand: TrackedHand, finger: TrackedFinger) -> dict[str, Any]:
+def _pointable(hand: TrackedHand, finger: TrackedFinger, dialect: str | None) -> dict[str, Any]:
     record: dict[str, Any] = {
         "id": finger.id,
         "handId": hand.id,
@@ -52,12 +59,34 @@ def _pointable(hand: TrackedHand, finger: TrackedFinger) -> dict[str, Any]:
         "length": finger.length / METRES_PER_MM,
     }
     if finger.joints is not None:
-        mcp, pip, dip, _ = finger.joints
+        mcp, pip, dip, end = finger.joints
         record |= {"mcpPosition": _place(mcp), "pipPosition": _place(pip)}
         record |= {"dipPosition": _place(dip), "type": finger.finger}
+        record["btipPosition"] = _place(end)
+        if dialect == "v3":
+            record |= {"bases": _bases(hand, finger.joints)}
+            record |= {"stabilizedTipPosition": _place(finger.tip)}
+            record |= {"touchDistance": 1.0, "touchZone": "none"}
     if finger.extended is not None:
         record["extended"] = finger.extended
     return record
+
+
+def _bases(hand: TrackedHand, joints: Sequence[Vector]) -> list[list[list[float]]]:
+    """Axes of a finger's four bones, from the palm outwards: z is against the bone, y dorsal.
+
+    The bone in the palm has the palm's axes, and a bone of length 0 those of the one before.
+    """
+    dorsal, back = -np.array(hand.normal), -np.array(hand.direction)
+    bases = []
+    for bone in (None, *np.diff(joints, axis=0)):
+        size = 0.0 if bone is None else float(np.linalg.norm(bone))
+        z = back if bone is None or size < 1e-9 else -bone / size
+        x = np.cross(dorsal, z)
+        x /= max(float(np.linalg.norm(x)), 1e-9)
+        dorsal, back = np.cross(z, x), z
+        bases.append([[round(c, 6) for c in _axes(vector_of(axis))] for axis in (x, dorsal, z)])
+    return bases
 
 
 def _axes(v: Vector) -> list[float]:

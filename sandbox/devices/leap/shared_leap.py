@@ -11,6 +11,7 @@ from encoders.paalm.hand_reconstructor import NOTICE_LASTS
 from encoders.paalm.palm import stacked
 from encoders.paalm.sides import HandSides
 from models.frames import HandFrame
+from models.messages.message import Message
 from sandbox.session.device import HandDevice
 from sandbox.session.messages import Snapshot
 
@@ -94,7 +95,7 @@ class LeapPart(HandDevice):
         """Message while one hand is above the other; empty otherwise."""
         if self._now - self._shared.hidden >= NOTICE_LASTS:
             return ""
-        return "one hand is above the other: hold them apart"
+        return Message("hand_above", "one hand is above the other: hold them apart")
 
     def poll(self, now: float) -> Sequence[HandFrame]:
         """This hand's frames."""

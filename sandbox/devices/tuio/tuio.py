@@ -299,15 +299,19 @@ def touch_frame(commit: Commit, surface: Surface, now: float) -> TouchFrame:
     Touches of a silent source end as lifted, not as cancelled: most likely a finger was lifted and
     the last packet lost, so the hand must release what it held.
 
-    A touch with a width and a height gets the size of the circle of equal area.
+    A touch with a width and a height has them as its extent, and the size of the circle of equal
+    area.
     """
     width, height = (float(length) for length in surface.size)
     contacts = []
     for touch in commit.touches:
-        size = None
+        size = extent = None
         if touch.width and touch.height:
+            extent = touch.width * width, touch.height * height
             size = math.sqrt(touch.width * width * touch.height * height)
-        contacts.append(Contact(touch.id, touch.x * width, touch.y * height, size, touch.label))
+        contacts.append(
+            Contact(touch.id, touch.x * width, touch.y * height, size, touch.label, extent)
+        )
     return TouchFrame(now, tuple(contacts), None, commit.cancelled, commit.source)
 
 

@@ -14,6 +14,9 @@ from urllib.parse import parse_qs, urlsplit
 
 TOKEN_BYTES = 16
 TOKEN_NAME = "token"
+TOKENLESS = ("/", "/?role=spectator")
+"""The only requests that are answered without a token: the addresses that the page leaves in the
+address bar. They get a page that knows nothing but how to find the token in its own tab."""
 
 
 @dataclass(frozen=True)
@@ -71,6 +74,10 @@ class Access:
         if socket and origin is None:
             return "origin"
         return "" if self.knows_token(path) else "token"
+
+    def asks_to_return(self, path: str, socket: bool) -> bool:
+        """True if a request without a token may get the page that finds back by itself."""
+        return not socket and path in TOKENLESS
 
     def knows_token(self, path: str) -> bool:
         """True if a request's target contains the token."""

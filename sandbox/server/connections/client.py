@@ -38,6 +38,7 @@ class Client:
         screen: Current size of its screen.
         player: True if its touches are used.
         heard: s, time of its last message.
+        here: False while the page says that it is hidden or turned away.
     """
 
     def __init__(
@@ -48,6 +49,8 @@ class Client:
         self.screen: PageScreen | None = None
         self.player = False
         self.heard = clock()
+        self.here = True
+        self._hidden = self.heard
         self._clock = clock
         self._counters = counters
         self._allowance = Allowance(MESSAGES_PER_SECOND, BURST, self.heard)
@@ -65,6 +68,17 @@ class Client:
     def stale(self) -> int:
         """Number of sent frames that are not acknowledged."""
         return self._sent - self._acknowledged
+
+    @property
+    def seen(self) -> float:
+        """s, time at which its person was last able to play."""
+        return self.heard if self.here else self._hidden
+
+    def appear(self, here: bool) -> None:
+        """Takes in whether the page can be played now."""
+        if self.here and not here:
+            self._hidden = self._clock()
+        self.here = here
 
     def say(self, message: bytes, text: bool = True) -> None:
         """Queues a JSON message, or bytes; all are sent, in order, before any later frame."""

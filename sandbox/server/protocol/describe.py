@@ -9,6 +9,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from models.messages.message import Message
 from models.scene import Scene as SimulatedScene
 from models.surface import Surface
 from sandbox.server.protocol.contact_forces import HandFeedback
@@ -17,9 +18,11 @@ from sandbox.server.protocol.protocol import (
     Geom,
     GoalState,
     HandState,
+    Pause,
     SceneMessage,
     State,
     SurfaceView,
+    Told,
 )
 from sandbox.session.messages import ContactView, HandView, Snapshot
 from tasks.task import Task
@@ -91,9 +94,16 @@ def describe_scene(
         ),
         [model.body(i).name for i in range(model.nbody)],
         geoms,
-        caption,
+        told(caption) if caption else None,
         in_air,
     )
+
+
+def told(text: str) -> Told:
+    """A sentence as the page gets it; without a key if it has none."""
+    if isinstance(text, Message):
+        return Told(text.key, dict(text.values), str(text))
+    return Told("", {}, text)
 
 
 def summary(task: type[Task]) -> str:
@@ -102,13 +112,13 @@ def summary(task: type[Task]) -> str:
 
 
 def state_of(
-    snapshot: Snapshot, paused: bool, feedback: Sequence[HandFeedback] = (), own: int | None = None
+    snapshot: Snapshot, pause: Pause, feedback: Sequence[HandFeedback] = (), own: int | None = None
 ) -> State:
     """Values of a snapshot besides poses.
 
     Args:
         snapshot: The snapshot.
-        paused: True while the trial is paused.
+        pause: Why simulated time stands still; empty while it runs.
         feedback: Contact forces and label probability of every hand; if empty, forces are 0 and
             labels certain.
         own: Index of the hand whose contacts come from the page; contacts of others get ids that
@@ -120,7 +130,7 @@ def state_of(
         snapshot.time,
         score.status.value,
         score.progress,
-        score.reason,
+        told(score.reason) if score.reason else None,
         score.final,
         score.held,
         [
@@ -128,8 +138,8 @@ def state_of(
             for i, (hand, felt) in enumerate(zip(snapshot.hands, feedback, strict=True))
         ],
         [GoalState(g.object, _floats(g.position), float(g.yaw)) for g in snapshot.goals],
-        snapshot.notice,
-        paused,
+        [told(notice) for notice in snapshot.notices],
+        pause,
     )
 
 
@@ -158,6 +168,7 @@ def _hand(hand: HandView, feedback: HandFeedback, own: bool) -> HandState:
             _force(feedback, c.label),
             _floats(c.position),
             c.sure,
+            c.label in hand.inside,
         )
         for c in hand.contacts
     ]

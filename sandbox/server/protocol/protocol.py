@@ -14,7 +14,7 @@ from msgspec import Meta, Struct
 
 from models.errors import InputError
 
-PROTOCOL = 2
+PROTOCOL = 4
 """Version of all messages; both sides send it first, and disconnect if it differs."""
 
 LARGEST_MESSAGE = 8192
@@ -33,6 +33,11 @@ LONGEST_ANSWER = 2000
 """Largest number of characters in a text answer."""
 Given = Annotated[str, Meta(max_length=LONGEST_ANSWER)] | Annotated[float, Meta(ge=-1e9, le=1e9)]
 """An unchecked answer."""
+Pause = Literal["", "start", "menu", "away", "back"]
+
+
+LIFT_STRIP_PX = 90.0
+"""CSS pixels beside the touch rectangle that the lift control takes in tasks that lift."""
 
 
 class PageScreen(Struct, forbid_unknown_fields=True, frozen=True):
@@ -48,12 +53,14 @@ class PageScreen(Struct, forbid_unknown_fields=True, frozen=True):
 
 
 class Hello(Struct, tag="hello", forbid_unknown_fields=True, frozen=True):
-    """The page's first message. `client` is the page's random name, which a reload keeps."""
+    """The page's first message. `client` is the page's random name, which a reload keeps;
+    `language` that of its words, by ISO 639-1."""
 
     protocol: int
     client: Word
     role: Literal["player", "spectator"]
     screen: PageScreen
+    language: Word = ""
 
 
 class Resized(Struct, tag="resized", forbid_unknown_fields=True, frozen=True):
@@ -62,17 +69,25 @@ class Resized(Struct, tag="resized", forbid_unknown_fields=True, frozen=True):
     screen: PageScreen
 
 
+class Presence(Struct, tag="presence", forbid_unknown_fields=True, frozen=True):
+    """Whether the page can be played: not while it is hidden, as behind another tab or in sleep,
+    or while its screen is turned away from the way the table was laid for."""
+
+    here: bool
+
+
 class PageTouches(Struct, tag="touches", forbid_unknown_fields=True, frozen=True):
     """All contacts of the page at one moment.
 
-    `contacts` holds id, x, y and width in CSS pixels, x right and y down from the touch rectangle's
-    top left corner; `cancelled` the ids that the system cancelled since the last message; `lift`
-    the lift control, if the page shows one. `seq` counts up from 1, `t` is the page's clock.
+    `contacts` holds id, x, y, width and height in CSS pixels, x right and y down from the touch
+    rectangle's top left corner, width and height at most 1 where they are unknown; `cancelled` the
+    ids that the system cancelled since the last message; `lift` the lift control, if the page shows
+    one. `seq` counts up from 1, `t` is the page's clock.
     """
 
     seq: Count
     t: Milliseconds
-    contacts: Annotated[list[tuple[Id, Number, Number, Number]], Meta(max_length=20)]
+    contacts: Annotated[list[tuple[Id, Number, Number, Number, Number]], Meta(max_length=20)]
     cancelled: Annotated[list[Id], Meta(max_length=20)] = []
     lift: Annotated[float, Meta(ge=0, le=1)] | None = None
 
@@ -119,11 +134,37 @@ class Leave(Struct, tag="leave", forbid_unknown_fields=True, frozen=True):
     how: Literal["done", "yes", "no"]
 
 
-Up = Hello | Resized | PageTouches | Got | Drawn | Beat | PlayerRequest | ItemAnswer | Leave
+Up = (
+    Hello
+    | Resized
+    | Presence
+    | PageTouches
+    | Got
+    | Drawn
+    | Beat
+    | PlayerRequest
+    | ItemAnswer
+    | Leave
+)
+
+
+class Told(Struct, frozen=True):
+    """A sentence for the person: its key and values, which every language has words for.
+
+    `text` is the sentence in English, for clients without words of their own, and for sentences
+    without a key, such as those of other people's tasks.
+    """
+
+    key: str
+    values: dict[str, str | list[str]]
+    text: str
 
 
 class TaskName(Struct, frozen=True):
-    """A task to choose: its name, its summary in a line, and whether it needs a lift control."""
+    """A task to choose: its name, its summary in a line, and whether it needs a lift control.
+
+    The page calls built-in tasks by its own words; `summary` is in English.
+    """
 
     name: str
     summary: str
@@ -131,7 +172,7 @@ class TaskName(Struct, frozen=True):
 
 
 class StudyView(Struct, frozen=True):
-    """A page in a study: its texts by key, in the participant's language.
+    """A page in a study, in the participant's language, with the design's own words by key.
 
     `shows` lists which of task, goal, time, progress, fingers and sound a trial shows.
     """
@@ -184,7 +225,8 @@ class SceneMessage(Struct, tag="scene", frozen=True):
 
     `bodies` names the rows of a frame's poses. `lift` is the height (m) to which a lift control of
     1 raises the hand; 0 if the task has none. `size` of a geom is as in MuJoCo: half lengths and
-    radii. `in_air` is true if hands move over a 3-D device, without touches.
+    radii. `in_air` is true if hands move over a 3-D device, without touches. `goal` is in English;
+    in a study, `task` and `goal` are what the participant reads.
     """
 
     scene: int
@@ -197,14 +239,14 @@ class SceneMessage(Struct, tag="scene", frozen=True):
     surface: SurfaceView
     bodies: list[str]
     geoms: list[Geom]
-    caption: str
+    caption: Told | None
     in_air: bool = False
 
 
 class Trouble(Struct, tag="trouble", frozen=True):
-    """A problem that prevents a scene, and its remedy, as text for the person."""
+    """A problem that prevents a scene, and its remedy, sentence by sentence."""
 
-    text: str
+    told: list[Told]
 
 
 class Choice(Struct, frozen=True):
@@ -232,7 +274,8 @@ class ItemView(Struct, frozen=True):
 class Sheet(Struct, tag="sheet", frozen=True):
     """A sheet that a study's participant sees instead of the scene; `none` shows the scene.
 
-    `answers` has earlier answers by item. A `rest` can be left after `seconds`.
+    `answers` has earlier answers by item. A `rest` can be left after `seconds`. `note` says whose
+    wording the questions of a form have, where it is not the published one.
     """
 
     sheet: int
@@ -242,6 +285,7 @@ class Sheet(Struct, tag="sheet", frozen=True):
     items: list[ItemView]
     answers: dict[str, str | float | None]
     seconds: float
+    note: str = ""
 
 
 class Refusal(Struct, tag="refusal", frozen=True):
@@ -265,15 +309,17 @@ class ContactState(Struct, frozen=True):
     """A contact in the session.
 
     `position` (m) in the world is for fingers that are not on this screen; `force` (N) is that of
-    its fingertip on objects. `sure` is false if the label may well be wrong.
+    its fingertip on objects. A `palm` is no finger. `sure` is false if the label may well be wrong;
+    `inside` is true if the finger is inside an object, out of which it has to be moved.
     """
 
     id: int
     label: int | None
-    state: Literal["active", "lost", "ignored"]
+    state: Literal["active", "lost", "ignored", "palm"]
     force: float
     position: tuple[float, float, float]
     sure: bool
+    inside: bool
 
 
 class HandState(Struct, frozen=True):
@@ -294,18 +340,25 @@ class GoalState(Struct, frozen=True):
 
 
 class State(Struct, frozen=True):
-    """Values of a frame besides poses, at its end."""
+    """Values of a frame besides poses, at its end.
+
+    `reason` says what is missing, and `notices` what the person has to know.
+
+    `pause` says why simulated time stands still, and is empty while it runs. `start`: it begins
+    with the first touch; `menu`: a menu is open; `away`: a player's page is closed, hidden or lost;
+    `back`: the player is back, and time goes on with the next touch.
+    """
 
     time: float
     status: str
     progress: float
-    reason: str
+    reason: Told | None
     reached: bool
     held: bool
     hands: list[HandState]
     goals: list[GoalState]
-    notice: str
-    paused: bool
+    notices: list[Told]
+    pause: Pause
 
 
 _up = msgspec.json.Decoder(Up)

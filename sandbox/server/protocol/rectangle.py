@@ -5,21 +5,33 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from sandbox.server.protocol.protocol import PageScreen
+from sandbox.server.protocol.protocol import LIFT_STRIP_PX, PageScreen
 
 LARGEST = (10.32, 7.74)
 """in, largest touch rectangle, that of the largest tablets. On a larger screen it lies in the
 centre, since a hand does not reach further."""
 
 
-def rectangle(screen: PageScreen, hands: int = 1) -> dict[str, Any]:
-    """The touch rectangle of a screen, as settings: the whole screen, up to the largest tablet's.
+def room(screen: PageScreen, lifts: bool = False) -> tuple[float, float]:
+    """Width and height of a screen that a touch rectangle may take, inches.
 
-    For two hands it may be as wide as two tablets.
+    Args:
+        screen: The screen.
+        lifts: True for a task that lifts: the lift control stands beside the rectangle.
     """
-    inches = (screen.width_px / screen.px_per_in, screen.height_px / screen.px_per_in)
+    width = max(screen.width_px - (LIFT_STRIP_PX if lifts else 0.0), 1.0)
+    return width / screen.px_per_in, screen.height_px / screen.px_per_in
+
+
+def rectangle(screen: PageScreen, hands: int = 1, lifts: bool = False) -> dict[str, Any]:
+    """The touch rectangle of a screen, as settings: all its room, up to the largest tablet's.
+
+    For two hands it may be as wide as two tablets. For `lifts` see `room`.
+    """
     most = (hands * LARGEST[0], LARGEST[1])
-    size = tuple(round(min(side, end), 4) for side, end in zip(inches, most, strict=True))
+    size = tuple(
+        round(min(side, end), 4) for side, end in zip(room(screen, lifts), most, strict=True)
+    )
     return {"surface_in": size, "surface_calibrated": screen.calibrated}
 
 

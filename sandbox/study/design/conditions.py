@@ -109,6 +109,14 @@ def values_of(design: Design, levels: Mapping[str, Level]) -> dict[str, Any]:
     return values
 
 
+def any_lifts(design: Design) -> bool:
+    """True if a trial of a design needs a lift control."""
+    from sandbox.trial.lift import lifts
+
+    every = (values_of(design, levels) for levels in combinations(design))
+    return any(lifts(run_settings(values, design.seed % 1000)) for values in every)
+
+
 def check_conditions(design: Design, reader: Reader) -> None:
     """Checks every combination: its settings, its task on its surface, and its encoder."""
     kinds_wrong = _check_kinds(design, reader)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -24,6 +24,11 @@ LEARNING = ("trial", "session")
 without them; `session`: it begins with those of the trials before it in its session."""
 
 START, END = "start", "end"
+
+WORDINGS = ("own", "published", "paraphrase", "translation")
+"""Where the wording of a questionnaire comes from. `own`: it was never published in other words;
+`published`: as published in this language; `paraphrase`, `translation`: of a published one, and
+participants, codebook and report are told."""
 
 ITEMS = ("choice", "scale", "number", "text")
 
@@ -109,6 +114,7 @@ class Form:
         scales: Scales that compute scores from answers.
         source: Name and text of the file with the items; None if they are in the design.
         sessions: Sessions in which it is asked; empty means all.
+        wording: One of `WORDINGS` by language.
     """
 
     name: str
@@ -118,6 +124,7 @@ class Form:
     scales: tuple[Scale, ...] = ()
     source: tuple[str, str] | None = None
     sessions: tuple[int, ...] = ()
+    wording: Text = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

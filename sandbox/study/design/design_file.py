@@ -29,6 +29,7 @@ from sandbox.study.design.page_settings import read_page_settings
 from sandbox.study.design.questionnaires import read_form, read_item
 from sandbox.study.design.reading import DesignError, Mistake, Reader, TomlTable
 from sandbox.study.measures.registry import measures, rule_measures
+from sandbox.trial.settings import DEFAULT_LABELS
 
 MOST_SESSIONS = 99
 """Largest number of sessions of one participant."""
@@ -154,11 +155,17 @@ def _digest(text: str, forms: tuple[Form, ...]) -> str:
 
 
 def _check_learning(design: Design, trials: TomlTable) -> None:
-    levels = (level.settings for factor in design.factors for level in factor.levels)
-    learns = any(s.get("labels") == "population" for s in (design.settings, *levels))
-    if design.learning == "session" and not learns:
+    common = str(design.settings.get("labels", DEFAULT_LABELS))
+    used = {common}
+    for factor in design.factors:
+        given = {str(level.settings.get("labels", common)) for level in factor.levels}
+        if given != {common}:
+            used = given
+    if design.learning == "session" and "population" not in used:
         trials.add_mistake(
-            "learning", "no trial learns layouts", 'Write labels = "population" in [settings]'
+            "learning",
+            "no trial learns layouts",
+            'Leave out labels = "history", or write labels = "population" in [settings]',
         )
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from sandbox.study.design.design import END, ITEMS, SCHEMA, START, Form, Item
+from sandbox.study.design.design import END, ITEMS, SCHEMA, START, WORDINGS, Form, Item
 from sandbox.study.design.reading import Mistake, Reader, Text, TomlTable
 from sandbox.study.design.scoring import RULES, Scale
 
@@ -62,6 +62,7 @@ def read_form(table: TomlTable, factors: list[str], folder: Path) -> Form:
                 (*source.path, "items", i, "name"), f"{one!r} is used twice", "Rename one of them"
             )
     scales = tuple(_scale(t, items) for t in source.tables("scales"))
+    wording = _wording(source)
     if source is not table:
         source.done()
         remedy = "Copy it to a file and translate it there" if use else "Correct that file"
@@ -69,7 +70,7 @@ def read_form(table: TomlTable, factors: list[str], folder: Path) -> Form:
             table.add_mistake("use" if use else "file", f"{use or file}, {cause}", remedy)
     table.done()
     origin = (file, text) if file and text else None
-    return Form(name, title, items, at, scales, origin, sessions)
+    return Form(name, title, items, at, scales, origin, sessions, wording)
 
 
 def _causes(mistakes: list[Mistake]) -> list[str]:
@@ -158,6 +159,17 @@ def _means(table: TomlTable, choices: tuple[str, ...]) -> tuple[Text, ...]:
         )
         return ()
     return tuple(TomlTable(table.reader, {"means": v}, table.path).text("means") for v in given)
+
+
+def _wording(table: TomlTable) -> Text:
+    """Where the wording comes from, by language: one word for all, or a table."""
+    languages = table.reader.languages
+    given = table.raw("wording", WORDINGS[0])
+    words = given if isinstance(given, dict) else dict.fromkeys(languages, given)
+    wording = {language: str(words.get(language, WORDINGS[0])) for language in languages}
+    for word in sorted(set(wording.values()) - set(WORDINGS)):
+        table.add_mistake("wording", f"got {word!r}", f"Write one of {', '.join(WORDINGS)}")
+    return wording
 
 
 def _scale(table: TomlTable, items: tuple[Item, ...]) -> Scale:

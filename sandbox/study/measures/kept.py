@@ -1,4 +1,5 @@
-"""Lines about measures that stay as recorded, because a replay did not give the recorded states."""
+"""Rows of the codebook about whole tables, and lines about measures that stay as recorded, because
+a replay did not give the recorded states."""
 
 from __future__ import annotations
 
@@ -7,6 +8,8 @@ from collections.abc import Iterable
 
 ORDERS = "orders of the design"
 """Row of the codebook that says how many participants a full cycle of orders takes."""
+WORDING = "wording of "
+"""Begin of the rows of the codebook about questionnaires that have not the published wording."""
 DIFFERS = "replay_differs"
 """Column of `trial_results.csv` with what differed in a trial's replay; empty if nothing did."""
 

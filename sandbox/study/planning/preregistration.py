@@ -15,7 +15,7 @@ from sandbox.study.planning.planned import PlannedTests, family_size, planned_te
 from sandbox.study.record.build import build_of
 from sandbox.study.record.folder import StudyFolder
 
-TODO = "TO BE WRITTEN"
+TO_WRITE = "TO BE WRITTEN"
 """Mark of what no design says."""
 
 
@@ -81,8 +81,8 @@ def preregistration(
     count = sum(1 for _ in combinations(design))
     parts = {
         f"Preregistration: {design.title or design.name}": [
-            f"Question and hypotheses: {TODO}. Name the direction of each expected difference, and "
-            "which result would speak against it."
+            f"Question and hypotheses: {TO_WRITE}. Name the direction of each expected difference, "
+            "and which result would speak against it."
         ],
         "Design": [
             *(_factor(factor) for factor in design.factors),
@@ -99,7 +99,7 @@ def preregistration(
             f"- {participants} participants finish all sessions. Who drops out, or is excluded by "
             "the experimenter, is replaced by the next participant with the same orders. Data "
             "collection ends with that number, whatever the results are.",
-            f"- Recruitment, and who may take part: {TODO}.",
+            f"- Recruitment, and who may take part: {TO_WRITE}.",
         ],
         "Power": [f"- {line.strip()}" for line in power],
         "Exclusions": [

@@ -16,6 +16,7 @@ from models.errors import StudyError
 from sandbox.study.design.design import Form, Item
 from sandbox.study.run.answers import Answers, Draft, hint, read_answer
 from sandbox.study.run.controls import Terminal
+from sandbox.words.words import words_in
 
 Poll = Callable[[], None]
 """Called repeatedly while a form waits for the participant. It executes commands of the
@@ -72,6 +73,8 @@ class TerminalForms:
         with self._terminal.form():
             if form.title.get(language):
                 self._show(form.title[language])
+            if note := words_in(language).get(f"wording_{form.wording.get(language)}"):
+                self._show(note)
             for item in form.items:
                 if item.name not in draft.answers:
                     draft.store(item.name, self._item(item, language, poll))

@@ -13,22 +13,11 @@ from models.errors import EncoderError
 from sandbox.options.leap_devices import open_leap
 from sandbox.study.record.folder import Participant
 from sandbox.study.run.forms import Forms, Poll
+from sandbox.words.words import words_in
 
 TRIES = 2
 """Number of frames read for every wanted frame, since half of them may not show an open hand."""
 AGAIN = "Run the command again; the session resumes at this step"
-
-WORDS = {
-    "en": "Hold your hand about 20 cm above the sensor, palm down, fingers spread, and keep it "
-    "still for ten seconds. Go on with the other hand when you are ready.",
-    "de": "Halten Sie die Hand etwa 20 cm über den Sensor, Handfläche nach unten, Finger "
-    "gespreizt, und zehn Sekunden lang still. Gehen Sie mit der anderen Hand weiter, wenn Sie "
-    "bereit sind.",
-    "fr": "Tenez la main à environ 20 cm au-dessus du capteur, paume vers le bas, doigts écartés, "
-    "immobile pendant dix secondes. Continuez avec l’autre main quand vous êtes prêt.",
-    "es": "Mantenga la mano a unos 20 cm sobre el sensor, con la palma hacia abajo y los dedos "
-    "separados, quieta durante diez segundos. Siga con la otra mano cuando quiera.",
-}
 
 
 def hand_measurer(
@@ -37,6 +26,7 @@ def hand_measurer(
     address: str,
     say: Callable[[str], object],
     wanted: int = PAPER_FRAMES,
+    own: dict[str, str] | None = None,
 ) -> Callable[[Poll], dict[str, Any]]:
     """Returns a function that measures the participant's hand.
 
@@ -49,8 +39,9 @@ def hand_measurer(
         address: Address of the Leap service.
         say: Prints the result for the experimenter.
         wanted: Number of frames with five fingers; 1000 in the paper, about ten seconds.
+        own: The design's own words in the participant's language, by key.
     """
-    text = WORDS.get(person.language, WORDS["en"])
+    text = words_in(person.language, own)["measure_hand"]
     side = cast(Literal["right", "left"], person.hand)
 
     def measure(poll: Poll) -> dict[str, Any]:

@@ -53,7 +53,11 @@ class PageForms:
 
         def show() -> None:
             self._page.show_sheet(
-                "form", title=form.title.get(language, ""), items=views, answers=draft.answers
+                "form",
+                title=form.title.get(language, ""),
+                items=views,
+                answers=draft.answers,
+                note=self._page.texts.get(f"wording_{form.wording.get(language)}", ""),
             )
 
         self._page.wait_until_open(poll)

@@ -10,6 +10,7 @@ import msgspec
 from models.errors import StudyError
 from models.surface import Surface
 from sandbox.server.protocol.describe import describe_scene
+from sandbox.server.protocol.protocol import Pause
 from sandbox.server.protocol.rectangle import rectangle
 from sandbox.server.protocol.skins import pack_skin
 from sandbox.server.publishing import publish
@@ -17,8 +18,9 @@ from sandbox.server.web import WebDevice
 from sandbox.session.session import Session
 from sandbox.study.design.page_settings import PageSettings
 from sandbox.study.run.players import PlayedAttempt, RunningAttempt, TrialRequest
-from sandbox.study.run.study_page import TICK, StudyPage, inches, is_too_small
+from sandbox.study.run.study_page import TICK, StudyPage, beside_lift, inches, is_too_small
 from sandbox.trial.driver import View
+from sandbox.trial.lift import lifts
 from sandbox.trial.live import LiveTrial
 from sandbox.trial.settings import RunSettings
 
@@ -55,17 +57,17 @@ class PagePlayer:
                 live.start()
                 try:
                     while not live.over and not attempt.broken:
-                        still = clock.must_stop(attempt)
-                        live.pause(still)
-                        if still:
-                            self._page.server.publish(session.snapshot(), True)
+                        pause = clock.pause(attempt, session.scorer.score.held)
+                        live.pause(bool(pause))
+                        if pause:
+                            self._page.server.publish(session.snapshot(), pause)
                         time.sleep(TICK)
                 finally:
                     live.stop()
                 if live.failure:
                     raise live.failure
                 played = attempt.end(trial, live.lost, clock.measures())
-            self._page.server.publish(session.snapshot(), False)
+            self._page.server.publish(session.snapshot())
             if not played.broken:
                 time.sleep(AFTER)
             return played
@@ -82,8 +84,11 @@ class PagePlayer:
         side = request.settings.hands[0].side
         message = describe_scene(server.next_scene(), scene, session.task, surface, side, "")
         options, name = self._options, request.settings.task
-        goal = options.goals.get(name, {}).get(self._language, message.goal)
-        title = options.names.get(name, {}).get(self._language, _readable(message.task))
+        words = self._page.texts
+        goal = words.get(f"goal_{message.task}", message.goal)
+        goal = options.goals.get(name, {}).get(self._language, goal)
+        title = words.get(f"task_{message.task}", _readable(message.task))
+        title = options.names.get(name, {}).get(self._language, title)
         message = msgspec.structs.replace(message, task=title, goal=goal)
         apart = len(session.rigs) > 1 and not request.settings.one_surface
         skins = [pack_skin(hand) for hand in scene.spec.hands]
@@ -110,22 +115,29 @@ class _PageClock:
         self._last, self._times = self._shown, 0
         self._silent = self._paused = False
 
-    def must_stop(self, attempt: RunningAttempt) -> bool:
-        """Returns True if simulated time must stop now; may break the attempt off."""
+    def pause(self, attempt: RunningAttempt, held: bool) -> Pause:
+        """Why simulated time must stand still now; empty if it may run. May break the attempt
+        off; not for a page that leaves once the goal is held."""
         self._page.check_connection()
         self._follow_pause(attempt.check_pause())
         now = time.monotonic()
         self._add_silence(now)
-        if self._page.gone:
-            if self._options.when_gone == "repeat" and self._waited is not None:
-                attempt.broken = attempt.broken or "the participant's page was gone"
-            elif self._options.when_gone == "pause":
+        if self._page.gone and self._options.when_gone == "repeat" and self._waited is not None:
+            attempt.broken = attempt.broken or "the participant's page was gone"
+        if self._page.server.away:
+            if self._options.when_gone == "pause" and not held:
                 self._waiting = True
         elif self._waiting and not self._paused and (not self._device or self._device.touched):
             self._waiting = False
             if self._waited is None:
                 self._waited = now - self._shown
-        return self._waiting or self._paused
+        if self._paused:
+            return "menu"
+        if not self._waiting:
+            return ""
+        if self._waited is None:
+            return "start"
+        return "away" if self._page.server.away else "back"
 
     def _add_silence(self, now: float) -> None:
         """Adds up the time and the gaps without a message from the page."""
@@ -169,13 +181,13 @@ def settings_for_screen(page: StudyPage, settings: RunSettings, designed: bool) 
     assert screen is not None, "the page is open"
     if not designed:
         hands = len(settings.hands) if settings.one_surface else 1
-        return replace(settings, **rectangle(screen, hands))
+        return replace(settings, **rectangle(screen, hands, lifts(settings)))
     wanted = settings.surface_in
-    if is_too_small(screen, wanted):
+    if is_too_small(screen, wanted, lifts(settings)):
         raise StudyError(
             "the screen is too small for the design's touch rectangle",
             where="surface" if screen.calibrated else "surface; the screen was not measured",
-            got=f"{inches(screen)} of screen",
+            got=f"{inches(screen)} of screen{beside_lift(lifts(settings))}",
             expected=f"{wanted[0]:g} x {wanted[1]:g} in",
             remedy="Rotate it, use a larger screen or full screen, or remove `surface` from the "
             "design; the session resumes at this trial",

@@ -9,6 +9,7 @@ import msgspec
 
 from sandbox.server.page_server import PageServer
 from sandbox.server.protocol.protocol import (
+    LIFT_STRIP_PX,
     ItemAnswer,
     ItemView,
     Leave,
@@ -17,9 +18,11 @@ from sandbox.server.protocol.protocol import (
     Sheet,
     StudyView,
 )
+from sandbox.server.protocol.rectangle import room
 from sandbox.server.web import WebDevice
-from sandbox.study.run.page_texts import texts_in
+from sandbox.study.design.page_settings import PageSettings
 from sandbox.study.run.players import PlayedAttempt, TrialPlayer, TrialRequest
+from sandbox.words.words import words_in
 
 SLACK = 0.02
 """Share by which a screen may be smaller than the touch rectangle, since people measure it by hand
@@ -39,21 +42,28 @@ class StudyPage:
         server: Server of the page.
         language: Language of the participant.
         say: Prints a line for the experimenter.
+        own: The design's own words in this language, by key.
 
     Attributes:
         server: Server of the page.
         texts: Texts of the page in the participant's language, by name.
         device: Device of the running trial; None if it does not use the page.
         needed_in: Size of the touch rectangle that trials need, inches; None for any size.
+        needed_lifts: True if a trial needs the lift control beside the touch rectangle, too.
     """
 
     def __init__(
-        self, server: PageServer, language: str, say: Callable[[str], object] = lambda text: None
+        self,
+        server: PageServer,
+        language: str,
+        say: Callable[[str], object] = lambda text: None,
+        own: dict[str, str] | None = None,
     ) -> None:
         self.server, self.say = server, say
-        self.texts = texts_in(language)
+        self.texts = words_in(language, own)
         self.device: WebDevice | None = None
         self.needed_in: tuple[float, float] | None = None
+        self.needed_lifts = False
         self._screen: PageScreen | None = None
         self._sheet = Sheet(0, "wait", "", self.texts["wait"], [], {}, 0.0)
         self._gone = False
@@ -68,6 +78,7 @@ class StudyPage:
         items: Sequence[ItemView] = (),
         answers: dict[str, Given] | None = None,
         seconds: float = 0.0,
+        note: str = "",
     ) -> None:
         """Shows a sheet to the participant, which replaces the previous one."""
         self._sheet = Sheet(
@@ -78,6 +89,7 @@ class StudyPage:
             list(items),
             dict(answers or {}),
             seconds,
+            note,
         )
         self.server.show_sheet(self._sheet)
 
@@ -143,11 +155,12 @@ class StudyPage:
         if wanted is None or screen is None or screen == self._screen:
             return
         self._screen = screen
-        if is_too_small(screen, wanted):
+        if is_too_small(screen, wanted, self.needed_lifts):
             known = "" if screen.calibrated else " (a guess, since it was not measured)"
             self.say(
                 f"this screen is too small for the trials: it has {inches(screen)}{known}, and the "
-                f"design's touch rectangle {wanted[0]:g} x {wanted[1]:g} in. "
+                f"design's touch rectangle {wanted[0]:g} x {wanted[1]:g} in"
+                f"{beside_lift(self.needed_lifts)}. "
                 "Rotate it, or use a larger one"
             )
 
@@ -165,10 +178,17 @@ class StudyPage:
             time.sleep(TICK)
 
 
-def is_too_small(screen: PageScreen, wanted: tuple[float, float]) -> bool:
-    """Returns True if a screen is too small for a touch rectangle, inches."""
-    room = screen.width_px / screen.px_per_in, screen.height_px / screen.px_per_in
-    return any(r < w * (1.0 - SLACK) for r, w in zip(room, wanted, strict=True))
+def is_too_small(screen: PageScreen, wanted: tuple[float, float], lifts: bool = False) -> bool:
+    """Returns True if a screen is too small for a touch rectangle, inches.
+
+    With `lifts`, the lift control needs a place beside the rectangle.
+    """
+    return any(r < w * (1.0 - SLACK) for r, w in zip(room(screen, lifts), wanted, strict=True))
+
+
+def beside_lift(lifts: bool) -> str:
+    """Words after a size that does not include the lift control; empty where there is none."""
+    return f", and the lift control needs {LIFT_STRIP_PX:g} pixels of its width" if lifts else ""
 
 
 def inches(screen: PageScreen) -> str:
@@ -201,6 +221,6 @@ class OffPagePlayer:
         self._player.close()
 
 
-def study_view(language: str, shows: Sequence[str]) -> StudyView:
-    """Message that sets up a page for a study."""
-    return StudyView(language, texts_in(language), list(shows))
+def study_view(page: PageSettings, language: str) -> StudyView:
+    """Message that sets up a page for a study, in a participant's language."""
+    return StudyView(language, page.words.get(language, {}), list(page.shows))

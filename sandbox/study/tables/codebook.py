@@ -6,14 +6,17 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from sandbox.study.design.balance import cycle_line
-from sandbox.study.design.design import Design
-from sandbox.study.measures.kept import ORDERS
+from sandbox.study.design.design import Design, Form
+from sandbox.study.measures.kept import ORDERS, WORDING
 from sandbox.study.measures.measure import PRIMARY
 from sandbox.study.tables.column import Column, csv_bytes
 from sandbox.study.tables.frame_columns import FRAMES, TOUCHES
 from sandbox.study.tables.participant_table import participant_columns
 from sandbox.study.tables.questionnaire_tables import answer_columns, score_columns
 from sandbox.study.tables.trial_table import trial_columns
+
+TOLD = {"paraphrase": "a paraphrase", "translation": "a translation that nobody has validated"}
+"""Wordings that readers have to know of, in their words."""
 
 
 def columns_by_table(design: Design) -> dict[str, list[Column]]:
@@ -24,6 +27,12 @@ def columns_by_table(design: Design) -> dict[str, list[Column]]:
         "questionnaire_scores.csv": score_columns(design),
         "participants.csv": participant_columns(design),
     }
+
+
+def _wording(form: Form) -> str:
+    """Words on a wording that is not the published one, by language; empty for others."""
+    told = [f"{TOLD[word]} in {code}" for code, word in form.wording.items() if word in TOLD]
+    return f"not the published wording, but {', '.join(told)}" if told else ""
 
 
 def codebook(design: Design) -> bytes:
@@ -39,7 +48,12 @@ def codebook(design: Design) -> bytes:
         for form in design.questionnaires
         for item in form.items
     ]
-    tables["questionnaires.csv"] = [*tables["questionnaires.csv"], *items]
+    wordings = [
+        Column(f"{WORDING}{form.name}", "", told)
+        for form in design.questionnaires
+        if (told := _wording(form))
+    ]
+    tables["questionnaires.csv"] = [*tables["questionnaires.csv"], *items, *wordings]
     # The first scale of a questionnaire is its score.
     scored = {
         f"score {f.name}/{f.scales[0].name}": f.name for f in design.questionnaires if f.scales

@@ -100,7 +100,7 @@ TOUCHES = (
         "",
         "finger label: thumb, index, middle, ring or little; empty while there is none",
     ),
-    Column("state", "", "active; lost (kept for a moment after it ended); or ignored"),
+    Column("state", "", "active; lost (kept for a moment after it ended); palm; or ignored"),
     Column("hand", "", "1, or 2 for the second hand; only in trials with two hands"),
 )
 

@@ -88,7 +88,7 @@ class HandMemory:
             of = {id_: FINGERS.index(f) for f, id_ in hand.ids.items() if id_ is not None}
             for finger in own.fingers:
                 if finger.id in of:
-                    tip = np.array(finger.tip)
+                    tip = np.array(finger.end)
                     base = tip - measure(finger) * np.array(pointing(finger))
                     label = of[finger.id]
                     self._last[side, label] = ((base - origin) @ turn, (tip - origin) @ turn)

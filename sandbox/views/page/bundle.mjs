@@ -1,6 +1,6 @@
 // Writes ../static: the same sources give the same bytes, on any machine.
 import { build } from "esbuild";
-import { copyFile, mkdir, readFile, writeFile } from "node:fs/promises";
+import { mkdir, readFile, readdir, writeFile } from "node:fs/promises";
 import { dirname, join } from "node:path";
 import { fileURLToPath } from "node:url";
 
@@ -8,9 +8,17 @@ const here = dirname(fileURLToPath(import.meta.url));
 const out = process.argv[2] ?? join(here, "..", "static");
 
 await mkdir(out, { recursive: true });
+const folder = join(here, "../../words");
+const languages = {};
+for (const name of (await readdir(folder)).filter((name) => name.endsWith(".json")).sort())
+  languages[name.slice(0, -5)] = JSON.parse(await readFile(join(folder, name), "utf8")).page;
+/** Something of every language, by its code. */
+const ofEach = (choose) =>
+  Object.fromEntries(Object.entries(languages).map(([code, page]) => [code, choose(page)]));
 await build({
   absWorkingDir: here,
-  entryPoints: { app: "src/main.ts" },
+  entryPoints: { app: "src/main.ts", early: "src/early.ts" },
+  define: { PREPARING: JSON.stringify(ofEach((page) => page.preparing)) },
   outdir: out,
   bundle: true,
   minify: true,
@@ -29,7 +37,16 @@ await build({
   target: ["safari15", "chrome100", "firefox100"],
   logLevel: "warning",
 });
-await copyFile(join(here, "src", "index.html"), join(out, "index.html"));
+const needs = Object.entries(ofEach((page) => page.needs_script));
+const places = {
+  needs_script: needs.map(([code, text]) => `<p lang="${code}">${text}</p>`).join(""),
+  words: JSON.stringify(ofEach((p) => [p.return_title, p.return_how, p.return_no_code])),
+};
+for (const page of ["index.html", "return.html"]) {
+  let text = await readFile(join(here, "src", page), "utf8");
+  for (const [name, value] of Object.entries(places)) text = text.replaceAll(`{{${name}}}`, value);
+  await writeFile(join(out, page), text);
+}
 const three = JSON.parse(await readFile(join(here, "node_modules/three/package.json"), "utf8"));
 const text = await readFile(join(here, "node_modules/three/LICENSE"), "utf8");
 await writeFile(

@@ -70,11 +70,13 @@ def test_a_device_as_quiet_as_it_should_be_is_followed_as_with_a_fixed_constant(
         )
 
 
-def test_of_a_noisy_device_two_fifths_of_the_jitter_go_and_hardly_any_of_the_angles():
+def test_of_a_noisy_device_two_fifths_of_the_jitter_go_and_an_eighth_of_the_accuracy():
     noisy = replace(FROZEN_LEAP, direction=6.0, length_white=0.0016)
     one = leap_take(simulate_air(7, "right", SHORT), 7, "v1", False, noisy)
     free, fixed = (
         judge_recording("", one, o, names=False).figures for o in (PaalmOptions(), FIXED)
     )
     assert free["jitter_deg"] < 0.6 * fixed["jitter_deg"]
-    assert free["pip_deg"] < 1.05 * fixed["pip_deg"]
+    # Of persons whose fingers have their own names, as they have since names keep their order.
+    assert fixed["pip_deg"] < 8.0
+    assert free["pip_deg"] < 1.15 * fixed["pip_deg"]

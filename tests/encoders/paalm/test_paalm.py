@@ -10,10 +10,14 @@ import pytest
 from encoders import Paalm
 from encoders.evaluation.paalm_judge import judge_recording, test_seeds
 from encoders.evaluation.paalm_pair import moved, side_by_side
-from encoders.paalm import PAPER, PaalmOptions
+from encoders.evaluation.paalm_recorded import take_of_recording
+from encoders.paalm import PAPER, Coupling, PaalmOptions
+from encoders.paalm.angles import angles_of_joints, joints_of_angles
 from encoders.paalm.average import average_calibration
 from encoders.paalm.calibration_file import read_calibration, write_calibration
-from encoders.paalm.palm import palm_of
+from encoders.paalm.palm import palm_of, vector_of
+from encoders.paalm.recorded import ENOUGH, calibrate_on_recording
+from encoders.paalm.simulated import air
 from encoders.paalm.simulated.air import simulate_air
 from encoders.paalm.simulated.forward import LeapTake, leap_take
 from models.errors import EncoderError
@@ -286,6 +290,85 @@ def folded(one: LeapTake) -> list[HandFrame]:
 def test_a_hand_that_is_not_open_is_not_measured_and_the_reason_is_said(frames, says):
     with pytest.raises(EncoderError, match=says):
         Paalm().calibrate(frames(), "right", 50 if says != "varies" else 400)
+
+
+@pytest.mark.parametrize("side", ["right", "left"])
+@pytest.mark.parametrize(
+    "turn", [(0, 0, 80), (0, 0, 180), (0, 90, 0), (0, 170, 0), (40, -60, -120)]
+)
+def test_a_turned_hand_is_measured_under_the_names_of_its_fingers(side, turn):
+    hand = simulate_air(6, side, replace(SHORT, seconds=1.0))
+    upright = leap_take(hand, 6, drop_outs=False)
+    one = leap_take(air.turned(hand, exp(np.deg2rad(turn))), 6, drop_outs=False)
+    known, found = calibrated(upright), calibrated(one)
+    np.testing.assert_allclose(
+        found.calibration[side].standard, known.calibration[side].standard, rtol=0.01
+    )
+    for frame, names in zip(one.frames, one.fingers, strict=True):
+        said = found.step(frame).hands[side].ids
+        assert {i: FINGERS.index(f) for f, i in said.items()} == names
+
+
+@pytest.mark.parametrize(
+    ("dialect", "equal", "slope"),
+    [
+        ("v3", False, 0.52),
+        ("bridge", False, 0.52),
+        ("v2", True, 1.0),
+        # A packed recording of v3 has the fields of v2, and bones that no v2 reports.
+        ("v2", False, 0.52),
+        (None, False, 2.0 / 3.0),
+    ],
+)
+def test_joints_bend_together_as_they_do_in_the_devices_dialect(dialect, equal, slope):
+    frames = [replace(f, dialect=dialect) for f in take(1, "v3").frames[150:300]]
+    if equal:
+        frames = [bent_equally(f) for f in frames]
+    paalm = Paalm(PaalmOptions(learns=False))
+    paalm.use({"right": average_calibration(frames, "right")})
+    bends = tables(paalm, frames)[:, 1:, 2:]
+    free = (bends[..., 1] < 79.9) & (bends[..., 0] > 1.0)
+    np.testing.assert_allclose(bends[free][:, 1], slope * bends[free][:, 0], rtol=1e-9)
+    assert free.mean() > 0.5
+    if equal:
+        truth = take_of_recording(frames, "right").angles[:, 1:, 2:]
+        assert np.abs(bends - truth)[20:].mean() < 3.0
+    chosen = Paalm(PaalmOptions(coupling=Coupling(0.8)))
+    chosen.use(paalm.calibration)
+    bends = tables(chosen, frames)[:, 1:, 2:]
+    free = (bends[..., 1] < 79.9) & (bends[..., 0] > 1.0)
+    np.testing.assert_allclose(bends[free][:, 1], 0.8 * bends[free][:, 0], rtol=1e-9)
+
+
+def bent_equally(frame: HandFrame) -> HandFrame:
+    """The frame as v2 would report it: PIP and DIP at half of their sum."""
+    (hand,) = frame.hands
+    palm = palm_of(hand, "right")
+    ordered = sorted(hand.fingers, key=lambda f: f.finger or 0)
+    joints = np.array([[palm.place(j) for j in f.joints or ()] for f in ordered])
+    angles = angles_of_joints(joints)
+    angles[1:, 2:] = angles[1:, 2:].mean(axis=1, keepdims=True)
+    lengths = np.linalg.norm(np.diff(joints, axis=1), axis=2)
+    made = joints_of_angles(angles, joints[:, 0], lengths) @ palm.rotation.T + palm.origin
+    fingers = []
+    for finger in hand.fingers:
+        mcp, pip, dip, end = map(vector_of, made[finger.finger or 0])
+        fingers.append(replace(finger, joints=(mcp, pip, dip, end)))
+    return replace(frame, hands=(replace(hand, fingers=tuple(fingers)),))
+
+
+def test_few_frames_of_an_open_hand_are_enough_of_a_recording_and_bones_need_none():
+    open_hand = [f for f, held in zip(take(0).frames, take(0).open, strict=True) if held]
+    whole = [f for f in open_hand if len(f.hands[0].fingers) == 5]
+    paalm = Paalm()
+    assert calibrate_on_recording(paalm, whole[:ENOUGH], "right") == ""
+    assert paalm.calibration["right"].frames > ENOUGH / 2
+    why = calibrate_on_recording(paalm, whole[: ENOUGH - 1], "right")
+    assert why.startswith("an average hand") and "too few frames" in why and "cannot" not in why
+    assert paalm.calibration["right"].frames == 0
+    closed = folded(take(1, "v3"))
+    assert calibrate_on_recording(paalm, closed, "right") == ""
+    assert paalm.calibration["right"].bones is not None
 
 
 def test_fingers_held_together_are_not_measured():

@@ -28,9 +28,16 @@ Place = tuple[int, int]
 class KernelSlots:
     """A touch screen of some slots, and the node under which its events are read."""
 
-    def __init__(self, slots: int = 10, x: Axis | None = None, y: Axis | None = None) -> None:
+    def __init__(
+        self,
+        slots: int = 10,
+        x: Axis | None = None,
+        y: Axis | None = None,
+        diameter: Axis | None = None,
+    ) -> None:
         self.name = "a made-up touch screen (/dev/input/event99)"
         self.x, self.y = x or Axis(0, 4000, 20), y or Axis(0, 3000, 20)
+        self.diameter = diameter
         self._values: dict[int, dict[int, int]] = {
             n: {ABS_MT_POSITION_X: 0, ABS_MT_POSITION_Y: 0, ABS_MT_TRACKING_ID: -1}
             for n in range(slots)

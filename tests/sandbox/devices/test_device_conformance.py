@@ -103,7 +103,7 @@ class TestWeb(DeviceConformance):
         return WebDevice(surface)
 
     def stir(self, device: Any, step: int) -> None:
-        contacts = [(i, 1200.0 * x, 500.0 * y, 8.0) for i, (x, y) in circle(step).items()]
+        contacts = [(i, 1200.0 * x, 500.0 * y, 8.0, 8.0) for i, (x, y) in circle(step).items()]
         device.push(PageTouches(step + 1, 0.0, contacts, [] if step % 3 else [1, 2, 77]), SCREEN)
         if step % 25 == 24:
             device.cancel_all()

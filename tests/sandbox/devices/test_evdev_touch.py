@@ -21,6 +21,7 @@ from sandbox.devices.evdev.evdev_touch import (
     ABS_MT_SLOT,
     ABS_MT_TOOL_TYPE,
     ABS_MT_TOUCH_MAJOR,
+    ABS_MT_TOUCH_MINOR,
     ABS_MT_TRACKING_ID,
     EV_ABS,
     EV_SYN,
@@ -147,7 +148,19 @@ def test_the_size_of_a_touch_is_in_metres() -> None:
     kernel = KernelSlots()
     kernel.set(0, ABS_MT_TOUCH_MAJOR, 160)
     kernel.show({1: (100, 100)})
-    assert opened(kernel).poll()[0].contacts[0].size == pytest.approx(0.008)
+    (contact,) = opened(kernel).poll()[0].contacts
+    assert contact.size == pytest.approx(0.008)
+    assert contact.extent == pytest.approx((0.008, 0.008)), "round without a smaller diameter"
+
+
+def test_width_and_height_are_those_of_the_ellipse_in_units_of_its_own_axis() -> None:
+    kernel = KernelSlots(diameter=Axis(0, 255, 2))
+    kernel.set(0, ABS_MT_TOUCH_MAJOR, 60)
+    kernel.set(0, ABS_MT_TOUCH_MINOR, 30)
+    kernel.show({1: (100, 100), 2: (900, 900)})
+    ellipse, unknown = opened(kernel).poll()[0].contacts
+    assert ellipse.extent == pytest.approx((0.015, 0.030))
+    assert unknown.extent is None
 
 
 EVENTS = st.tuples(

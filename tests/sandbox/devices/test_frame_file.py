@@ -28,6 +28,7 @@ CONTACTS = st.lists(
         LENGTHS,
         st.none() | st.floats(1e-4, 0.1),
         st.none() | st.integers(0, 4),
+        st.none() | st.tuples(st.floats(1e-4, 0.1), st.floats(1e-4, 0.1)),
     ),
     max_size=6,
     unique_by=lambda c: c.id,
@@ -66,6 +67,7 @@ def test_frames_come_back_as_they_were(tmp_path_factory: object, frames: list[To
             assert (a.id, a.label) == (b.id, b.label)
             assert (a.x, a.y) == pytest.approx((b.x, b.y), abs=1e-15)
             assert a.size == (b.size and pytest.approx(b.size))
+            assert a.extent == (b.extent and pytest.approx(b.extent))
 
 
 GOOD = [json.dumps(frame_record(TouchFrame(n / 8, (Contact(1, 0.1, 0.1),)))) for n in range(4)]

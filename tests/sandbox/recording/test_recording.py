@@ -10,9 +10,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from models.errors import RecordingError
+from models.errors import FrameError, RecordingError
 from models.frames import Contact, TouchFrame
 from sandbox.recording.recorded_device import RecordedDevice
+from sandbox.recording.recorded_frames import frame_from_json, frame_to_json
 from sandbox.recording.recording import (
     DeferredLine,
     RecordingLines,
@@ -33,6 +34,7 @@ contacts = st.builds(
     coordinates,
     st.none() | st.floats(0.0, 0.1),
     st.none() | st.integers(0, 4),
+    st.none() | st.tuples(st.floats(1e-6, 1.0), st.floats(1e-6, 1.0)),
 )
 frames = st.builds(
     TouchFrame,
@@ -61,6 +63,22 @@ def test_every_frame_comes_back_to_the_bit(tmp_path_factory, written):
     assert [i.frame for i in recording.inputs.get(0, [])] == written
     assert recording.keyframes[0].tobytes() == np.array([1.0, -0.0, 1e-300, np.pi]).tobytes()
     assert not recording.damage
+
+
+def test_contacts_without_width_and_height_are_written_as_before_there_were_any():
+    contacts = (Contact(1, 0.1, 0.2, 0.01, 3), Contact(2, 0.3, 0.4, extent=(0.02, 0.03)))
+    line = frame_to_json(TouchFrame(0.5, contacts))
+    assert line == {
+        "time": 0.5,
+        "contacts": [[1, 0.1, 0.2, 0.01, 3], [2, 0.3, 0.4, None, None, 0.02, 0.03]],
+    }
+
+
+@pytest.mark.parametrize("damage", [[0.02], [0.02, 0.0], [0.02, -1.0], [0.02, None], [1, 2, 3]])
+def test_a_contact_with_half_an_extent_is_damaged(damage):
+    line = {"time": 0.5, "contacts": [[1, 0.1, 0.2, None, None, *damage]]}
+    with pytest.raises((FrameError, TypeError, ValueError)):
+        frame_from_json(line)
 
 
 def test_an_existing_file_is_never_overwritten(tmp_path):

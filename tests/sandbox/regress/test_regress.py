@@ -12,6 +12,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from encoders.regression.model_registry import DEFAULT_MODEL
 from models.errors import InputError
 from sandbox.cli.common.parse import parse
 from sandbox.cli.main import main
@@ -114,7 +115,7 @@ def test_the_json_has_every_task_and_every_trial(tmp_path, capsys):
     assert [t["seed"] for t in found["trials"]] == list(range(9))
     assert [f["seed"] for f in task["failed"]] == [0, 3, 6]
     assert found["schema"] == 1 and found["complete"] and found["passed"]
-    assert found["configuration"]["encoder"] == "best"
+    assert found["configuration"]["encoder"] == DEFAULT_MODEL
     assert found["noise_floor"]["pairs"] == 9 and found["noise_floor"]["fewest_losses"] == 5
     assert "6/9" in capsys.readouterr().out
 

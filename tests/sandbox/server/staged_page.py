@@ -9,7 +9,7 @@ from models.frames import TouchFrame
 from models.surface import METRES_PER_INCH
 from sandbox.server.page_server import PageServer
 from sandbox.server.protocol.describe import describe_scene
-from sandbox.server.protocol.protocol import TaskName
+from sandbox.server.protocol.protocol import LIFT_STRIP_PX, TaskName
 from sandbox.server.protocol.skins import pack_skin
 from sandbox.server.web import WebDevice
 from sandbox.trial.assembly import build
@@ -30,13 +30,15 @@ KNOWN = {
 graphics card draws in software, with the same two cores that simulate."""
 READY = "!!document.querySelector('.dot[data-condition=open]')"
 TASKS = [TaskName("box-to-goal", "Bring a box to its goal.", False)]
+BESIDE_LIFT = {"surface_in": ((WIDTH - LIFT_STRIP_PX) / PPI, HEIGHT / PPI)}
+"""The touch rectangle of that page in a task that lifts."""
 WATCHED = """
 window.told = [];
 const say = WebSocket.prototype.send, arc = CanvasRenderingContext2D.prototype.arc;
-const note = (what, x) => told.push([what, x, document.timeline.currentTime]);
+const note = (what, x, lift) => told.push([what, x, document.timeline.currentTime, lift]);
 WebSocket.prototype.send = function (text) {
   const said = typeof text === "string" ? JSON.parse(text) : {};
-  if (said.type === "touches" && said.contacts[0]) note("message", said.contacts[0][1]);
+  if (said.type === "touches" && said.contacts[0]) note("message", said.contacts[0][1], said.lift);
   return say.call(this, text);
 };
 CanvasRenderingContext2D.prototype.arc = function (x, ...rest) {
@@ -45,7 +47,7 @@ CanvasRenderingContext2D.prototype.arc = function (x, ...rest) {
 };
 true
 """
-"""Writes down which messages and rings have a finger where, and in which picture (ms)."""
+"""Writes down which messages and rings have a finger where, in which picture (ms), and a lift."""
 
 
 def staged(server: PageServer, **settings: object) -> Stage:

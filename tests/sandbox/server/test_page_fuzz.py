@@ -22,14 +22,14 @@ SCREEN = {"px_per_in": 132.0, "width_px": 1024.0, "height_px": 768.0, "calibrate
 MESSAGES: list[dict[str, object]] = [
     {"type": "hello", "protocol": 1, "client": "a", "role": "player", "screen": SCREEN},
     {"type": "resized", "screen": SCREEN},
-    {"type": "touches", "seq": 1, "t": 16.0, "contacts": [[1, 500.0, 300.0, 20.0]]},
+    {"type": "touches", "seq": 1, "t": 16.0, "contacts": [[1, 500.0, 300.0, 20.0, 24.0]]},
     {
         "type": "touches",
         "seq": 2,
         "t": 32.0,
         "lift": 0.5,
         "cancelled": [1, 7],
-        "contacts": [[i, 40.0 * i, 700.0 - 30.0 * i, 1.0] for i in range(10)],
+        "contacts": [[i, 40.0 * i, 700.0 - 30.0 * i, 1.0, 1.0] for i in range(10)],
     },
     {"type": "touches", "seq": 3, "t": 48.0, "contacts": [], "cancelled": []},
     {"type": "got", "frame": 4},

@@ -10,15 +10,16 @@ import pytest
 from models.errors import InputError
 from sandbox.server.connections.kept_token import kept_token
 from sandbox.server.page_server import PageServer
-from sandbox.server.protocol.contact_forces import HandFeedback, contact_forces
-from sandbox.server.protocol.describe import describe_scene
+from sandbox.server.protocol.contact_forces import HandFeedback
+from sandbox.server.protocol.describe import describe_scene, state_of
 from sandbox.server.protocol.protocol import PageScreen, PageTouches
 from sandbox.server.protocol.skins import pack_skin
 from sandbox.server.web import WebDevice
 from sandbox.trial.settings import RunSettings
 from tests.sandbox.server.test_page_server import Stage, opened
+from tests.sandbox.session.test_collision_gating import BESIDE_IT, INTO_THE_BOX, grip
 from tests.support.page_client import Page
-from tests.support.simulation import pinched
+from tests.support.scripted import run
 
 
 @pytest.fixture
@@ -53,11 +54,12 @@ def test_what_a_hand_presses_with_and_how_sure_its_labels_are_is_told(stage):
         assert page.until("frame")["state"]["hands"][0]["probability"] == 0.25
 
 
-def test_fingers_press_what_they_hold_and_nothing_else():
-    scene, data, _ = pinched()
-    forces = contact_forces(scene, data)[0]
-    assert min(forces[:2]) > 0.1
-    assert max(forces[2:]) == 0.0
+@pytest.mark.parametrize(("gap", "inside"), [(INTO_THE_BOX, True), (BESIDE_IT, False)])
+def test_a_page_knows_which_finger_is_inside_a_thing(gap, inside):
+    session = grip(gap)
+    run(session, 1.0)
+    (hand,) = state_of(session.snapshot(), "").hands
+    assert [c.inside for c in hand.contacts] == [inside, inside]
 
 
 def test_a_skin_comes_once_and_again_only_when_it_is_another(stage):
@@ -85,7 +87,7 @@ def test_a_skin_comes_once_and_again_only_when_it_is_another(stage):
     assert set(names) <= set(bodies)
 
 
-def _touches(*contacts: tuple[int, float, float, float], **more) -> PageTouches:
+def _touches(*contacts: tuple[int, float, float, float, float], **more) -> PageTouches:
     return PageTouches(1, 0.0, list(contacts), **more)
 
 
@@ -95,19 +97,20 @@ SCREEN = PageScreen(100.0, 1000.0, 800.0, True)
 def test_a_touch_beside_the_rectangle_is_none_and_a_dragged_one_stays_at_its_border():
     device = WebDevice(RunSettings().surface)
     width = device._size[0] / 0.0254 * 100
-    device.push(_touches((1, -5.0, 10.0, 0.0)), SCREEN)
-    device.push(_touches((1, -5.0, 10.0, 0.0), (2, 50.0, 10.0, 30.0)), SCREEN)
-    device.push(_touches((2, width + 80, 10.0, 30.0)), SCREEN)
+    device.push(_touches((1, -5.0, 10.0, 0.0, 0.0)), SCREEN)
+    device.push(_touches((1, -5.0, 10.0, 0.0, 0.0), (2, 50.0, 10.0, 30.0, 20.0)), SCREEN)
+    device.push(_touches((2, width + 80, 10.0, 30.0, 20.0)), SCREEN)
     first, second, third = device.poll()
     assert first.contacts == ()
     assert [c.id for c in second.contacts] == [2]
     assert second.contacts[0].size == pytest.approx(30.0 / 100 * 0.0254)
+    assert second.contacts[0].extent == pytest.approx((0.3 * 0.0254, 0.2 * 0.0254))
     assert third.contacts[0].x == pytest.approx(device._size[0])
 
 
 def test_a_cancelled_finger_is_told_apart_from_a_lifted_one():
     device = WebDevice(RunSettings().surface)
-    device.push(_touches((1, 50, 50, 0), (2, 90, 50, 0)), SCREEN)
+    device.push(_touches((1, 50, 50, 0, 0), (2, 90, 50, 0, 0)), SCREEN)
     device.push(_touches(cancelled=[1, 99]), SCREEN)
     assert device.poll()[-1].cancelled == {1}
 
@@ -121,6 +124,6 @@ def test_the_lift_control_stays_where_it_was_while_a_message_does_not_tell():
 
 def test_of_two_contacts_with_one_id_the_first_counts():
     device = WebDevice(RunSettings().surface)
-    device.push(_touches((1, 50, 50, 0), (1, 90, 50, 0)), SCREEN)
+    device.push(_touches((1, 50, 50, 0, 0), (1, 90, 50, 0, 0)), SCREEN)
     (frame,) = device.poll()
     assert len(frame.contacts) == 1

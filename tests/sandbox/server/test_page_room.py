@@ -13,6 +13,7 @@ from sandbox.cli.common.page_options import PageOptions, open_page
 from sandbox.cli.play.page import PagePlay
 from sandbox.cli.play.screen_too_small import explain_refusal, fitting
 from sandbox.options.scene_options import SceneOptions
+from sandbox.server import audience
 from sandbox.server.page_server import PageServer
 from sandbox.server.web import WebDevice
 from sandbox.trial.assembly import build
@@ -30,7 +31,7 @@ def words(task: str, width: float, height: float) -> str:
     settings = RunSettings(task=task, surface_in=(width, height))
     with pytest.raises(InputError) as refused:
         build(settings, (lambda task, surface: WebDevice(surface),))
-    return explain_refusal(refused.value, settings)
+    return "\n".join(explain_refusal(refused.value, settings))
 
 
 def test_a_tablet_has_room_for_every_task_of_one_hand_and_a_phone_for_none() -> None:
@@ -66,7 +67,7 @@ def server() -> Iterator[PageServer]:
 def test_a_phone_makes_room_for_a_tablet_and_looks_on(server: PageServer) -> None:
     with Page(server.url, "phone", screen=PHONE) as phone:
         assert phone.until("welcome")["role"] == "player"
-        assert "No task fits" in phone.until("trouble")["text"]
+        assert any("No task fits" in one["text"] for one in phone.until("trouble")["told"])
         with Page(server.url, "tablet", screen=dict(SCREEN)) as tablet:
             assert tablet.until("welcome")["role"] == "player"
             surface = tablet.until("scene")["surface"]
@@ -76,7 +77,10 @@ def test_a_phone_makes_room_for_a_tablet_and_looks_on(server: PageServer) -> Non
             assert phone.until("scene")["scene"]
 
 
-def test_who_gets_the_seat_gets_a_trial_on_their_own_screen(server: PageServer) -> None:
+def test_who_gets_the_seat_gets_a_trial_on_their_own_screen(
+    server: PageServer, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(audience, "SEAT_KEPT", 0.5)
     with Page(server.url, "second", screen={**SCREEN, "width_px": 1200.0}) as second:
         assert second.until("welcome")["role"] == "player"
         with Page(server.url, "third") as third:

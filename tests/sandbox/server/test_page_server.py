@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import base64
+import hashlib
 import http.client
 import json
 import socket
@@ -16,6 +18,7 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 
 from models.errors import DeviceError
 from models.frames import TouchFrame
+from sandbox.server import audience
 from sandbox.server.audience import GREETING
 from sandbox.server.connections.address import checked_address
 from sandbox.server.page_server import PageServer
@@ -111,8 +114,14 @@ def test_the_page_comes_with_the_token_and_may_load_nothing_from_elsewhere(serve
 @pytest.mark.parametrize(
     "path",
     [
-        "/",
         "/index.html",
+        "/app.js",
+        "/app.css",
+        "/return.html",
+        "/?",
+        "/?role=player",
+        "/?role=spectator&token=",
+        "/?role=spectator#",
         "/?token=wrong",
         "/?token=",
         "/../pyproject.toml",
@@ -127,6 +136,41 @@ def test_without_the_token_there_is_nothing(server, path):
     assert answer.status == 403
     assert b"<" not in answer.read()
     assert server.counters["wrong token"] == 1
+
+
+@pytest.mark.parametrize("path", ["/", "/?role=spectator"])
+def test_without_a_token_there_is_only_a_page_that_knows_nothing(server, path):
+    before = get(server.url, path)
+    body = before.read()
+    assert before.status == 200
+    assert server.access.token.encode() not in body
+    # It may run its own script alone, and neither load nor send anything.
+    policy = before.headers["Content-Security-Policy"]
+    assert "default-src 'none'" in policy
+    script = body.partition(b"<script>")[2].partition(b"</script>")[0]
+    digest = base64.b64encode(hashlib.sha256(script).digest()).decode()
+    assert f"script-src 'sha256-{digest}';" in policy
+    assert before.headers["Cache-Control"] == "no-store"
+    assert before.headers["Referrer-Policy"] == "no-referrer"
+    # It says nothing about the session: it is the same while somebody plays, and elsewhere.
+    opened(server)
+    with Page(server.url) as page:
+        page.until("scene")
+        assert get(server.url, path).read() == body
+    other = PageServer()
+    try:
+        assert get(other.url, path).read() == body
+    finally:
+        other.close()
+    assert server.counters.as_dict() == {"asked without a token": 2}
+
+
+def test_what_needs_no_token_still_needs_the_right_name_and_no_foreign_page(server):
+    assert get(server.url, "/", Host="evil.example:80").status == 403
+    assert get(server.url, "/", Origin="http://evil.example").status == 403
+    with pytest.raises(InvalidStatus), open_socket(server.url.partition("?")[0]):
+        pass
+    assert server.counters.as_dict() == {"wrong host": 1, "wrong origin": 1, "wrong token": 1}
 
 
 def test_with_the_token_there_is_still_nothing_outside_of_the_page(server):
@@ -243,7 +287,8 @@ def test_a_page_that_falls_silent_loses_its_fingers(stage):
             assert stage.server.counters["silent page"] == silences
 
 
-def test_the_second_page_looks_on_and_plays_when_the_first_one_leaves(stage):
+def test_the_second_page_looks_on_and_plays_once_the_first_ones_seat_is_free(stage, monkeypatch):
+    monkeypatch.setattr(audience, "SEAT_KEPT", 0.5)
     first, second = Page(stage.server.url, "first"), Page(stage.server.url, "second")
     assert first.until("welcome")["role"] == "player"
     assert second.until("welcome")["role"] == "spectator"
@@ -287,9 +332,9 @@ def test_a_page_of_another_version_is_told_so(stage):
         "null",
         "[]",
         '{"type":"touches"}',
-        '{"type":"touches","seq":1,"t":0,"contacts":[[1,NaN,0,0]]}',
-        '{"type":"touches","seq":1,"t":0,"contacts":[[1,1e999,0,0]]}',
-        '{"type":"touches","seq":1,"t":0,"contacts":[[1.5,0,0,0]]}',
+        '{"type":"touches","seq":1,"t":0,"contacts":[[1,NaN,0,0,0]]}',
+        '{"type":"touches","seq":1,"t":0,"contacts":[[1,1e999,0,0,0]]}',
+        '{"type":"touches","seq":1,"t":0,"contacts":[[1.5,0,0,0,0]]}',
         '{"type":"touches","seq":-1,"t":0,"contacts":[]}',
         '{"type":"touches","seq":1,"t":0,"contacts":[],"lift":2}',
         '{"type":"touches","seq":1,"t":0,"contacts":[],"surprise":1}',
@@ -329,7 +374,7 @@ def test_an_oversized_message_ends_its_connection_and_no_other(stage):
 
 
 def test_a_message_is_heard_in_pieces_as_it_is_whole(stage):
-    whole = {"type": "touches", "seq": 2, "t": 1.0, "contacts": [[1, 300.0, 300.0, 20.0]]}
+    whole = {"type": "touches", "seq": 2, "t": 1.0, "contacts": [[1, 300.0, 300.0, 20.0, 20.0]]}
     text = json.dumps(whole)
     with Page(stage.server.url) as page:
         page.until("scene")
@@ -369,13 +414,72 @@ def test_more_pages_than_there_is_room_for_are_turned_away(stage):
     pages = [Page(stage.server.url, str(i)) for i in range(8)]
     for page in pages:
         page.until("welcome")
-    with pytest.raises(ConnectionClosed) as closed, open_socket(stage.server.url) as late:
-        late.recv(timeout=PATIENCE)
+    with pytest.raises(ConnectionClosed) as closed, Page(stage.server.url, "late") as late:
+        late.next()
     assert closed.value.rcvd is not None
     assert closed.value.rcvd.code == 4002
     assert stage.server.counters["too many clients"] == 1
     for page in pages:
         page.close()
+
+
+def test_seven_spectators_leave_room_for_the_player_who_comes_and_comes_back(stage):
+    pages = [Page(stage.server.url, str(i), role="spectator") for i in range(7)]
+    for page in pages:
+        page.until("welcome", role="spectator")
+    # The second time, nobody has noticed yet that the first socket is dead.
+    for player in (Page(stage.server.url, "tablet"), Page(stage.server.url, "tablet")):
+        assert player.until("welcome")["role"] == "player"
+        pages.append(player)
+        for role in ("player", "spectator"):
+            with pytest.raises(ConnectionClosed) as closed, Page(stage.server.url, "x", role) as x:
+                x.next()
+            assert closed.value.rcvd is not None
+            assert closed.value.rcvd.code == 4002
+    player.close()
+    assert wait_for(lambda: stage.server.clients == 7)
+    # Nor does anybody take the seat while it is empty.
+    with pytest.raises(ConnectionClosed), Page(stage.server.url, "other") as other:
+        other.next()
+    with Page(stage.server.url, "tablet") as back:
+        assert back.until("welcome")["role"] == "player"
+    for page in pages:
+        page.close()
+
+
+def test_a_hidden_page_is_away_at_once_and_gives_up_its_seat_to_who_waits(stage, monkeypatch):
+    with Page(stage.server.url, "first") as first:
+        first.until("welcome", role="player")
+        assert not stage.server.away
+        first.say(type="presence", here=False)
+        assert wait_for(lambda: stage.server.away)
+        first.say(type="presence", here=True)
+        assert wait_for(lambda: not stage.server.away)
+        first.say(type="presence", here=False)
+        with Page(stage.server.url, "second") as second:
+            assert second.until("welcome")["role"] == "spectator"
+            monkeypatch.setattr(audience, "SEAT_KEPT", 0.3)
+            assert second.until("welcome")["role"] == "player"
+            assert first.until("welcome")["role"] == "spectator"
+            assert not stage.server.away
+
+
+def test_fingers_that_rest_through_a_lost_connection_are_the_same_contacts_afterwards(stage):
+    """While time stands still, the loss and the return reach the session as one frame."""
+    with Page(stage.server.url, "same") as page:
+        page.until("scene")
+        page.touch((1, 2.0, 2.0), (2, 3.0, 2.0))
+        assert wait_for(lambda: stage.device.touched)
+        stage.advance(20)
+    assert wait_for(lambda: stage.server.away and not stage.device.touched)
+    with Page(stage.server.url, "same") as page:
+        page.until("welcome", role="player")
+        page.touch((1, 2.0, 2.1), (2, 3.0, 2.1))
+        assert wait_for(lambda: stage.device.touched)
+        stage.advance()
+        heard = stage.session.heard(0)
+        assert [c.id for c in heard.contacts] == [1, 2]
+        assert heard.cancelled == frozenset()
 
 
 def test_bytes_that_are_no_handshake_are_counted_and_hurt_nobody(stage):

@@ -151,7 +151,7 @@ def through_the_page(events: int) -> tuple[Told, list[tuple[frozenset[int], set[
     rng = random.Random(10)
     for n, scene in enumerate(story(11, events)):
         contacts = [
-            [i, 1024.0 * x * WIDTH / sizes[0], 768.0 * y * HEIGHT / sizes[1], 20.0]
+            [i, 1024.0 * x * WIDTH / sizes[0], 768.0 * y * HEIGHT / sizes[1], 20.0, 20.0]
             for i, (_, x, y) in scene.items()
         ]
         gone = [i for i in before if i not in scene and rng.random() < 0.1]

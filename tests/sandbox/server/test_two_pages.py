@@ -15,7 +15,7 @@ from sandbox.cli.common.page_view import show_session, touched_pages
 from sandbox.cli.play.page import PagePlay
 from sandbox.options.scene_options import SceneOptions, plan
 from sandbox.server.page_server import PageServer
-from sandbox.server.protocol.protocol import PageScreen, PageTouches
+from sandbox.server.protocol.protocol import LIFT_STRIP_PX, PageScreen, PageTouches
 from sandbox.server.protocol.rectangle import common, rectangle
 from sandbox.server.publishing import publish
 from sandbox.trial.assembly import build
@@ -93,11 +93,13 @@ def test_who_is_there_first_is_told_what_is_missing(
     playing: tuple[PageServer, PageServer],
 ) -> None:
     with Page(playing[0].url, "one") as right:
-        assert "other hand" in right.until("trouble")["text"]
+        assert any("other hand" in one["text"] for one in right.until("trouble")["told"])
         with Page(playing[1].url, "other", screen=SMALL) as left:
             # Both surfaces are as large as the smaller screen.
             scenes = [page.until("scene") for page in (right, left)]
-            assert {s["surface"]["width_in"] for s in scenes} == {round(980.0 / 132.0, 4)}
+            # Beside them is the lift control.
+            width = round((980.0 - LIFT_STRIP_PX) / 132.0, 4)
+            assert {s["surface"]["width_in"] for s in scenes} == {width}
             assert not any(s["surface"]["calibrated"] for s in scenes)
 
 
@@ -144,5 +146,5 @@ def test_time_begins_with_whichever_hand_touches_first() -> None:
     ((hand, page),) = touched_pages(session)
     assert hand == 1
     assert _waiting(session)
-    page.push(PageTouches(1, 0.0, [(1, 300.0, 300.0, 20.0)]), PageScreen(**SCREEN))
+    page.push(PageTouches(1, 0.0, [(1, 300.0, 300.0, 20.0, 20.0)]), PageScreen(**SCREEN))
     assert not _waiting(session)

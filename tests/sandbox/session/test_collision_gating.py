@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import mujoco
 import numpy as np
 import pytest
@@ -27,13 +29,13 @@ INTO_THE_BOX, BESIDE_IT = 0.03, 0.09
 """m between thumb and fingers; the box is 50 mm wide."""
 
 
-def grip(gap: float, contact: str = "hard", until: float = 99.0) -> Session:
+def grip(gap: float, contact: str = "hard", until: float = 99.0, **settings: Any) -> Session:
     """A hand over the box, its fingers so far apart; beside it after `until` s."""
     empty = scripted(lambda now: (), seed=1)
     at = box_xy(empty)
     empty.close()
     touch = pinch(at, lambda now: gap if now < until else BESIDE_IT)
-    return scripted(touch, seed=1, contact=contact)
+    return scripted(touch, seed=1, contact=contact, **settings)
 
 
 def test_a_finger_that_stays_inside_a_thing_keeps_the_hand_a_ghost_and_the_person_is_told() -> None:

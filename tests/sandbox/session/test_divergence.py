@@ -26,7 +26,7 @@ ABSURD = f"{Path(__file__).parent / 'absurd_task.py'}:Absurd"
 
 
 def diverge(record: Path | None = None, dump: Path | None = None) -> TrialResult:
-    chosen = plan(SceneOptions(task=ABSURD, seed=2))
+    chosen = plan(SceneOptions(task=ABSURD, seed=7))
     return run_trial(chosen.settings, chosen.makers, record=record, dump=dump)
 
 
@@ -63,7 +63,7 @@ def test_a_dump_holds_the_last_hundred_control_states_the_broken_one_included(re
     assert set(dense) <= set(recording.keyframes)
     assert dense[-1] > 0
     turning = [abs(recording.keyframes[step]).max() for step in reversed(dense)]
-    assert turning[-1] > 5000.0 and turning[-1] == max(turning)
+    assert turning[-1] > 5000.0 and turning == sorted(turning)
     assert set(recording.track.qpos) == set(range(0, end + 1, 8))
 
 
@@ -76,8 +76,8 @@ def test_the_recording_itself_replays_to_the_same_end_too(recorded):
 def test_without_a_recording_the_dump_goes_to_its_folder_and_overwrites_nothing(tmp_path):
     folder = tmp_path / "new" / "folder"
     first, second = diverge(dump=folder), diverge(dump=folder)
-    assert Path(first.dump).name == "diverged-absurd-2.jsonl"
-    assert Path(second.dump).name == "diverged-absurd-2-2.jsonl"
+    assert Path(first.dump).name == "diverged-absurd-7.jsonl"
+    assert Path(second.dump).name == "diverged-absurd-7-2.jsonl"
     assert len(list(folder.iterdir())) == 2
     assert first.state_hash == second.state_hash
 

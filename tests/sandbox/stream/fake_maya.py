@@ -17,26 +17,40 @@ from typing import Any
 
 import numpy as np
 
-from tests.sandbox.stream.fake_maya_joints import AXES, Node, solve
+from tests.sandbox.stream.fake_maya_joints import AXES, Node, orient, solve
 
 
 class FakeMaya:
     """The commands; `nodes`, `warnings`, `undo` and `time` are there for tests to look at."""
 
-    def __init__(self, fps: str = "ntscf", linear: str = "cm", up: str = "y") -> None:
+    def __init__(
+        self, fps: str = "ntscf", linear: str = "cm", up: str = "y", angle: str = "deg"
+    ) -> None:
         self.nodes: list[Node] = []
         self.warnings: list[str] = []
         self.undo: list[str] = []
         self.ports: dict[str, dict[str, Any]] = {}
         self.selected: list[Node] = []
         self.time = 1.0
-        self._units, self._up = {"time": fps, "linear": linear}, up
+        self._units, self._up = {"time": fps, "linear": linear, "angle": angle}, up
+        self._unit = np.degrees(1.0) if angle == "rad" else 1.0
+        self.range = {"animationStartTime": 1.0, "minTime": 1.0}
+        self.range.update({"animationEndTime": 200.0, "maxTime": 120.0})
         self._undo_on, self._chunks = True, 0
         self._dirty = False
 
     # What the script calls, by Maya's names and flags.
 
-    def joint(self, *, name: str, position: Any) -> str:
+    def joint(self, *given: str, name: str = "", position: Any = None, **flags: Any) -> str:
+        if given:
+            assert flags.pop("edit") and flags.pop("children") and flags.pop("zeroScaleOrient")
+            assert flags.pop("orientJoint") == "xyz"
+            up = {"yup": (0, 1, 0), "zup": (0, 0, 1)}[flags.pop("secondaryAxisOrient")]
+            assert not flags
+            orient(self._find(given[0]), self.nodes, np.array(up, float))
+            self._did("joint")
+            return given[0]
+        assert not flags
         parent = self.selected[-1] if self.selected else None
         node = self._new(name, "joint", parent)
         node.put_world(np.array(position, float), None)
@@ -67,7 +81,7 @@ class FakeMaya:
     def ls(
         self, *names: str, selection: bool = False, type: str | None = None, long: bool = False
     ) -> list[str]:
-        found = self.selected if selection else [n for x in names if (n := self._get(x))]
+        found = self.selected if selection else [n for x in names for n in self._all(x)]
         return [n.path if long else self._said(n) for n in found if type in (None, n.kind)]
 
     def listRelatives(
@@ -101,19 +115,41 @@ class FakeMaya:
 
     def setAttr(self, attribute: str, *values: float) -> None:
         node, name = self._attribute(attribute)
+        unit = 1.0 if name.startswith("translate") else self._unit
         if len(values) == 3:
-            node.put(name, values)
+            node.put(name, unit * np.array(values))
         elif len(values) == 1 and name[-1] in "XYZ":
-            node.values[name] = float(values[0])
+            node.values[name] = unit * float(values[0])
         else:
             raise RuntimeError(f"Error reading data element number 1: {attribute}")
         self._did("setAttr")
         self._dirty = True
 
-    def getAttr(self, attribute: str) -> list[tuple[float, ...]]:
+    def getAttr(self, attribute: str, *, lock: bool = False) -> Any:
         node, name = self._attribute(attribute)
+        if lock:
+            return name in node.locked
         self.evaluate()
-        return [tuple(node.triple(name).tolist())]
+        unit = 1.0 if name.startswith("translate") else self._unit
+        return [tuple((node.triple(name) / unit).tolist())]
+
+    def listConnections(
+        self, attribute: str, *, source: bool, destination: bool
+    ) -> list[str] | None:
+        assert source and not destination
+        node, name = self._attribute(attribute)
+        curve = [f"{node.name}_{name}"] if name in node.curves else []
+        return [*node.drivers.get(name, []), *curve] or None
+
+    def nodeType(self, name: str) -> str:
+        found = self._get(name)
+        return found.kind if found else "animCurveTA"
+
+    def playbackOptions(self, *, query: bool = False, **flags: Any) -> float:
+        ((flag, value),) = flags.items()
+        if not query:
+            self.range[flag] = float(value)
+        return self.range[flag]
 
     def xform(
         self,
@@ -218,9 +254,11 @@ class FakeMaya:
         self._did("bakeResults")
         return len(nodes)
 
-    def currentUnit(self, *, query: bool, time: bool = False, linear: bool = False) -> str:
-        assert query and time != linear
-        return self._units["time" if time else "linear"]
+    def currentUnit(
+        self, *, query: bool, time: bool = False, linear: bool = False, angle: bool = False
+    ) -> str:
+        assert query and time + linear + angle == 1
+        return self._units["time" if time else "linear" if linear else "angle"]
 
     def upAxis(self, *, query: bool, axis: bool) -> str:
         assert query and axis
@@ -305,7 +343,8 @@ class FakeMaya:
 
     def _new(self, name: str, kind: str, parent: Node | None = None) -> Node:
         unique, n = name, 0
-        while any(x.name == unique for x in self.nodes):
+        # As in Maya, only siblings may not share a name.
+        while any(x.name == unique and x.parent is parent for x in self.nodes):
             n += 1
             unique = f"{name}{n}"
         node = Node(unique, kind, parent)
@@ -313,14 +352,21 @@ class FakeMaya:
         self._did(kind)
         return node
 
+    def _all(self, name: str) -> list[Node]:
+        end = name if name.startswith("|") else "|" + name
+        whole = name.startswith("|")
+        return [n for n in self.nodes if n.path == end or (not whole and n.path.endswith(end))]
+
     def _get(self, name: str) -> Node | None:
-        return next((n for n in self.nodes if name in (n.name, n.path)), None)
+        return next(iter(self._all(name)), None)
 
     def _find(self, name: str) -> Node:
-        found = self._get(name)
-        if found is None:
+        found = self._all(name)
+        if len(found) > 1:
+            raise ValueError(f"More than one object matches name: {name}")
+        if not found:
             raise ValueError(f"No object matches name: {name}")
-        return found
+        return found[0]
 
     def _attribute(self, text: str) -> tuple[Node, str]:
         name, _, attribute = text.rpartition(".")
@@ -329,7 +375,10 @@ class FakeMaya:
         return self._find(name), attribute
 
     def _said(self, node: Node) -> str:
-        return node.name
+        """The shortest name that no other node has."""
+        words = node.path.split("|")
+        ends = ("|".join(words[-n:]) for n in range(1, len(words)))
+        return next((end for end in ends if len(self._all(end)) == 1), node.path)
 
     def _did(self, what: str) -> None:
         if self._undo_on and not self._chunks:

@@ -45,6 +45,8 @@ class Node:
     values: dict[str, float] = field(default_factory=dict)
     curves: dict[str, dict[float, float]] = field(default_factory=dict)
     about: dict[str, Any] = field(default_factory=dict)
+    locked: set[str] = field(default_factory=set)
+    drivers: dict[str, list[str]] = field(default_factory=dict)
 
     def triple(self, name: str) -> np.ndarray:
         return np.array([self.values.get(name + a, 0.0) for a in AXES])
@@ -72,6 +74,28 @@ class Node:
         if turn is not None:
             orient = turned(self.triple("jointOrient"))
             self.put("rotate", degrees_of((frame @ orient).T @ turn))
+
+
+def orient(joint: Node, nodes: list[Node], up: np.ndarray) -> None:
+    """Turns a joint's frame, and those below it, so that x points to the first joint below and y
+    upwards; no joint moves."""
+    below = [n for n in nodes if n.parent is joint and n.kind == "joint"]
+    if not below:
+        return
+    places = [child.world()[0] for child in below]
+    frames = [child.world()[1] for child in below]
+    x = places[0] - joint.world()[0]
+    x /= np.linalg.norm(x)
+    y = up - x * (up @ x)
+    y /= np.linalg.norm(y)
+    above = joint.parent.world()[1] if joint.parent else np.eye(3)
+    joint.put("rotate", (0, 0, 0))
+    joint.put("jointOrient", degrees_of(above.T @ np.stack([x, y, np.cross(x, y)], axis=1)))
+    for child, place, frame in zip(below, places, frames, strict=True):
+        child.put("jointOrient", (0, 0, 0))
+        child.put_world(place, None)
+        child.put("jointOrient", degrees_of(joint.world()[1].T @ frame))
+        orient(child, nodes, up)
 
 
 def solve(handle: Node) -> None:

@@ -18,7 +18,7 @@ from models.motion.read.bvh import read_bvh
 from models.rotations import quaternion_to_matrix
 from models.skeleton import ADULT
 from sandbox.cli.main import main
-from sandbox.export.sources import MotionSource, poses_of
+from sandbox.export.motion_source import MotionSource, poses_of
 from sandbox.stream.guest_line import Line
 from sandbox.stream.guest_math import (
     angles_of,

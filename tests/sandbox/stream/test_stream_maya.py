@@ -11,6 +11,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from encoders.paalm import TWO_THIRDS
+from encoders.paalm.hand_pose import hand_pose
+from encoders.paalm.palm import Palm
 from models.motion.armature import Y_UP, Armature
 from models.person import Person
 from models.skeleton import ADULT
@@ -296,3 +299,182 @@ def test_every_command_is_shorter_than_the_port_takes_and_holds_nothing_to_be_qu
     for command in [hand.rig, hand.stop, *lines]:
         assert len(command.encode()) + 1 < LIMIT
         assert re.fullmatch(r"hand_sandbox\('[A-Za-z0-9 ._-]+'\)", command)
+
+
+# What riggers expect.
+
+
+@pytest.mark.parametrize("up", ["y", "z"])
+def test_inner_joints_bend_as_paalm_couples_them(up):
+    """With its share of the preferred angle, a solver finds PAALM's angles by itself."""
+    scene = FakeMaya(up=up)
+    angles = np.zeros((40, 5, 4))
+    angles[:, 1:, 0] = np.linspace(0, 40, 40)[:, None]
+    angles[:, 1:, 2] = np.linspace(5, 100, 40)[:, None]
+    angles[:, 1:, 3] = TWO_THIRDS.slope * angles[:, 1:, 2]
+    palm = Palm((0.0, 0.0, 0.2), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+    q = np.array([hand_pose(table, palm) for table in angles])
+    hand, lines, (joints, _) = commands(q)
+    names_of = Armature(ADULT).names
+    axes = Y_UP if up == "y" else np.eye(3)
+    with maya_with(maya_script(), scene) as (names, run):
+        names["start"]()
+        run(hand.rig)
+        for i, line in enumerate(lines):
+            run(line)
+            for name in ("index_pip", "index_dip", "middle_dip", "ring_dip", "little_dip"):
+                truth = 100 * axes @ joints[i, names_of.index(name)]
+                assert np.abs(where(scene, f"{name}_right") - truth).max() < 0.02  # cm
+        assert names["counts"]["lines refused"] == 0
+
+
+def test_the_joints_of_the_made_hand_look_along_their_bones():
+    scene, q = FakeMaya(), moving(ADULT, 2, 3)
+    hand, _, _ = commands(q)
+    with maya_with(maya_script(), scene) as (names, run):
+        names["start"]()
+        run(hand.rig)
+        for above, below in (("index_mcp", "index_pip"), ("little_dip", "little_dip_tip")):
+            m = scene.xform(f"{above}_right", query=True, worldSpace=True, matrix=True)
+            bone = where(scene, f"{below}_right") - where(scene, f"{above}_right")
+            assert np.allclose(m[:3], bone / np.linalg.norm(bone), atol=1e-9)
+            assert m[5] > 0.9  # y, out of the back, points up
+            turn = scene.getAttr(f"{above}_right.rotate")[0]
+            assert np.allclose(turn, 0, atol=1e-6)  # degrees; the solver has looked at it
+
+
+@pytest.mark.parametrize("side", ["right", "left"])
+def test_a_scene_in_radians_has_the_same_motion(side):
+    found = []
+    for angle in ("deg", "rad"):
+        scene, q = FakeMaya(angle=angle), moving(ADULT, 20, 6)
+        hand, lines, _ = commands(q, side)
+        with maya_with(maya_script(), scene) as (names, run):
+            names["start"](side=side)
+            run(hand.rig)
+            for line in lines:
+                run(line)
+            found.append([where(scene, f"{n}_tip_{side}") for n in ("index_dip", "thumb_mcp")])
+    assert np.allclose(found[0], found[1], atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("unit", "frames"),
+    [("film", 24), ("29.97df", 30), ("23.976fps", 24), ("120fps", 120), ("sec", 1), ("pal", 25)],
+)
+def test_a_second_of_the_stream_is_a_second_of_the_scene(unit, frames):
+    scene, q = FakeMaya(unit), moving(ADULT, 61, 2)
+    hand, lines, _ = commands(q)
+    with maya_with(maya_script(), scene) as (names, run):
+        names["start"]()
+        run(hand.rig)
+        for line in lines:
+            run(line)
+        assert scene.time == 1 + frames
+        assert names["counts"]["lines refused"] == 0
+
+
+def test_a_unit_of_time_that_is_not_known_is_refused_at_the_start():
+    scene = FakeMaya("fortnight")
+    with maya_with(maya_script(), scene) as (names, _):
+        names["start"]()
+        assert not names["waiting"] and "fortnight" in scene.warnings[0]
+
+
+def test_the_time_slider_is_extended_to_the_keys_and_never_shortened():
+    scene, q = FakeMaya(), moving(ADULT, 250, 2)
+    hand, lines, _ = commands(q)
+    with maya_with(maya_script(), scene) as (names, run):
+        names["start"]()
+        run(hand.rig)
+        for line in lines[::50]:
+            run(line)
+        run(hand.stop)
+        assert scene.range == {
+            "animationStartTime": 1.0, "minTime": 1.0, "animationEndTime": 201.0, "maxTime": 201.0
+        }  # fmt: skip
+        names["start"]()
+        scene.currentTime(40)
+        run(hand.rig)
+        for line in lines[:3]:
+            run(line)
+        run(hand.stop)
+        assert scene.range["maxTime"] == 201.0 and scene.range["minTime"] == 1.0
+
+
+def test_another_rig_with_the_same_names_disturbs_nothing():
+    scene, q = FakeMaya(), moving(ADULT, 20, 1)
+    other = scene.group(empty=True, name="other")
+    hand, lines, (_, tips) = commands(q)
+    with maya_with(maya_script(), scene) as (names, run):
+        names["start"]()
+        run(hand.rig)
+        run(lines[0])
+        for name in ("palm_right", "index_right_target", "index_right_pole", "index_right_ik"):
+            scene.group(empty=True, name=name, parent=other)
+        for line in lines:
+            run(line)
+        assert np.abs(where(scene, "index_dip_tip_right") - 100 * Y_UP @ tips[-1, 1]).max() < 0.01
+        run(hand.stop)
+        assert names["counts"]["lines refused"] == 0 and not scene.objExists("hand_sandbox_right")
+
+
+def test_fingers_under_metacarpals_move_with_the_hand_above_them():
+    scene, q = FakeMaya(), moving(ADULT, 10, 5)
+    _, lines, (places, _) = commands(q)
+    palm = chain(scene, "hand", [(0.0, 0.0, 0.0)])[0]
+    firsts = []
+    for c in range(4):
+        bone = chain(scene, f"metacarpal{c}_", [(-c, 0.0, 1.0)], palm)[0]
+        firsts.append(chain(scene, f"f{c}_", [(-c, 0, 3 * i) for i in range(1, 5)], bone)[0])
+    scene.select(*firsts)
+    with maya_with(maya_script(), scene) as (names, run):
+        names["start"](scale=100.0)
+        for i, line in enumerate(lines):
+            run(line)
+            moved = 100 * Y_UP @ (places[i, 0] - places[0, 0])
+            assert np.allclose(where(scene, palm), moved, atol=2e-3)
+    assert not scene.warnings
+
+
+def test_chains_with_nothing_above_them_are_told_that_no_palm_moves():
+    scene = FakeMaya()
+    scene.select(*[chain(scene, f"f{c}_", [(-c, 0, 3 * i) for i in range(4)])[0] for c in range(2)])
+    with maya_with(maya_script(), scene) as (names, _):
+        names["start"]()
+        assert names["hands"] and "root=" in scene.warnings[0]
+
+
+@pytest.mark.parametrize(
+    ("node", "attribute", "driver", "said"),
+    [
+        ("f0_1", "rotateZ", "", "locked"),
+        ("f0_0", "rotate", "", "locked"),
+        ("hand0", "translateX", "", "locked"),
+        ("f0_2", "rotateX", "drive", "driven by drive"),
+        ("f0_1", "rotate", "drive", "driven by drive"),
+    ],
+)
+def test_channels_that_could_not_be_baked_are_refused_before_anything_is_played(
+    node, attribute, driver, said
+):
+    scene = FakeMaya()
+    scene.group(empty=True, name="drive")
+    palm = chain(scene, "hand", [(0.0, 0.0, 0.0)])[0]
+    first = chain(scene, "f0_", [(0, 0, 3 * i) for i in range(1, 5)], palm)[0]
+    found = next(n for n in scene.nodes if n.name == node)
+    if driver:
+        found.drivers[attribute] = [driver]
+    else:
+        found.locked.add(attribute)
+    scene.select(first)
+    count = len(scene.nodes)
+    with maya_with(maya_script(), scene) as (names, _):
+        names["start"]()
+        assert not names["hands"] and said in scene.warnings[0]
+        assert len(scene.nodes) == count
+        # Keys may be there: baking replaces them.
+        found.drivers, found.locked = {}, set()
+        found.curves["rotateX"] = {1.0: 0.0}
+        names["start"]()
+        assert names["hands"]

@@ -129,7 +129,10 @@ class OnPage:
         self.controls = Controls(self.said.append)
         self.outcome: SessionOutcome | None = None
         self.failure: BaseException | None = None
-        self.page = StudyPage(server, person.language, self.said.append)
+        language = person.language
+        self.page = StudyPage(
+            server, language, self.said.append, study.design.page.words.get(language)
+        )
         self.player = Watched(self.page, study.design.page, person.language)
         self._thread = threading.Thread(target=self._run, daemon=True)
         self._thread.start()
@@ -190,7 +193,7 @@ def study_in(out: Path, text: str = SMALL) -> StudyFolder:
 def on_page(study: StudyFolder, person: Participant) -> Iterator[OnPage]:
     """A session with a page of its own."""
     language = person.language
-    server = PageServer(study=study_view(language, study.design.page.shows))
+    server = PageServer(study=study_view(study.design.page, language))
     session = OnPage(study, person, server)
     try:
         yield session

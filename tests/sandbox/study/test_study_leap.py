@@ -21,8 +21,7 @@ from sandbox.study.record.session_folder import SessionFolder
 from sandbox.study.record.stored_sessions import session_path
 from sandbox.study.run.controls import Controls
 from sandbox.study.run.forms import SimulatedForms
-from sandbox.study.run.hand_calibration import WORDS, hand_measurer
-from sandbox.study.run.page_texts import TEXTS
+from sandbox.study.run.hand_calibration import hand_measurer
 from sandbox.study.run.players import HeadlessPlayer
 from sandbox.study.run.run_device import person_devices, settings_fitter
 from sandbox.study.run.runner import SessionOutcome, SessionRunner
@@ -54,10 +53,6 @@ def test_whoever_has_trials_over_a_leap_is_measured_before_them_and_nobody_else(
     assert over.index(CalibrationStep) < over.index(TrialStep) and over.count(CalibrationStep) == 1
     assert CalibrationStep not in steps(some, 0)
     assert CalibrationStep not in steps(DESIGN, 0)
-
-
-def test_participants_are_told_how_to_hold_their_hand_in_every_language_of_the_page() -> None:
-    assert set(WORDS) == set(TEXTS)
 
 
 @pytest.fixture(scope="module")

@@ -24,11 +24,11 @@ from sandbox.study.record.state import SessionState
 from sandbox.study.run.answers import check_answer
 from sandbox.study.run.controls import Controls
 from sandbox.study.run.page_forms import PageForms
-from sandbox.study.run.page_texts import NAMES, TEXTS, texts_in
 from sandbox.study.run.players import HeadlessPlayer
 from sandbox.study.run.runner import SessionOutcome, SessionRunner
 from sandbox.study.run.simulate import simulated_devices, simulated_person
 from sandbox.study.run.study_page import OffPagePlayer, StudyPage, study_view
+from sandbox.words.words import words_in
 from tests.sandbox.server.test_page_server import wait_for
 from tests.sandbox.study.study_on_page import SMALL, OnPage, on_page, study_in
 from tests.support.page_client import Page
@@ -93,7 +93,7 @@ def test_a_whole_session_is_asked_and_played_on_the_page(running: OnPage) -> Non
     with opened(running) as page:
         welcome = page.until("welcome")
         assert welcome["study"]["language"] == "de"
-        assert set(welcome["study"]["words"]) == set(NAMES)
+        assert welcome["study"]["language"] == "de" and not welcome["study"]["words"]
         form = agreed(page)
         assert [i["kind"] for i in form["items"]] == ["choice", "number", "scale", "text"]
         assert form["items"][0]["ask"] == "Mit welcher Hand schreiben Sie?"
@@ -112,7 +112,7 @@ def test_a_whole_session_is_asked_and_played_on_the_page(running: OnPage) -> Non
         assert last["title"] == "Zu dem, was Sie gerade getan haben"
         answer(page, last, "effort", 85)
         leave(page, last)
-        assert page.until("sheet", kind="end")["text"] == texts_in("de")["end"]
+        assert page.until("sheet", kind="end")["text"] == words_in("de")["end"]
     assert running.ended() is SessionOutcome.COMPLETE
     rows = list(csv.DictReader((running.folder / "questionnaires.csv").open(encoding="utf-8")))
     found = {r["item"]: r["answer"] for r in rows}
@@ -209,7 +209,7 @@ def test_the_experimenter_skips_pauses_and_repeats_while_forms_and_trials_are_on
     with opened(running) as page:
         form = agreed(page)
         running.type("p")
-        assert page.until("sheet", kind="wait")["text"] == texts_in("de")["paused"]
+        assert page.until("sheet", kind="wait")["text"] == words_in("de")["paused"]
         answer(page, form, "age", 50)
         running.type("p")
         form = page.until("sheet", kind="form")
@@ -334,14 +334,6 @@ def test_a_screen_without_room_for_the_designs_rectangle_is_refused(
     assert not SessionState.of(read_journal(running.folder / "journal.jsonl")).attempts
 
 
-def test_all_languages_have_all_words() -> None:
-    for words in TEXTS.values():
-        assert all(words.values())
-        assert "{low}" in words["number"] and "{high}" in words["number"]
-    assert texts_in("de-AT") is TEXTS["de"]
-    assert texts_in("xx") is TEXTS["en"]
-
-
 ANYTHING = st.one_of(st.none(), st.booleans(), st.floats(), st.integers(), st.text(max_size=30))
 
 
@@ -381,7 +373,7 @@ def test_with_trials_elsewhere_the_page_has_the_forms_and_says_where_to_look(
 ) -> None:
     study = open_study(tmp_path)
     person = study.add(**simulated_person(study.design, 0))
-    server = PageServer(study=study_view("de", ()))
+    server = PageServer(study=study_view(study.design.page, "de"))
     page = StudyPage(server, "de")
     said: list[str] = []
     controls = Controls(said.append)
@@ -402,7 +394,7 @@ def test_with_trials_elsewhere_the_page_has_the_forms_and_says_where_to_look(
                 form = seen.until("sheet", kind="form")
                 answer(seen, form, "age", 30)
                 leave(seen, form)
-                seen.until("sheet", kind="wait", text=texts_in("de")["elsewhere"])
+                seen.until("sheet", kind="wait", text=words_in("de")["elsewhere"])
                 while not any(m.get("title") == TITLE for m in seen.told):
                     seen.say(type="beat", t=1.0)
                     seen.until("echo")

@@ -34,7 +34,8 @@ def test_a_profile_keeps_a_rest_posture_for_the_encoder_of_any_person(tmp_path, 
         return plan(SceneOptions(profile=str(path), **options)).settings.hands[0].rest
 
     assert used(encoder="population") == looks
-    assert used() == () == used(encoder="population", hand="left")
+    assert used() == looks
+    assert used(encoder="best") == () == used(encoder="population", hand="left")
 
 
 def test_a_damaged_rest_posture_of_a_profile_is_told(tmp_path, looks):
@@ -60,7 +61,7 @@ def test_a_trial_with_a_rest_posture_replays_without_its_file(tmp_path, rest, ca
 
 
 def test_a_rest_posture_needs_an_encoder_of_any_person(rest, capsys):
-    assert main(["run", "box-to-goal", "--rest", str(rest)]) == 2
+    assert main(["run", "box-to-goal", "--encoder", "best", "--rest", str(rest)]) == 2
     assert "cannot use a rest posture" in capsys.readouterr().err
 
 

@@ -21,10 +21,12 @@ from sandbox.server.audience import SILENCE
 from sandbox.server.page_server import PageServer
 from sandbox.server.protocol.contact_forces import hand_feedback
 from sandbox.server.protocol.describe import describe_scene
+from sandbox.server.protocol.protocol import LIFT_STRIP_PX
 from sandbox.server.protocol.rectangle import rectangle
 from sandbox.session.messages import ContactView
 from tasks.user import UserConfiguration
 from tests.sandbox.server.staged_page import (
+    BESIDE_LIFT,
     HEIGHT,
     KNOWN,
     PPI,
@@ -156,6 +158,31 @@ def test_a_finger_that_is_not_sure_has_a_dashed_ring_and_a_question_mark(
         (tmp_path / f"{probability}.png").write_bytes(tab.picture())
 
 
+def test_a_palm_is_a_patch_with_its_word_and_gets_no_name(
+    stage: Stage, tab: Tab, tmp_path: Path
+) -> None:
+    tab.wait(READY)
+    stage.advance()
+    tab.wait("document.querySelector('.task').textContent !== ''")
+    tab.evaluate(WRITTEN)
+    fingers = [(1, 150.0, 250.0), (2, 185.0, 210.0)]
+    wide, high = 45.0 / 25.4 * PPI, 60.0 / 25.4 * PPI
+    tab.touch([*fingers, (3, 230.0, 330.0)], {3: (wide / 2, high / 2)})
+    down = frames(stage, lambda found: len(found[-1:] and found[-1].contacts) == 3)[-1]
+    *tips, palm = sorted(down.contacts, key=lambda c: c.id)
+    assert palm.extent == pytest.approx((0.045, 0.060), rel=0.02)
+    assert all(tip.extent == pytest.approx((16 / PPI * METRES_PER_INCH,) * 2) for tip in tips)
+    session = scripted(lambda now: down.contacts)
+    while session.time < 0.5:
+        snapshot = session.advance()
+    states = {c.id: c.state for c in snapshot.hands[0].contacts}
+    assert states == {tips[0].id: "active", tips[1].id: "active", palm.id: "palm"}
+    stage.server.publish(snapshot)
+    tab.wait("window.written['palm'] !== undefined")
+    (tmp_path / "palm.png").write_bytes(tab.picture())
+    tab.touch([])
+
+
 def test_a_moving_finger_is_sent_before_the_picture_that_has_its_ring(
     stage: Stage, tab: Tab
 ) -> None:
@@ -173,7 +200,8 @@ def test_a_moving_finger_is_sent_before_the_picture_that_has_its_ring(
         message = next(i for i, t in enumerate(told) if t[:2] == ["message", x])
         ring = next(i for i, t in enumerate(told) if t[:2] == ["ring", x])
         assert message < ring
-        assert told[message][2] == told[ring][2]
+        # In the same picture, or at once, before the picture has begun.
+        assert told[message][2] <= told[ring][2]
     tab.touch([])
 
 
@@ -337,10 +365,10 @@ def test_a_card_held_to_the_screen_gives_its_inches(browser: Browser, server: Pa
 
 
 def test_the_lift_control_lifts_and_is_no_finger(browser: Browser, server: PageServer) -> None:
-    stage = staged(server, task="stack")
+    stage = staged(server, task="stack", **BESIDE_LIFT)
     tab = browser.open(server.url, width=WIDTH, height=HEIGHT, storage=KNOWN)
     tab.wait(READY)
-    tab.wait("!document.querySelector('.lift').hidden")
+    tab.wait("!document.querySelector('.lift-strip').hidden")
     left, top, width, height = tab.evaluate(
         "(() => { const b = document.querySelector('.lift').getBoundingClientRect();"
         "return [b.left, b.top, b.width, b.height] })()"
@@ -353,7 +381,8 @@ def test_the_lift_control_lifts_and_is_no_finger(browser: Browser, server: PageS
     assert max(len(frame.contacts) for frame in high) == 1
     tab.touch([(1, 200.0, 300.0)])
     tab.touch([(1, 210.0, 300.0)])
-    after = frames(stage, lambda found: bool(found) and px(found[-1])[0][1] > 205)[-1]
+    corner = LIFT_STRIP_PX
+    after = frames(stage, lambda found: bool(found) and px(found[-1], corner)[0][1] > 205)[-1]
     assert after.lift == high[-1].lift
     tab.close()
 
@@ -361,22 +390,25 @@ def test_the_lift_control_lifts_and_is_no_finger(browser: Browser, server: PageS
 def test_a_lift_control_and_a_finger_that_move_together_are_one_message(
     browser: Browser, server: PageServer
 ) -> None:
-    staged(server, task="stack")
+    staged(server, task="stack", **BESIDE_LIFT)
     tab = browser.open(server.url, width=WIDTH, height=HEIGHT, storage=KNOWN)
     tab.wait(READY)
-    tab.wait("!document.querySelector('.lift').hidden")
+    tab.wait("!document.querySelector('.lift-strip').hidden")
     box = "document.querySelector('.lift').getBoundingClientRect()"
     x, top, height = (tab.evaluate(f"{box}.{what}") for what in ("left", "top", "height"))
     tab.evaluate(WATCHED)
     tab.touch([(1, 200.0, 300.0), (2, x + 20.0, top + 0.9 * height)])
     places = [210.25, 220.5, 230.75]
     for k, at in enumerate(places):
-        tab.touch([(1, at, 300.0), (2, x + 20.0, top + (0.8 - 0.1 * k) * height)])
+        beside = at + LIFT_STRIP_PX
+        tab.touch([(1, beside, 300.0), (2, x + 20.0, top + (0.8 - 0.1 * k) * height)])
         tab.wait(f"told.some(([what, at]) => what === 'message' && at === {at})")
     told = tab.evaluate("told.filter(([what]) => what === 'message')")
     moved = [t for t in told if t[1] in places]
-    # A page that rests repeats itself, but never within a picture.
-    assert len({t[2] for t in moved}) == len(moved)
+    # A page that rests repeats itself. No message has one's new place and the other's old one, save
+    # where a busy browser hands their events over one by one: not for most of the moves.
+    assert len({(at, lift) for _, at, _, lift in moved}) <= len(places) + 1
+    assert len({lift for _, _, _, lift in moved}) == len(places)
     tab.close()
 
 

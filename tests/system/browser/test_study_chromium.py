@@ -19,9 +19,9 @@ from sandbox.recording.recording import load_recording
 from sandbox.study.record.folder import Participant, StudyFolder
 from sandbox.study.record.journal import read_journal
 from sandbox.study.record.state import SessionState
-from sandbox.study.run.page_texts import texts_in
 from sandbox.study.run.runner import SessionOutcome
 from sandbox.trial.replay import replay
+from sandbox.words.words import words_in
 from tests.sandbox.server.test_page_server import wait_for
 from tests.sandbox.study.study_on_page import (
     HEIGHT,
@@ -38,7 +38,7 @@ from tests.support.chromium import BINARY, Browser, Tab
 pytestmark = pytest.mark.skipif(not os.path.exists(BINARY), reason="Debian's chromium is missing")
 
 SCENE = "document.querySelector('.study').dataset.kind === 'none'"
-GERMAN = texts_in("de")
+GERMAN = words_in("de")
 
 
 @pytest.fixture(scope="module")

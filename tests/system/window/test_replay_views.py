@@ -73,7 +73,7 @@ def test_the_page_shows_a_replay_at_real_time_and_can_pause_it_and_begin_again(
         assert first["time"] < 5.0
         page.say(type="ask", what="pause")
         paused = page.until("frame")
-        while not paused["state"]["paused"]:
+        while paused["state"]["pause"] != "menu":
             paused = page.until("frame")
         later = [page.until("frame")["time"] for _ in range(5)]
         assert later[-1] == later[-2]

@@ -264,7 +264,9 @@ def test_mouse_and_page_touch_one_scene_and_the_session_says_how_long_touches_to
             page.touch()
             play.until(lambda: len(contacts()) == 2, "the page's finger is lifted, no other")
             page.say(type="ask", what="pause")
-            play.until(lambda: page.until("frame")["state"]["paused"], "the page can pause")
+            play.until(
+                lambda: page.until("frame")["state"]["pause"] == "menu", "the page can pause"
+            )
             page.say(type="ask", what="resume")
             page.say(type="ask", what="task", value="stack")
             scene = page.until("scene", task="stack")

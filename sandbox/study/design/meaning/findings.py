@@ -9,6 +9,7 @@ from sandbox.study.design.design import Design
 from sandbox.study.design.meaning.comparisons import comparison_flaws
 from sandbox.study.design.meaning.exclusions import exclusion_flaws
 from sandbox.study.design.meaning.flaw import Flaw
+from sandbox.study.design.meaning.languages import language_flaws
 from sandbox.study.design.meaning.people import people_flaws
 from sandbox.study.design.meaning.session import session_flaws
 from sandbox.study.design.reading import Mistake
@@ -48,5 +49,6 @@ def _all(design: Design) -> Iterator[Flaw]:
     yield from session_flaws(design)
     yield from comparison_flaws(design)
     yield from people_flaws(design)
+    yield from language_flaws(design)
     for i, rule in enumerate(design.exclusions):
         yield from exclusion_flaws(design, ("exclusions", i), rule)

@@ -16,7 +16,7 @@ from msgspec import Struct
 
 from models.errors import StudyError
 from models.json_input import decoded, read_bytes
-from sandbox.study.measures.kept import DIFFERS, kept_lines
+from sandbox.study.measures.kept import DIFFERS, WORDING, kept_lines
 from sandbox.study.measures.measure import PRIMARY
 from sandbox.study.record.session_clock import CLOCK_STEPS
 
@@ -86,6 +86,7 @@ class StudyData:
         primary: Confirmatory outcomes of the design: measures, and questionnaires for their scores.
             Empty if it names none.
         by_session: True if the session was added as a factor.
+        wordings: What the codebook says of questionnaires that have not the published wording.
         digest: SHA-256 of `trial_results.csv`.
     """
 
@@ -102,6 +103,7 @@ class StudyData:
     primary: tuple[str, ...] = ()
     by_session: bool = False
     digest: str = ""
+    wordings: dict[str, str] = field(default_factory=dict)
 
     @property
     def ppids(self) -> list[str]:
@@ -167,6 +169,7 @@ def load_study(folder: Path) -> StudyData:
         if name in trials.columns:
             trials[name] = to_numbers(trials[name], path)
     meanings, primary = _codebook(folder)
+    told = wordings(folder)
     about = _about(folder)
     answers, scores = (
         _optional(folder / name) for name in ("questionnaires.csv", "questionnaire_scores.csv")
@@ -195,6 +198,7 @@ def load_study(folder: Path) -> StudyData:
         primary=primary,
         by_session=by_session,
         digest=sha256(path.read_bytes()).hexdigest(),
+        wordings=told,
     )
 
 
@@ -293,6 +297,15 @@ def _codebook(folder: Path) -> tuple[dict[str, tuple[str, str]], tuple[str, ...]
     # A score is named `score QUESTIONNAIRE/SCALE`.
     primary = (str(name).removeprefix("score ").partition("/")[0] for name in named)
     return meanings, tuple(primary)
+
+
+def wordings(folder: Path) -> dict[str, str]:
+    """What the codebook says of questionnaires whose wording is not the published one, by name."""
+    table = _optional(folder / "codebook.csv")
+    if not {"column", "meaning"} <= set(table.columns):
+        return {}
+    rows = table[table["column"].str.startswith(WORDING)]
+    return {r.column.removeprefix(WORDING): r.meaning for r in rows.itertuples(index=False)}
 
 
 def _did_the_same_again(trials: DataFrame) -> bool:

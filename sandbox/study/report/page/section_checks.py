@@ -270,6 +270,8 @@ def questionnaire_section(analysis: Analysis) -> Section:
     section = Section("questionnaires", "Questionnaires")
     if not analysis.scales:
         section.say("No questionnaire has numerical answers.")
+    for name, told in analysis.data.wordings.items():
+        section.say(f"{name} has {told}.", "note")
     for i, some in enumerate(_together(analysis.scales)):
         section.parts.append(_scales(i, some, analysis.family))
     return section

@@ -5,6 +5,7 @@ import { make } from "./dom";
 import { recall, remember } from "./memory";
 import { ipad, small, touchable } from "./screen";
 import type { Sheets } from "./sheet";
+import { say } from "./words";
 
 /** @param done Called when all advice has been read, or none is needed. */
 export function advise(sheets: Sheets, done: () => void): void {
@@ -14,18 +15,13 @@ export function advise(sheets: Sheets, done: () => void): void {
   }
   const lines: string[] = [];
   if (ipad)
-    lines.push(
-      "Settings, Multitasking & Gestures: switch off Four & Five Finger Gestures. Else the iPad " +
-        "takes your fingers away in the middle of a task.",
-      "Settings, Display & Brightness: set Auto-Lock to Never while you play.",
-    );
-  else lines.push("Switch off gestures of three or more fingers, if your device has any.");
-  if (small())
-    lines.push("This screen is small for your hand: a tablet or a laptop has room for all tasks.");
+    lines.push(say("advice_ipad_gestures"), say("advice_ipad_lock"));
+  else lines.push(say("advice_gestures"));
+  if (small()) lines.push(say("advice_small"));
   sheets.open(
-    "Before you play",
+    say("advice_title"),
     [make("ul", "", {}, ...lines.map((text) => make("li", "", { text })))],
-    "Go on",
+    say("advice_go_on"),
     () => {
       remember("advised", "yes");
       done();

@@ -1,6 +1,14 @@
 // The same colours as in the window (sandbox/views/palette.py).
 
-export const FINGERS = ["thumb", "index", "middle", "ring", "little"] as const;
+import { type Key, say } from "./words";
+
+const FINGERS: Key[] = [
+  "finger_thumb",
+  "finger_index",
+  "finger_middle",
+  "finger_ring",
+  "finger_little",
+];
 
 export const FINGER_COLOURS = ["#ed73b3", "#f2991a", "#f5db40", "#59b8f2", "#9980f2"] as const;
 export const UNKNOWN = "#9ea3a8";
@@ -17,6 +25,7 @@ export const fingerColour = (label: number | null): string =>
   label === null ? UNKNOWN : (FINGER_COLOURS[label] ?? UNKNOWN);
 
 export const fingerName = (label: number | null, sure = true): string => {
-  const name = label === null ? undefined : FINGERS[label];
-  return name === undefined ? "?" : sure ? name : `${name}?`;
+  const key = label === null ? undefined : FINGERS[label];
+  if (key === undefined) return say("finger_unknown");
+  return sure ? say(key) : say("finger_unsure", { name: say(key) });
 };

@@ -1,36 +1,42 @@
 // The WebSocket: sends hello, acknowledgements and heartbeats, and reconnects when it is lost.
 
-import { clientName, reload, socketAddress, spectator } from "./link";
+import { clientName, fileAddress, reload, socketAddress, spectator } from "./link";
 import { type Frame, parseFrame } from "./frame";
-import { type Down, PROTOCOL, type Refusal, type SceneMessage, type Sheet, type Up, type Welcome } from "./protocol";
+import { type Down, PROTOCOL, type Refusal, type SceneMessage, type Sheet, type Told, type Up, type Welcome } from "./protocol";
 import { currentScreen } from "./screen";
 import { type Skin, parseSkin } from "./skin";
+import { type Key, language } from "./words";
 
 const BEAT_MS = 500;
 /** After this silence the socket counts as dead; tablets notice that only minutes later. */
 const SILENCE_MS = 4000;
-const SHORTEST_WAIT_MS = 250;
-const LONGEST_WAIT_MS = 5000;
+/** A computer in the same network answers within a tenth of it. */
+const CONNECT_MS = 1500;
+const SHORTEST_WAIT_MS = 100;
+/** So short that a page is back within two seconds of its network. */
+const LONGEST_WAIT_MS = 500;
+/** While the page is hidden, nobody waits. */
+const HIDDEN_WAIT_MS = 5000;
 /** Unsent bytes above which moves are held back: the network has stalled. */
 const MOST_WAITING = 16384;
 
 /** Close codes, as in sandbox/server/audience.py. */
 const WRONG_VERSION = 4001;
-const ENDS: Record<number, string> = {
-  4001: "The program on the computer has another version. Load this page anew.",
-  4002: "Too many pages are open. Close one of them.",
-  4003: "You play in another tab now.",
-  4004: "The computer did not understand this page. Load it anew.",
+const ENDS: Record<number, Key> = {
+  4001: "other_version",
+  4002: "too_many_pages",
+  4003: "in_another_tab",
+  4004: "not_understood",
 };
 
 export type Condition = "connecting" | "open" | "lost" | "ended";
 
 export interface Listener {
-  onCondition(condition: Condition, words: string): void;
+  onCondition(condition: Condition, why: Key): void;
   onWelcome(welcome: Welcome): void;
   onScene(scene: SceneMessage): void;
   onSkin(skin: Skin): void;
-  onTrouble(text: string): void;
+  onTrouble(told: Told[]): void;
   onSheet(sheet: Sheet): void;
   onRefusal(refusal: Refusal): void;
   onFrame(frame: Frame): void;
@@ -44,12 +50,16 @@ export class Connection {
   private heard = 0;
   private roundTrip: number | null = null;
   private timer = 0;
+  private isPresent = true;
 
   constructor(private readonly listener: Listener) {
     window.setInterval(() => this.beat(), BEAT_MS);
     // A tablet that wakes up has lost its socket without an event.
     document.addEventListener("visibilitychange", () => {
       if (document.visibilityState === "visible") this.retryNow();
+    });
+    window.addEventListener("pageshow", (event) => {
+      if (event.persisted) this.retryNow();
     });
     window.addEventListener("online", () => this.retryNow());
     this.open();
@@ -64,6 +74,13 @@ export class Connection {
     return (this.socket?.bufferedAmount ?? 0) > MOST_WAITING;
   }
 
+  /** Tells the computer whether this page can be played, now and after each reconnection. */
+  appear(here: boolean): void {
+    if (here === this.isPresent) return;
+    this.isPresent = here;
+    this.say({ type: "presence", here });
+  }
+
   say(message: Up): boolean {
     if (!this.isOpen) return false;
     this.socket!.send(JSON.stringify(message));
@@ -72,7 +89,7 @@ export class Connection {
 
   private open(): void {
     window.clearTimeout(this.timer);
-    this.listener.onCondition("connecting", "Connecting");
+    this.listener.onCondition("connecting", "connecting");
     const socket = new WebSocket(socketAddress());
     socket.binaryType = "arraybuffer";
     this.socket = socket;
@@ -84,7 +101,9 @@ export class Connection {
         client: clientName,
         role: spectator ? "spectator" : "player",
         screen: currentScreen(),
+        language: language.slice(0, 64),
       });
+      if (!this.isPresent) this.say({ type: "presence", here: false });
     };
     socket.onmessage = (event) => {
       if (socket === this.socket) this.hear(event.data);
@@ -113,14 +132,14 @@ export class Connection {
       case "welcome":
         this.wait = SHORTEST_WAIT_MS;
         this.failures = 0;
-        this.listener.onCondition("open", "Connected");
+        this.listener.onCondition("open", "connected");
         this.listener.onWelcome(message);
         break;
       case "scene":
         this.listener.onScene(message);
         break;
       case "trouble":
-        this.listener.onTrouble(message.text);
+        this.listener.onTrouble(message.told);
         break;
       case "sheet":
         this.listener.onSheet(message);
@@ -136,34 +155,51 @@ export class Connection {
   }
 
   private beat(): void {
-    // A socket that is still connecting counts as well: a tablet would try for a minute or two.
-    if (this.socket && performance.now() - this.heard > SILENCE_MS) {
-      this.socket.close();
-      this.lose(0);
-    }
+    this.dropSilent();
     if (!this.isOpen) return;
     const last = this.roundTrip === null ? {} : { round_trip_ms: Math.min(this.roundTrip, 60000) };
     this.roundTrip = null;
     this.say({ type: "beat", t: performance.now(), ...last });
   }
 
+  /** Gives up a socket that says nothing. One that is still connecting counts as well: a tablet would
+   * try for a minute or two. */
+  private dropSilent(): void {
+    const patience = this.socket?.readyState === WebSocket.CONNECTING ? CONNECT_MS : SILENCE_MS;
+    if (!this.socket || performance.now() - this.heard <= patience) return;
+    this.socket.close();
+    this.lose(0);
+  }
+
   private lose(code: number): void {
     this.socket = null;
-    const words = ENDS[code];
-    if (words && code !== 4002) {
-      this.listener.onCondition("ended", words);
+    const why = ENDS[code];
+    if (why && code !== 4002) {
+      this.listener.onCondition("ended", why);
       if (code === WRONG_VERSION && performance.now() > 10000) reload();
       return;
     }
     this.failures += 1;
-    const patience = "Connection lost. Trying again";
-    const help = "No answer. Does `sandbox play` still run? If it was started anew, scan its code.";
-    this.listener.onCondition("lost", words ?? (this.failures > 4 ? help : patience));
-    this.timer = window.setTimeout(() => this.open(), this.wait);
+    this.listener.onCondition("lost", why ?? (this.failures > 9 ? "no_answer" : "lost_trying"));
+    const wait = document.hidden ? HIDDEN_WAIT_MS : this.wait;
+    this.timer = window.setTimeout(() => this.open(), wait);
     this.wait = Math.min(this.wait * 1.7, LONGEST_WAIT_MS);
+    if (this.failures === 3) void this.askWhetherValid();
+  }
+
+  /** A browser does not say why a socket was refused; a request says it. */
+  private async askWhetherValid(): Promise<void> {
+    const answer = await fetch(fileAddress("app.css")).catch(() => null);
+    if (answer?.status !== 403 || this.isOpen) return;
+    window.clearTimeout(this.timer);
+    this.timer = 0;
+    this.socket?.close();
+    this.socket = null;
+    this.listener.onCondition("ended", "link_invalid");
   }
 
   private retryNow(): void {
+    this.dropSilent();
     if (this.socket || !this.timer) return;
     this.wait = SHORTEST_WAIT_MS;
     this.open();

@@ -25,3 +25,9 @@ export function write(element: HTMLElement, text: string): void {
 export function show(element: HTMLElement, visible: boolean): void {
   if (element.hidden === visible) element.hidden = !visible;
 }
+
+/** Keeps touches that begin on an element. Chromium gives a touch beside a button to the button, unless
+ * what lies under the finger can be clicked as well. */
+export function claim(element: HTMLElement): void {
+  element.addEventListener("click", () => undefined);
+}

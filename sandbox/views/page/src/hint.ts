@@ -1,42 +1,54 @@
-// A hint in three steps for a new player; each step disappears once it is done. After the first
+// A hint in three or four steps for a new player; each step disappears once it is done. After the first
 // success, or when it is closed, the hint is not shown again.
 
 import { make, write } from "./dom";
 import { recall, remember } from "./memory";
 import type { State } from "./protocol";
 import { touchable } from "./screen";
+import { say } from "./words";
 
 /** CSS pixels that a finger has to slide to complete the step. */
 const FAR = 60;
+/** Position of the lift control that completes its step. */
+const LIFTED = 0.2;
 
 export class Hint {
   readonly root: HTMLElement;
   private step = 0;
   private readonly words = make("p", "hint-words");
-  private readonly dots = [0, 1, 2].map(() => make("span", "hint-dot"));
+  private readonly dots = [0, 1, 2, 3].map(() => make("span", "hint-dot"));
   private readonly picture = make("div", "hint-picture");
   private start: { x: number; y: number } | null = null;
   private goal = "";
+  private lifts = false;
   private mouse = !touchable || matchMedia("(pointer: fine)").matches;
 
   constructor() {
     for (let i = 0; i < 3; i++) this.picture.append(make("i", ""));
-    const close = make("button", "button", { text: "Got it", onTap: () => this.finish() });
+    const close = make("button", "button", { text: say("hint_close"), onTap: () => this.finish() });
     const dots = make("div", "hint-dots", {}, ...this.dots);
+    this.words.setAttribute("role", "status");
     this.root = make("aside", "hint", {}, this.picture, make("div", "", {}, this.words, dots), close);
     this.root.hidden = true;
   }
 
-  /** A trial begins. */
-  open(goal: string): void {
+  /** A trial begins.
+   *
+   * @param lifts True if the task needs the lift control.
+   */
+  open(goal: string, lifts: boolean): void {
     this.goal = goal;
+    this.lifts = lifts;
+    this.dots[3]!.hidden = !lifts;
+    this.step = Math.min(this.step, this.last);
     this.root.hidden = recall("hint") === "done";
     this.go(this.step);
   }
 
   /** Updates the step from the fingers and the trial's state. */
-  follow(fingers: { x: number; y: number; mouse: boolean }[], state: State): void {
+  follow(fingers: { x: number; y: number; mouse: boolean }[], lift: number, state: State): void {
     if (this.root.hidden) return;
+    if (this.lifts && this.step === 2 && lift > LIFTED) this.go(3);
     if (state.held) this.finish();
     // After a trial the result is shown instead; the hint comes back with the next trial.
     if (state.status !== "running") this.root.hidden = true;
@@ -52,21 +64,19 @@ export class Hint {
     if (this.step === 1 && far > FAR) this.go(2);
   }
 
+  private get last(): number {
+    return this.lifts ? 3 : 2;
+  }
+
   private go(step: number): void {
     this.step = step;
+    const goal = { goal: this.goal };
     const words = this.mouse
-      ? [
-          "Press the left button beside the box: that is one finger.",
-          "Drag it. The hand goes along, and what stands in its way is pushed.",
-          this.goal + " Then let go.",
-        ]
-      : [
-          "Put two or three fingertips on the glass, beside the box. A hand comes.",
-          "Slide them. The hand goes along, and what stands in its way is pushed.",
-          this.goal + " Then lift your fingers.",
-        ];
+      ? [say("hint_press"), say("hint_drag"), say("hint_wheel"), say("hint_release", goal)]
+      : [say("hint_touch"), say("hint_slide"), say("hint_knob"), say("hint_lift_fingers", goal)];
+    if (!this.lifts) words.splice(2, 1);
     write(this.words, words[step] ?? "");
-    this.picture.dataset["step"] = String(step);
+    this.picture.dataset["step"] = step === 2 && this.lifts ? "lift" : String(Math.min(step, 2));
     this.dots.forEach((dot, i) => dot.classList.toggle("on", i <= step));
   }
 

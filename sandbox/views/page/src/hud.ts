@@ -3,8 +3,27 @@
 import type { Condition } from "./connection";
 import { make, show, write } from "./dom";
 import type { SceneMessage, State, StudyView } from "./protocol";
+import { type Key, repeat, say, taskName, word } from "./words";
 
 const TOAST_MS = 2600;
+/** ms for which the delay of the last touch stays in view. */
+const DELAY_SHOWN_MS = 3000;
+const digits = (ms: number): string => (ms < 10 ? ms.toFixed(1) : ms.toFixed(0));
+
+/** Why time stands still, for a player and for a spectator. */
+const PAUSES: Record<Exclude<State["pause"], "">, [Key, Key]> = {
+  start: ["first_touch", "starts_with_touch"],
+  menu: ["paused", "paused"],
+  away: ["other_player_away", "player_away"],
+  back: ["go_on", "player_back"],
+};
+/** The same in a study. */
+const STUDY_PAUSES: Record<Exclude<State["pause"], "">, Key> = {
+  start: "first_touch",
+  menu: "paused",
+  away: "go_on",
+  back: "go_on",
+};
 
 export interface Wishes {
   again(): void;
@@ -14,10 +33,9 @@ export interface Wishes {
   settings(): void;
 }
 
-export const title = (task: string): string => {
-  const words = task.replace(/[-_]/g, " ");
-  return words.charAt(0).toUpperCase() + words.slice(1);
-};
+/** What is to be done; in a study in the words of its design. */
+export const goalOf = (scene: SceneMessage, inStudy: boolean): string =>
+  inStudy ? scene.goal : word(`goal_${scene.task}`, scene.goal);
 
 export class Hud {
   readonly root: HTMLElement;
@@ -31,27 +49,29 @@ export class Hud {
   private readonly size: HTMLElement;
   private readonly caption = make("span", "badge quiet");
   private readonly looking = make("span", "badge");
-  private readonly toast = make("div", "toast");
-  private readonly end = make("div", "end");
+  readonly toast = make("div", "toast");
+  readonly end = make("div", "end");
   private readonly endWords = make("p", "end-words");
   private readonly hand: HTMLButtonElement;
   private readonly sound: HTMLButtonElement;
   private readonly buttons: HTMLElement;
   private timer = 0;
+  /** ms, time at which a touch's delay was shown last. */
+  private delayed = -Infinity;
   private study: StudyView | null = null;
 
   constructor(wishes: Wishes) {
     const button = (text: string, onTap: () => void): HTMLButtonElement =>
       make("button", "button", { text, onTap });
-    this.hand = button("Right hand", wishes.hand);
-    this.sound = button("Sound on", wishes.sound);
-    this.size = make("button", "badge warn", { text: "size guessed", onTap: wishes.settings });
+    this.hand = button(say("right_hand"), wishes.hand);
+    this.sound = button(say("sound_on"), wishes.sound);
+    this.size = make("button", "badge warn", { text: say("size_guessed"), onTap: wishes.settings });
     this.buttons = make(
       "div",
       "buttons",
       {},
-      button("Again", wishes.again),
-      button("Tasks", wishes.tasks),
+      button(say("again"), wishes.again),
+      button(say("tasks"), wishes.tasks),
       this.hand,
       this.sound,
     );
@@ -61,8 +81,8 @@ export class Hud {
         "div",
         "row",
         {},
-        make("button", "button large primary", { text: "Again", onTap: wishes.again }),
-        make("button", "button large", { text: "Other task", onTap: wishes.tasks }),
+        make("button", "button large primary", { text: say("again"), onTap: wishes.again }),
+        make("button", "button large", { text: say("other_task"), onTap: wishes.tasks }),
       ),
     );
     const progress = make("div", "bar", {}, this.bar);
@@ -79,6 +99,7 @@ export class Hud {
       this.toast,
       this.end,
     );
+    for (const told of [this.toast, this.end]) told.setAttribute("role", "status");
     show(this.toast, false);
     show(this.end, false);
     show(this.caption, false);
@@ -105,41 +126,44 @@ export class Hud {
   }
 
   setScene(scene: SceneMessage): void {
-    write(this.task, this.study ? scene.task : title(scene.task));
-    write(this.goal, scene.goal);
-    write(this.hand, scene.hand === "right" ? "Right hand" : "Left hand");
-    write(this.caption, scene.caption);
-    show(this.caption, scene.caption !== "");
+    write(this.task, this.study ? scene.task : taskName(scene.task));
+    write(this.goal, goalOf(scene, this.study !== null));
+    write(this.hand, say(scene.hand === "right" ? "right_hand" : "left_hand"));
+    write(this.caption, scene.caption ? repeat(scene.caption) : "");
+    show(this.caption, scene.caption !== null);
     show(this.end, false);
   }
 
-  setState(state: State, limit: number, player: boolean): void {
+  /** @param turned True if time stands still because this page was turned. */
+  setState(state: State, limit: number, player: boolean, turned: boolean): void {
     const over = state.status !== "running";
-    const waiting = state.paused && state.time === 0;
-    write(this.clock, `${state.time.toFixed(1)} s`);
+    write(this.clock, say("seconds", { time: state.time.toFixed(1) }));
     this.clock.classList.toggle("late", !over && limit - state.time < 5);
     this.bar.style.transform = `scaleX(${Math.min(Math.max(state.progress, 0), 1)})`;
     this.bar.classList.toggle("good", state.reached);
     this.bar.classList.toggle("done", state.held);
-    let words = state.reason;
-    if (waiting) words = "Time starts with your first touch";
-    else if (state.paused) words = "Paused";
-    else if (state.held) words = "Done: it stayed there";
-    else if (state.reached) words = "There! Let it stay";
     if (this.study) {
-      this.tellInStudy(state, this.study.words);
+      this.tellInStudy(state);
       return;
     }
+    const reason = state.reason ? repeat(state.reason) : "";
+    let words = reason;
+    if (turned) words = say("stands_still");
+    else if (state.pause) words = say(PAUSES[state.pause][player ? 0 : 1]);
+    else if (state.held) words = say("stayed");
+    else if (state.reached) words = say("there");
     write(this.reason, words);
-    if (state.notice) this.say(state.notice);
+    if (state.notices[0]) this.say(repeat(state.notices[0]));
     if (over && player) {
+      const because = reason ? say("over_because", { reason }) : say("over_plain");
+      const time = state.time.toFixed(1);
       write(
         this.endWords,
         state.held
-          ? `Done in ${state.time.toFixed(1)} s`
+          ? say("done_in", { time })
           : state.status === "timeout"
-            ? "Time is up"
-            : `Over: ${state.reason || state.status}`,
+            ? say("time_up")
+            : because,
       );
       this.end.classList.toggle("success", state.held);
     }
@@ -147,11 +171,13 @@ export class Hud {
   }
 
   /** Shows neither score nor diagnostics, only what the person needs to go on. */
-  private tellInStudy(state: State, words: Record<string, string>): void {
+  private tellInStudy(state: State): void {
     const over = state.status !== "running";
-    const end = state.held ? "success" : state.status === "timeout" ? "time_up" : "over";
-    const now = state.paused ? "first_touch" : state.reached ? "let_stay" : "";
-    write(this.reason, words[over || state.held ? end : now] ?? "");
+    const end: Key = state.held ? "success" : state.status === "timeout" ? "time_up" : "over";
+    const let_stay: Key | null = state.reached ? "let_stay" : null;
+    const now = state.pause ? STUDY_PAUSES[state.pause] : let_stay;
+    const told = over || state.held ? end : now;
+    write(this.reason, told ? say(told) : "");
     this.reason.classList.toggle("told", over || state.held);
   }
 
@@ -160,12 +186,19 @@ export class Hud {
     write(this.link, words);
   }
 
-  setRoundTrip(ms: number): void {
-    write(this.link, `${ms < 10 ? ms.toFixed(1) : ms.toFixed(0)} ms`);
+  /** Shows the time from a touch to the first picture that contains it, at a time in ms. */
+  setDelay(ms: number, at: number): void {
+    this.delayed = at;
+    write(this.link, say("milliseconds", { time: digits(ms) }));
+  }
+
+  /** Shows the time to the computer and back while there are no touches whose delay could be shown. */
+  setRoundTrip(ms: number, at: number): void {
+    if (at - this.delayed > DELAY_SHOWN_MS) write(this.link, say("link_delay", { time: digits(ms) }));
   }
 
   setSound(muted: boolean): void {
-    write(this.sound, muted ? "Sound off" : "Sound on");
+    write(this.sound, say(muted ? "sound_off" : "sound_on"));
   }
 
   setGuessed(guessed: boolean): void {

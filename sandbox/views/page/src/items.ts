@@ -3,6 +3,7 @@
 
 import { make, show, write } from "./dom";
 import type { ItemView } from "./protocol";
+import { say } from "./words";
 
 export type Value = string | number | null;
 
@@ -28,7 +29,6 @@ export interface Field {
 /** @param tell Called with every answer. */
 export function makeField(
   item: ItemView,
-  words: Record<string, string>,
   tell: (value: Value) => void,
 ): Field {
   const wrong = make("p", "wrong");
@@ -44,9 +44,9 @@ export function makeField(
     complain("");
     tell(given);
   };
-  const control = CONTROLS[item.kind](item, words, give, complain);
+  const control = CONTROLS[item.kind](item, give, complain);
   const ask = make("p", "ask", { text: item.ask });
-  if (item.optional) ask.append(make("span", "optional", { text: ` (${words["optional"]})` }));
+  if (item.optional) ask.append(make("span", "optional", { text: ` (${say("optional")})` }));
   const root = make("div", `item item-${item.kind}`, {}, ask, control.root, wrong);
   return {
     item,
@@ -71,7 +71,6 @@ interface Control {
 
 type Maker = (
   item: ItemView,
-  words: Record<string, string>,
   give: (value: Value) => void,
   complain: (text: string) => void,
 ) => Control;
@@ -125,16 +124,28 @@ const steps = (item: ItemView): number => Math.floor((item.high - item.low) / it
 const at = (item: ItemView, step: number): number =>
   Number((item.low + step * item.step).toPrecision(12));
 
+/** True where people read from right to left: a scale begins at the right, as its two ends say. */
+const backwards = (): boolean => document.documentElement.dir === "rtl";
+
+/** Digits as 0 to 9 and the decimal sign as a point, however they are written where people type them. */
+const plain = (typed: string): string =>
+  typed
+    .trim()
+    .normalize("NFKC")
+    .replace(/[٠-٩]/g, (digit) => String(digit.charCodeAt(0) - 0x660))
+    .replace(/[۰-۹]/g, (digit) => String(digit.charCodeAt(0) - 0x6f0))
+    .replace(/[,٫]/, ".");
+
 /** A line that can be touched anywhere; it has no mark before the first touch. */
-function line(item: ItemView, words: Record<string, string>, give: (v: Value) => void): Control {
+function line(item: ItemView, give: (v: Value) => void): Control {
   const last = steps(item);
   const mark = make("div", "mark");
-  const hint = make("span", "line-hint", { text: words["slide"] ?? "" });
+  const hint = make("span", "line-hint", { text: say("slide") });
   const track = make("div", "track", {}, hint);
   if (last < MOST_MARKS)
     for (let i = 0; i <= last; i++) {
       const tick = make("i", i % 5 === 0 || last <= 10 ? "tick long" : "tick");
-      tick.style.left = `${(100 * i) / last}%`;
+      tick.style.insetInlineStart = `${(100 * i) / last}%`;
       track.append(tick);
     }
   track.append(mark);
@@ -149,12 +160,13 @@ function line(item: ItemView, words: Record<string, string>, give: (v: Value) =>
     show(mark, step !== null);
     show(hint, step === null);
     if (step === null) return;
-    mark.style.left = `${(100 * step) / last}%`;
+    mark.style.insetInlineStart = `${(100 * step) / last}%`;
     root.setAttribute("aria-valuenow", String(at(item, step)));
   };
   const follow = (event: PointerEvent): void => {
     const box = track.getBoundingClientRect();
-    const share = Math.min(Math.max((event.clientX - box.left) / box.width, 0), 1);
+    const along = backwards() ? box.right - event.clientX : event.clientX - box.left;
+    const share = Math.min(Math.max(along / box.width, 0), 1);
     step = Math.round(share * last);
     draw();
   };
@@ -173,7 +185,9 @@ function line(item: ItemView, words: Record<string, string>, give: (v: Value) =>
       if (step !== null && root.isConnected) give(at(item, step));
     });
   root.addEventListener("keydown", (event) => {
-    const by = { ArrowRight: 1, ArrowUp: 1, ArrowLeft: -1, ArrowDown: -1 }[event.key];
+    const right = backwards() ? -1 : 1;
+    const keys = { ArrowRight: right, ArrowUp: 1, ArrowLeft: -right, ArrowDown: -1 };
+    const by = keys[event.key as keyof typeof keys];
     if (!by) return;
     event.preventDefault();
     step = step === null ? 0 : Math.min(Math.max(step + by, 0), last);
@@ -190,9 +204,9 @@ function line(item: ItemView, words: Record<string, string>, give: (v: Value) =>
   };
 }
 
-function scale(item: ItemView, words: Record<string, string>, give: (v: Value) => void): Control {
+function scale(item: ItemView, give: (v: Value) => void): Control {
   const last = steps(item);
-  if (last >= MOST_BUTTONS) return line(item, words, give);
+  if (last >= MOST_BUTTONS) return line(item, give);
   const options = Array.from({ length: last + 1 }, (_, i) => at(item, i)).map((value) => ({
     value,
     label: String(value),
@@ -227,27 +241,27 @@ function written(
 }
 
 const CONTROLS: Record<ItemView["kind"], Maker> = {
-  choice: (item, _words, give) => buttons("options", item, item.choices, give),
+  choice: (item, give) => buttons("options", item, item.choices, give),
   scale,
-  number(item, words, give, complain) {
+  number(item, give, complain) {
     const input = make("input", "entry short", { label: item.ask });
     input.inputMode = "decimal";
     input.autocomplete = "off";
     input.placeholder = `${item.low} – ${item.high}`;
     return written(input, (text) => {
-      const typed = text.trim().replace(",", ".");
+      const typed = plain(text);
       const value = typed === "" ? null : Number(typed);
       if (value === null || (value >= item.low && value <= item.high)) return give(value);
       give(null);
       const [low, high] = [String(item.low), String(item.high)];
-      complain((words["number"] ?? "").replace("{low}", low).replace("{high}", high));
+      complain(say("number", { low, high }));
     });
   },
-  text(item, words, give) {
+  text(item, give) {
     const input = make("textarea", "entry", { label: item.ask });
     input.rows = 3;
     input.maxLength = 2000;
-    input.placeholder = words["write"] ?? "";
+    input.placeholder = say("write");
     return written(input, (text) => give(text.trim() === "" ? null : text));
   },
 };

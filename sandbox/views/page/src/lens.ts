@@ -7,7 +7,7 @@
 // hand would hide its fingertips.
 
 import { Matrix4, PerspectiveCamera, Vector3 } from "three";
-import type { SurfaceView } from "./protocol";
+import { LIFT_STRIP_PX, type SurfaceView } from "./protocol";
 
 export const METRES_PER_INCH = 0.0254;
 const NEAR = 0.02;
@@ -43,9 +43,16 @@ export class Lens {
   /**
    * @param surface The touch rectangle.
    * @param pxPerInch CSS pixels.
-   * @param width Width of the page, CSS pixels; its centre is that of the rectangle.
+   * @param width Width of the page, CSS pixels.
+   * @param place Place of the rectangle on the page; else it is in the centre.
    */
-  aim(surface: SurfaceView, pxPerInch: number, width: number, height: number): void {
+  aim(
+    surface: SurfaceView,
+    pxPerInch: number,
+    width: number,
+    height: number,
+    place?: Rectangle,
+  ): void {
     const r = surface.rotation;
     this.size = { width, height };
     this.pxPerInch = pxPerInch;
@@ -62,6 +69,7 @@ export class Lens {
     const eye = upright ? EYE_UPRIGHT : EYE_FLAT;
     const metres = METRES_PER_INCH / pxPerInch;
     const halfWidth = (width / 2) * metres;
+    const aside = place ? (place.left + place.width / 2 - width / 2) * metres : 0;
     const halfHeight = (height / 2) * metres;
     const shrink = NEAR / eye.z;
     const camera = this.camera;
@@ -70,8 +78,8 @@ export class Lens {
     camera.updateMatrixWorld(true);
     // Not updateProjectionMatrix, which supports symmetric frustums only.
     camera.projectionMatrix.makePerspective(
-      (-halfWidth - eye.x) * shrink,
-      (halfWidth - eye.x) * shrink,
+      (-halfWidth - aside - eye.x) * shrink,
+      (halfWidth - aside - eye.x) * shrink,
       (halfHeight - eye.y) * shrink,
       (-halfHeight - eye.y) * shrink,
       NEAR,
@@ -149,14 +157,23 @@ export class Lens {
   }
 }
 
-/** The touch rectangle in the centre of the page, in CSS pixels. */
+/** The touch rectangle in CSS pixels: in the centre of the page, or as near to it as the lift control
+ * beside it allows. */
 export function touchRectangle(
   surface: SurfaceView,
   pxPerInch: number,
   pageWidth: number,
   pageHeight: number,
+  lift: "left" | "right" | null = null,
 ): Rectangle {
   const width = surface.width_in * pxPerInch;
   const height = surface.height_in * pxPerInch;
-  return { left: (pageWidth - width) / 2, top: (pageHeight - height) / 2, width, height };
+  const centred = (pageWidth - width) / 2;
+  const left =
+    lift === "left"
+      ? Math.max(centred, LIFT_STRIP_PX)
+      : lift === "right"
+        ? Math.min(centred, pageWidth - LIFT_STRIP_PX - width)
+        : centred;
+  return { left, top: (pageHeight - height) / 2, width, height };
 }

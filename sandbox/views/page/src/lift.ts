@@ -1,56 +1,105 @@
-// The lift control: a tall slider under the other thumb. It keeps its position when it is released,
-// so that a slipped thumb does not make the hand drop an object.
+// The lift control: a tall slider under the other thumb, beside the touch rectangle. It keeps its
+// position when it is released, so that a slipped thumb does not make the hand drop an object.
 
-import { make } from "./dom";
+import { claim, make } from "./dom";
+import type { Rectangle } from "./lens";
+import { recallHere, rememberHere } from "./memory";
+import { LIFT_STRIP_PX } from "./protocol";
+import { say } from "./words";
 
 const WHEEL = 0.0012;
 const KEY_STEP = 0.05;
+/** Change of the control by each key; with a mouse as the only finger, one hand is at the keys. */
+const KEYS: Record<string, number> = {
+  ArrowUp: KEY_STEP,
+  ArrowDown: -KEY_STEP,
+  PageUp: 4 * KEY_STEP,
+  PageDown: -4 * KEY_STEP,
+};
+const KEPT = "lift";
 
 export class Lift {
   readonly root: HTMLElement;
-  private readonly word = make("span", "", { text: "lift" });
+  private readonly track: HTMLElement;
+  private readonly word = make("span", "", { text: say("lift") });
   private readonly knob = make("div", "lift-knob");
   private pointer: number | null = null;
+  /** Name of the trial that the value belongs to. */
+  private trial = "";
   value = 0;
+  /** Side of the touch rectangle on which it stands: away from the playing hand. */
+  side: "left" | "right" = "left";
 
   constructor(private readonly tell: (value: number) => void) {
-    this.root = make("div", "lift", { label: "Lift" }, this.word, this.knob);
+    this.track = make("div", "lift", { label: say("lift") }, this.word, this.knob);
+    this.track.tabIndex = 0;
+    this.track.setAttribute("role", "slider");
+    this.track.setAttribute("aria-orientation", "vertical");
+    this.track.setAttribute("aria-valuemin", "0");
+    this.track.setAttribute("aria-valuemax", "100");
+    this.root = make("div", "lift-strip", {}, this.track);
     this.root.hidden = true;
-    this.root.addEventListener("pointerdown", (e) => {
+    claim(this.root);
+    this.put(0);
+    this.track.addEventListener("pointerdown", (e) => {
       this.pointer ??= e.pointerId;
       this.drag(e);
     });
     window.addEventListener("pointermove", (e) => this.drag(e));
+    // As early as moves of the fingers, so that both go into one message.
+    window.addEventListener("pointerrawupdate", (e) => {
+      if (e instanceof PointerEvent) this.drag(e);
+    });
     for (const end of ["pointerup", "pointercancel"] as const)
       window.addEventListener(end, (e) => {
         if (e.pointerId === this.pointer) this.pointer = null;
       });
-    // With a mouse as the only finger, the wheel and the arrow keys control the lift.
     window.addEventListener("wheel", (e) => this.set(this.value - e.deltaY * WHEEL), {
       passive: true,
     });
     window.addEventListener("keydown", (e) => {
-      if (e.key === "ArrowUp") this.set(this.value + KEY_STEP);
-      if (e.key === "ArrowDown") this.set(this.value - KEY_STEP);
+      if (this.root.hidden || !(e.key in KEYS) || e.target instanceof HTMLInputElement) return;
+      e.preventDefault();
+      this.set(this.value + KEYS[e.key]!);
     });
   }
 
-  /** Begins a trial: shows the control if the task needs it, away from the playing hand. */
-  open(needed: boolean, hand: "left" | "right"): void {
+  /** Shows the control if the task needs it.
+   *
+   * @param trial Name of the trial; the control stays where it is for the same one, also after a
+   * reload.
+   */
+  open(needed: boolean, hand: "left" | "right", trial: string): void {
     this.root.hidden = !needed;
-    this.root.classList.toggle("at-right", hand === "left");
+    this.side = hand === "right" ? "left" : "right";
+    if (trial === this.trial) return;
+    const [name, value] = (recallHere(KEPT) ?? "").split("=");
+    this.trial = trial;
     this.pointer = null;
-    this.put(0);
+    this.put(name === trial && Number(value) <= 1 ? Math.max(Number(value), 0) : 0);
   }
 
-  /** Label of the control. */
-  call(word: string): void {
-    this.word.textContent = word;
+  /** Stores the position for the page that comes after a reload. */
+  keep(): void {
+    rememberHere(KEPT, `${this.trial}=${this.value}`);
+  }
+
+  /** Stands beside the touch rectangle. */
+  stand(surface: Rectangle): void {
+    const left = this.side === "left" ? surface.left - LIFT_STRIP_PX : surface.left + surface.width;
+    this.root.style.left = `${left}px`;
+    this.root.style.width = `${LIFT_STRIP_PX}px`;
+  }
+
+  /** Writes the label anew, in a language that has come later. */
+  relabel(): void {
+    this.word.textContent = say("lift");
+    this.track.setAttribute("aria-label", say("lift"));
   }
 
   private drag(event: PointerEvent): void {
     if (event.pointerId !== this.pointer) return;
-    const box = this.root.getBoundingClientRect();
+    const box = this.track.getBoundingClientRect();
     const edge = box.height * 0.08;
     this.set(1 - (event.clientY - box.top - edge) / (box.height - 2 * edge));
   }
@@ -65,5 +114,6 @@ export class Lift {
   private put(value: number): void {
     this.value = value;
     this.knob.style.bottom = `${8 + value * 84}%`;
+    this.track.setAttribute("aria-valuenow", String(Math.round(100 * value)));
   }
 }

@@ -1,5 +1,5 @@
 // The link that opened the page: its token is removed from the address bar, since links are
-// photographed and shared, and stored in this tab so that the page can reconnect and reload.
+// photographed and shared, and stored in this tab so that the page can reconnect and reload (see return.html).
 
 import { recallHere, rememberHere } from "./memory";
 
@@ -25,7 +25,10 @@ export function socketAddress(): string {
   return `${location.protocol === "https:" ? "wss" : "ws"}://${location.host}${withToken()}`;
 }
 
-/** Reloads the page with the token; a plain reload would lack it and be refused. */
+export const fileAddress = (name: string): string =>
+  `/${name}?${new URLSearchParams({ token })}`;
+
+/** Reloads the page with the token, without the detour of a plain reload. */
 export function reload(): void {
   location.replace(withToken());
 }

@@ -2,18 +2,24 @@
 
 import { advise } from "./advice";
 import { Connection } from "./connection";
-import { make, show } from "./dom";
+import { make, show, write } from "./dom";
 import { Doubt } from "./doubt";
 import { type Change, type Finger, Fingers } from "./fingers";
 import type { Frame } from "./frame";
 import { Hint } from "./hint";
-import { Hud } from "./hud";
+import { Hud, goalOf } from "./hud";
 import { touchRectangle } from "./lens";
 import { Lift } from "./lift";
 import { reload, spectator } from "./link";
 import { measureScreen } from "./measure";
 import { taskMenu } from "./menu";
-import type { PlayerRequest, SceneMessage, StudyView, TaskName } from "./protocol";
+import {
+  LIFT_STRIP_PX,
+  type PlayerRequest,
+  type SceneMessage,
+  type StudyView,
+  type TaskName,
+} from "./protocol";
 import { type Ring, Rings } from "./rings";
 import { calibrated, currentScreen, pxPerInch, touchable } from "./screen";
 import { Sender } from "./sender";
@@ -21,6 +27,8 @@ import { Sheets } from "./sheet";
 import { Sound } from "./sound";
 import { Study } from "./study";
 import { Stage } from "./stage";
+import { Turned } from "./turned";
+import { repeat, say } from "./words";
 
 /** ms between two reports of the latency from touch to picture. */
 const REPORT_MS = 100;
@@ -41,9 +49,11 @@ class Page {
   private readonly lift: Lift;
   private readonly doubt = new Doubt();
   private readonly study = new Study((up) => this.connection.say(up));
-  private readonly again = make("div", "lift-again", { text: "Lift your fingers and touch again" });
+  private readonly again = make("div", "lift-again", { text: say("lift_again") });
   private readonly trouble = make("div", "trouble");
-  private readonly curtain = make("div", "curtain", { text: "The screen is elsewhere now" });
+  private readonly curtain = make("div", "curtain");
+  private readonly preparing = document.querySelector<HTMLElement>(".preparing")!;
+  private readonly turned: Turned;
 
   private glass: Fingers | null = null;
   private player = false;
@@ -56,6 +66,8 @@ class Page {
   private scene: SceneMessage | null = null;
   private frame: Frame | null = null;
   private fingers: Finger[] = [];
+  private resting: Finger[] = [];
+  private linked = false;
   private dirty = true;
   private reported = 0;
   private pressed = new Set<string>();
@@ -80,28 +92,38 @@ class Page {
     });
     this.hud.setSound(this.sound.muted);
     this.lift = new Lift((value) => this.sender.setLift(value));
+    this.turned = new Turned(() => this.ask("retry"));
     document.body.append(
-      this.hud.root,
       this.lift.root,
+      this.hud.root,
       this.hint.root,
       this.again,
       this.trouble,
       this.study.root,
+      this.turned.root,
       this.curtain,
     );
+    for (const alert of [this.again, this.trouble, this.curtain]) alert.setAttribute("role", "alert");
     this.sheets = new Sheets(document.body, (open) => this.ask(open ? "pause" : "resume"));
     // Menus are shown or hidden only once the computer has sent its first message.
     for (const element of [this.again, this.trouble, this.curtain, this.hud.root])
       show(element, false);
 
     this.connection = new Connection({
-      onCondition: (condition, words) => {
-        this.hud.setConnection(condition, words);
-        if (condition !== "open") this.glass?.cancelAll();
-        const told = this.inStudy?.words[condition === "ended" ? "ended" : "lost"];
-        this.curtain.textContent = told ?? words;
-        const shut = condition === "ended" || condition === "lost";
-        show(this.curtain, (shut || (!!told && condition !== "open")) && !this.study.over);
+      onCondition: (condition, why) => {
+        this.hud.setConnection(condition, say(why));
+        this.linked = condition === "open";
+        this.dirty = true;
+        // Fingers that rest while the connection is lost go on afterwards.
+        if (condition === "ended") this.glass?.cancelAll();
+        if (condition === "ended") show(this.preparing, false);
+        const study = this.inStudy !== null;
+        // While it tries again, the words stay.
+        if (study) write(this.curtain, say(condition === "ended" ? "ended" : "lost"));
+        else if (condition !== "connecting") write(this.curtain, say(why));
+        const again = condition === "connecting" && (study || !this.curtain.hidden);
+        const shut = condition === "ended" || condition === "lost" || again;
+        show(this.curtain, shut && !this.study.over);
       },
       onWelcome: (welcome) => {
         this.tasks = welcome.tasks;
@@ -114,6 +136,7 @@ class Page {
         this.layOut();
         if (this.touches) this.firstTime();
         else this.sheets.close();
+        if (this.sheets.isOpen) this.ask("pause");
         this.lookOn();
       },
       onScene: (message) => this.open(message),
@@ -123,17 +146,23 @@ class Page {
       },
       onSheet: (sheet) => this.study.lay(sheet),
       onRefusal: (refusal) => this.study.refuse(refusal),
-      onTrouble: (text) => {
+      onTrouble: (told) => {
         this.troubled = performance.now();
-        this.tell(text);
+        this.tell(told.map(repeat).join("\n"));
         this.hint.root.hidden = true;
       },
       onFrame: (frame) => this.take(frame),
-      onRoundTrip: (ms) => this.hud.setRoundTrip(ms),
+      onRoundTrip: (ms) => this.hud.setRoundTrip(ms, performance.now()),
     });
     this.sender = new Sender(this.connection);
     this.glass = new Fingers(glass, (change) => this.touch(change));
 
+    document.addEventListener("visibilitychange", () => {
+      this.appear();
+      if (!document.hidden && this.sheets.isOpen) this.ask("pause");
+    });
+    window.addEventListener("pagehide", () => this.lift.keep());
+    this.appear();
     window.addEventListener("resize", () => this.resize());
     window.addEventListener("keydown", (e) => this.key(e));
     requestAnimationFrame((now) => this.draw(now));
@@ -145,8 +174,9 @@ class Page {
     this.inStudy = view;
     this.study.enter(view);
     this.hud.setStudy(view);
-    this.lift.call(view.words["lift"] ?? "");
-    this.again.textContent = view.words["lift_again"] ?? "";
+    this.lift.relabel();
+    this.again.textContent = say("lift_again");
+    if (!this.preparing.hidden) write(this.preparing, say("preparing"));
     this.rings.plain = !view.shows.includes("fingers");
     this.sound.muted = !view.shows.includes("sound");
   }
@@ -155,30 +185,34 @@ class Page {
 
   private open(scene: SceneMessage): void {
     // Fingers that are still down belong to the trial before.
-    if (this.inStudy && scene.scene !== this.scene?.scene) this.glass?.cancelAll();
+    const same = this.scene !== null && JSON.stringify(this.scene) === JSON.stringify(scene);
+    if (this.inStudy && !same) this.glass?.cancelAll();
     this.scene = scene;
     this.frame = null;
     this.pressed.clear();
     this.wasHeld = false;
-    this.laidOut = currentScreen();
+    if (!same) this.laidOut = currentScreen();
     // The requested scene is not available, and the current one continues.
     if (performance.now() - this.troubled < REFUSED_MS) this.hud.say(this.trouble.textContent ?? "");
     this.troubled = -Infinity;
     show(this.trouble, false);
     this.hud.setScene(scene);
-    this.stage.open(scene);
+    if (!same) this.stage.open(scene);
     this.sender.active = this.touches;
+    const lifts = this.touches && scene.lift > 0;
+    this.lift.open(lifts, scene.hand, `${scene.scene} ${scene.task} ${scene.seed}`);
     this.layOut();
-    this.lift.open(this.touches && scene.lift > 0, scene.hand);
-    this.sender.setLift(this.touches && scene.lift > 0 ? 0 : null);
-    if (this.touches && !scene.caption && !this.inStudy) this.hint.open(scene.goal);
+    this.sender.setLift(lifts ? this.lift.value : null);
+    if (this.touches && !scene.caption && !this.inStudy) this.hint.open(goalOf(scene, false), lifts);
   }
 
   private take(frame: Frame): void {
     if (!this.scene || frame.scene !== this.scene.scene) return;
+    const first = this.frame === null;
     this.frame = frame;
     this.dirty = true;
     const { state } = frame;
+    if (first) this.fit();
     const pressed = new Set<string>();
     state.hands.forEach((hand, i) =>
       hand.contacts.forEach((c) => {
@@ -196,6 +230,7 @@ class Page {
 
   private touch(change: Change): void {
     this.fingers = change.fingers;
+    this.resting = change.resting;
     this.dirty = true;
     // While a hand is on the screen, accidental touches of buttons are ignored.
     document.body.classList.toggle("touching", change.fingers.length > 0);
@@ -203,12 +238,15 @@ class Page {
   }
 
   private ask(what: PlayerRequest["what"], value = ""): void {
-    if (this.player && !this.inStudy) this.connection.say({ type: "ask", what, value });
+    if (!this.player || this.inStudy) return;
+    const sent = this.connection.say({ type: "ask", what, value });
+    // Another table takes the computer a moment.
+    if (sent && what !== "pause" && what !== "resume") show(this.preparing, true);
   }
 
   private key(event: KeyboardEvent): void {
     if (event.repeat || event.metaKey || event.altKey) return;
-    // A plain reload would lack the token.
+    // Without the detour of a plain reload, which has to find the token first.
     if (event.key === "F5" || (event.ctrlKey && event.key === "r")) {
       event.preventDefault();
       reload();
@@ -225,6 +263,7 @@ class Page {
       this.scene?.task ?? "",
       (task) => this.ask("task", task),
       () => this.measure(),
+      reload,
     );
   }
 
@@ -255,13 +294,34 @@ class Page {
 
   /** Tells a spectator that another page plays, or that there is no player yet. */
   private lookOn(): void {
-    this.hud.setLooking(this.player || spectator || this.inStudy ? "" : "another page plays");
-    if (!this.scene && !this.player && !this.inStudy) this.tell("Nobody plays yet.");
+    this.hud.setLooking(this.player || spectator || this.inStudy ? "" : say("another_plays"));
+    if (!this.scene && !this.player && !this.inStudy) this.tell(say("nobody_plays"));
   }
 
   private tell(text: string): void {
-    this.trouble.textContent = text;
+    write(this.trouble, text);
     show(this.trouble, true);
+    show(this.preparing, false);
+  }
+
+  /** Tells the computer whether somebody can play here now. */
+  private appear(): void {
+    this.connection.appear(!document.hidden && !this.turned.shown);
+  }
+
+  /** A table that was laid for the page held the other way has no room on it now. While its trial runs,
+   * time stands still until the page is turned back, or the person asks for another table. */
+  private fit(): void {
+    const { frame, scene } = this;
+    if (!frame || !scene) return;
+    const running = frame.state.status === "running" && frame.state.pause !== "start";
+    const strip = scene.lift > 0 ? LIFT_STRIP_PX : 0;
+    const scale = pxPerInch() * (1 - CHANGED);
+    const room =
+      scene.surface.width_in * scale <= window.innerWidth - strip &&
+      scene.surface.height_in * scale <= window.innerHeight;
+    this.turned.show(this.touches && running && !room, this.inStudy !== null);
+    this.appear();
   }
 
   private layOut(): void {
@@ -271,9 +331,11 @@ class Page {
     if (!scene) return;
     const [width, height] = [window.innerWidth, window.innerHeight];
     if (this.touches) {
-      this.stage.lens.aim(scene.surface, pxPerInch(), width, height);
-      const { left, top } = touchRectangle(scene.surface, pxPerInch(), width, height);
-      this.sender.corner = { x: left, y: top };
+      const side = scene.lift > 0 ? this.lift.side : null;
+      const place = touchRectangle(scene.surface, pxPerInch(), width, height, side);
+      this.stage.lens.aim(scene.surface, pxPerInch(), width, height, place);
+      this.sender.corner = { x: place.left, y: place.top };
+      this.lift.stand(place);
     } else this.stage.lens.overlook(scene.surface, scene.hand, width, height, !!scene.in_air);
   }
 
@@ -298,9 +360,13 @@ class Page {
       changed(screen.width_px, before.width_px) ||
       changed(screen.height_px, before.height_px)
     ) {
-      this.laidOut = screen;
-      this.ask("retry");
-    }
+      const begun = this.frame?.state.status === "running" && this.frame.state.pause !== "start";
+      if (begun && !measured) this.fit();
+      else {
+        this.laidOut = screen;
+        this.ask("retry");
+      }
+    } else this.fit();
   }
 
   // -- the picture ------------------------------------------------------------------------------
@@ -309,17 +375,36 @@ class Page {
     requestAnimationFrame((next) => this.draw(next));
     this.glass?.settle();
     this.sender.settle();
-    if (!this.dirty) return;
+    if (!this.dirty || !this.stage.free) return;
     this.dirty = false;
     const { frame, scene } = this;
     this.rings.draw(this.ringsNow(), this.stage.lens.pxPerInch);
+    this.sayOneThing();
     if (!frame || !scene) return;
-    this.stage.move(frame);
+    show(this.preparing, false);
+    this.stage.move(frame, this.linked);
     this.stage.draw(now);
     this.report(frame);
-    this.hud.setState(frame.state, scene.time_limit, this.player);
-    this.hint.follow(this.fingers, frame.state);
+    this.hud.setState(frame.state, scene.time_limit, this.player, this.turned.shown);
+    this.hint.follow(this.fingers, this.lift.value, frame.state);
     show(this.again, this.player && this.doubt.now(frame.state, now));
+    this.sayOneThing();
+  }
+
+  /** Of several messages only the most important one is visible, as they might disagree. */
+  private sayOneThing(): void {
+    const ranks = [
+      this.curtain,
+      this.trouble,
+      this.turned.root,
+      this.preparing,
+      this.hud.end,
+      this.again,
+      this.hud.toast,
+    ];
+    const first = ranks.findIndex((message) => !message.hidden);
+    ranks.forEach((message, i) => message.classList.toggle("outranked", first >= 0 && i > first));
+    this.hint.root.classList.toggle("outranked", first >= 0);
   }
 
   /** Rings of the fingers on this screen at their current places; of others, at the places that the
@@ -328,17 +413,25 @@ class Page {
     const contacts = this.frame?.state.hands.flatMap((hand) => hand.contacts) ?? [];
     if (this.player && !this.scene?.caption) {
       const known = new Map(contacts.map((c) => [c.id, c]));
-      return this.fingers.map(({ id, x, y }) => {
-        const c = known.get(id);
+      const rings: Ring[] = this.fingers.map(({ id, x, y, width, height }) => {
+        const c = this.linked ? known.get(id) : undefined;
         return {
           x,
           y,
           label: c?.label ?? null,
           force: c?.force ?? 0,
-          ignored: c?.state === "ignored",
+          ignored: !this.linked || c?.state === "ignored",
           sure: c?.sure ?? true,
+          ...(c?.inside && { word: say("move_apart") }),
+          ...(c?.state === "palm" && { word: say("palm"), palm: { width, height } }),
         };
       });
+      const gone = { label: null, force: 0, ignored: true, sure: true };
+      for (const { x, y } of this.resting) rings.push({ x, y, ...gone });
+      // One of them says it for all.
+      const first = rings[this.fingers.length];
+      if (first) first.word = this.again.textContent ?? "";
+      return rings;
     }
     return contacts.map((c) => ({
       ...this.stage.lens.project(c.position),
@@ -346,6 +439,8 @@ class Page {
       force: c.force,
       ignored: c.state === "ignored",
       sure: c.sure,
+      ...(c.inside && { word: say("move_apart") }),
+      ...(c.state === "palm" && { word: say("palm"), palm: { width: 0, height: 0 } }),
     }));
   }
 
@@ -356,6 +451,7 @@ class Page {
     if (after === null || now - this.reported < REPORT_MS) return;
     this.reported = now;
     const after_ms = Math.min(Math.max(after, 0), 60000);
+    this.hud.setDelay(after_ms, now);
     this.connection.say({ type: "drawn", frame: frame.number, after_ms });
   }
 }

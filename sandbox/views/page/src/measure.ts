@@ -3,16 +3,25 @@
 import { make, write } from "./dom";
 import { CARD_HEIGHT, CARD_WIDTH, FEWEST, MOST, calibrate, pxPerInch } from "./screen";
 import type { Sheets } from "./sheet";
+import { say } from "./words";
 
 /** CSS pixels beside the card. */
 const MARGIN = 90;
 
+const CM_PER_INCH = 2.54;
+
+/** A length in both units; a language says one of them. */
+const lengths = (name: string, inches: number): Record<string, string> => ({
+  [`${name}_in`]: inches.toFixed(2),
+  [`${name}_cm`]: (CM_PER_INCH * inches).toFixed(1),
+});
+
 /** @param done Called once the size is known, or the person has skipped the calibration. */
 export function measureScreen(sheets: Sheets, done: () => void): void {
   let value = pxPerInch();
-  const card = make("div", "card", {}, make("span", "", { text: "your card" }));
-  const inches = make("p", "quiet-words");
-  const slider = make("input", "slider", { label: "Width of the card" });
+  const card = make("div", "card", {}, make("span", "", { text: say("card_here") }));
+  const size = make("p", "quiet-words");
+  const slider = make("input", "slider", { label: say("card_width") });
   slider.type = "range";
   slider.min = String(FEWEST);
   slider.max = String(MOST);
@@ -25,14 +34,14 @@ export function measureScreen(sheets: Sheets, done: () => void): void {
     card.style.width = `${(lies ? CARD_WIDTH : CARD_HEIGHT) * value}px`;
     card.style.height = `${(lies ? CARD_HEIGHT : CARD_WIDTH) * value}px`;
     const [w, h] = [window.innerWidth / value, window.innerHeight / value];
-    write(inches, `This page is then ${w.toFixed(2)} by ${h.toFixed(2)} inches.`);
+    write(size, say("card_page", { ...lengths("width", w), ...lengths("height", h) }));
   };
   slider.addEventListener("input", () => fit(Number(slider.value)));
-  const step = (text: string, by: number): HTMLElement =>
-    make("button", "button step", { text, onTap: () => fit(value + by) });
+  const step = (text: string, label: string, by: number): HTMLElement =>
+    make("button", "button step", { text, label, onTap: () => fit(value + by) });
   fit(value);
   const save = make("button", "button large primary", {
-    text: "It fits",
+    text: say("card_fits"),
     onTap: () => {
       calibrate(value);
       sheets.close();
@@ -40,11 +49,9 @@ export function measureScreen(sheets: Sheets, done: () => void): void {
     },
   });
   sheets.open(
-    "How large is this screen?",
+    say("card_title"),
     [
-      make("p", "", {
-        text: "Hold a bank card to the screen and move the slider until the outline is as large.",
-      }),
+      make("p", "", { text: say("card_how") }),
       make(
         "div",
         "measure",
@@ -54,13 +61,14 @@ export function measureScreen(sheets: Sheets, done: () => void): void {
           "div",
           "measure-controls",
           {},
-          make("div", "row", {}, step("−", -0.5), slider, step("+", 0.5)),
-          inches,
+          make("div", "row", {}, step("−", say("card_smaller"), -0.5), slider, step("+", say("card_larger"), 0.5)),
+          size,
           make("div", "row", {}, save),
         ),
       ),
     ],
-    "Skip: guess the size",
+    say("card_skip"),
     done,
+    false,
   );
 }

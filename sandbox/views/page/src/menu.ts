@@ -1,9 +1,10 @@
-// The menu of tasks.
+// The menu of tasks, and that of languages.
 
 import { make } from "./dom";
-import { title } from "./hud";
+import { prefer } from "./language";
 import type { TaskName } from "./protocol";
 import type { Sheets } from "./sheet";
+import { FILES, language, say, taskName, word } from "./words";
 
 export function taskMenu(
   sheets: Sheets,
@@ -11,6 +12,7 @@ export function taskMenu(
   current: string,
   choose: (task: string) => void,
   measure: () => void,
+  reload: () => void,
 ): void {
   const list = tasks.map((task) => {
     const button = make("button", "choice", {
@@ -21,16 +23,43 @@ export function taskMenu(
     });
     if (task.name === current) button.classList.add("current");
     button.append(
-      make("strong", "", { text: title(task.name) }),
-      make("span", "", { text: task.summary }),
+      make("strong", "", { text: taskName(task.name) }),
+      make("span", "", { text: word(`goal_${task.name}`, task.summary) }),
     );
-    if (task.lift) button.append(make("em", "", { text: "with the lift control" }));
+    if (task.lift) button.append(make("em", "", { text: say("with_lift") }));
     return button;
   });
   const size = make("button", "choice", { onTap: measure });
   size.append(
-    make("strong", "", { text: "Measure this screen" }),
-    make("span", "", { text: "With a bank card, so that the hand has the size of yours." }),
+    make("strong", "", { text: say("measure_screen") }),
+    make("span", "", { text: say("measure_why") }),
   );
-  sheets.open("What do you want to do?", [make("div", "choices", {}, ...list, size)]);
+  const tongue = make("button", "choice", { onTap: () => languageMenu(sheets, reload) });
+  // In all of them, as somebody who looks for it may not read this one.
+  const names = make("span", "");
+  for (const [code, { name }] of Object.entries(FILES)) {
+    const own = make("bdi", "", { text: name });
+    own.lang = code;
+    names.append(...(names.firstChild ? [" · "] : []), own);
+  }
+  tongue.append(make("strong", "", { text: say("language") }), names);
+  sheets.open(say("menu_title"), [make("div", "choices", {}, ...list, size, tongue)]);
+}
+
+function languageMenu(sheets: Sheets, reload: () => void): void {
+  const list = Object.entries(FILES).map(([code, file]) => {
+    const button = make("button", "choice", {
+      onTap: () => {
+        prefer(code);
+        reload();
+      },
+    });
+    button.lang = code;
+    button.dir = "auto";
+    if (code === language) button.classList.add("current");
+    button.append(make("strong", "", { text: file.name }));
+    if (file.status.startsWith("not")) button.append(make("span", "", { text: file.play.unread }));
+    return button;
+  });
+  sheets.open(say("language"), [make("div", "choices", {}, ...list)]);
 }

@@ -1,9 +1,10 @@
 // Written by `python -m tools.page_types` from sandbox/server/protocol/protocol.py.
 
-export const PROTOCOL = 2;
+export const PROTOCOL = 4;
 export const FRAME_KIND = 1;
 export const POSE_BYTES = 28;
 export const SKIN_KIND = 2;
+export const LIFT_STRIP_PX = 90;
 
 /** Size of the page: CSS pixels per inch, and pixels. The encoder needs inches; `calibrated` is true if the person has measured them. */
 export interface PageScreen {
@@ -13,13 +14,14 @@ export interface PageScreen {
   calibrated: boolean;
 }
 
-/** The page's first message. `client` is the page's random name, which a reload keeps. */
+/** The page's first message. `client` is the page's random name, which a reload keeps; `language` that of its words, by ISO 639-1. */
 export interface Hello {
   type: "hello";
   protocol: number;
   client: string;
   role: "player" | "spectator";
   screen: PageScreen;
+  language?: string;
 }
 
 /** The page's size or calibration has changed. */
@@ -28,12 +30,18 @@ export interface Resized {
   screen: PageScreen;
 }
 
-/** All contacts of the page at one moment. `contacts` holds id, x, y and width in CSS pixels, x right and y down from the touch rectangle's top left corner; `cancelled` the ids that the system cancelled since the last message; `lift` the lift control, if the page shows one. `seq` counts up from 1, `t` is the page's clock. */
+/** Whether the page can be played: not while it is hidden, as behind another tab or in sleep, or while its screen is turned away from the way the table was laid for. */
+export interface Presence {
+  type: "presence";
+  here: boolean;
+}
+
+/** All contacts of the page at one moment. `contacts` holds id, x, y, width and height in CSS pixels, x right and y down from the touch rectangle's top left corner, width and height at most 1 where they are unknown; `cancelled` the ids that the system cancelled since the last message; `lift` the lift control, if the page shows one. `seq` counts up from 1, `t` is the page's clock. */
 export interface PageTouches {
   type: "touches";
   seq: number;
   t: number;
-  contacts: ([number, number, number, number])[];
+  contacts: ([number, number, number, number, number])[];
   cancelled?: (number)[];
   lift?: number | null;
 }
@@ -80,14 +88,21 @@ export interface Leave {
   how: "done" | "no" | "yes";
 }
 
-/** A task to choose: its name, its summary in a line, and whether it needs a lift control. */
+/** A sentence for the person: its key and values, which every language has words for. `text` is the sentence in English, for clients without words of their own, and for sentences without a key, such as those of other people's tasks. */
+export interface Told {
+  key: string;
+  values: Record<string, string | (string)[]>;
+  text: string;
+}
+
+/** A task to choose: its name, its summary in a line, and whether it needs a lift control. The page calls built-in tasks by its own words; `summary` is in English. */
 export interface TaskName {
   name: string;
   summary: string;
   lift: boolean;
 }
 
-/** A page in a study: its texts by key, in the participant's language. `shows` lists which of task, goal, time, progress, fingers and sound a trial shows. */
+/** A page in a study, in the participant's language, with the design's own words by key. `shows` lists which of task, goal, time, progress, fingers and sound a trial shows. */
 export interface StudyView {
   language: string;
   words: Record<string, string>;
@@ -126,7 +141,7 @@ export interface SurfaceView {
   calibrated: boolean;
 }
 
-/** A new scene. Frames with another `scene` number belong to an earlier one. `bodies` names the rows of a frame's poses. `lift` is the height (m) to which a lift control of 1 raises the hand; 0 if the task has none. `size` of a geom is as in MuJoCo: half lengths and radii. `in_air` is true if hands move over a 3-D device, without touches. */
+/** A new scene. Frames with another `scene` number belong to an earlier one. `bodies` names the rows of a frame's poses. `lift` is the height (m) to which a lift control of 1 raises the hand; 0 if the task has none. `size` of a geom is as in MuJoCo: half lengths and radii. `in_air` is true if hands move over a 3-D device, without touches. `goal` is in English; in a study, `task` and `goal` are what the participant reads. */
 export interface SceneMessage {
   type: "scene";
   scene: number;
@@ -139,14 +154,14 @@ export interface SceneMessage {
   surface: SurfaceView;
   bodies: (string)[];
   geoms: (Geom)[];
-  caption: string;
+  caption: Told | null;
   in_air?: boolean;
 }
 
-/** A problem that prevents a scene, and its remedy, as text for the person. */
+/** A problem that prevents a scene, and its remedy, sentence by sentence. */
 export interface Trouble {
   type: "trouble";
-  text: string;
+  told: (Told)[];
 }
 
 /** One of several answers: its stored value, and the label that the person reads. */
@@ -169,7 +184,7 @@ export interface ItemView {
   high_means: string;
 }
 
-/** A sheet that a study's participant sees instead of the scene; `none` shows the scene. `answers` has earlier answers by item. A `rest` can be left after `seconds`. */
+/** A sheet that a study's participant sees instead of the scene; `none` shows the scene. `answers` has earlier answers by item. A `rest` can be left after `seconds`. `note` says whose wording the questions of a form have, where it is not the published one. */
 export interface Sheet {
   type: "sheet";
   sheet: number;
@@ -179,6 +194,7 @@ export interface Sheet {
   items: (ItemView)[];
   answers: Record<string, string | number | null>;
   seconds: number;
+  note?: string;
 }
 
 /** Refusal of an answer, with the reason; with an empty item, of the whole sheet. */
@@ -195,14 +211,15 @@ export interface Echo {
   t: number;
 }
 
-/** A contact in the session. `position` (m) in the world is for fingers that are not on this screen; `force` (N) is that of its fingertip on objects. `sure` is false if the label may well be wrong. */
+/** A contact in the session. `position` (m) in the world is for fingers that are not on this screen; `force` (N) is that of its fingertip on objects. A `palm` is no finger. `sure` is false if the label may well be wrong; `inside` is true if the finger is inside an object, out of which it has to be moved. */
 export interface ContactState {
   id: number;
   label: number | null;
-  state: "active" | "ignored" | "lost";
+  state: "active" | "ignored" | "lost" | "palm";
   force: number;
   position: [number, number, number];
   sure: boolean;
+  inside: boolean;
 }
 
 /** A hand: phase of its arrival, solid fingers, contacts, probability of the labels. */
@@ -220,20 +237,20 @@ export interface GoalState {
   yaw: number;
 }
 
-/** Values of a frame besides poses, at its end. */
+/** Values of a frame besides poses, at its end. `reason` says what is missing, and `notices` what the person has to know. `pause` says why simulated time stands still, and is empty while it runs. `start`: it begins with the first touch; `menu`: a menu is open; `away`: a player's page is closed, hidden or lost; `back`: the player is back, and time goes on with the next touch. */
 export interface State {
   time: number;
   status: string;
   progress: number;
-  reason: string;
+  reason: Told | null;
   reached: boolean;
   held: boolean;
   hands: (HandState)[];
   goals: (GoalState)[];
-  notice: string;
-  paused: boolean;
+  notices: (Told)[];
+  pause: "" | "away" | "back" | "menu" | "start";
 }
 
-export type Up = Hello | Resized | PageTouches | Got | Drawn | Beat | PlayerRequest | ItemAnswer | Leave;
+export type Up = Hello | Resized | Presence | PageTouches | Got | Drawn | Beat | PlayerRequest | ItemAnswer | Leave;
 
 export type Down = Welcome | SceneMessage | Trouble | Sheet | Refusal | Echo;

@@ -7,6 +7,9 @@ import { recall, remember } from "./memory";
 /** ms, largest mean duration of a picture; 60 Hz leaves 17. */
 const TOO_LONG = 24;
 const PICTURES = 45;
+/** ms, duration of a picture that makes the scene lag visibly; a few of them are enough. */
+const FAR_TOO_LONG = 150;
+const FEW = 3;
 /** ms without a picture above which the stream has paused, and the device is not slow. */
 const PAUSE = 1000;
 /** Levels: full quality; no shadows; one pixel per CSS pixel; fewer pixels, and jagged edges. */
@@ -18,6 +21,8 @@ export class Quality {
   private sum = 0;
   private n = 0;
   private last = 0;
+  private pictures = 0;
+  private slow = 0;
   private renderer: WebGLRenderer | null = null;
 
   constructor(private readonly changed: () => void) {}
@@ -48,7 +53,15 @@ export class Quality {
     if (mean > TOO_LONG && this.level < LOWEST) this.lower();
   }
 
+  /** Notes how many ms a picture took. The first ones take longer, as programs are compiled. */
+  finished(ms: number): void {
+    this.pictures += 1;
+    this.slow = ms > FAR_TOO_LONG && this.pictures > FEW ? this.slow + 1 : 0;
+    if (this.slow >= FEW && this.level < LOWEST) this.lower();
+  }
+
   private lower(): void {
+    this.slow = this.pictures = 0;
     this.level += 1;
     remember("quality", String(this.level));
     if (this.renderer) this.apply(this.renderer);

@@ -13,6 +13,10 @@ export interface Ring {
   ignored: boolean;
   /** False if the label may well be wrong: the ring is dashed, and the name has a question mark. */
   sure: boolean;
+  /** A word in place of the name, for a finger that has to do something. */
+  word?: string;
+  /** Width and height in CSS pixels of a palm, which is a faint patch without a ring. */
+  palm?: { width: number; height: number };
 }
 
 /** In inches, size of the ring, which must be visible around a fingertip. */
@@ -21,6 +25,8 @@ const NAME_ABOVE = 0.3;
 /** Dash and gap of a ring in radii: nine of each. */
 const DASH = Math.PI / 9;
 const PLAIN = "#dfe8ef";
+/** In inches, size of a palm on another screen, which is not known here. */
+const PALM = 1.2;
 
 export class Rings {
   private readonly pen: CanvasRenderingContext2D;
@@ -46,11 +52,15 @@ export class Rings {
     this.pen.clearRect(0, 0, window.innerWidth, window.innerHeight);
     this.empty = !rings.length;
     const radius = Math.max(RADIUS * pxPerInch, 22);
-    for (const ring of rings) this.drawRing(ring, radius);
-    if (this.plain) return;
+    for (const ring of rings)
+      if (ring.palm) this.drawPalm(ring, ring.palm, PALM * pxPerInch);
+      else this.drawRing(ring, radius);
     // Names are drawn over all rings, as fingers side by side would cover each other's names.
     const above = radius + NAME_ABOVE * Math.min(pxPerInch, 90);
-    for (const ring of rings) if (!ring.ignored) this.drawName(ring, ring.y - above);
+    for (const ring of rings)
+      if (ring.palm) {
+        if (!this.plain) this.drawName(ring, ring.y);
+      } else if (ring.word || !(ring.ignored || this.plain)) this.drawName(ring, ring.y - above);
   }
 
   private colour(ring: Ring): string {
@@ -73,9 +83,18 @@ export class Rings {
     pen.setLineDash([]);
   }
 
+  private drawPalm(ring: Ring, size: { width: number; height: number }, unknown: number): void {
+    const pen = this.pen;
+    pen.fillStyle = "rgba(158, 163, 168, 0.22)";
+    pen.beginPath();
+    const across = (size.width || unknown) / 2;
+    pen.ellipse(ring.x, ring.y, across, (size.height || unknown) / 2, 0, 0, 2 * Math.PI);
+    pen.fill();
+  }
+
   private drawName(ring: Ring, y: number): void {
     const pen = this.pen;
-    const name = fingerName(ring.label, ring.sure);
+    const name = ring.word ?? fingerName(ring.label, ring.sure);
     pen.font = "600 15px system-ui, sans-serif";
     pen.textAlign = "center";
     pen.textBaseline = "middle";

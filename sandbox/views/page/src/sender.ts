@@ -75,6 +75,7 @@ export class Sender {
         round(f.x - this.corner.x),
         round(f.y - this.corner.y),
         round(f.width),
+        round(f.height),
       ]),
       cancelled: this.unsent.slice(0, 20),
       lift: this.lift,

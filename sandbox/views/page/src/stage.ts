@@ -47,6 +47,10 @@ export class Stage {
   /** Meshes that cast a hand's shadow. */
   private hands: Mesh[] = [];
   private key = keyLight();
+  /** Signals the end of the last picture. */
+  private unfinished: WebGLSync | null = null;
+  /** ms, time at which the last picture was begun. */
+  private began = 0;
 
   constructor(canvas: HTMLCanvasElement, reload: () => void) {
     this.quality = new Quality(() => {
@@ -114,8 +118,11 @@ export class Stage {
     this.wear(skin);
   }
 
-  /** Sets all poses from a frame. */
-  move(frame: Frame): void {
+  /** Sets all poses from a frame.
+   *
+   * @param live False if the connection is lost, and the hand stands where it was last.
+   */
+  move(frame: Frame, live: boolean): void {
     const poses = frame.poses;
     this.bodies.forEach((body, i) => {
       const at = 7 * i;
@@ -130,15 +137,32 @@ export class Stage {
       if (!ghost.group.parent) this.content.add(ghost.group);
       ghost.show(goal, reached, held);
     }
-    const down = hands.some((hand) => hand.contacts.length);
-    const opacity = hands.some((hand) => hand.solid.length) ? 1 : down ? GHOSTLY : FAINT;
+    const down = live && hands.some((hand) => hand.contacts.length);
+    const solid = live && hands.some((hand) => hand.solid.length);
+    const opacity = solid ? 1 : down ? GHOSTLY : FAINT;
     this.skin.opacity = this.skinned.opacity = opacity;
     // A hand that waits in the air is nearly transparent, and casts no shadow.
     for (const mesh of this.hands) mesh.castShadow = down || opacity === 1;
   }
 
+  /** True once the last picture is finished: another one before would only wait for it, and with it
+   * everything else on the page, such as touches. */
+  get free(): boolean {
+    const gl = this.renderer.getContext() as WebGL2RenderingContext;
+    if (!this.unfinished) return true;
+    if (gl.clientWaitSync(this.unfinished, 0, 0) === gl.TIMEOUT_EXPIRED) return false;
+    gl.deleteSync(this.unfinished);
+    this.unfinished = null;
+    this.quality.finished(performance.now() - this.began);
+    return true;
+  }
+
   draw(now: number): void {
+    this.began = performance.now();
     this.renderer.render(this.world, this.lens.camera);
+    const gl = this.renderer.getContext() as WebGL2RenderingContext;
+    this.unfinished = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
+    gl.flush();
     this.quality.note(now);
   }
 

@@ -2,15 +2,16 @@
 // the computer; answers are sent there at once, and are valid only after it has checked them.
 
 import { make, show, write } from "./dom";
+import { showForm } from "./zoom";
 import { type Field, type Value, makeField } from "./items";
 import type { Leave, Refusal, Sheet, StudyView, Up } from "./protocol";
+import { type Key, say, speak } from "./words";
 
 /** CSS pixels between two questions, as in study.css. */
 const GAP = 18;
 
 export class Study {
   readonly root = make("section", "study");
-  private words: Record<string, string> = {};
   private sheet: Sheet | null = null;
   private fields: Field[] = [];
   private pages: Field[][] = [];
@@ -18,7 +19,9 @@ export class Study {
   private timer = 0;
 
   constructor(private readonly say: (up: Up) => boolean) {
-    show(this.root, false);
+    showForm(this.root, false);
+    this.root.tabIndex = -1;
+    this.root.setAttribute("role", "dialog");
   }
 
   /** True once the session is over, and the connection no longer needed. */
@@ -27,8 +30,7 @@ export class Study {
   }
 
   enter(view: StudyView): void {
-    this.words = view.words;
-    document.documentElement.lang = view.language;
+    speak(view.language, view.words);
     document.body.classList.add("in-study");
   }
 
@@ -43,10 +45,13 @@ export class Study {
     window.clearInterval(this.timer);
     this.fields = [];
     this.root.replaceChildren();
-    show(this.root, sheet.kind !== "none");
+    showForm(this.root, sheet.kind !== "none");
     this.root.dataset["kind"] = sheet.kind;
     if (document.activeElement instanceof HTMLElement) document.activeElement.blur();
     if (sheet.kind === "none") return;
+    // A dialog has a name, also where a sheet is only a text.
+    this.root.setAttribute("aria-label", sheet.title || (sheet.text.trim().split("\n")[0] ?? ""));
+    this.root.focus({ preventScroll: true });
     this.root.scrollTop = 0;
     if (sheet.kind === "form") this.form(sheet);
     else if (sheet.kind === "rest") this.rest(sheet);
@@ -100,12 +105,14 @@ export class Study {
 
   private form(sheet: Sheet): void {
     this.fields = sheet.items.map((item) => {
-      const field = makeField(item, this.words, (value) => this.answer(item.name, value));
+      const field = makeField(item, (value) => this.answer(item.name, value));
       field.put(sheet.answers[item.name] ?? null);
       return field;
     });
     const title = make("h2", "", { text: sheet.title });
     show(title, sheet.title !== "");
+    const note = make("p", "wording", { text: sheet.note ?? "" });
+    show(note, !!sheet.note);
     const list = make("div", "items");
     const bar = make("div", "form-bar", {}, make("i", ""));
     const back = this.button("back", "quiet", () => this.turn(this.page - 1));
@@ -113,7 +120,7 @@ export class Study {
     back.classList.add("go-back");
     next.classList.add("go-on");
     this.root.append(
-      make("div", "page form-page", {}, title, list),
+      make("div", "page form-page", {}, title, note, list),
       make("footer", "foot", {}, back, bar, next),
     );
     this.divide(list);
@@ -149,7 +156,7 @@ export class Study {
     this.root.scrollTop = 0;
     const last = this.page === this.pages.length - 1;
     show(this.root.querySelector<HTMLElement>(".go-back")!, this.page > 0);
-    write(this.root.querySelector<HTMLElement>(".go-on")!, this.words[last ? "done" : "next"] ?? "");
+    write(this.root.querySelector<HTMLElement>(".go-on")!, say(last ? "done" : "next"));
     const bar = this.root.querySelector<HTMLElement>(".form-bar")!;
     bar.style.visibility = this.pages.length > 1 ? "visible" : "hidden";
     const share = (this.page + 1) / this.pages.length;
@@ -161,7 +168,7 @@ export class Study {
     const missing = (this.pages[this.page] ?? []).filter(
       (f) => !f.item.optional && f.value === null,
     );
-    for (const field of missing) field.complain(this.words["required"] ?? "");
+    for (const field of missing) field.complain(say("required"));
     if (missing[0]) missing[0].root.scrollIntoView({ block: "center" });
     else if (this.page < this.pages.length - 1) this.turn(this.page + 1);
     else this.leave("done");
@@ -177,8 +184,8 @@ export class Study {
     if (this.sheet) this.say({ type: "leave", sheet: this.sheet.sheet, how });
   }
 
-  private button(word: string, kind: string, onTap: () => void): HTMLButtonElement {
-    return make("button", `button large ${kind}`, { text: this.words[word] ?? word, onTap });
+  private button(word: Key, kind: string, onTap: () => void): HTMLButtonElement {
+    return make("button", `button large ${kind}`, { text: say(word), onTap });
   }
 }
 

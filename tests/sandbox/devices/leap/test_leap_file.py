@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import json
+import math
 from collections.abc import Callable
 from functools import cache
 from typing import Any
@@ -19,6 +20,7 @@ from sandbox.devices.leap.leap_file import read_leap
 from sandbox.devices.leap.leap_lz import decompress_base64
 from sandbox.devices.leap.leap_truth import take_with_truth, write_take
 from sandbox.devices.leap.leap_write import leap_message
+from sandbox.options.leap_devices import is_leap
 from tests.support.leap_hands import take
 
 
@@ -58,6 +60,7 @@ FORMS: dict[str, Callable[[], str]] = {
     "with metadata": lambda: json.dumps({"metadata": {"frameRate": "100"}, "frames": messages()}),
     "packed": lambda: json.dumps({"metadata": {}, "frames": packed(messages())}),
     "lines": lambda: "".join(json.dumps(m) + "\n" for m in [{"version": 6}, *messages()]),
+    "count and list": lambda: json.dumps({"frames": len(messages()), "data": messages()}),
     "printed prettily": lambda: json.dumps({"frames": messages()}, indent=1),
 }
 
@@ -129,6 +132,39 @@ def test_a_file_that_is_no_recording_is_refused_with_its_name(content, tmp_path)
         read_leap(path)
 
 
+@pytest.mark.parametrize("form", FORMS)
+@pytest.mark.parametrize("name", ["hand.ldj", "hand.jsonl", "hand.txt", "hand"])
+def test_a_recording_is_a_device_in_every_form_whatever_its_name(form, name, tmp_path):
+    path = tmp_path / name
+    path.write_text(FORMS[form]())
+    assert is_leap(str(path))
+
+
+def test_compressed_recordings_are_recognised_and_files_of_other_programs_are_not(
+    shared_data, tmp_path
+):
+    for path in (shared_data / "leap").iterdir():
+        bare = tmp_path / path.name.partition(".")[0]
+        bare.write_bytes(path.read_bytes())
+        assert is_leap(str(bare)), path.name
+    for content in (b"", b"HIERARCHY\nROOT Hips\n", b'{"u": 1}', b"[1, 2]", b"\x89PNG"):
+        other = tmp_path / "other"
+        other.write_bytes(content)
+        assert not is_leap(str(other))
+    run = tmp_path / "run.jsonl"
+    header = {"kind": "header", "schema": 2, "version": "1", "settings": {"hands": []}}
+    hands = {"kind": "input", "time": 0.0, "hands": []}
+    run.write_text(json.dumps(header) + "\n" + json.dumps(hands) + "\n")
+    assert not is_leap(str(run))
+
+
+def test_two_lists_of_frames_in_one_file_are_refused(tmp_path):
+    path = tmp_path / "two.json"
+    path.write_text(json.dumps({"a": messages()[:2], "b": messages()[:2]}))
+    with pytest.raises(RecordingError, match=r"two\.json: two lists"):
+        read_leap(path)
+
+
 @settings(max_examples=80)
 @given(
     form=st.sampled_from(sorted(FORMS)),
@@ -195,5 +231,10 @@ def test_recordings_made_by_other_programs_are_read_whole(shared_data):
         for frame in recording.frames:
             for hand in frame.hands:
                 for finger in hand.fingers:
-                    if finger.joints is not None:
+                    if finger.joints is not None and name != "pinch-57fps.json.lz":
                         assert finger.joints[3] == finger.tip
+                    elif finger.joints is not None:
+                        bone = math.dist(finger.joints[2], finger.joints[3])
+                        assert math.dist(finger.end, finger.tip) / bone == pytest.approx(
+                            0.23, abs=0.01
+                        )

@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import json
 import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -79,7 +80,8 @@ def test_what_a_service_would_send_of_a_frame_is_read_back_as_that_frame(dialect
                 assert b.length == pytest.approx(a.length, abs=1e-9)
                 if a.joints is not None:
                     np.testing.assert_allclose(b.joints, a.joints, atol=1e-9)
-    assert decoder.dialect == ("v1" if dialect == "v1" else "v2")
+                    assert b.end == pytest.approx(a.end, abs=1e-9)
+            assert read.dialect == frame.dialect == dialect
 
 
 @pytest.mark.parametrize(
@@ -92,7 +94,7 @@ def test_what_a_service_would_send_of_a_frame_is_read_back_as_that_frame(dialect
     ),
 )
 def test_the_fields_of_a_finger_tell_who_is_speaking(more, dialect):
-    sent = leap_message(take(0, "v3").frames[0], 1)
+    sent = leap_message(replace(take(0, "v3").frames[0], dialect=None), 1)
     for pointable in sent["pointables"]:
         pointable |= dict.fromkeys(more, 0)
     decoder = LeapDecoder()
@@ -106,6 +108,28 @@ def test_a_length_that_is_a_width_by_mistake_does_not_matter_where_joints_are_kn
     for pointable in sent["pointables"]:
         pointable["length"] = 17.0
     assert LeapDecoder().feed(sent) == right
+
+
+def test_the_last_bone_ends_where_the_device_says_and_at_the_tip_where_it_says_nothing():
+    frame = take(0, "v3").frames[0]
+    sent = leap_message(frame, 1)
+    apart = [
+        math.dist(p["btipPosition"], p["tipPosition"])
+        / math.dist(p["btipPosition"], p["dipPosition"])
+        for p in sent["pointables"]
+        if p["type"] != 0
+    ]
+    # As in the real recording pinch-57fps.
+    assert apart == pytest.approx([0.23] * 4)
+    read = LeapDecoder().feed(sent)
+    assert read is not None
+    for known, found in zip(frame.hands[0].fingers, read.hands[0].fingers, strict=True):
+        assert found.end == pytest.approx(known.end) and found.tip == pytest.approx(known.tip)
+        assert found.end != found.tip
+    for pointable in sent["pointables"]:
+        del pointable["btipPosition"]
+    old = LeapDecoder().feed(sent)
+    assert old is not None and all(f.end == f.tip for f in old.hands[0].fingers)
 
 
 @pytest.mark.parametrize(

@@ -193,6 +193,13 @@ def test_settings_with_a_calibration_are_read_back_as_they_were(tmp_path: Path):
     assert "in_air" not in RunSettings().as_json()["hands"][0]
 
 
+def test_a_header_from_before_couplings_were_learned_replays_without_learning():
+    values = settings(hands=(HandSettings(in_air=HandInput()),)).as_json()
+    assert RunSettings.from_json(values).hands[0].in_air == HandInput()
+    del values["hands"][0]["in_air"]["learns"]
+    assert RunSettings.from_json(values).hands[0].in_air == HandInput(learns=False)
+
+
 @pytest.mark.parametrize("values", [{}, {"at": [0, 0], "calibration": None}, {"at": "here"}, 3])
 def test_settings_that_are_none_are_refused(values: object):
     with pytest.raises(InputError):

@@ -13,7 +13,7 @@ from models.frames import TouchFrame
 from models.surface import METRES_PER_INCH, Surface
 from sandbox.devices.tuio.tuio import TuioDevice
 from tests.support.processes import PATIENCE, Sender, until
-from tests.support.tuio_packets import MALFORMED, frame
+from tests.support.tuio_packets import MALFORMED, blobs, frame
 
 A, B = (0.25, 0.5), (0.75, 0.125)
 
@@ -61,6 +61,17 @@ def test_every_frame_comes_out_once_in_order_and_in_metres() -> None:
         assert times == sorted(times)
         assert device.statistics.packets == device.statistics.frames == 300
         assert not device.finished
+
+
+def test_blobs_give_touches_their_width_and_height() -> None:
+    surface = Surface(10.0, 5.0)
+    with TuioDevice(surface, port=0) as device, Sender(device.port) as send:
+        send(blobs(1, {1: (0.25, 0.5, 0.04, 0.16), 2: (0.75, 0.5, 0.2, 0.1)}))
+        send(frame(1, {1: (0.26, 0.5), 2: (0.74, 0.51), 3: (0.1, 0.1)}))
+        finger, palm, unknown = collect(device, 1)[0].contacts
+    assert finger.extent == pytest.approx((0.4 * METRES_PER_INCH, 0.8 * METRES_PER_INCH))
+    assert palm.extent == pytest.approx((2.0 * METRES_PER_INCH, 0.5 * METRES_PER_INCH))
+    assert unknown.extent is None
 
 
 def test_a_full_queue_keeps_the_newest_frames_and_counts_the_others() -> None:

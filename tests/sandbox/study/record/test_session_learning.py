@@ -140,6 +140,11 @@ def test_an_anonymous_copy_tells_no_layouts_unless_hands_are_kept(tmp_path, lear
 
 def test_a_design_that_learns_with_names_that_never_learn_has_a_mistake():
     with pytest.raises(DesignError, match="labels"):
-        design(DESIGN.replace('labels = "population"\n', ""))
+        design(DESIGN.replace('labels = "population"', 'labels = "history"'))
+    level = '{ name = "LEVEL", settings = { labels = "history", contact = "LEVEL" } }'
+    levels = f"{level.replace('LEVEL', 'hard')}, {level.replace('LEVEL', 'soft')}"
+    with pytest.raises(DesignError, match="labels"):
+        design(DESIGN.replace('"hard", "soft"', levels))
+    assert design(DESIGN.replace('labels = "population"\n', "")).learning == "session"
     with pytest.raises(DesignError, match="learning"):
         design(DESIGN.replace('"session"', '"for ever"'))

@@ -1,0 +1,1 @@
+"""Sentences for people that can be said in other languages."""

@@ -1,0 +1,37 @@
+"""A sentence for people: English text, and what another language needs to say the same."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+Values = Mapping[str, str | list[str]]
+
+
+class Message(str):
+    """An English sentence that knows its key and its values.
+
+    It is a string, and everything that prints or stores it stores English. A view that speaks
+    another language looks the key up among its own sentences (sandbox/words) and never compares
+    the text.
+
+    Args:
+        key: Name of the sentence, the same in all languages.
+        text: The English sentence, with its values as {name}.
+        values: Values by name: numbers as they are printed, or names of things, for which a
+            language has words of its own; a list for several things.
+    """
+
+    key: str
+    values: Values
+    _text: str
+
+    def __new__(cls, key: str, text: str, /, **values: str | list[str]) -> Message:
+        shown = {name: ", ".join(v) if isinstance(v, list) else v for name, v in values.items()}
+        self = super().__new__(cls, text.format(**shown))
+        self.key, self.values = key, values
+        self._text = text
+        return self
+
+    def __getnewargs_ex__(self) -> tuple[tuple[str, str], dict[str, Any]]:
+        return (self.key, self._text), dict(self.values)

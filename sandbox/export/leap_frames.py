@@ -1,0 +1,167 @@
+"""Frames of a Leap recording, read from the disk as they are needed.
+
+`sandbox.devices.leap.leap_file.read_leap` reads every form of file, but whole: ten minutes are a
+gigabyte as objects. The forms that grow long (lists of frames, and a message a line) are read
+frame by frame here; all others are left to it.
+"""
+
+from __future__ import annotations
+
+import json
+from collections import Counter
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import msgspec
+
+from models.errors import RecordingError
+from models.frames import HandFrame
+from sandbox.devices.leap.leap_file import LeapRecording, read_leap
+from sandbox.devices.leap.leap_json import LeapDecoder
+from sandbox.export.json_text import LARGEST, JsonText
+
+_DAMAGE = (msgspec.DecodeError, UnicodeDecodeError, RecursionError)
+
+
+class LeapFrames:
+    """The frames of a recording; every iteration reads them anew.
+
+    Args:
+        path: The file.
+
+    Attributes:
+        metadata: Metadata of the file; empty without any.
+        counts: Numbers of frames, fingers and hands that were used or skipped in the latest
+            iteration, by reason.
+        damage: Error that ended the latest iteration early; None if there was none.
+
+    Raises:
+        RecordingError: The file does not exist, is damaged or of another program.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        self._whole: LeapRecording | None = None
+        self.metadata: dict[str, Any] = {}
+        self.counts: Counter[str] = Counter()
+        self.damage: RecordingError | None = None
+        self._lines = _is_lines(path)
+        if not (self._lines or self._is_list()):
+            self._whole = read_leap(path)
+            self.metadata, self.damage = self._whole.metadata, self._whole.damage
+
+    def messages(self) -> Iterator[Any]:
+        """Yields the decoded JSON messages.
+
+        Raises:
+            RecordingError: The file is damaged.
+        """
+        if self._whole is not None:
+            yield from self._whole.messages
+        elif self._lines:
+            yield from self._messages_of_lines()
+        else:
+            yield from self._messages_of_list()
+
+    def __iter__(self) -> Iterator[HandFrame]:
+        if self._whole is not None:
+            self.counts = self._whole.counts
+            yield from self._whole.frames
+            return
+        decoder = LeapDecoder(self._path.name)
+        self.counts = decoder.counts
+        for message in self.messages():
+            frame = decoder.feed(message)
+            if frame is not None:
+                yield frame
+
+    def _messages_of_lines(self) -> Iterator[Any]:
+        self.damage = None
+        with self._path.open("rb") as file:
+            for number, line in enumerate(file, start=1):
+                if not line.strip():
+                    continue
+                try:
+                    yield msgspec.json.decode(line)
+                except _DAMAGE as error:
+                    self.damage = RecordingError(
+                        f"the recording is damaged here: {error}",
+                        where=f"{self._path}, line {number}",
+                        got=line[:40].decode("latin-1"),
+                        remedy="The lines before this one were read",
+                    )
+                    return
+
+    def _messages_of_list(self) -> Iterator[Any]:
+        text = JsonText(self._path.open(encoding="utf-8"))
+        try:
+            before = self._first_frame(text)
+            while text.sign() != "]":
+                yield text.value()
+                if text.sign() not in (",", "]"):
+                    raise ValueError("a frame is followed by neither another nor the end")
+                if text.sign() == ",":
+                    text.skip()
+            text.skip()
+            json.loads(f"{before}{text.rest()}")
+        except (ValueError, RecursionError) as error:
+            raise RecordingError(
+                f"the JSON is damaged or cut short: {error}", where=str(self._path)
+            ) from error
+        finally:
+            text.close()
+
+    def _is_list(self) -> bool:
+        try:
+            text = JsonText(self._path.open(encoding="utf-8"))
+        except OSError:
+            return False
+        try:
+            return self._first_frame(text) is not None
+        except (ValueError, RecursionError):
+            return False
+        finally:
+            text.close()
+
+    def _first_frame(self, text: JsonText) -> str | None:
+        """Goes to the first frame of a list of plain frames.
+
+        Returns:
+            What stands for all before the list's end; None if the file has another form.
+        """
+        opening = text.sign()
+        text.skip()
+        if opening == "[":
+            return "[]" if text.sign() == "{" else None
+        while opening == "{" and text.sign() == '"':
+            name = text.value()
+            if text.sign() != ":":
+                return None
+            text.skip()
+            if name == "frames" and text.sign() == "[":
+                text.skip()
+                # A rate in the metadata counts for frames without a time: `read_leap` knows it.
+                plain = bool(self.metadata) and "frameRate" not in self.metadata
+                return '{"frames":[]' if plain and text.sign() == "{" else None
+            value = text.value()
+            if name == "metadata" and isinstance(value, dict):
+                self.metadata = value
+            if text.sign() == ",":
+                text.skip()
+        return None
+
+
+def _is_lines(path: Path) -> bool:
+    """True if the first line is a complete JSON object and further lines follow."""
+    try:
+        with path.open("rb") as file:
+            first = file.readline(LARGEST)
+            while first and not first.strip():
+                first = file.readline(LARGEST)
+            if not first.lstrip().startswith(b"{") or not file.read(1):
+                return False
+        msgspec.json.decode(first)
+    except (OSError, *_DAMAGE):
+        return False
+    return True

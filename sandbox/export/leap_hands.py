@@ -1,0 +1,99 @@
+"""Hands over a Leap as PAALM has them: in the device's frame, without a task, table or speed limit.
+
+`HandReconstructor` is what drives a hand in a task, too. There the hand must not sink into the
+table, outrun its servos or hide objects while it is lost; here nothing of that applies.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from math import inf
+
+from encoders.paalm.calibration import HandCalibration
+from encoders.paalm.hand_reconstructor import HandReconstructor, HandReconstructorSettings
+from encoders.paalm.paalm import Paalm
+from models.frames import SIDES, HandFrame
+from models.limits import RateLimit
+from models.motion.armature import Armature
+from models.person import Person
+from models.skeleton import ADULT
+from sandbox.devices.leap.shared_leap import SharedLeap
+from sandbox.session.device import HandDevice
+
+STRAIGHT = HandReconstructorSettings(
+    device=(0.0, 0.0, 0.0), rate=RateLimit(inf, inf), rise=0.0, rise_speed=0.0, floor=-inf
+)
+"""The device's frame; a lost hand keeps its last pose."""
+
+
+def straight_reconstructor(side: str, calibration: HandCalibration | None) -> HandReconstructor:
+    """The reconstructor of one hand.
+
+    Args:
+        side: `right` or `left`.
+        calibration: Calibration of that hand. None: the bones that the device reports when it
+            first sees the hand, or an average hand.
+    """
+    paalm = Paalm()
+    if calibration is not None:
+        paalm.use({side: calibration})
+    return HandReconstructor(paalm, side, STRAIGHT, assume=calibration is None)
+
+
+def straight_reconstructors(
+    sides: Sequence[str], calibrations: Mapping[str, HandCalibration]
+) -> list[HandReconstructor]:
+    """The reconstructors of several hands; calibrations may be missing."""
+    return [straight_reconstructor(side, calibrations.get(side)) for side in sides]
+
+
+def leap_armatures(sides: Sequence[str]) -> tuple[Armature, ...]:
+    """The armatures of the average hand, which PAALM poses."""
+    return tuple(Armature(Person(side).skeleton(ADULT)) for side in sides)
+
+
+def described(sides: Sequence[str]) -> str:
+    """The hands, in words for people."""
+    hands = "hand" if len(sides) == 1 else "hands"
+    return f"the {' and '.join(sides)} {hands} over a Leap, by PAALM, in the frame of the device"
+
+
+def devices_by_side(device: HandDevice, sides: Sequence[str]) -> tuple[HandDevice, ...]:
+    """A device for each hand over one live device."""
+    if len(sides) == 1:
+        return (device,)
+    return SharedLeap(device, (sides[0], sides[1])).parts
+
+
+class HandSplitter:
+    """Splits frames by side, as for two hands of a task over one Leap.
+
+    Args:
+        sides: Sides of the wanted hands.
+        pairs: True if frames show two hands. A single hand otherwise keeps its frames whole, and
+            PAALM finds it.
+    """
+
+    def __init__(self, sides: Sequence[str], pairs: bool) -> None:
+        self._feed = _Feed()
+        self._shared = SharedLeap(self._feed, SIDES) if pairs or len(sides) == 2 else None
+        self._wanted = [SIDES.index(side) for side in sides]
+
+    def __call__(self, frame: HandFrame) -> tuple[HandFrame, ...]:
+        """A frame for each side."""
+        if self._shared is None:
+            return (frame,)
+        self._feed.frame = frame
+        self._shared.fetch(frame.time)
+        split = [part.waiting.popleft() for part in self._shared.parts]
+        return tuple(split[i] for i in self._wanted)
+
+
+class _Feed(HandDevice):
+    """A device that returns the frame that it was given."""
+
+    def __init__(self) -> None:
+        self.frame = HandFrame(0.0)
+
+    def poll(self, now: float) -> Sequence[HandFrame]:
+        return (self.frame,)

@@ -1,0 +1,262 @@
+"""Source of poses: a Leap recording, straight from PAALM."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from itertools import islice
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+
+from encoders.paalm.average import average_calibration, knows_bones, with_reported_coupling
+from encoders.paalm.calibration import HandCalibration
+from encoders.paalm.calibration_file import read_hand
+from encoders.paalm.paalm import Paalm
+from encoders.paalm.recorded import measured_in
+from encoders.reconstruction.arrival import Phase
+from models.arithmetic.arrays import Array
+from models.errors import EncoderError, InputError, RecordingError
+from models.frames import SIDES, HandFrame
+from models.motion.armature import CHUNK
+from sandbox.export.leap_frames import LeapFrames
+from sandbox.export.leap_hands import (
+    HandSplitter,
+    described,
+    leap_armatures,
+    straight_reconstructors,
+)
+from sandbox.export.motion_source import MotionSource, PoseCallback, poses_of, together
+
+FEW = 0.01
+"""Share of the frames with a hand below which a hand of another side is the device's mistake."""
+_MEASURED_FRAMES = 20_000
+"""Frames in which a hand is measured where the device reports no bones."""
+_BONES_FRAMES = 1000
+"""Frames in which the device's own bones, and their coupling, are looked up."""
+
+Hand = Literal["right", "left", "both"]
+
+
+@dataclass(frozen=True)
+class LeapSurvey:
+    """What a recording has, before its frames are used.
+
+    Attributes:
+        duration: s by the device's clock; 0 if the messages have no times.
+        sides: Numbers of messages with a hand of each side that the device names; under None those
+            with a hand of no side.
+        pairs: Number of messages with two hands or more of no side.
+        hands: Number of messages with a hand.
+        frames: Number of messages that are frames.
+    """
+
+    duration: float
+    sides: Counter[str | None]
+    pairs: int
+    hands: int
+    frames: int
+
+    @classmethod
+    def of(cls, messages: Iterable[Any]) -> LeapSurvey:
+        """Looks through the messages of a recording, which may hold anything."""
+        sides: Counter[str | None] = Counter()
+        begin = end = None
+        pairs = hands = frames = 0
+        for message in messages:
+            records = message.get("hands") if isinstance(message, dict) else None
+            if not isinstance(records, list):
+                continue
+            frames += 1
+            time = message.get("timestamp")
+            if isinstance(time, (int, float)):
+                begin, end = time if begin is None else begin, time
+            kinds = [r.get("type") for r in records if isinstance(r, dict)]
+            named = [k if k in SIDES else None for k in kinds]
+            sides.update(set(named))
+            pairs += named.count(None) >= 2
+            hands += bool(named)
+        duration = 0.0 if begin is None or end is None else max(0.0, 1e-6 * (end - begin))
+        return cls(duration, sides, pairs, hands, frames)
+
+
+def open_leap(
+    path: Path, hand: Hand | None = None, calibration: Path | None = None
+) -> MotionSource:
+    """Opens a Leap recording; poses are in the frame of the device, at the recording's times.
+
+    Args:
+        path: The recording.
+        hand: Whose hand; None: all hands that are there.
+        calibration: File with the measured hands. None: the open hand in the recording, the bones
+            that the device reports, or an average hand.
+
+    Raises:
+        RecordingError: The file is damaged, of another program, or has no hand.
+        InputError: That hand is not in the recording.
+        EncoderError: The calibration is damaged, or of the other hand.
+    """
+    frames = LeapFrames(path)
+    survey = LeapSurvey.of(frames.messages())
+    sides, remarks = _sides(survey, frames.metadata, hand, str(path))
+    recording = _SplitRecording(frames, sides, survey.pairs > FEW * survey.hands)
+    calibrations = {}
+    for i, side in enumerate(sides):
+        if calibration is not None:
+            calibrations[side] = read_hand(calibration, side)
+            continue
+        calibrations[side], remark = _calibration(recording, i)
+        remarks += [remark] if remark else []
+
+    def run(take: PoseCallback) -> str:
+        first = _first_poses(recording, calibrations, str(path))
+        for time, q in _poses(recording, calibrations, first):
+            take(together([poses_of(time, q[:, i]) for i in range(len(sides))]))
+        return "" if frames.damage is None else str(frames.damage)
+
+    return MotionSource(
+        leap_armatures(sides), sides, survey.duration, described(sides), run, tuple(remarks)
+    )
+
+
+@dataclass(frozen=True)
+class _SplitRecording:
+    """Frames of a recording, split by side.
+
+    Attributes:
+        frames: All frames.
+        sides: Sides of the wanted hands.
+        pairs: True if frames show two hands.
+    """
+
+    frames: LeapFrames
+    sides: tuple[str, ...]
+    pairs: bool
+
+    def __iter__(self) -> Iterator[tuple[HandFrame, ...]]:
+        return map(HandSplitter(self.sides, self.pairs), self.frames)
+
+    def of_hand(self, index: int) -> Iterator[HandFrame]:
+        """The frames of one hand."""
+        return (parts[index] for parts in self)
+
+
+def _sides(
+    survey: LeapSurvey, metadata: dict[str, Any], hand: Hand | None, where: str
+) -> tuple[tuple[str, ...], list[str]]:
+    """Sides of the hands to be taken, and remarks on them."""
+    if not survey.frames:
+        raise RecordingError(
+            "the file contains no usable Leap frames",
+            where=where,
+            remedy="`sandbox leap formats` lists what can be read",
+        )
+    if not survey.hands:
+        raise RecordingError(
+            "no hand is seen in this recording",
+            where=where,
+            expected="frames with a hand over the Leap",
+        )
+    named = {side: survey.sides[side] for side in SIDES if survey.sides[side]}
+    unnamed = survey.sides[None]
+    if hand is not None:
+        wanted = SIDES if hand == "both" else (hand,)
+        missing = [side for side in wanted if side not in named]
+        if missing and not unnamed:
+            raise InputError(
+                "this hand is not in the recording",
+                where=where,
+                got=" and ".join(missing),
+                expected=" and ".join(named),
+                remedy=f"--hand {next(iter(named))}",
+            )
+        if hand == "both" and not named and not survey.pairs:
+            raise InputError(
+                "the recording never shows two hands at once",
+                where=where,
+                got="--hand both",
+                expected="--hand right or --hand left",
+            )
+        return wanted, []
+    enough = FEW * survey.hands
+    if not named:
+        if survey.pairs > enough:
+            return SIDES, []
+        told = metadata.get("side")
+        if told in SIDES:
+            return (str(told),), []
+        return ("right",), ["this Leap does not say whose hand it is: --hand left, if it is left"]
+    sides = tuple(side for side, count in named.items() if count > enough)
+    few = [
+        f"the {side} hand is left out, since only {count} of {survey.hands} frames show it; "
+        "--hand both takes it in"
+        for side, count in named.items()
+        if side not in sides
+    ]
+    return (sides or tuple(named)), few
+
+
+def _calibration(recording: _SplitRecording, index: int) -> tuple[HandCalibration, str]:
+    """Calibration of a hand in a recording, and a remark if it was not measured."""
+    side, paalm = recording.sides[index], Paalm()
+    shown = (frame for frame in recording.of_hand(index) if frame.hands)
+    some = list(islice(shown, _BONES_FRAMES))
+    if knows_bones(some, side):
+        return with_reported_coupling(average_calibration(some, side, paalm.options), some), ""
+    try:
+        own = islice(recording.of_hand(index), _MEASURED_FRAMES)
+        samples = [(f.time, f.hands[0] if f.hands else None) for f in own]
+        return measured_in(samples, side, paalm.options), ""
+    except EncoderError as error:
+        return average_calibration(some, side, paalm.options), (
+            f"an average {side} hand is assumed, because {error.what} ({error.got}); "
+            "--calibration FILE takes yours"
+        )
+
+
+def _first_poses(
+    recording: _SplitRecording, calibrations: dict[str, HandCalibration], where: str
+) -> list[Array]:
+    """The pose (48,) of each hand when it is first seen."""
+    hands = straight_reconstructors(recording.sides, calibrations)
+    first: list[Array | None] = [None] * len(hands)
+    for parts in recording:
+        for i, part in enumerate(parts):
+            if first[i] is None:
+                step = hands[i].step(part)
+                first[i] = step.q if step.phase is Phase.DOWN else None
+        found = [q for q in first if q is not None]
+        if len(found) == len(hands):
+            return found
+    unseen = [side for side, q in zip(recording.sides, first, strict=True) if q is None]
+    raise RecordingError(
+        f"no frame can be used of the {' and '.join(unseen)} hand",
+        where=where,
+        expected="hands apart, with five fingers at most",
+    )
+
+
+def _poses(
+    recording: _SplitRecording, calibrations: dict[str, HandCalibration], first: list[Array]
+) -> Iterator[tuple[Array, Array]]:
+    """Times (n,) s from the first frame, and poses (n, H, 48), in batches."""
+    hands = straight_reconstructors(recording.sides, calibrations)
+    times: list[float] = []
+    poses: list[list[Array]] = []
+    begin: float | None = None
+    latest = list(first)
+    for parts in recording:
+        begin = parts[0].time if begin is None else begin
+        for i, (hand, part) in enumerate(zip(hands, parts, strict=True)):
+            step = hand.step(part)
+            if step.phase is Phase.DOWN:
+                latest[i] = step.q
+        times.append(parts[0].time - begin)
+        poses.append(list(latest))
+        if len(times) == CHUNK:
+            yield np.array(times), np.array(poses)
+            times, poses = [], []
+    if times:
+        yield np.array(times), np.array(poses)

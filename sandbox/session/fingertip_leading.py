@@ -1,0 +1,253 @@
+"""Fingertip leading: beside a thing, a fingertip is led off its touch until it is out of the thing.
+
+People put their fingers against what they want to hold. A touch is where the middle of a fingertip
+belongs, and the tip is a ball of 8 mm: a finger at a face would have to become solid inside of the
+thing. So the tip is led out along the surface, by little more than its radius at most, while it is
+still a ghost. It keeps this distance from its touch, turned as the touches turn, for as long as it
+is solid near things: fingers that close then press from the face on.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from math import cos, sin, sqrt
+
+import numpy as np
+
+from encoders.reconstruction.touch_reconstructor import Reconstruction
+from encoders.smoothing import common_motion
+from models.arithmetic.arrays import Array
+from models.frames import FINGERS
+from models.objects import SceneObject
+from models.scene import CONTROL_PERIOD, BodyPoses, Scene
+from models.surface import Surface
+from sandbox.session.collision_gating import GHOST, CollisionGate
+from sandbox.session.letting_go import Grip
+
+MARGIN = 0.0012
+"""m that a led fingertip is clear of things. A touch trembles, and the simulated finger follows its
+command within less than a millimetre."""
+REACH = 0.007
+"""m beyond its own radius, by which a fingertip may be led: the margin, and what a leaning finger
+needs beside a high thing (python -m benchmarks.near_faces)."""
+INSIDE = 0.002
+"""m inside a thing, beyond which a touch is not beside it: its finger is not led, and the person is
+told. Touches tremble, and people put a fingertip's middle onto the edge that they see."""
+TOWARDS = 0.3
+"""Cosine of the angle to the hand's other touches from which on a finger is not led: who grips has
+the thing between the fingers, so that the way out of it leads away from the others."""
+SPEED = 0.15
+"""m/s along the surface, at which a tip is led: 2.4 mm in a control period."""
+FADING = 0.05
+"""m/s at which a solid fingertip returns to a touch that is well clear of things."""
+WELL_CLEAR = 0.003
+"""m that a solid finger at its touch would have to be clear of things to be led no more."""
+
+_PROBE = 0.0005
+"""m to either side, where the way out of a thing is looked for."""
+_LEAST_SLOPE = 0.3
+"""Growth of the clearance along the surface, below which no way leads out."""
+_ROUNDS = 12
+_NONE = (0.0, 0.0)
+_NO_OFFSETS = np.zeros((len(FINGERS), 2))
+
+_Clearance = Callable[[Array], Array]
+"""Function from points (n, 3) m of a finger to the clearances (n,) m of its flesh."""
+
+
+class FingertipLeading:
+    """Leads the fingertips of one hand out of things, and keeps the width of its grip.
+
+    Args:
+        scene: The scene.
+        hand: Index of the hand.
+        surface: Surface of its touches.
+        gate: The hand's collision gating.
+    """
+
+    def __init__(self, scene: Scene, hand: int, surface: Surface, gate: CollisionGate) -> None:
+        self._scene, self._surface, self._gate = scene, surface, gate
+        last = {link.finger: link for link in scene.spec.hands[hand].links}
+        self._radius = [last[f].radius for f in range(len(FINGERS))]
+        # In the world, of a step to the right and of one down on the surface.
+        self._right, self._down = surface.rotation[:, 0], -surface.rotation[:, 1]
+        self._right_of, self._down_of = self._right.tolist(), self._down.tolist()
+        self._corner = surface.corner.tolist()
+        # Of the part that becomes solid, seen from its touch, and as far as it may be led.
+        reach = [
+            (1.0 - link.solid_from) * link.length + 2 * link.radius + REACH
+            for link in (last[f] for f in range(len(FINGERS)))
+        ]
+        self._things = [
+            (
+                thing,
+                scene.object_bodies[thing.name],
+                [(scene.object_radius(thing.name) + far) ** 2 for far in reach],
+            )
+            for thing in scene.spec.objects
+        ]
+        self._out: Array | None = None
+        self._grip = Grip()
+        self._touches: Mapping[int, tuple[float, float]] = {}
+        self._near: dict[int, list[SceneObject]] = {}
+
+    def lets_go(self, data: BodyPoses, reconstruction: Reconstruction, ghost: bool = False) -> bool:
+        """True in the step in which the fingers spread, so that the hand becomes a ghost.
+
+        Args:
+            data: Current state of the simulation.
+            reconstruction: Current reconstruction from touches.
+            ghost: The person wants the hand to pass through things, so none is in its way.
+        """
+        self._before, self._touches = self._touches, reconstruction.touches
+        self._near = {} if ghost else self._things_near(data)
+        return self._grip.step(self._touches, self._gate.fingers if self._near else GHOST)
+
+    def step(self, data: BodyPoses, reconstruction: Reconstruction) -> Array | None:
+        """Offsets (5, 2) m along the surface, y down, from touches to fingertips in the next step;
+        None if all are 0.
+
+        Args:
+            data: Current state of the simulation.
+            reconstruction: Current reconstruction from touches, of which `lets_go` knows already.
+        """
+        solid = self._gate.fingers
+        if self._out is not None or (self._near and not self._touches.keys() <= solid):
+            out = np.zeros((len(FINGERS), 2))
+            turned = self._turned()
+            behind = self._gate.behind_tips(data)
+            for finger, touch in self._touches.items():
+                tip = self._surface.to_world(touch, reconstruction.tip_height)
+                clear = self._clearance(data, finger)
+                offset = turned[finger]
+                if finger in solid:
+                    out[finger] = self._kept(offset, tip, behind[:, finger], clear)
+                else:
+                    out[finger] = self._led_out(offset, tip, behind[:, finger], clear, finger)
+            self._out = out if out.any() else None
+        if self._out is None:
+            return self._grip.offsets
+        return self._out if self._grip.offsets is None else self._out + self._grip.offsets
+
+    def _things_near(self, data: BodyPoses) -> dict[int, list[SceneObject]]:
+        """Things that each finger may touch. Plain floats: this is computed in every step."""
+        near: dict[int, list[SceneObject]] = {}
+        for thing, body, reach in self._things:
+            a, b, c = data.xpos[body].tolist()
+            a, b, c = a - self._corner[0], b - self._corner[1], c - self._corner[2]
+            x = self._right_of[0] * a + self._right_of[1] * b + self._right_of[2] * c
+            y = self._down_of[0] * a + self._down_of[1] * b + self._down_of[2] * c
+            for finger, (right, down) in self._touches.items():
+                if (right - x) * (right - x) + (down - y) * (down - y) < reach[finger]:
+                    near.setdefault(finger, []).append(thing)
+        return near
+
+    def _turned(self) -> Array:
+        """The offsets, turned as the touches have turned since the last step."""
+        if self._out is None:
+            return _NO_OFFSETS
+        known = sorted(self._touches.keys() & self._before.keys())
+        if len(known) < 2:
+            return self._out
+        motion = common_motion([self._before[f] for f in known], [self._touches[f] for f in known])
+        # Counterclockwise on the screen, whose y points down.
+        c, s = cos(motion.turn), sin(motion.turn)
+        x, y = self._out[:, 0], self._out[:, 1]
+        return np.stack([c * x + s * y, c * y - s * x], axis=1)
+
+    def _clearance(self, data: BodyPoses, finger: int) -> _Clearance | None:
+        """Clearance of a finger from the things that it may touch; None without any."""
+        if finger not in self._near:
+            return None
+        near = [(thing, *self._scene.object_pose(data, thing.name)) for thing in self._near[finger]]
+        radius = self._radius[finger]
+
+        def clear(points: Array) -> Array:
+            nearest = np.full(len(points), np.inf)
+            for thing, position, rotation in near:
+                nearest = np.minimum(nearest, thing.clearance(points, position, rotation))
+            return nearest - radius
+
+        return clear
+
+    def _kept(self, offset: Array, tip: Array, behind: Array, clear: _Clearance | None) -> Array:
+        """The next offset (2,) of a solid finger."""
+        if not (offset[0] or offset[1]):
+            return offset
+        if clear is not None:
+            # The tip alone mostly answers it, and some things take long to be measured.
+            for points in (tip[None], tip + behind):
+                if clear(points).min() <= WELL_CLEAR:
+                    return offset
+        return _towards(offset, _NONE, FADING)
+
+    def _led_out(
+        self, offset: Array, tip: Array, behind: Array, clear: _Clearance | None, finger: int
+    ) -> Array:
+        """The next offset (2,) of a finger that is not solid yet.
+
+        Args:
+            offset: (2,) m, now.
+            tip: (3,) m, where its tip would be without.
+            behind: (points, 3) m, points of it as seen from its tip.
+            clear: Its clearance.
+            finger: Its label.
+        """
+        way: tuple[float, float] | None = _NONE
+        if clear is not None:
+            way = self._way_out(tip, behind, clear, self._radius[finger])
+            if way is not None and self._towards_others(finger, way):
+                way = None
+        # Where no way leads out the finger stays, and the person is told.
+        return offset if way is None else _towards(offset, way, SPEED)
+
+    def _towards_others(self, finger: int, way: tuple[float, float]) -> bool:
+        """True if an offset (x, y) m leads a finger towards the hand's other touches."""
+        others = [touch for f, touch in self._touches.items() if f != finger]
+        if not others:
+            return False
+        x, y = self._touches[finger]
+        right = x - sum(a for a, _ in others) / len(others)
+        down = y - sum(b for _, b in others) / len(others)
+        far = sqrt(right * right + down * down) * sqrt(way[0] * way[0] + way[1] * way[1])
+        return right * way[0] + down * way[1] < -TOWARDS * far
+
+    def _way_out(
+        self, tip: Array, behind: Array, clear: _Clearance, radius: float
+    ) -> tuple[float, float] | None:
+        """The shortest offset (x, y) m at which a finger is clear of things.
+
+        None if there is none within reach, or if the touch is inside of a thing.
+        """
+        free = float(clear(tip + behind).min())
+        if free >= MARGIN:
+            return _NONE
+        steps = _PROBE * np.stack([np.zeros(3), self._right, -self._right, self._down, -self._down])
+        here, right, left, down, up = clear(tip + steps).tolist()
+        if here < -radius - INSIDE:
+            return None
+        x, y = (right - left) / (2 * _PROBE), (down - up) / (2 * _PROBE)
+        slope = sqrt(x * x + y * y)
+        if slope < _LEAST_SLOPE:
+            return None
+        x, y = x / slope, y / slope
+        out = x * self._right + y * self._down
+        far = 0.0
+        for _ in range(_ROUNDS):
+            far += max(MARGIN - free, 1e-4)
+            if far > radius + REACH:
+                return None
+            free = float(clear(tip + far * out + behind).min())
+            if free >= MARGIN - 1e-6:
+                return far * x, far * y
+        return None
+
+
+def _towards(offset: Array, goal: tuple[float, float], speed: float) -> Array:
+    """An offset (2,) on its way to a goal, after a control period."""
+    x, y = offset.tolist()
+    right, down = goal[0] - x, goal[1] - y
+    way, most = sqrt(right * right + down * down), speed * CONTROL_PERIOD
+    if way <= most:
+        return np.array(goal)
+    return np.array([x + most / way * right, y + most / way * down])

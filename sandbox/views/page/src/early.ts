@@ -1,0 +1,11 @@
+// Runs before the rest of the page has come: the language, and the first words in it.
+
+import { announce, base, choose } from "./language";
+
+/** "Preparing the table" by language, put in by bundle.mjs. */
+declare const PREPARING: Record<string, string>;
+
+// A study's page comes with its language.
+const code = document.documentElement.lang || choose(Object.keys(PREPARING));
+announce(code);
+document.querySelector(".preparing")!.textContent = PREPARING[base(code)] ?? "";

@@ -1,0 +1,139 @@
+"""Real recordings of the first software: sides, names, palms, and hands that no longer claw."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from encoders.evaluation.paalm_plausible import plausibility
+from encoders.paalm import Paalm, PaalmOptions
+from encoders.paalm.calibration import longest_calibration
+from encoders.paalm.chain import FINGER_LIMITS, FingerChain
+from encoders.paalm.coupling import TWO_THIRDS
+from encoders.paalm.palm import palm_of
+from encoders.paalm.palm_slip import slip
+from encoders.paalm.rig import bone_lengths, with_palm_shift
+from encoders.paalm.sides import HandSides
+from models.errors import EncoderError
+from models.frames import FINGERS, HandFrame, TrackedHand
+from models.rotations import exp
+from sandbox.devices.leap.leap_file import read_leap
+from tests.support.leap_hands import take
+
+
+def test_a_real_hand_is_plausible(shared_data) -> None:
+    found = plausibility(read_leap(shared_data / "leap" / "v1-hands.json").frames)
+    assert found.remark == ""
+    assert found.fingers > 3000
+    assert found.backward < 0.08 and found.claws < 0.05 and found.at_limit < 0.05
+    assert found.tips < 0.008
+
+
+def test_of_two_real_hands_the_thumbs_tell_the_sides(shared_data) -> None:
+    frames = read_leap(shared_data / "leap" / "v1-hands.json").frames
+    sides = HandSides(("right", "left"))
+    said = [(h.id, side) for f in frames for side, h in sides.choose(f).items()]
+    late = said[60:]
+    assert {(2, "right"), (8, "left")} == set(late)
+
+
+@pytest.mark.parametrize("side", ["right", "left"])
+def test_a_lone_hand_has_the_side_of_its_thumb_wherever_it_is(side: str) -> None:
+    one = take(0, drop_outs=False)
+    sides = HandSides(("right", "left"))
+    for frame in one.frames[:30]:
+        (hand,) = frame.hands
+        hand = moved(hand, -0.15) if side == "right" else mirrored(moved(hand, -0.15))
+        chosen = sides.choose(replace(frame, hands=(hand,)))
+    assert set(chosen) == {side}
+
+
+def moved(hand: TrackedHand, right: float) -> TrackedHand:
+    def shift(p: tuple[float, float, float]) -> tuple[float, float, float]:
+        return (p[0] + right, p[1], p[2])
+
+    fingers = tuple(replace(f, tip=shift(f.tip)) for f in hand.fingers)
+    return replace(hand, palm=shift(hand.palm), fingers=fingers)
+
+
+def mirrored(hand: TrackedHand) -> TrackedHand:
+    def flip(p: tuple[float, float, float]) -> tuple[float, float, float]:
+        return (-p[0], p[1], p[2])
+
+    fingers = tuple(replace(f, tip=flip(f.tip), direction=flip(f.direction)) for f in hand.fingers)
+    return replace(
+        hand,
+        palm=flip(hand.palm),
+        normal=flip(hand.normal),
+        direction=flip(hand.direction),
+        fingers=fingers,
+    )
+
+
+def test_a_palm_whose_fingers_are_behind_it_is_turned_round() -> None:
+    (hand,) = take(0, drop_outs=False).frames[5].hands
+    x, y, z = hand.direction
+    a, b, c = hand.normal
+    wrong = replace(hand, direction=(-x, -y, -z), normal=(-a, -b, -c))
+    for f in hand.fingers:
+        np.testing.assert_allclose(
+            palm_of(wrong, "right").place(f.tip), palm_of(hand, "right").place(f.tip), atol=1e-12
+        )
+
+
+def test_names_that_were_swapped_are_put_in_order() -> None:
+    one = take(0, drop_outs=False)
+    still = [one.frames[20]] * 60
+    paalm = Paalm()
+    paalm.calibrate([f for f, o in zip(one.frames, one.open, strict=True) if o], "right", 100)
+    truth = one.fingers[20]
+    swapped = {i: {2: 3, 3: 2}.get(n, n) for i, n in truth.items()}
+    (hand,) = still[0].hands
+    paalm.step(still[0])
+    tracker = paalm._hands["right"]._identity
+    for i, name in swapped.items():
+        tracker._ids[name] = i
+        tracker._tips[name] = palm_of(hand, "right").place(
+            next(f.tip for f in hand.fingers if f.id == i)
+        )
+        tracker._places[name] = tuple(tracker._tips[name].tolist())
+    for step, frame in enumerate(still):
+        out = paalm.step(replace(frame, time=frame.time + 0.01 * step))
+    said = {i: FINGERS.index(f) for f, i in out.hands["right"].ids.items() if i is not None}
+    assert said == truth
+
+
+@pytest.mark.parametrize("forward", [-0.02, 0.0, 0.03])
+def test_the_slip_of_a_palm_is_what_all_fingers_miss(forward: float) -> None:
+    fingers = []
+    for lengths, bend in zip(bone_lengths()[1:], (0.0, 0.0, 0.0, 40.0), strict=True):
+        chain = FingerChain(lengths, TWO_THIRDS, FINGER_LIMITS)
+        far, low = chain.chord(bend), np.deg2rad(-(bend + 5.0))
+        x, y, z = exp([low, 0.0, 0.0]) @ [0.0, far, 0.0]
+        fingers.append((chain, (float(x), float(y - forward), float(z))))
+    assert slip(fingers) == pytest.approx(forward, abs=0.001)
+    assert slip([]) == 0.0
+
+
+def test_a_standard_is_the_longest_length_and_the_tips_are_where_they_were_seen() -> None:
+    one = take(0, drop_outs=False)
+    rng = np.random.default_rng(4)
+    samples = []
+    for frame in one.frames[:400]:
+        (hand,) = frame.hands
+        shown = [
+            replace(f, length=f.length * min(rng.uniform(0.4, 1.6), 1.0)) for f in hand.fingers
+        ]
+        samples.append((frame.time, replace(hand, fingers=tuple(shown))))
+    whole = longest_calibration([(f.time, f.hands[0]) for f in one.frames[:400]], "right", 20)
+    found = longest_calibration(samples, "right", 20)
+    np.testing.assert_allclose(found.standard, whole.standard, rtol=0.07)
+    np.testing.assert_allclose(found.tips, whole.tips, atol=0.003)
+    shifted = with_palm_shift(found, PaalmOptions())
+    assert shifted.palm_shift is not None and np.linalg.norm(shifted.palm_shift) < 0.03
+    with pytest.raises(EncoderError, match="too few"):
+        longest_calibration(samples[:10], "right", 20)
+    with pytest.raises(EncoderError, match="too few"):
+        longest_calibration([(f.time, None) for f in [HandFrame(0.0)] * 30], "right", 20)

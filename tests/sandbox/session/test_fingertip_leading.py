@@ -1,0 +1,291 @@
+"""Fingers that are put against a thing are led out of it, become solid there and hold it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from benchmarks.touched_things import MugOnTable, OneThing
+from models.arithmetic.arrays import Array
+from models.errors import InputError
+from models.frames import Contact
+from models.mjcf_object import MjcfObject
+from models.objects import Box
+from models.scene import CONTROL_PERIOD
+from sandbox.recording.recording import load_recording
+from sandbox.session.collision_gating import CLEARANCE, STUCK
+from sandbox.session.fingertip_leading import REACH
+from sandbox.session.messages import MOVE_APART
+from sandbox.session.session import Session
+from sandbox.trial.headless import run_trial
+from sandbox.trial.replay import replay, settings_of
+from sandbox.trial.settings import HandSettings, RunSettings
+from tests.support.scripted import Played, run, scripted
+
+SETTLED = 0.8
+"""s after which a hand that can become solid is."""
+
+
+def box_of(session: Session) -> tuple[Array, Array]:
+    return session.scene.object_pose(session.data, "box")
+
+
+def half_width(session: Session) -> float:
+    """m from the middle of the box to its faces."""
+    box = session.task.objects[0]
+    assert isinstance(box, Box)
+    return box.half_size[0]
+
+
+def pinched(beside: float, squeeze=lambda now: 0.0, face: int = 0, **settings) -> Session:
+    """Thumb and index at two faces of the box, their touches so far outside of them, m.
+
+    Args:
+        beside: m from the faces to the touches.
+        squeeze: Function from s to m, by which each finger closes.
+        face: Axis of the box across the faces, x or y, away from the thumb.
+        settings: Of the run.
+    """
+    empty = scripted(lambda now: (), seed=1, **settings)
+    position, rotation = box_of(empty)
+    surface = empty.rigs[0].reconstructor.surface
+    half = half_width(empty)
+    empty.close()
+
+    def touch(now: float) -> list[Contact]:
+        far = (half + beside - squeeze(now)) * rotation[:, face]
+        xy = surface.to_surface(np.stack([position - far, position + far])).tolist()
+        return [Contact(i, x, y, label=i) for i, (x, y) in enumerate(xy)]
+
+    return scripted(touch, seed=1, labels="device", **settings)
+
+
+def clearances(session: Session) -> Array:
+    """(2,) m of the flesh of thumb and index from the box."""
+    gate = session._gates[0]
+    tips = gate.tips(session.data)[:2]
+    radius = session.scene.spec.hands[0].skeleton.tip_radius[:2]
+    return session.task.objects[0].clearance(tips, *box_of(session)) - radius
+
+
+@pytest.mark.parametrize("beside", [0.0, 0.003, 0.006, 0.009, 0.015])
+def test_fingers_at_the_faces_become_solid_beside_them_and_move_nothing(beside: float) -> None:
+    session = pinched(beside, rules=2)
+    before, _ = box_of(session)
+    run(session, SETTLED)
+    assert session.solid(0) == {0, 1}
+    assert clearances(session).min() > CLEARANCE
+    after, _ = box_of(session)
+    assert np.linalg.norm(after - before) < 0.0005
+    hand = session.snapshot().hands[0]
+    touches = np.array([c.position[:2] for c in hand.contacts])
+    off = np.linalg.norm(hand.tips[:2, :2] - touches, axis=1)
+    radius = session.scene.spec.hands[0].skeleton.tip_radius[:2]
+    assert np.all(off < radius + REACH)
+
+
+def test_by_the_first_rules_they_stay_a_ghost() -> None:
+    session = pinched(0.003, rules=1)
+    run(session, SETTLED)
+    assert not session.solid(0)
+
+
+@pytest.mark.parametrize(
+    ("hand", "face"),
+    [
+        (HandSettings("left"), 1),
+        (HandSettings(size=1.12), 0),
+        (HandSettings(turn=90), 1),
+        (HandSettings("left", 0.9, 270), 0),
+    ],
+    ids=["left", "larger", "from the right", "left, smaller, from the left"],
+)
+def test_it_is_so_for_every_hand_and_seat(hand: HandSettings, face: int) -> None:
+    session = pinched(0.003, face=face, rules=2, hands=(hand,))
+    run(session, SETTLED)
+    assert session.solid(0) == {0, 1}
+    assert clearances(session).min() > CLEARANCE
+
+
+def test_fingers_that_close_from_there_hold_and_turn_the_box() -> None:
+    start = 1.0
+    empty = pinched(0.0, rules=2)
+    position, before = box_of(empty)
+    surface = empty.rigs[0].reconstructor.surface
+    half = half_width(empty)
+    empty.close()
+
+    def touch(now: float) -> list[Contact]:
+        closed = min(max(now - start, 0.0) / 0.3, 1.0)
+        angle = np.deg2rad(60.0) * min(max(now - start - 0.4, 0.0), 1.0)
+        c, s = np.cos(angle), np.sin(angle)
+        turned = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+        far = turned @ ((half + 0.002 - 0.005 * closed) * before[:, 0])
+        xy = surface.to_surface(np.stack([position - far, position + far])).tolist()
+        return [Contact(i, x, y, label=i) for i, (x, y) in enumerate(xy)]
+
+    session = scripted(touch, seed=1, labels="device", rules=2)
+    run(session, start + 1.8)
+    _, after = box_of(session)
+    turn = before.T @ after
+    assert np.rad2deg(np.arctan2(turn[1, 0], turn[0, 0])) == pytest.approx(60.0, abs=12.0)
+    assert session.solid(0) == {0, 1}
+
+
+def test_a_solid_finger_that_leaves_the_thing_comes_back_to_its_touch() -> None:
+    def away(now: float) -> float:
+        return -0.05 * min(max(now - 1.0, 0.0), 1.0)
+
+    session = pinched(0.002, away, rules=2)
+    run(session, 1.0)
+    assert np.abs(session._leading[0]._out).max() > 0.003
+    run(session, 1.8)
+    assert session._leading[0]._out is None
+    hand = session.snapshot().hands[0]
+    touches = np.array([c.position[:2] for c in hand.contacts])
+    assert np.linalg.norm(hand.tips[:2, :2] - touches, axis=1).max() < 0.001
+
+
+@pytest.mark.parametrize(("rules", "inside"), [(1, 0.018), (2, 0.018), (2, 0.005)])
+def test_a_finger_in_a_thing_is_told_so_at_once_where_it_is(rules: int, inside: float) -> None:
+    session = pinched(-inside, rules=rules)
+    run(session, SETTLED)
+    now = session.snapshot()
+    assert not now.hands[0].solid and now.hands[0].inside == {0, 1}
+    assert now.notice == STUCK and now.notice.startswith(MOVE_APART)
+
+
+def beside_one_face(*places: tuple[float, float]) -> Session:
+    """Fingers beside one face of the box: m along the face from its middle, m outside of it."""
+    empty = scripted(lambda now: (), seed=1)
+    position, rotation = box_of(empty)
+    surface = empty.rigs[0].reconstructor.surface
+    half = half_width(empty)
+    empty.close()
+    points = [
+        position + along * rotation[:, 1] + (half + out) * rotation[:, 0] for along, out in places
+    ]
+    touches = [
+        Contact(i, x, y, label=i)
+        for i, (x, y) in enumerate(surface.to_surface(np.stack(points)).tolist())
+    ]
+    return scripted(lambda now: touches, seed=1, labels="device")
+
+
+def test_fingers_side_by_side_at_one_face_are_led_as_well_so_that_they_can_push() -> None:
+    session = beside_one_face((-0.012, 0.004), (0.012, 0.002))
+    run(session, SETTLED)
+    assert session.solid(0) == {0, 1}
+
+
+def test_a_finger_is_not_led_towards_the_others_as_no_thing_is_between_them() -> None:
+    session = beside_one_face((0.0, 0.06), (0.0, 0.003))
+    before, _ = box_of(session)
+    run(session, SETTLED)
+    now = session.snapshot()
+    assert not now.hands[0].solid and now.hands[0].inside == {1}
+    assert STUCK in now.notice
+    np.testing.assert_allclose(box_of(session)[0], before, atol=1e-5)
+
+
+def test_a_hand_that_is_to_pass_through_things_is_not_led() -> None:
+    session = pinched(0.002, rules=2, contact="none")
+    run(session, SETTLED)
+    hand = session.snapshot().hands[0]
+    touches = np.array([c.position[:2] for c in hand.contacts])
+    assert not hand.solid and not hand.inside
+    assert np.linalg.norm(hand.tips[:2, :2] - touches, axis=1).max() < 0.001
+
+
+def test_away_from_things_no_finger_is_led() -> None:
+    def far(now: float) -> list[Contact]:
+        return [Contact(0, 0.02, 0.13, label=0), Contact(1, 0.05, 0.11, label=1)]
+
+    poses = []
+    for rules in (1, 2):
+        session = scripted(far, seed=1, labels="device", rules=rules)
+        run(session, SETTLED)
+        assert session.solid(0) == {0, 1}
+        poses.append(session.reconstructions[0].q)
+    np.testing.assert_array_equal(poses[0], poses[1])
+
+
+CORNERS = [(0.028 * x, 0.030 * y, 0.025 * z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]
+POINTS = [*CORNERS, (-0.034, 0.0, 0.0), (0.034, 0.0, 0.0)]
+MESH = f"""<mujoco>
+  <asset><mesh name="m" vertex="{" ".join(str(x) for point in POINTS for x in point)}"/></asset>
+  <worldbody><body><geom type="mesh" mesh="m"/></body></worldbody>
+</mujoco>"""
+
+
+class RidgedBlock(OneThing):
+    """A mesh: a block with a ridge on either of its held faces."""
+
+    name = "ridged-block"
+
+    @classmethod
+    def _thing(cls, rng, middle, axis, fingers):
+        return MjcfObject.on_table("thing", MESH, 0.1, middle, axis)
+
+    def _half_width(self) -> float:
+        return 0.034
+
+
+@pytest.mark.parametrize("thing", [MugOnTable, RidgedBlock])
+def test_fingers_are_led_out_of_things_of_any_shape(thing: type[OneThing]) -> None:
+    place = f"{thing.__module__}:{thing.__name__}"
+    empty = scripted(lambda now: (), task=place, seed=0)
+    assert isinstance(empty.task, OneThing)
+    grip, surface = empty.task.grip(), empty.rigs[0].reconstructor.surface
+    empty.close()
+    places = grip.points + 0.003 * grip.outwards
+    xy = surface.to_surface(np.column_stack([places, np.zeros(len(places))])).tolist()
+
+    def touch(now: float) -> list[Contact]:
+        return [Contact(i, x, y, label=i) for i, (x, y) in enumerate(xy)]
+
+    session = scripted(touch, task=place, seed=0, labels="device", rules=2)
+    before, _ = session.scene.object_pose(session.data, "thing")
+    run(session, SETTLED)
+    after, _ = session.scene.object_pose(session.data, "thing")
+    assert session.solid(0) == {0, 1}
+    assert np.linalg.norm(after - before) < 0.0005
+
+
+@pytest.fixture(params=[1, 2])
+def recorded(request: pytest.FixtureRequest, tmp_path: Path) -> tuple[int, Path]:
+    """Fingers that close on the box from beside its faces, by either rules."""
+    session = pinched(0.004, lambda now: 0.006 * min(max(now - 0.8, 0.0), 1.0), rules=request.param)
+    times = np.arange(0.0, 1.6, CONTROL_PERIOD)
+    frames = [frame for now in times for frame in session.rigs[0].device.poll(float(now))]
+    session.close()
+    settings = RunSettings(seed=1, labels="device", rules=request.param)
+    path = tmp_path / "recorded.jsonl"
+    run_trial(settings, (lambda task, surface: Played(frames),), record=path)
+    return request.param, path
+
+
+def test_a_recording_replays_by_the_rules_that_it_was_made_with(recorded: tuple[int, Path]) -> None:
+    rules, path = recorded
+    recording = load_recording(path)
+    # Recordings from before there were other rules do not name them.
+    assert recording.header["settings"].get("rules", 1) == settings_of(recording).rules == rules
+    assert ("rules" in recording.header["settings"]) == (rules > 1)
+    session, verification = replay(recording)
+    assert verification.exact and verification.complete
+    assert bool(session.solid(0)) == (rules > 1)
+
+
+def test_the_rules_decide_the_states(recorded: tuple[int, Path]) -> None:
+    rules, path = recorded
+    recording = load_recording(path)
+    recording.header["settings"]["rules"] = 3 - rules
+    _, verification = replay(recording)
+    assert verification.first_difference is not None
+
+
+def test_rules_that_do_not_exist_are_refused() -> None:
+    with pytest.raises(InputError, match="no such rules"):
+        RunSettings(rules=3)

@@ -1,0 +1,71 @@
+"""A palm beside a grip pushes nothing, and its trial replays to the bit."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from models.frames import Contact, TouchFrame
+from sandbox.recording.recording import load_recording
+from sandbox.session.session import Session
+from sandbox.trial.headless import run_trial
+from sandbox.trial.replay import replay
+from sandbox.trial.settings import RunSettings
+from tests.support.scripted import Script, scripted
+
+GRIP = ((0.060, 0.090), (0.090, 0.055), (0.110, 0.055))
+PALM = (0.12, 0.135)
+
+
+def touched(now: float, sized: bool = True, palm: bool = True) -> list[Contact]:
+    """A grip, and a palm that grows beside it once the hand is down; noisy sizes."""
+    rng = np.random.default_rng(round(1e6 * now))
+    contacts = [Contact(i, x, y, extent=(0.011, 0.009)) for i, (x, y) in enumerate(GRIP)]
+    if palm and now > 1.0:
+        size = 0.012 + 0.033 * min((now - 1.0) / 0.3, 1.0)
+        width, height = (size * rng.normal(1.0, 0.1, 2)).tolist()
+        contacts.append(Contact(9, *PALM, extent=(width, height)))
+    return contacts if sized else [replace(c, extent=None) for c in contacts]
+
+
+def played(session: Session, seconds: float = 2.0) -> str:
+    while session.time < seconds:
+        session.advance()
+    return session.state_hash
+
+
+def test_a_palm_changes_nothing_of_what_its_hand_does():
+    with_palm, without = (
+        scripted(touched, seed=3),
+        scripted(lambda t: touched(t, palm=False), seed=3),
+    )
+    assert played(with_palm) == played(without)
+    states = {c.id: c.state for c in with_palm.snapshot().hands[0].contacts}
+    assert states == {0: "active", 1: "active", 2: "active", 9: "palm"}
+    unsized = scripted(lambda t: touched(t, sized=False), seed=3)
+    assert played(unsized) != with_palm.state_hash, "without sizes it is a finger"
+
+
+class Ending(Script):
+    """The touches above, for two seconds."""
+
+    finished = False
+
+    def poll(self, now: float) -> list[TouchFrame]:
+        self.finished = now > 2.0
+        return super().poll(now)
+
+
+def test_a_trial_with_a_palm_replays_to_the_bit(tmp_path):
+    path = tmp_path / "palm.jsonl"
+    result = run_trial(RunSettings(seed=3), (lambda task, surface: Ending(touched),), record=path)
+    recording = load_recording(path)
+    last = recording.inputs[0][-1].frame
+    assert isinstance(last, TouchFrame)
+    assert all(c.extent is not None for c in last.contacts)
+    session, found = replay(recording)
+    assert found.exact
+    assert found.complete
+    assert session.state_hash == result.state_hash
+    assert {c.state for c in session.snapshot().hands[0].contacts} == {"active", "palm"}

@@ -1,0 +1,226 @@
+"""Every language says all that English says, everything that is said has words, and no other."""
+
+from __future__ import annotations
+
+import ast
+import json
+import pickle
+import re
+from collections.abc import Iterator
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+from models.messages.message import Message
+from sandbox.server.protocol.describe import told
+from sandbox.study.design.design import WORDINGS
+from sandbox.words.words import (
+    GROUPS,
+    LANGUAGES,
+    language,
+    preferred,
+    values_of,
+    words_in,
+    words_of_studies,
+)
+from tasks.registry import TASKS
+from tasks.stacking import NAMES
+
+ROOT = Path(__file__).resolve().parents[3]
+SOURCES = sorted((ROOT / "sandbox/views/page/src").glob("*.ts"))
+MADE_BY_TOOL = "protocol.ts"
+ENGLISH = words_in("en")
+
+MADE_AT_RUN_TIME = {
+    *(f"{what}_{task}" for what in ("task", "goal") for task in TASKS),
+    *(f"{what}_{box}" for what in ("box", "below") for box in NAMES),
+    *(f"wording_{wording}" for wording in WORDINGS),
+    "side_left",
+    "side_right",
+}
+IN_BUNDLE = {"preparing", "needs_script", "return_title", "return_how", "return_no_code"}
+"""Keys that the page's bundler reads."""
+
+TOKEN = re.compile(r"/\*.*?\*/|//[^\n]*|\"(?:\\.|[^\"\\\n])*\"|`(?:\\.|[^`\\])*`", re.DOTALL)
+SINK = re.compile(
+    r"(?:\b(?:text|label|placeholder|title|alt):|\.(?:textContent|innerText|innerHTML|placeholder|title)"
+    r" =|\bwrite\([\w.!]+,|\"aria-label\",|fillText\(|\b(?:tell|complain)\()\s*$"
+)
+SENTENCE = re.compile(r"^[A-Z][a-z]+(?:[ ,.:!?]|$)|[a-z] [a-z]+ [a-z]+[ .]|[a-z]\. [A-Z]")
+NOT_READ = {
+    "Escape",
+    "ArrowUp",
+    "ArrowDown",
+    "PageUp",
+    "PageDown",
+    "OffscreenCanvas",
+}
+"""Names of keys and of things in browsers."""
+
+
+def literals(source: str) -> Iterator[tuple[str, str]]:
+    """Every string of a TypeScript source, with what stands before it; no comments."""
+    for found in TOKEN.finditer(source):
+        if found[0][0] in '"`':
+            yield found[0][1:-1], source[max(found.start() - 80, 0) : found.start()]
+
+
+def read_by_people(source: str) -> list[str]:
+    """Strings of a source that look like words for people."""
+    suspects = []
+    for text, before in literals(source):
+        plain = re.sub(r"\$\{[^}]*\}", "", text)
+        stored = re.fullmatch(r"[a-z-]+:", plain)  # names in the browser's storage
+        shown = SINK.search(before) and re.search(r"[A-Za-z]{2}", plain) and not stored
+        classes = re.search(r"(?:make\([^)]*|className\w* [=:] ?|classList\.\w+\()$", before)
+        sentence = SENTENCE.search(plain) and not classes
+        if (shown or sentence) and text not in NOT_READ:
+            suspects.append(text)
+    return suspects
+
+
+@cache
+def messages() -> tuple[tuple[str, set[str]], ...]:
+    """Key and values of every message in the program."""
+    return tuple(_messages())
+
+
+def _messages() -> Iterator[tuple[str, set[str]]]:
+    for package in ("models", "encoders", "tasks", "sandbox"):
+        for path in (ROOT / package).rglob("*.py"):
+            source = path.read_text(encoding="utf-8")
+            if "Message(" not in source:
+                continue
+            for node in ast.walk(ast.parse(source)):
+                if isinstance(node, ast.Call) and getattr(node.func, "id", "") == "Message":
+                    keys = [n for n in ast.walk(node.args[0]) if isinstance(n, ast.Constant)]
+                    given = {values_name(k.arg) for k in node.keywords if k.arg}
+                    lengths = (
+                        {"width", "height"} if any(not k.arg for k in node.keywords) else set()
+                    )
+                    for key in keys:
+                        if isinstance(key.value, str):
+                            yield key.value, given | lengths
+
+
+def values_name(name: str) -> str:
+    (found,) = values_of(f"{{{name}}}")
+    return found
+
+
+@pytest.mark.parametrize("code", LANGUAGES)
+def test_a_language_has_the_keys_and_values_of_english(code: str) -> None:
+    given, english = language(code), language("en")
+    for group in GROUPS:
+        assert list(given.groups[group]) == list(english.groups[group]), group
+    for key, text in given.words.items():
+        assert text == text.strip() and text, key
+        assert values_of(text) == values_of(ENGLISH[key]), key
+    assert given.status in ("original", "read by a native speaker", "not read by a native speaker")
+    assert (given.status == "original") == (code == "en")
+
+
+@pytest.mark.parametrize("code", [code for code in LANGUAGES if code != "en"])
+def test_every_sentence_was_translated_back(code: str) -> None:
+    path = ROOT / "docs" / "measured" / "back-translations" / f"{code}.json"
+    back = json.loads(path.read_text(encoding="utf-8"))
+    assert list(back) == list(ENGLISH)
+    for key, text in back.items():
+        assert values_of(text) == values_of(ENGLISH[key]), key
+
+
+def test_no_key_is_in_two_groups() -> None:
+    keys = [key for group in language("en").groups.values() for key in group]
+    assert len(keys) == len(set(keys))
+
+
+def test_everything_that_the_program_tells_has_words_with_no_other_values() -> None:
+    found = dict(messages())
+    assert {"box_from_goal", "stuck", "too_small", "too_small_beside_lift"} <= set(found)
+    for key, given in messages():
+        assert key in ENGLISH, key
+        assert values_of(ENGLISH[key]) <= given, key
+
+
+def test_every_key_is_used() -> None:
+    sources = [path.read_text(encoding="utf-8") for path in SOURCES]
+    said = {text for source in sources for text, _ in literals(source)}
+    said |= {key for source in sources for key in re.findall(r"file\.play\.(\w+)", source)}
+    said |= {key for key, _ in messages()} | MADE_AT_RUN_TIME | IN_BUNDLE
+    for path in (ROOT / "sandbox/study/run").glob("*.py"):
+        tree = ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        said |= {n.value for n in tree if isinstance(n, ast.Constant) and isinstance(n.value, str)}
+    said.add("end")  # sandbox/cli/study/run.py
+    assert sorted(set(ENGLISH) - said) == []
+
+
+def test_built_in_tasks_and_boxes_have_names_in_words() -> None:
+    wordings = {"wording_own", "wording_published"}  # Nobody is told of these.
+    assert set(ENGLISH) >= MADE_AT_RUN_TIME - wordings
+
+
+@pytest.mark.parametrize(
+    "path", [p for p in SOURCES if p.name != MADE_BY_TOOL], ids=lambda p: p.name
+)
+def test_the_page_has_no_words_outside_of_the_files_of_languages(path: Path) -> None:
+    assert read_by_people(path.read_text(encoding="utf-8")) == []
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        'make("p", "", { text: "done" })',
+        'write(this.reason, "paused");',
+        'const HELP = "Scan the code again.";',
+        "toast(`${n} fingers of the hand are gone`);",
+        'element.setAttribute("aria-label", "Lift");',
+    ],
+)
+def test_words_in_a_source_are_found(line: str) -> None:
+    assert read_by_people(line)
+
+
+def test_names_of_classes_and_keys_are_no_words() -> None:
+    assert not read_by_people('make("button", "button large primary", { text: say("again") })')
+    assert not read_by_people('// Scan the code.\nconst KEY = "box_from_goal";')
+
+
+def test_no_sentence_names_a_command_or_an_option() -> None:
+    for code in LANGUAGES:
+        for key, text in language(code).words.items():
+            assert not re.search(r"`|--\w|\bsandbox\b", text), f"{code}: {key}"
+
+
+def test_a_tag_with_a_country_has_the_words_of_its_language_and_an_unknown_one_english() -> None:
+    assert words_in("de-AT") == words_in("de") != words_in("en")
+    assert words_in("xx") == words_in("en")
+    assert words_in("xx", {"next": "Suyu"})["next"] == "Suyu"
+    assert words_of_studies().keys() < ENGLISH.keys()
+
+
+@pytest.mark.parametrize(
+    ("accepted", "code"),
+    [
+        ("de-AT,de;q=0.9,en;q=0.8", "de"),
+        ("nl,en;q=0.4,ja;q=0.7", "ja"),
+        ("", "en"),
+        ("*", "en"),
+        ("fr;q=much, es", "es"),
+        ("x" * 100_000 + ",de", "en"),
+    ],
+)
+def test_a_refused_browser_is_told_so_in_a_language_that_it_accepts(
+    accepted: str, code: str
+) -> None:
+    assert preferred(accepted) == code
+
+
+def test_a_message_is_english_text_that_knows_its_key_also_in_another_process() -> None:
+    one = Message("stack_not_on", "the {box} box is not on {below}", box="second", below="base")
+    assert one == "the second box is not on base"
+    again = pickle.loads(pickle.dumps(one))
+    assert (again, again.key, again.values) == (one, one.key, one.values)
+    assert told(one).values == {"box": "second", "below": "base"}
+    assert told("of another task") == type(told(one))("", {}, "of another task")
+    assert str(Message("tasks_that_fit", "{task}.", task=["a", "b"])) == "a, b."

@@ -1,0 +1,198 @@
+"""A player's page that goes away in a real browser, and finds back to the same place."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+from sandbox.server import audience
+from sandbox.server.page_server import PageServer
+from tests.sandbox.server.test_page_server import wait_for
+from tests.support.chromium import BINARY, Browser
+from tests.support.page_client import Page
+from tests.system.browser.away_page import (
+    DRAWN,
+    HEIGHT,
+    READY,
+    REST,
+    WIDTH,
+    Absence,
+    PlayedPage,
+    absence,
+    contacts,
+    go_back,
+    hide,
+    lose_network,
+    playing,
+    reload,
+    replays,
+    results,
+    throw_away,
+    turn,
+)
+
+pytestmark = pytest.mark.skipif(not os.path.exists(BINARY), reason="Debian's chromium is missing")
+
+full = pytest.mark.full
+
+
+@pytest.fixture(scope="module")
+def browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
+    browser = Browser(tmp_path_factory.mktemp("chromium"))
+    yield browser
+    browser.close()
+
+
+@pytest.mark.parametrize(
+    ("kind", "seconds"),
+    [
+        pytest.param(reload, 0.0, id="reload"),
+        pytest.param(go_back, 1.0, id="back"),
+        pytest.param(throw_away, 1.0, id="thrown away"),
+        pytest.param(turn, 1.0, id="turned"),
+        pytest.param(hide, 1.0, id="hidden for 1 s"),
+        pytest.param(hide, 10.0, id="hidden for 10 s", marks=full),
+    ],
+)
+def test_a_page_finds_back_to_its_trial_in_which_time_stood_still(
+    browser: Browser, tmp_path: Path, kind: Callable[[PlayedPage], Absence], seconds: float
+) -> None:
+    with playing(browser, tmp_path) as page:
+        page.begin()
+        seen = absence(page, kind, seconds)
+        assert seen.same_trial and seen.stood_still
+        assert page.server.seated == 1
+        token = page.server.access.token
+        assert token not in page.tab.evaluate("location.href")
+        assert not page.tab.events("Runtime.exceptionThrown")
+    result = results(tmp_path)[0]
+    assert max(gap["lasted_s"] for gap in result["absences"]) > seconds
+    assert replays(tmp_path)
+
+
+@pytest.mark.parametrize("seconds", [3.0, pytest.param(10.0, marks=full)])
+def test_fingers_that_rest_while_the_network_is_gone_go_on_as_the_same_contacts(
+    browser: Browser, tmp_path: Path, seconds: float
+) -> None:
+    with playing(browser, tmp_path) as page:
+        page.begin()
+        seen = absence(page, lose_network, seconds)
+        assert seen.same_trial and seen.stood_still and seen.by_itself
+    assert len(contacts(tmp_path)) == len(REST)
+    gaps = results(tmp_path)[0]["absences"]
+    assert max(gap["lasted_s"] for gap in gaps) > seconds - audience.SILENCE
+    assert replays(tmp_path)
+
+
+def test_a_page_whose_connection_is_lost_says_so_and_draws_the_hand_faint(
+    browser: Browser, tmp_path: Path
+) -> None:
+    with playing(browser, tmp_path) as page:
+        page.begin()
+        page.network.close()
+        page.tab.wait("!document.querySelector('.curtain').hidden")
+        assert "Connection lost" in page.tab.text()
+        assert not page.tab.events("Runtime.exceptionThrown")
+
+
+def test_a_second_page_gets_the_seat_only_after_the_player_was_away_for_long(
+    browser: Browser, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with playing(browser, tmp_path) as page:
+        page.begin()
+        second = page.open()
+        second.wait(READY)
+        second.wait("document.body.innerText.includes('another page plays')")
+        assert absence(page, go_back, 1.0).same_trial
+        assert page.server.seated == 1
+        monkeypatch.setattr(audience, "SEAT_KEPT", 0.5)
+        page.tab.go("about:blank")
+        second.wait("!document.body.innerText.includes('another page plays')")
+        assert wait_for(lambda: page.scene == 2)
+        second.wait(DRAWN)
+        second.close()
+
+
+def test_seven_spectators_do_not_keep_the_player_from_coming_back(
+    browser: Browser, tmp_path: Path
+) -> None:
+    with playing(browser, tmp_path) as page:
+        page.begin()
+        looking = [Page(page.server.url, str(i), role="spectator") for i in range(7)]
+        for spectator in looking:
+            spectator.until("welcome", role="spectator")
+        assert absence(page, reload, 0.0).same_trial
+        assert page.server.clients == 8
+        for spectator in looking:
+            spectator.close()
+
+
+def test_who_looks_on_reads_that_the_player_is_away(browser: Browser, tmp_path: Path) -> None:
+    with playing(browser, tmp_path) as page:
+        page.begin()
+        projector = page.open("&role=spectator")
+        projector.wait(READY)
+        going = hide(page)
+        next(going)
+        projector.wait("document.body.innerText.includes('The player is away')")
+        next(going, None)
+        projector.wait("document.body.innerText.includes('with the player')")
+        projector.close()
+
+
+def test_a_screen_that_stays_turned_gets_a_new_table_when_the_player_wants_it(
+    browser: Browser, tmp_path: Path
+) -> None:
+    with playing(browser, tmp_path) as page:
+        page.begin()
+        page.tab.touch([])
+        page.tab.resize(HEIGHT, WIDTH)
+        page.tab.wait("document.body.innerText.includes('Turn it back')")
+        page.tab.tap("Start anew like this")
+        assert wait_for(lambda: page.scene == 2)
+        page.tab.wait(DRAWN + " && document.querySelector('.turned').hidden")
+        assert wait_for(lambda: page.pause == "start")
+
+
+def test_a_page_without_a_token_says_what_to_do(browser: Browser, tmp_path: Path) -> None:
+    with playing(browser, tmp_path) as page:
+        stranger = browser.open(page.url.partition("?")[0])
+        stranger.wait("document.body.innerText.includes('Scan the code')")
+        assert stranger.evaluate("document.querySelectorAll('canvas').length") == 0
+        assert not stranger.events("Runtime.exceptionThrown")
+        stranger.close()
+
+
+def test_a_page_whose_link_is_no_longer_valid_says_so(browser: Browser, tmp_path: Path) -> None:
+    with playing(browser, tmp_path) as page:
+        page.begin()
+        server = page.server
+        server.close()
+        other = PageServer(port=server.access.port)
+        other.access = server.access.__class__(
+            other.access.host, other.access.port, names=server.access.names
+        )
+        try:
+            page.tab.wait("document.body.innerText.includes('no longer valid')")
+        finally:
+            other.close()
+
+
+def test_fingers_that_were_taken_away_are_told_to_lift(browser: Browser, tmp_path: Path) -> None:
+    with playing(browser, tmp_path) as page:
+        page.tab.wait(DRAWN)
+        page.tab.evaluate(
+            "window.written = []; const fill = CanvasRenderingContext2D.prototype.fillText;"
+            "CanvasRenderingContext2D.prototype.fillText = function (text, ...rest) {"
+            "written.push(text); return fill.call(this, text, ...rest); }; true"
+        )
+        page.begin()
+        page.tab.evaluate("dispatchEvent(new Event('blur'))")
+        page.tab.wait("written.includes('Lift your fingers and touch again')")
+        page.touch_again()
+        page.tab.evaluate("written.length = 0")
+        page.tab.wait("written.length > 4")
+        assert not page.tab.evaluate("written.includes('Lift your fingers and touch again')")

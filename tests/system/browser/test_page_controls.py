@@ -1,0 +1,210 @@
+"""What lies around the table in a real browser: the lift control, the hint, dialogs, messages."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from models.frames import TouchFrame
+from sandbox.server.page_server import PageServer
+from sandbox.server.protocol.protocol import LIFT_STRIP_PX, PageScreen
+from sandbox.server.protocol.rectangle import LARGEST, rectangle
+from tests.sandbox.server.staged_page import READY, TASKS, frames, staged
+from tests.sandbox.server.test_page_server import Stage, wait_for
+from tests.support.chromium import BINARY, Browser, Tab
+from tests.system.browser.away_page import DRAWN, PlayedPage, playing
+
+pytestmark = pytest.mark.skipif(not os.path.exists(BINARY), reason="Debian's chromium is missing")
+
+SCREENS = {
+    "iPad": (1024, 768, 132.0),
+    "iPad, upright": (768, 1024, 132.0),
+    "iPad mini": (1133, 744, 163.0),
+    "iPad Pro": (1366, 1024, 132.0),
+    "Android tablet": (1280, 800, 149.0),
+    "laptop": (1440, 900, 110.0),
+    "monitor": (2560, 1440, 109.0),
+}
+"""Width and height in CSS pixels, and pixels per inch."""
+BOX = """
+(() => {
+  const box = document.querySelector('.lift-strip').getBoundingClientRect();
+  return [box.left, box.right];
+})()
+"""
+
+
+@pytest.fixture(scope="module")
+def browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
+    browser = Browser(tmp_path_factory.mktemp("chromium"))
+    yield browser
+    browser.close()
+
+
+@pytest.fixture
+def server() -> Iterator[PageServer]:
+    server = PageServer(tasks=TASKS)
+    yield server
+    server.close()
+
+
+def known(width: int, height: int, ppi: float) -> dict[str, str]:
+    """What a page on a screen remembers whose person has measured it, and seen no hint."""
+    low, high = sorted((width, height))
+    return {
+        f"hand-sandbox:px-per-inch:{low}x{high}@1": str(ppi),
+        "hand-sandbox:advised": "yes",
+        "hand-sandbox:quality": "3",
+    }
+
+
+def lifting(browser: Browser, server: PageServer, name: str) -> tuple[Tab, Stage, float, float]:
+    """A page with a task that lifts; left and right of its touch rectangle."""
+    width, height, ppi = SCREENS[name]
+    size = rectangle(PageScreen(ppi, width, height, True), lifts=True)
+    stage = staged(server, task="stack", **size)
+    tab = browser.open(server.url, width=width, height=height, storage=known(*SCREENS[name]))
+    tab.wait(READY)
+    tab.wait("!document.querySelector('.lift-strip').hidden")
+    wide = size["surface_in"][0] * ppi
+    left = max((width - wide) / 2, LIFT_STRIP_PX)
+    return tab, stage, left, left + wide
+
+
+def lifted_to(found: list[TouchFrame], lift: float) -> bool:
+    """True if the newest frame has this position of the lift control."""
+    return bool(found) and found[-1].lift == pytest.approx(lift)
+
+
+@pytest.mark.parametrize("name", SCREENS)
+def test_the_lift_control_is_beside_the_touch_rectangle_on_every_screen(
+    browser: Browser, server: PageServer, name: str
+) -> None:
+    width, height, ppi = SCREENS[name]
+    tab, stage, left, right = lifting(browser, server, name)
+    first, last = tab.evaluate(BOX)
+    assert first >= 0.0 and last <= left + 0.01
+    assert last - first == LIFT_STRIP_PX
+    assert right <= width + 0.01
+    # A finger right beside it is at the border of the rectangle, and one on it is none.
+    middle = height / 2
+    tab.touch([(1, left + 1.0, middle), (2, first + 3.0, middle)])
+    down = frames(stage, lambda found: bool(found) and len(found[-1].contacts) == 1)[-1]
+    assert down.contacts[0].x == pytest.approx(1.0 / ppi * 0.0254, abs=1e-5)
+    tab.touch([])
+    tab.close()
+
+
+def test_a_screen_that_is_wide_enough_gives_nothing_of_its_rectangle_to_the_lift_control() -> None:
+    wide = PageScreen(109.0, 2560, 1440, True)
+    assert rectangle(wide, lifts=True) == rectangle(wide)
+    assert rectangle(wide)["surface_in"] == LARGEST
+
+
+def test_the_lift_control_is_a_slider_that_keys_and_wheel_move(
+    browser: Browser, server: PageServer
+) -> None:
+    tab, stage, _, _ = lifting(browser, server, "iPad")
+    asked = "document.querySelector('[role=slider]').getAttribute('{}')"
+    assert tab.evaluate(asked.format("aria-orientation")) == "vertical"
+    assert tab.evaluate(asked.format("aria-label")) == "lift"
+    assert tab.evaluate("document.querySelector('[role=slider]').tabIndex") == 0
+    now = asked.format("aria-valuenow")
+    assert tab.evaluate(now) == "0"
+    for key, value in (("ArrowUp", "5"), ("PageUp", "25"), ("ArrowDown", "20"), ("PageDown", "0")):
+        tab.call("Input.dispatchKeyEvent", type="keyDown", key=key)
+        tab.call("Input.dispatchKeyEvent", type="keyUp", key=key)
+        tab.wait(f"{now} === '{value}'")
+        frames(stage, lambda found: lifted_to(found, int(value) / 100))  # noqa: B023
+    tab.call("Input.dispatchMouseEvent", type="mouseWheel", x=500, y=400, deltaX=0, deltaY=-250)
+    tab.wait(f"Number({now}) > 20")
+    tab.close()
+
+
+def test_the_hint_teaches_lifting_where_a_task_lifts(browser: Browser, tmp_path: Path) -> None:
+    with playing(browser, tmp_path, "stack", hint=True) as page:
+        tab = page.tab
+        tab.wait(DRAWN)
+        for words, fingers in (
+            ("Put two or three", [(1, 400.0, 480.0), (2, 460.0, 480.0)]),
+            ("Slide them", [(1, 400.0, 400.0), (2, 460.0, 400.0)]),
+        ):
+            tab.wait(f"document.querySelector('.hint-words').textContent.startsWith({words!r})")
+            tab.touch(fingers)
+        tab.wait("document.querySelector('.hint-words').textContent.includes('lifts what it')")
+        tab.call("Input.dispatchKeyEvent", type="keyDown", key="PageUp")
+        tab.call("Input.dispatchKeyEvent", type="keyDown", key="PageUp")
+        tab.wait("document.querySelector('.hint-words').textContent.includes('Then lift your')")
+
+
+def test_a_lifted_hand_stays_lifted_through_a_reload(browser: Browser, tmp_path: Path) -> None:
+    with playing(browser, tmp_path, "stack") as page:
+        page.begin()
+        for _ in range(3):
+            page.tab.call("Input.dispatchKeyEvent", type="keyDown", key="PageUp")
+        now = "document.querySelector('[role=slider]').getAttribute('aria-valuenow')"
+        page.tab.wait(f"{now} === '60'")
+        page.tab.touch([])
+        page.tab.evaluate("location.reload()")
+        assert wait_for(lambda: page.pause == "back")
+        page.tab.wait(DRAWN)
+        assert page.tab.wait(f"{now} === '60'")
+
+
+@pytest.fixture
+def page(browser: Browser) -> Iterator[PlayedPage]:
+    with (
+        tempfile.TemporaryDirectory() as folder,
+        playing(browser, Path(folder), hint=True) as page,
+    ):
+        page.tab.wait(DRAWN)
+        yield page
+
+
+def test_a_menu_takes_the_focus_and_gives_it_back(page: PlayedPage) -> None:
+    tab = page.tab
+    tab.evaluate(
+        "(() => { const b = [...document.querySelectorAll('button')]"
+        ".find(b => b.innerText === 'Tasks'); b.focus(); b.click(); return true; })()"
+    )
+    tab.wait("document.querySelector('[role=dialog][aria-modal=true]') !== null")
+    assert tab.evaluate("document.activeElement.closest('[role=dialog]') !== null")
+    # Neither a key nor a screen reader reaches what is behind it.
+    tab.evaluate("document.querySelector('.hud button').focus()")
+    assert tab.evaluate("document.activeElement.closest('.hud') === null")
+    zoom = "document.querySelector('meta[name=viewport]').content.includes('user-scalable=no')"
+    assert not tab.evaluate(zoom)
+    tab.tap("Close")
+    tab.wait("document.querySelector('.sheet') === null")
+    assert tab.evaluate("document.activeElement.innerText") == "Tasks"
+    # On the table everything has its true size.
+    assert tab.evaluate(zoom)
+
+
+def test_of_two_messages_only_the_more_important_one_is_visible(page: PlayedPage) -> None:
+    seen = (
+        "[...document.querySelectorAll('.hint, .lift-again, .toast, .end, .curtain, .turned,"
+        ".trouble, .preparing')].filter(e => e.checkVisibility({visibilityProperty: true}))"
+        ".map(e => e.className.split(' ')[0]).join()"
+    )
+    page.tab.wait(f"{seen} === 'hint'")
+    page.network.close()
+    page.tab.wait(f"{seen} === 'curtain'")
+
+
+def test_the_page_says_that_the_table_is_prepared_until_there_is_one(
+    browser: Browser, server: PageServer
+) -> None:
+    tab = browser.open(server.url, storage=known(640, 480, 64.0))
+    tab.wait("document.querySelector('.preparing').checkVisibility()")
+    tab.wait(READY)
+    assert tab.evaluate("document.querySelector('.preparing').innerText") == "Preparing the table"
+    stage = staged(server)
+    tab.wait("!!document.querySelector('.task').textContent")
+    stage.advance()
+    tab.wait("document.querySelector('.preparing').hidden")
+    tab.close()

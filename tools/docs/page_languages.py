@@ -1,0 +1,260 @@
+"""The page in every language and on several screens: pictures to look at, and a sheet of them.
+
+    python -m tools.docs.page_languages FOLDER [--languages en,ar] [--sizes 1180x820]
+
+Opens the page in a real Chromium, which has to be installed, shows what a person meets on it, and
+prints every text that is wider than its place or outside of the screen. The sheet is
+`docs/pictures/languages.webp` with `--sheet`. What is shown is put there: nobody plays, and no
+physics runs.
+"""
+
+from __future__ import annotations
+
+import argparse
+import io
+import tempfile
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
+from PIL import Image
+
+from models.surface import Surface
+from sandbox.cli.play.page import OTHER_PAGE
+from sandbox.cli.play.screen_too_small import explain_refusal
+from sandbox.server.page_server import PageServer
+from sandbox.server.protocol.describe import describe_scene
+from sandbox.server.protocol.protocol import (
+    LIFT_STRIP_PX,
+    Choice,
+    ItemView,
+    Sheet,
+    StudyView,
+    TaskName,
+)
+from sandbox.server.protocol.skins import pack_skin
+from sandbox.server.web import WebDevice
+from sandbox.session.collision_gating import STUCK
+from sandbox.session.session import Session
+from sandbox.trial.assembly import build
+from sandbox.trial.settings import RunSettings
+from sandbox.words.words import LANGUAGES, words_in
+from tasks.registry import TASKS
+from tasks.score import Status
+from tests.support.chromium import Browser, Tab
+
+SIZES = ("390x844", "820x1180", "1180x820", "1366x1024", "1280x800", "3840x2160")
+USUAL = "1180x820"
+PPI = 132.0
+SMALLEST_IN = (7.76, 5.82)
+"""Inches of the touch rectangle, at least: smaller screens show a part of it."""
+SHEET = Path("docs/pictures/languages.webp")
+SHOWN = ("start", "tasks", "done")
+"""What the sheet shows of every language."""
+TILE = (472, 328)
+"""Pixels of a picture on the sheet."""
+
+OVERFLOWS = """
+(() => {
+  const wrong = [];
+  for (const element of document.body.querySelectorAll("*")) {
+    const own = [...element.childNodes].some((n) => n.nodeType === 3 && n.textContent.trim());
+    if (!own || !element.checkVisibility() || element.closest("script, noscript")) continue;
+    const range = document.createRange();
+    range.selectNodeContents(element);
+    const box = range.getBoundingClientRect();
+    const scrolls = element.closest(".veil, .study");
+    const outside = box.left < -1 || box.right > innerWidth + 1 ||
+      (!scrolls && (box.top < -1 || box.bottom > innerHeight + 1));
+    const place = element.getBoundingClientRect();
+    const spills = box.width > place.width + 1.5 || box.height > 1.3 * place.height + 6;
+    if (outside || spills)
+      wrong.push(`${element.className || element.tagName}: ${element.textContent.slice(0, 60)}`);
+  }
+  return wrong;
+})()
+"""
+
+
+def main() -> None:
+    """Takes the pictures, prints what overflows, and makes the sheet."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("folder", type=Path, help="folder for the pictures")
+    parser.add_argument("--languages", default=",".join(LANGUAGES))
+    parser.add_argument("--sizes", default="", help="as in 1180x820; by default as in the issue")
+    parser.add_argument("--sheet", action="store_true", help=f"also writes {SHEET}")
+    options = parser.parse_args()
+    options.folder.mkdir(parents=True, exist_ok=True)
+    taken = wrong = 0
+    with tempfile.TemporaryDirectory() as profile:
+        browser = Browser(Path(profile))
+        try:
+            for code in options.languages.split(","):
+                everywhere = SIZES if code in ("en", "ar") else (USUAL,)
+                sizes = options.sizes.split(",") if options.sizes else everywhere
+                for size in sizes:
+                    for name, tab in moments(browser, code, size):
+                        path = options.folder / f"{code}-{size}-{name}.png"
+                        path.write_bytes(tab.picture())
+                        overflows = tab.evaluate(OVERFLOWS)
+                        taken, wrong = taken + 1, wrong + len(overflows)
+                        for line in overflows:
+                            print(f"{code} {size} {name}: {line}", flush=True)
+        finally:
+            browser.close()
+    print(f"{taken} pictures, {wrong} texts outside of their places")
+    if options.sheet:
+        sheet(options.folder)
+
+
+def moments(browser: Browser, code: str, size: str) -> Iterator[tuple[str, Tab]]:
+    """Shows in a language on a screen, one after the other, what people meet; by name."""
+    yield from in_play(browser, code, size)
+    yield from in_study(browser, code, size)
+
+
+def in_play(browser: Browser, code: str, size: str) -> Iterator[tuple[str, Tab]]:
+    """What players meet."""
+    width, height = (int(side) for side in size.split("x"))
+    words = words_in(code)
+    tasks = [TaskName(name, "", task.lift_range > 0) for name, task in TASKS.items()]
+    server = PageServer(tasks=tasks)
+    known = {
+        f"hand-sandbox:px-per-inch:{min(width, height)}x{max(width, height)}@1": str(PPI),
+        "hand-sandbox:quality": "3",
+    }
+    try:
+        session = show(server, width, height)
+        tab = browser.open(f"{server.url}&lang={code}", width=width, height=height, storage=known)
+        tab.wait("!!document.querySelector('.sheet')")
+        yield settled("advice", tab)
+        tab.tap(words["advice_go_on"])
+        snapshot = session.advance()
+        server.publish(snapshot, "start")
+        tab.wait("document.querySelector('.preparing').hidden")
+        yield settled("start", tab)
+        tab.tap(words["tasks"])
+        yield settled("tasks", tab)
+        tab.tap(words["language"])
+        yield settled("languages", tab)
+        tab.tap(words["close"])
+        tab.tap(words["tasks"])
+        tab.tap(words["measure_screen"])
+        yield settled("card", tab)
+        tab.tap(words["card_skip"])
+        middle = width / 2, height / 2
+        tab.touch([(1, middle[0] - 60, middle[1]), (2, middle[0] + 60, middle[1] + 20)])
+        server.publish(replace(snapshot, notices=(STUCK,)))
+        tab.wait("!document.querySelector('.toast').hidden")
+        yield settled("notice", tab)
+        tab.touch([])
+        score = replace(snapshot.score, held=True, final=True, progress=1.0, status=Status.HELD)
+        server.publish(replace(snapshot, score=score))
+        tab.wait("!document.querySelector('.end').hidden")
+        yield settled("done", tab)
+        score = replace(snapshot.score, status=Status.FAILED)
+        server.publish(replace(snapshot, score=score))
+        tab.wait("!document.querySelector('.end').classList.contains('success')")
+        yield settled("over", tab)
+        surface = Surface(5.4, 2.5)
+        settings = RunSettings(task="stack", surface_in=(surface.width_in, surface.height_in))
+        server.show_problem(OTHER_PAGE, *refusal(settings))
+        tab.wait("!document.querySelector('.trouble').hidden")
+        yield settled("trouble", tab)
+        server.close()
+        tab.wait("!document.querySelector('.curtain').hidden")
+        yield settled("lost", tab)
+        tab.close()
+    finally:
+        server.close()
+
+
+def refusal(settings: RunSettings) -> list[str]:
+    """What a screen is told that is too small."""
+    from models.errors import SurfaceTooSmallError
+
+    size = settings.surface.width_in, settings.surface.height_in
+    error = SurfaceTooSmallError(settings.task, size, "the boxes", SMALLEST_IN)
+    return list(explain_refusal(error, settings, LIFT_STRIP_PX / PPI))
+
+
+def show(server: PageServer, width: int, height: int) -> Session:
+    """A table with the lift control on the page."""
+    size = (width - LIFT_STRIP_PX) / PPI, height / PPI
+    size = max(size[0], SMALLEST_IN[0]), max(size[1], SMALLEST_IN[1])
+    session = build(
+        RunSettings(task="stack", surface_in=(min(size[0], 10.3), min(size[1], 7.7))),
+        (lambda task, surface: WebDevice(surface, server.latency),),
+    )
+    device, surface = session.rigs[0].device, session.rigs[0].reconstructor.surface
+    assert isinstance(device, WebDevice)
+    message = describe_scene(1, session.scene, session.task, surface, "right", "")
+    server.show_scene(
+        message, session.scene, device, [pack_skin(h) for h in session.scene.spec.hands]
+    )
+    return session
+
+
+def in_study(browser: Browser, code: str, size: str) -> Iterator[tuple[str, Tab]]:
+    """What participants meet, in forms whose questions are some words of the page."""
+    width, height = (int(side) for side in size.split("x"))
+    words = words_in(code)
+    text, ask, low, high = (
+        words[key] for key in ("advice_ipad_gestures", "card_title", "card_smaller", "card_larger")
+    )
+    items = [
+        ItemView("a", "scale", ask, False, [], 0.0, 100.0, 5.0, low, high),
+        ItemView("b", "scale", ask, False, [], 1.0, 7.0, 1.0, low, high),
+        ItemView("c", "number", ask, True, [], 18.0, 100.0, 1.0, "", ""),
+        ItemView("d", "choice", ask, False, [Choice("l", low), Choice("h", high)], 0, 1, 1, "", ""),
+        ItemView("e", "text", ask, True, [], 0.0, 1.0, 1.0, "", ""),
+    ]
+    note = words["wording_translation"]
+    sheets = {
+        "consent": Sheet(1, "consent", "", text, [], {}, 0.0),
+        "form": Sheet(2, "form", ask, "", items, {"a": 20.0, "b": 2.0}, 0.0, note),
+        "rest": Sheet(3, "rest", words["rest"], words["rest_over"], [], {}, 90.0),
+        "end": Sheet(4, "end", "", words["end"], [], {}, 0.0),
+    }
+    server = PageServer(study=StudyView(code, {}, ["task", "goal"]))
+    try:
+        known = {
+            f"hand-sandbox:px-per-inch:{min(width, height)}x{max(width, height)}@1": str(PPI),
+            "hand-sandbox:advised": "yes",
+        }
+        tab = browser.open(server.url, width=width, height=height, storage=known)
+        for name, one in sheets.items():
+            server.show_sheet(one)
+            tab.wait(f"document.querySelector('.study').dataset.kind === {one.kind!r}")
+            yield settled(f"study_{name}", tab)
+        tab.close()
+    finally:
+        server.close()
+
+
+def settled(name: str, tab: Tab) -> tuple[str, Tab]:
+    """Waits until what the page shows now is drawn."""
+    tab.evaluate("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
+    return name, tab
+
+
+def sheet(folder: Path) -> None:
+    """All languages on one picture, a row each."""
+    whole = Image.new("RGB", (TILE[0] * len(SHOWN), TILE[1] * len(LANGUAGES)))
+    for row, code in enumerate(LANGUAGES):
+        for column, name in enumerate(SHOWN):
+            data = (folder / f"{code}-{USUAL}-{name}.png").read_bytes()
+            tile = (
+                Image.open(io.BytesIO(data)).convert("RGB").resize(TILE, Image.Resampling.LANCZOS)
+            )
+            whole.paste(
+                tile.resize(TILE, Image.Resampling.LANCZOS), (TILE[0] * column, TILE[1] * row)
+            )
+    whole.save(SHEET, quality=72, method=6)
+    print(f"{SHEET}: {SHEET.stat().st_size / 1000:.0f} kB")
+
+
+if __name__ == "__main__":
+    main()
