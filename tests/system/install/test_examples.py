@@ -51,7 +51,7 @@ def test_an_example_has_under_sixty_lines(name: str) -> None:
 def test_a_trial_is_run_replayed_and_exported_from_python(tmp_path: Path) -> None:
     told = run("run_a_trial.py", tmp_path, "out")
     periods = re.search(r"(\d+) control periods", told)
-    assert "success True" in told and periods is not None
+    assert "success True" in told and periods
     assert f"hand poses ({periods[1]}, 48)" in told
     names = {path.name for path in (tmp_path / "out").iterdir()}
     assert {"run.jsonl", "objects.csv", "hands.csv", "touches.csv"} <= names
@@ -64,8 +64,8 @@ def test_a_trial_is_run_replayed_and_exported_from_python(tmp_path: Path) -> Non
 @pytest.mark.needs("opengl")
 def test_the_film_of_a_trial_comes_as_an_array(tmp_path: Path) -> None:
     told = run("run_a_trial.py", tmp_path, "out", "--film")
-    pictures = re.search(r"film \((\d+), 180, 320, 3\), uint8", told)
-    assert pictures is not None and int(pictures[1]) > 60
+    film = re.search(r"film \((\d+), 180, 320, 3\), uint8", told)
+    assert film and int(film[1]) > 60
 
 
 def test_an_encoder_is_trained_saved_and_asked_from_python(tmp_path: Path) -> None:
