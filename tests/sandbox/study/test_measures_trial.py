@@ -224,9 +224,9 @@ def test_who_pushes_and_bears_what_agrees_with_the_sensors_at_every_moment(task:
             seen["borne"] += bool(pushes.on)
             seen["in hand"] += bool(pushes.digits) and not pushes.by
 
-    session, _ = played(task, 11, look)
+    session, _ = played(task, 25, look)
     assert session.scorer.score.success
-    assert min(seen.values()) > 10
+    assert min(seen.values()) > 20
 
 
 def test_measures_of_the_file_are_those_of_the_trial_and_all_of_them_are_in_the_list(
