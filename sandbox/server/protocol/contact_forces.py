@@ -1,10 +1,11 @@
-"""Contact forces and label probability of hands, for a page; read in the session's thread."""
+"""Contact forces, grips and label probability of hands, for a page; read in its session."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 from models.frames import FINGERS
+from sandbox.session.finger_loads import HandLoad
 from sandbox.session.session import Session
 
 NOTHING = (0.0,) * len(FINGERS)
@@ -12,20 +13,39 @@ NOTHING = (0.0,) * len(FINGERS)
 
 @dataclass(frozen=True)
 class HandFeedback:
-    """Contact forces and label probability of one hand.
+    """Contact forces, grip and label probability of one hand.
 
     Attributes:
         forces: N, force of each finger's links on objects, thumb first.
         probability: Probability of the labels, 0 to 1.
+        stored: N, force that the grip stores in each finger (`FingerLoad.stored`).
+        full: Labels of the fingers that touch objects while a servo of their own or of the palm
+            gives all the force that it may.
     """
 
     forces: tuple[float, ...] = NOTHING
     probability: float = 1.0
+    stored: tuple[float, ...] = NOTHING
+    full: frozenset[int] = frozenset()
 
 
 def hand_feedback(session: Session) -> list[HandFeedback]:
-    """Current contact forces and label probabilities of all hands of a session."""
+    """Current contact forces, grips and label probabilities of all hands of a session."""
     return [
-        HandFeedback(tuple(finger.force for finger in load.fingers), reconstruction.probability)
+        HandFeedback(
+            tuple(finger.force for finger in load.fingers),
+            reconstruction.probability,
+            tuple(finger.stored for finger in load.fingers),
+            full_fingers(load),
+        )
         for load, reconstruction in zip(session.loads(), session.reconstructions, strict=True)
     ]
+
+
+def full_fingers(load: HandLoad) -> frozenset[int]:
+    """Labels of the touching fingers for which the hand has no more force."""
+    return frozenset(
+        label
+        for label, finger in enumerate(load.fingers)
+        if finger.force > 0.0 and (finger.at_limit or load.palm_at_limit)
+    )

@@ -165,10 +165,12 @@ def _hand(hand: HandView, feedback: HandFeedback, own: bool) -> HandState:
             int(c.id) if own else -1 - int(c.id),
             _label(c),
             _state(c),
-            _force(feedback, c.label),
+            _force(feedback.forces, c.label),
             _floats(c.position),
             c.sure,
             c.label in hand.inside,
+            _force(feedback.stored, c.label),
+            c.label in feedback.full,
         )
         for c in hand.contacts
     ]
@@ -184,8 +186,8 @@ def _state(contact: ContactView) -> Any:
     return contact.state
 
 
-def _force(feedback: HandFeedback, label: int | None) -> float:
-    return 0.0 if label is None else round(float(feedback.forces[label]), 2)
+def _force(forces: Sequence[float], label: int | None) -> float:
+    return 0.0 if label is None else round(float(forces[label]), 2)
 
 
 def _part(scene: SimulatedScene, root: str, things: set[str]) -> Any:

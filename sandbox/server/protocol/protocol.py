@@ -309,8 +309,10 @@ class ContactState(Struct, frozen=True):
     """A contact in the session.
 
     `position` (m) in the world is for fingers that are not on this screen; `force` (N) is that of
-    its fingertip on objects. A `palm` is no finger. `sure` is false if the label may well be wrong;
-    `inside` is true if the finger is inside an object, out of which it has to be moved.
+    its fingertip on objects, `stored` (N) the part of it that other fingers press back, which is
+    let go when the grip opens. `full` is true if the hand has no more force for it. A `palm` is no
+    finger. `sure` is false if the label may well be wrong; `inside` is true if the finger is inside
+    an object, out of which it has to be moved.
     """
 
     id: int
@@ -320,6 +322,8 @@ class ContactState(Struct, frozen=True):
     position: tuple[float, float, float]
     sure: bool
     inside: bool
+    stored: float = 0.0
+    full: bool = False
 
 
 class HandState(Struct, frozen=True):

@@ -54,6 +54,15 @@ def test_what_a_hand_presses_with_and_how_sure_its_labels_are_is_told(stage):
         assert page.until("frame")["state"]["hands"][0]["probability"] == 0.25
 
 
+def test_a_page_gets_the_grip_of_each_finger():
+    session = grip(BESIDE_IT)
+    run(session, 1.0)
+    felt = HandFeedback(stored=(3.0, 4.0, 0.0, 0.0, 0.0), full=frozenset({1}))
+    (hand,) = state_of(session.snapshot(), "", [felt]).hands
+    told = {c.label: (c.stored, c.full) for c in hand.contacts}
+    assert told == {0: (3.0, False), 1: (4.0, True)}
+
+
 @pytest.mark.parametrize(("gap", "inside"), [(INTO_THE_BOX, True), (BESIDE_IT, False)])
 def test_a_page_knows_which_finger_is_inside_a_thing(gap, inside):
     session = grip(gap)

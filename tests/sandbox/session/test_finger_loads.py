@@ -6,11 +6,13 @@ import mujoco
 import numpy as np
 import pytest
 
+from models.frames import Contact
 from models.hand import SERVOS, Hand
 from models.scene import Scene, SceneSpec
-from sandbox.session.finger_loads import FingerLoads
+from sandbox.server.protocol.contact_forces import full_fingers
+from sandbox.session.finger_loads import FingerLoad, FingerLoads, HandLoad
 from tests.sandbox.session.test_collision_gating import BESIDE_IT, grip
-from tests.support.scripted import run
+from tests.support.scripted import box_xy, run, scripted
 from tests.support.simulation import pinched, put, random_pose
 
 
@@ -46,3 +48,42 @@ def test_a_weak_hand_that_cannot_follow_is_at_its_limit(impulse: float, full: bo
     assert load.at_limit is full
     assert 0.0 < load.used <= 1.0
     assert all(0.0 < finger.used <= 1.0 for finger in load.fingers)
+
+
+def test_a_grip_stores_what_its_fingers_press_against_each_other() -> None:
+    scene, data, _ = pinched()
+    thumb, index, *others = FingerLoads(scene).read(data)[0].fingers
+    # A box at rest between two fingers: what one presses, the other presses back.
+    for finger in (thumb, index):
+        assert 0.8 * finger.pressing <= finger.stored <= finger.force
+    assert all(finger.stored == 0.0 for finger in others)
+
+
+def test_a_finger_that_pushes_alone_stores_nothing() -> None:
+    session = scripted(lambda now: (), seed=1)
+    at = box_xy(session)
+    session.close()
+    # From beside the box into its place, at 3 cm a second.
+    session = scripted(
+        lambda now: [
+            Contact(1, float(at[0]) - 0.07 + 0.03 * max(now - 1.0, 0.0), float(at[1]), label=1)
+        ],
+        seed=1,
+    )
+    pushed = 0.0
+    while session.time < 3.0:
+        session.advance()
+        (load,) = session.loads()
+        pushed = max(pushed, load.fingers[1].force)
+        assert load.fingers[1].stored == 0.0
+    assert pushed > 0.1
+
+
+@pytest.mark.parametrize(("share", "full"), [(0.5, False), (1.0, True)])
+def test_the_limit_is_told_at_fingers_that_touch_something(share: float, full: bool) -> None:
+    touching, idle = FingerLoad(force=3.0, used=share), FingerLoad(used=1.0)
+    load = HandLoad((touching, *[idle] * 4), 0.0)
+    assert full_fingers(load) == ({0} if full else set())
+    assert full_fingers(HandLoad((touching, *[FingerLoad()] * 4), share)) == (
+        {0} if full else set()
+    )

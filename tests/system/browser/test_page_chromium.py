@@ -19,7 +19,7 @@ from sandbox.devices.simulated.simulated import SimulatedDevice
 from sandbox.server import audience
 from sandbox.server.audience import SILENCE
 from sandbox.server.page_server import PageServer
-from sandbox.server.protocol.contact_forces import hand_feedback
+from sandbox.server.protocol.contact_forces import HandFeedback, hand_feedback
 from sandbox.server.protocol.describe import describe_scene
 from sandbox.server.protocol.protocol import LIFT_STRIP_PX
 from sandbox.server.protocol.rectangle import rectangle
@@ -159,6 +159,32 @@ def test_a_finger_that_is_not_sure_has_a_dashed_ring_and_a_question_mark(
         tab.wait(f"window.written[{name!r}] !== undefined")
         assert tab.evaluate(f"window.written[{name!r}] > 0") == name.endswith("?")
         (tmp_path / f"{probability}.png").write_bytes(tab.picture())
+
+
+def test_a_finger_says_what_its_grip_has_stored_and_when_there_is_no_more_force(
+    stage: Stage, tab: Tab, tmp_path: Path
+) -> None:
+    tab.wait(READY)
+    stage.advance()
+    tab.wait("document.querySelector('.task').textContent !== ''")
+    tab.evaluate(WRITTEN)
+    tab.touch([(1, 200.0, 300.0)])
+    (finger,) = frames(stage, lambda found: len(found[-1:] and found[-1].contacts) == 1)[
+        -1
+    ].contacts
+    snapshot = stage.session.advance()
+    hand = snapshot.hands[0]
+    contact = ContactView(finger.id, hand.tips[1], 1, "active")
+    snapshot = replace(snapshot, hands=(replace(hand, contacts=(contact,)),))
+    for grip, words in (
+        (HandFeedback((0.0, 2.0, 0.0, 0.0, 0.0)), "index"),
+        (HandFeedback((0.0, 14.0, 0.0, 0.0, 0.0), stored=(0.0, 12.6, 0.0, 0.0, 0.0)), "index 13 N"),
+        (HandFeedback((0.0, 30.0, 0.0, 0.0, 0.0), full=frozenset({1})), "index: full force"),
+    ):
+        stage.server.publish(snapshot, feedback=[grip])
+        tab.wait(f"window.written[{words!r}] !== undefined")
+        (tmp_path / f"{words.partition(' ')[2] or 'none'}.png").write_bytes(tab.picture())
+    tab.touch([])
 
 
 def test_a_palm_is_a_patch_with_its_word_and_gets_no_name(

@@ -420,13 +420,15 @@ class Page {
           y,
           label: c?.label ?? null,
           force: c?.force ?? 0,
+          stored: c?.stored ?? 0,
+          full: c?.full ?? false,
           ignored: !this.linked || c?.state === "ignored",
           sure: c?.sure ?? true,
           ...(c?.inside && { word: say("move_apart") }),
           ...(c?.state === "palm" && { word: say("palm"), palm: { width, height } }),
         };
       });
-      const gone = { label: null, force: 0, ignored: true, sure: true };
+      const gone = { label: null, force: 0, stored: 0, full: false, ignored: true, sure: true };
       for (const { x, y } of this.resting) rings.push({ x, y, ...gone });
       // One of them says it for all.
       const first = rings[this.fingers.length];
@@ -437,6 +439,8 @@ class Page {
       ...this.stage.lens.project(c.position),
       label: c.label,
       force: c.force,
+      stored: c.stored ?? 0,
+      full: c.full ?? false,
       ignored: c.state === "ignored",
       sure: c.sure,
       ...(c.inside && { word: say("move_apart") }),

@@ -211,7 +211,7 @@ export interface Echo {
   t: number;
 }
 
-/** A contact in the session. `position` (m) in the world is for fingers that are not on this screen; `force` (N) is that of its fingertip on objects. A `palm` is no finger. `sure` is false if the label may well be wrong; `inside` is true if the finger is inside an object, out of which it has to be moved. */
+/** A contact in the session. `position` (m) in the world is for fingers that are not on this screen; `force` (N) is that of its fingertip on objects, `stored` (N) the part of it that other fingers press back, which is let go when the grip opens. `full` is true if the hand has no more force for it. A `palm` is no finger. `sure` is false if the label may well be wrong; `inside` is true if the finger is inside an object, out of which it has to be moved. */
 export interface ContactState {
   id: number;
   label: number | null;
@@ -220,6 +220,8 @@ export interface ContactState {
   position: [number, number, number];
   sure: boolean;
   inside: boolean;
+  stored?: number;
+  full?: boolean;
 }
 
 /** A hand: phase of its arrival, solid fingers, contacts, probability of the labels. */

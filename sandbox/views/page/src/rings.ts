@@ -2,6 +2,7 @@
 // network; the computer adds the finger's name, colour and force.
 
 import { fingerColour, fingerName } from "./colours";
+import { say } from "./words";
 
 export interface Ring {
   x: number;
@@ -10,6 +11,10 @@ export interface Ring {
   label: number | null;
   /** Force on objects, N. */
   force: number;
+  /** Force that the grip stores in it and lets go when it opens, N. */
+  stored: number;
+  /** True if the hand has no more force for it. */
+  full: boolean;
   ignored: boolean;
   /** False if the label may well be wrong: the ring is dashed, and the name has a question mark. */
   sure: boolean;
@@ -25,6 +30,15 @@ const NAME_ABOVE = 0.3;
 /** Dash and gap of a ring in radii: nine of each. */
 const DASH = Math.PI / 9;
 const PLAIN = "#dfe8ef";
+const INK = "#080c0f";
+const DARK = "rgba(8, 12, 15, 0.72)";
+/** N, grip at which the arc around a ring is closed: the strongest that people's grips are tried at. */
+const STRONGEST = 70;
+/** N below which a grip is not told: less than what a resting finger presses with. */
+const TOLD = 1;
+/** CSS pixels from a ring to the arc around it, and width of the arc. */
+const ARC_GAP = 13;
+const ARC_WIDTH = 5;
 /** In inches, size of a palm on another screen, which is not known here. */
 const PALM = 1.2;
 
@@ -81,6 +95,22 @@ export class Rings {
     pen.strokeStyle = this.colour(ring);
     pen.stroke();
     pen.setLineDash([]);
+    if (!this.plain && (ring.full || ring.stored >= TOLD)) this.drawGrip(ring, radius + ARC_GAP);
+  }
+
+  /** An arc that opens at the bottom and closes with the force of the grip; closed and white at the
+   * hand's limit. */
+  private drawGrip(ring: Ring, radius: number): void {
+    const pen = this.pen;
+    const half = Math.PI * (ring.full ? 1 : Math.min(ring.stored / STRONGEST, 1));
+    pen.beginPath();
+    pen.arc(ring.x, ring.y, radius, Math.PI / 2 - half, Math.PI / 2 + half);
+    pen.lineWidth = ARC_WIDTH + 3;
+    pen.strokeStyle = "rgba(8, 12, 15, 0.55)";
+    pen.stroke();
+    pen.lineWidth = ARC_WIDTH;
+    pen.strokeStyle = ring.full ? PLAIN : this.colour(ring);
+    pen.stroke();
   }
 
   private drawPalm(ring: Ring, size: { width: number; height: number }, unknown: number): void {
@@ -94,16 +124,25 @@ export class Rings {
 
   private drawName(ring: Ring, y: number): void {
     const pen = this.pen;
-    const name = ring.word ?? fingerName(ring.label, ring.sure);
+    const name = ring.word ?? named(ring);
     pen.font = "600 15px system-ui, sans-serif";
     pen.textAlign = "center";
     pen.textBaseline = "middle";
     const half = pen.measureText(name).width / 2 + 9;
-    pen.fillStyle = "rgba(8, 12, 15, 0.72)";
+    // Dark on light at the limit, which is told without colours, too.
+    const turned = ring.full && ring.word === undefined;
+    pen.fillStyle = turned ? PLAIN : DARK;
     pen.beginPath();
     pen.roundRect?.(ring.x - half, y - 12, 2 * half, 24, 12);
     pen.fill();
-    pen.fillStyle = this.colour(ring);
+    pen.fillStyle = turned ? INK : this.colour(ring);
     pen.fillText(name, ring.x, y + 1);
   }
+}
+
+/** The finger's name, and what it holds with. */
+function named({ label, sure, full, stored }: Ring): string {
+  const name = fingerName(label, sure);
+  if (full) return say("grip_limit", { name });
+  return stored < TOLD ? name : say("grip_force", { name, force: stored.toFixed(0) });
 }
