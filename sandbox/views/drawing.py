@@ -21,7 +21,7 @@ from models.skin.colours import PALE
 from models.surface import Surface
 from sandbox.session.messages import ContactView, HandView, Snapshot
 from sandbox.views import palette
-from sandbox.views.hand_look import HIDDEN_GROUP, TARGET_GROUP, part_colour, skinned_model
+from sandbox.views.hand_look import HIDDEN_GROUP, part_colour, skinned_model
 from sandbox.views.marks import Marks
 from sandbox.views.palette import Colour
 from sandbox.views.shelf import PANE, SHELF, hide_table, shelf
@@ -93,6 +93,12 @@ class Drawing:
         self.view = mujoco.MjvScene(self.model, MAX_GEOMS)
         self._marks = Marks(self.view)
         self._data = mujoco.MjData(self.model)
+        hands = scene.spec.hands
+        self._bones = {
+            i: [self.model.body(b).id for b in (h.palm, *(link.body for link in h.links))]
+            for i, h in enumerate(hands)
+            if i in self.looks
+        }
         self._option = mujoco.MjvOption()
         self._option.geomgroup[HIDDEN_GROUP:] = 0
         self._owners = {
@@ -114,7 +120,6 @@ class Drawing:
         snapshot: Snapshot,
         camera: mujoco.MjvCamera,
         hidden: Hidden | None = None,
-        targets: bool = False,
     ) -> None:
         """Fills the drawing list.
 
@@ -122,7 +127,6 @@ class Drawing:
             snapshot: The snapshot to draw.
             camera: The camera.
             hidden: Hands that are left out: `ghosts`, which cannot touch objects, or all.
-            targets: True adds the commanded pose of hands that are held back.
         """
         model, data = self.model, self._data
         data.qpos[:] = snapshot.qpos
@@ -130,10 +134,8 @@ class Drawing:
         mujoco.mj_comPos(model, data)
         mujoco.mj_camlight(model, data)
         drawn = [hidden is None or (hidden == "ghosts" and bool(h.solid)) for h in snapshot.hands]
-        held_back = self.held_back(snapshot) if targets else []
         self._option.skingroup[:] = 0
         self._option.skingroup[: len(drawn)] = drawn
-        self._option.skingroup[TARGET_GROUP] = bool(held_back)
         # For a camera without perspective, MuJoCo takes the visible height, in metres, from here.
         model.vis.global_.fovy = (
             self.narrowness * ORTHOGRAPHIC_HEIGHT * self.surface.size[1]
@@ -144,7 +146,6 @@ class Drawing:
             model, data, self._option, None, camera, mujoco.mjtCatBit.mjCAT_ALL, self.view
         )
         self._finish_model(snapshot)
-        self._pose_targets(snapshot, held_back)
         self._draw_outline()
         if self.surface.upright:
             half, place = shelf()
@@ -169,13 +170,23 @@ class Drawing:
         highest = camera.forward + camera.up * (camera.frustum_top / camera.frustum_near)
         return bool(highest[2] > 0.0)
 
-    def held_back(self, snapshot: Snapshot) -> list[int]:
-        """The solid hands whose fingers are visibly away from where they should be."""
-        return [
-            i
-            for i, look in self.looks.items()
-            if snapshot.hands[i].solid and look.is_held_back(snapshot.hands[i])
-        ]
+    def held_back(self, snapshot: Snapshot) -> tuple[list[Array], list[Array]]:
+        """Triangles of the solid hands that something holds back, in the state of `update`.
+
+        Returns:
+            Of each of them (n, 3, 3) m, its parts that are away from their place, at their place;
+            and (m, 3, 3) m, all of it as it is.
+        """
+        away, here = [], []
+        for i, look in self.looks.items():
+            if not snapshot.hands[i].solid:
+                continue
+            bones = self._data.xpos[self._bones[i]], self._data.xmat[self._bones[i]]
+            there, whole = look.triangles(bones[0], bones[1].reshape(-1, 3, 3), snapshot.hands[i])
+            if len(there):
+                away.append(there)
+                here.append(whole)
+        return away, here
 
     def _parts_of(self, body: int) -> list[_GoalPart]:
         model = self.model
@@ -208,21 +219,6 @@ class Drawing:
                     colour = part_colour(part, snapshot.hands[index])
                     if colour is not None:
                         geom.rgba[:3] = colour
-
-    def _pose_targets(self, snapshot: Snapshot, held_back: list[int]) -> None:
-        """Poses the skins of commanded poses; collapses those of hands that are not shown."""
-        if not self._option.skingroup[TARGET_GROUP]:
-            return
-        view = self.view
-        for i, look in self.looks.items():
-            start, count = view.skinvertadr[look.target], view.skinvertnum[look.target]
-            place = slice(3 * start, 3 * (start + count))
-            if i not in held_back:
-                view.skinvert[place] = 0.0
-                continue
-            vertices, normals = look.commanded(snapshot.hands[i])
-            view.skinvert[place] = vertices.ravel()
-            view.skinnormal[place] = normals.ravel()
 
     def _draw_casters(self, casters: list[int]) -> None:
         """Adds invisible thin capsules inside the visible hand that cast its shadow.

@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 
 from models.arithmetic.arrays import Array
 from models.frames import FINGERS
-from models.kinematics import Kinematics
 from models.pose import POSE_SIZE
 from models.rotations import matrix_to_quaternion
 from models.scene import Scene
@@ -28,8 +27,6 @@ from sandbox.views.palette import Colour
 
 HIDDEN_GROUP = 3
 """Geom group of the simulation's own capsules, which MuJoCo does not show."""
-TARGET_GROUP = 5
-"""Skin group of the commanded poses; groups 0 and 1 are those of the hands."""
 
 GLOSS: dict[str, tuple[float, float]] = {
     "skin": (0.16, 0.30),
@@ -40,10 +37,9 @@ GLOSS: dict[str, tuple[float, float]] = {
 """Specular reflection and shininess, by material."""
 PALETTE_SIZE = 64
 """Number of colours along each side of the palette of tones."""
-TARGET_OFF, TARGET_THIN = 0.012, 0.0012
-"""m between a fingertip and its target from which the target is shown (fingers that hold an object
-are always commanded slightly into it), and m by which the target is thinner than the hand, so that
-the hand hides it where both coincide."""
+TARGET_OFF = 0.004
+"""m between a point of the skin and its place in the commanded pose from which it is outlined
+there."""
 
 
 @dataclass(frozen=True)
@@ -54,27 +50,31 @@ class Look:
         skeleton: Skeleton of the hand.
         skin: Skin, fitted to the skeleton.
         parts: MuJoCo's skin number of each part, by name.
-        target: Skin number of the commanded pose.
         casters: Geom numbers at whose places the hand's shadow is cast.
     """
 
     skeleton: Skeleton
     skin: Skin
     parts: dict[str, int]
-    target: int
     casters: list[int]
 
-    def is_held_back(self, hand: HandView) -> bool:
-        """True if any fingertip is visibly away from its place in the commanded pose."""
-        tips = Kinematics(self.skeleton).tips(hand.target)
-        return bool(np.max(np.linalg.norm(hand.tips - tips, axis=1)) > TARGET_OFF)
+    def triangles(self, positions: Array, rotations: Array, hand: HandView) -> tuple[Array, Array]:
+        """Triangles of the skin: of parts away from their place, at their place; of all, as it is.
 
-    def commanded(self, hand: HandView) -> tuple[Array, Array]:
-        """Vertices and normals (n, 3) of the skin at the commanded pose."""
-        part = self.skin.part("skin").vertices
-        bones = frames(self.skeleton, hand.target)
-        normals = self.skin.normals(*bones)[part]
-        return self.skin.posed(*bones)[part] - TARGET_THIN * normals, normals
+        Args:
+            positions: (15, 3) m, where palm and bones are.
+            rotations: (15, 3, 3) of palm and bones.
+            hand: The hand, whose commanded pose says where it should be.
+
+        Returns:
+            (n, 3, 3) and (m, 3, 3) m.
+        """
+        part = self.skin.part("skin")
+        corners = self.skin.triangles[part.triangles] - part.vertices.start
+        here = self.skin.posed(positions, rotations)[part.vertices]
+        there = self.skin.posed(*frames(self.skeleton, hand.target))[part.vertices]
+        off = np.linalg.norm(here - there, axis=1) > TARGET_OFF
+        return there[corners[off[corners].all(axis=1)]], here[corners]
 
 
 def skinned_model(scene: Scene) -> tuple[mujoco.MjModel, dict[int, Look]]:
@@ -96,9 +96,7 @@ def skinned_model(scene: Scene) -> tuple[mujoco.MjModel, dict[int, Look]]:
             _add_skin(spec, hand, skin, part.name, f"{hand.name}_{part.name}", index)
             numbers[part.name] = count
             count += 1
-        _add_skin(spec, hand, skin, "skin", f"{hand.name}_target", TARGET_GROUP)
-        looks[index] = Look(hand.skeleton, skin, numbers, count, [])
-        count += 1
+        looks[index] = Look(hand.skeleton, skin, numbers, [])
     model = spec.compile()
     for index, look in looks.items():
         root = int(model.body(scene.spec.hands[index].palm).rootid[0])
@@ -126,7 +124,6 @@ def _materials(spec: mujoco.MjSpec) -> None:
         material.rgba = [0.96, 0.96, 0.96, 1.0] if kind == "skin" else [1.0, 1.0, 1.0, 1.0]
         if kind == "skin":
             material.textures[mujoco.mjtTextureRole.mjTEXROLE_RGB] = "skin tones"
-    spec.add_material(name="hand target", specular=0.0, rgba=[*palette.TARGET, 1.0], emission=0.3)
 
 
 def _add_skin(
@@ -134,8 +131,7 @@ def _add_skin(
 ) -> None:
     chosen = skin.part(part)
     triangles = skin.triangles[chosen.triangles] - chosen.vertices.start
-    target = group == TARGET_GROUP
-    kind = "target" if target else part.partition("_")[0]
+    kind = part.partition("_")[0]
     made = spec.add_skin(name=name, material=f"hand {kind}", group=group)
     made.vert = skin.rest[chosen.vertices].ravel().tolist()
     made.face = triangles.ravel().tolist()

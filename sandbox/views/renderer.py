@@ -18,14 +18,12 @@ from sandbox.views.drawing import Drawing, Hidden
 from sandbox.views.graphics import GLContext, offscreen_context, render_context
 from sandbox.views.lens import Lens
 from sandbox.views.overlay import OverlayTexts, paste, stickers
+from sandbox.views.target_outline import draw_outline
 
 GHOST_OPACITY = 0.5
 """Opacity of a ghost hand, which cannot touch objects yet."""
 SEE_THROUGH_OPACITY, SEE_THROUGH_GHOST = 0.6, 0.3
 """Opacity of a solid hand and of a ghost in views in which hands hide held objects."""
-
-TARGET_OPACITY = 0.35
-"""Opacity of a hand's commanded pose."""
 
 SHADOW_SIZE, SAMPLES = 1024, 4
 """px of the shadow map, and samples per pixel. By software at 640x360, 2048 px take 1.2 times as
@@ -130,10 +128,11 @@ class Renderer(Closeable):
             return Image.blend(self._behind(snapshot, "hands"), picture, opacity)
         if not solid:
             return Image.blend(self._behind(snapshot, "ghosts"), picture, GHOST_OPACITY)
-        if self._drawing.held_back(snapshot):
-            # Only the parts of the target outside the hand itself are visible.
-            return Image.blend(picture, self._draw(snapshot, None, True), TARGET_OPACITY)
-        return picture
+        return draw_outline(
+            picture,
+            Lens.of(self._drawing.view, picture.size),
+            *self._drawing.held_back(snapshot),
+        )
 
     def resize(self, size: tuple[int, int]) -> None:
         """Sets the size of the pictures, px."""
@@ -177,13 +176,11 @@ class Renderer(Closeable):
             self._kept = seen, self._draw(snapshot, hidden)
         return self._kept[1]
 
-    def _draw(
-        self, snapshot: Snapshot, hidden: Hidden | None, targets: bool = False
-    ) -> Image.Image:
+    def _draw(self, snapshot: Snapshot, hidden: Hidden | None) -> Image.Image:
         assert self.camera is not None
         drawing = self._drawing
         drawing.view.flags[mujoco.mjtRndFlag.mjRND_SHADOW] = self.shadows
-        drawing.update(snapshot, self.camera, hidden, targets)
+        drawing.update(snapshot, self.camera, hidden)
         sky = drawing.sees_sky()
         drawing.view.flags[mujoco.mjtRndFlag.mjRND_SKYBOX] = sky
         drawing.view.flags[mujoco.mjtRndFlag.mjRND_HAZE] = sky

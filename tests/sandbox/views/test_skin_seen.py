@@ -69,32 +69,54 @@ def _solid(v: Viewed, target: Array) -> Snapshot:
     return replace(v.solid, hands=(hand,))
 
 
+def _posed(v: Viewed, q: Array) -> Snapshot:
+    """The hand in a pose, and where it should be."""
+    qpos = v.solid.qpos.copy()
+    qpos[v.scene.qpos_slice(0)] = v.scene.pose_to_qpos(0, q)
+    return replace(_solid(v, q), qpos=qpos)
+
+
 def _target(v: Viewed) -> Array:
     """The commanded pose that the hand has reached exactly, as far as its fingertips tell."""
     return v.solid.hands[0].target
 
 
 @pytest.mark.needs("opengl")
-def test_where_a_hand_should_be_is_shown_while_it_is_held_back(v: Viewed) -> None:
+def test_a_hand_that_is_held_back_has_an_outline_beside_it_where_it_should_be(v: Viewed) -> None:
     moved = _target(v).copy()
     moved[0] += 0.03
     with Renderer(v.scene, v.surface, (480, 270), camera=window_camera(v.surface)) as renderer:
-        there = np.asarray(renderer.frame(_solid(v, _target(v))), float)
-        held = np.asarray(renderer.frame(_solid(v, moved)), float)
-    bluer = (held - there)[..., 2] > 12
-    assert bluer.sum() > 300
-    # The hand itself stays as it is: most pixels do.
-    assert (np.abs(held - there).max(axis=-1) > 12).mean() < 0.2
+        posed = _posed(v, _target(v))
+        there = np.asarray(renderer.frame(posed), int)
+        held_back = replace(posed, hands=(replace(posed.hands[0], target=moved),))
+        held = np.asarray(renderer.frame(held_back), int)
+        gone = np.asarray(renderer.frame(_posed(v, _target(v) + np.eye(48)[0])), int)
+    line = (held != there).any(axis=-1)
+    assert line.sum() > 100
+    assert (held[line] == palette.bytes_of(palette.TARGET)[:3]).all()
+    # A line, not an area, and none of it on the skin.
+    assert line.mean() < 0.02
+    skin = (np.abs(there - gone) > 24).any(axis=-1)
+    assert skin.mean() > 0.03
+    assert (line & skin).sum() < 0.1 * line.sum()
 
 
-def test_only_solid_hands_that_are_held_back_show_where_they_should_be(v: Viewed) -> None:
+@pytest.mark.parametrize(("by", "shown"), [(0.0, False), (0.0035, False), (0.005, True)])
+def test_only_what_is_more_than_4_mm_away_is_outlined(v: Viewed, by: float, shown: bool) -> None:
     drawing = Drawing(v.scene, v.surface)
-    moved = _target(v).copy()
-    moved[:3] += 0.05
-    assert drawing.held_back(_solid(v, moved)) == [0]
-    assert drawing.held_back(_solid(v, _target(v))) == []
-    ghost = replace(v.ghost, hands=(replace(v.ghost.hands[0], target=moved),))
-    assert drawing.held_back(ghost) == []
+    solid = _posed(v, _target(v))
+    there = _target(v).copy()
+    there[0] += by
+    solid = replace(solid, hands=(replace(solid.hands[0], target=there),))
+    drawing.update(solid, window_camera(v.surface))
+    away, here = drawing.held_back(solid)
+    assert bool(away) is bool(here) is shown
+    if shown:
+        # A hand that is off as a whole is outlined as a whole.
+        shift = np.broadcast_to([by, 0.0, 0.0], here[0].shape)
+        np.testing.assert_allclose(away[0] - here[0], shift, atol=1e-6)
+    ghost = replace(solid, hands=(replace(solid.hands[0], solid=frozenset()),))
+    assert drawing.held_back(ghost) == ([], [])
 
 
 def test_nails_have_the_colours_of_the_fingers_that_touch(v: Viewed) -> None:
@@ -117,6 +139,6 @@ def test_two_hands_have_two_skins() -> None:
     pair = (Hand("right"), Hand("left", ADULT.mirrored()))
     scene = Scene(SceneSpec(pair))
     model, looks = skinned_model(scene)
-    assert model.nskin == 2 * (len(Skin.builtin().parts) + 1)
-    numbers = [n for look in looks.values() for n in (*look.parts.values(), look.target)]
+    assert model.nskin == 2 * len(Skin.builtin().parts)
+    numbers = [n for look in looks.values() for n in look.parts.values()]
     assert sorted(numbers) == list(range(model.nskin))
