@@ -157,7 +157,7 @@ class ContactTracker:
 
     def _drop_palms(self, seen: dict[int, Contact]) -> None:
         """Forgets fingers that turned out to be palms, and lets those come that had no room."""
-        found = False
+        dropped = False
         for track in list(self.tracks.values()):
             kind = self._judge.kind(track.device_id)
             track.unsure = track.unsure and kind is Kind.UNSURE
@@ -165,14 +165,14 @@ class ContactTracker:
                 del self.tracks[track.id]
                 self._ignored_ids[track.device_id] = PALM
                 self._count(PALM)
-                found = True
+                dropped = True
         for i, why in list(self._ignored_ids.items()):
             if why == PALM:
                 continue
             if self._judge.kind(i) is Kind.PALM:
                 self._ignored_ids[i] = PALM
                 self._count(PALM)
-            elif found:
+            elif dropped:
                 del self._ignored_ids[i]
 
     def _drop_reused_ids(self, seen: dict[int, Contact]) -> None:

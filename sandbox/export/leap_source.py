@@ -227,9 +227,9 @@ def _first_poses(
             if first[i] is None:
                 step = hands[i].step(part)
                 first[i] = step.q if step.phase is Phase.DOWN else None
-        found = [q for q in first if q is not None]
-        if len(found) == len(hands):
-            return found
+        poses = [q for q in first if q is not None]
+        if len(poses) == len(hands):
+            return poses
     unseen = [side for side, q in zip(recording.sides, first, strict=True) if q is None]
     raise RecordingError(
         f"no frame can be used of the {' and '.join(unseen)} hand",

@@ -90,13 +90,13 @@ class PoseComparison:
         hands = range(len(self._session.rigs))
         tips = [self._session.tips(i, here) - self._session.tips(i, there) for i in hands]
         places = here.xpos[self._objects] - there.xpos[self._objects]
-        found = (
+        differences = (
             1000.0 * _longest(places),
             _largest_turn(here.xmat[self._objects], there.xmat[self._objects]),
             1000.0 * max(map(_longest, tips), default=0.0),
             _largest_turn(here.xmat[self._links], there.xmat[self._links]),
         )
-        self._largest = [max(a, b) for a, b in zip(self._largest, found, strict=True)]
+        self._largest = [max(a, b) for a, b in zip(self._largest, differences, strict=True)]
 
     def agreement(self) -> Agreement:
         """The verdict on everything that was compared."""

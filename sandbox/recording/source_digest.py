@@ -22,8 +22,8 @@ def source_files(folder: Path, below: bool = False) -> list[Path]:
         folder: The folder.
         below: True also takes those of all folders below it.
     """
-    found = folder.rglob("*") if below else folder.iterdir()
-    return sorted(path for path in found if path.suffix in SUFFIXES)
+    paths = folder.rglob("*") if below else folder.iterdir()
+    return sorted(path for path in paths if path.suffix in SUFFIXES)
 
 
 def source_digest(files: Iterable[Path], root: Path) -> str:

@@ -100,8 +100,8 @@ class Cluster:
             return crashed(job, f"{type(error).__name__}: {_first_line(error)}")
         if isinstance(trial, HandSandboxError):
             raise trial
-        found: Trial = trial
-        return found
+        ended: Trial = trial
+        return ended
 
     def _connect(self) -> None:
         options: dict[str, Any] = {"log_to_driver": False, "logging_level": "ERROR"}

@@ -145,8 +145,8 @@ class TrialsFile(Closeable):
 
     def ended(self, plan: RegressionPlan) -> list[Trial]:
         """Trials of the plan that have a result, in the order of its jobs."""
-        found = (self.trials.get((_varied(plan), job.name, job.seed)) for job in plan.jobs())
-        return [t for t in found if t is not None and t["status"] != CRASHED]
+        trials = (self.trials.get((_varied(plan), job.name, job.seed)) for job in plan.jobs())
+        return [t for t in trials if t is not None and t["status"] != CRASHED]
 
     def append(self, plan: RegressionPlan, trial: Trial) -> None:
         """Writes a trial that has ended.

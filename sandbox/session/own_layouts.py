@@ -46,11 +46,11 @@ def known_layouts(layouts: Sequence[Sequence[tuple[float, float]]], size: float)
 
 
 def learned_layouts(session: Session) -> dict[str, Layouts]:
-    """The layouts of hands that have found new ones, by the hand's name.
+    """The layouts of hands that have learned new ones, by the hand's name.
 
     Those known at the session's beginning are included, as far as there is room.
     """
-    found = {}
+    learned = {}
     for rig in session.rigs:
         reconstructor: Any = rig.reconstructor
         size = 1.0
@@ -59,8 +59,8 @@ def learned_layouts(session: Session) -> dict[str, Layouts]:
             reconstructor = reconstructor.trained
         own = _new(reconstructor)
         if own is not None:
-            found[rig.hand.name] = kept_layouts(own, size)
-    return found
+            learned[rig.hand.name] = kept_layouts(own, size)
+    return learned
 
 
 def _new(reconstructor: Any) -> OwnLayouts | None:

@@ -428,10 +428,10 @@ def _joint(name: str, place: Vector, metre: float, above: Optional[str]) -> str:
 
 def _long(name: Any) -> str:
     """The whole path of a node: short names are no longer unique once another rig has them."""
-    found = cmds.ls(str(name), long=True) or []
-    if len(found) != 1:
-        raise Refused("%s %s" % ("more than one node is named" if found else "there is no", name))
-    return str(found[0])
+    paths = cmds.ls(str(name), long=True) or []
+    if len(paths) != 1:
+        raise Refused("%s %s" % ("more than one node is named" if paths else "there is no", name))
+    return str(paths[0])
 
 
 def _prefer(joint: str, frame: Rows, coupling: float) -> None:

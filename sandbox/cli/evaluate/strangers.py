@@ -184,8 +184,8 @@ def _judge(
     looks: Looks,
 ) -> None:
     """Judges a person, and once more with the hand seen."""
-    found = judge_stranger(capture, model, make() if make else None)
-    rows.setdefault(name, []).append(found)
+    judgement = judge_stranger(capture, model, make() if make else None)
+    rows.setdefault(name, []).append(judgement)
     if looks:
         known = knowing_rest(model, looks, 1.0)
         rows.setdefault(f"{name}, hand seen", []).append(judge_stranger(capture, known, None))

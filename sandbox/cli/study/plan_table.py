@@ -56,11 +56,11 @@ def _order(levels: Sequence[str]) -> str:
 def cycle_lines(design: Design, people: int) -> list[str]:
     """How many participants a full cycle takes, and what so many leave confounded."""
     lines = [cycle_line(design)]
-    found = confounded(design, people)
-    if found:
+    problems = confounded(design, people)
+    if problems:
         lines.append(
             f"{people} participants are no full cycle (write {nearest_cycles(design, people)}); "
             "confounded is:"
         )
-        lines += [f"  {line}" for line in found]
+        lines += [f"  {line}" for line in problems]
     return lines

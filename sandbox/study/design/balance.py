@@ -82,15 +82,15 @@ def confounded(design: Design, people: int) -> list[str]:
         return []
     fixed = [i for i, factor in enumerate(design.factors) if cycle_of(factor) > 1]
     rows = [rows_of(design, number) for number in range(rest)]
-    found: dict[tuple[int, ...], str] = {}
+    lines: dict[tuple[int, ...], str] = {}
     for size in range(1, len(fixed) + 1):
         for some in combinations(fixed, size):
-            if any(set(part) <= set(some) for part in found):
+            if any(set(part) <= set(some) for part in lines):
                 continue
             line = _confounded(design, rows, some)
             if line:
-                found[some] = line
-    return list(found.values())
+                lines[some] = line
+    return list(lines.values())
 
 
 def _confounded(design: Design, rows: list[tuple[int, ...]], some: tuple[int, ...]) -> str:
@@ -120,11 +120,11 @@ def row_of(row: tuple[int, ...], some: Iterable[int]) -> tuple[int, ...]:
 def _places(factor: Factor, row: int) -> list[tuple[int, int, int]]:
     """(list, place, level) of one order; the list is that of a nested factor's outer level."""
     lists = list(factor.nested.values()) if factor.nested else [factor.levels]
-    found = []
+    places = []
     for number, levels in enumerate(lists):
         order: Row = order_of(factor.order, len(levels), row, ())
-        found += [(number, place, level) for place, level in enumerate(order)]
-    return found
+        places += [(number, place, level) for place, level in enumerate(order)]
+    return places
 
 
 def _cells(factor: Factor) -> int:

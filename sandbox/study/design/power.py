@@ -71,8 +71,8 @@ def people_needed(
     low, high = 2 // step, most // step + 1
     while high - low > 1:
         middle = (low + high) // 2
-        found = power(effect, middle * step, 0.05 / tests, between) >= wanted
-        low, high = (low, middle) if found else (middle, high)
+        enough = power(effect, middle * step, 0.05 / tests, between) >= wanted
+        low, high = (low, middle) if enough else (middle, high)
     return high * step if high * step <= most else None
 
 

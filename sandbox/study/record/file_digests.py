@@ -40,13 +40,13 @@ def tables_of(folder: Path, stem: str) -> list[Path]:
         folder: Folder of the tables.
         stem: Name of the recording without suffix.
     """
-    found = (
+    paths = (
         path
         for name in TABLES
         for path in folder.glob(f"{name}_{stem}.*")
         if path.name.split(f"_{stem}.", 1)[1] in SUFFIXES
     )
-    return sorted(found)
+    return sorted(paths)
 
 
 TABLES = ("frames", "touches", "measures")

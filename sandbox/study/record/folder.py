@@ -240,9 +240,9 @@ class StudyFolder:
                 )
             locked_to = about_of(journal.records, path)
         if path.exists():
-            found = read_study_json(path)
+            lock = read_study_json(path)
             # An upgrade that was cut short is in the journal only.
-            if {**found, "build": 0} != {**locked_to, "build": 0}:
+            if {**lock, "build": 0} != {**locked_to, "build": 0}:
                 raise StudyError(
                     "study.json is not what the journal of the study says",
                     where=str(path),

@@ -278,8 +278,8 @@ def _write_session(
             shutil.copyfile(table, path / "trackers" / table.name)
     for record in records:
         if record.get("recording") is not None:
-            found = recording_digests(path / record["file"])
-            record["recording"] = found or {LEFT_OUT: True}
+            digests = recording_digests(path / record["file"])
+            record["recording"] = digests or {LEFT_OUT: True}
     write_atomically(path / JOURNAL, journal_bytes(records), durable=False)
 
 

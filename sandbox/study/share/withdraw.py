@@ -87,16 +87,16 @@ def _write_tombstone(path: Path, ppid: str, reason: str) -> None:
     The records that take their places keep the digests, and a last record names them.
     """
     records = read_journal(path)
-    lines, found = [], {}
+    lines, old_digests = [], {}
     for record in records:
         new = _without(record, ppid, reason)
         if new == record:
             lines.append(record_line(record))
             continue
-        line, found[str(record["n"])] = replaced(new, record)
+        line, old_digests[str(record["n"])] = replaced(new, record)
         lines.append(line)
-    if found:
-        entry = {**_head(len(records), WITHDRAWAL), REPLACED: found}
+    if old_digests:
+        entry = {**_head(len(records), WITHDRAWAL), REPLACED: old_digests}
         lines.append(chained(entry, records[-1][DIGEST])[1])
         write_atomically(path, b"".join(lines))
 

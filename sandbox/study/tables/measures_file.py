@@ -70,9 +70,9 @@ def keep_measures(folder: Path, stem: str, differs: str, compared: bool) -> None
     Raises:
         StudyError: The file cannot be written.
     """
-    found = _read(folder, stem)
-    stored = found if found.get("version") == VERSION else {}
-    older = {OLDER: found} if found and not stored else {}
+    kept = _read(folder, stem)
+    stored = kept if kept.get("version") == VERSION else {}
+    older = {OLDER: kept} if kept and not stored else {}
     reasons = stored.get(REASONS)
     missing = [name for name in _measured_names() if name not in stored]
     why = f"a replay did not give the recorded states. What differs: {differs}"
@@ -121,8 +121,8 @@ def _computed_by() -> str:
 
 
 def _replay(stored: dict[str, Any]) -> dict[str, Any]:
-    found = stored.get(REPLAY)
-    return found if isinstance(found, dict) else {}
+    replay = stored.get(REPLAY)
+    return replay if isinstance(replay, dict) else {}
 
 
 def _stored(folder: Path, stem: str) -> dict[str, Any]:

@@ -63,8 +63,8 @@ def exclusion_flaws(design: Design, path: Path, rule: Exclusion) -> Iterator[Fla
 
 def _range(design: Design, measure: str) -> tuple[float, float]:
     """Smallest and largest value that a measure can have."""
-    found = find_measure(measure)
-    if measure == "progress" or (found is not None and found.unit in ("0/1", "0 to 1")):
+    known = find_measure(measure)
+    if measure == "progress" or (known is not None and known.unit in ("0/1", "0 to 1")):
         return 0.0, 1.0
     if measure in ("time_s", "completion_s"):
         return 0.0, design.time_limit

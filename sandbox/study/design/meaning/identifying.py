@@ -90,8 +90,8 @@ def asks_for(item: Item) -> str:
     for text in (named, *item.ask.values()):
         words = plain(text)
         for what, pattern in _PATTERNS.items():
-            found = pattern.search(words)
-            if found or (_JOINED.search(words) and _contains(words, WORDS[what])):
+            match = pattern.search(words)
+            if match or (_JOINED.search(words) and _contains(words, WORDS[what])):
                 return what
         for what, form in FORMS.items():
             if form.search(words):

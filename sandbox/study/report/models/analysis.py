@@ -163,7 +163,9 @@ def _describe(data: StudyData, what: Quantity) -> MeasureSummary:
 
 
 def _model(fitted: Fitted, what: Quantity, main: ObservedFactor | None) -> MeasureModel:
-    found = fitted.compared(what)
+    compared = fitted.compared(what)
     dependences = fitted.dependences(what, main) if main else []
     described = _describe(fitted.data, what)
-    return MeasureModel(found.model, found.differences, found.shares, described, dependences)
+    return MeasureModel(
+        compared.model, compared.differences, compared.shares, described, dependences
+    )

@@ -142,8 +142,8 @@ class Fitted:
         asked = {what.name: what for what in self.asked}
         if outcome == "success" or outcome in asked:
             what = asked.get(outcome) or quantity(self.data, outcome)
-            found = self.compared(what)
-            return found.shares or found.differences
+            compared = self.compared(what)
+            return compared.shares or compared.differences
         return next(
             (s.differences for s in self.scores if s.main and s.questionnaire == outcome), ()
         )

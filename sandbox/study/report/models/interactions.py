@@ -59,7 +59,7 @@ class _Crossing:
 
 def model_dependences(data: StudyData, model: Censored, factor: ObservedFactor) -> list[Dependence]:
     """Simple effects and interactions of a factor by a model of conditions."""
-    found = [
+    dependences = [
         Dependence(SIMPLE, pair, other, "", bounded_difference(data, model, pair).estimate)
         for pair, other in _simple_pairs(data, factor, set(model.present))
     ]
@@ -70,15 +70,17 @@ def model_dependences(data: StudyData, model: Censored, factor: ObservedFactor) 
         told = t_difference(
             one.second, value, model.error(weights), _counts(data, factor, one.other)
         )
-        found.append(Dependence(INTERACTION, one.second, one.other, one.first.at, told.estimate))
-    return found
+        dependences.append(
+            Dependence(INTERACTION, one.second, one.other, one.first.at, told.estimate)
+        )
+    return dependences
 
 
 def share_dependences(data: StudyData, name: str, factor: ObservedFactor) -> list[Dependence]:
     """Simple effects and interactions of a factor in success, or another measure of 0 and 1."""
     simple = _simple_pairs(data, factor)
     told = success_differences(data, name, [pair for pair, _ in simple])
-    found = [
+    dependences = [
         Dependence(SIMPLE, pair, other, "", d.estimate)
         for (pair, other), d in zip(simple, told, strict=True)
     ]
@@ -87,28 +89,28 @@ def share_dependences(data: StudyData, name: str, factor: ObservedFactor) -> lis
         first, second = success_differences(data, name, [one.first, one.second])
         tied = _correlation(own, one) if factor.within and one.other.within else 0.0
         both = difference(second.estimate, first.estimate, tied, most=2.0)
-        found.append(Dependence(INTERACTION, one.second, one.other, one.first.at, both))
-    return found
+        dependences.append(Dependence(INTERACTION, one.second, one.other, one.first.at, both))
+    return dependences
 
 
 def _simple_pairs(
     data: StudyData, factor: ObservedFactor, present: set[int] | None = None
 ) -> list[tuple[Pair, ObservedFactor]]:
     """Pairs of levels of a factor at every level of every other factor that is crossed with it."""
-    found = []
+    pairs = []
     for pair, other, level in _pairs(data, factor, present):
         for at in other.levels:
             cells = tuple(c for c in pair.cells if level[c[0]] == at)
             if cells:
-                found.append((replace(pair, cells=cells, at=at), other))
-    return found
+                pairs.append((replace(pair, cells=cells, at=at), other))
+    return pairs
 
 
 def _crossings(
     data: StudyData, factor: ObservedFactor, present: set[int] | None = None
 ) -> list[_Crossing]:
     """Pairs of levels of a factor at two levels of another, with equal levels of all others."""
-    found = []
+    crossings = []
     names = [f.column for f in data.factors]
     seen = data.used[["cell", *names]].drop_duplicates("cell").set_index("cell")
     for pair, other, level in _pairs(data, factor, present):
@@ -125,26 +127,26 @@ def _crossings(
                     replace(pair, cells=some, at=at)
                     for some, at in zip(cells, (first, second), strict=True)
                 )
-                found.append(_Crossing(other, *pairs))
-    return found
+                crossings.append(_Crossing(other, *pairs))
+    return crossings
 
 
 def _pairs(
     data: StudyData, factor: ObservedFactor, present: set[int] | None
 ) -> list[tuple[Pair, ObservedFactor, dict[int, str]]]:
     """Pairs of levels of a factor, each with another factor and its level in every condition."""
-    found = []
+    pairs = []
     for other in data.factors:
         if other.name == factor.name or len(other.levels) < 2:
             continue
         level = dict(zip(data.used["cell"], data.used[other.column], strict=True))
-        found += [
+        pairs += [
             (pair, other, level)
             for pair in pairs_of(data, present)
             # A nested factor has no level in common.
             if pair.factor.name == factor.name and len({level[c] for c, _ in pair.cells}) > 1
         ]
-    return found
+    return pairs
 
 
 def _counts(data: StudyData, factor: ObservedFactor, other: ObservedFactor) -> Counts:

@@ -28,15 +28,15 @@ def confounded_pairs(data: StudyData) -> list[tuple[str, str]]:
 
 def _met(data: StudyData, outer: ObservedFactor, inner: ObservedFactor) -> list[Hashable]:
     """(outer level, its place, inner level, its place within) of every person, once each."""
-    found: list[Hashable] = []
+    met: list[Hashable] = []
     for _, rows in data.used.groupby("ppid", sort=False):
         within: dict[str, dict[str, int]] = {}
         for a, b in zip(rows[outer.column], rows[inner.column], strict=True):
             orders = within.setdefault(str(a), {})
             orders.setdefault(str(b), len(orders))
         for place, (level, orders) in enumerate(within.items()):
-            found += [(level, place, each, number) for each, number in orders.items()]
-    return found
+            met += [(level, place, each, number) for each, number in orders.items()]
+    return met
 
 
 def _even(met: Sequence[Hashable]) -> bool:
