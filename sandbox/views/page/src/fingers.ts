@@ -47,6 +47,8 @@ export class Fingers {
   private moved = 0;
   /** ms, time of the last message. */
   private flushed = 0;
+  /** Timer of a message that would come too soon after the last one. */
+  private later = 0;
   /** Wakes after the events that are waiting, so that all fingers of a moment are in one message. */
   private readonly soon = new MessageChannel();
 
@@ -65,10 +67,11 @@ export class Fingers {
     // Where a browser has it (on https and localhost), it comes at once, and not with the next picture.
     window.addEventListener("pointerrawupdate", (e) => {
       if (e instanceof PointerEvent) this.onMove(e);
-      if (this.moved) this.soon.port2.postMessage(0);
     });
     this.soon.port1.onmessage = () => {
-      if (performance.now() - this.flushed >= BETWEEN_MS) this.settle();
+      const early = this.flushed + BETWEEN_MS - performance.now();
+      if (early <= 0) this.settle();
+      else this.later ||= window.setTimeout(() => this.settle(), early);
     };
     window.addEventListener("pointerup", (e) => this.onUp(e));
     window.addEventListener("pointercancel", (e) => this.onCancel(e));
@@ -113,6 +116,8 @@ export class Fingers {
    * they are there, and before each picture, so that neither the message nor the rings wait for the
    * next one. */
   settle(): void {
+    window.clearTimeout(this.later);
+    this.later = 0;
     if (this.moved) this.flush(this.moved);
   }
 
@@ -141,6 +146,8 @@ export class Fingers {
       return;
     this.down.set(event.pointerId, now);
     this.moved = event.timeStamp;
+    // Not with the next picture, which may take long.
+    this.soon.port2.postMessage(0);
   }
 
   private onUp(event: PointerEvent): void {

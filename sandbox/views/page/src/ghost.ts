@@ -12,7 +12,7 @@ import {
 } from "three";
 import { GOAL, HELD, REACHED } from "./colours";
 import type { Geom, GoalState } from "./protocol";
-import { geometry, place } from "./shapes";
+import { MARKED, geometry, place } from "./shapes";
 
 const EDGE_RADIUS = 0.0008;
 const CORNERS = [-1, 1] as const;
@@ -25,13 +25,15 @@ export class Ghost {
     transparent: true,
     opacity: 0.26,
     depthWrite: false,
+    ...MARKED,
   });
   private readonly edges = new MeshBasicMaterial({
     color: GOAL,
     transparent: true,
     opacity: 0.95,
+    ...MARKED,
   });
-  private readonly lines = new LineBasicMaterial({ color: GOAL });
+  private readonly lines = new LineBasicMaterial({ color: GOAL, ...MARKED });
 
   /** @param geoms Geoms of the object's body. */
   constructor(geoms: Geom[]) {

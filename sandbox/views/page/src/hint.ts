@@ -2,6 +2,7 @@
 // success, or when it is closed, the hint is not shown again.
 
 import { make, write } from "./dom";
+import type { Rectangle } from "./lens";
 import { recall, remember } from "./memory";
 import type { State } from "./protocol";
 import { touchable } from "./screen";
@@ -9,6 +10,11 @@ import { say } from "./words";
 
 /** CSS pixels that a finger has to slide to complete the step. */
 const FAR = 60;
+/** CSS pixels above and below the hint that the words at the top and the buttons at the bottom need, and
+ * at its sides. */
+const HEADER = 118;
+const FOOTER = 66;
+const SIDE = 14;
 /** Position of the lift control that completes its step. */
 const LIFTED = 0.2;
 
@@ -64,6 +70,27 @@ export class Hint {
     if (this.step === 1 && far > FAR) this.go(2);
   }
 
+  /** Stands where it covers least of what has to be touched: at the top if there is room, as the hand comes
+   * from below.
+   *
+   * @param things Rectangles of what has to be touched.
+   * @param left CSS pixels of the page at the left that are taken, as by the lift control; `right` likewise.
+   */
+  stand(things: Rectangle[], left: number, right: number): void {
+    if (this.root.hidden) return;
+    const { offsetWidth: width, offsetHeight: height } = this.root;
+    const [first, last] = [left + SIDE, window.innerWidth - right - width - SIDE];
+    const middle = Math.min(Math.max((window.innerWidth - width) / 2, first), Math.max(last, first));
+    const [high, low] = [HEADER, window.innerHeight - FOOTER - height];
+    const places = [high, low, (high + low) / 2].flatMap((y) =>
+      [middle, first, last].map((x) => ({ left: x, top: y, width, height })),
+    );
+    const covered = places.map((place) => things.reduce((sum, t) => sum + common(place, t), 0));
+    const { left: x, top } = places[covered.indexOf(Math.min(...covered))]!;
+    this.root.style.left = `${x}px`;
+    this.root.style.top = `${top}px`;
+  }
+
   private get last(): number {
     return this.lifts ? 3 : 2;
   }
@@ -84,4 +111,11 @@ export class Hint {
     remember("hint", "done");
     this.root.hidden = true;
   }
+}
+
+/** Area that two rectangles share. */
+function common(a: Rectangle, b: Rectangle): number {
+  const wide = Math.min(a.left + a.width, b.left + b.width) - Math.max(a.left, b.left);
+  const high = Math.min(a.top + a.height, b.top + b.height) - Math.max(a.top, b.top);
+  return Math.max(wide, 0) * Math.max(high, 0);
 }

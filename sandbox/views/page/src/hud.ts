@@ -8,6 +8,8 @@ import { type Key, repeat, say, taskName, word } from "./words";
 const TOAST_MS = 2600;
 /** ms for which the delay of the last touch stays in view. */
 const DELAY_SHOWN_MS = 3000;
+/** Key of the notice that a finger is inside an object. */
+const INSIDE: Key = "stuck";
 const digits = (ms: number): string => (ms < 10 ? ms.toFixed(1) : ms.toFixed(0));
 
 /** Why time stands still, for a player and for a spectator. */
@@ -134,8 +136,11 @@ export class Hud {
     show(this.end, false);
   }
 
-  /** @param turned True if time stands still because this page was turned. */
-  setState(state: State, limit: number, player: boolean, turned: boolean): void {
+  /**
+   * @param turned True if time stands still because this page was turned.
+   * @param atFinger True if a finger that is inside an object is told so beside it.
+   */
+  setState(state: State, limit: number, player: boolean, turned: boolean, atFinger: boolean): void {
     const over = state.status !== "running";
     write(this.clock, say("seconds", { time: state.time.toFixed(1) }));
     this.clock.classList.toggle("late", !over && limit - state.time < 5);
@@ -153,7 +158,8 @@ export class Hud {
     else if (state.held) words = say("stayed");
     else if (state.reached) words = say("there");
     write(this.reason, words);
-    if (state.notices[0]) this.say(repeat(state.notices[0]));
+    const notice = state.notices.find(({ key }) => !(atFinger && key === INSIDE));
+    if (notice) this.say(repeat(notice));
     if (over && player) {
       const because = reason ? say("over_because", { reason }) : say("over_plain");
       const time = state.time.toFixed(1);

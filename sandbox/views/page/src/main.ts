@@ -20,7 +20,7 @@ import {
   type StudyView,
   type TaskName,
 } from "./protocol";
-import { type Ring, Rings } from "./rings";
+import { type Ring, Rings, ringHeight } from "./rings";
 import { calibrated, currentScreen, pxPerInch, touchable } from "./screen";
 import { Sender } from "./sender";
 import { Sheets } from "./sheet";
@@ -74,6 +74,8 @@ class Page {
   private wasHeld = false;
   private laidOut = currentScreen();
   private asked = false;
+  /** True while another table is asked for. */
+  private awaited = false;
   private settling = 0;
 
   constructor() {
@@ -188,6 +190,7 @@ class Page {
     const same = this.scene !== null && JSON.stringify(this.scene) === JSON.stringify(scene);
     if (this.inStudy && !same) this.glass?.cancelAll();
     this.scene = scene;
+    this.awaited = false;
     this.frame = null;
     this.pressed.clear();
     this.wasHeld = false;
@@ -241,7 +244,9 @@ class Page {
     if (!this.player || this.inStudy) return;
     const sent = this.connection.say({ type: "ask", what, value });
     // Another table takes the computer a moment.
-    if (sent && what !== "pause" && what !== "resume") show(this.preparing, true);
+    if (!sent || what === "pause" || what === "resume") return;
+    this.awaited = true;
+    show(this.preparing, true);
   }
 
   private key(event: KeyboardEvent): void {
@@ -301,6 +306,8 @@ class Page {
   private tell(text: string): void {
     write(this.trouble, text);
     show(this.trouble, true);
+    this.awaited = false;
+    this.dirty = true;
     show(this.preparing, false);
   }
 
@@ -378,33 +385,68 @@ class Page {
     if (!this.dirty || !this.stage.free) return;
     this.dirty = false;
     const { frame, scene } = this;
-    this.rings.draw(this.ringsNow(), this.stage.lens.pxPerInch);
-    this.sayOneThing();
+    const rings = this.ringsNow();
+    const told = rings.some((ring) => ring.word !== undefined && !ring.palm);
+    // What keeps from playing comes before what a finger has to do.
+    const atFinger = told && this.shut.every((message) => message.hidden);
+    if (!atFinger) for (const ring of rings) if (!ring.palm) delete ring.word;
+    this.rings.draw(rings, this.stage.lens.pxPerInch);
+    this.sayOneThing(atFinger);
     if (!frame || !scene) return;
-    show(this.preparing, false);
+    // Pictures of the table before may still come while another one is prepared.
+    show(this.preparing, this.awaited);
     this.stage.move(frame, this.linked);
     this.stage.draw(now);
     this.report(frame);
-    this.hud.setState(frame.state, scene.time_limit, this.player, this.turned.shown);
+    this.hud.setState(frame.state, scene.time_limit, this.player, this.turned.shown, atFinger);
     this.hint.follow(this.fingers, this.lift.value, frame.state);
+    if (!this.hint.root.hidden && !this.fingers.length) this.standAside();
     show(this.again, this.player && this.doubt.now(frame.state, now));
-    this.sayOneThing();
+    if (!this.again.hidden) this.above(this.again);
+    this.sayOneThing(atFinger);
   }
 
-  /** Of several messages only the most important one is visible, as they might disagree. */
-  private sayOneThing(): void {
-    const ranks = [
-      this.curtain,
-      this.trouble,
-      this.turned.root,
-      this.preparing,
-      this.hud.end,
-      this.again,
-      this.hud.toast,
-    ];
-    const first = ranks.findIndex((message) => !message.hidden);
-    ranks.forEach((message, i) => message.classList.toggle("outranked", first >= 0 && i > first));
-    this.hint.root.classList.toggle("outranked", first >= 0);
+  /** Moves the hint away from what has to be touched. */
+  private standAside(): void {
+    const strip = this.lift.root.hidden ? 0 : LIFT_STRIP_PX;
+    const [left, right] = this.lift.side === "left" ? [strip, 0] : [0, strip];
+    this.hint.stand(this.stage.things(), left, right);
+  }
+
+  /** Puts a message above the fingers that it is about, or below them where there is no room. */
+  private above(message: HTMLElement): void {
+    if (!this.fingers.length) return;
+    const [xs, ys] = [this.fingers.map((f) => f.x), this.fingers.map((f) => f.y)];
+    const { offsetWidth: width, offsetHeight: height } = message;
+    const middle = (Math.min(...xs) + Math.max(...xs) - width) / 2;
+    const clear = ringHeight(this.stage.lens.pxPerInch);
+    const top = Math.min(...ys) - clear - height;
+    const y = top >= 0 ? top : Math.min(Math.max(...ys) + clear, window.innerHeight - height);
+    message.style.left = `${Math.min(Math.max(middle, 0), window.innerWidth - width)}px`;
+    message.style.top = `${y}px`;
+  }
+
+  /** Messages that keep from playing, the most important one first. */
+  private get shut(): HTMLElement[] {
+    return [this.curtain, this.trouble, this.turned.root, this.preparing, this.hud.end];
+  }
+
+  /** Of several messages only the most important one is visible, as they might disagree.
+   *
+   * @param atFinger True if something is said beside a finger.
+   */
+  private sayOneThing(atFinger: boolean): void {
+    const others = [this.again, this.hud.toast, this.hint.root];
+    let said = false;
+    for (const message of this.shut) {
+      message.classList.toggle("outranked", said);
+      said ||= !message.hidden;
+    }
+    said ||= atFinger;
+    for (const message of others) {
+      message.classList.toggle("outranked", said);
+      said ||= !message.hidden;
+    }
   }
 
   /** Rings of the fingers on this screen at their current places; of others, at the places that the

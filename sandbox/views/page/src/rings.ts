@@ -29,6 +29,8 @@ const RADIUS = 0.42;
 const NAME_ABOVE = 0.3;
 /** Dash and gap of a ring in radii: nine of each. */
 const DASH = Math.PI / 9;
+/** CSS pixels, half the height of a name. */
+const NAME_HALF = 12;
 const PLAIN = "#dfe8ef";
 const INK = "#080c0f";
 const DARK = "rgba(8, 12, 15, 0.72)";
@@ -41,6 +43,13 @@ const ARC_GAP = 13;
 const ARC_WIDTH = 5;
 /** In inches, size of a palm on another screen, which is not known here. */
 const PALM = 1.2;
+
+const radiusOf = (pxPerInch: number): number => Math.max(RADIUS * pxPerInch, 22);
+const nameAbove = (pxPerInch: number): number =>
+  radiusOf(pxPerInch) + NAME_ABOVE * Math.min(pxPerInch, 90);
+
+/** CSS pixels from a finger to what is clear of its ring and of its name. */
+export const ringHeight = (pxPerInch: number): number => nameAbove(pxPerInch) + 2 * NAME_HALF;
 
 export class Rings {
   private readonly pen: CanvasRenderingContext2D;
@@ -65,12 +74,12 @@ export class Rings {
     if (this.empty && !rings.length) return;
     this.pen.clearRect(0, 0, window.innerWidth, window.innerHeight);
     this.empty = !rings.length;
-    const radius = Math.max(RADIUS * pxPerInch, 22);
+    const radius = radiusOf(pxPerInch);
     for (const ring of rings)
       if (ring.palm) this.drawPalm(ring, ring.palm, PALM * pxPerInch);
       else this.drawRing(ring, radius);
     // Names are drawn over all rings, as fingers side by side would cover each other's names.
-    const above = radius + NAME_ABOVE * Math.min(pxPerInch, 90);
+    const above = nameAbove(pxPerInch);
     for (const ring of rings)
       if (ring.palm) {
         if (!this.plain) this.drawName(ring, ring.y);
@@ -133,7 +142,7 @@ export class Rings {
     const turned = ring.full && ring.word === undefined;
     pen.fillStyle = turned ? PLAIN : DARK;
     pen.beginPath();
-    pen.roundRect?.(ring.x - half, y - 12, 2 * half, 24, 12);
+    pen.roundRect?.(ring.x - half, y - NAME_HALF, 2 * half, 2 * NAME_HALF, NAME_HALF);
     pen.fill();
     pen.fillStyle = turned ? INK : this.colour(ring);
     pen.fillText(name, ring.x, y + 1);

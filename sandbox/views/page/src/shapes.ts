@@ -8,9 +8,19 @@ import {
   type Object3D,
   PlaneGeometry,
   Quaternion,
+  ReplaceStencilOp,
   SphereGeometry,
 } from "three";
 import type { Geom } from "./protocol";
+
+/** Stencil value of what has to be touched, which a waiting hand leaves free. */
+export const TO_TOUCH = 1;
+/** Marks an object's pixels as what has to be touched. */
+export const MARKED = {
+  stencilWrite: true,
+  stencilRef: TO_TOUCH,
+  stencilZPass: ReplaceStencilOp,
+} as const;
 
 /** m, half the side of a plane that is endless in MuJoCo. */
 const FAR = 2;

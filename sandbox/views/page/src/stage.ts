@@ -9,21 +9,23 @@ import {
   Mesh,
   MeshBasicMaterial,
   MeshStandardMaterial,
+  NotEqualStencilFunc,
   type Object3D,
   PCFShadowMap,
   Scene as World,
   type Skeleton,
   SkinnedMesh,
+  Vector3,
   WebGLRenderer,
 } from "three";
 import { BACKGROUND, SKIN } from "./colours";
 import type { Frame } from "./frame";
 import { Ghost } from "./ghost";
 import { matMaterial, outline } from "./ground";
-import { Lens } from "./lens";
+import { Lens, type Rectangle } from "./lens";
 import type { Geom, SceneMessage } from "./protocol";
 import { Quality } from "./quality";
-import { geometry, place } from "./shapes";
+import { MARKED, TO_TOUCH, geometry, place } from "./shapes";
 import { type Skin, wear } from "./skin";
 
 /** Opacity of a hand that passes through objects. */
@@ -59,7 +61,7 @@ export class Stage {
         if (o instanceof Mesh) (o.material as MeshStandardMaterial).needsUpdate = true;
       });
     });
-    this.renderer = new WebGLRenderer({ canvas, antialias: this.quality.smooth });
+    this.renderer = new WebGLRenderer({ canvas, antialias: this.quality.smooth, stencil: true });
     this.renderer.shadowMap.type = PCFShadowMap;
     this.quality.apply(this.renderer);
     // A lost context comes back empty; reloading the page is simpler than filling it again.
@@ -141,8 +143,42 @@ export class Stage {
     const solid = live && hands.some((hand) => hand.solid.length);
     const opacity = solid ? 1 : down ? GHOSTLY : FAINT;
     this.skin.opacity = this.skinned.opacity = opacity;
+    for (const part of [this.skin, this.skinned, NO_COLOUR]) {
+      part.stencilWrite = !down && !solid;
+      part.stencilRef = TO_TOUCH;
+      part.stencilFunc = NotEqualStencilFunc;
+    }
     // A hand that waits in the air is nearly transparent, and casts no shadow.
     for (const mesh of this.hands) mesh.castShadow = down || opacity === 1;
+  }
+
+  /** Rectangles on the page, in CSS pixels, of the objects and of their goals. */
+  things(): Rectangle[] {
+    const meshes: Mesh[] = [];
+    const find = (object: Object3D): void => object.traverse((o) => {
+      if (o instanceof Mesh) meshes.push(o);
+    });
+    for (const [i, body] of this.bodies.entries())
+      if (this.scene?.geoms.some((g) => g.body === i && g.part === "object")) find(body);
+    for (const ghost of this.ghosts.values()) if (ghost.group.parent) find(ghost.group);
+    return meshes.map((mesh) => this.frame(mesh));
+  }
+
+  private frame(mesh: Mesh): Rectangle {
+    mesh.updateWorldMatrix(true, false);
+    mesh.geometry.computeBoundingBox();
+    const { min, max } = mesh.geometry.boundingBox!;
+    const [xs, ys]: [number[], number[]] = [[], []];
+    for (const x of [min.x, max.x])
+      for (const y of [min.y, max.y])
+        for (const z of [min.z, max.z]) {
+          const corner = new Vector3(x, y, z).applyMatrix4(mesh.matrixWorld);
+          const seen = this.lens.project([corner.x, corner.y, corner.z]);
+          xs.push(seen.x);
+          ys.push(seen.y);
+        }
+    const [left, top] = [Math.min(...xs), Math.min(...ys)];
+    return { left, top, width: Math.max(...xs) - left, height: Math.max(...ys) - top };
   }
 
   /** True once the last picture is finished: another one before would only wait for it, and with it
@@ -247,6 +283,7 @@ function material(geom: Geom): MeshStandardMaterial {
     roughness: 0.55,
     transparent: a < 1,
     opacity: a,
+    ...(geom.part === "object" && MARKED),
   });
 }
 

@@ -1,0 +1,271 @@
+"""What the page says, when and where, and what covers what has to be touched."""
+
+from __future__ import annotations
+
+import io
+import os
+from collections.abc import Iterator
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from models.frames import TouchFrame
+from sandbox.server.page_server import PageServer
+from sandbox.session.collision_gating import STUCK
+from sandbox.session.messages import ContactView, Snapshot
+from sandbox.words.words import words_in
+from tests.sandbox.server.staged_page import KEY, PPI, READY, TASKS, frames, px, staged
+from tests.sandbox.server.test_page_server import Stage, wait_for
+from tests.support.chromium import BINARY, Browser, Tab
+
+pytestmark = pytest.mark.skipif(not os.path.exists(BINARY), reason="Debian's chromium is missing")
+
+ENGLISH = words_in("en")
+SIZE = (1180, 820)
+KNOWN = {
+    f"hand-sandbox:px-per-inch:{min(SIZE)}x{max(SIZE)}@1": "132",
+    "hand-sandbox:advised": "yes",
+    "hand-sandbox:quality": "3",
+}
+SAID = (
+    "[...document.querySelectorAll('.hint, .lift-again, .toast, .end, .curtain, .turned,"
+    ".trouble, .preparing')].filter(e => e.checkVisibility({visibilityProperty: true}))"
+    ".map(e => e.className.split(' ')[0]).join()"
+)
+"""Messages that are visible now."""
+WRITTEN = """
+window.written = [];
+const fill = CanvasRenderingContext2D.prototype.fillText;
+const clear = CanvasRenderingContext2D.prototype.clearRect;
+CanvasRenderingContext2D.prototype.fillText = function (text, ...rest) {
+  written.push(text);
+  return fill.call(this, text, ...rest);
+};
+CanvasRenderingContext2D.prototype.clearRect = function (...rest) {
+  written = [];
+  return clear.call(this, ...rest);
+};
+true
+"""
+PREPARED = """
+new Promise((done) => {
+  const preparing = document.querySelector('.preparing'), asked = performance.now();
+  const watch = new MutationObserver(look);
+  function look() {
+    if (preparing.hidden) return;
+    watch.disconnect();
+    done(performance.now() - asked);
+  }
+  watch.observe(preparing, { attributes: true });
+  [...document.querySelectorAll('.buttons button')][0].click();
+  look();
+})
+"""
+"""ms from the button to the words."""
+
+
+@pytest.fixture(scope="module")
+def browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
+    browser = Browser(tmp_path_factory.mktemp("chromium"))
+    yield browser
+    browser.close()
+
+
+@pytest.fixture
+def server() -> Iterator[PageServer]:
+    server = PageServer(tasks=TASKS)
+    yield server
+    server.close()
+
+
+@pytest.fixture
+def stage(server: PageServer) -> Stage:
+    return staged(server, surface_in=(8.9, 6.2))
+
+
+@pytest.fixture
+def tab(browser: Browser, server: PageServer) -> Iterator[Tab]:
+    tab = browser.open(server.url, width=SIZE[0], height=SIZE[1], storage=KNOWN)
+    yield tab
+    tab.close()
+
+
+def started(stage: Stage, tab: Tab) -> Snapshot:
+    """The first moment of a trial, drawn."""
+    tab.wait(READY)
+    tab.wait("!!document.querySelector('.task').textContent")
+    snapshot = stage.session.advance()
+    stage.server.publish(snapshot)
+    tab.wait("document.querySelector('.preparing').hidden")
+    return snapshot
+
+
+def drawn(tab: Tab) -> None:
+    """Waits for two pictures."""
+    tab.evaluate("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
+
+
+def test_the_table_is_said_to_be_prepared_until_the_next_one_is_there(
+    stage: Stage, tab: Tab
+) -> None:
+    started(stage, tab)
+    assert tab.evaluate(PREPARED) < 300
+    # The last pictures of the table before come later, and do not take it away.
+    for _ in range(3):
+        stage.advance()
+        drawn(tab)
+    assert tab.evaluate(SAID) == "preparing"
+    staged(stage.server, surface_in=(8.9, 6.2)).advance()
+    tab.wait("document.querySelector('.preparing').hidden")
+
+
+def with_fingers(snapshot: Snapshot, ids: list[int], inside: set[int]) -> Snapshot:
+    """The fingers of the page, the first one a thumb, some inside an object."""
+    hand = snapshot.hands[0]
+    contacts = tuple(
+        ContactView(i, hand.tips[label], label, "active") for label, i in enumerate(ids)
+    )
+    notices = (STUCK,) if inside else ()
+    hand = replace(hand, contacts=contacts, inside=frozenset(inside))
+    return replace(snapshot, hands=(hand,), notices=notices)
+
+
+def test_what_a_finger_has_to_do_is_said_beside_it_and_nowhere_else(
+    stage: Stage, tab: Tab, tmp_path: Path
+) -> None:
+    snapshot = started(stage, tab)
+    tab.wait(f"{SAID} === 'hint'")
+    tab.evaluate(WRITTEN)
+    tab.touch([(1, 500.0, 400.0), (2, 600.0, 420.0)])
+    last = frames(stage, lambda found: len(found[-1:] and found[-1].contacts) == 2)[-1]
+    ids = [c.id for c in last.contacts]
+    stage.server.publish(with_fingers(snapshot, ids, {1}))
+    tab.wait(f"written.includes({ENGLISH['move_apart']!r})")
+    drawn(tab)
+    (tmp_path / "inside.png").write_bytes(tab.picture())
+    assert tab.evaluate(SAID) == ""
+    stage.server.publish(with_fingers(snapshot, ids, set()))
+    tab.wait(f"!written.includes({ENGLISH['move_apart']!r})")
+    tab.wait(f"{SAID} === 'hint'")
+    # What keeps from playing is said alone.
+    stage.server.publish(with_fingers(snapshot, ids, {1}))
+    tab.wait(f"written.includes({ENGLISH['move_apart']!r})")
+    stage.server.close()
+    tab.wait(f"{SAID} === 'curtain'")
+    tab.wait(f"!written.includes({ENGLISH['move_apart']!r})")
+
+
+def test_doubt_about_fingers_is_told_right_above_or_below_them(stage: Stage, tab: Tab) -> None:
+    snapshot = started(stage, tab)
+    for x, y in ((400.0, 500.0), (1100.0, 60.0)):
+        tab.touch([(1, x, y), (2, x + 60.0, y + 20.0)])
+        last = frames(stage, lambda found: len(found[-1:] and found[-1].contacts) == 2)[-1]
+        hand = snapshot.hands[0]
+        contacts = tuple(ContactView(c.id, hand.tips[0], None, "active") for c in last.contacts)
+        doubtful = replace(snapshot, hands=(replace(hand, contacts=contacts),))
+
+        def told(doubtful: Snapshot = doubtful) -> bool:
+            stage.server.publish(doubtful)
+            return bool(tab.evaluate("!document.querySelector('.lift-again').hidden"))
+
+        assert wait_for(told)
+        drawn(tab)
+        box = "document.querySelector('.lift-again').getBoundingClientRect()"
+        left, right, top, bottom = (
+            tab.evaluate(f"{box}.{side}") for side in ("left", "right", "top", "bottom")
+        )
+        assert left >= 0 and right <= SIZE[0] and top >= 0 and bottom <= SIZE[1]
+        assert left < x + 60.0 and right > x
+        # Clear of the rings, and near.
+        ring = 0.42 * 132
+        assert y - 3 * ring < bottom < y - ring or y + 20 + ring < top < y + 20 + 3 * ring
+        tab.touch([])
+        frames(stage, lambda found: bool(found) and not found[-1].contacts)
+        stage.server.publish(snapshot)
+        tab.wait("document.querySelector('.lift-again').hidden")
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_the_hint_covers_neither_objects_nor_goals(
+    browser: Browser, server: PageServer, seed: int
+) -> None:
+    stage = staged(server, surface_in=(8.9, 6.2), seed=seed)
+    tab = browser.open(server.url, width=SIZE[0], height=SIZE[1], storage=KNOWN)
+    snapshot = started(stage, tab)
+    tab.wait(f"{SAID} === 'hint'")
+    drawn(tab)
+    box = "document.querySelector('.hint').getBoundingClientRect()"
+    left, right, top, bottom = (
+        tab.evaluate(f"{box}.{side}") for side in ("left", "right", "top", "bottom")
+    )
+    surface = stage.session.rigs[0].reconstructor.surface
+    corner = (np.array(SIZE) - np.array([8.9, 6.2]) * 132) / 2
+    places = [snapshot.objects["box"].position, snapshot.goals[0].position]
+    for place in places:
+        x, y = corner + surface.to_surface(np.asarray(place)) / 0.0254 * 132
+        assert not (left < x < right and top < y < bottom), (place, (left, right, top, bottom))
+    tab.close()
+
+
+def test_a_hand_that_waits_leaves_objects_and_goals_free(
+    stage: Stage, tab: Tab, tmp_path: Path
+) -> None:
+    tab.wait(READY)
+    tab.wait("!!document.querySelector('.task').textContent")
+    session = stage.session
+    snapshot = session.snapshot()
+    place = slice(*session.scene.qpos_slice(0).indices(len(snapshot.qpos)))
+    pictures = []
+    # Over the box, and far away.
+    for away in (0.0, 1.0):
+        qpos = snapshot.qpos.copy()
+        target = session.rigs[0].reconstructor.commanded.copy()
+        x, y, _ = snapshot.objects["box"].position
+        target[:2] = x + away, y
+        target[2] = 0.12
+        qpos[place] = session.scene.pose_to_qpos(0, target)
+        stage.server.publish(replace(snapshot, qpos=qpos), "start")
+        tab.wait("document.querySelector('.preparing').hidden")
+        drawn(tab)
+        drawn(tab)
+        (tmp_path / f"{away}.png").write_bytes(tab.picture())
+        png = Image.open(io.BytesIO(tab.picture())).convert("RGB")
+        pictures.append(np.asarray(png, int))
+    over, clear = pictures
+    red = (clear[..., 0] > 150) & (clear[..., 1] < 120) & (clear[..., 2] < 110)
+    assert red.sum() > 5000
+    changed = np.abs(over - clear).max(axis=-1) > 8
+    # The hand is there, and not on the box, except at its border.
+    assert changed.sum() > 5000
+    assert (changed & red).sum() < 0.03 * red.sum()
+
+
+def test_moves_are_sent_while_the_page_cannot_draw(browser: Browser, server: PageServer) -> None:
+    stage = staged(server)
+    tab = browser.open(server.url, width=640, height=480, storage={**KNOWN, KEY: str(PPI)})
+    started(stage, tab)
+    tab.evaluate("addEventListener('pointerdown', (e) => (window.last = e.pointerId)); true")
+    tab.touch([(1, 200.0, 200.0)])
+    frames(stage, lambda found: len(found[-1:] and found[-1].contacts) == 1)
+    # From here on no picture is begun any more.
+    tab.evaluate("window.requestAnimationFrame = () => 0; true")
+    tab.evaluate("new Promise((done) => setTimeout(done, 100))")
+    # Plain http knows the first kind alone.
+    for raw, places in (("pointermove", (210, 220)), ("pointerrawupdate", (230, 240))):
+        for x in places:
+            tab.evaluate(
+                f"dispatchEvent(new PointerEvent({raw!r}, {{ pointerId: last, buttons: 1,"
+                f" pointerType: 'touch', clientX: {x}, clientY: 200 }}))"
+            )
+            frames(stage, partial(_at, x))
+    tab.touch([])
+    tab.close()
+
+
+def _at(x: float, found: list[TouchFrame]) -> bool:
+    """True if the finger of the newest frame is there, px."""
+    return bool(found) and px(found[-1])[0][1] == x
