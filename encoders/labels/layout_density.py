@@ -62,7 +62,9 @@ class KernelShape:
         ):
             if not least <= value <= 10.0:
                 raise EncoderError(
-                    f"the kernels' {name} is out of range", got=value, expected=f"{least} to 10"
+                    f"the {name} of a density's kernels is out of range",
+                    got=value,
+                    expected=f"{least} to 10",
                 )
 
 
@@ -179,7 +181,7 @@ class _Form:
 
 
 def layouts_of(capture: Capture, most: int) -> dict[int, Layouts]:
-    """Collects the layouts of all finger sets in a capture.
+    """Places of touches in a capture, collected by the set of fingers that touch.
 
     A set's layouts come from all frames in which its fingers touch, alone or with others: fingers
     rest beside others much as they do alone, and few takes contain one set alone (validation on the

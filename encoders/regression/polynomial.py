@@ -85,7 +85,7 @@ class PolynomialEncoder(Encoder):
         Only one block is held at a time; some ten thousand frames make a good block.
 
         Raises:
-            EncoderError: As `fit`, or the blocks' widths differ, or there is none.
+            EncoderError: As `fit`, or blocks differ in their numbers of columns, or there is none.
         """
         self._check_options()
         sums = LeastSquares(self.degree, self.terms)
@@ -97,9 +97,9 @@ class PolynomialEncoder(Encoder):
                 self._plan(self.n_inputs_)
             elif (U.shape[1], Q.shape[1]) != (self.n_inputs_, self.n_outputs_):
                 raise EncoderError(
-                    "the blocks' widths differ",
-                    got=(U.shape[1], Q.shape[1]),
-                    expected=str((self.n_inputs_, self.n_outputs_)),
+                    "a block of frames has other numbers of columns than the first one",
+                    got=f"{U.shape[1]} inputs and {Q.shape[1]} outputs",
+                    expected=f"{self.n_inputs_} inputs and {self.n_outputs_} outputs",
                 )
             sums.add(U, Q)
         if not sums.frames:

@@ -210,7 +210,7 @@ class Report:
 
     @property
     def passed(self) -> bool:
-        """True if the gate holds; an interrupted run cannot fail it."""
+        """True if nothing speaks against passing; an interrupted run is not judged, and passes."""
         return not self.reasons
 
     def command(self, trial: Trial) -> str:

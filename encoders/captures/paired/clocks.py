@@ -42,7 +42,7 @@ class HostClock:
 
 
 def host_clock(device: Array, arrived: Array, where: str) -> HostClock:
-    """Fits the line through the arrivals of a stream.
+    """The line that turns a stream's own times into those of the host's clock, fitted to arrivals.
 
     Args:
         device: (n,) s, the frames' own times.

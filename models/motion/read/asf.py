@@ -136,13 +136,14 @@ def read_amc(path: Path, skeleton: AcclaimSkeleton, rate: float | None = None) -
                     expected=str(len(frames) + 1),
                 )
             frames.append({})
-        elif words[0] not in wanted or not frames or words[0] in frames[-1]:
+        elif words[0] not in wanted or not frames:
             raise MotionError(
-                "this line has no meaning here",
+                "this line is neither a frame's number nor a bone of the skeleton",
                 where=where,
                 got=line.strip()[:40],
-                expected="a frame's number, or a bone of the skeleton once a frame",
             )
+        elif words[0] in frames[-1]:
+            raise MotionError("a bone occurs twice in a frame", where=where, got=words[0])
         else:
             frames[-1][words[0]] = numbers(words[1:], wanted[words[0]], where)
     if not frames:

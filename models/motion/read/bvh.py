@@ -120,7 +120,7 @@ def _read_hierarchy(path: Path, lines: list[str]) -> tuple[_Hierarchy, int]:
         elif word == "MOTION" and not open_ and out.joints:
             return out, n
         else:
-            raise MotionError("this line has no meaning here", where=where, got=line.strip()[:40])
+            raise MotionError("this line does not belong here", where=where, got=line.strip()[:40])
     raise MotionError("the file ends before MOTION", where=str(path), expected="MOTION")
 
 

@@ -83,7 +83,10 @@ def main(argv: list[str]) -> int:
     console = Console()
     if not 0.001 <= options.speed <= 1000.0:
         raise InputError(
-            "not a speed", where="--speed", got=options.speed, expected="0.001 to 1000"
+            "the speed is out of range",
+            where="--speed",
+            got=options.speed,
+            expected="a factor from 0.001 to 1000; 1 is the recorded speed",
         )
     study = study_folder(options.trial, options.out)
     if options.witness and not (options.verify and study):

@@ -61,7 +61,12 @@ def send(options: Send) -> int:
             expected="one of the two: HOST:PORT",
         )
     if not 0.0 < options.speed < math.inf:
-        raise InputError("not a speed", where="--speed", got=options.speed, expected="more than 0")
+        raise InputError(
+            "the speed is not a positive number",
+            where="--speed",
+            got=options.speed,
+            expected="a factor above 0; 1 is the recorded speed",
+        )
     if options.tuio:
         return _send_tuio(options)
     if options.file is None:

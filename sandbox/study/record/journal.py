@@ -237,7 +237,7 @@ def checked_record(line: bytes, where: str) -> Record:
         raise StudyError(
             "the journal has no hash chain: an older version of the sandbox wrote it",
             where=where,
-            remedy="Use the version that wrote it",
+            remedy="Go on with this study in the version that `study.json` names",
         )
     head = checked(record, RecordHead, StudyError, what=_DAMAGED, where=where, remedy=_REMEDY)
     form = FORMS.get(head.kind, RecordHead)

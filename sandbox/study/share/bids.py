@@ -88,7 +88,11 @@ def export_bids(study: StudyFolder, out: Path, say: Say) -> int:
             )
             say(f"sub-{person.ppid}: {written} runs")
         if not runs:
-            raise StudyError("the study has no counted trials", where=str(study.path))
+            raise StudyError(
+                "the study has no finished trial besides practice",
+                where=str(study.path),
+                remedy="`sandbox study run` runs a session",
+            )
         _about(study, work, people)
     return runs
 
@@ -202,8 +206,8 @@ def _table(path: Path) -> Columns:
         raise StudyError(
             "a trial's table is missing",
             where=str(path),
-            remedy="Opening the session builds it again: `sandbox study run`, or "
-            "`simulate --resume`",
+            remedy="The next `sandbox study run` of this person builds it again; of a simulated "
+            "one, `sandbox study simulate --resume`",
         ) from None
 
 

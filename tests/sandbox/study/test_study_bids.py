@@ -138,7 +138,7 @@ def test_a_study_without_trials_is_refused_and_nothing_is_written_over(
     study: StudyFolder, bids: Path, tmp_path: Path
 ) -> None:
     empty = StudyFolder(tmp_path / "empty", design(), SIMULATED)
-    with pytest.raises(StudyError, match="no counted trials"):
+    with pytest.raises(StudyError, match="no finished trial"):
         export_bids(empty, tmp_path / "bids", lambda text: None)
     assert not (tmp_path / "bids").exists()
     with pytest.raises(StudyError, match="exists already"):

@@ -158,7 +158,9 @@ def group_test(a: np.ndarray, b: np.ndarray) -> float:
 
 
 def odds(data: StudyData) -> list[Difference] | str:
-    """Log odds ratios of all pairs by generalised estimating equations, or the reason against them.
+    """Log odds ratios of success of all pairs of levels, or why there are none.
+
+    By generalised estimating equations.
 
     Trials of a person are exchangeable; errors are those of Mancl and DeRouen 2001 for few people.
     """
