@@ -10,7 +10,7 @@ import {
   MeshBasicMaterial,
   Vector3,
 } from "three";
-import { GOAL, HELD, REACHED } from "./colours";
+import { goalColour } from "./colours";
 import type { Geom, GoalState } from "./protocol";
 import { MARKED, geometry, place } from "./shapes";
 
@@ -21,19 +21,17 @@ const ALONG_Y = new Vector3(0, 1, 0);
 export class Ghost {
   readonly group = new Group();
   private readonly inside = new MeshBasicMaterial({
-    color: GOAL,
     transparent: true,
     opacity: 0.26,
     depthWrite: false,
     ...MARKED,
   });
   private readonly edges = new MeshBasicMaterial({
-    color: GOAL,
     transparent: true,
     opacity: 0.95,
     ...MARKED,
   });
-  private readonly lines = new LineBasicMaterial({ color: GOAL, ...MARKED });
+  private readonly lines = new LineBasicMaterial(MARKED);
 
   /** @param geoms Geoms of the object's body. */
   constructor(geoms: Geom[]) {
@@ -55,7 +53,7 @@ export class Ghost {
   show(goal: GoalState, reached: boolean, held: boolean): void {
     this.group.position.set(...goal.position);
     this.group.rotation.set(0, 0, goal.yaw);
-    const colour = held ? HELD : reached ? REACHED : GOAL;
+    const colour = goalColour(reached, held);
     for (const material of [this.inside, this.edges, this.lines]) material.color.set(colour);
   }
 

@@ -78,6 +78,7 @@ export class Hint {
    */
   stand(things: Rectangle[], left: number, right: number): void {
     if (this.root.hidden) return;
+    this.root.style.maxWidth = `${window.innerWidth - left - right - 2 * SIDE}px`;
     const { offsetWidth: width, offsetHeight: height } = this.root;
     const [first, last] = [left + SIDE, window.innerWidth - right - width - SIDE];
     const middle = Math.min(Math.max((window.innerWidth - width) / 2, first), Math.max(last, first));

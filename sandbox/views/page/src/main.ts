@@ -1,6 +1,7 @@
 // The page: creates its parts and connects them.
 
 import { advise } from "./advice";
+import { forColourBlind, standardColours, toggleColours } from "./colours";
 import { Connection } from "./connection";
 import { make, show, write } from "./dom";
 import { Doubt } from "./doubt";
@@ -12,7 +13,7 @@ import { touchRectangle } from "./lens";
 import { Lift } from "./lift";
 import { reload, spectator } from "./link";
 import { measureScreen } from "./measure";
-import { taskMenu } from "./menu";
+import { type Switch, taskMenu } from "./menu";
 import {
   LIFT_STRIP_PX,
   type PlayerRequest,
@@ -20,7 +21,7 @@ import {
   type StudyView,
   type TaskName,
 } from "./protocol";
-import { type Ring, Rings, ringHeight } from "./rings";
+import { type Ring, Rings, TOLD, ringHeight } from "./rings";
 import { calibrated, currentScreen, pxPerInch, touchable } from "./screen";
 import { Sender } from "./sender";
 import { Sheets } from "./sheet";
@@ -28,6 +29,7 @@ import { Sound } from "./sound";
 import { Study } from "./study";
 import { Stage } from "./stage";
 import { Turned } from "./turned";
+import { Vibration } from "./vibration";
 import { repeat, say } from "./words";
 
 /** ms between two reports of the latency from touch to picture. */
@@ -45,6 +47,7 @@ class Page {
   private readonly connection: Connection;
   private readonly sender: Sender;
   private readonly sound = new Sound();
+  private readonly vibration = new Vibration();
   private readonly hint = new Hint();
   private readonly lift: Lift;
   private readonly doubt = new Doubt();
@@ -72,6 +75,7 @@ class Page {
   private reported = 0;
   private pressed = new Set<string>();
   private wasHeld = false;
+  private gripped = false;
   private laidOut = currentScreen();
   private asked = false;
   /** True while another table is asked for. */
@@ -181,6 +185,8 @@ class Page {
     if (!this.preparing.hidden) write(this.preparing, say("preparing"));
     this.rings.plain = !view.shows.includes("fingers");
     this.sound.muted = !view.shows.includes("sound");
+    this.vibration.muted = true;
+    standardColours();
   }
 
   // -- messages of the computer -----------------------------------------------------------------
@@ -225,7 +231,14 @@ class Page {
       }),
     );
     this.pressed = pressed;
-    if (state.held && !this.wasHeld) this.sound.success();
+    const grip = Math.max(0, ...state.hands.flatMap((h) => h.contacts.map((c) => c.stored ?? 0)));
+    if (grip >= TOLD && !this.gripped) this.vibration.grip();
+    // A grip that trembles is one grip.
+    this.gripped = grip >= TOLD || (this.gripped && grip > 0);
+    if (state.held && !this.wasHeld) {
+      this.sound.success();
+      this.vibration.success();
+    }
     this.wasHeld = state.held;
   }
 
@@ -268,8 +281,29 @@ class Page {
       this.scene?.task ?? "",
       (task) => this.ask("task", task),
       () => this.measure(),
+      this.switches(),
       reload,
     );
+  }
+
+  /** What can be switched on this device. */
+  private switches(): Switch[] {
+    const colours: Switch = {
+      name: say("colours"),
+      why: say("colours_why"),
+      on: forColourBlind,
+      toggle: () => {
+        toggleColours();
+        this.dirty = true;
+      },
+    };
+    const vibration: Switch = {
+      name: say("vibration"),
+      why: say("vibration_why"),
+      on: () => this.vibration.on,
+      toggle: () => this.vibration.toggle(),
+    };
+    return this.vibration.possible ? [colours, vibration] : [colours];
   }
 
   private measure(): void {

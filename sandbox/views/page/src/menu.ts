@@ -6,12 +6,39 @@ import type { TaskName } from "./protocol";
 import type { Sheets } from "./sheet";
 import { FILES, language, say, taskName, word } from "./words";
 
+/** Something that is on or off on this device. */
+export interface Switch {
+  name: string;
+  why: string;
+  on(): boolean;
+  toggle(): void;
+}
+
+function switchOf({ name, why, on, toggle }: Switch): HTMLElement {
+  const state = make("em", "");
+  const button = make("button", "choice", {
+    onTap: () => {
+      toggle();
+      tell();
+    },
+  });
+  const tell = (): void => {
+    state.textContent = say(on() ? "on" : "off");
+    button.setAttribute("aria-checked", String(on()));
+  };
+  button.setAttribute("role", "switch");
+  button.append(make("strong", "", { text: name }), make("span", "", { text: why }), state);
+  tell();
+  return button;
+}
+
 export function taskMenu(
   sheets: Sheets,
   tasks: TaskName[],
   current: string,
   choose: (task: string) => void,
   measure: () => void,
+  switches: Switch[],
   reload: () => void,
 ): void {
   const list = tasks.map((task) => {
@@ -43,7 +70,9 @@ export function taskMenu(
     names.append(...(names.firstChild ? [" · "] : []), own);
   }
   tongue.append(make("strong", "", { text: say("language") }), names);
-  sheets.open(say("menu_title"), [make("div", "choices", {}, ...list, size, tongue)]);
+  sheets.open(say("menu_title"), [
+    make("div", "choices", {}, ...list, size, tongue, ...switches.map(switchOf)),
+  ]);
 }
 
 function languageMenu(sheets: Sheets, reload: () => void): void {

@@ -37,7 +37,7 @@ const DARK = "rgba(8, 12, 15, 0.72)";
 /** N, grip at which the arc around a ring is closed: the strongest that people's grips are tried at. */
 const STRONGEST = 70;
 /** N below which a grip is not told: less than what a resting finger presses with. */
-const TOLD = 1;
+export const TOLD = 1;
 /** CSS pixels from a ring to the arc around it, and width of the arc. */
 const ARC_GAP = 13;
 const ARC_WIDTH = 5;

@@ -1,0 +1,131 @@
+"""What people can switch on their device: colours and vibration."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from sandbox.server.page_server import PageServer
+from sandbox.server.protocol.contact_forces import HandFeedback
+from sandbox.session.messages import ContactView
+from sandbox.words.words import words_in
+from tests.sandbox.server.staged_page import HEIGHT, KNOWN, READY, TASKS, WIDTH, staged
+from tests.sandbox.server.test_page_server import Stage
+from tests.support.chromium import BINARY, Browser, Tab
+
+pytestmark = pytest.mark.skipif(not os.path.exists(BINARY), reason="Debian's chromium is missing")
+
+ENGLISH = words_in("en")
+FELT = (
+    "window.felt = []; Object.defineProperty(Navigator.prototype, 'vibrate',"
+    " { value: (pattern) => felt.push([pattern].flat().length) > 0 });"
+)
+"""Writes down how many parts every vibration had."""
+
+
+@pytest.fixture(scope="module")
+def browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
+    browser = Browser(tmp_path_factory.mktemp("chromium"))
+    yield browser
+    browser.close()
+
+
+@pytest.fixture
+def server() -> Iterator[PageServer]:
+    server = PageServer(tasks=TASKS)
+    yield server
+    server.close()
+
+
+def opened(browser: Browser, server: PageServer, still: bool = False) -> tuple[Stage, Tab]:
+    stage = staged(server)
+    tab = browser.open("about:blank", width=WIDTH, height=HEIGHT, storage=KNOWN)
+    tab.call("Page.addScriptToEvaluateOnNewDocument", source=FELT)
+    value = "reduce" if still else "no-preference"
+    tab.call(
+        "Emulation.setEmulatedMedia",
+        features=[{"name": "prefers-reduced-motion", "value": value}],
+    )
+    tab.go(server.url)
+    tab.wait(READY)
+    tab.wait("!!document.querySelector('.task').textContent")
+    return stage, tab
+
+
+def switch(tab: Tab, name: str) -> bool:
+    """Switches something in the menu; whether it is on now."""
+    tab.tap(ENGLISH["tasks"])
+    tab.tap(name)
+    button = (
+        f"[...document.querySelectorAll('[role=switch]')].find(b => b.innerText.includes({name!r}))"
+    )
+    now = tab.evaluate(f"{button}.ariaChecked")
+    tab.tap(ENGLISH["close"])
+    return bool(now == "true")
+
+
+def grips_and_succeeds(stage: Stage, tab: Tab) -> list[int]:
+    """What was felt: parts of each vibration."""
+    tab.evaluate("felt.length = 0; true")
+    snapshot = stage.session.advance()
+    hand = snapshot.hands[0]
+    contacts = tuple(ContactView(i, hand.tips[i], i, "active") for i in (0, 1))
+    snapshot = replace(snapshot, hands=(replace(hand, contacts=contacts),))
+    held = replace(snapshot, score=replace(snapshot.score, held=True))
+    # It trembles, and is one grip; the second is another one.
+    for grip in (0.0, 5.0, 0.5, 5.0, 0.0, 5.0, 5.0):
+        felt = HandFeedback(stored=(grip, grip, 0.0, 0.0, 0.0))
+        stage.server.publish(snapshot, feedback=[felt])
+        tab.evaluate("new Promise((done) => setTimeout(done, 60))")
+    stage.server.publish(held)
+    tab.wait("document.querySelector('.bar-fill').classList.contains('done')")
+    stage.server.publish(snapshot)
+    tab.wait("!document.querySelector('.bar-fill').classList.contains('done')")
+    return list(tab.evaluate("felt"))
+
+
+def test_a_device_vibrates_when_a_hand_takes_hold_and_at_success_until_it_is_switched_off(
+    browser: Browser, server: PageServer
+) -> None:
+    stage, tab = opened(browser, server)
+    assert grips_and_succeeds(stage, tab) == [1, 1, 3]
+    assert not switch(tab, ENGLISH["vibration"])
+    assert grips_and_succeeds(stage, tab) == []
+    assert switch(tab, ENGLISH["vibration"])
+    assert grips_and_succeeds(stage, tab) == [1, 1, 3]
+    tab.close()
+
+
+def test_nothing_vibrates_for_people_who_asked_for_less_motion(
+    browser: Browser, server: PageServer
+) -> None:
+    stage, tab = opened(browser, server, still=True)
+    assert grips_and_succeeds(stage, tab) == []
+    tab.tap(ENGLISH["tasks"])
+    tab.wait("!!document.querySelector('[role=switch]')")
+    assert ENGLISH["vibration_why"] not in tab.text()
+    tab.close()
+
+
+def test_colours_for_colour_blind_people_are_kept_on_the_device(
+    browser: Browser, server: PageServer, tmp_path: Path
+) -> None:
+    stage, tab = opened(browser, server)
+    stage.advance()
+    chosen = "document.documentElement.dataset.colours"
+    green = "getComputedStyle(document.documentElement).getPropertyValue('--green').trim()"
+    assert (tab.evaluate(chosen), tab.evaluate(green)) == ("standard", "#33cc7a")
+    assert switch(tab, ENGLISH["colours"])
+    stage.advance()
+    (tmp_path / "colours.png").write_bytes(tab.picture())
+    for _ in range(2):
+        assert (tab.evaluate(chosen), tab.evaluate(green)) == ("okabe-ito", "#56b4e9")
+        tab.call("Page.reload")
+        tab.wait(READY)
+    assert not switch(tab, ENGLISH["colours"])
+    assert tab.evaluate(chosen) == "standard"
+    tab.close()
