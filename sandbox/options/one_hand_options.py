@@ -34,7 +34,8 @@ class OneHandOptions:
     over a Leap (leap-simulated:v1: over the first Leap; leap-simulated:v1,noise=2,lose=1: with
     twice the noise, and the hand is lost for 1 s while it carries something). FILE: a recording of
     this program, a file by `touches record`, a capture of TUIO packets, or a Leap recording (.json,
-    .json.lz). Or a device of your own (docs/write-a-device.md)."""
+    .json.lz). Or a device of your own: FILE.py:CLASS[:ARGUMENT], MODULE:CLASS[:ARGUMENT], or its
+    name in an installed package (docs/write-a-device.md)."""
 
     encoder: Annotated[str, tyro.conf.arg(metavar=choices(*MODELS, "FILE"))] = DEFAULT_MODEL
     """Encoder, which estimates the hand's pose from the touches. paper: least squares with the

@@ -349,15 +349,20 @@ def _primary(table: TomlTable, forms: tuple[Form, ...]) -> tuple[str, ...]:
         near = get_close_matches(name, (*known, *between), 1)
         hint = f"Did you mean {near[0]}? " if near else ""
         choice = ", ".join(("time_s", "success", *between))
-        table.add_mistake("primary", what, f"{hint}Write {choice} or a measure (docs/measures.md)")
+        table.add_mistake(
+            "primary", what, f"{hint}Write {choice} or a measure (docs/measures.md){_INSTALL}"
+        )
     return names
+
+
+_INSTALL = "; or install the package that offers the measure"
 
 
 def _exclusion(table: TomlTable) -> Exclusion:
     exclusion = Exclusion(
         table.name("name"),
         table.choice("of", ("trial", "participant"), "trial"),
-        table.choice("measure", rule_measures(), rule_measures()[0]),
+        table.choice("measure", rule_measures(), rule_measures()[0], _INSTALL),
         _bound(table, "below"),
         _bound(table, "above"),
     )

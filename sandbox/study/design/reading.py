@@ -136,13 +136,22 @@ class TomlTable:
             self.add_mistake(key, f"got {value!r}", "Write true or false")
         return value is True
 
-    def choice(self, key: str, options: Sequence[str], default: str) -> str:
-        """Takes one of several words."""
+    def choice(self, key: str, options: Sequence[str], default: str, else_: str = "") -> str:
+        """Takes one of several words.
+
+        Args:
+            key: Key of the table.
+            options: The words.
+            default: The word if there is none.
+            else_: What else to do about another word, for the message.
+        """
         value = self.string(key, default)
         if value not in options:
             near = get_close_matches(value, options, 1)
             hint = f"Did you mean {near[0]}? " if near else ""
-            self.add_mistake(key, f"got {value!r}", f"{hint}Write one of {', '.join(options)}")
+            self.add_mistake(
+                key, f"got {value!r}", f"{hint}Write one of {', '.join(options)}{else_}"
+            )
             return default
         return value
 

@@ -28,7 +28,16 @@ def measures() -> tuple[TrialMeasure, ...]:
     Raises:
         InputError: A measure of an installed package is invalid.
     """
-    return (*BUILT_IN, *_offered(), *_registered)
+    return (*BUILT_IN, *outside_measures())
+
+
+def outside_measures() -> tuple[TrialMeasure, ...]:
+    """Returns the measures of installed packages, then registered ones.
+
+    Raises:
+        InputError: A measure of an installed package is invalid.
+    """
+    return (*_offered(), *_registered)
 
 
 def register(measure: TrialMeasure) -> None:

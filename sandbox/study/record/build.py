@@ -11,6 +11,7 @@ from sandbox.recording.source_digest import program_root, source_digest, source_
 from sandbox.recording.versions import DECISIVE, decisive_part, versions
 from sandbox.study.design.conditions import combinations, run_settings, values_of
 from sandbox.study.design.design import Design
+from sandbox.study.record.measure_definitions import outside_definitions
 
 COMPUTES = (
     "models",
@@ -58,6 +59,10 @@ LEFT_OUT = {
 """Folders that those of `COMPUTES` import and that the digest leaves out, each with the reason."""
 LIBRARIES = ("hand-sandbox", *DECISIVE)
 """Versions to which a study is locked."""
+MEASURES = "measures"
+"""Part of a build: measures of packages, by name. They are computed anew wherever they change."""
+RULES = "measures of rules"
+"""Part of a build: those of them that exclusions or primary outcomes of the design use."""
 NOTED = ("numpy", "python", "scipy")
 """Versions that are noted for people; states do not depend on them."""
 
@@ -83,8 +88,13 @@ def build_of(design: Design) -> dict[str, Any]:
     for levels in combinations(design):
         settings = run_settings(values_of(design, levels), 0)
         learned.setdefault(f"{settings.encoder}, labels {settings.labels}", digests(settings))
+    outside = outside_definitions()
+    used = {*(rule.measure for rule in design.exclusions), *design.primary}
+    of_rules = {name: outside[name] for name in sorted(used & outside.keys())}
     return {
         **{name: here[name] for name in (*LIBRARIES, *NOTED)},
+        **({MEASURES: outside} if outside else {}),
+        **({RULES: of_rules} if of_rules else {}),
         "program": code_digest(),
         "encoders": learned,
         "design": design.digest,
@@ -93,12 +103,12 @@ def build_of(design: Design) -> dict[str, Any]:
 
 def changes(locked: dict[str, Any], here: dict[str, Any]) -> list[str]:
     """Parts that differ between two builds and to which a study is locked, with their values."""
-    return _differences(locked, here, (set(locked) | set(here)) - set(NOTED))
+    return _differences(locked, here, (set(locked) | set(here)) - {*NOTED, MEASURES})
 
 
 def noted_changes(locked: dict[str, Any], here: dict[str, Any]) -> list[str]:
-    """Versions that differ between two builds and on which no state depends, with their values."""
-    return _differences(locked, here, NOTED)
+    """What differs between two builds and changes no state: versions, and measures of packages."""
+    return _differences(locked, here, (*NOTED, MEASURES))
 
 
 def _differences(locked: dict[str, Any], here: dict[str, Any], names: Collection[str]) -> list[str]:
@@ -107,5 +117,18 @@ def _differences(locked: dict[str, Any], here: dict[str, Any], names: Collection
         before, after = locked.get(name), here.get(name)
         if decisive_part(name, before) != decisive_part(name, after):
             values = "" if name == "encoders" else f" ({before} -> {after})"
+            if name in (MEASURES, RULES):
+                values = f" ({_changed_measures(before or {}, after or {})})"
             differences.append(f"{name}{values}")
     return differences
+
+
+def _changed_measures(before: dict[str, str], after: dict[str, str]) -> str:
+    """Measures of packages that are new, changed or gone, in words."""
+    said = []
+    for name in sorted({*before, *after}):
+        if name not in after:
+            said.append(f"{name} is of a package that is not installed here, so tables lack it")
+        elif before.get(name) != after[name]:
+            said.append(f"{name} {'has changed' if name in before else 'is new'}")
+    return ", ".join(said)

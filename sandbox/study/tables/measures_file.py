@@ -19,12 +19,15 @@ from sandbox.study.measures.kept import DIFFERS
 from sandbox.study.measures.registry import measures
 from sandbox.study.record.build import code_digest
 from sandbox.study.record.files import write_atomically
+from sandbox.study.record.measure_definitions import outside_definitions
 from sandbox.trial.result import TrialResult
 
 REASONS = "reasons"
 """Key in a file of measures: the reasons why cells are empty, by measure."""
 REPLAY = "replay"
 """Key in a file of measures: the replay whose states were not the recorded ones, if any."""
+DEFINITIONS = "definitions"
+"""Key in a file of measures: digests of the measures of packages that made it, by measure."""
 OLDER = "older"
 """Key in a file of measures: a file of other definitions that this one has replaced."""
 
@@ -51,6 +54,7 @@ def write_measures(
     values = {
         "version": VERSION,
         "truth": truth,
+        **_definitions(),
         **measured.values,
         REASONS: {**measured.reasons, **at_end.reasons},
     }
@@ -72,15 +76,17 @@ def keep_measures(folder: Path, stem: str, differs: str, compared: bool) -> None
     """
     kept = _read(folder, stem)
     stored = kept if kept.get("version") == VERSION else {}
-    older = {OLDER: kept} if kept and not stored else {}
+    missing = _to_compute(stored)
+    changed = any(name in stored for name in missing)
+    older = {OLDER: kept} if kept and (changed or not stored) else {}
     reasons = stored.get(REASONS)
-    missing = [name for name in _measured_names() if name not in stored]
     why = f"a replay did not give the recorded states. What differs: {differs}"
     values = {
         "version": VERSION,
         "truth": "",
-        **older,
         **stored,
+        **older,
+        **_definitions(),
         **dict.fromkeys(missing),
         REASONS: {**(reasons if isinstance(reasons, dict) else {}), **dict.fromkeys(missing, why)},
         REPLAY: {"differs": differs, "by": _computed_by() if compared else ""},
@@ -91,28 +97,39 @@ def keep_measures(folder: Path, stem: str, differs: str, compared: bool) -> None
 def read_measures(folder: Path, stem: str) -> dict[str, Any]:
     """Reads the measures of a trial; empty if they are missing or of other definitions."""
     stored = _stored(folder, stem)
-    apart = ("truth", REASONS, REPLAY, OLDER)
+    apart = ("truth", REASONS, REPLAY, OLDER, DEFINITIONS)
     values = {name: value for name, value in stored.items() if name not in apart}
     differs = _replay(stored).get("differs")
     return values | ({DIFFERS: differs} if isinstance(differs, str) else {})
 
 
 def measures_are_complete(folder: Path, stem: str) -> bool:
-    """Returns True if every measure is there, and is of the recorded states."""
+    """Returns True if every measure is there, of today's definition and of the recorded states."""
     stored = _stored(folder, stem)
-    return REPLAY not in stored and all(name in stored for name in _measured_names())
+    return REPLAY not in stored and not _to_compute(stored)
 
 
 def measures_were_kept(folder: Path, stem: str) -> bool:
     """Returns True if every measure is there, and another replay here would give the same."""
     stored = _stored(folder, stem)
     by = _replay(stored).get("by")
-    return by == _computed_by() and all(name in stored for name in _measured_names())
+    return by == _computed_by() and not _to_compute(stored)
 
 
-def _measured_names() -> list[str]:
-    """Names of the measures that need the 60 Hz table."""
-    return [measure.name for measure in measures() if measure.of_trial is not None]
+def _to_compute(stored: dict[str, Any]) -> list[str]:
+    """Names of the measures that need the 60 Hz table and that a file lacks, or has of another
+    definition."""
+    made_by = stored.get(DEFINITIONS)
+    before = made_by if isinstance(made_by, dict) else {}
+    now = outside_definitions()
+    names = [measure.name for measure in measures() if measure.of_trial is not None]
+    return [n for n in names if n not in stored or (n in now and now[n] != before.get(n))]
+
+
+def _definitions() -> dict[str, dict[str, str]]:
+    """What the measures of packages are made by, as an entry of the file; none without any."""
+    outside = outside_definitions()
+    return {DEFINITIONS: outside} if outside else {}
 
 
 def _computed_by() -> str:

@@ -3,20 +3,23 @@
 from __future__ import annotations
 
 import csv
+import importlib
 import json
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
-from models.errors import InputError
+from models.errors import InputError, StudyError
 from sandbox.study.measures.measure import TrialMeasure
 from sandbox.study.measures.registry import find_measure, register, rule_measures, unregister
-from sandbox.study.record.folder import StudyFolder
+from sandbox.study.record import measure_definitions
+from sandbox.study.record.folder import SIMULATED, StudyFolder
 from sandbox.study.record.stored_sessions import session_path
 from sandbox.study.report.make import make_report
 from sandbox.study.run.simulate import run_simulated
-from tests.support.study_files import open_study
+from tests.support.study_files import DESIGN, design, open_study
 
 HEIGHT = TrialMeasure(
     "palm_height_m",
@@ -127,6 +130,69 @@ def test_a_measure_that_is_added_later_is_computed_when_the_session_is_opened_ag
     run_simulated(study, 0, lambda text: None)
     values = [float(row["palm_height_m"]) for row in rows(study.path / "trial_results.csv")]
     assert len(values) == 6 and min(values) > 0.0
+
+
+LAB = """
+from sandbox.study.measures.measure import TrialMeasure
+
+def touched(trial):
+    return {value}
+
+TOUCHED = TrialMeasure("lab_touched", "{unit}", "Touched", "of a laboratory", of_trial=touched)
+"""
+
+
+def lab_measure(folder: Path, value: str, unit: str) -> TrialMeasure:
+    """The measure of a laboratory's module, as it is written now."""
+    (folder / "lab_measures.py").write_text(LAB.format(value=value, unit=unit))
+    sys.modules.pop("lab_measures", None)
+    importlib.invalidate_caches()
+    measure_definitions._source.cache_clear()
+    measure: TrialMeasure = importlib.import_module("lab_measures").TOUCHED
+    return measure
+
+
+def test_a_measure_whose_code_or_unit_changes_is_computed_again_and_one_that_failed_too(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.syspath_prepend(str(tmp_path))
+    monkeypatch.setattr(sys, "dont_write_bytecode", True)
+    study = open_study(tmp_path)
+    for value, unit, expected in (("1 / 0", "s", ""), ("2.0", "s", "2"), ("2000.0", "ms", "2000")):
+        register(lab_measure(tmp_path, value, unit))
+        try:
+            run_simulated(study, 0, lambda text: None)
+            table = rows(study.path / "trial_results.csv")
+            assert {
+                float(row["lab_touched"]) if expected else row["lab_touched"] for row in table
+            } == {float(expected) if expected else ""}
+            (described,) = [
+                row for row in rows(study.path / "codebook.csv") if row["column"] == "lab_touched"
+            ]
+            assert described["unit"] == unit
+        finally:
+            unregister("lab_touched")
+
+
+def test_a_study_says_which_measures_of_packages_have_changed_or_are_gone_and_is_locked_to_rules(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.syspath_prepend(str(tmp_path))
+    monkeypatch.setattr(sys, "dont_write_bytecode", True)
+    rule = '[[exclusions]]\nname = "none"\nmeasure = "lab_touched"\nbelow = 1e9\n'
+    register(lab_measure(tmp_path, "1.0", "s"))
+    free, ruled = design(), design(DESIGN + rule)
+    StudyFolder(tmp_path / "free", free, SIMULATED)
+    StudyFolder(tmp_path / "ruled", ruled, SIMULATED)
+    unregister("lab_touched")
+    register(lab_measure(tmp_path, "2.0", "s"))
+    (noted,) = StudyFolder(tmp_path / "free", free, SIMULATED).noted
+    assert "lab_touched has changed" in noted
+    with pytest.raises(StudyError, match="lab_touched has changed"):
+        StudyFolder(tmp_path / "ruled", ruled, SIMULATED)
+    unregister("lab_touched")
+    (noted,) = StudyFolder(tmp_path / "free", free, SIMULATED).noted
+    assert "lab_touched" in noted and "not installed here" in noted
 
 
 @pytest.mark.parametrize(
