@@ -39,8 +39,9 @@ class PlayOptions(LslOptions, PageOptions, SceneOptions):
     """Source of the input. mouse: the mouse in the window. web: a page in a browser. tuio: a TUIO
     sender. evdev: a touch screen of this Linux machine. leap: a hand in the air over a Leap,
     measured the first time. simulated, leap-simulated: a simulated user. FILE: a recording of this
-    program or of a Leap, or a capture of TUIO packets. Or a device of your own: FILE.py:CLASS[:ARGUMENT],
-    MODULE:CLASS[:ARGUMENT], or its name in an installed package (docs/write-a-device.md)."""
+    program or of a Leap, or a capture of TUIO packets. Or a device of your own:
+    FILE.py:CLASS[:ARGUMENT], MODULE:CLASS[:ARGUMENT], or its name in an installed package
+    (docs/write-a-device.md)."""
 
     view: Literal["auto", "window", "web", "film", "none"] = "auto"
     """Output. window: a window, and a page beside it, on which touches work like the mouse. web: a
