@@ -31,6 +31,9 @@ PRESETS: dict[str, tuple[float, float]] = {
 }
 """Landscape size of the touch area by name, inches. ipad2: 1024 x 768 at 132 ppi, the paper's."""
 
+SCALES = (0.05, 20.0)
+"""Range of a surface's scale: a watch, and a wall."""
+
 _SIZE = re.compile(r"^\s*([0-9.]+)\s*x\s*([0-9.]+)\s*(in|mm|cm)?\s*$", re.IGNORECASE)
 _FLIP = np.array([1.0, -1.0])
 """Factors between the surface's y down and the 3-D surface frame's y up."""
@@ -40,7 +43,7 @@ _TO_INCHES = {"in": 1.0, "mm": 1.0 / 25.4, "cm": 1.0 / 2.54}
 
 @dataclass(frozen=True)
 class Surface:
-    """A touch rectangle in the world; the mapping is absolute and 1:1.
+    """A touch rectangle in the world; the mapping is absolute and, but for `scale`, 1:1.
 
     Attributes:
         width_in: Width, inches.
@@ -48,6 +51,8 @@ class Surface:
         origin: World position of the top left corner, metres.
         rotation: (3, 3) world from surface: the world directions of the 3-D surface axes.
         calibrated: False where the size is a guess; views and logs say so.
+        scale: Length on the screen of what is one long on the surface: 1 at true size, less on a
+            phone, where the whole table is smaller than a hand.
     """
 
     width_in: float = PRESETS["ipad2"][0]
@@ -55,6 +60,7 @@ class Surface:
     origin: tuple[float, float, float] = (0.0, 0.0, 0.0)
     rotation: NDArray[np.float64] = field(default_factory=lambda: np.eye(3))
     calibrated: bool = True
+    scale: float = 1.0
 
     def __post_init__(self) -> None:
         for name, value in (("width", self.width_in), ("height", self.height_in)):
@@ -62,6 +68,11 @@ class Surface:
                 raise InputError(
                     f"the surface's {name} is out of range", got=value, expected="0.5 to 200 inches"
                 )
+        low, high = SCALES
+        if not low <= self.scale <= high:
+            raise InputError(
+                "the surface's scale is out of range", got=self.scale, expected=f"{low} to {high}"
+            )
 
     @property
     def size(self) -> NDArray[np.float64]:
@@ -85,13 +96,8 @@ class Surface:
         w, h = self.size
         middle = np.array([w / 2, -h / 2, 0.0])
         origin = np.asarray(centre, float) - stacked_applied(self.rotation, middle)
-        return Surface(
-            self.width_in,
-            self.height_in,
-            (float(origin[0]), float(origin[1]), float(origin[2])),
-            self.rotation,
-            self.calibrated,
-        )
+        x, y, z = (float(axis) for axis in origin)
+        return replace(self, origin=(x, y, z))
 
     @property
     def upright(self) -> bool:
@@ -110,7 +116,7 @@ class Surface:
         w, h = self.size
         turn = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
         origin = (-float(w) / 2, float(depth), float(low + h))
-        return Surface(self.width_in, self.height_in, origin, turn, self.calibrated)
+        return replace(self, origin=origin, rotation=turn)
 
     def to_world(self, xy: ArrayLike, height: float = 0.0) -> NDArray[np.float64]:
         """World positions (..., 3) of surface points (..., 2), `height` metres off the surface."""

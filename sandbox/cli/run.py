@@ -160,6 +160,8 @@ def report_end(result: TrialResult, console: Console) -> None:
     colour = "green" if result.success else "red"
     what = ending(result.status, result.success)
     line = f"[bold {colour}]{result.task}: {what}[/] after {result.time_s:.1f} s"
+    if result.scored is False:
+        line += ", not scored: the table was scaled"
     if result.reason:
         line += f", {escape(result.reason)}"
     console.print(line)

@@ -42,7 +42,7 @@ class WebDevice(Device):
     latency: LatencyLog
 
     def __init__(self, surface: Surface, latency: LatencyLog | None = None) -> None:
-        self._size = surface.size
+        self._size, self._scale = surface.size, surface.scale
         self.latency = latency or LatencyLog()
         self._lock = threading.Lock()
         self._frames: deque[tuple[TouchFrame, int, float]] = deque(maxlen=QUEUE_FRAMES)
@@ -66,11 +66,13 @@ class WebDevice(Device):
 
     def push(self, touches: PageTouches, screen: PageScreen) -> None:
         """Adds the touches of a message; called from the server's thread."""
+        # Fingers have their true size, also on a scaled table.
         metres = METRES_PER_INCH / screen.px_per_in
+        scaled = metres / self._scale
         with self._lock:
             contacts, ids = [], set()
             for i, x_px, y_px, width_px, height_px in touches.contacts:
-                x, y = x_px * metres, y_px * metres
+                x, y = x_px * scaled, y_px * scaled
                 inside = 0.0 <= x <= self._size[0] and 0.0 <= y <= self._size[1]
                 if i in ids or not (inside or i in self._inside):
                     continue

@@ -201,6 +201,17 @@ class TrialResult(msgspec.Struct, frozen=True, kw_only=True):
             "simulated time, and `lasted_s`, real time",
         ),
     ] = None
+    surface_scale: Annotated[
+        float | None,
+        _field("", "length on the screen of what is one long on the table; left out at true size"),
+    ] = None
+    scored: Annotated[
+        bool | None,
+        _field(
+            "0/1",
+            "0 where the result does not count, as on the scaled table of a phone; left out else",
+        ),
+    ] = None
     learned: Annotated[
         dict[str, Any] | None,
         _field("m", "layouts of five fingers for the session's next trial, by hand", JOURNAL),

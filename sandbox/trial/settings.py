@@ -113,6 +113,8 @@ class RunSettings:
         contact: Initial contact mode (see `sandbox.session.contact_modes`).
         surface_in: Width and height of a hand's touch surface, inches.
         surface_calibrated: False if the surface's size is a guess.
+        surface_scale: Length on the screen of what is one long on the surface (`Surface.scale`).
+        scored: False if the result does not count, as on the scaled table of a phone.
         timestep: s, physics time step.
         hands: One entry per hand, in the order of devices, rigs and recorded inputs.
         one_surface: All hands touch one surface; otherwise each has its own, of the same size.
@@ -141,6 +143,8 @@ class RunSettings:
     one_surface: bool = False
     variation: Variation = field(default_factory=Variation)
     rules: int = RULES[1]
+    surface_scale: float = 1.0
+    scored: bool = True
 
     def __post_init__(self) -> None:
         if self.rules not in RULES:
@@ -174,7 +178,8 @@ class RunSettings:
     @property
     def surface(self) -> Surface:
         """The touch rectangle of one hand, not yet placed in the world."""
-        return Surface(*self.surface_in, calibrated=self.surface_calibrated)
+        calibrated, scale = self.surface_calibrated, self.surface_scale
+        return Surface(*self.surface_in, calibrated=calibrated, scale=scale)
 
     def knowing(self, layouts: Mapping[str, Layouts]) -> RunSettings:
         """The same with known layouts of hands, by the hand's name, if its labels use them."""
@@ -187,13 +192,17 @@ class RunSettings:
         return replace(self, hands=hands)
 
     def as_json(self) -> dict[str, Any]:
-        """Values for a recording's header, without a neutral variation, the first rules, an
-        `in_air` of None, or empty layouts and looks."""
+        """Values for a recording's header, without a neutral variation, the first rules, true
+        size, an `in_air` of None, or empty layouts and looks."""
         values = asdict(self)
         if self.rules == RULES[0]:
             del values["rules"]
         if self.variation.neutral:
             del values["variation"]
+        if self.surface_scale == 1.0:
+            del values["surface_scale"]
+        if self.scored:
+            del values["scored"]
         values["hands"] = [_without_defaults(hand) for hand in values["hands"]]
         return values
 
@@ -205,7 +214,7 @@ class RunSettings:
             RecordingError: A setting is missing, unknown or of the wrong type.
             InputError: A value is not allowed.
         """
-        _check_names(values, cls, optional={"variation", "rules"})
+        _check_names(values, cls, optional={"variation", "rules", "surface_scale", "scored"})
         for hand in values["hands"] if isinstance(values["hands"], list) else ():
             _check_names(hand, HandSettings, optional={"in_air", "layouts", "rest"})
             if hand.get("in_air") is not None:

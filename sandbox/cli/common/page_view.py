@@ -29,6 +29,7 @@ def show_session(
     caption: str = "",
     device: WebDevice | None = None,
     own: int | None = None,
+    scored: bool = True,
 ) -> None:
     """Shows a session that is about to begin on the page.
 
@@ -39,6 +40,7 @@ def show_session(
         caption: Name of the player if it is not a person.
         device: Device for the page's touches; None: the page only shows.
         own: Index of the hand that touches this page, if the other one touches elsewhere.
+        scored: False if the result does not count.
     """
     message = describe_scene(
         server.next_scene(),
@@ -48,6 +50,7 @@ def show_session(
         hand,
         caption,
         in_air(session),
+        scored,
     )
     skins = [pack_skin(hand) for hand in session.scene.spec.hands]
     server.show_scene(message, session.scene, device, skins, own)

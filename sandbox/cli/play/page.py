@@ -6,6 +6,7 @@ import time
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 from rich.console import Console
 
@@ -22,7 +23,7 @@ from sandbox.cli.run import report_end
 from sandbox.options.scene_options import Plan, SceneOptions, plan
 from sandbox.server.page_server import PageServer
 from sandbox.server.protocol.protocol import LIFT_STRIP_PX, PlayerRequest
-from sandbox.server.protocol.rectangle import common, rectangle
+from sandbox.server.protocol.rectangle import common, rectangle, scaled
 from sandbox.server.publishing import publish
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
@@ -218,7 +219,9 @@ class PagePlay:
         finally:
             live.stop()
             latency = self.servers[0].latency.as_json()
-            ended.append(trial.end(latency=latency, absences=absences.listed() or None))
+            counts = _counts(chosen.settings)
+            absent = absences.listed() or None
+            ended.append(trial.end(latency=latency, absences=absent, **counts))
             if self.learner is not None:
                 self.learner.after(session)
         for server in self.servers:
@@ -232,16 +235,27 @@ class PagePlay:
         screens = [server.screen for server in self.servers if server.screen]
         if "web" in (self.options.device, self.options.second_device) and screens:
             hands = len(settings.hands) if settings.one_surface else 1
+            if self._scaled(settings):
+                size = scaled(screens[0], lifts(settings))
+                return replace(chosen, settings=replace(settings, **size))
             sizes = [rectangle(screen, hands, lifts(settings)) for screen in screens]
             settings = replace(settings, **common(sizes))
         return replace(chosen, settings=settings)
+
+    def _scaled(self, settings: RunSettings) -> bool:
+        """True if the only page fills itself with its table. Two tablets have one scale, the true
+        one."""
+        screen = self.servers[0].screen
+        alone = len(self.servers) == 1 and not settings.one_surface
+        return alone and screen is not None and screen.fit != ""
 
     def _show(self, session: Session, chosen: Plan) -> None:
         caption = SIMULATED_USER if chosen.about.get("user") else ""
         hands, touched = chosen.settings.hands, touched_pages(session)
         for k, server in enumerate(self.servers):
             own, device = touched[k] if k < len(touched) else (None, None)
-            show_session(server, session, hands[own or 0].side, caption, device, own)
+            side, scored = hands[own or 0].side, chosen.settings.scored
+            show_session(server, session, side, caption, device, own, scored)
         language = self.servers[0].language
         said = {"language": language} if language else {}
         self.events.tell("trial_start", task=session.task.name, seed=session.task.seed, **said)
@@ -303,6 +317,15 @@ def play_on_page(
             print_refusals(server, console)
         events.close()
     return max(judge_latency(server.latency, limit, console) for server in servers)
+
+
+def _counts(settings: RunSettings) -> dict[str, Any]:
+    """Fields of the result of a table that is not of true size."""
+    scale = settings.surface_scale
+    return {
+        "surface_scale": None if scale == 1.0 else round(scale, 4),
+        "scored": None if settings.scored else False,
+    }
 
 
 def numbered(path: Path, trial: int) -> Path:

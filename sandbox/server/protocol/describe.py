@@ -45,6 +45,7 @@ def describe_scene(
     hand: str,
     caption: str,
     in_air: bool = False,
+    scored: bool = True,
 ) -> SceneMessage:
     """The message with a scene's shapes, task and touch rectangle.
 
@@ -56,6 +57,7 @@ def describe_scene(
         hand: `right` or `left`.
         caption: Text that names player and task, where required.
         in_air: True if hands move over a 3-D device.
+        scored: False if the result does not count.
     """
     model = scene.model
     things = {thing.name for thing in task.objects}
@@ -91,11 +93,13 @@ def describe_scene(
             surface.origin,
             _floats(surface.rotation.ravel()),
             surface.calibrated,
+            surface.scale,
         ),
         [model.body(i).name for i in range(model.nbody)],
         geoms,
         told(caption) if caption else None,
         in_air,
+        scored,
     )
 
 

@@ -43,13 +43,16 @@ LIFT_STRIP_PX = 90.0
 class PageScreen(Struct, forbid_unknown_fields=True, frozen=True):
     """Size of the page: CSS pixels per inch, and pixels.
 
-    The encoder needs inches; `calibrated` is true if the person has measured them.
+    The encoder needs inches; `calibrated` is true if the person has measured them. `fit` says why
+    the table fills the page, whatever its inches: a `mouse`, for which size means nothing, or a
+    `phone`, which is too small for a hand; it is empty for a table of true size.
     """
 
     px_per_in: Annotated[float, Meta(ge=20, le=1000)]
     width_px: Annotated[float, Meta(ge=1, le=32768)]
     height_px: Annotated[float, Meta(ge=1, le=32768)]
     calibrated: bool
+    fit: Literal["", "mouse", "phone"] = ""
 
 
 class Hello(Struct, tag="hello", forbid_unknown_fields=True, frozen=True):
@@ -211,13 +214,17 @@ class Geom(Struct, frozen=True):
 
 
 class SurfaceView(Struct, frozen=True):
-    """The touch rectangle: size in inches, corner (m) and axes (row by row) in the world."""
+    """The touch rectangle: size in inches, corner (m) and axes (row by row) in the world.
+
+    `scale` is the length on the screen of what is one long in the world.
+    """
 
     width_in: float
     height_in: float
     origin: tuple[float, float, float]
     rotation: tuple[float, float, float, float, float, float, float, float, float]
     calibrated: bool
+    scale: float = 1.0
 
 
 class SceneMessage(Struct, tag="scene", frozen=True):
@@ -226,7 +233,8 @@ class SceneMessage(Struct, tag="scene", frozen=True):
     `bodies` names the rows of a frame's poses. `lift` is the height (m) to which a lift control of
     1 raises the hand; 0 if the task has none. `size` of a geom is as in MuJoCo: half lengths and
     radii. `in_air` is true if hands move over a 3-D device, without touches. `goal` is in English;
-    in a study, `task` and `goal` are what the participant reads.
+    in a study, `task` and `goal` are what the participant reads. `scored` is false if the result
+    does not count.
     """
 
     scene: int
@@ -241,6 +249,7 @@ class SceneMessage(Struct, tag="scene", frozen=True):
     geoms: list[Geom]
     caption: Told | None
     in_air: bool = False
+    scored: bool = True
 
 
 class Trouble(Struct, tag="trouble", frozen=True):

@@ -5,11 +5,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
+from models.surface import PRESETS
 from sandbox.server.protocol.protocol import LIFT_STRIP_PX, PageScreen
 
 LARGEST = (10.32, 7.74)
 """in, largest touch rectangle, that of the largest tablets. On a larger screen it lies in the
 centre, since a hand does not reach further."""
+
+LEAST = PRESETS["ipad2"]
+"""in, touch rectangle that has room for every task."""
 
 
 def room(screen: PageScreen, lifts: bool = False) -> tuple[float, float]:
@@ -33,6 +37,25 @@ def rectangle(screen: PageScreen, hands: int = 1, lifts: bool = False) -> dict[s
         round(min(side, end), 4) for side, end in zip(room(screen, lifts), most, strict=True)
     )
     return {"surface_in": size, "surface_calibrated": screen.calibrated}
+
+
+def scaled(screen: PageScreen, lifts: bool = False) -> dict[str, Any]:
+    """The touch rectangle of a screen that its table fills, whatever its inches, as settings.
+
+    The table is as large as the largest tablet's where that leaves it at least as large as the
+    paper's, so that every task fits; the result counts for a mouse, and not on a phone.
+    """
+    width, height = room(screen, lifts)
+    (most_w, most_h), (least_w, least_h) = LARGEST, LEAST
+    scale = min(max(width / most_w, height / most_h), width / least_w, height / least_h)
+    size = min(width / scale, most_w), min(height / scale, most_h)
+    return {
+        "surface_in": tuple(round(side, 4) for side in size),
+        # At another scale there is no size that could be wrong.
+        "surface_calibrated": True,
+        "surface_scale": scale,
+        "scored": screen.fit == "mouse",
+    }
 
 
 def common(rectangles: Sequence[dict[str, Any]]) -> dict[str, Any]:

@@ -179,6 +179,14 @@ def settings_for_screen(page: StudyPage, settings: RunSettings, designed: bool) 
     """
     screen = page.server.screen
     assert screen is not None, "the page is open"
+    if screen.fit:
+        raise StudyError(
+            "a scaled table is no part of a study",
+            where="the participant's page",
+            got=f"a table that fills the screen of a {screen.fit}",
+            expected="a table of true size",
+            remedy="Open the study's own link anew; the session resumes at this trial",
+        )
     if not designed:
         hands = len(settings.hands) if settings.one_surface else 1
         return replace(settings, **rectangle(screen, hands, lifts(settings)))

@@ -5,7 +5,8 @@ import { announce, base, choose } from "./language";
 /** "Preparing the table" by language, put in by bundle.mjs. */
 declare const PREPARING: Record<string, string>;
 
-// A study's page comes with its language.
+// A study's page comes with its language, and shows everything at its true size.
+document.documentElement.dataset["study"] = document.documentElement.lang && "yes";
 const code = document.documentElement.lang || choose(Object.keys(PREPARING));
 announce(code);
 document.querySelector(".preparing")!.textContent = PREPARING[base(code)] ?? "";

@@ -61,13 +61,14 @@ export class Hud {
   /** ms, time at which a touch's delay was shown last. */
   private delayed = -Infinity;
   private study: StudyView | null = null;
+  private scored = true;
 
   constructor(wishes: Wishes) {
     const button = (text: string, onTap: () => void): HTMLButtonElement =>
       make("button", "button", { text, onTap });
     this.hand = button(say("right_hand"), wishes.hand);
     this.sound = button(say("sound_on"), wishes.sound);
-    this.size = make("button", "badge warn", { text: say("size_guessed"), onTap: wishes.settings });
+    this.size = make("button", "badge warn", { onTap: wishes.settings });
     this.buttons = make(
       "div",
       "buttons",
@@ -133,6 +134,7 @@ export class Hud {
     write(this.hand, say(scene.hand === "right" ? "right_hand" : "left_hand"));
     write(this.caption, scene.caption ? repeat(scene.caption) : "");
     show(this.caption, scene.caption !== null);
+    this.scored = scene.scored ?? true;
     show(this.end, false);
   }
 
@@ -166,7 +168,7 @@ export class Hud {
       write(
         this.endWords,
         state.held
-          ? say("done_in", { time })
+          ? say(this.scored ? "done_in" : "done_unscored", { time })
           : state.status === "timeout"
             ? say("time_up")
             : because,
@@ -207,8 +209,10 @@ export class Hud {
     write(this.sound, say(muted ? "sound_off" : "sound_on"));
   }
 
-  setGuessed(guessed: boolean): void {
-    show(this.size, guessed);
+  /** Shows what is to be known about the table's size; empty shows nothing. */
+  setSize(words: string): void {
+    write(this.size, words);
+    show(this.size, words !== "");
   }
 
   /** Shows a message that disappears by itself. */

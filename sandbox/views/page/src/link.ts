@@ -33,6 +33,11 @@ export function reload(): void {
   location.replace(withToken());
 }
 
+/** Looks on from now on, and leaves the place to another page. */
+export function lookOn(): void {
+  location.replace(`/?${new URLSearchParams({ token, role: "spectator" })}`);
+}
+
 function randomName(): string {
   // crypto.randomUUID does not exist on plain http; getRandomValues does.
   const bytes = crypto.getRandomValues(new Uint8Array(12));

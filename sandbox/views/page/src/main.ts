@@ -11,7 +11,7 @@ import { Hint } from "./hint";
 import { Hud, goalOf } from "./hud";
 import { touchRectangle } from "./lens";
 import { Lift } from "./lift";
-import { reload, spectator } from "./link";
+import { lookOn, reload, spectator } from "./link";
 import { measureScreen } from "./measure";
 import { type Switch, taskMenu } from "./menu";
 import {
@@ -21,8 +21,9 @@ import {
   type StudyView,
   type TaskName,
 } from "./protocol";
+import { askPhone } from "./phone";
 import { type Ring, Rings, TOLD, ringHeight } from "./rings";
-import { calibrated, currentScreen, pxPerInch, touchable } from "./screen";
+import { calibrated, currentScreen, pxPerInch, small, touchable } from "./screen";
 import { Sender } from "./sender";
 import { Sheets } from "./sheet";
 import { Sound } from "./sound";
@@ -258,6 +259,8 @@ class Page {
     const sent = this.connection.say({ type: "ask", what, value });
     // Another table takes the computer a moment.
     if (!sent || what === "pause" || what === "resume") return;
+    // What was wrong before is not the answer to this.
+    this.troubled = -Infinity;
     this.awaited = true;
     show(this.preparing, true);
   }
@@ -313,15 +316,37 @@ class Page {
   /** Shows the questions before the first trial on this screen, one after the other. */
   private firstTime(): void {
     if (this.sheets.isOpen) return;
+    if (small() && currentScreen().fit === "" && !this.inStudy && touchable) {
+      this.askPhone();
+      return;
+    }
     const then = (): void => advise(this.sheets, () => undefined);
     // With a mouse, objects need not have their true size.
-    if (calibrated() || this.asked || (!touchable && !this.inStudy)) then();
+    if (calibrated() || currentScreen().fit !== "" || this.asked || (!touchable && !this.inStudy)) then();
     else
       measureScreen(this.sheets, () => {
         this.resized(true);
         then();
       });
     this.asked = true;
+  }
+
+  /** Asks the owner of a screen that is too small for a hand, before anything else. */
+  private askPhone(): void {
+    askPhone(this.sheets, {
+      look: lookOn,
+      play: () => {
+        this.resized(true);
+        this.ask("retry");
+        this.firstTime();
+      },
+      measure: () =>
+        measureScreen(this.sheets, () => {
+          this.asked = true;
+          this.resized(true);
+          this.firstTime();
+        }),
+    });
   }
 
   // -- layout -----------------------------------------------------------------------------------
@@ -357,7 +382,7 @@ class Page {
     if (!frame || !scene) return;
     const running = frame.state.status === "running" && frame.state.pause !== "start";
     const strip = scene.lift > 0 ? LIFT_STRIP_PX : 0;
-    const scale = pxPerInch() * (1 - CHANGED);
+    const scale = this.pxPerTableInch * (1 - CHANGED);
     const room =
       scene.surface.width_in * scale <= window.innerWidth - strip &&
       scene.surface.height_in * scale <= window.innerHeight;
@@ -365,16 +390,30 @@ class Page {
     this.appear();
   }
 
+  /** CSS pixels on this page of an inch on the table. */
+  private get pxPerTableInch(): number {
+    return pxPerInch() * (this.scene?.surface.scale ?? 1);
+  }
+
+  /** What the player has to know about the size of the table. */
+  private sizeInWords(): string {
+    if (!this.touches) return "";
+    const scale = this.scene?.surface.scale ?? 1;
+    if (scale === 1) return calibrated() ? "" : say("size_guessed");
+    if (this.scene?.scored ?? true) return say("scaled_window");
+    return say("scaled_phone", { percent: (100 * scale).toFixed(0) });
+  }
+
   private layOut(): void {
     const scene = this.scene;
-    this.hud.setGuessed(this.touches && !calibrated());
+    this.hud.setSize(this.sizeInWords());
     this.dirty = true;
     if (!scene) return;
     const [width, height] = [window.innerWidth, window.innerHeight];
     if (this.touches) {
       const side = scene.lift > 0 ? this.lift.side : null;
-      const place = touchRectangle(scene.surface, pxPerInch(), width, height, side);
-      this.stage.lens.aim(scene.surface, pxPerInch(), width, height, place);
+      const place = touchRectangle(scene.surface, this.pxPerTableInch, width, height, side);
+      this.stage.lens.aim(scene.surface, this.pxPerTableInch, width, height, place);
       this.sender.corner = { x: place.left, y: place.top };
       this.lift.stand(place);
     } else this.stage.lens.overlook(scene.surface, scene.hand, width, height, !!scene.in_air);
@@ -424,7 +463,8 @@ class Page {
     // What keeps from playing comes before what a finger has to do.
     const atFinger = told && this.shut.every((message) => message.hidden);
     if (!atFinger) for (const ring of rings) if (!ring.palm) delete ring.word;
-    this.rings.draw(rings, this.stage.lens.pxPerInch);
+    // A finger has its true size, also on a smaller table.
+    this.rings.draw(rings, Math.max(this.stage.lens.pxPerInch, this.touches ? pxPerInch() : 0));
     this.sayOneThing(atFinger);
     if (!frame || !scene) return;
     // Pictures of the table before may still come while another one is prepared.

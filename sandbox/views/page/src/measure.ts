@@ -1,6 +1,7 @@
 // Calibration of the screen's size: the person fits an outline to a bank card.
 
-import { make, write } from "./dom";
+import { make, show, write } from "./dom";
+import { knownDevices } from "./devices";
 import { CARD_HEIGHT, CARD_WIDTH, FEWEST, MOST, calibrate, pxPerInch } from "./screen";
 import type { Sheets } from "./sheet";
 import { say } from "./words";
@@ -48,10 +49,25 @@ export function measureScreen(sheets: Sheets, done: () => void): void {
       done();
     },
   });
+  const devices = knownDevices();
+  const choice = make("select", "devices", { label: say("device_is") });
+  choice.append(make("option", "", { text: say("device_is") }));
+  devices.forEach(({ name }, i) => {
+    const option = make("option", "", { text: name });
+    option.value = String(i);
+    choice.append(option);
+  });
+  choice.addEventListener("change", () => {
+    const device = choice.value === "" ? undefined : devices[Number(choice.value)];
+    if (device) fit(device.pxPerInch);
+  });
+  choice.firstElementChild!.setAttribute("value", "");
+  show(choice, devices.length > 0);
   sheets.open(
     say("card_title"),
     [
       make("p", "", { text: say("card_how") }),
+      choice,
       make(
         "div",
         "measure",

@@ -6,12 +6,13 @@ export const POSE_BYTES = 28;
 export const SKIN_KIND = 2;
 export const LIFT_STRIP_PX = 90;
 
-/** Size of the page: CSS pixels per inch, and pixels. The encoder needs inches; `calibrated` is true if the person has measured them. */
+/** Size of the page: CSS pixels per inch, and pixels. The encoder needs inches; `calibrated` is true if the person has measured them. `fit` says why the table fills the page, whatever its inches: a `mouse`, for which size means nothing, or a `phone`, which is too small for a hand; it is empty for a table of true size. */
 export interface PageScreen {
   px_per_in: number;
   width_px: number;
   height_px: number;
   calibrated: boolean;
+  fit?: "" | "mouse" | "phone";
 }
 
 /** The page's first message. `client` is the page's random name, which a reload keeps; `language` that of its words, by ISO 639-1. */
@@ -132,16 +133,17 @@ export interface Geom {
   part: "hand" | "object" | "scenery";
 }
 
-/** The touch rectangle: size in inches, corner (m) and axes (row by row) in the world. */
+/** The touch rectangle: size in inches, corner (m) and axes (row by row) in the world. `scale` is the length on the screen of what is one long in the world. */
 export interface SurfaceView {
   width_in: number;
   height_in: number;
   origin: [number, number, number];
   rotation: [number, number, number, number, number, number, number, number, number];
   calibrated: boolean;
+  scale?: number;
 }
 
-/** A new scene. Frames with another `scene` number belong to an earlier one. `bodies` names the rows of a frame's poses. `lift` is the height (m) to which a lift control of 1 raises the hand; 0 if the task has none. `size` of a geom is as in MuJoCo: half lengths and radii. `in_air` is true if hands move over a 3-D device, without touches. `goal` is in English; in a study, `task` and `goal` are what the participant reads. */
+/** A new scene. Frames with another `scene` number belong to an earlier one. `bodies` names the rows of a frame's poses. `lift` is the height (m) to which a lift control of 1 raises the hand; 0 if the task has none. `size` of a geom is as in MuJoCo: half lengths and radii. `in_air` is true if hands move over a 3-D device, without touches. `goal` is in English; in a study, `task` and `goal` are what the participant reads. `scored` is false if the result does not count. */
 export interface SceneMessage {
   type: "scene";
   scene: number;
@@ -156,6 +158,7 @@ export interface SceneMessage {
   geoms: (Geom)[];
   caption: Told | null;
   in_air?: boolean;
+  scored?: boolean;
 }
 
 /** A problem that prevents a scene, and its remedy, sentence by sentence. */

@@ -2,7 +2,7 @@
 // device until the person calibrates it with a bank card.
 
 import type { PageScreen } from "./protocol";
-import { recall, remember } from "./memory";
+import { recall, recallHere, remember, rememberHere } from "./memory";
 
 /** ISO/IEC 7810 ID-1: every bank card, in inches. */
 export const CARD_WIDTH = 85.6 / 25.4;
@@ -42,12 +42,25 @@ export function calibrate(value: number): void {
   remember(key, String(measured));
 }
 
+const SHRUNK = "shrunk";
+
+/** The person plays on a table that fits this small screen, until the tab is closed. */
+export const shrink = (): void => rememberHere(SHRUNK, "yes");
+
+/** Why the table fills the page: with a mouse size means nothing, and a phone is too small. */
+function fit(): PageScreen["fit"] & string {
+  if (document.documentElement.dataset["study"] === "yes") return "";
+  if (!touchable) return "mouse";
+  return small() && recallHere(SHRUNK) === "yes" ? "phone" : "";
+}
+
 export function currentScreen(): PageScreen {
   return {
     px_per_in: pxPerInch(),
     width_px: window.innerWidth,
     height_px: window.innerHeight,
     calibrated: calibrated(),
+    fit: fit(),
   };
 }
 

@@ -1,11 +1,12 @@
 // A page that was turned, or made smaller, while its trial runs: the table has no room on it any more.
 
 import { make, show, write } from "./dom";
+import { touchable } from "./screen";
 import { say } from "./words";
 
 export class Turned {
   readonly root: HTMLElement;
-  private readonly words = make("p", "", { text: say("turned") });
+  private readonly words = make("p", "", { text: say(touchable ? "turned" : "window_smaller") });
   private readonly anew: HTMLButtonElement;
 
   /** @param again Asks for a new trial, laid for the page as it is now. */

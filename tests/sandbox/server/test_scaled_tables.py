@@ -1,0 +1,130 @@
+"""A table that fills its screen: with a mouse it counts, on a phone it does not."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any, cast
+
+import pytest
+from rich.console import Console
+
+from models.errors import InputError, StudyError
+from models.surface import METRES_PER_INCH, Surface
+from sandbox.cli.common.page_options import PageOptions, open_page
+from sandbox.cli.play.page import PagePlay
+from sandbox.cli.play.screen_too_small import fitting
+from sandbox.options.scene_options import SceneOptions
+from sandbox.recording.recording import load_recording
+from sandbox.server.protocol.protocol import LIFT_STRIP_PX, PageScreen, PageTouches
+from sandbox.server.protocol.rectangle import LARGEST, LEAST, rectangle, scaled
+from sandbox.server.web import WebDevice
+from sandbox.study.run.page_player import settings_for_screen
+from sandbox.study.run.study_page import StudyPage
+from sandbox.trial.events import EventLog
+from sandbox.trial.settings import RunSettings
+from tasks.registry import TASKS, hands_of
+from tests.sandbox.server.played_page import played
+from tests.support.page_client import Page
+
+SCREENS = [
+    (844, 390, 155.0),
+    (390, 844, 155.0),
+    (1280, 800, 110.0),
+    (3840, 2160, 110.0),
+    (900, 1400, 110.0),
+]
+PHONE = PageScreen(155.0, 844.0, 390.0, False, "phone")
+
+
+@pytest.mark.parametrize("lifts", [False, True])
+@pytest.mark.parametrize(("width", "height", "ppi"), SCREENS)
+def test_every_task_fits_on_a_table_that_fills_its_screen(
+    width: int, height: int, ppi: float, lifts: bool
+) -> None:
+    screen = PageScreen(ppi, width, height, False, "mouse")
+    found = scaled(screen, lifts)
+    size, scale = found["surface_in"], found["surface_scale"]
+    for side, least, most in zip(size, LEAST, LARGEST, strict=True):
+        assert least - 1e-3 <= side <= most
+    wide, high = (round(side * scale * ppi, 1) for side in size)
+    room = width - (LIFT_STRIP_PX if lifts else 0.0)
+    assert wide <= room + 0.1 and high <= height + 0.1
+    # At least one direction is full.
+    assert wide > 0.99 * room or high > 0.99 * height
+    if width > height:
+        one_hand = {name for name, task in TASKS.items() if hands_of(task) == 1}
+        assert set(fitting(Surface(*size), 0)) == one_hand
+
+
+def test_a_monitor_is_full_where_it_was_filled_by_an_eighth() -> None:
+    screen = PageScreen(110.0, 3840.0, 2160.0, False, "mouse")
+    filled = scaled(screen)
+    table = [side * filled["surface_scale"] * 110.0 for side in filled["surface_in"]]
+    small = [side * 110.0 for side in rectangle(screen)["surface_in"]]
+    assert table[0] * table[1] > 0.95 * 3840 * 2160
+    assert small[0] * small[1] < 0.13 * 3840 * 2160
+
+
+def test_places_are_scaled_and_fingers_are_not() -> None:
+    device = WebDevice(Surface(10.0, 5.0, scale=0.5))
+    screen = PageScreen(100.0, 500.0, 250.0, False, "phone")
+    device.push(PageTouches(1, 0.0, [(1, 100.0, 50.0, 60.0, 70.0)]), screen)
+    ((contact,),) = [frame.contacts for frame in device.poll()]
+    assert (contact.x, contact.y) == pytest.approx((2.0 * METRES_PER_INCH, METRES_PER_INCH))
+    assert contact.extent == pytest.approx((0.6 * METRES_PER_INCH, 0.7 * METRES_PER_INCH))
+
+
+def test_a_header_says_the_scale_and_nothing_at_true_size() -> None:
+    plain = RunSettings().as_json()
+    assert "surface_scale" not in plain and "scored" not in plain
+    assert RunSettings.from_json(plain) == RunSettings()
+    phone = RunSettings(**scaled(PHONE))
+    assert phone.as_json()["surface_scale"] == pytest.approx(0.432, abs=1e-3)
+    assert phone.as_json()["scored"] is False
+    assert RunSettings.from_json(json.loads(json.dumps(phone.as_json()))) == phone
+
+
+@pytest.mark.parametrize("scale", [0.0, -1.0, 1000.0, float("nan")])
+def test_a_scale_that_no_screen_has_is_refused(scale: float) -> None:
+    with pytest.raises(InputError, match="scale"):
+        Surface(scale=scale)
+
+
+def test_a_study_refuses_a_scaled_table() -> None:
+    page = cast(StudyPage, SimpleNamespace(server=SimpleNamespace(screen=PHONE)))
+    with pytest.raises(StudyError, match="no part of a study"):
+        settings_for_screen(page, RunSettings(), designed=False)
+
+
+@pytest.mark.parametrize(("fit", "scored"), [("phone", False), ("mouse", True), ("", True)])
+def test_the_result_on_a_phone_does_not_count_and_says_so(
+    tmp_path: Path, fit: str, scored: bool
+) -> None:
+    screen: dict[str, Any] = {
+        "px_per_in": 155.0,
+        "width_px": 844.0 if fit else 1600.0,
+        "height_px": 390.0 if fit else 1200.0,
+        "calibrated": False,
+        "fit": fit,
+    }
+    server, events = open_page(PageOptions()), tmp_path / "events.jsonl"
+    options = SceneOptions(device="web", record=tmp_path / "trial.jsonl")
+    play = PagePlay(options, (server,), EventLog(events), Console(quiet=True))
+    try:
+        with played(play, server), Page(server.url, "one", screen=screen) as page:
+            scene = page.until("scene")
+            assert scene["scored"] is scored
+            assert (scene["surface"]["scale"] == 1.0) is (fit == "")
+            # Time begins with a touch.
+            page.touch((1, 1.5, 1.5))
+            page.until("frame")
+    finally:
+        server.close()
+    settings = load_recording(tmp_path / "trial.jsonl").header["settings"]
+    assert settings.get("surface_scale", 1.0) == pytest.approx(scene["surface"]["scale"])
+    assert settings.get("scored", True) is scored
+    (end,) = [line for line in map(json.loads, events.read_text().splitlines()) if "status" in line]
+    assert end.get("scored", True) is scored
+    assert ("surface_scale" in end) is (fit != "")

@@ -1,0 +1,218 @@
+"""Screens that are no tablets: a phone, a mouse, a window that changes; tablets by name."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from rich.console import Console
+
+from sandbox.cli.common.page_options import PageOptions, open_page
+from sandbox.cli.play.page import PagePlay
+from sandbox.options.scene_options import SceneOptions
+from sandbox.server.page_server import PageServer
+from sandbox.server.protocol.protocol import StudyView
+from sandbox.trial.events import EventLog
+from sandbox.words.words import words_in
+from tests.sandbox.server.played_page import played
+from tests.sandbox.server.staged_page import READY
+from tests.sandbox.server.test_page_server import wait_for
+from tests.support.chromium import BINARY, Browser, Tab
+
+pytestmark = pytest.mark.skipif(not os.path.exists(BINARY), reason="Debian's chromium is missing")
+
+ENGLISH = words_in("en")
+QUICK = {"hand-sandbox:quality": "3", "hand-sandbox:hint": "done"}
+PUBLISHED = Path(__file__).resolve().parents[3] / "sandbox/views/page/src/devices.json"
+
+
+@pytest.fixture(scope="module")
+def browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
+    browser = Browser(tmp_path_factory.mktemp("chromium"))
+    yield browser
+    browser.close()
+
+
+@pytest.fixture
+def server(tmp_path: Path) -> Iterator[PageServer]:
+    server = open_page(PageOptions())
+    events = EventLog(tmp_path / "events.jsonl")
+    play = PagePlay(SceneOptions(device="web"), (server,), events, Console(quiet=True))
+    with played(play, server):
+        yield server
+    server.close()
+
+
+@contextlib.contextmanager
+def opened(
+    browser: Browser, url: str, size: tuple[int, int], mouse: bool = False, **storage: str
+) -> Iterator[Tab]:
+    tab = browser.open("about:blank", width=size[0], height=size[1], storage={**QUICK, **storage})
+    if mouse:
+        tab.call("Emulation.setTouchEmulationEnabled", enabled=False)
+    tab.go(url)
+    yield tab
+    tab.close()
+
+
+def sheet(tab: Tab) -> str:
+    """Title of the sheet that is open."""
+    return str(tab.wait("document.querySelector('.sheet h2')?.textContent"))
+
+
+def scale(server: PageServer) -> float | None:
+    """Scale of the table that is shown now."""
+    shown = server._shown
+    return shown.message.surface.scale if shown else None
+
+
+def test_a_phone_is_asked_before_the_card_and_plays_on_a_scaled_table_that_does_not_count(
+    browser: Browser, server: PageServer, tmp_path: Path
+) -> None:
+    with opened(browser, server.url, (844, 390)) as tab:
+        assert sheet(tab) == ENGLISH["phone_title"]
+        (tmp_path / "asked.png").write_bytes(tab.picture())
+        tab.tap(ENGLISH["phone_play"])
+        # No card: nothing is measured for a table that has no true size.
+        assert sheet(tab) == ENGLISH["advice_title"]
+        tab.tap(ENGLISH["advice_go_on"])
+        assert wait_for(lambda: scale(server) not in (None, 1.0))
+        tab.wait("!document.querySelector('.badge.warn').hidden")
+        percent = ENGLISH["scaled_phone"].format(percent=f"{100 * (scale(server) or 0):.0f}")
+        tab.wait(f"document.querySelector('.badge.warn').textContent === {percent!r}")
+        tab.wait("document.querySelector('.preparing').hidden")
+        (tmp_path / "played.png").write_bytes(tab.picture())
+        shown = server._shown
+        assert shown is not None and not shown.message.scored
+        # A reload asks nothing anew.
+        tab.call("Page.reload")
+        tab.wait(READY)
+        tab.wait(f"document.querySelector('.badge.warn').textContent === {percent!r}")
+        assert tab.evaluate("document.querySelector('.sheet') === null")
+
+
+def test_a_phone_that_looks_on_leaves_its_place(browser: Browser, server: PageServer) -> None:
+    with opened(browser, server.url, (844, 390)) as tab:
+        assert sheet(tab) == ENGLISH["phone_title"]
+        tab.tap(ENGLISH["phone_look"])
+        tab.wait("location.search.includes('spectator')")
+        tab.wait(READY)
+        assert "token" not in tab.evaluate("location.search")
+        assert tab.evaluate("document.querySelector('.buttons').hidden")
+
+
+def test_a_screen_that_only_seems_small_can_be_measured(
+    browser: Browser, server: PageServer
+) -> None:
+    with opened(browser, server.url, (844, 390)) as tab:
+        assert sheet(tab) == ENGLISH["phone_title"]
+        tab.tap(ENGLISH["measure_screen"])
+        assert sheet(tab) == ENGLISH["card_title"]
+
+
+def test_no_phone_is_offered_a_scaled_table_in_a_study(browser: Browser) -> None:
+    server = PageServer(study=StudyView("en", {}, ["task", "goal"]))
+    try:
+        with opened(browser, server.url, (844, 390)) as tab:
+            assert sheet(tab) != ENGLISH["phone_title"]
+            assert wait_for(lambda: server.screen is not None)
+            assert server.screen is not None and server.screen.fit == ""
+        with opened(browser, server.url, (1280, 800), mouse=True) as tab:
+            tab.wait(READY)
+            assert server.screen is not None and server.screen.fit == ""
+    finally:
+        server.close()
+
+
+def test_with_a_mouse_the_table_fills_the_window_counts_and_says_so(
+    browser: Browser, server: PageServer, tmp_path: Path
+) -> None:
+    with opened(browser, server.url, (2560, 1440), mouse=True) as tab:
+        tab.wait(READY)
+        tab.wait(
+            f"document.querySelector('.badge.warn').textContent === {ENGLISH['scaled_window']!r}"
+        )
+        tab.wait("document.querySelector('.preparing').hidden")
+        (tmp_path / "mouse.png").write_bytes(tab.picture())
+        shown = server._shown
+        assert shown is not None and shown.message.scored
+        surface = shown.message.surface
+        assert surface.width_in * surface.scale * 110 == pytest.approx(2560, rel=0.01)
+        assert surface.height_in * surface.scale * 110 == pytest.approx(1440, rel=0.01)
+        # What is touched is what is drawn there: a press in the middle is the middle of the table.
+        for kind in ("mousePressed", "mouseMoved"):
+            tab.call(
+                "Input.dispatchMouseEvent",
+                type=kind,
+                x=1280,
+                y=720,
+                button="left",
+                buttons=1,
+                clickCount=1,
+            )
+        middle = surface.width_in / 2 * 0.0254, surface.height_in / 2 * 0.0254
+
+        def pressed() -> bool:
+            moment = server._moment
+            contacts = moment[2].hands[0].contacts if moment else ()
+            if not contacts:
+                return False
+            x, y, _ = contacts[0].position
+            origin = surface.origin
+            assert (x - origin[0], origin[1] - y) == pytest.approx(middle, abs=1e-3)
+            return True
+
+        assert wait_for(pressed)
+
+
+def test_a_window_that_became_too_small_is_told_to_be_larger_and_keeps_its_trial(
+    browser: Browser, server: PageServer
+) -> None:
+    with opened(browser, server.url, (1280, 800), mouse=True) as tab:
+        tab.wait(READY)
+        tab.wait("document.querySelector('.preparing').hidden")
+        at = {"x": 640, "y": 500, "button": "left", "buttons": 1, "clickCount": 1}
+        tab.call("Input.dispatchMouseEvent", type="mousePressed", **at)
+        assert wait_for(lambda: bool(server._moment) and server._moment[2].time > 0.3)
+        scene = server.next_scene()
+        tab.call("Input.dispatchMouseEvent", type="mouseReleased", **{**at, "buttons": 0})
+        tab.resize(900, 600)
+        tab.wait("!document.querySelector('.turned').hidden")
+        assert ENGLISH["window_smaller"] in tab.text()
+        tab.resize(1280, 800)
+        tab.wait("document.querySelector('.turned').hidden")
+        assert server.next_scene() == scene
+
+
+def test_a_tablet_can_be_named_in_the_place_of_a_card(browser: Browser, server: PageServer) -> None:
+    # An iPad Air of 11 inches lies: 2360 x 1640 pixels, 264 an inch, two to a CSS pixel.
+    with opened(browser, server.url, (1180, 820)) as tab:
+        assert sheet(tab) == ENGLISH["card_title"]
+        names = tab.evaluate("[...document.querySelectorAll('.devices option')].map(o => o.text)")
+        air = next(name for name in names if name.startswith("iPad Air 10.9"))
+        # Screens of other proportions are not offered.
+        assert not any(name.startswith(("Galaxy", "Pixel")) for name in names)
+        tab.evaluate(
+            "(() => { const s = document.querySelector('.devices');"
+            f" s.selectedIndex = {names.index(air)}; s.dispatchEvent(new Event('change')); }})()"
+        )
+        tab.tap(ENGLISH["card_fits"])
+        assert wait_for(lambda: server.screen is not None and server.screen.calibrated)
+        assert server.screen is not None
+        assert server.screen.px_per_in == pytest.approx(132.0)
+
+
+def test_published_sizes_agree_with_the_diagonals_in_the_names() -> None:
+    listed = json.loads(PUBLISHED.read_text(encoding="utf-8"))["devices"]
+    for device in listed:
+        diagonal = (device["long_px"] ** 2 + device["short_px"] ** 2) ** 0.5
+        inches = device.get("diagonal_in") or diagonal / device["ppi"]
+        assert device["long_px"] > device["short_px"]
+        # Makers round to a tenth of an inch, and to whole pixels an inch.
+        sizes = [float(size) for size in re.findall(r'([\d.]+)"', device["name"])]
+        assert any(abs(inches - size) < 0.15 for size in sizes), device["name"]
