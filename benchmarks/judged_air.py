@@ -18,7 +18,7 @@ from encoders.paalm.coupling import coupling_of
 from encoders.paalm.hand_reconstructor import HandReconstructorSettings
 from encoders.paalm.options import PaalmOptions
 from encoders.paalm.simulated.air import FROZEN_AIR
-from encoders.paalm.simulated.forward import FROZEN_LEAP
+from encoders.paalm.simulated.leap_configuration import FROZEN_LEAP
 from sandbox.devices.simulated.air_user.person import AirHabits
 from sandbox.trial.assembly import IN_AIR
 from sandbox.trial.hand_input import HandInput

@@ -19,7 +19,8 @@ from benchmarks.in_air import Depth, play
 from encoders.evaluation.paalm_judge import judge_recording
 from encoders.paalm import Paalm, PaalmOptions
 from encoders.paalm.simulated.air import simulate_air
-from encoders.paalm.simulated.forward import FROZEN_LEAP, leap_take
+from encoders.paalm.simulated.forward import leap_take
+from encoders.paalm.simulated.leap_configuration import FROZEN_LEAP
 from sandbox.cli.evaluate.paalm_readings import FIRST_PERSON
 from sandbox.devices.simulated.leap_disturbance import LeapDisturbance
 

@@ -176,7 +176,8 @@ class TrackedHand:
             _finite(getattr(self, name), where, name)
         _unit(self.normal, where, "normal")
         _unit(self.direction, where, "direction")
-        if abs(sum(a * b for a, b in zip(self.normal, self.direction, strict=True))) > 0.9:
+        (a, b, c), (x, y, z) = self.normal, self.direction
+        if abs(a * x + b * y + c * z) > 0.9:
             raise FrameError(
                 "the palm's normal and direction are nearly parallel", where=where, got=self.normal
             )
@@ -222,6 +223,9 @@ Frame = TouchFrame | HandFrame
 
 
 def _finite(vector: Vector, where: str, name: str) -> None:
+    # A sum is finite only if all its parts are; it is quicker than looking at each.
+    if len(vector) == 3 and math.isfinite(vector[0] + vector[1] + vector[2]):
+        return
     if len(vector) != 3 or not all(map(math.isfinite, vector)):
         raise FrameError(
             f"{name} must be three finite numbers", where=where, got=vector, expected="metres"
@@ -229,6 +233,9 @@ def _finite(vector: Vector, where: str, name: str) -> None:
 
 
 def _unit(vector: Vector, where: str, name: str) -> None:
+    x, y, z = vector
+    if abs(x * x + y * y + z * z - 1.0) < _UNIT:
+        return  # Its length is then nearer to 1 than half of that.
     length = math.sqrt(math.fsum(c * c for c in vector))
     if abs(length - 1.0) > _UNIT:
         raise FrameError(

@@ -20,7 +20,8 @@ from encoders.paalm.average import average_calibration
 from encoders.paalm.options import PaalmOptions
 from encoders.paalm.paalm import Paalm
 from encoders.paalm.simulated.air import FROZEN_AIR
-from encoders.paalm.simulated.forward import FROZEN_LEAP, LeapTake
+from encoders.paalm.simulated.forward import LeapTake
+from encoders.paalm.simulated.leap_configuration import FROZEN_LEAP
 from models.arithmetic.arrays import Array
 from models.errors import EncoderError
 from models.frames import FINGERS
@@ -73,19 +74,27 @@ def test_seeds(count: int) -> list[int]:
     ]
 
 
-def calibrated_on(take: LeapTake, options: PaalmOptions) -> Paalm:
+def calibrated_on(take: LeapTake, options: PaalmOptions, measured: bool = True) -> Paalm:
     """Creates a PAALM calibrated on a recording's open frames.
 
     A hand that is hardly ever open, but whose joints the device knows, is not measured: its
-    standards are its own bones.
+    standards are its own bones. One that is solved by its tips, and of which too little is seen
+    while it is open, is an average hand at first, as over a live device.
+
+    Args:
+        take: The recording.
+        options: Options of PAALM.
+        measured: False measures no hand.
 
     Raises:
         EncoderError: There are too few open frames, or the hand is not open in them.
     """
     is_open = [f for f, held in zip(take.frames, take.open, strict=True) if held]
-    if len(is_open) < _LEAST_OPEN and take.dialect == "v3":
-        paalm = Paalm(options)
-        paalm.use({take.side: average_calibration(take.frames, take.side, options)})
+    paalm = Paalm(options)
+    by_tip = take.dialect == "v1" and options.solve == "tips"
+    if not measured or (len(is_open) < _LEAST_OPEN and take.dialect == "v3"):
+        known = take.frames if take.dialect == "v3" else ()
+        paalm.use({take.side: average_calibration(known, take.side, options)})
         return paalm
     if len(is_open) < _LEAST_OPEN:
         raise EncoderError(
@@ -93,9 +102,13 @@ def calibrated_on(take: LeapTake, options: PaalmOptions) -> Paalm:
             got=f"{len(is_open)} frames",
             expected=f"{_LEAST_OPEN} or more",
         )
-    paalm = Paalm(options)
     hands: Any = take.side
-    paalm.calibrate(is_open, hands, round(CALIBRATION_SHARE * len(is_open)))
+    try:
+        paalm.calibrate(is_open, hands, round(CALIBRATION_SHARE * len(is_open)))
+    except EncoderError:
+        if not by_tip:
+            raise
+        paalm.use({take.side: average_calibration((), take.side, options)})
     return paalm
 
 
@@ -105,6 +118,7 @@ def judge_recording(
     options: PaalmOptions | None = None,
     angles: bool = True,
     names: bool = True,
+    measured: bool = True,
 ) -> Judgement:
     """Evaluates one recording.
 
@@ -114,9 +128,10 @@ def judge_recording(
         options: Options of PAALM; labels are evaluated with the paper's order as well.
         angles: False where the recording has no truth for single joints.
         names: False leaves out the labels of fingers, which take two more passes.
+        measured: False takes a hand as a live device shows it that was never measured.
     """
     options = options or PaalmOptions()
-    paalm = calibrated_on(take, options)
+    paalm = calibrated_on(take, options, measured)
     begin = time.perf_counter()
     steps = [paalm.step(frame) for frame in take.frames]
     milliseconds = 1e3 * (time.perf_counter() - begin) / len(steps)
@@ -128,7 +143,9 @@ def judge_recording(
     }
     for identity in ("tracked", "paper"):
         chosen = replace(options, identity=identity)
-        figures[f"identity_{identity}"] = _identity(take, chosen) if names else float("nan")
+        figures[f"identity_{identity}"] = (
+            _identity(take, chosen, measured) if names else float("nan")
+        )
     return Judgement(name, figures, int((~take.open).sum()))
 
 
@@ -182,11 +199,11 @@ def _angles(tables: Array, take: LeapTake, wanted: bool) -> dict[str, float]:
     return figures if wanted else dict.fromkeys(figures, float("nan"))
 
 
-def _identity(take: LeapTake, options: PaalmOptions) -> float:
+def _identity(take: LeapTake, options: PaalmOptions, measured: bool) -> float:
     """Percentage of visible fingers, in frames that count, with the right label."""
     if any(f.finger is not None for frame in take.frames for h in frame.hands for f in h.fingers):
         return float("nan")  # The device labels them.
-    paalm = calibrated_on(take, options)
+    paalm = calibrated_on(take, options, measured)
     right = total = 0
     for frame, names, held in zip(take.frames, take.fingers, take.open, strict=True):
         hands = paalm.step(frame).hands

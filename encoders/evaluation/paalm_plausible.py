@@ -12,12 +12,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from encoders.paalm.average import average_calibration
 from encoders.paalm.chain import FINGER_LIMITS
 from encoders.paalm.hand_pose import hand_pose
 from encoders.paalm.options import PaalmOptions
 from encoders.paalm.paalm import Paalm
 from encoders.paalm.recorded import calibrate_on_recording
-from models.arithmetic.products import distance
 from models.errors import EncoderError
 from models.frames import FINGERS, SIDES, HandFrame
 from models.kinematics import Kinematics
@@ -51,14 +51,25 @@ class Plausibility:
     remark: str
 
 
-def plausibility(frames: Sequence[HandFrame], options: PaalmOptions | None = None) -> Plausibility:
+def plausibility(
+    frames: Sequence[HandFrame], options: PaalmOptions | None = None, live: bool = False
+) -> Plausibility:
     """Judges PAALM on all hands of a recording.
+
+    Args:
+        frames: Its frames.
+        options: Options of PAALM.
+        live: True solves them as if they came from the device: nothing is known of later frames.
 
     Raises:
         EncoderError: No finger is seen in it.
     """
     paalm = Paalm(options)
-    remark = calibrate_on_recording(paalm, frames, "both")
+    remark = ""
+    if live:
+        paalm.use({side: average_calibration([], side, options) for side in SIDES})
+    else:
+        remark = calibrate_on_recording(paalm, frames, "both")
     skeletons = {"right": ADULT, "left": ADULT.mirrored()}
     tips_of = {side: Kinematics(skeletons[side]) for side in SIDES}
     rows: list[tuple[float, ...]] = []
@@ -69,8 +80,8 @@ def plausibility(frames: Sequence[HandFrame], options: PaalmOptions | None = Non
                 continue
             tips = tips_of[side].tips(hand_pose(hand.table, hand.palm, side))
             # Ids of fingers are unique within a hand only.
-            nearest = min(frame.hands, key=lambda h: distance(h.palm, hand.palm.origin))
-            seen = {f.id: f.end for f in nearest.fingers}
+            own = next(h for h in frame.hands if h.id == hand.hand_id)
+            seen = {f.id: f.end for f in own.fingers}
             for finger in range(1, len(FINGERS)):
                 id_ = hand.ids[FINGERS[finger]]
                 if id_ is not None:

@@ -12,6 +12,7 @@ from encoders.paalm.calibration import HandCalibration, coupling_of_joints, dial
 from encoders.paalm.hand_pose import PALM_CENTRE
 from encoders.paalm.options import PaalmOptions
 from encoders.paalm.rig import bone_lengths
+from encoders.paalm.seen_palm import FIRST_SHIFT
 from models.arithmetic.arrays import Array
 from models.arithmetic.products import squared_lengths
 from models.frames import FINGERS, HandFrame
@@ -27,7 +28,8 @@ def average_calibration(
     """Calibration for a hand that was not measured; its angles are less accurate.
 
     Where the device knows the hand's joints, standard lengths are those of its stretched bones;
-    otherwise they are those that the device would see of an average open hand.
+    otherwise they are those that the device would see of an average open hand, whose palm is where
+    the first software sees it (`encoders.paalm.seen_palm`).
 
     Args:
         frames: Frames of the hand; only its joints are read.
@@ -54,17 +56,20 @@ def average_calibration(
     base = joints[:, 0] + hidden[:, None] * (joints[:, 1] - joints[:, 0])
     line = joints[:, 3] - base
     standard = np.sqrt(squared_lengths(line))
+    by_tip = bones is None and options.solve == "tips"
     return HandCalibration(
         side,
         standard,
         np.zeros(len(FINGERS)),
-        joints[:, 3],
+        joints[:, 3] + (FIRST_SHIFT if by_tip else 0.0),
         line / standard[:, None],
         bones,
         0,
         0.0,
         {f"not measured: {'an average hand' if bones is None else 'the bones of the device'}": 1},
         dialect,
+        by_tip=by_tip,
+        palm_shift=FIRST_SHIFT if by_tip else None,
     )
 
 

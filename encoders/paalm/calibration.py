@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from encoders.paalm.coupling import Coupling
+from encoders.paalm.coupling import LEAST_BENT, Coupling
 from encoders.paalm.palm import palm_of
 from models.arithmetic.arrays import Array
 from models.errors import EncoderError
@@ -33,13 +33,14 @@ EQUAL_BENDS = 0.1
 """Degrees. If PIP and DIP differ by less on average, they are equal by construction, as in Leap
 v2."""
 
+ENOUGH = 20
+"""Number of frames with five fingers, in which each finger is seen at its full length, that measure
+a hand."""
 LONGEST, NEARLY = 90.0, 0.93
 """Percentile of the lengths that is a standard, and share of it above which all of a finger is
 seen."""
 
-LEAST_FITTED = 15.0
-"""Degrees of PIP above which a frame counts for the coupling: an angle without sign says little
-about a straight finger."""
+_HOLD_OPEN = "Hold the hand open, palm down, fingers spread, 20 cm above the device"
 
 _OUTLIER = 3.0
 """Median deviations beyond which a length is an outlier."""
@@ -82,6 +83,11 @@ class HandCalibration:
     coupling: Coupling | None = None
     by_tip: bool = False
     palm_shift: Vector | None = None
+
+    @property
+    def measured(self) -> bool:
+        """False for the calibration of an average hand, or of the device's own bones."""
+        return self.frames > 0
 
     @property
     def bases(self) -> Array:
@@ -181,16 +187,19 @@ def longest_calibration(
         ordered = in_order(hand, side)
         times.append(time)
         rows.append([(measure(f), *palm.place(f.end), *palm.turn(pointing(f))) for f in ordered])
-    table = np.array(rows).reshape(-1, len(FINGERS), 7)
+    # Without a frame, no finger is long in any.
+    table = np.array(rows or np.ones((1, len(FINGERS), 7)))
     lengths = table[:, :, 0]
-    standard = np.percentile(lengths, LONGEST, axis=0) if rows else np.zeros(len(FINGERS))
+    standard = np.percentile(lengths, LONGEST, axis=0)
     long = lengths > NEARLY * standard
-    if not rows or long.sum(axis=0).min() < least:
-        _enough(0 if not rows else int(long.sum(axis=0).min()), least, left_out, side)
+    found = int(long.sum(axis=0).min()) if rows else 0
+    if found < least:
+        why = ", ".join(f"{n} x {what}" for what, n in left_out.most_common()) or "the frames ended"
         raise EncoderError(
             f"too few frames show five fingers of the {side} hand",
-            got=f"{len(rows)}",
+            got=f"{found} of {len(rows) + sum(left_out.values())} ({why})",
             expected=f"{least} with each finger at its full length",
+            remedy=_HOLD_OPEN,
         )
     tips = np.array([np.median(table[long[:, f], f, 1:4], axis=0) for f in range(len(FINGERS))])
     along = np.array([np.median(table[long[:, f], f, 4:], axis=0) for f in range(len(FINGERS))])
@@ -242,7 +251,7 @@ def coupling_of_joints(joints: Array) -> Coupling | None:
     """
     bends = _bends(joints)
     pip, dip = bends[..., 0], bends[..., 1]
-    bent = pip > LEAST_FITTED
+    bent = pip > LEAST_BENT
     try:
         return Coupling.fitted(pip[bent], dip[bent])
     except EncoderError:
@@ -283,7 +292,7 @@ def _enough(usable: int, wanted: int, left_out: Counter[str], side: str) -> None
         f"too few frames show five fingers of the {side} hand",
         got=f"{usable} of {total} ({why})",
         expected=f"{wanted}, and at least half of all",
-        remedy="Hold the hand open, palm down, fingers spread, 20 cm above the device",
+        remedy=_HOLD_OPEN,
     )
 
 

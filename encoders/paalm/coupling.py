@@ -14,6 +14,10 @@ from numpy.typing import ArrayLike
 
 from models.errors import EncoderError
 
+LEAST_BENT = 15.0
+"""Degrees of PIP above which a finger counts: an angle without sign says little about a straight
+one."""
+
 
 @dataclass(frozen=True)
 class Coupling:

@@ -16,6 +16,8 @@ STEADY = 0.007
 """m of second differences of a fingertip that are accepted at a time constant of one frame. A
 low-pass with time constant T reduces white noise of variance v to v dt / 2T, so T grows with the
 square of the noise."""
+TIP_STEADY = 0.003
+"""m, the same for fingers that are solved by their tips."""
 _SHARE = 1.0 / 16.0
 """Weight of a new difference in the running mean; a quarter of a second in a session."""
 _JUMP = 3.0
@@ -26,14 +28,18 @@ jumps once."""
 class FingertipNoise:
     """Measures the noise of one fingertip.
 
+    Args:
+        steady: m of second differences that are accepted, see `STEADY`.
+
     Attributes:
         mean: m, mean of its second differences.
     """
 
-    __slots__ = ("_before", "_last", "mean")
+    __slots__ = ("_before", "_last", "_steady", "mean")
 
-    def __init__(self) -> None:
+    def __init__(self, steady: float = STEADY) -> None:
         self.mean = 0.0
+        self._steady = steady
         self.interrupt()
 
     def interrupt(self) -> None:
@@ -48,7 +54,7 @@ class FingertipNoise:
         if a is None or b is None:
             return
         x, y, z = (a[i] - 2.0 * b[i] + place[i] for i in range(3))
-        most = _JUMP * max(self.mean, STEADY)
+        most = _JUMP * max(self.mean, self._steady)
         self.mean += _SHARE * (min(sqrt(x * x + y * y + z * z), most) - self.mean)
 
     def constant(self, dt: float, least: float, most: float) -> float:
@@ -58,4 +64,4 @@ class FingertipNoise:
             dt: s between frames.
             least, most: s, limits of the time constant.
         """
-        return min(max(dt * (self.mean / STEADY) ** 2, least), most)
+        return min(max(dt * (self.mean / self._steady) ** 2, least), most)

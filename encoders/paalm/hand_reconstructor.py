@@ -8,7 +8,7 @@ hand by touches can drive one by a Leap: `step(frame)`, `reset()`, `commanded`, 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from math import exp
+from math import exp, inf
 
 import numpy as np
 
@@ -212,6 +212,8 @@ class HandReconstructor:
         return hand_pose(table, palm, self.side, self.settings.device, size=self.settings.size)
 
     def _above_floor(self, q: Array) -> Array:
+        if self.settings.floor == -inf:
+            return q
         low = float((self._tips.tips(q)[:, 2] - self._radius).min()) - self.settings.floor
         if low >= 0.0:
             return q

@@ -14,7 +14,7 @@ from itertools import permutations
 from math import exp, perm
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from encoders.paalm.calibration import HandCalibration
 from encoders.paalm.palm import Palm
@@ -73,17 +73,28 @@ class TrackedIdentity:
 
     def __init__(self, calibration: HandCalibration, knuckles: Array) -> None:
         self._calibration = calibration
-        self._knuckles = knuckles.copy()
-        self._knuckles[0] = calibration.bases[0]
+        self._first_knuckles = knuckles.copy()
+        self._first_knuckles[0] = calibration.bases[0]
         self.reset()
 
     def reset(self) -> None:
         """Returns to the initial state, an open hand."""
+        self.learn((0.0, 0.0, 0.0), self._calibration.standard)
         self._tips = self._calibration.tips.copy()
         self._places: list[Vector] = [(x, y, z) for x, y, z in self._tips.tolist()]
         self._looked_at = -np.inf
         self._seen_at = [-np.inf] * _FIVE
         self._ids: list[int | None] = [None] * _FIVE
+
+    def learn(self, by: Vector, standard: ArrayLike) -> None:
+        """Takes over what was learned of the hand.
+
+        Args:
+            by: (3,) m by which the knuckles are elsewhere than they were calibrated.
+            standard: (5,) m, full lengths.
+        """
+        self._knuckles = self._first_knuckles + by
+        self._standard = np.asarray(standard, float)
 
     def names(self, fingers: Sequence[TrackedFinger], palm: Palm, time: float) -> list[int]:
         """Labels, 0 to 4, of the visible fingers, at most five."""
@@ -138,8 +149,7 @@ class TrackedIdentity:
         )
         moved = ((tips[:, None] - self._tips) ** 2).sum(axis=2) / spread**2
         missed = self._missed(tips, lines)
-        standard = self._calibration.standard
-        longer = np.maximum(lengths[:, None] / standard - 1.05, 0.0) ** 2 / _TOO_LONG**2
+        longer = np.maximum(lengths[:, None] / self._standard - 1.05, 0.0) ** 2 / _TOO_LONG**2
         cost = 0.5 * (np.minimum(moved, _CAP) + np.minimum(missed, _CAP) + np.minimum(longer, _CAP))
         for i, finger in enumerate(fingers):
             if finger.id in self._ids:

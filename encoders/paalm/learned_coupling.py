@@ -9,12 +9,9 @@ from __future__ import annotations
 
 from math import acos, degrees, sqrt
 
-from encoders.paalm.coupling import Coupling
+from encoders.paalm.coupling import LEAST_BENT, Coupling
 from models.frames import TrackedHand, Vector
 
-LEAST_BENT = 15.0
-"""Degrees of PIP above which a finger counts: an angle without sign says little about a straight
-one."""
 SLOPE_SPREAD, OFFSET_SPREAD = 0.15, 4.0
 """Standard deviations of slope and of offset, degrees, about the assumed coupling."""
 STRAY = 8.0

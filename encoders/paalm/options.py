@@ -30,8 +30,11 @@ class PaalmOptions:
         open_bend: Degrees of PIP of an open hand, at a ratio of 1; 0 as in the paper.
         coupling: Relation of DIP to PIP; None is that of the device's dialect
             (`encoders.paalm.coupling`).
+        solve: What a finger without joints is solved by: `tips`, from its knuckle to its tip
+            (`calibration.longest_calibration`), or `lengths` and directions, as printed.
         learns: Learns the coupling of each hand while its device reports joints, unless a coupling
-            is chosen (`encoders.paalm.learned_coupling`).
+            is chosen (`encoders.paalm.learned_coupling`); of a hand without joints that was not
+            measured, where the device sees its palm (`encoders.paalm.seen_palm`).
         hold: Frame in which a vanished finger stays: the `palm`'s or the `device`'s.
         vanished: Treatment of a vanished finger: `held` in its place, as in the paper, or `folded`,
             because fingers mostly vanish by folding: it closes within `fold_seconds`.
@@ -48,6 +51,7 @@ class PaalmOptions:
     thumb_hidden: float = 0.9
     open_bend: float = 5.0
     coupling: Coupling | None = None
+    solve: Literal["tips", "lengths"] = "tips"
     learns: bool = True
     hold: Literal["palm", "device"] = "palm"
     vanished: Literal["held", "folded"] = "held"
@@ -64,6 +68,7 @@ class PaalmOptions:
             "identity": ("paper", "tracked"),
             "direction": ("device", "knuckle_to_tip", "thumb"),
             "first_joint": ("ik", "direction"),
+            "solve": ("tips", "lengths"),
             "hold": ("palm", "device"),
             "vanished": ("held", "folded"),
         }
@@ -95,6 +100,7 @@ PAPER = PaalmOptions(
     thumb_hidden=0.0,
     open_bend=0.0,
     coupling=TWO_THIRDS,
+    solve="lengths",
     learns=False,
     smoothing=0.0,
 )

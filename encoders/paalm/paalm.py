@@ -12,25 +12,34 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
-from math import exp
+from math import exp, inf
 
 import numpy as np
 
 from encoders.paalm.angles import by_name
 from encoders.paalm.calibration import (
+    ENOUGH,
     PAPER_FRAMES,
     HandCalibration,
     calibrated,
+    longest_calibration,
     measure,
     pointing,
 )
-from encoders.paalm.fingertip_noise import FingertipNoise
+from encoders.paalm.fingertip_noise import STEADY, TIP_STEADY, FingertipNoise
 from encoders.paalm.identity import TrackedIdentity, paper_order
 from encoders.paalm.learned_coupling import LearnedCoupling
 from encoders.paalm.options import Hands, PaalmOptions
 from encoders.paalm.palm import Palm, palm_of, stacked
-from encoders.paalm.palm_slip import slip
-from encoders.paalm.rig import RiggedFinger, assumed_coupling, rig
+from encoders.paalm.rig import (
+    RiggedFinger,
+    assumed_coupling,
+    average_knuckle,
+    hidden_shares,
+    rig,
+    with_palm_shift,
+)
+from encoders.paalm.seen_palm import OVERREACH, LearnedPalm, slip
 from encoders.paalm.sides import HandSides
 from models.arithmetic.arrays import Array
 from models.errors import EncoderError
@@ -54,7 +63,9 @@ class PaalmHand:
         ratios: Length divided by standard length, by finger; the last ratio for held fingers.
         ids: The device's id by finger; None for a held finger.
         held: Fingers that are not seen now.
-        palm: Palm of the hand in the device's frame.
+        hand_id: The device's id of the hand; of a hand that is not seen now, the last one.
+        palm: Palm of the hand in the device's frame, where its knuckles are those of the rig; the
+            device's own centre may be elsewhere (`HandCalibration.palm_shift`).
         targets: (5, 3) m in the rig's scale, from each finger's base, in palm axes.
         miss: (5,) m in the rig's scale, distances of tips from their targets because of joint
             limits.
@@ -66,6 +77,7 @@ class PaalmHand:
     ratios: dict[str, float]
     ids: dict[str, int | None]
     held: frozenset[str]
+    hand_id: int
     palm: Palm
     targets: Array
     miss: Array
@@ -116,16 +128,17 @@ class Paalm:
         hands: Hands = "right",
         wanted: int = PAPER_FRAMES,
         progress: Callable[[float], None] | None = None,
-        least: int | None = None,
     ) -> dict[str, HandCalibration]:
         """Measures hands that are held open: palm down, fingers spread.
+
+        A hand without joints that is solved by its tips is measured by its longest lengths, of
+        which it needs `ENOUGH`.
 
         Args:
             frames: Frames; reading ends when there are enough.
             hands: `right`, `left` or `both`.
             wanted: Number of frames with five fingers for each hand.
             progress: Called with the share done, 0 to 1.
-            least: Number of those frames that is enough where the frames end; None is all.
 
         Raises:
             EncoderError: The hands were not seen, not open, or not still; the error gives the
@@ -155,8 +168,21 @@ class Paalm:
                 progress(min(1.0, min(counts.values()) / wanted))
             if min(counts.values()) >= wanted:
                 break
-        self.use({s: calibrated(samples[s], s, wanted, least, dialect) for s in sides})
+        self.use({s: self._measured(samples[s], s, wanted, dialect) for s in sides})
         return self.calibration
+
+    def _measured(
+        self,
+        samples: list[tuple[float, TrackedHand | None]],
+        side: str,
+        wanted: int,
+        dialect: str | None,
+    ) -> HandCalibration:
+        jointed = any(f.joints for _, hand in samples if hand for f in hand.fingers)
+        if jointed or self.options.solve == "lengths":
+            return calibrated(samples, side, wanted, None, dialect)
+        least = min(ENOUGH, wanted)
+        return with_palm_shift(longest_calibration(samples, side, least), self.options)
 
     def use(self, calibration: Mapping[str, HandCalibration]) -> None:
         """Uses earlier calibrations, by side."""
@@ -212,7 +238,6 @@ class _Hand:
     def __init__(self, calibration: HandCalibration, options: PaalmOptions) -> None:
         self._calibration, self._options = calibration, options
         self._rig: list[RiggedFinger] = rig(calibration, options)
-        self._standard: list[float] = calibration.standard.tolist()
         self._identity = TrackedIdentity(calibration, np.array([r.knuckle for r in self._rig]))
         self.reset()
 
@@ -223,6 +248,15 @@ class _Hand:
             self._coupling = LearnedCoupling(assumed_coupling(self._calibration, options))
         self._rig = rig(self._calibration, options)
         self._identity.reset()
+        self._standard: list[float] = self._calibration.standard.tolist()
+        self._moved = (0.0, 0.0, 0.0)
+        shift = self._calibration.palm_shift
+        self._learned_palm: LearnedPalm | None = None
+        if options.learns and shift is not None and not self._calibration.measured:
+            knuckles = [average_knuckle(finger) for finger in range(len(FINGERS))]
+            self._learned_palm = LearnedPalm(
+                shift, self._standard, hidden_shares(options), knuckles
+            )
         self._last: PaalmHand | None = None
         self._targets: list[Vector] = []
         for rigged, along in zip(self._rig, self._calibration.directions.tolist(), strict=True):
@@ -233,8 +267,11 @@ class _Hand:
         self._miss = [0.0] * len(FINGERS)
         self._ratios = [1.0] * len(FINGERS)
         self._unseen = [0.0] * len(FINGERS)
-        self._noise = [FingertipNoise() for _ in FINGERS]
+        # What a tip says is quieter than what a length says. Older sessions knew no difference.
+        steady = TIP_STEADY if self._calibration.by_tip and options.solve == "tips" else STEADY
+        self._noise = [FingertipNoise(steady) for _ in FINGERS]
         self._palm: Palm | None = None
+        self._id = 0
         self._slip = 0.0
         for finger in range(len(FINGERS)):
             self._solve(finger)
@@ -257,17 +294,23 @@ class _Hand:
             names = self._identity.names(fingers, palm, time)
         else:
             names = paper_order(fingers, side)
-        # What a tip says is quieter than what a length says.
         smoothing = options.smoothing * (TIP_SMOOTHING if self._calibration.by_tip else 1.0)
         smooth = smoothing > 0.0 and self._last is not None
         ids: dict[str, int | None] = dict.fromkeys(FINGERS)
+        if self._learned_palm:
+            self._learn(self._learned_palm, hand, palm, names)
         for finger, name in zip(fingers, names, strict=True):
             rigged = self._rig[name]
             length = measure(finger)
             self._ratios[name] = length / self._standard[name]
             if rigged.from_knuckle:
                 tip, k, s = palm.place(finger.tip), rigged.knuckle, rigged.scale
-                new = (s * (tip[0] - k[0]), s * (tip[1] - k[1]), s * (tip[2] - k[2]))
+                m = self._moved
+                new = (
+                    s * (tip[0] - k[0] - m[0]),
+                    s * (tip[1] - k[1] - m[1]),
+                    s * (tip[2] - k[2] - m[2]),
+                )
             else:
                 # The paper's target: direction * ratio * length of the rig's finger.
                 d, s = palm.turn(pointing(finger)), self._ratios[name] * rigged.open_length
@@ -286,34 +329,51 @@ class _Hand:
             )
             self._unseen[name] = 0.0
             ids[FINGERS[name]] = finger.id
+        before = self._slip
         if self._calibration.by_tip:
-            now = slip([(self._rig[n].chain, self._targets[n]) for n in names if n])
+            seen = [(self._rig[n].chain, self._targets[n]) for n in names if n]
+            now = slip(seen, OVERREACH if options.solve == "tips" else inf)
             keep = exp(-dt / smoothing) if smooth else 0.0
             self._slip = now + keep * (self._slip - now)
         for name in names:
             self._solve(name)
         for name, label in enumerate(FINGERS):
             if ids[label] is None:
-                self._hold(name, palm, dt)
-        self._palm = palm
+                self._hold(name, palm, dt, before)
+        self._palm, self._id = palm, hand.id
         return self._result(palm, ids, True)
 
-    def _solve(self, name: int) -> None:
+    def _learn(self, learned: LearnedPalm, hand: TrackedHand, palm: Palm, names: list[int]) -> None:
+        """Learns from this frame where the palm is; the next frame's names know it."""
+        for finger, name in zip(hand.fingers, names, strict=True):
+            place = palm.place(finger.tip)
+            learned.add(name, finger.length, place, palm.turn(finger.direction))
+        learned.move()
+        a, b = learned.shift, self._calibration.palm_shift or learned.shift
+        self._moved = (a[0] - b[0], a[1] - b[1], a[2] - b[2])
+        self._standard = list(learned.standard)
+        self._identity.learn(self._moved, self._standard)
+
+    def _solve(self, name: int, slip: float | None = None) -> None:
         target = self._targets[name]
         if abs(target[0]) + abs(target[1]) + abs(target[2]) < 1e-6:
             return  # Without a direction the finger stays as it is.
         rigged = self._rig[name]
         x, y, z = target
-        bend = rigged.solve((x, y + self._slip, z), self._options.first_joint)
+        y += self._slip if slip is None else slip
+        bend = rigged.solve((x, y, z), self._options.first_joint)
         self._rows[name] = (bend.flexion, bend.spread, bend.pip, bend.dip)
         self._miss[name] = bend.miss
 
-    def _hold(self, name: int, palm: Palm, dt: float) -> None:
-        """Holds a finger that is not seen; in the paper it stays in the same position."""
+    def _hold(self, name: int, palm: Palm, dt: float, slip: float) -> None:
+        """Holds a finger that is not seen; in the paper it stays in the same position.
+
+        Its place in the palm is that of the last frame that showed it, with that frame's slip.
+        """
         if self._unseen[name] == 0.0:
             # Its last measured place, not the smoothed one.
             self._targets[name] = self._latest[name]
-            self._solve(name)
+            self._solve(name, slip if self._options.solve == "tips" else None)
         self._noise[name].interrupt()
         self._unseen[name] += dt
         if self._options.hold == "device" and self._palm is not None:
@@ -326,14 +386,17 @@ class _Hand:
             self._rows[name] = (flexion, spread, pip, self._rig[name].chain.dip(pip))
 
     def _result(self, palm: Palm, ids: dict[str, int | None], seen: bool) -> PaalmHand:
-        shift = self._calibration.palm_shift
+        shift, m = self._calibration.palm_shift, self._moved
         self._last = PaalmHand(
             self._calibration.side,
             np.array(self._rows),
             dict(zip(FINGERS, self._ratios, strict=True)),
             ids,
             frozenset(f for f in FINGERS if ids[f] is None),
-            palm if shift is None else palm.shifted((shift[0], shift[1] - self._slip, shift[2])),
+            self._id,
+            palm
+            if shift is None
+            else palm.shifted((shift[0] + m[0], shift[1] + m[1] - self._slip, shift[2] + m[2])),
             np.array(self._targets),
             np.array(self._miss),
             seen,

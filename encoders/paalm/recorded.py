@@ -5,7 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from encoders.paalm.average import average_calibration, knows_bones, with_reported_coupling
-from encoders.paalm.calibration import HandCalibration, calibrated, longest_calibration
+from encoders.paalm.calibration import (
+    ENOUGH,
+    HandCalibration,
+    calibrated,
+    longest_calibration,
+)
 from encoders.paalm.options import Hands, PaalmOptions
 from encoders.paalm.paalm import Paalm, stacked_hands
 from encoders.paalm.rig import with_palm_shift
@@ -15,13 +20,6 @@ from models.frames import SIDES, HandFrame, TrackedHand
 
 OPEN_FRAMES = 100
 """Number of frames of a hand that is held open that are used."""
-
-STEADY = 0.05
-"""Share, spread of every finger's length below which a hand was held open for the device."""
-
-ENOUGH = 20
-"""Number of frames with five fingers, in which each finger is seen at its full length, that measure
-a hand."""
 
 
 def calibrate_on_recording(paalm: Paalm, frames: Sequence[HandFrame], hands: Hands) -> str:
@@ -58,7 +56,7 @@ def calibrate_on_recording(paalm: Paalm, frames: Sequence[HandFrame], hands: Han
 def measured_in(
     samples: Sequence[tuple[float, TrackedHand | None]], side: str, options: PaalmOptions
 ) -> HandCalibration:
-    """Measures a hand in a recording: held open at its beginning, or wherever it shows its fingers.
+    """Measures a hand in a recording, wherever it shows its fingers; by lengths, at its beginning.
 
     Args:
         samples: (time in s, the hand or None where it is not seen), one a frame.
@@ -68,10 +66,6 @@ def measured_in(
     Raises:
         EncoderError: The hand is hardly ever open.
     """
-    try:
-        held: HandCalibration | None = calibrated(samples, side, OPEN_FRAMES, ENOUGH)
-    except EncoderError:
-        held = None
-    if held is not None and (held.spread <= STEADY * held.standard).all():
-        return held
+    if options.solve == "lengths":
+        return calibrated(samples, side, OPEN_FRAMES, ENOUGH)
     return with_palm_shift(longest_calibration(samples, side, ENOUGH), options)

@@ -107,7 +107,7 @@ def rig(calibration: HandCalibration, options: PaalmOptions) -> list[RiggedFinge
             open_length = chain.chord(options.open_bend)
         if finger and calibration.palm_shift is not None:
             # The pose is that of the average hand: its knuckles, and the device's own metres.
-            x, y, z = _average_knuckle(finger)
+            x, y, z = average_knuckle(finger)
             a, b, c = calibration.palm_shift
             knuckle, scale = (x + a, y + b, z + c), 1.0
         out.append(RiggedFinger(finger, chain, open_length, knuckle, by_knuckle, scale))
@@ -117,11 +117,23 @@ def rig(calibration: HandCalibration, options: PaalmOptions) -> list[RiggedFinge
 def with_palm_shift(calibration: HandCalibration, options: PaalmOptions) -> HandCalibration:
     """The calibration with the shift that brings the average hand's knuckles to those measured."""
     measured = np.array([r.knuckle for r in rig(calibration, options)])[1:]
-    average = np.array([_average_knuckle(finger) for finger in range(1, len(FINGERS))])
+    average = np.array([average_knuckle(finger) for finger in range(1, len(FINGERS))])
     return replace(calibration, palm_shift=vector_of((measured - average).mean(axis=0)))
 
 
-def _average_knuckle(finger: int) -> Vector:
+def hidden_shares(options: PaalmOptions) -> list[float]:
+    """Lengths (5,) of the first bones that the device does not see, as shares of the longest length
+    that it sees."""
+    shares = []
+    for finger, bones in enumerate(bone_lengths()):
+        hidden = options.hidden if finger else options.thumb_hidden
+        limits = FINGER_LIMITS if finger else THUMB_LIMITS
+        chain = FingerChain(bones, options.coupling_for(None), limits, hidden)
+        shares.append(hidden * bones[0] / chain.chord(options.open_bend))
+    return shares
+
+
+def average_knuckle(finger: int) -> Vector:
     """Knuckle of the average hand, m, in palm coordinates."""
     x, y, z = ADULT.bones[ADULT.first_bone[finger]].anchor
     a, b, c = PALM_CENTRE

@@ -34,11 +34,14 @@ class HandInput:
             average hand, or the bone lengths that the device reports.
         learns: Learns the coupling of the hand while the device reports joints; a header without
             it does not (see `PaalmOptions.learns`).
+        by_tips: Solves fingers without joints by their tips; a header without it does so by lengths
+            (see `PaalmOptions.solve`).
     """
 
     at: tuple[float, float, float] = UNDER
     calibration: dict[str, Any] | None = None
     learns: bool = True
+    by_tips: bool = True
 
     def __post_init__(self) -> None:
         if not all(isfinite(c) and abs(c) <= FARTHEST for c in self.at):
@@ -73,7 +76,7 @@ class HandInput:
                 got=person.turn or "a task with an upright surface",
                 remedy="stack is the same task on the table" if surface.upright else None,
             )
-        paalm = Paalm(PaalmOptions(learns=self.learns))
+        paalm = Paalm(PaalmOptions(learns=self.learns, solve="tips" if self.by_tips else "lengths"))
         if self.calibration is not None:
             paalm.use({person.hand: calibration_from_json(person.hand, self.calibration)})
         settings = HandReconstructorSettings(device=self.at, rate=rate, size=person.hand_size)

@@ -218,7 +218,7 @@ class RunSettings:
         for hand in values["hands"] if isinstance(values["hands"], list) else ():
             _check_names(hand, HandSettings, optional={"in_air", "layouts", "rest"})
             if hand.get("in_air") is not None:
-                _check_names(hand["in_air"], HandInput, optional={"learns"})
+                _check_names(hand["in_air"], HandInput, optional={"learns", "by_tips"})
         if "variation" in values:
             _check_names(values["variation"], Variation, optional=_names(Variation))
         try:
@@ -237,7 +237,9 @@ def _as_it_was(values: Mapping[str, Any]) -> dict[str, Any]:
     hands = values["hands"]
     if isinstance(hands, list):
         hands = [
-            {**hand, "in_air": {"learns": False, **hand["in_air"]}} if hand.get("in_air") else hand
+            {**hand, "in_air": {"learns": False, "by_tips": False, **hand["in_air"]}}
+            if hand.get("in_air")
+            else hand
             for hand in hands
         ]
     return {"rules": RULES[0], **values, "hands": hands}

@@ -9,6 +9,7 @@ from encoders.evaluation.paalm_judge import calibrated_on
 from encoders.paalm import Paalm, PaalmOptions
 from encoders.paalm.simulated.air import FROZEN_AIR, simulate_air
 from encoders.paalm.simulated.forward import LeapTake, leap_take
+from encoders.paalm.simulated.leap_configuration import PRINTED_LEAP
 
 SHORT = replace(FROZEN_AIR, open_seconds=1.5, seconds=5.0)
 
@@ -17,8 +18,16 @@ SHORT = replace(FROZEN_AIR, open_seconds=1.5, seconds=5.0)
 def take(
     seed: int = 0, dialect: str = "v1", drop_outs: bool = True, side: str = "right"
 ) -> LeapTake:
-    """A short take of a simulated person, as a simulated Leap sees it."""
-    return leap_take(simulate_air(seed, side, SHORT), seed, dialect, drop_outs)
+    """A short take of a simulated person, over the Leap of the paper: what is seen of a finger
+    depends on its bend alone, so that a test's hand is where it seems to be."""
+    return leap_take(simulate_air(seed, side, SHORT), seed, dialect, drop_outs, PRINTED_LEAP)
+
+
+@cache
+def real_take(seed: int = 0, drop_outs: bool = True, side: str = "right") -> LeapTake:
+    """A longer take over the first Leap as real recordings show it."""
+    long = replace(FROZEN_AIR, open_seconds=4.0, seconds=8.0)
+    return leap_take(simulate_air(seed, side, long), seed, "v1", drop_outs)
 
 
 def calibrated(one: LeapTake, options: PaalmOptions | None = None) -> Paalm:

@@ -1,13 +1,12 @@
 """A forward model of the Leap: it computes the device's frames for a hand with known poses.
 
-`v1` is the first software: fingers in no order, with direction and length of their visible part,
-and without folded, crossed or briefly lost fingers. `v3` is the later software with labelled
-joints. The configuration is frozen; numbers taken from the only v1 recording (`leapmotion/leapjs`,
-test/hands.json) are marked.
+`v1` is the first software (`first_software`), `v3` the later one with labelled joints. The
+configuration is frozen.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,49 +14,11 @@ from numpy.typing import NDArray
 
 from encoders.paalm.palm import vector_of
 from encoders.paalm.simulated.air import AirTake
+from encoders.paalm.simulated.first_software import FirstSoftware, SeenHand
+from encoders.paalm.simulated.leap_configuration import FROZEN_LEAP, LeapConfiguration
 from models.arithmetic.arrays import Array
-from models.frames import HandFrame, TrackedFinger, TrackedHand, Vector
+from models.frames import FINGERS, HandFrame, TrackedFinger, TrackedHand, Vector
 from models.rotations import exp
-
-
-@dataclass(frozen=True)
-class LeapConfiguration:
-    """Settings of the device. Lengths in m, angles in degrees, times in s.
-
-    Attributes:
-        hidden: Share of the first bone that the device counts as palm, for fingers and for the
-            thumb. In the recording, greatest lengths are 71 to 82 mm of index, middle and ring
-            finger and 52 to 55 of the thumb, which of an average hand leave out about these shares.
-        tip, joint: Spread of positions.
-        length_white, length_slow: Spread of the length from frame to frame (the recording's
-            changes by 0.2 to 1 mm a frame), and slowly, as a share of it.
-        direction: Spread of directions.
-        palm_place, palm_turn: Spread of the palm's frame.
-        folded: A finger whose seen length is less than this share of itself is not seen.
-        turned_in: Nor is one that points more than this away from the palm's direction.
-        merged: Two tips closer than this are seen as one.
-        lost_rate, lost: Hz at which a visible finger is lost without a reason, and the duration in
-        s. back: s that a finger must be visible before the device reports it again.
-    """
-
-    hidden: float = 0.45
-    thumb_hidden: float = 0.9
-    tip: float = 0.0005
-    joint: float = 0.0005
-    length_white: float = 0.0004
-    length_slow: float = 0.02
-    direction: float = 1.5
-    palm_place: float = 0.0005
-    palm_turn: float = 0.4
-    folded: float = 0.5
-    turned_in: float = 80.0
-    merged: float = 0.012
-    lost_rate: float = 0.15
-    lost: tuple[float, float] = (0.05, 0.4)
-    back: float = 0.03
-
-
-FROZEN_LEAP = LeapConfiguration()
 
 BALL = 0.23
 """Share of the last bone by which the later software's `tipPosition` is before the bone's end: that
@@ -103,35 +64,80 @@ def leap_take(
         configuration: Settings of the device.
     """
     rng = np.random.default_rng([seed, 0x1EA9])
-    c = configuration
+    if dialect == "v1":
+        seen = _first(rng, take, drop_outs, configuration)
+    else:
+        seen = _later(rng, take, configuration)
+    frames, fingers = zip(*seen, strict=True)
+    return LeapTake(frames, fingers, take.angles, take.open, take.side, dialect)
+
+
+_Seen = tuple[HandFrame, dict[int, int]]
+"""A frame, and the finger of every id in it."""
+
+
+def first_hand(
+    rng: np.random.Generator, hand: int, seen: SeenHand
+) -> tuple[TrackedHand, dict[int, int]]:
+    """The hand in the first software's frame, and the finger of every id.
+
+    Args:
+        rng: Chance, for the order of the fingers.
+        hand: Id of the hand.
+        seen: What the device sees of it.
+    """
+    shown = [f for f in rng.permutation(len(FINGERS)).tolist() if seen.ids[f]]
+    fingers = tuple(
+        TrackedFinger(
+            int(seen.ids[f]),
+            vector_of(seen.tips[f]),
+            vector_of(seen.along[f]),
+            float(seen.lengths[f]),
+        )
+        for f in shown
+    )
+    found = TrackedHand(
+        hand,
+        vector_of(seen.origin),
+        vector_of(-seen.axes[:, 2]),
+        vector_of(seen.axes[:, 1]),
+        fingers,
+    )
+    return found, {int(seen.ids[f]): f for f in shown}
+
+
+def _first(
+    rng: np.random.Generator, take: AirTake, drop_outs: bool, c: LeapConfiguration
+) -> Iterator[_Seen]:
+    device = FirstSoftware(rng, c, drop_outs)
+    before = float(take.time[0])
+    for t, time in enumerate(take.time.tolist()):
+        seen = device.see(time - before, take.origin[t], take.rotation[t], take.joints[t])
+        before = time
+        hand, fingers = first_hand(rng, 1, seen)
+        yield HandFrame(time, (hand,), "simulated v1", "v1"), fingers
+
+
+def _later(rng: np.random.Generator, take: AirTake, c: LeapConfiguration) -> Iterator[_Seen]:
     count = len(take.time)
     origin = take.origin + c.palm_place * rng.standard_normal((count, 3))
     turn = np.deg2rad(c.palm_turn) * rng.standard_normal((count, 3))
     axes = exp(turn) @ take.rotation
     world = take.origin[:, None, None] + np.einsum("tij,tfkj->tfki", take.rotation, take.joints)
-    world = world + c.joint * rng.standard_normal(world.shape) if dialect == "v3" else world
-    if dialect == "v3":
-        ids = np.tile(10 + np.arange(5), (count, 1))
-        tip, along, length = balls(world), world[:, :, 2] - world[:, :, 1], None
-        # In the later software, the direction is exactly that of the middle bone.
-        along = along / np.linalg.norm(along, axis=-1, keepdims=True)
-    else:
-        tip, along, length, ids = _v1(rng, take, world, axes, drop_outs, c)
-    frames, fingers = [], []
+    world = world + c.joint * rng.standard_normal(world.shape)
+    tip, along = balls(world), world[:, :, 2] - world[:, :, 1]
+    # In the later software, the direction is exactly that of the middle bone.
+    along = along / np.linalg.norm(along, axis=-1, keepdims=True)
     for t in range(count):
-        shown = [f for f in rng.permutation(5).tolist() if ids[t, f] >= 0]
-        visible = tuple(
+        shown = rng.permutation(len(FINGERS)).tolist()
+        fingers = tuple(
             TrackedFinger(
-                int(ids[t, f]),
+                10 + f,
                 vector_of(tip[t, f]),
                 vector_of(along[t, f]),
-                float(
-                    length[t, f]
-                    if length is not None
-                    else np.linalg.norm(np.diff(world[t, f], axis=0), axis=1).sum()
-                ),
-                f if length is None else None,
-                _joints(world[t, f]) if length is None else None,
+                float(np.linalg.norm(np.diff(world[t, f], axis=0), axis=1).sum()),
+                f,
+                _joints(world[t, f]),
             )
             for f in shown
         )
@@ -140,12 +146,11 @@ def leap_take(
             vector_of(origin[t]),
             vector_of(-axes[t, :, 2]),
             vector_of(axes[t, :, 1]),
-            visible,
-            take.side if dialect == "v3" else None,
+            fingers,
+            take.side,
         )
-        frames.append(HandFrame(float(take.time[t]), (hand,), f"simulated {dialect}", dialect))
-        fingers.append({int(ids[t, f]): f for f in shown})
-    return LeapTake(tuple(frames), tuple(fingers), take.angles, take.open, take.side, dialect)
+        frame = HandFrame(float(take.time[t]), (hand,), "simulated v3", "v3")
+        yield frame, {10 + f: f for f in shown}
 
 
 def balls(world: Array) -> Array:
@@ -154,78 +159,6 @@ def balls(world: Array) -> Array:
     # A thumb of two bones has its last joint at its end.
     start = np.concatenate([world[..., :1, 1, :], world[..., 1:, 2, :]], axis=-2)
     return np.asarray(end + BALL * (start - end))
-
-
-def _v1(
-    rng: np.random.Generator,
-    take: AirTake,
-    world: Array,
-    axes: Array,
-    drop_outs: bool,
-    c: LeapConfiguration,
-) -> tuple[Array, Array, Array, NDArray[np.int64]]:
-    """Tips, directions, lengths and ids (-1: not seen) as the first software reports them."""
-    count = len(world)
-    hidden = np.array([c.thumb_hidden, *[c.hidden] * 4])[:, None]
-    base = world[:, :, 0] + hidden * (world[:, :, 1] - world[:, :, 0])
-    tip = world[:, :, 3] + c.tip * rng.standard_normal((count, 5, 3))
-    line = tip - base
-    clean = np.linalg.norm(line, axis=-1)
-    along = line / clean[..., None]
-    along = (exp(np.deg2rad(c.direction) * rng.standard_normal((count, 5, 3))) @ along[..., None])[
-        ..., 0
-    ]
-    step = float(np.median(np.diff(take.time))) if count > 1 else 0.01
-    keep = np.exp(-step / 0.5)
-    slow = np.empty((count, 5))
-    state = rng.standard_normal(5)
-    for t in range(count):
-        state = keep * state + np.sqrt(1.0 - keep**2) * rng.standard_normal(5)
-        slow[t] = state
-    length = clean * (1.0 + c.length_slow * slow) + c.length_white * rng.standard_normal(slow.shape)
-    length = np.maximum(length, 0.002)
-    ids = np.tile(np.arange(1, 6), (count, 1))
-    if drop_outs:
-        bones = np.linalg.norm(np.diff(world, axis=2), axis=-1)
-        whole = bones.sum(axis=2) - hidden[:, 0] * bones[:, :, 0]
-        forward = np.einsum("tfi,ti->tf", along, axes[:, :, 1])
-        visible = (clean > c.folded * whole) & (forward > np.cos(np.deg2rad(c.turned_in)))
-        ids = _ids(rng, visible, tip, clean, step, take.open, c)
-    return tip, along, length, ids
-
-
-def _ids(
-    rng: np.random.Generator,
-    visible: NDArray[np.bool_],
-    tip: Array,
-    clean: Array,
-    step: float,
-    is_open: NDArray[np.bool_],
-    c: LeapConfiguration,
-) -> NDArray[np.int64]:
-    """Ids (T, 5); as with the device, a returning finger gets a new one."""
-    count = len(visible)
-    apart = np.linalg.norm(tip[:, :, None] - tip[:, None, :], axis=-1)
-    shorter = clean[:, :, None] < clean[:, None, :]
-    visible = visible & ~((apart < c.merged) & shorter).any(axis=2)
-    ids = np.full((count, 5), -1)
-    current, fresh = np.zeros(5, int), 1
-    since, lost_until = np.full(5, c.back), np.full(5, -1.0)
-    for t in range(count):
-        hazard = rng.random(5) < c.lost_rate * step * (0.2 if is_open[t] else 1.0)
-        span = rng.uniform(*c.lost, 5)
-        now = t * step
-        lost_until = np.where(hazard & (now >= lost_until), now + span, lost_until)
-        up = visible[t] & (now >= lost_until)
-        since = np.where(up, since + step, 0.0)
-        for f in range(5):
-            if since[f] < c.back:
-                current[f] = 0
-                continue
-            if not current[f]:
-                current[f], fresh = fresh, fresh + 1
-            ids[t, f] = current[f]
-    return ids
 
 
 def _joints(rows: Array) -> tuple[Vector, Vector, Vector, Vector]:

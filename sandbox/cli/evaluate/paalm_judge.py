@@ -20,6 +20,7 @@ from encoders.evaluation.paalm_recorded import as_first_software, independent, t
 from encoders.paalm import EQUAL, PAPER, TWO_THIRDS, Coupling, PaalmOptions
 from encoders.paalm.simulated.air import simulate_air
 from encoders.paalm.simulated.forward import LeapTake, leap_take
+from encoders.paalm.simulated.leap_configuration import PRINTED_LEAP
 from models.errors import EncoderError, InputError, RecordingError
 from models.frames import SIDES
 from sandbox.cli.common.json_out import check_output, write_json
@@ -47,7 +48,8 @@ class PaalmJudgeOptions:
     (v3). Persons follow from the frozen configuration. FOLDER: recordings; the truth is the
     device's own bones where PIP and DIP are independent (never v2, where they are equal by
     construction), or what `sandbox leap simulate` wrote beside the frames. Recordings of the first
-    software have no truth: what no real hand does is counted.
+    software have no truth: what no real hand does is counted, as a recording and as if live. The
+    paper as printed is judged on the device that it describes.
 
     Try: sandbox evaluate --paalm simulated --takes 4 --json out.json
     """
@@ -102,6 +104,7 @@ def _simulated(takes: int, shown: Callable[[float], None]) -> dict[str, Any]:
     seeds = test_seeds(takes)
     results: dict[str, list[Judgement]] = {name: [] for name in CONDITIONS}
     printed: list[Judgement] = []
+    live: list[Judgement] = []
     couplings: dict[str, list[Judgement]] = {}
     done, parts = 0, len(CONDITIONS) * takes
     for seed in seeds:
@@ -110,7 +113,9 @@ def _simulated(takes: int, shown: Callable[[float], None]) -> dict[str, Any]:
             take = leap_take(hand, seed, dialect, drop_outs)
             results[name].append(judge_recording(str(seed), take))
             if name == "v1":
-                printed.append(judge_recording(str(seed), take, PAPER))
+                live.append(judge_recording(str(seed), take, measured=False))
+                as_printed = leap_take(hand, seed, dialect, drop_outs, PRINTED_LEAP)
+                printed.append(judge_recording(str(seed), as_printed, PAPER))
             if dialect == "v3":
                 _by_coupling(couplings, str(seed), take, SIMULATED_FIT)
             done += 1
@@ -126,6 +131,7 @@ def _simulated(takes: int, shown: Callable[[float], None]) -> dict[str, Any]:
         ),
         "without_drop_outs": conditions["v1_without_drop_outs"],
         "v3": conditions["v3"],
+        "live": summary(live),
         "paper_as_printed": summary(printed),
         "couplings_v3": {k: _short(j) for k, j in couplings.items()},
     }
@@ -145,6 +151,7 @@ def _folder(folder: Path, shown: Callable[[float], None]) -> dict[str, Any]:
             recording = read_leap(path)
             if recording.dialect == "v1" and take_with_truth(recording, str(path)) is None:
                 plausible[path.name] = plausibility(recording.frames)
+                plausible[f"{path.name}, live"] = plausibility(recording.frames, live=True)
             else:
                 takes += list(_takes(path, recording))
         except (RecordingError, EncoderError) as error:
@@ -236,7 +243,7 @@ def _short(judgements: list[Judgement]) -> dict[str, Any]:
 def _show(found: dict[str, Any]) -> None:
     table = Table("", "MCP", "PIP", "DIP", "PIP+DIP", "names paper", "tracked", "jitter", "ms")
     rows = {"judged": found}
-    for key in ("without_drop_outs", "v3", "paper_as_printed"):
+    for key in ("live", "without_drop_outs", "v3", "paper_as_printed"):
         if key in found:
             rows[key.replace("_", " ")] = found[key]
     for name, row in rows.items():

@@ -216,6 +216,11 @@ def _number(value: Any, name: str) -> float:
 
 def _vector(record: Mapping[str, Any], name: str) -> Vector:
     value = record.get(name)
+    if type(value) is list and len(value) == 3:
+        x, y, z = value
+        # Nearly all vectors: a sum is finite only if all its parts are.
+        if type(x) is type(y) is type(z) is float and math.isfinite(x + y + z):
+            return x, -z, y
     if not (isinstance(value, list) and len(value) == 3 and all(map(_is_number, value))):
         raise DeviceError(f"{name} is not three finite numbers", got=str(value)[:60])
     x, y, z = value

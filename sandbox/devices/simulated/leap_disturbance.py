@@ -6,17 +6,21 @@ from dataclasses import dataclass, fields, replace
 from math import isfinite
 
 from encoders.paalm.simulated.eye import DIALECTS
-from encoders.paalm.simulated.forward import LeapConfiguration
+from encoders.paalm.simulated.leap_configuration import LeapConfiguration
 from models.errors import InputError
 
 _NOISY = (
-    "tip",
     "joint",
-    "length_white",
-    "length_slow",
-    "direction",
     "palm_place",
     "palm_turn",
+    "length_slow",
+    "tip",
+    "length",
+    "direction",
+    "aside",
+    "centre_wanders",
+    "centre_place",
+    "centre_turn",
     "lost_rate",
 )
 MOST_NOISE, LONGEST = 20.0, 10.0

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from encoders.paalm.simulated.eye import LeapEye
-from encoders.paalm.simulated.forward import FROZEN_LEAP
+from encoders.paalm.simulated.leap_configuration import FROZEN_LEAP
 from models.frames import HandFrame
 from models.person import Person
 from models.skeleton import ADULT

@@ -254,5 +254,5 @@ def _dimmed(colour: Colour, share: float) -> Colour:
 
 
 def _same(frame: HandFrame, hand: PaalmHand) -> TrackedHand | None:
-    """The hand of a frame that belongs to a PAALM hand: the one with the same palm position."""
-    return next((h for h in frame.hands if h.palm == hand.palm.origin), None)
+    """The hand of a frame that belongs to a PAALM hand: the one with its id."""
+    return next((h for h in frame.hands if h.id == hand.hand_id), None)

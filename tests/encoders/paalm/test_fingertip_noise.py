@@ -12,7 +12,8 @@ from encoders.evaluation.paalm_judge import judge_recording
 from encoders.paalm import PaalmOptions
 from encoders.paalm.fingertip_noise import STEADY, FingertipNoise
 from encoders.paalm.simulated.air import simulate_air
-from encoders.paalm.simulated.forward import FROZEN_LEAP, leap_take
+from encoders.paalm.simulated.forward import leap_take
+from encoders.paalm.simulated.leap_configuration import FROZEN_LEAP
 from tests.support.leap_hands import SHORT, calibrated, take
 
 DT = 1.0 / 60.0
@@ -70,13 +71,19 @@ def test_a_device_as_quiet_as_it_should_be_is_followed_as_with_a_fixed_constant(
         )
 
 
-def test_of_a_noisy_device_two_fifths_of_the_jitter_go_and_an_eighth_of_the_accuracy():
-    noisy = replace(FROZEN_LEAP, direction=6.0, length_white=0.0016)
-    one = leap_take(simulate_air(7, "right", SHORT), 7, "v1", False, noisy)
-    free, fixed = (
-        judge_recording("", one, o, names=False).figures for o in (PaalmOptions(), FIXED)
+def test_of_a_noisy_device_two_fifths_of_the_jitter_go_and_hardly_any_accuracy():
+    # 2 mm from frame to frame; a real Leap of 2013 had 0.05.
+    noisy = replace(FROZEN_LEAP, tip=0.002, length=0.001, direction=1.0)
+    free: list[dict[str, float]] = []
+    fixed: list[dict[str, float]] = []
+    for person in range(7, 13):
+        hand = simulate_air(person, "right", replace(SHORT, open_seconds=3.0))
+        one = leap_take(hand, person, "v1", False, noisy)
+        for found, options in ((free, PaalmOptions()), (fixed, FIXED)):
+            found.append(judge_recording("", one, options, names=False).figures)
+    jitter, pip = (
+        np.mean([f[k] for f in free]) / np.mean([f[k] for f in fixed])
+        for k in ("jitter_deg", "pip_deg")
     )
-    assert free["jitter_deg"] < 0.6 * fixed["jitter_deg"]
-    # Of persons whose fingers have their own names, as they have since names keep their order.
-    assert fixed["pip_deg"] < 8.0
-    assert free["pip_deg"] < 1.15 * fixed["pip_deg"]
+    assert jitter < 0.6
+    assert pip < 1.05

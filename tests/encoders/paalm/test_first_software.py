@@ -13,8 +13,8 @@ from encoders.paalm.calibration import longest_calibration
 from encoders.paalm.chain import FINGER_LIMITS, FingerChain
 from encoders.paalm.coupling import TWO_THIRDS
 from encoders.paalm.palm import palm_of
-from encoders.paalm.palm_slip import slip
 from encoders.paalm.rig import bone_lengths, with_palm_shift
+from encoders.paalm.seen_palm import slip
 from encoders.paalm.sides import HandSides
 from models.errors import EncoderError
 from models.frames import FINGERS, HandFrame, TrackedHand
@@ -28,7 +28,14 @@ def test_a_real_hand_is_plausible(shared_data) -> None:
     assert found.remark == ""
     assert found.fingers > 3000
     assert found.backward < 0.08 and found.claws < 0.05 and found.at_limit < 0.05
-    assert found.tips < 0.008
+    assert found.tips < 0.005
+
+
+def test_a_real_hand_over_a_live_device_is_as_plausible(shared_data) -> None:
+    found = plausibility(read_leap(shared_data / "leap" / "v1-hands.json").frames, live=True)
+    assert found.fingers > 3000
+    assert found.backward < 0.08 and found.claws < 0.05 and found.at_limit < 0.05
+    assert found.tips < 0.005
 
 
 def test_of_two_real_hands_the_thumbs_tell_the_sides(shared_data) -> None:
@@ -121,13 +128,13 @@ def test_a_standard_is_the_longest_length_and_the_tips_are_where_they_were_seen(
     one = take(0, drop_outs=False)
     rng = np.random.default_rng(4)
     samples = []
-    for frame in one.frames[:400]:
+    for frame in one.frames[:220]:
         (hand,) = frame.hands
         shown = [
             replace(f, length=f.length * min(rng.uniform(0.4, 1.6), 1.0)) for f in hand.fingers
         ]
         samples.append((frame.time, replace(hand, fingers=tuple(shown))))
-    whole = longest_calibration([(f.time, f.hands[0]) for f in one.frames[:400]], "right", 20)
+    whole = longest_calibration([(f.time, f.hands[0]) for f in one.frames[:220]], "right", 20)
     found = longest_calibration(samples, "right", 20)
     np.testing.assert_allclose(found.standard, whole.standard, rtol=0.07)
     np.testing.assert_allclose(found.tips, whole.tips, atol=0.003)

@@ -15,6 +15,7 @@ import pytest
 from encoders.paalm import Paalm
 from encoders.paalm.angles import joints_of_angles
 from encoders.paalm.hand_pose import PALM_CENTRE
+from encoders.paalm.recorded import calibrate_on_recording
 from encoders.paalm.rig import bone_lengths
 from models.frames import HandFrame
 from models.motion.armature import Y_UP
@@ -81,7 +82,7 @@ def exported(source: Path, to: Path, *more: str) -> int:
 def paalm_hands(path: Path, side: str) -> list[Any]:
     """What PAALM says of a file's frames, without the sandbox's reconstructor."""
     recording, paalm = read_leap(path), Paalm()
-    paalm.calibrate(recording.frames, cast(Any, side), CALIBRATED)
+    assert calibrate_on_recording(paalm, recording.frames, cast(Any, side)) == ""
     return [paalm.step(frame).hands.get(side) for frame in recording.frames]
 
 
@@ -120,17 +121,21 @@ def test_a_hand_that_rests_is_where_the_leap_saw_it(side, tmp_path):
     still = [replace(alone(side)[0], time=0.01 * i) for i in range(150)]
     path = write(tmp_path / "leap.json", still)
     assert exported(path, tmp_path / "x.bvh", "--hand", side) == 0
-    wrist, frame, _ = wrist_and_tips(tmp_path / "x.bvh")
+    wrist, frame, tips = wrist_and_tips(tmp_path / "x.bvh")
     centre = np.array(PALM_CENTRE) * [1.0 if side == "right" else -1.0, 1.0, 1.0]
     (hand,) = still[0].hands
-    assert np.abs(wrist[-1] + frame[-1] @ centre - hand.palm).max() < 1e-6
+    palm = paalm_hands(path, side)[-1].palm
+    assert np.abs(wrist[-1] + frame[-1] @ centre - palm.origin).max() < 1e-6
     assert np.abs(-frame[-1][:, 2] - hand.normal).max() < 1e-3
+    # As far as an average hand reaches a person's fingertips; the device's palm says less.
+    for tip in tips[-1]:
+        assert min(np.linalg.norm(tip - f.tip) for f in hand.fingers) < 0.005
     # The file is y up and in cm, as the Leap is y up and in mm.
-    seen = json.loads(path.read_text())["frames"][0]["hands"][0]["palmPosition"]
     motion = read_bvh(tmp_path / "x.bvh")
     at = motion.place()
     found = at.positions[-1, 0] + at.rotations[-1, 0] @ ZERO @ centre
-    assert np.abs(1000.0 * found - seen).max() < 1e-3
+    x, y, z = palm.origin
+    assert np.abs(found - [x, z, -y]).max() < 1e-6
 
 
 def test_both_hands_of_a_recording_are_the_hands_of_two_recordings(tmp_path):
@@ -262,7 +267,8 @@ def test_twenty_frames_of_an_open_hand_are_enough(tmp_path, capsys):
 def test_a_measured_hand_is_taken(tmp_path, capsys):
     path = write(tmp_path / "leap.json", alone("right"))
     me = tmp_path / "me.json"
-    line = ["paalm", "calibrate", str(path), "--hands", "right", "--frames", "100"]
+    whole = sum(len(f.hands[0].fingers) == 5 for f in alone("right"))
+    line = ["paalm", "calibrate", str(path), "--hands", "right", "--frames", str(whole)]
     assert main([*line, "--out", str(me)]) == 0
     for name, more in (("own.bvh", ()), ("me.bvh", ("--calibration", str(me)))):
         assert exported(path, tmp_path / name, "--hand", "right", *more) == 0

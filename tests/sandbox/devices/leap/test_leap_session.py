@@ -16,7 +16,7 @@ from encoders.paalm.calibration_file import read_calibration, write_calibration
 from encoders.paalm.hand_reconstructor import HandReconstructor, HandReconstructorSettings
 from encoders.paalm.paalm import Paalm
 from encoders.paalm.simulated.eye import LeapEye
-from encoders.paalm.simulated.forward import FROZEN_LEAP
+from encoders.paalm.simulated.leap_configuration import FROZEN_LEAP
 from encoders.reconstruction.arrival import Phase
 from encoders.reconstruction.touch_reconstructor import Reconstruction
 from models.errors import InputError, RecordingError

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from encoders.evaluation.paalm_pair import side_by_side
-from encoders.paalm.simulated.forward import FROZEN_LEAP
+from encoders.paalm.simulated.leap_configuration import FROZEN_LEAP
 from models.errors import InputError
 from sandbox.cli.common.page_view import show_session
 from sandbox.cli.main import main as command
@@ -111,7 +111,9 @@ def test_a_leap_recording_drives_the_hand_with_its_own_calibration(tmp_path: Pat
     (hand,) = made.settings.hands
     assert hand.in_air is not None
     calibration = hand.in_air.calibration
-    assert calibration is not None and calibration["frames"] == 100
+    assert calibration is not None and calibration["by_tip"]
+    whole = sum(len(f.hands[0].fingers) == 5 for f in take(1).frames)
+    assert calibration["frames"] == whole > 100
     assert main(["box-to-goal", "--device", str(path), "--json", str(tmp_path / "out.json")]) == 0
     result = json.loads((tmp_path / "out.json").read_text())
     assert result["status"] == "input_ended"
@@ -139,13 +141,17 @@ def test_a_simulated_leap_is_as_noisy_and_forgetful_as_it_is_asked_to_be():
     changed = {name: value for name, value in noisy.items() if value != getattr(FROZEN_LEAP, name)}
     assert changed == {name: 3.0 * getattr(FROZEN_LEAP, name) for name in changed}
     assert set(changed) == {
-        "tip",
         "joint",
-        "length_white",
-        "length_slow",
-        "direction",
         "palm_place",
         "palm_turn",
+        "length_slow",
+        "tip",
+        "length",
+        "direction",
+        "aside",
+        "centre_wanders",
+        "centre_place",
+        "centre_turn",
         "lost_rate",
     }
 

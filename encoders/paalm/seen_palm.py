@@ -1,0 +1,153 @@
+"""Where the first software sees a palm: in front of the average hand's, and not always there.
+
+Its centre of the palm is in front of the average hand's by an amount that differs from hand to
+hand. A finger that is seen at its full length points back to its knuckle, and the knuckles say
+where the palm is. `LearnedPalm` learns this while a hand is seen that was not measured. How long a
+finger is at its full length is learned, too: it is the longest length so far, since the device
+often sees less of it. Only past frames count.
+
+The centre also wanders towards the fingers: by 6 cm where a hand leaves the view of the real
+recording v1-hands. Each finger then seems to end too near to its knuckle without being lowered,
+which only a claw could do. All fingers say the same, so their median is the `slip`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import atan2, degrees, inf, sqrt
+
+from encoders.paalm.calibration import LONGEST, NEARLY
+from encoders.paalm.chain import FingerChain
+from models.frames import FINGERS, Vector
+
+FIRST_SHIFT = (0.007, -0.031, 0.005)
+"""m in palm coordinates, from the device's centre of the palm to the average hand's, before
+anything is learned: that of both hands in the real recording v1-hands, on average."""
+PRIOR = 60.0
+"""Frames that the first guess is worth: about half a second of a finger at its full length."""
+STEP = 0.0002
+"""m by which the shift in use moves in a frame at most: no fingertip jumps."""
+FAR = 0.04
+"""m from the shift in use beyond which a frame does not count: the palm is the wrong way round, or
+the hand leaves the view."""
+_BIN = 0.001
+"""m, accuracy of the longest length."""
+_BINS = 160
+
+
+class LearnedPalm:
+    """Learns the palm's shift and the fingers' full lengths of one hand.
+
+    Args:
+        shift: (3,) m, the first guess, see `HandCalibration.palm_shift`.
+        standard: (5,) m, the average hand's full lengths.
+        hidden: (5,) lengths that are hidden in the palm, as shares of a full length.
+        knuckles: (5, 3) m, the average hand's, from its palm's centre.
+
+    Attributes:
+        shift: The shift in use, on its way to the learned one.
+        standard: Full lengths, m.
+    """
+
+    def __init__(
+        self,
+        shift: Vector,
+        standard: Sequence[float],
+        hidden: Sequence[float],
+        knuckles: Sequence[Vector],
+    ) -> None:
+        self.shift = shift
+        self.standard = list(standard)
+        self._hidden, self._knuckles = hidden, knuckles
+        self._lengths = [_Longest(length) for length in standard]
+        self._sums = [[PRIOR * c for c in shift] for _ in FINGERS]
+        self._weights = [PRIOR] * len(FINGERS)
+
+    def add(self, name: int, length: float, tip: Vector, along: Vector) -> None:
+        """Learns from a finger in a frame.
+
+        Args:
+            name: 0 to 4.
+            length: m that is seen of it.
+            tip: m, in palm coordinates.
+            along: Its direction in palm coordinates.
+        """
+        full = self.standard[name] = self._lengths[name].add(length)
+        if name == 0 or length < NEARLY * full:
+            return
+        back = full * (1.0 + self._hidden[name])
+        k = self._knuckles[name]
+        off = [t - back * d - c for t, d, c in zip(tip, along, k, strict=True)]
+        if max(abs(a - b) for a, b in zip(off, self.shift, strict=True)) < FAR:
+            self._weights[name] += 1.0
+            self._sums[name] = [a + b for a, b in zip(self._sums[name], off, strict=True)]
+
+    def move(self) -> None:
+        """Moves the shift in use towards the learned one; once a frame."""
+        x, y, z = (
+            used + min(max(sum(self._mean(f, i) for f in range(1, 5)) / 4.0 - used, -STEP), STEP)
+            for i, used in enumerate(self.shift)
+        )
+        self.shift = (x, y, z)
+
+    def _mean(self, finger: int, axis: int) -> float:
+        return self._sums[finger][axis] / self._weights[finger]
+
+
+class _Longest:
+    """The length that most lengths so far do not exceed.
+
+    Args:
+        guess: m, worth `PRIOR` lengths.
+    """
+
+    def __init__(self, guess: float) -> None:
+        self._counts = [0.0] * _BINS
+        self._total = PRIOR
+        self._counts[min(int(guess / _BIN), _BINS - 1)] = PRIOR
+
+    def add(self, length: float) -> float:
+        self._counts[min(int(length / _BIN), _BINS - 1)] += 1.0
+        self._total += 1.0
+        above, left = 0.0, (1.0 - LONGEST / 100.0) * self._total
+        for i in range(_BINS - 1, -1, -1):
+            above += self._counts[i]
+            if above >= left:
+                return (i + 0.5) * _BIN
+        return 0.5 * _BIN
+
+
+LEVEL = 10.0
+"""Degrees below the palm's direction to which a straight finger may point."""
+
+
+OVERREACH = 0.004
+"""m by which a finger may end short of where it is seen, because of the average hand's bones."""
+
+
+def slip(fingers: Sequence[tuple[FingerChain, Vector]], overreach: float = inf) -> float:
+    """The slip of a palm, m forward; negative if it is seen too far back.
+
+    A finger that bends is lowered about as much as its PIP is bent. No finger may have to be longer
+    than it is, or its tip would miss its place.
+
+    Args:
+        fingers: Chain and tip, m from the knuckle in palm axes, of every finger that is seen, the
+            thumb left out.
+        overreach: m by which a finger may end short of its tip.
+    """
+    slips = []
+    most = inf
+    for chain, (x, y, z) in fingers:
+        lowered = max(degrees(atan2(-z, max(y, 1e-6))) - LEVEL, 0.0)
+        usual = chain.chord(min(lowered, chain.limits.pip[1]))
+        aside = sqrt(x * x + z * z)
+        slips.append(sqrt(max(usual * usual - aside * aside, 0.0)) - y)
+        far = chain.longest * chain.longest - aside * aside
+        if far > 0.0:
+            most = min(most, sqrt(far) - y + overreach)
+    if not slips:
+        return 0.0
+    slips.sort()
+    middle = 0.5 * (slips[(len(slips) - 1) // 2] + slips[len(slips) // 2])
+    return min(middle, most)
