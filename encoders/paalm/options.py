@@ -27,6 +27,9 @@ class PaalmOptions:
             bone points along the direction, as section 4 says; the length bends the rest.
         hidden, thumb_hidden: Share of the first bone that the device's length leaves out; 0 as in
             the paper, which takes the length from the knuckle.
+        behind: Share of the first bone by which a finger's knuckle is taken to be behind what is
+            seen of it, where fingers are solved by their tips. It is less than `hidden`, since a
+            finger that is a little bent does not point back to its knuckle.
         open_bend: Degrees of PIP of an open hand, at a ratio of 1; 0 as in the paper.
         coupling: Relation of DIP to PIP; None is that of the device's dialect
             (`encoders.paalm.coupling`).
@@ -49,6 +52,7 @@ class PaalmOptions:
     first_joint: Literal["ik", "direction"] = "ik"
     hidden: float = 0.45
     thumb_hidden: float = 0.9
+    behind: float = 0.2
     open_bend: float = 5.0
     coupling: Coupling | None = None
     solve: Literal["tips", "lengths"] = "tips"
@@ -83,6 +87,7 @@ class PaalmOptions:
         for name, most in (
             ("hidden", 0.95),
             ("thumb_hidden", 0.95),
+            ("behind", 0.95),
             ("open_bend", 60.0),
             ("smoothing", 10.0),
             ("longest", 10.0),

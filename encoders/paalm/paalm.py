@@ -35,8 +35,8 @@ from encoders.paalm.rig import (
     RiggedFinger,
     assumed_coupling,
     average_knuckle,
-    hidden_shares,
     rig,
+    shares_behind,
     with_palm_shift,
 )
 from encoders.paalm.seen_palm import OVERREACH, LearnedPalm, slip
@@ -255,7 +255,7 @@ class _Hand:
         if options.learns and shift is not None and not self._calibration.measured:
             knuckles = [average_knuckle(finger) for finger in range(len(FINGERS))]
             self._learned_palm = LearnedPalm(
-                shift, self._standard, hidden_shares(options), knuckles
+                shift, self._standard, shares_behind(options), knuckles
             )
         self._last: PaalmHand | None = None
         self._targets: list[Vector] = []

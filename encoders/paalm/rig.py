@@ -95,13 +95,15 @@ def rig(calibration: HandCalibration, options: PaalmOptions) -> list[RiggedFinge
         chain = FingerChain(rest[finger], coupling, limits, hidden)
         open_length = chain.chord(options.open_bend)
         scale = open_length / standard
+        by_tips = calibration.by_tip and options.solve == "tips"
         by_knuckle = (
             calibration.by_tip
             or options.direction == "knuckle_to_tip"
             or (options.direction == "thumb" and finger == 0)
         )
         base, along = calibration.bases[finger], calibration.directions[finger]
-        knuckle = vector_of(base - along * (hidden * chain.lengths[0] / scale))
+        behind = options.behind if finger and by_tips else hidden
+        knuckle = vector_of(base - along * (behind * chain.lengths[0] / scale))
         if by_knuckle:
             chain = FingerChain(rest[finger], coupling, limits)
             open_length = chain.chord(options.open_bend)
@@ -121,15 +123,17 @@ def with_palm_shift(calibration: HandCalibration, options: PaalmOptions) -> Hand
     return replace(calibration, palm_shift=vector_of((measured - average).mean(axis=0)))
 
 
-def hidden_shares(options: PaalmOptions) -> list[float]:
-    """Lengths (5,) of the first bones that the device does not see, as shares of the longest length
-    that it sees."""
+def shares_behind(options: PaalmOptions) -> list[float]:
+    """Distances (5,) from a finger's visible part back to its knuckle, as shares of the longest
+    length that is seen."""
     shares = []
     for finger, bones in enumerate(bone_lengths()):
-        hidden = options.hidden if finger else options.thumb_hidden
-        limits = FINGER_LIMITS if finger else THUMB_LIMITS
+        limits, hidden = FINGER_LIMITS, options.hidden
+        if finger == 0:
+            limits, hidden = THUMB_LIMITS, options.thumb_hidden
         chain = FingerChain(bones, options.coupling_for(None), limits, hidden)
-        shares.append(hidden * bones[0] / chain.chord(options.open_bend))
+        behind = options.behind if finger else hidden
+        shares.append(behind * bones[0] / chain.chord(options.open_bend))
     return shares
 
 

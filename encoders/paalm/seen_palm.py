@@ -41,7 +41,8 @@ class LearnedPalm:
     Args:
         shift: (3,) m, the first guess, see `HandCalibration.palm_shift`.
         standard: (5,) m, the average hand's full lengths.
-        hidden: (5,) lengths that are hidden in the palm, as shares of a full length.
+        behind: (5,) distances from a finger's visible part back to its knuckle, as shares of its
+            full length.
         knuckles: (5, 3) m, the average hand's, from its palm's centre.
 
     Attributes:
@@ -53,12 +54,12 @@ class LearnedPalm:
         self,
         shift: Vector,
         standard: Sequence[float],
-        hidden: Sequence[float],
+        behind: Sequence[float],
         knuckles: Sequence[Vector],
     ) -> None:
         self.shift = shift
         self.standard = list(standard)
-        self._hidden, self._knuckles = hidden, knuckles
+        self._behind, self._knuckles = behind, knuckles
         self._lengths = [_Longest(length) for length in standard]
         self._sums = [[PRIOR * c for c in shift] for _ in FINGERS]
         self._weights = [PRIOR] * len(FINGERS)
@@ -75,7 +76,7 @@ class LearnedPalm:
         full = self.standard[name] = self._lengths[name].add(length)
         if name == 0 or length < NEARLY * full:
             return
-        back = full * (1.0 + self._hidden[name])
+        back = full * (1.0 + self._behind[name])
         k = self._knuckles[name]
         off = [t - back * d - c for t, d, c in zip(tip, along, k, strict=True)]
         if max(abs(a - b) for a, b in zip(off, self.shift, strict=True)) < FAR:

@@ -5,6 +5,9 @@ from __future__ import annotations
 import json
 from typing import Any, NoReturn, TextIO
 
+import msgspec
+import numpy as np
+
 CHUNK = 1 << 17
 """Characters read at a time."""
 LARGEST = 1 << 21
@@ -60,6 +63,26 @@ class JsonText:
                 self._at = end
                 return value
 
+    def values(self) -> list[Any]:
+        """Decodes the next elements of a list: as many as are read, or one.
+
+        Many at once are quicker. Where that is not sure to give the same, they come one by one.
+
+        Raises:
+            ValueError: As in `value`.
+        """
+        self.sign()
+        end = _whole_elements(self._text[self._at :])
+        if end:
+            text = self._text[self._at : self._at + end]
+            try:
+                found = msgspec.json.decode(f"[{text}]")
+            except (msgspec.DecodeError, RecursionError):
+                return [self.value()]
+            self._at += end
+            return list(found)
+        return [self.value()]
+
     def rest(self) -> str:
         """The rest of the text, at most `LARGEST` characters of it."""
         while len(self._text) - self._at < LARGEST and self._more():
@@ -75,3 +98,24 @@ class JsonText:
         more = self._file.read(CHUNK)
         self._text, self._at = self._text[self._at :] + more, 0
         return bool(more)
+
+
+def _whole_elements(text: str) -> int:
+    """Number of characters, from the first on, that are whole elements of a list and the commas
+    between them; 0 where that is not sure.
+
+    The last of them is an object. Texts with escapes, signs beyond ASCII or control characters in
+    strings are not looked at.
+    """
+    if "\\" in text or not text.isascii():
+        return 0
+    signs = np.frombuffer(text.encode("ascii"), np.uint8)
+    quoted = np.logical_xor.accumulate(signs == ord('"'))
+    if (quoted & (signs < ord(" "))).any():
+        return 0
+    opens = ((signs == ord("{")) | (signs == ord("["))) & ~quoted
+    closes = ((signs == ord("}")) | (signs == ord("]"))) & ~quoted
+    depth = np.cumsum(opens.astype(np.int32) - closes)
+    beyond = int(np.argmax(depth < 0)) if depth.min(initial=0) < 0 else len(depth)
+    ends = np.nonzero((depth[:beyond] == 0) & closes[:beyond] & (signs[:beyond] == ord("}")))[0]
+    return int(ends[-1]) + 1 if len(ends) else 0

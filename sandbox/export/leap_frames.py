@@ -98,7 +98,7 @@ class LeapFrames:
         try:
             before = self._first_frame(text)
             while text.sign() != "]":
-                yield text.value()
+                yield from text.values()
                 if text.sign() not in (",", "]"):
                     raise ValueError("a frame is followed by neither another nor the end")
                 if text.sign() == ",":

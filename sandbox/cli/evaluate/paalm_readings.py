@@ -34,7 +34,9 @@ READINGS: dict[str, PaalmOptions] = {
     "first_joint: direction, by lengths": replace(
         DEFAULT, solve="lengths", first_joint="direction"
     ),
-    "hidden: 0": replace(DEFAULT, hidden=0.0),
+    "hidden: 0": replace(DEFAULT, solve="lengths", hidden=0.0),
+    "behind: 0": replace(DEFAULT, behind=0.0),
+    "behind: 0.45": replace(DEFAULT, behind=0.45),
     "open_bend: 0": replace(DEFAULT, open_bend=0.0),
     "open_bend: 10": replace(DEFAULT, open_bend=10.0),
     "coupling: equal": replace(DEFAULT, coupling=EQUAL),
