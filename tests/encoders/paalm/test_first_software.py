@@ -9,18 +9,19 @@ import pytest
 
 from encoders.evaluation.paalm_plausible import plausibility
 from encoders.paalm import Paalm, PaalmOptions
+from encoders.paalm.average import average_calibration
 from encoders.paalm.calibration import longest_calibration
 from encoders.paalm.chain import FINGER_LIMITS, FingerChain
 from encoders.paalm.coupling import TWO_THIRDS
 from encoders.paalm.palm import palm_of
-from encoders.paalm.rig import bone_lengths, with_palm_shift
-from encoders.paalm.seen_palm import slip
+from encoders.paalm.rig import average_knuckle, bone_lengths, with_palm_shift
+from encoders.paalm.seen_palm import FIRST_SHIFT, OVERREACH, LearnedPalm, slip
 from encoders.paalm.sides import HandSides
 from models.errors import EncoderError
 from models.frames import FINGERS, HandFrame, TrackedHand
 from models.rotations import exp
 from sandbox.devices.leap.leap_file import read_leap
-from tests.support.leap_hands import take
+from tests.support.leap_hands import real_take, take
 
 
 def test_a_real_hand_is_plausible(shared_data) -> None:
@@ -122,6 +123,56 @@ def test_the_slip_of_a_palm_is_what_all_fingers_miss(forward: float) -> None:
         fingers.append((chain, (float(x), float(y - forward), float(z))))
     assert slip(fingers) == pytest.approx(forward, abs=0.001)
     assert slip([]) == 0.0
+
+
+def test_no_finger_has_to_be_longer_than_it_is() -> None:
+    chain = FingerChain(bone_lengths()[1], TWO_THIRDS, FINGER_LIMITS)
+    near, far = (chain, (0.0, chain.longest - 0.01, 0.0)), (chain, (0.0, chain.longest, 0.0))
+    assert slip([near, near, far]) == pytest.approx(0.01, abs=1e-4)
+    # The far one would end 10 mm beyond its reach.
+    assert slip([near, near, far], OVERREACH) == pytest.approx(OVERREACH, abs=1e-4)
+    assert slip([far, far, near], OVERREACH) == pytest.approx(0.0, abs=1e-4)
+
+
+def test_an_unmeasured_hand_learns_where_its_palm_is_seen_and_how_long_its_fingers_are() -> None:
+    one = real_take(5)
+    paalm, fixed = Paalm(), Paalm(PaalmOptions(learns=False))
+    for each in (paalm, fixed):
+        each.use({"right": average_calibration((), "right", each.options)})
+    off: dict[int, list[float]] = {id(paalm): [], id(fixed): []}
+    later = [replace(f, time=f.time + 12.0) for f in one.frames]
+    for frame in (*one.frames, *later):
+        (hand,) = frame.hands
+        for each in (paalm, fixed):
+            found = each.step(frame).hands["right"]
+            place = palm_of(hand, "right").place(found.palm.origin)
+            off[id(each)].append(float(np.linalg.norm(np.subtract(place, FIRST_SHIFT))))
+    step = np.abs(np.diff(off[id(paalm)]) - np.diff(off[id(fixed)]))
+    assert step.max() < 0.02, "what is learned moves the hand slowly"
+    learned = paalm._hands["right"]._standard
+    longest = np.zeros(5)
+    for frame, names in zip(one.frames, one.fingers, strict=True):
+        for f in frame.hands[0].fingers:
+            longest[names[f.id]] = max(longest[names[f.id]], f.length)
+    np.testing.assert_allclose(learned, longest, rtol=0.1)
+
+
+def test_a_palm_is_learned_from_fingers_that_point_back_to_their_knuckles() -> None:
+    knuckles = [average_knuckle(finger) for finger in range(5)]
+    learned = LearnedPalm(FIRST_SHIFT, [0.07] * 5, [0.0] * 5, knuckles)
+    truth = (0.002, -0.045, 0.001)
+    for _ in range(3000):
+        for name in range(5):
+            x, y, z = (a + b for a, b in zip(knuckles[name], truth, strict=True))
+            learned.add(name, 0.0705, (x, y + 0.0705, z), (0.0, 1.0, 0.0))
+            learned.add(name, 0.03, (x, y + 0.0705, z), (0.0, 1.0, 0.0))
+            # The palm the wrong way round, for a moment.
+            learned.add(name, 0.0705, (x, y - 0.05, z), (0.0, 1.0, 0.0))
+        before = learned.shift
+        learned.move()
+        assert max(abs(a - b) for a, b in zip(before, learned.shift, strict=True)) < 3e-4
+    np.testing.assert_allclose(learned.shift, truth, atol=0.001)
+    np.testing.assert_allclose(learned.standard, 0.0705, atol=0.001)
 
 
 def test_a_standard_is_the_longest_length_and_the_tips_are_where_they_were_seen() -> None:

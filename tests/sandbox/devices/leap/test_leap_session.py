@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 
 from encoders.paalm.calibration_file import read_calibration, write_calibration
 from encoders.paalm.hand_reconstructor import HandReconstructor, HandReconstructorSettings
+from encoders.paalm.options import PaalmOptions
 from encoders.paalm.paalm import Paalm
 from encoders.paalm.simulated.eye import LeapEye
 from encoders.paalm.simulated.leap_configuration import FROZEN_LEAP
@@ -198,6 +199,24 @@ def test_a_header_from_before_couplings_were_learned_replays_without_learning():
     assert RunSettings.from_json(values).hands[0].in_air == HandInput()
     del values["hands"][0]["in_air"]["learns"]
     assert RunSettings.from_json(values).hands[0].in_air == HandInput(learns=False)
+
+
+def test_a_header_from_before_fingers_were_solved_by_tips_replays_by_lengths():
+    values = settings(hands=(HandSettings(in_air=HandInput()),)).as_json()
+    del values["hands"][0]["in_air"]["by_tips"]
+    before = RunSettings.from_json(values).hands[0].in_air
+    assert before == HandInput(by_tips=False)
+    old, new = (i.reconstructor(Person(), Surface(), RateLimit()) for i in (before, HandInput()))
+    by_lengths = HandReconstructor(
+        Paalm(PaalmOptions(solve="lengths")),
+        settings=HandReconstructorSettings(device=UNDER),
+        surface=Surface(),
+        assume=True,
+    )
+    for frame in take(3).frames[:40]:
+        q = old.step(frame).q
+        np.testing.assert_array_equal(q, by_lengths.step(frame).q)
+        assert np.abs(q - new.step(frame).q).max() > 1e-3
 
 
 @pytest.mark.parametrize("values", [{}, {"at": [0, 0], "calibration": None}, {"at": "here"}, 3])
