@@ -320,7 +320,8 @@ class _Hand:
             if smooth:
                 noise = self._noise[name]
                 noise.add(new)
-                keep = exp(-dt / noise.constant(dt, smoothing, options.longest))
+                since = dt + (self._unseen[name] if options.solve == "tips" else 0.0)
+                keep = exp(-since / noise.constant(dt, smoothing, options.longest))
             old = self._targets[name]
             self._targets[name] = (
                 new[0] + keep * (old[0] - new[0]),
@@ -354,13 +355,13 @@ class _Hand:
         self._standard = list(learned.standard)
         self._identity.learn(self._moved, self._standard)
 
-    def _solve(self, name: int, slip: float | None = None) -> None:
+    def _solve(self, name: int, held: bool = False) -> None:
         target = self._targets[name]
         if abs(target[0]) + abs(target[1]) + abs(target[2]) < 1e-6:
             return  # Without a direction the finger stays as it is.
         rigged = self._rig[name]
         x, y, z = target
-        y += self._slip if slip is None else slip
+        y += 0.0 if held else self._slip
         bend = rigged.solve((x, y, z), self._options.first_joint)
         self._rows[name] = (bend.flexion, bend.spread, bend.pip, bend.dip)
         self._miss[name] = bend.miss
@@ -369,16 +370,19 @@ class _Hand:
         """Holds a finger that is not seen; in the paper it stays in the same position.
 
         Its place in the palm is that of the last frame that showed it, with that frame's slip.
+        Older sessions took the slip of the frame that no longer shows it.
         """
+        held = self._options.solve == "tips"
         if self._unseen[name] == 0.0:
             # Its last measured place, not the smoothed one.
-            self._targets[name] = self._latest[name]
-            self._solve(name, slip if self._options.solve == "tips" else None)
+            x, y, z = self._latest[name]
+            self._targets[name] = x, y + (slip if held else 0.0), z
+            self._solve(name, held)
         self._noise[name].interrupt()
         self._unseen[name] += dt
         if self._options.hold == "device" and self._palm is not None:
             self._targets[name] = palm.turn(self._palm.back(self._targets[name]))
-            self._solve(name)
+            self._solve(name, held)
         if self._options.vanished == "folded" and self._ratios[name] < _FOLDING:
             share = 1.0 - exp(-dt / self._options.fold_seconds)
             flexion, spread, pip, _ = self._rows[name]
