@@ -16,6 +16,10 @@ from models.errors import HandSandboxError
 STATIC = Path(__file__).resolve().parents[1] / "views" / "static"
 
 TOKEN_PLACE, LANGUAGE_PLACE = b"{{token}}", b"{{language}}"
+MANIFEST_PLACE = b"{{manifest}}"
+MANIFEST = b'<link rel="manifest" href="manifest.json?token={{token}}">'
+"""Makes the page installable, which browsers allow with TLS only. The start address of what is
+installed has no token."""
 WAY_BACK = "/return.html"
 """Page for an address without a token."""
 
@@ -27,6 +31,7 @@ _TYPES = {
     ".png": "image/png",
     ".bin": "application/octet-stream",
     ".glb": "model/gltf-binary",
+    ".json": "application/manifest+json",
     ".txt": "text/plain; charset=utf-8",
 }
 
@@ -89,6 +94,8 @@ class StaticFiles:
         if body is None:
             return plain(HTTPStatus.NOT_FOUND, "Page not found.")
         if name == "/index.html":
+            secure = websocket_origin.startswith("wss:")
+            body = body.replace(MANIFEST_PLACE, MANIFEST if secure else b"")
             body = body.replace(TOKEN_PLACE, quote(token).encode())
             body = body.replace(LANGUAGE_PLACE, quote(language).encode())
         headers = {

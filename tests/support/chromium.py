@@ -10,7 +10,7 @@ import signal
 import subprocess
 import time
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from pathlib import Path
 from typing import Any
 
@@ -40,6 +40,14 @@ FLAGS = (
     "--disable-features=Translate,MediaRouter,OptimizationHints",
     "--autoplay-policy=no-user-gesture-required",
 )
+
+
+NAVIGATED = "Inspected target navigated or closed"
+"""What Chromium says of a question to a page that went away before it could answer."""
+
+
+class NavigatedError(AssertionError):
+    """The page went to another address while it was asked."""
 
 
 class Browser:
@@ -87,6 +95,8 @@ class Browser:
         while True:
             told = json.loads(self._socket.recv(timeout=PATIENCE))
             if told.get("id") == self._last:
+                if told.get("error", {}).get("message") == NAVIGATED:
+                    raise NavigatedError(f"{method}: {told['error']}")
                 assert "error" not in told, f"{method}: {told['error']}"
                 result: dict[str, Any] = told["result"]
                 return result
@@ -162,10 +172,12 @@ class Tab:
         """Waits until an expression is true, and what it asks about is there."""
         until = time.monotonic() + seconds
         asked = f"(() => {{ try {{ return {script} }} catch {{ return false }} }})()"
-        while not (value := self.evaluate(asked)):
+        while True:
+            with suppress(NavigatedError):
+                if value := self.evaluate(asked):
+                    return value
             assert time.monotonic() < until, f"never came true: {script}; {self.text()[:600]}"
             time.sleep(0.02)
-        return value
 
     def text(self) -> str:
         """Text of the page."""

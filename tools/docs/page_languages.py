@@ -3,9 +3,9 @@
     python -m tools.docs.page_languages FOLDER [--languages en,ar] [--sizes 1180x820]
 
 Opens the page in a real Chromium, which has to be installed, shows what a person meets on it, and
-prints every text that is wider than its place or outside of the screen. The sheet is
-`docs/pictures/languages.webp` with `--sheet`. What is shown is put there: nobody plays, and no
-physics runs.
+prints every text that is wider than its place or outside of the screen. With `--sheet` it makes two
+sheets: `docs/pictures/languages.webp`, every language, and `docs/pictures/screens.webp`, every
+screen. What is shown is put there: nobody plays, and no physics runs.
 """
 
 from __future__ import annotations
@@ -13,9 +13,11 @@ from __future__ import annotations
 import argparse
 import io
 import tempfile
+import time
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 from PIL import Image
 
@@ -23,18 +25,22 @@ from models.surface import Surface
 from sandbox.cli.play.page import OTHER_PAGE
 from sandbox.cli.play.screen_too_small import explain_refusal
 from sandbox.server.page_server import PageServer
+from sandbox.server.protocol.contact_forces import HandFeedback
 from sandbox.server.protocol.describe import describe_scene
 from sandbox.server.protocol.protocol import (
     LIFT_STRIP_PX,
     Choice,
     ItemView,
+    PageScreen,
     Sheet,
     StudyView,
     TaskName,
 )
+from sandbox.server.protocol.rectangle import scaled
 from sandbox.server.protocol.skins import pack_skin
 from sandbox.server.web import WebDevice
 from sandbox.session.collision_gating import STUCK
+from sandbox.session.messages import ContactView, Snapshot
 from sandbox.session.session import Session
 from sandbox.trial.assembly import build
 from sandbox.trial.settings import RunSettings
@@ -42,6 +48,7 @@ from sandbox.words.words import LANGUAGES, words_in
 from tasks.registry import TASKS
 from tasks.score import Status
 from tests.support.chromium import Browser, Tab
+from tests.support.processes import PATIENCE
 
 SIZES = ("390x844", "820x1180", "1180x820", "1366x1024", "1280x800", "3840x2160")
 USUAL = "1180x820"
@@ -53,6 +60,18 @@ SHOWN = ("start", "tasks", "done")
 """What the sheet shows of every language."""
 TILE = (472, 328)
 """Pixels of a picture on the sheet."""
+SCREENS = Path("docs/pictures/screens.webp")
+ON_SCREENS = ("start", "grip", "inside", "done", "lost", "tasks")
+"""What the sheet of screens shows, in English and Arabic."""
+SMALL_TILE = (236, 164)
+"""Pixels of its pictures at most: screens have different proportions."""
+WITH_MICE = ("1280x800", "3840x2160")
+"""Screens of which the start is also shown as people with a mouse see it."""
+PHONE = 3.6
+"""in, shorter side below which the page takes a screen for a phone."""
+
+GRIP = HandFeedback((13.0, 30.0, 0.0, 0.0, 0.0), 1.0, (13.0, 13.0, 0.0, 0.0, 0.0), frozenset({1}))
+"""A grip of 13 N whose index finger has no more force."""
 
 OVERFLOWS = """
 (() => {
@@ -84,7 +103,7 @@ def main() -> None:
     parser.add_argument("folder", type=Path, help="folder for the pictures")
     parser.add_argument("--languages", default=",".join(LANGUAGES))
     parser.add_argument("--sizes", default="", help="as in 1180x820; by default as in the issue")
-    parser.add_argument("--sheet", action="store_true", help=f"also writes {SHEET}")
+    parser.add_argument("--sheet", action="store_true", help=f"also writes {SHEET} and {SCREENS}")
     options = parser.parse_args()
     options.folder.mkdir(parents=True, exist_ok=True)
     taken = wrong = 0
@@ -107,6 +126,7 @@ def main() -> None:
     print(f"{taken} pictures, {wrong} texts outside of their places")
     if options.sheet:
         sheet(options.folder)
+        sheet_of_screens(options.folder)
 
 
 def moments(browser: Browser, code: str, size: str) -> Iterator[tuple[str, Tab]]:
@@ -129,6 +149,11 @@ def in_play(browser: Browser, code: str, size: str) -> Iterator[tuple[str, Tab]]
         session = show(server, width, height)
         tab = browser.open(f"{server.url}&lang={code}", width=width, height=height, storage=known)
         tab.wait("!!document.querySelector('.sheet')")
+        if min(width, height) / PPI < PHONE:
+            yield settled("phone", tab)
+            tab.tap(words["phone_play"])
+            screen = PageScreen(PPI, width, height, True, "phone")
+            session = show(server, width, height, scaled(screen, lifts=True))
         yield settled("advice", tab)
         tab.tap(words["advice_go_on"])
         snapshot = session.advance()
@@ -146,6 +171,11 @@ def in_play(browser: Browser, code: str, size: str) -> Iterator[tuple[str, Tab]]
         tab.tap(words["card_skip"])
         middle = width / 2, height / 2
         tab.touch([(1, middle[0] - 60, middle[1]), (2, middle[0] + 60, middle[1] + 20)])
+        held = with_fingers(session, snapshot)
+        server.publish(held, feedback=[GRIP])
+        yield settled("grip", tab)
+        server.publish(replace(held, hands=(replace(held.hands[0], inside=frozenset({1})),)))
+        yield settled("inside", tab)
         server.publish(replace(snapshot, notices=(STUCK,)))
         tab.wait("!document.querySelector('.toast').hidden")
         yield settled("notice", tab)
@@ -167,8 +197,42 @@ def in_play(browser: Browser, code: str, size: str) -> Iterator[tuple[str, Tab]]
         tab.wait("!document.querySelector('.curtain').hidden")
         yield settled("lost", tab)
         tab.close()
+        if size in WITH_MICE:
+            yield from with_a_mouse(browser, code, width, height)
     finally:
         server.close()
+
+
+def with_a_mouse(browser: Browser, code: str, width: int, height: int) -> Iterator[tuple[str, Tab]]:
+    """The start with a mouse, where the table fills the window."""
+    server = PageServer()
+    try:
+        screen = PageScreen(PPI, width, height, False, "mouse")
+        session = show(server, width, height, scaled(screen, lifts=True))
+        tab = browser.open("about:blank", width=width, height=height)
+        tab.call("Emulation.setTouchEmulationEnabled", enabled=False)
+        tab.go(f"{server.url}&lang={code}")
+        tab.wait("!!document.querySelector('.task')?.textContent")
+        server.publish(session.advance(), "start")
+        tab.wait("document.querySelector('.preparing').hidden")
+        yield settled("mouse", tab)
+        tab.close()
+    finally:
+        server.close()
+
+
+def with_fingers(session: Session, snapshot: Snapshot) -> Snapshot:
+    """The page's two fingers as thumb and index of a solid hand."""
+    device = session.rigs[0].device
+    assert isinstance(device, WebDevice)
+    ids: list[int] = []
+    until = time.monotonic() + PATIENCE
+    while len(ids) < 2:
+        assert time.monotonic() < until, "the fingers never came"
+        ids = [c.id for frame in device.poll() for c in frame.contacts][-2:]
+    hand = snapshot.hands[0]
+    contacts = tuple(ContactView(i, hand.tips[k], k, "active") for k, i in enumerate(sorted(ids)))
+    return replace(snapshot, hands=(replace(hand, contacts=contacts, solid=frozenset({0, 1})),))
 
 
 def refusal(settings: RunSettings) -> list[str]:
@@ -180,17 +244,24 @@ def refusal(settings: RunSettings) -> list[str]:
     return list(explain_refusal(error, settings, LIFT_STRIP_PX / PPI))
 
 
-def show(server: PageServer, width: int, height: int) -> Session:
-    """A table with the lift control on the page."""
+def show(
+    server: PageServer, width: int, height: int, fitted: dict[str, Any] | None = None
+) -> Session:
+    """A table with the lift control on the page; of true size without `fitted` settings."""
     size = (width - LIFT_STRIP_PX) / PPI, height / PPI
     size = max(size[0], SMALLEST_IN[0]), max(size[1], SMALLEST_IN[1])
+    settings = fitted or {"surface_in": (min(size[0], 10.3), min(size[1], 7.7))}
     session = build(
-        RunSettings(task="stack", surface_in=(min(size[0], 10.3), min(size[1], 7.7))),
+        RunSettings(task="stack", **settings),
         (lambda task, surface: WebDevice(surface, server.latency),),
     )
     device, surface = session.rigs[0].device, session.rigs[0].reconstructor.surface
     assert isinstance(device, WebDevice)
-    message = describe_scene(1, session.scene, session.task, surface, "right", "")
+    scored = bool(settings.get("scored", True))
+    number = server.next_scene()
+    message = describe_scene(
+        number, session.scene, session.task, surface, "right", "", scored=scored
+    )
     server.show_scene(
         message, session.scene, device, [pack_skin(h) for h in session.scene.spec.hands]
     )
@@ -254,6 +325,22 @@ def sheet(folder: Path) -> None:
             )
     whole.save(SHEET, quality=72, method=6)
     print(f"{SHEET}: {SHEET.stat().st_size / 1000:.0f} kB")
+
+
+def sheet_of_screens(folder: Path) -> None:
+    """All screens on one picture, a row each, in English and below in Arabic."""
+    rows = [(code, size) for code in ("en", "ar") for size in SIZES]
+    across, down = SMALL_TILE
+    whole = Image.new("RGB", (across * len(ON_SCREENS), down * len(rows)))
+    for row, (code, size) in enumerate(rows):
+        for column, name in enumerate(ON_SCREENS):
+            with Image.open(folder / f"{code}-{size}-{name}.png") as picture:
+                tile = picture.convert("RGB")
+            tile.thumbnail((across - 4, down - 4), Image.Resampling.LANCZOS)
+            left = across * column + (across - tile.width) // 2
+            whole.paste(tile, (left, down * row + (down - tile.height) // 2))
+    whole.save(SCREENS, quality=70, method=6)
+    print(f"{SCREENS}: {SCREENS.stat().st_size / 1000:.0f} kB")
 
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
 // Writes ../static: the same sources give the same bytes, on any machine.
 import { build } from "esbuild";
-import { mkdir, readFile, readdir, writeFile } from "node:fs/promises";
+import { copyFile, mkdir, readFile, readdir, writeFile } from "node:fs/promises";
 import { dirname, join } from "node:path";
 import { fileURLToPath } from "node:url";
 
@@ -47,6 +47,7 @@ for (const page of ["index.html", "return.html"]) {
   for (const [name, value] of Object.entries(places)) text = text.replaceAll(`{{${name}}}`, value);
   await writeFile(join(out, page), text);
 }
+await copyFile(join(here, "src/manifest.json"), join(out, "manifest.json"));
 const three = JSON.parse(await readFile(join(here, "node_modules/three/package.json"), "utf8"));
 const text = await readFile(join(here, "node_modules/three/LICENSE"), "utf8");
 await writeFile(

@@ -3,7 +3,7 @@
 
 import { make } from "./dom";
 import { recall, remember } from "./memory";
-import { ipad, small, touchable } from "./screen";
+import { currentScreen, ipad, small, touchable } from "./screen";
 import type { Sheets } from "./sheet";
 import { say } from "./words";
 
@@ -17,7 +17,7 @@ export function advise(sheets: Sheets, done: () => void): void {
   if (ipad)
     lines.push(say("advice_ipad_gestures"), say("advice_ipad_lock"));
   else lines.push(say("advice_gestures"));
-  if (small()) lines.push(say("advice_small"));
+  if (small() && currentScreen().fit === "") lines.push(say("advice_small"));
   sheets.open(
     say("advice_title"),
     [make("ul", "", {}, ...lines.map((text) => make("li", "", { text })))],

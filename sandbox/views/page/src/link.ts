@@ -1,7 +1,7 @@
 // The link that opened the page: its token is removed from the address bar, since links are
 // photographed and shared, and stored in this tab so that the page can reconnect and reload (see return.html).
 
-import { recallHere, rememberHere } from "./memory";
+import { recallHere, remember, rememberHere } from "./memory";
 
 const query = new URLSearchParams(location.search);
 
@@ -13,6 +13,9 @@ export const clientName = recallHere("client") ?? randomName();
 
 rememberHere("token", token);
 rememberHere("client", clientName);
+// An installed page begins in a tab of its own, at an address without the token (see return.html).
+window.addEventListener("appinstalled", () => remember("token", token));
+if (matchMedia("(display-mode: standalone)").matches) remember("token", token);
 history.replaceState(null, "", location.pathname + (spectator ? "?role=spectator" : ""));
 
 function withToken(): string {

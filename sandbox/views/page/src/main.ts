@@ -7,6 +7,7 @@ import { make, show, write } from "./dom";
 import { Doubt } from "./doubt";
 import { type Change, type Finger, Fingers } from "./fingers";
 import type { Frame } from "./frame";
+import { FullScreen } from "./full";
 import { Hint } from "./hint";
 import { Hud, goalOf } from "./hud";
 import { touchRectangle } from "./lens";
@@ -58,6 +59,7 @@ class Page {
   private readonly curtain = make("div", "curtain");
   private readonly preparing = document.querySelector<HTMLElement>(".preparing")!;
   private readonly turned: Turned;
+  private readonly full = new FullScreen();
 
   private glass: Fingers | null = null;
   private player = false;
@@ -109,6 +111,7 @@ class Page {
       this.study.root,
       this.turned.root,
       this.curtain,
+      this.full.root,
     );
     for (const alert of [this.again, this.trouble, this.curtain]) alert.setAttribute("role", "alert");
     this.sheets = new Sheets(document.body, (open) => this.ask(open ? "pause" : "resume"));
@@ -182,6 +185,7 @@ class Page {
     this.study.enter(view);
     this.hud.setStudy(view);
     this.lift.relabel();
+    this.full.relabel();
     this.again.textContent = say("lift_again");
     if (!this.preparing.hidden) write(this.preparing, say("preparing"));
     this.rings.plain = !view.shows.includes("fingers");

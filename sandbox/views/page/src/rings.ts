@@ -74,6 +74,8 @@ export class Rings {
     if (this.empty && !rings.length) return;
     this.pen.clearRect(0, 0, window.innerWidth, window.innerHeight);
     this.empty = !rings.length;
+    // Chromium without a graphics card may go on showing what was drawn before on a canvas that is now empty.
+    this.canvas.style.visibility = this.empty ? "hidden" : "";
     const radius = radiusOf(pxPerInch);
     for (const ring of rings)
       if (ring.palm) this.drawPalm(ring, ring.palm, PALM * pxPerInch);
