@@ -21,6 +21,7 @@ from models.errors import DeviceError
 from models.frames import TouchFrame
 from models.outside import OutsideKind, place_in
 from models.surface import Surface
+from sandbox.devices.wrappers.checked import CheckedDevice
 from sandbox.session.device import Device
 
 OUTSIDE = OutsideKind("device", "hand_sandbox.devices", DeviceError, loaded="opened")
@@ -159,6 +160,6 @@ def _opener(device_class: Any, argument: str, where: str) -> Maker:
     def make(surface: Surface) -> Device:
         with OUTSIDE.guarded(where):
             device = device_class(surface, argument)
-        return adapted(device, where)
+        return CheckedDevice(adapted(device, where), surface, where)
 
     return make

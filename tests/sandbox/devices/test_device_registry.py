@@ -94,3 +94,26 @@ def test_a_device_of_an_installed_package_is_played_by_its_name(
     assert main(["run", "box-to-goal", *arguments]) == 0
     assert json.loads(out.read_text())["status"] == "input_ended"
     assert len(load_recording(record).touches()[0].contacts) == 3
+
+
+@pytest.mark.parametrize(
+    ("frames", "said"),
+    [
+        ("None", "something else than frames"),
+        ("[(0, 0.1, 0.1)]", "something else than frames"),
+        ("[TouchFrame(now, (Contact(0, 3.0, 2.0),))]", "far off the surface"),
+    ],
+)
+def test_what_a_device_of_ones_own_cannot_have_meant_is_one_clear_error(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], frames: str, said: str
+) -> None:
+    file = tmp_path / "odd.py"
+    file.write_text(
+        "from models import Contact, TouchFrame\n"
+        "from sandbox import TouchDevice\n"
+        "class Odd(TouchDevice):\n"
+        f"    def poll(self, now):\n        return {frames}\n"
+    )
+    assert main(["run", "box-to-goal", "--device", f"{file}:Odd"]) != 0
+    lines = [line for line in capsys.readouterr().err.splitlines() if said in line]
+    assert len(lines) == 1 and "odd.py:Odd" in lines[0]
