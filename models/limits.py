@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import sqrt
+from math import inf, sqrt
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -58,6 +58,8 @@ class RateLimit:
             return previous
         goal = target.copy()
         goal[ROOT_ROTATION] = unwrapped(target[ROOT_ROTATION], previous[ROOT_ROTATION])
+        if self.linear == self.angular == inf:
+            return goal
         step = goal - previous
         squares = step * step
         # Recorded sessions depend on the order in which the three are added: do not change it.

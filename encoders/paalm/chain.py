@@ -72,7 +72,8 @@ class FingerChain:
                 "the bone lengths are out of range", got=(lengths, hidden), expected="lengths > 0"
             )
         self.lengths, self.coupling, self.limits, self.hidden = lengths, coupling, limits, hidden
-        self.reach = first * (1.0 - hidden) + second + third
+        self._seen = first * (1.0 - hidden)
+        self.reach = self._seen + second + third
         pip = np.linspace(radians(limits.pip[0]), radians(limits.pip[1]), _ENTRIES)
         dip = np.clip(coupling.slope * pip + np.deg2rad(coupling.offset), *np.deg2rad(limits.dip))
         along = (
@@ -157,12 +158,18 @@ class FingerChain:
         low, high = self._inverse[index], self._inverse[index + 1]
         pip = low + (high - low) * min(at - index, 1.0)
         _, second, third = self.lengths
+        seen, slope, offset = self._seen, self.coupling.slope, self.coupling.offset
+        low, high = self.limits.dip
+        # What `_plane` and `dip` say, and how far the last bone turns with the middle one.
         for _ in range(_STEPS):
-            along, below = self._plane(pip)
-            turns = self._turns(pip)
-            bend = pip + radians(self.dip(degrees(pip)))
-            falls = below * (second * cos(pip) + third * turns * cos(bend))
-            falls -= along * (second * sin(pip) + third * turns * sin(bend))
+            free = slope * degrees(pip) + offset
+            bend = pip + radians(min(max(free, low), high))
+            cos_pip, sin_pip, cos_bend, sin_bend = cos(pip), sin(pip), cos(bend), sin(bend)
+            along = seen + second * cos_pip + third * cos_bend
+            below = second * sin_pip + third * sin_bend
+            turning = third * (1.0 + slope if low < free < high else 1.0)
+            falls = below * (second * cos_pip + turning * cos_bend)
+            falls -= along * (second * sin_pip + turning * sin_bend)
             if falls > -_NOTHING:  # Stretched, or at its shortest: the table is exact there.
                 break
             step = 0.5 * (chord * chord - along * along - below * below) / falls
@@ -171,17 +178,11 @@ class FingerChain:
                 break
         return pip
 
-    def _turns(self, pip: float) -> float:
-        """Rotation of the last bone per rotation of the middle one."""
-        low, high = self.limits.dip
-        free = low < self.coupling.slope * degrees(pip) + self.coupling.offset < high
-        return 1.0 + self.coupling.slope if free else 1.0
-
     def _plane(self, pip: float) -> tuple[float, float]:
-        first, second, third = self.lengths
+        _, second, third = self.lengths
         bend = pip + radians(self.dip(degrees(pip)))
         return (
-            first * (1.0 - self.hidden) + second * cos(pip) + third * cos(bend),
+            self._seen + second * cos(pip) + third * cos(bend),
             second * sin(pip) + third * sin(bend),
         )
 

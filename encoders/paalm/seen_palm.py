@@ -22,7 +22,8 @@ from models.frames import FINGERS, Vector
 
 FIRST_SHIFT = (0.007, -0.031, 0.005)
 """m in palm coordinates, from the device's centre of the palm to the average hand's, before
-anything is learned: that of both hands in the real recording v1-hands, on average."""
+anything is learned: that of both hands in the real recording v1-hands, on average, if knuckles are
+as far behind what is seen of a finger as the device hides (`PaalmOptions.hidden`)."""
 PRIOR = 60.0
 """Frames that the first guess is worth: about half a second of a finger at its full length."""
 STEP = 0.0002
