@@ -1,4 +1,5 @@
-"""Touch frames and hand frames: all contacts, or all 3-D hands, of one device at one moment."""
+"""Touch frames, hand frames and landmark frames: all contacts, all 3-D hands, or all hands in a
+picture, of one device at one moment."""
 
 from __future__ import annotations
 
@@ -218,8 +219,78 @@ class HandFrame:
             raise FrameError("two hands of one frame share an id", got=sorted(ids))
 
 
-Frame = TouchFrame | HandFrame
-"""One input frame of a device, from a surface or from the air."""
+LANDMARKS = 21
+"""Landmarks of a hand in a picture: the wrist, then four for each finger, thumb to little finger,
+from the palm outwards. A finger's are knuckle, PIP, DIP and tip; the thumb's CMC, MCP, IP and tip.
+The numbering is MediaPipe's."""
+
+Point = tuple[float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class SeenHand:
+    """A hand in a camera's picture.
+
+    Attributes:
+        side: `right` or `left`, as the engine takes it to be.
+        score: How sure the engine is of that, 0 to 1.
+        image: Landmarks (21, 2) in pixels: x right, y down, from the picture's top left corner.
+        world: Landmarks (21, 3) in m as the engine guesses them, about the middle of the hand: x
+            right and y down in the picture, z away from the camera. Lengths are those of an average
+            hand.
+    """
+
+    side: str
+    score: float
+    image: tuple[Point, ...]
+    world: tuple[Vector, ...]
+
+    def __post_init__(self) -> None:
+        where = f"{self.side} hand"
+        if self.side not in SIDES:
+            raise FrameError("no such side", got=self.side, expected="right or left")
+        if not 0.0 <= self.score <= 1.0:
+            raise FrameError("the score is out of range", where=where, got=self.score)
+        for name, points, size in (("image", self.image, 2), ("world", self.world, 3)):
+            sound = len(points) == LANDMARKS and all(
+                len(p) == size and all(map(math.isfinite, p)) for p in points
+            )
+            if not sound:
+                raise FrameError(
+                    "the landmarks are not finite numbers",
+                    where=f"{where}, {name}",
+                    expected=f"{LANDMARKS} points of {size} numbers",
+                )
+
+
+@dataclass(frozen=True, slots=True)
+class LandmarkFrame:
+    """All hands in one picture of a camera.
+
+    Attributes:
+        time: Seconds on the device's own monotonic clock.
+        hands: The hands in the picture, in any order.
+        size: Width and height of the picture in pixels.
+        taken: Seconds on the camera's clock at which the picture was taken. A session stamps `time`
+            anew; this stays, and tells one picture from the next.
+        source: Name of the device, for messages and logs.
+    """
+
+    time: float
+    hands: tuple[SeenHand, ...] = ()
+    size: tuple[int, int] = (640, 480)
+    taken: float = 0.0
+    source: str = ""
+
+    def __post_init__(self) -> None:
+        if not (math.isfinite(self.time) and math.isfinite(self.taken)):
+            raise FrameError("a frame's time must be finite", got=self.time, expected="seconds")
+        if min(self.size) < 1:
+            raise FrameError("the picture has no size", got=self.size, expected="pixels")
+
+
+Frame = TouchFrame | HandFrame | LandmarkFrame
+"""One input frame of a device: of a surface, of the air, or of a picture."""
 
 
 def _finite(vector: Vector, where: str, name: str) -> None:

@@ -1,8 +1,9 @@
 """Forward kinematics of one pose at a time, for the loop that reconstructs at every control step.
 
-MuJoCo places the bones and differentiates the fingertips, so the result depends on MuJoCo's version
-and on the system's libm, and on nothing else. What NumPy adds are sums and products of single
-numbers, which every processor rounds alike. Results agree with those of `Kinematics` to rounding.
+MuJoCo places the bones and differentiates fingertips and joints, so the result depends on MuJoCo's
+version and on the system's libm, and on nothing else. What NumPy adds are sums and products of
+single numbers, which every processor rounds alike. Results agree with those of `Kinematics` to
+rounding.
 Captures and training use `Kinematics`, so their digests do not depend on this module.
 """
 
@@ -24,6 +25,9 @@ from models.skeleton import Skeleton
 _TINY = 1e-24
 """rad2, added to squared angles. It avoids 0/0 in the closed forms and does not change results: the
 terms that lose digits by cancellation are multiplied by the square of the same small vector."""
+
+_FIRST_BONE = 2
+"""Index of the first bone's body, after the world's and the root's."""
 
 _SKEW = np.array([[0, 2, 1], [2, 0, 0], [1, 0, 0]])
 _SKEW_SIGN = np.array([[0.0, 1.0, -1.0], [-1.0, 0.0, 1.0], [1.0, -1.0, 0.0]])
@@ -69,6 +73,9 @@ class OnePose:
         self._blocks = as_strided(rotations, (turns, 3, 3), (3 * (row + column), row, column))
         self._diagonals = as_strided(rotations, (turns, 3), (3 * (row + column), row + column))
         self._skew, self._scaled = np.empty((turns, 3, 3)), np.empty((turns, 3))
+        # The bodies of the bones, whose origins are the joints.
+        self._bodies = range(_FIRST_BONE, model.nbody)
+        self._raw_joints = np.zeros((3 * len(self._bodies), POSE_SIZE))
 
     def tips(self, q: Array) -> Array:
         """Centres (k, 3) m of the fingertips of a pose (48,)."""
@@ -91,6 +98,33 @@ class OnePose:
         jacobian = np.empty(self._raw.shape)
         mujoco.mju_mulMatMat(jacobian, self._raw, self._right)
         return tips, jacobian.reshape(-1, 3, POSE_SIZE)
+
+    def joints_and_tips(self, q: Array) -> tuple[Array, Array]:
+        """Joints (14, 3) m, in the order of the skeleton's bones, and fingertips (k, 3)."""
+        tips = self.tips(q)
+        return self._data.xpos[_FIRST_BONE:].copy(), tips
+
+    def joints_and_jacobian(self, q: Array) -> tuple[Array, Array]:
+        """Joints and then fingertips (14 + k, 3) m, and their derivative (14 + k, 3, 48).
+
+        Unlike elsewhere, the derivative by the root's rotation is by a turn in the root's own
+        frame: exp(w) becomes exp(w) exp(d). So a hand that faces the camera, whose rotation vector
+        is near pi, is a hand like any other.
+        """
+        tips = self.tips(q)
+        mujoco.mj_comPos(self._model, self._data)
+        for rows, site in self._rows:
+            mujoco.mj_jacSite(self._model, self._data, rows, None, site)
+        self._set_right_jacobians(q)
+        self._right[ROOT_ROTATION, ROOT_ROTATION] = np.eye(3)
+        for i, body in enumerate(self._bodies):
+            rows = self._raw_joints[3 * i : 3 * i + 3]
+            mujoco.mj_jacBody(self._model, self._data, rows, None, body)
+        everything = np.concatenate([self._raw_joints, self._raw])
+        turned = np.empty(everything.shape)
+        mujoco.mju_mulMatMat(turned, everything, self._right)
+        points = np.concatenate([self._data.xpos[_FIRST_BONE:], tips])
+        return points, turned.reshape(-1, 3, POSE_SIZE)
 
     def _place(self, q: Array) -> None:
         """Places all bones."""
@@ -184,7 +218,9 @@ def _compiled_bones(
     model = spec.compile()
     bodies = [model.body(name).id for name, *_ in bones]
     sites = [model.site(name).id for name in FINGERS if name in {FINGERS[f] for f in ends}]
-    assert bodies == list(range(2, 2 + len(bones))) and sites == list(range(len(ends)))
+    assert bodies == list(range(_FIRST_BONE, _FIRST_BONE + len(bones))) and sites == list(
+        range(len(ends))
+    )
     assert model.nv == POSE_SIZE and JOINTS.stop == POSE_SIZE
     return model
 

@@ -29,6 +29,7 @@ SUBCOMMANDS = {
     "touches": "show record send formats",
     "paalm": "show calibrate",
     "leap": "fake simulate formats",
+    "webcam": "install status record",
     "capture": "record simulate",
 }
 """Commands that have commands of their own, and these."""

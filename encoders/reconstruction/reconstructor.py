@@ -6,10 +6,10 @@ from typing import Protocol, TypeVar
 
 from encoders.reconstruction.touch_reconstructor import Reconstruction
 from models.arithmetic.arrays import Array
-from models.frames import Frame, HandFrame, TouchFrame
+from models.frames import Frame, HandFrame, LandmarkFrame, TouchFrame
 from models.surface import Surface
 
-Frame_contra = TypeVar("Frame_contra", TouchFrame, HandFrame, contravariant=True)
+Frame_contra = TypeVar("Frame_contra", TouchFrame, HandFrame, LandmarkFrame, contravariant=True)
 
 
 class FrameReconstructor(Protocol[Frame_contra]):
@@ -63,3 +63,9 @@ class Reconstructor(FrameReconstructor[TouchFrame], Protocol):
 
 HandFrameReconstructor = FrameReconstructor[HandFrame]
 """Reconstructs a hand from the frames of a 3-D device."""
+
+LandmarkFrameReconstructor = FrameReconstructor[LandmarkFrame]
+"""Reconstructs a hand from the landmarks in a camera's pictures."""
+
+AirReconstructor = HandFrameReconstructor | LandmarkFrameReconstructor
+"""Reconstructs a hand in the air."""

@@ -26,6 +26,7 @@ COMMANDS: dict[str, str] = {
     "doctor": "check what works on this machine, and what to install for the rest",
     "paalm": "joint angles of hands over a Leap, by the paper of 2013: show and calibrate",
     "leap": "replace a Leap: simulated recordings, a fake service; list the formats",
+    "webcam": "hands before a webcam: install what finds them, record landmarks",
     "touches": "show, record and send touches: the first thing to try with a new tablet",
 }
 """Command -> one line of help. Each is `main(argv) -> int` in sandbox/cli/COMMAND.py, or in

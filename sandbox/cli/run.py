@@ -17,6 +17,7 @@ from models.surface import Surface
 from sandbox.cli.common.films import open_film
 from sandbox.cli.common.json_out import TERMINAL, check_output, write_json
 from sandbox.cli.common.lsl_options import LslOptions, streaming
+from sandbox.cli.common.page_view import address_line
 from sandbox.cli.common.parse import parse
 from sandbox.export.view import MotionView
 from sandbox.options.scene_options import Plan, SceneOptions, plan
@@ -112,7 +113,7 @@ def _run(options: RunOptions, chosen: Plan, events: EventLog, console: Console) 
     def announce(device: Device, task: Task) -> Device:
         address = device.address
         if address:
-            console.print(f"listening for TUIO on [bold]{address}[/]")
+            console.print(address_line(address), soft_wrap=True)
             events.tell("listening", address=address)
         damage = device.damage
         if damage:

@@ -24,7 +24,8 @@ class DeviceEntry:
         module: Module of its class.
         member: Name of the class; `sandbox` alone prints the first sentence of its docstring.
         live: A person or another program drives it, so that a session runs at real time.
-        in_air: It produces hand frames; otherwise touch frames.
+        in_air: It produces hand frames or landmark frames; otherwise touch frames.
+        camera: It produces landmark frames.
         simulated: A simulated user drives it.
         in_scene: It needs a scene: a window, objects to see, or a hand. Otherwise `sandbox touches`
             accepts it too.
@@ -38,6 +39,7 @@ class DeviceEntry:
     member: str
     live: bool = True
     in_air: bool = False
+    camera: bool = False
     simulated: bool = False
     in_scene: bool = False
     one_hand: bool = False
@@ -56,6 +58,14 @@ DEVICES: dict[str, DeviceEntry] = {
     "evdev": DeviceEntry("sandbox.devices.evdev.evdev_device", "EvdevDevice", guessed_size=True),
     "leap": DeviceEntry(
         "sandbox.devices.leap.leap", "LeapDevice", in_air=True, in_scene=True, argument=False
+    ),
+    "webcam": DeviceEntry(
+        "sandbox.devices.webcam.webcam",
+        "WebcamDevice",
+        in_air=True,
+        camera=True,
+        in_scene=True,
+        argument=False,
     ),
     "simulated": DeviceEntry(
         "sandbox.devices.simulated.simulated",

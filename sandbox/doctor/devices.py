@@ -23,6 +23,7 @@ def device_checks() -> list[Check]:
         _network(),
         *(port_check(kind, TUIO_PORT) for kind in ("UDP", "TCP")),
         _browser(),
+        _webcam(),
         *_inputs(),
     ]
 
@@ -80,6 +81,22 @@ def _browser() -> Check:
         path or "not found on the PATH",
         "the page on this machine, and its tests; any browser will do for play",
         "" if path else "On Debian or Ubuntu: apt-get install chromium",
+    )
+
+
+def _webcam() -> Check:
+    """Checks that what finds hands in a camera's pictures is installed and undamaged."""
+    from sandbox.devices.webcam.installed import INSTALL, damaged, engine_folder
+
+    folder = engine_folder()
+    wrong = damaged(folder)
+    return Check(
+        "devices",
+        "webcam engine",
+        not wrong,
+        f"{wrong[0]} is missing or damaged in {folder}" if wrong else str(folder),
+        "hands before a camera (--device webcam)",
+        INSTALL if wrong else "",
     )
 
 

@@ -26,6 +26,7 @@ from sandbox.devices.leap.leap_file import (
 )
 from sandbox.devices.leap.shared_leap import MergedLeap, SharedLeap
 from sandbox.devices.registry import built_in, open_built_in
+from sandbox.devices.webcam.landmark_file import is_landmark_file
 from sandbox.options.leap_calibration import chosen_calibration
 from sandbox.recording.recording import Recording
 from sandbox.session.device import Device
@@ -61,12 +62,14 @@ class LeapOptions:
 
 
 def is_leap(device: str) -> bool:
-    """True if a device is 3-D: `leap`, `leap-simulated`, or a Leap recording."""
+    """True if a device is a Leap: `leap`, `leap-simulated`, or a Leap recording."""
     entry = built_in(device)
     if entry is not None:
-        return entry.in_air
+        return entry.in_air and not entry.camera
     path = Path(device)
-    return path.is_file() and (path.suffix in SUFFIXES or is_leap_recording(path))
+    if not path.is_file() or is_landmark_file(path):
+        return False
+    return path.suffix in SUFFIXES or is_leap_recording(path)
 
 
 def both_over_one_device(options: Any) -> bool:

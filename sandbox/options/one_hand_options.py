@@ -30,12 +30,13 @@ class OneHandOptions:
         "simulated"
     )
     """Source of the input. simulated: a simulated user. tuio: a TUIO sender. evdev: a touch screen
-    of this Linux machine. leap: a hand in the air over a Leap. leap-simulated: a simulated person
+    of this Linux machine. leap: a hand in the air over a Leap. webcam: a hand before a camera, by a
+    page that opens in your browser (docs/webcam.md). leap-simulated: a simulated person
     over a Leap (leap-simulated:v1: over the first Leap; leap-simulated:v1,noise=2,lose=1: with
     twice the noise, and the hand is lost for 1 s while it carries something). FILE: a recording of
-    this program, a file by `touches record`, a capture of TUIO packets, or a Leap recording (.json,
-    .json.lz). Or a device of your own: FILE.py:CLASS[:ARGUMENT], MODULE:CLASS[:ARGUMENT], or its
-    name in an installed package (docs/write-a-device.md)."""
+    this program, a file by `touches record`, a capture of TUIO packets, a Leap recording (.json,
+    .json.lz), or landmarks by `webcam record`. Or a device of your own: FILE.py:CLASS[:ARGUMENT],
+    MODULE:CLASS[:ARGUMENT], or its name in an installed package (docs/write-a-device.md)."""
 
     encoder: Annotated[str, tyro.conf.arg(metavar=choices(*MODELS, "FILE"))] = DEFAULT_MODEL
     """Encoder, which estimates the hand's pose from the touches. paper: least squares with the

@@ -30,6 +30,14 @@ from sandbox.options.profiles import find_profile
 from sandbox.options.second_hand import SecondOptions, with_second_hand
 from sandbox.options.touch_devices import has_unknown_size, live_maker, native_surface, open_file
 from sandbox.options.variations import parse_variation
+from sandbox.options.webcam_devices import (
+    WebcamOptions,
+    both_before_one_camera,
+    is_webcam,
+    sharing_camera,
+    webcam_maker,
+    with_webcam_hands,
+)
 from sandbox.recording.recorded_device import RecordedDevice
 from sandbox.recording.recorded_task import recorded_task
 from sandbox.recording.recording import Recording, is_recording, load_recording
@@ -56,7 +64,7 @@ _PARTS: dict[str, dict[str, Any]] = {
 
 # `--help` lists the options of the last base first: those that most people need.
 @dataclass(frozen=True)
-class SceneOptions(LeapOptions, SecondOptions, OneHandOptions):
+class SceneOptions(WebcamOptions, LeapOptions, SecondOptions, OneHandOptions):
     """Options of a scene with one or two hands."""
 
 
@@ -87,7 +95,7 @@ def plan(options: SceneOptions) -> Plan:
     settings = with_second_hand(_settings(options, recording), options, options.device, recording)
     if recording is None:
         played = _recording(options.second_device) if options.second_device else None
-        settings = with_leap_hands(settings, options, played)
+        settings = with_webcam_hands(with_leap_hands(settings, options, played), options)
     first = _plan(options, recording, settings, 0)
     if len(settings.hands) == 1:
         return first
@@ -100,6 +108,8 @@ def plan(options: SceneOptions) -> Plan:
         second = _plan(replace(more, device=options.device), None, settings, 1)
         two = (*first.makers, *second.makers) if "user" in second.about else None
         return replace(first, makers=split_by_side(two, make_first, settings))
+    if both_before_one_camera(options):
+        return replace(first, makers=sharing_camera(make_first))
     shared = settings.one_surface and recording is None
     if shared and options.device != "simulated":
         return replace(first, makers=sharing(make_first, settings))
@@ -119,6 +129,8 @@ def _plan(
     entry = built_in(options.device)
     if is_leap(options.device):
         opens = leap_maker(options, settings, _user(options), hand)
+    elif is_webcam(options.device):
+        opens = webcam_maker(options, settings, hand)
     elif options.device in _OPENERS:
         opens = _OPENERS[options.device](options, settings, hand)
     elif (make := live_maker(options)) is not None:
@@ -139,6 +151,11 @@ def _plan(
     differs = is_leap(options.device) or options.device == "simulated"
     live = entry is not None and entry.live
     return _with_variation(settings, about, live, opens, hand if differs else 0)
+
+
+def is_in_air(device: str) -> bool:
+    """True if a device sees hands in the air: a Leap, a camera, or a recording of one."""
+    return is_leap(device) or is_webcam(device)
 
 
 def _on_surface(make: Callable[[Surface], Device]) -> DeviceMaker:
@@ -207,7 +224,7 @@ def _with_variation(
 
 def _recording(device: str) -> Recording | None:
     path = Path(device)
-    if built_in(device) is not None or is_leap(device):
+    if built_in(device) is not None or is_in_air(device):
         return None
     if not path.exists() and find_device(device) is not None:
         return None
@@ -255,7 +272,7 @@ def _settings(options: SceneOptions, recording: Recording | None) -> RunSettings
     if options.tell_labels:
         values["labels"] = "device"
     first, *others = base.hands
-    if uses_touch_profile(options, is_leap(options.device)):
+    if uses_touch_profile(options, is_in_air(options.device)):
         first = replace(find_profile(str(options.profile)).hand, in_air=first.in_air)
     first = first.on(options.hand or first.side)
     if values.get("labels", base.labels) != "population":

@@ -1,10 +1,20 @@
-"""Conversion of touch frames and hand frames to JSON values and back, exact to the bit."""
+"""Conversion of frames of all kinds to JSON values and back, exact to the bit."""
 
 from __future__ import annotations
 
 from typing import Any
 
-from models.frames import Contact, Frame, HandFrame, TouchFrame, TrackedFinger, TrackedHand, Vector
+from models.frames import (
+    Contact,
+    Frame,
+    HandFrame,
+    LandmarkFrame,
+    SeenHand,
+    TouchFrame,
+    TrackedFinger,
+    TrackedHand,
+    Vector,
+)
 
 
 def frame_to_json(frame: Frame) -> dict[str, Any]:
@@ -13,6 +23,14 @@ def frame_to_json(frame: Frame) -> dict[str, Any]:
         line: dict[str, Any] = {"time": frame.time, "hands": [_hand(h) for h in frame.hands]}
         told = {"source": frame.source, "dialect": frame.dialect}
         return line | {name: value for name, value in told.items() if value}
+    if isinstance(frame, LandmarkFrame):
+        return {
+            "time": frame.time,
+            "taken": frame.taken,
+            "size": frame.size,
+            "seen": [[h.side, h.score, h.image, h.world] for h in frame.hands],
+            **({"source": frame.source} if frame.source else {}),
+        }
     contacts = [[c.id, c.x, c.y, c.size, c.label, *(c.extent or ())] for c in frame.contacts]
     line = {"time": frame.time, "contacts": contacts}
     if frame.lift is not None:
@@ -37,6 +55,15 @@ def frame_from_json(line: dict[str, Any]) -> Frame:
             hands,
             str(line.get("source", "")),
             None if dialect is None else str(dialect),
+        )
+    if "seen" in line:
+        width, height = line["size"]
+        return LandmarkFrame(
+            float(line["time"]),
+            tuple(_read_seen(*hand) for hand in line["seen"]),
+            (int(width), int(height)),
+            float(line["taken"]),
+            str(line.get("source", "")),
         )
     contacts = tuple(
         Contact(int(i), x, y, size, label, _extent(extent))
@@ -97,6 +124,11 @@ def _read_hand(values: dict[str, Any]) -> TrackedHand:
         None if radius is None else float(radius),
         None if wrist is None else _vector(wrist),
     )
+
+
+def _read_seen(side: Any, score: Any, image: Any, world: Any) -> SeenHand:
+    points = tuple((float(x), float(y)) for x, y in image)
+    return SeenHand(str(side), float(score), points, tuple(map(_vector, world)))
 
 
 def _vector(values: Any) -> Vector:

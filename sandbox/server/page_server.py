@@ -276,7 +276,7 @@ class PageServer:
                 ping_timeout=5,
                 close_timeout=1,
                 server_header=None,
-                logger=_silent_logger(),
+                logger=silent_logger(),
                 create_connection=limited_connection(self._limits),
             )
         except OSError as error:
@@ -349,7 +349,7 @@ def _all_of(waiting: queue.SimpleQueue[_T]) -> list[_T]:
     return items
 
 
-def _silent_logger() -> logging.Logger:
+def silent_logger() -> logging.Logger:
     """A silent logger: errors of foreign connections are counted, not printed."""
     logger = logging.Logger("hand_sandbox.page")
     logger.addHandler(logging.NullHandler())

@@ -74,7 +74,7 @@ class StaticFiles:
             "img-src data:; frame-ancestors 'none'; base-uri 'none'; form-action 'none'"
         )
         headers = {"Content-Type": _TYPES[".html"], "Content-Security-Policy": policy}
-        return _response(HTTPStatus.OK, headers, body)
+        return answered(HTTPStatus.OK, headers, body)
 
     def response(
         self, path: str, websocket_origin: str, token: str = "", language: str = ""
@@ -105,15 +105,16 @@ class StaticFiles:
                 "blob:; style-src 'self' 'unsafe-inline'; frame-ancestors 'none'; base-uri 'none'"
             ),
         }
-        return _response(HTTPStatus.OK, headers, body)
+        return answered(HTTPStatus.OK, headers, body)
 
 
 def plain(status: HTTPStatus, text: str) -> Response:
     """A short plain-text response."""
-    return _response(status, {"Content-Type": "text/plain; charset=utf-8"}, text.encode() + b"\n")
+    return answered(status, {"Content-Type": "text/plain; charset=utf-8"}, text.encode() + b"\n")
 
 
-def _response(status: HTTPStatus, headers: dict[str, str], body: bytes) -> Response:
+def answered(status: HTTPStatus, headers: dict[str, str], body: bytes) -> Response:
+    """A response with headers of its own and those that all responses have."""
     everywhere = {
         "Content-Length": str(len(body)),
         "Cache-Control": "no-store",

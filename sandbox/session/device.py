@@ -15,7 +15,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from models.frames import Frame, HandFrame, TouchFrame
+from models.frames import Frame, HandFrame, LandmarkFrame, TouchFrame
 from sandbox.session.latency import LatencyLog
 
 if TYPE_CHECKING:
@@ -181,3 +181,11 @@ class HandDevice(AnyDevice):
     @abstractmethod
     def poll(self, now: float) -> Sequence[HandFrame]:
         """Hand frames since the last call, oldest first; see `AnyDevice.poll`."""
+
+
+class LandmarkDevice(AnyDevice):
+    """A source of landmark frames, of hands in a camera's pictures."""
+
+    @abstractmethod
+    def poll(self, now: float) -> Sequence[LandmarkFrame]:
+        """Landmark frames since the last call, oldest first; see `AnyDevice.poll`."""

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from models.frames import Frame, HandFrame, TouchFrame
+from models.frames import Frame, HandFrame, LandmarkFrame, TouchFrame
 
 SILENCE = 0.5
-"""s without a frame after which a 3-D device is taken to see no hand. A working 3-D device sends at
-least 60 frames a second, also without a hand in view; touch devices send only changes."""
+"""s without a frame after which a 3-D device or a camera is taken to see no hand. A working one
+sends many frames a second, also without a hand in view; touch devices send only changes."""
 
 
 class LatestFrame:
@@ -45,6 +45,8 @@ class LatestFrame:
                 if frames
                 else replace(last, time=time, cancelled=frozenset())
             )
+        elif time - self._heard > SILENCE and isinstance(last, LandmarkFrame):
+            self.frame = replace(last, time=time, hands=())
         elif time - self._heard > SILENCE:
             self.frame = HandFrame(time, (), last.source)
         else:

@@ -17,7 +17,7 @@ import numpy as np
 
 from encoders.person.yaw_range import YawMonitor
 from encoders.reconstruction.arrival import Phase
-from encoders.reconstruction.reconstructor import HandFrameReconstructor, Reconstructor
+from encoders.reconstruction.reconstructor import AirReconstructor, Reconstructor
 from encoders.reconstruction.touch_reconstructor import Reconstruction
 from models.arithmetic.arrays import Array
 from models.errors import DivergenceError
@@ -65,7 +65,7 @@ class Rig:
     """
 
     device: AnyDevice
-    reconstructor: Reconstructor | HandFrameReconstructor
+    reconstructor: Reconstructor | AirReconstructor
     hand: SceneHand
     yaw: YawMonitor | None = None
     rules: CollisionGatingRules | None = None

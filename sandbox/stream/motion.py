@@ -12,7 +12,7 @@ from collections.abc import Callable, Mapping, Sequence
 import numpy as np
 
 from encoders.paalm.calibration import HandCalibration
-from encoders.reconstruction.reconstructor import HandFrameReconstructor, Reconstructor
+from encoders.reconstruction.reconstructor import AirReconstructor, Reconstructor
 from models.motion.armature import Armature
 from models.motion.sampling import Poses
 from models.scene import CONTROL_PERIOD
@@ -93,7 +93,7 @@ def _with_physics(session: Session, stop: threading.Event, of: str, take: PoseCa
 
 
 def _without_physics(
-    hands: Sequence[tuple[AnyDevice, Reconstructor | HandFrameReconstructor]],
+    hands: Sequence[tuple[AnyDevice, Reconstructor | AirReconstructor]],
     stop: threading.Event,
     take: PoseCallback,
 ) -> str:

@@ -11,14 +11,13 @@ from encoders.correction import CorrectionSettings
 from encoders.labels.belief import BeliefLabels, builtin_belief
 from encoders.labels.labelling import Labeller, PaperLabels
 from encoders.labels.population_belief import builtin_population_belief
-from encoders.paalm.hand_reconstructor import HandReconstructor
 from encoders.person.rest_posture import knowing_rest
 from encoders.person.yaw_range import YawMonitor, YawRange
 from encoders.reconstruction.arrival import ArrivalSettings
 from encoders.reconstruction.contact_tracker import TrackerSettings
 from encoders.reconstruction.lift import LiftSettings
 from encoders.reconstruction.personal import personal
-from encoders.reconstruction.reconstructor import Reconstructor
+from encoders.reconstruction.reconstructor import AirReconstructor, Reconstructor
 from encoders.reconstruction.touch_reconstructor import ReconstructorSettings, TouchReconstructor
 from encoders.regression.model_registry import find_model
 from encoders.regression.trained import TrainedModel
@@ -178,12 +177,12 @@ def build(
         )
     check_count(makers, settings)
     model = load_encoder(settings.encoder)
-    reconstructors: list[Reconstructor | HandReconstructor] = []
+    reconstructors: list[Reconstructor | AirReconstructor] = []
     leads: list[Callable[[Array | None], None] | None] = []
     for hand, surface in zip(settings.hands, surfaces, strict=True):
         if hand.in_air is not None:
             rate = reconstructor_settings(settings).rate
-            reconstructors.append(hand.in_air.reconstructor(hand.person, surface, rate))
+            reconstructors.append(hand.in_air.any_reconstructor(hand.person, surface, rate))
             leads.append(None)
             continue
 

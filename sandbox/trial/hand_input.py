@@ -1,4 +1,5 @@
-"""Settings of a hand that a 3-D device drives: the device's place, and the hand's calibration."""
+"""Settings of a hand that a 3-D device or a camera drives: the device's place, and what is known of
+the hand."""
 
 from __future__ import annotations
 
@@ -11,6 +12,10 @@ from encoders.paalm.calibration_file import calibration_from_json, calibration_t
 from encoders.paalm.hand_reconstructor import HandReconstructor, HandReconstructorSettings
 from encoders.paalm.options import PaalmOptions
 from encoders.paalm.paalm import Paalm
+from encoders.reconstruction.followed_hand import FollowingSettings
+from encoders.reconstruction.reconstructor import AirReconstructor
+from encoders.webcam.camera import Camera
+from encoders.webcam.landmark_reconstructor import LandmarkReconstructor
 from models.errors import InputError
 from models.limits import RateLimit
 from models.person import Person
@@ -26,7 +31,7 @@ FARTHEST = 2.0
 
 @dataclass(frozen=True)
 class HandInput:
-    """A hand that is driven by hand frames; JSON values only.
+    """A hand that is driven by hand frames or by landmarks; JSON values only.
 
     Attributes:
         at: (3,) m, position of the device in the world; its axes are the world's.
@@ -36,12 +41,15 @@ class HandInput:
             it does not (see `PaalmOptions.learns`).
         by_tips: Solves fingers without joints by their tips; a header without it does so by lengths
             (see `PaalmOptions.solve`).
+        camera: The camera whose landmarks drive the hand; None for a 3-D device. With it, the rest
+            has no meaning.
     """
 
     at: tuple[float, float, float] = UNDER
     calibration: dict[str, Any] | None = None
     learns: bool = True
     by_tips: bool = True
+    camera: Camera | None = None
 
     def __post_init__(self) -> None:
         if not all(isfinite(c) and abs(c) <= FARTHEST for c in self.at):
@@ -57,6 +65,18 @@ class HandInput:
         """Makes the settings from a position (3,) m and a calibration, or None."""
         return cls(at, None if calibration is None else calibration_to_json(calibration))
 
+    def any_reconstructor(
+        self, person: Person, surface: Surface, rate: RateLimit
+    ) -> AirReconstructor:
+        """The reconstructor of the device's kind; arguments and errors are `reconstructor`'s."""
+        if self.camera is None:
+            return self.reconstructor(person, surface, rate)
+        _check_seat(person, surface)
+        following = FollowingSettings(rate=rate)
+        return LandmarkReconstructor(
+            self.camera, person.hand, person.hand_size, following, surface=surface
+        )
+
     def reconstructor(self, person: Person, surface: Surface, rate: RateLimit) -> HandReconstructor:
         """The reconstructor that turns hand frames into poses.
 
@@ -69,15 +89,20 @@ class HandInput:
             InputError: The person sits elsewhere, or the workspace stands upright.
             EncoderError: The calibration is damaged.
         """
-        if person.turn or surface.upright:
-            raise InputError(
-                "a hand in the air works over a flat table, from its lower edge",
-                where="--turn" if person.turn else "--device",
-                got=person.turn or "a task with an upright surface",
-                remedy="stack is the same task on the table" if surface.upright else None,
-            )
+        _check_seat(person, surface)
         paalm = Paalm(PaalmOptions(learns=self.learns, solve="tips" if self.by_tips else "lengths"))
         if self.calibration is not None:
             paalm.use({person.hand: calibration_from_json(person.hand, self.calibration)})
         settings = HandReconstructorSettings(device=self.at, rate=rate, size=person.hand_size)
         return HandReconstructor(paalm, person.hand, settings, surface, assume=True)
+
+
+def _check_seat(person: Person, surface: Surface) -> None:
+    """Refuses what hands in the air cannot do."""
+    if person.turn or surface.upright:
+        raise InputError(
+            "a hand in the air works over a flat table, from its lower edge",
+            where="--turn" if person.turn else "--device",
+            got=person.turn or "a task with an upright surface",
+            remedy="stack is the same task on the table" if surface.upright else None,
+        )

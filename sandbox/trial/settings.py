@@ -193,7 +193,7 @@ class RunSettings:
 
     def as_json(self) -> dict[str, Any]:
         """Values for a recording's header, without a neutral variation, the first rules, true
-        size, an `in_air` of None, or empty layouts and looks."""
+        size, an `in_air` or a camera of None, or empty layouts and looks."""
         values = asdict(self)
         if self.rules == RULES[0]:
             del values["rules"]
@@ -218,7 +218,7 @@ class RunSettings:
         for hand in values["hands"] if isinstance(values["hands"], list) else ():
             _check_names(hand, HandSettings, optional={"in_air", "layouts", "rest"})
             if hand.get("in_air") is not None:
-                _check_names(hand["in_air"], HandInput, optional={"learns", "by_tips"})
+                _check_names(hand["in_air"], HandInput, optional={"learns", "by_tips", "camera"})
         if "variation" in values:
             _check_names(values["variation"], Variation, optional=_names(Variation))
         try:
@@ -269,7 +269,10 @@ def bare(settings: dict[str, Any]) -> dict[str, Any]:
 
 
 def _without_defaults(hand: dict[str, Any]) -> dict[str, Any]:
-    return {name: value for name, value in hand.items() if value is not None and value != ()}
+    told = {name: value for name, value in hand.items() if value is not None and value != ()}
+    if told.get("in_air", {}).get("camera", ...) is None:
+        told["in_air"] = {name: v for name, v in told["in_air"].items() if name != "camera"}
+    return told
 
 
 def _names(kind: type[Any]) -> set[str]:

@@ -18,6 +18,7 @@ ROOMS = (
     "encoders/person/*.py",
     "encoders/reconstruction/*.py",
     "encoders/regression/*.py",
+    "encoders/webcam/*.py",
     "tasks/*.py",
     "tasks/simulated_user/*.py",
     "sandbox/devices/*.py",
@@ -49,6 +50,7 @@ APART = {
     "encoders/regression/regularised_ik.py": "rivals in evaluations",
     "encoders/regression/trained.py": "training; what ships is stored",
     "encoders/validation.py": "training",
+    "sandbox/session/finger_loads.py": "what views say about a grip",
     "models/person.py": "turns by quarters, whose products are exact in any order",
     "tasks/checks.py": "checks of a draw",
 }

@@ -53,11 +53,11 @@ class NavigatedError(AssertionError):
 class Browser:
     """One process with a profile of its own."""
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, flags: Sequence[str] = ()) -> None:
         self._log = folder / "chromium.log"
         with self._log.open("w") as log:
             self._process = subprocess.Popen(
-                [BINARY, *FLAGS, f"--user-data-dir={folder / 'profile'}", "about:blank"],
+                [BINARY, *FLAGS, *flags, f"--user-data-dir={folder / 'profile'}", "about:blank"],
                 stdout=log,
                 stderr=log,
                 # All of its processes are one group, so that all of them can be ended.

@@ -5,6 +5,7 @@ from __future__ import annotations
 from rich.console import Console
 
 from encoders.paalm.hand_reconstructor import HandReconstructor
+from encoders.webcam.landmark_reconstructor import LandmarkReconstructor
 from models.errors import DeviceError
 from models.messages.message import Message
 from sandbox.cli.common.page_options import PageOptions, open_page
@@ -69,8 +70,9 @@ def touched_pages(session: Session) -> list[tuple[int | None, WebDevice]]:
 
 
 def in_air(session: Session) -> bool:
-    """True if all hands are in the air over 3-D devices, without touches."""
-    return all(isinstance(rig.reconstructor, HandReconstructor) for rig in session.rigs)
+    """True if all hands are in the air, over 3-D devices or before a camera, without touches."""
+    kinds = (HandReconstructor, LandmarkReconstructor)
+    return all(isinstance(rig.reconstructor, kinds) for rig in session.rigs)
 
 
 def show_address(server: PageServer, page: PageOptions, events: EventLog, console: Console) -> None:
@@ -110,6 +112,12 @@ def open_page_beside_window(
     else:
         show_address(server, page, events, console)
     return server
+
+
+def address_line(address: str) -> str:
+    """Returns the line about where a device listens: a link to open, or an address to send to."""
+    told = "open" if "://" in address else "listening for TUIO on"
+    return f"{told} [bold]{address}[/]"
 
 
 def short_address(server: PageServer) -> str:

@@ -18,10 +18,9 @@ from sandbox.cli.play.own_profile import Learner, with_usable_profile
 from sandbox.cli.play.page import play_on_page
 from sandbox.cli.run import RunOptions, perform
 from sandbox.options.leap_calibration import uses_touch_profile, with_measured_hand
-from sandbox.options.leap_devices import is_leap
 from sandbox.options.metavars import device_choices
 from sandbox.options.profiles import DEFAULT, default_path, find_profile
-from sandbox.options.scene_options import SceneOptions, plan
+from sandbox.options.scene_options import SceneOptions, is_in_air, plan
 from sandbox.views.display import has_display
 from tasks.registry import find_task
 
@@ -62,7 +61,7 @@ class PlayOptions(LslOptions, PageOptions, SceneOptions):
     def with_own_profile(self) -> PlayOptions:
         """Returns the options with this user's own profile, if a person touches the device."""
         other = self.profile is not None or self.device in ("mouse", "simulated")
-        other = other or is_leap(self.device)
+        other = other or is_in_air(self.device)
         if other or Path(self.device).exists() or not default_path().exists():
             return self
         return replace(self, profile=DEFAULT)
@@ -96,7 +95,7 @@ def main(argv: list[str]) -> int:
             remedy="`--view web` plays in a browser, `sandbox run` without any view; on a remote "
             "machine try `xvfb-run`",
         )
-    if uses_touch_profile(options, is_leap(options.device)):
+    if uses_touch_profile(options, is_in_air(options.device)):
         console.print(f"profile: {find_profile(str(options.profile)).line}")
     from sandbox.cli.play.window import play_in_window
 

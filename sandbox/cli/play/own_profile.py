@@ -11,14 +11,13 @@ from rich.text import Text
 
 from models.errors import InputError
 from sandbox.options.leap_calibration import uses_touch_profile
-from sandbox.options.leap_devices import is_leap
 from sandbox.options.profiles import (
     find_profile,
     load_profile,
     profile_path,
     save_profile,
 )
-from sandbox.options.scene_options import SceneOptions
+from sandbox.options.scene_options import SceneOptions, is_in_air
 from sandbox.session.own_layouts import learned_layouts
 from sandbox.session.session import Session
 
@@ -31,7 +30,7 @@ def with_usable_profile(options: Options, console: Console) -> Options:
     Raises:
         InputError: There is no such file, or it is a calibration over a Leap.
     """
-    if not uses_touch_profile(options, is_leap(options.device)):
+    if not uses_touch_profile(options, is_in_air(options.device)):
         return options
     name = str(options.profile)
     try:
@@ -94,7 +93,7 @@ class Learner:
                 got="--labels history",
                 expected="--labels population",
             )
-        if options.device == "mouse" or is_leap(options.device):
+        if options.device == "mouse" or is_in_air(options.device):
             raise InputError(
                 "there are no fingers on a touch surface to learn from",
                 where="--learn",

@@ -14,6 +14,7 @@ from sandbox.cli.common.latency import judge_latency, print_latency
 from sandbox.cli.common.page_options import PageOptions
 from sandbox.cli.common.page_view import (
     SIMULATED_USER,
+    address_line,
     in_air,
     open_page_beside_window,
     short_address,
@@ -263,7 +264,7 @@ class WindowPlay:
         self.window.attach(*(rig.device for rig in session.rigs))
         address = session.first_rig.device.address
         if address:
-            self.console.print(f"listening for TUIO on [bold]{address}[/]")
+            self.console.print(address_line(address), soft_wrap=True)
             self.events.tell("listening", address=address)
         self.events.tell("trial_start", task=session.task.name, seed=session.task.seed)
         return self.window

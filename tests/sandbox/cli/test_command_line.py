@@ -12,6 +12,7 @@ from sandbox.cli.study.command import ACTIONS
 WITH_PARTS = {
     "touches": ("show", "record", "send"),
     "leap": ("fake", "simulate"),
+    "webcam": ("install", "status", "record"),
     "paalm": ("show", "calibrate"),
     "study": tuple(ACTIONS),
 }

@@ -1,0 +1,133 @@
+"""The commanded pose of a hand in the air: it follows a goal that is seen, and waits for one that
+is lost."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from math import exp
+
+import numpy as np
+
+from encoders.reconstruction.arrival import Phase
+from encoders.reconstruction.touch_reconstructor import Reconstruction
+from models.arithmetic.arrays import Array
+from models.arithmetic.products import length
+from models.frames import FINGERS
+from models.limits import RateLimit
+from models.one_pose import OnePose
+from models.pose import JOINTS, ROOT_POSITION, ROOT_ROTATION
+from models.rotations import unwrapped
+from models.skeleton import Skeleton
+
+_ALL = frozenset(range(len(FINGERS)))
+
+
+@dataclass(frozen=True)
+class FollowingSettings:
+    """How a commanded pose follows.
+
+    Attributes:
+        rate: Speed limits of the commanded pose.
+        smoothing: s, time constant of position and rotation of the palm; 0 switches it off.
+        joint_smoothing: s, time constant of the joints; 0 switches it off.
+        patience: s that a lost hand keeps its pose and stays solid: devices lose hands for moments,
+            and a held box should not fall each time.
+        rise, rise_speed: m by which, and m/s at which, a hand that stays lost rises as a ghost, so
+            that it does not hide objects.
+        near: m from its place within which a returned hand may be solid again.
+        floor: m, least world height of a commanded fingertip; the whole hand is raised. People do
+            not feel the table, and a hand pushed into it would crush a held object.
+    """
+
+    rate: RateLimit = field(default_factory=RateLimit)
+    smoothing: float = 0.06
+    joint_smoothing: float = 0.05
+    patience: float = 0.3
+    rise: float = 0.08
+    rise_speed: float = 0.15
+    near: float = 0.02
+    floor: float = 0.0
+
+
+class FollowedHand:
+    """Follows one hand.
+
+    Args:
+        skeleton: The hand's skeleton.
+        settings: How it follows.
+        start: (48,) pose in the world before the hand is seen first.
+
+    Attributes:
+        unseen: s since the hand was seen last; infinite before the first time.
+    """
+
+    def __init__(self, skeleton: Skeleton, settings: FollowingSettings, start: Array) -> None:
+        self.settings = settings
+        self._tips, self._radius = OnePose(skeleton), skeleton.tip_radius
+        self._start = start
+        self.reset()
+
+    def reset(self) -> None:
+        """Returns to the start."""
+        self._commanded = self._goal = self._start.copy()
+        self._seen_before = self._here = False
+        self.unseen = np.inf
+
+    @property
+    def commanded(self) -> Array:
+        """The pose last commanded (48,), in the world."""
+        return self._commanded
+
+    def follow(self, goal: Array, dt: float) -> None:
+        """Moves towards a goal (48,) in the world that is seen now, in a control step of dt s."""
+        s, goal = self.settings, goal.copy()
+        first = not self._seen_before
+        # After a long absence the old state is not used for smoothing.
+        if self.unseen <= s.patience:
+            goal[ROOT_ROTATION] = unwrapped(goal[ROOT_ROTATION], self._goal[ROOT_ROTATION])
+            _keep(goal, self._goal, slice(0, JOINTS.start), s.smoothing, dt)
+            _keep(goal, self._goal, JOINTS, s.joint_smoothing, dt)
+        self._goal = goal
+        above = self._above_floor(goal)
+        self._commanded = above if first else s.rate(self._commanded, above, dt)
+        self._seen_before, self.unseen = True, 0.0
+        off = length(self._commanded[ROOT_POSITION] - above[ROOT_POSITION])
+        self._here = self._here or off < s.near
+
+    def lose(self, dt: float) -> None:
+        """A control step of dt s in which the hand is not seen."""
+        s = self.settings
+        self.unseen += dt
+        if self.unseen <= s.patience:
+            return
+        self._here = False
+        gone = self.unseen - s.patience
+        if self._seen_before and (gone - dt) * s.rise_speed < s.rise:
+            self._commanded = self._commanded.copy()
+            self._commanded[2] += s.rise_speed * min(dt, gone)
+
+    def reconstruction(self, error: float) -> Reconstruction:
+        """The result of a control step.
+
+        Args:
+            error: m by which the reconstruction misses what was seen.
+        """
+        phase = Phase.DOWN if self._here else Phase.AWAY
+        if not self._here and self.unseen == 0.0:
+            phase = Phase.COMING_DOWN
+        fingers = _ALL if self._here else frozenset()
+        return Reconstruction(self._commanded, phase, fingers, None, 1.0, error, ())
+
+    def _above_floor(self, q: Array) -> Array:
+        low = float((self._tips.tips(q)[:, 2] - self._radius).min()) - self.settings.floor
+        if low >= 0.0:
+            return q
+        raised = q.copy()
+        raised[2] -= low
+        return raised
+
+
+def _keep(goal: Array, before: Array, part: slice, smoothing: float, dt: float) -> None:
+    """Low-passes a part of a goal (48,) by the goal before, in place."""
+    if smoothing > 0.0:
+        goal[part] += exp(-dt / smoothing) * (before[part] - goal[part])

@@ -1,0 +1,111 @@
+"""A camera: what its picture shows, and where it stands before the table.
+
+Camera frame: origin in the lens, x right and y down in the picture, z away from the camera. With no
+tilt and no roll, the camera looks at the person horizontally from across the table: its x is the
+world's -x, its y the world's -z and its z the world's -y. Tilt turns it down about its x axis: at
+90 degrees it looks straight down on the table, with the far side below in its picture. Roll turns
+the picture about the line of sight: a camera over the table that was put up from the person's side
+has tilt 90 and roll 180. Pan turns the camera about the vertical: at 90 degrees it stands at the
+person's left hand and looks to the right.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from math import cos, isfinite, radians, sin, tan
+
+import numpy as np
+
+from models.arithmetic.arrays import Array
+from models.arithmetic.products import small_product
+from models.errors import InputError
+from models.frames import Vector
+
+DEFAULT_VIEW = 60.0
+"""Degrees of the picture's width that a webcam sees in a picture of 4:3, where nobody says it.
+Webcams name 60 to 78 degrees, mostly across the diagonal of 16:9; a picture of 4:3 cut out of it
+has about 50 to 62."""
+VIEWS = (20.0, 150.0)
+"""Least and greatest angle; anything else is a typing error."""
+FARTHEST = 3.0
+"""m, largest coordinate of a camera's place."""
+
+_FACING = np.array([[-1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, -1.0, 0.0]])
+"""Axes of a camera that faces the person, as rows in the world."""
+
+
+@dataclass(frozen=True)
+class Camera:
+    """A camera; JSON values only.
+
+    Attributes:
+        view: Degrees between the left and the right edge of the picture.
+        at: (3,) m, position of the lens in the world.
+        tilt: Degrees by which it looks down: 0 horizontally, 90 straight down.
+        roll: Degrees by which it is turned about its line of sight, clockwise seen from behind it.
+        pan: Degrees by which it is turned about the vertical, counterclockwise seen from above.
+    """
+
+    view: float = DEFAULT_VIEW
+    at: Vector = (0.0, 0.45, 0.10)
+    tilt: float = 0.0
+    roll: float = 0.0
+    pan: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not (isfinite(self.view) and VIEWS[0] <= self.view <= VIEWS[1]):
+            raise InputError(
+                "the camera's field of view is out of range",
+                where="--webcam fov",
+                got=self.view,
+                expected=f"{VIEWS[0]:g} to {VIEWS[1]:g} degrees across the picture",
+            )
+        if not all(isfinite(c) and abs(c) <= FARTHEST for c in self.at):
+            raise InputError(
+                "the camera is too far away",
+                where="--webcam at",
+                got=str(self.at),
+                expected=f"three numbers of at most {FARTHEST:g} m",
+            )
+        for name in ("tilt", "roll", "pan"):
+            if not (isfinite(getattr(self, name)) and abs(getattr(self, name)) <= 360.0):
+                raise InputError(
+                    "the angle is out of range",
+                    where=f"--webcam {name}",
+                    got=getattr(self, name),
+                    expected="-360 to 360 degrees",
+                )
+
+    @cached_property
+    def axes(self) -> Array:
+        """(3, 3) rotation from the world into the camera's frame: the camera's axes as rows."""
+        t, r, p = radians(self.tilt), radians(self.roll), radians(self.pan)
+        tilted = np.array([[1.0, 0.0, 0.0], [0.0, cos(t), -sin(t)], [0.0, sin(t), cos(t)]])
+        rolled = np.array([[cos(r), sin(r), 0.0], [-sin(r), cos(r), 0.0], [0.0, 0.0, 1.0]])
+        panned = np.array([[cos(p), sin(p), 0.0], [-sin(p), cos(p), 0.0], [0.0, 0.0, 1.0]])
+        return small_product(small_product(rolled, tilted), small_product(_FACING, panned))
+
+    def focal_length(self, width: int) -> float:
+        """Focal length in pixels of a picture of a width in pixels."""
+        return 0.5 * width / tan(radians(0.5 * self.view))
+
+    def rays(self, image: Array, size: tuple[int, int]) -> Array:
+        """(n, 2) x/z and y/z in the camera's frame of points (n, 2) in pixels."""
+        centre = np.array([0.5 * size[0], 0.5 * size[1]])
+        rays: Array = (image - centre) / self.focal_length(size[0])
+        return rays
+
+    def pixels(self, points: Array, size: tuple[int, int]) -> Array:
+        """(n, 2) pixels of points (n, 3) m in the camera's frame, all before the camera."""
+        centre = np.array([0.5 * size[0], 0.5 * size[1]])
+        pixels: Array = centre + self.focal_length(size[0]) * points[:, :2] / points[:, 2:]
+        return pixels
+
+    def seen(self, points: Array) -> Array:
+        """Points (n, 3) of the world in the camera's frame."""
+        return small_product(points - np.array(self.at), self.axes.T)
+
+    def unseen(self, points: Array) -> Array:
+        """Points (n, 3) of the camera's frame in the world."""
+        return small_product(points, self.axes) + np.array(self.at)

@@ -1,0 +1,348 @@
+"""Fits the pose of a hand of known size to its landmarks in a picture.
+
+The engine says well where each joint is in the picture, and poorly how far away it is: its bones
+change their lengths from picture to picture. Here bones keep their lengths, joints their ranges,
+and each last joint follows its middle one; the pose is found whose points are seen where the
+landmarks are. What a single picture leaves open (a finger may point a little towards the camera or
+a little away) is decided by the engine's own guess of depth, by what is usual, and by the picture
+before.
+
+All of it is one least-squares problem of 48 unknowns, solved by a few Gauss-Newton steps from the
+pose before. Landmarks that fit badly count less (Cauchy's weights). Joints stay in their ranges: a
+joint at its end that would go on is held there, and the others make up for it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+from math import radians, sqrt
+from typing import NamedTuple
+
+import mujoco
+import numpy as np
+
+from encoders.paalm.coupling import TWO_THIRDS, Coupling
+from encoders.webcam.first_guess import first_guess
+from encoders.webcam.landmarks import OF_POINTS, PALM, HandPoints
+from models.arithmetic.arrays import Array, Mask
+from models.arithmetic.products import (
+    small_product,
+    solve_positive,
+    squared_lengths,
+    stacked_applied,
+    transposed_times,
+)
+from models.pose import JOINTS, POSE_SIZE, ROOT_POSITION, ROOT_ROTATION
+from models.rotations import log, quaternion_exp, quaternion_log
+from models.skeleton import Skeleton
+
+_POINTS = list(OF_POINTS)
+_DEGREE = radians(1.0)
+
+
+@dataclass(frozen=True)
+class FitSettings:
+    """What the fit trusts, as standard deviations.
+
+    Attributes:
+        picture: m at the hand's distance, of a landmark in the picture.
+        loose: m, of the landmarks of the wrist and of the thumb's root, whose place in the hand the
+            engine takes otherwise than our skeleton.
+        depth: m, of the engine's guess how much farther than the hand's middle a landmark is.
+        outlier: Factor on `picture`, beyond which a landmark begins to count less.
+        twist, aside: degrees, of a finger's first bone about its axis and to its side.
+        play: degrees, of twist and sideways play of the other joints.
+        bend: degrees, of flexion about what is usual.
+        usual: degrees of flexion that is usual at a finger's first and middle joint.
+        thumb: degrees, of the thumb's joints about their middle.
+        follow: degrees, of the last joint's flexion about the one that follows from the middle one.
+        neighbour: degrees, between the flexions of neighbouring fingers.
+        coupling: Flexion of the last joint by that of the middle one.
+        linear, toward, angular: m/s of the wrist across and along the camera's axis, and rad/s of
+            wrist and joints: what changes between two pictures are expected to be like.
+        steps, first_steps: Gauss-Newton steps of a picture after another, and of a first one.
+        doubt: m of a picture's error beyond which the fit begins again from the first guess, and
+            keeps the better of both.
+    """
+
+    picture: float = 0.005
+    loose: float = 0.008
+    depth: float = 0.1
+    outlier: float = 1.5
+    twist: float = 5.0
+    aside: float = 6.0
+    play: float = 1.5
+    bend: float = 45.0
+    usual: tuple[float, float] = (15.0, 25.0)
+    thumb: float = 12.0
+    follow: float = 12.0
+    neighbour: float = 40.0
+    coupling: Coupling = TWO_THIRDS
+    linear: float = 0.5
+    toward: float = 1.5
+    angular: float = 8.0
+    steps: int = 4
+    first_steps: int = 15
+    doubt: float = 0.010
+
+
+class Fit(NamedTuple):
+    """A fitted pose.
+
+    Attributes:
+        pose: (48,) of a right hand in the camera's frame.
+        error: m, root mean square over the landmarks of how far beside its landmark a point is, at
+            the hand's distance.
+    """
+
+    pose: Array
+    error: float
+
+
+class LandmarkFit:
+    """Fits one right hand to one picture after another.
+
+    Args:
+        skeleton: The right hand's skeleton, of the person's size.
+        settings: What the fit trusts.
+    """
+
+    def __init__(self, skeleton: Skeleton, settings: FitSettings | None = None) -> None:
+        self.settings = s = settings or FitSettings()
+        self._points = HandPoints(skeleton)
+        self._palm = self._points.palm()
+        self._palm_size = _spread(self._palm)
+        self._lower, self._upper = skeleton.lower, skeleton.upper
+        self._prior, self._usual = _prior(skeleton, s)
+        # Landmarks: the wrist and the thumb's root are loose.
+        weight = np.full(self._points.count, 1.0 / s.picture)
+        weight[:2] = 1.0 / s.loose
+        self._weight = weight
+        self.reset()
+
+    def reset(self) -> None:
+        """Forgets the picture before."""
+        self._pose: Array | None = None
+
+    @property
+    def pose(self) -> Array | None:
+        """The pose (48,) of the last picture, in the camera's frame; None before the first."""
+        return self._pose
+
+    def fit(self, rays: Array, world: Array, dt: float) -> Fit:
+        """Fits the next picture.
+
+        Args:
+            rays: (21, 2) x/z and y/z of the landmarks in the camera's frame.
+            world: (21, 3) m, the engine's guess in space, in the camera's axes.
+            dt: s since the picture before; without meaning for the first.
+        """
+        s = self.settings
+        depth = self._depth(rays, world)
+        if self._pose is None:
+            found = self._solve(self._guess(rays, world), rays, depth, None, s.first_steps)
+        else:
+            speeds = np.full(POSE_SIZE, s.angular, float)
+            speeds[ROOT_POSITION] = s.linear, s.linear, s.toward
+            still = 1.0 / (speeds * max(dt, _LEAST_TIME))
+            found = self._solve(self._pose, rays, depth, still, s.steps)
+            if found.error > s.doubt:
+                again = self._solve(self._guess(rays, world), rays, depth, None, s.first_steps)
+                found = again if again.error < _BETTER * found.error else found
+        self._pose = found.pose
+        return found
+
+    def _guess(self, rays: Array, world: Array) -> Array:
+        toward = _turn_to_ray(rays)
+        return first_guess(self._palm, rays, stacked_applied(toward, world))
+
+    def _depth(self, rays: Array, world: Array) -> Array:
+        """(20,) m by which each point is farther along the line of sight than their mean."""
+        scale = self._palm_size / max(_spread(world[list(PALM)]), _LEAST_PALM)
+        z = min(max(scale, _SCALES[0]), _SCALES[1]) * world[_POINTS, 2]
+        return z - z.mean()
+
+    def _solve(
+        self, start: Array, rays: Array, depth: Array, still: Array | None, steps: int
+    ) -> Fit:
+        s, q = self.settings, start.copy()
+        seen = rays[_POINTS]
+        sight = _turn_to_ray(rays)[:, 2]
+        before = start
+        for _ in range(steps):
+            points, jacobian = self._points.points_and_jacobian(q)
+            z = np.maximum(points[:, 2], _NEAREST)
+            along = points[:, :2] / z[:, None]
+            aside = (along - seen) * z[:, None]
+            weight = self._weight * _cauchy(squared_lengths(aside), s.outlier * s.picture)
+            rows = (jacobian[:, :2] - along[:, :, None] * jacobian[:, 2:]) * weight[:, None, None]
+            misses = aside * weight[:, None]
+            deep = stacked_applied(points, np.broadcast_to(sight, points.shape)[0])
+            deep_rows = (
+                jacobian[:, 0] * sight[0] + jacobian[:, 1] * sight[1] + jacobian[:, 2] * sight[2]
+            )
+            deep_misses = (deep - deep.mean() - depth) / s.depth
+            deep_rows = (deep_rows - deep_rows.mean(axis=0)) / s.depth
+            everything = np.concatenate([rows.reshape(-1, POSE_SIZE), deep_rows])
+            missed = np.concatenate([misses.ravel(), deep_misses])
+            square = transposed_times(everything, everything)
+            down = transposed_times(everything, missed[:, None])[:, 0]
+            square[JOINTS, JOINTS] += self._prior
+            down[JOINTS] += stacked_applied(self._prior, q[JOINTS] - self._usual)
+            if still is not None:
+                square[np.diag_indices(POSE_SIZE)] += still * still
+                down += still * still * _moved(q, before)
+            square[np.diag_indices(POSE_SIZE)] += _DAMPING
+            step = self._step(q, square, down)
+            q = self._stepped(q, step)
+            if float(np.abs(step).max()) < _STILL:
+                break
+        points = self._points.points(q)
+        z = np.maximum(points[:, 2], _NEAREST)
+        aside = (points[:, :2] / z[:, None] - seen) * z[:, None]
+        return Fit(q, sqrt(float(squared_lengths(aside).mean())))
+
+    def _step(self, q: Array, square: Array, down: Array) -> Array:
+        """The Gauss-Newton step (48,), with joints held that would leave their range."""
+        held = np.zeros(POSE_SIZE, bool)
+        for _ in range(_ROUNDS):
+            step = _solved(square, down, held)
+            joints = q[JOINTS] + step[JOINTS]
+            out = (joints < self._lower) & (q[JOINTS] <= self._lower + _AT_END)
+            out |= (joints > self._upper) & (q[JOINTS] >= self._upper - _AT_END)
+            out &= ~held[JOINTS]
+            if not out.any():
+                break
+            held[JOINTS] |= out
+        return np.minimum(np.maximum(step, -_LONGEST), _LONGEST)
+
+    def _stepped(self, q: Array, step: Array) -> Array:
+        moved = q + step
+        moved[ROOT_ROTATION] = _turned(q[ROOT_ROTATION], step[ROOT_ROTATION])
+        moved[JOINTS] = np.minimum(np.maximum(moved[JOINTS], self._lower), self._upper)
+        moved[2] = max(float(moved[2]), _NEAREST)
+        return moved
+
+
+_LEAST_TIME = 0.001
+"""s, least time between two pictures."""
+_BETTER = 0.8
+"""Share of the error below which a new beginning is better than the picture before."""
+_LEAST_PALM, _SCALES = 0.01, (0.5, 2.0)
+"""m and factors that bound the size of the engine's palm."""
+_NEAREST = 0.03
+"""m, least distance of a point from the lens."""
+_DAMPING = 1e-3
+_STILL = 1e-5
+"""m or rad of a step that ends the search."""
+_LONGEST = 0.5
+"""m or rad of a step in any direction."""
+_ROUNDS = 4
+"""Most rounds in which joints are held."""
+_AT_END = 1e-9
+"""rad within which a joint is at the end of its range."""
+
+
+def _prior(skeleton: Skeleton, s: FitSettings) -> tuple[Array, Array]:
+    """What is usual of the joints: precision (42, 42) in 1/rad2, and the most usual pose (42,)."""
+    count = 3 * len(skeleton.bones)
+    rows: list[Array] = []
+    wanted: list[float] = []
+
+    def add(terms: dict[int, float], value: float, spread: float) -> None:
+        """A row: the sum of terms is the value, in rad, within a spread in degrees."""
+        row = np.zeros(count)
+        for i, factor in terms.items():
+            row[i] = factor
+        rows.append(row / (spread * _DEGREE))
+        wanted.append(value / (spread * _DEGREE))
+
+    first = skeleton.first_bone.tolist()
+    for i, bone in enumerate(skeleton.bones):
+        x, y, z = 3 * i, 3 * i + 1, 3 * i + 2
+        knuckle, thumb = i in first, bone.finger == 0
+        if thumb:
+            add({x: 1.0}, 0.0, s.thumb)
+        elif i - first[bone.finger] < len(s.usual):
+            # Flexion is the rest's flexion minus the rotation about x.
+            bent = s.usual[i - first[bone.finger]] * _DEGREE
+            add({x: 1.0}, _flexion(skeleton, i) - bent, s.bend)
+        add({y: 1.0}, 0.0, s.thumb if thumb and knuckle else s.twist if knuckle else s.play)
+        add({z: 1.0}, 0.0, s.thumb if thumb and knuckle else s.aside if knuckle else s.play)
+    slope, offset = s.coupling.slope, s.coupling.offset * _DEGREE
+    for knuckle in first[1:]:
+        pip, dip = knuckle + 1, knuckle + 2
+        at_rest = (_flexion(skeleton, pip), _flexion(skeleton, dip))
+        value = at_rest[1] - slope * at_rest[0] - offset
+        add({3 * dip: 1.0, 3 * pip: -slope}, value, s.follow)
+    for one, other in pairwise(first[1:]):
+        for bone_of in range(2):
+            add({3 * (one + bone_of): 1.0, 3 * (other + bone_of): -1.0}, 0.0, s.neighbour)
+    A, b = np.array(rows), np.array(wanted)
+    precision = transposed_times(A, A)
+    usual = solve_positive(
+        precision.copy(), np.ascontiguousarray(transposed_times(A, b[:, None])[:, 0])
+    )
+    return precision, usual
+
+
+def _flexion(skeleton: Skeleton, bone: int) -> float:
+    """rad by which a joint is bent at rest."""
+    return -float(log(skeleton.bones[bone].rest)[0])
+
+
+def _solved(square: Array, down: Array, held: Mask) -> Array:
+    """The step (48,) that solves the equations, 0 where the pose is held."""
+    S, r = square.copy(), -down
+    if held.any():
+        S[held] = 0.0
+        S[:, held] = 0.0
+        S[held, held] = 1.0
+        r[held] = 0.0
+    return solve_positive(S, r)
+
+
+def _cauchy(squares: Array, scale: float) -> Array:
+    """Square roots of Cauchy's weights of squared misses (n,)."""
+    weights: Array = 1.0 / np.sqrt(1.0 + squares / (scale * scale))
+    return weights
+
+
+def _moved(q: Array, before: Array) -> Array:
+    """(48,) by which a pose has moved, the root's turn in its own frame."""
+    moved = q - before
+    product, conjugate = np.zeros(4), np.zeros(4)
+    mujoco.mju_negQuat(conjugate, quaternion_exp(before[ROOT_ROTATION]))
+    mujoco.mju_mulQuat(product, conjugate, quaternion_exp(q[ROOT_ROTATION]))
+    moved[ROOT_ROTATION] = quaternion_log(product)
+    return moved
+
+
+def _turned(w: Array, turn: Array) -> Array:
+    """The rotation vector (3,) of exp(w) exp(turn)."""
+    product = np.zeros(4)
+    mujoco.mju_mulQuat(product, quaternion_exp(w), quaternion_exp(turn))
+    mujoco.mju_normalize4(product)
+    return quaternion_log(product)
+
+
+def _turn_to_ray(rays: Array) -> Array:
+    """(3, 3) rotation from the axis of the camera to the line of sight to the hand's middle.
+
+    The engine looks at a hand as if it were in the middle of the picture.
+    """
+    x, y = rays.mean(axis=0).tolist()
+    long = sqrt(x * x + y * y + 1.0)
+    across = sqrt(x * x + y * y)
+    if across < _AT_END:
+        return np.eye(3)
+    # The turn about the axis (-y, x, 0) whose cosine is 1 / long and sine is across / long.
+    k = np.array([[0.0, 0.0, x], [0.0, 0.0, y], [-x, -y, 0.0]]) / across
+    turned: Array = np.eye(3) + (across / long) * k + (1.0 - 1.0 / long) * small_product(k, k)
+    return turned
+
+
+def _spread(points: Array) -> float:
+    """m, root mean square distance of points (n, 3) from their mean."""
+    return sqrt(float(squared_lengths(points - points.mean(axis=0)).mean()))

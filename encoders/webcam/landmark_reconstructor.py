@@ -1,0 +1,170 @@
+"""Landmarks as a source of poses: a reconstructor of one hand from one picture after another.
+
+It has the interface of all reconstructors (`encoders.reconstruction.reconstructor`). A picture is
+solved once, when it comes; between two pictures the commanded pose goes on towards the last one.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+
+import numpy as np
+
+from encoders.reconstruction.followed_hand import FollowedHand, FollowingSettings
+from encoders.reconstruction.touch_reconstructor import Reconstruction
+from encoders.webcam.camera import Camera
+from encoders.webcam.landmark_fit import FitSettings, LandmarkFit
+from models.arithmetic.arrays import Array
+from models.arithmetic.products import small_product
+from models.frames import LandmarkFrame, SeenHand
+from models.messages.message import Message
+from models.person import Person
+from models.pose import POSE_SIZE, ROOT_POSITION, ROOT_ROTATION, mirrored
+from models.rotations import exp, log
+from models.skeleton import ADULT
+from models.surface import Surface
+
+UNSEEN_NOTICE = 1.0
+"""s that a hand is an unseen ghost before the person gets a notice."""
+_START = (0.0, -0.10, 0.12)
+"""m, wrist of the right hand before it is seen: over the table, fingers away from the person."""
+_FORGET = 0.5
+"""s without a picture of the hand after which the next one is solved from the beginning."""
+
+
+class LandmarkReconstructor:
+    """Reconstructs one hand from a camera's landmarks.
+
+    Args:
+        camera: The camera.
+        side: `right` or `left`.
+        size: Length of the hand relative to the average one; its distance follows from it.
+        following: How the commanded pose follows.
+        fit: What the fit trusts.
+        surface: Workspace of a task; None is the default tablet.
+
+    Attributes:
+        empty: The frame that stands for a device before its first one.
+        counts: Number of pictures without this hand, and with more hands of its side, by reason.
+    """
+
+    empty = LandmarkFrame(0.0)
+
+    def __init__(
+        self,
+        camera: Camera,
+        side: str = "right",
+        size: float = 1.0,
+        following: FollowingSettings | None = None,
+        fit: FitSettings | None = None,
+        surface: Surface | None = None,
+    ) -> None:
+        self.camera, self.side = camera, side
+        self.surface = surface or Surface()
+        skeleton = Person("right", size).skeleton(ADULT)
+        self._fit = LandmarkFit(skeleton, fit)
+        start = np.zeros(POSE_SIZE)
+        start[ROOT_POSITION] = _START
+        start = mirrored(start) if side == "left" else start
+        own = Person(side, size).skeleton(ADULT)
+        self._hand = FollowedHand(own, following or FollowingSettings(), start)
+        self.reset()
+
+    def reset(self) -> None:
+        """Returns to the initial state: a hand that waits for its first picture."""
+        self._hand.reset()
+        self._fit.reset()
+        self.counts: dict[str, int] = Counter()
+        self._time: float | None = None
+        self._taken: float | None = None
+        self._solved: float | None = None
+        self._place: Array | None = None
+        self._goal: Array | None = None
+        self._error = float("nan")
+
+    @property
+    def commanded(self) -> Array:
+        """The pose last commanded (48,), in the world."""
+        return self._hand.commanded
+
+    @property
+    def notice(self) -> str:
+        """Notice to the person whose hand is not seen; empty while all is well."""
+        if self._hand.unseen > self._hand.settings.patience + UNSEEN_NOTICE:
+            return Message(
+                "hand_unseen",
+                "the {side} hand is not seen: hold it over the device",
+                side=self.side,
+            )
+        return ""
+
+    def step(self, frame: LandmarkFrame) -> Reconstruction:
+        """Processes a frame; called once per control step, even if nothing has changed."""
+        dt = 0.0 if self._time is None else max(frame.time - self._time, 0.0)
+        self._time = frame.time if self._time is None else max(frame.time, self._time)
+        if frame.taken != self._taken or not frame.hands:
+            self._taken = frame.taken
+            self._look(frame)
+        if self._goal is None:
+            self._hand.lose(dt)
+        else:
+            self._hand.follow(self._goal, dt)
+        return self._hand.reconstruction(self._error)
+
+    def _look(self, frame: LandmarkFrame) -> None:
+        """Solves a new picture; without the hand in it there is no goal."""
+        hand = self._choose(frame)
+        if hand is None:
+            self._goal = None
+            return
+        dt = np.inf if self._solved is None else frame.taken - self._solved
+        if not 0.0 < dt <= _FORGET:
+            self._fit.reset()
+        self._solved = frame.taken
+        rays = self.camera.rays(np.array(hand.image), frame.size)
+        world = np.array(hand.world)
+        if self.side == "left":
+            # A left hand is the right-hand code between two mirrors.
+            rays, world = rays * [-1.0, 1.0], world * [-1.0, 1.0, 1.0]
+        pose, self._error = self._fit.fit(rays, world, dt)
+        self._goal = self._in_world(mirrored(pose) if self.side == "left" else pose)
+        self._place = np.array(hand.image).mean(axis=0)
+
+    def _choose(self, frame: LandmarkFrame) -> SeenHand | None:
+        """This reconstructor's hand among those of a picture; None if it is not there.
+
+        Of several, the one nearest to where the hand was, or the surest where it was nowhere. A
+        single hand of the other side is taken for this one where this one just was: the engine
+        mistakes the side of a hand for moments.
+        """
+        own = [h for h in frame.hands if h.side == self.side]
+        if len(own) > 1:
+            self.counts["several hands of one side"] += 1
+        if not own and len(frame.hands) == 1 and self._followed(frame):
+            (other,) = frame.hands
+            palm = np.array(other.image)
+            if self._off(other) < float(np.abs(palm - palm.mean(axis=0)).max()):
+                return other
+        if not own:
+            self.counts["pictures without the hand"] += 1
+            return None
+        if self._followed(frame):
+            return min(own, key=self._off)
+        return max(own, key=lambda h: h.score)
+
+    def _followed(self, frame: LandmarkFrame) -> bool:
+        """True if the hand was seen just before this picture."""
+        before = self._solved is not None and 0.0 <= frame.taken - self._solved <= _FORGET
+        return before and self._place is not None
+
+    def _off(self, hand: SeenHand) -> float:
+        """Pixels from where the hand was, along the farther axis."""
+        assert self._place is not None
+        return float(np.abs(np.array(hand.image).mean(axis=0) - self._place).max())
+
+    def _in_world(self, pose: Array) -> Array:
+        """A pose (48,) of the camera's frame in the world."""
+        q, axes = pose.copy(), self.camera.axes
+        q[ROOT_POSITION] = self.camera.unseen(pose[None, ROOT_POSITION])[0]
+        q[ROOT_ROTATION] = log(small_product(axes.T, exp(pose[ROOT_ROTATION])))
+        return q

@@ -1,0 +1,108 @@
+"""`sandbox webcam`: installs what finds hands in pictures, tells what is there, and records."""
+
+from __future__ import annotations
+
+import math
+import time
+import webbrowser
+from collections.abc import Callable
+from contextlib import closing, suppress
+from pathlib import Path
+from typing import Annotated
+
+import tyro
+from rich.console import Console
+from rich.text import Text
+
+from sandbox.cli.common.parse import subcommand
+from sandbox.devices.files.line_file import LineFile
+from sandbox.devices.webcam import install as fetch
+from sandbox.devices.webcam.installed import (
+    ENGINE_VERSION,
+    INSTALL,
+    LICENCE,
+    MODEL_VERSION,
+    damaged,
+    engine_folder,
+    installed_engine,
+)
+from sandbox.devices.webcam.landmark_file import header_record
+from sandbox.devices.webcam.landmarks_json import message_of
+from sandbox.devices.webcam.webcam import WebcamDevice
+from sandbox.options.webcam_devices import webcam_choice
+
+_LOOK = 0.2
+"""s between two looks at the clock."""
+
+
+def main(argv: list[str]) -> int:
+    """Runs `sandbox webcam ...`; returns the exit status."""
+    commands: dict[str, Callable[..., int]] = {
+        "install": install,
+        "status": status,
+        "record": record,
+    }
+    about = "Hands before a webcam: install what finds them, and record their landmarks."
+    return subcommand(commands, "sandbox webcam", about, argv)
+
+
+def install() -> int:
+    """Fetches what finds hands in pictures: MediaPipe's engine from npm, its model from PyPI.
+
+    Exact versions, by SHA-256, through npm and pip as they are set up here; 46 MB once, of which 30
+    are kept with their licence (Apache-2.0) in this user's data folder. Later, no network is used.
+    """
+    folder = fetch.install(lambda line: print(line, flush=True))
+    print(f"installed: {folder}")
+    return 0
+
+
+def status() -> int:
+    """Tells whether what finds hands is installed; exit status 1 if it is not."""
+    folder = engine_folder()
+    wrong = damaged(folder)
+    print(f"@mediapipe/tasks-vision {ENGINE_VERSION}, model of mediapipe {MODEL_VERSION}")
+    if wrong:
+        print(f"not installed: {wrong[0]} is missing or damaged in {folder}. {INSTALL}")
+        return 1
+    print(f"installed: {folder}; licence: {folder / LICENCE}")
+    return 0
+
+
+def record(
+    out: Annotated[tyro.conf.Positional[Path], tyro.conf.arg(metavar="FILE")],
+    webcam: Annotated[str, tyro.conf.arg(metavar="KEY=VALUE,...")] = "",
+    seconds: float = math.inf,
+) -> int:
+    """Records the landmarks of hands before the camera, without a task; Ctrl-C ends.
+
+    The file plays as a device: --device FILE. It holds points of hands and no picture.
+
+    Args:
+        out: New file, JSON lines.
+        webcam: The camera, as in `sandbox play --help`; kept in the file.
+        seconds: Stop after this many seconds.
+    """
+    choice = webcam_choice(webcam)
+    engine = installed_engine()
+    console = Console(stderr=True)
+    with LineFile(out) as file:
+        file.write(header_record(choice.camera))
+        device = WebcamDevice(engine, ("right", "left"), choice.mirrored)
+        console.print(Text(f"the camera's page: {device.address}  (Ctrl-C ends)"))
+        if not choice.quiet:
+            webbrowser.open(device.address)
+        pictures, told = 0, ""
+        # Ctrl-C is the usual way to end.
+        with suppress(KeyboardInterrupt), closing(device):
+            end = time.monotonic() + seconds
+            while time.monotonic() < end:
+                device.wait(_LOOK)
+                for frame in device.poll(0.0):
+                    file.write(message_of(frame))
+                    pictures += 1
+                if device.notice != told:
+                    told = device.notice
+                    console.print(Text(told or "hands are looked for"))
+    console.print(Text(f"{pictures} pictures: {out}"))
+    return 0

