@@ -126,7 +126,7 @@ def film(camera: Camera, poses: Array) -> Film:
                     mujoco.mjr_readPixels(
                         pixels, None, mujoco.MjrRect(0, 0, width, height), context
                     )
-                pictures.append(_jpeg(Image.fromarray(pixels[::-1]), number))
+                pictures.append(numbered(Image.fromarray(pixels[::-1]), number))
     finally:
         gl.free()
     return Film(camera, poses, tuple(pictures))
@@ -142,7 +142,8 @@ def _point(eye: Any, camera: Camera) -> None:
     eye.frustum_top, eye.frustum_bottom = half * height / width, -half * height / width
 
 
-def _jpeg(picture: Image.Image, number: int) -> bytes:
+def numbered(picture: Image.Image, number: int) -> bytes:
+    """A picture as JPEG, with its number in black and white squares in its upper left corner."""
     pen = ImageDraw.Draw(picture)
     for bit in range(_BITS):
         shade = 255 if number >> bit & 1 else 0

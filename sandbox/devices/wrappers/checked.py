@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import hypot
 
+from models.arithmetic.products import length
 from models.errors import DeviceError
 from models.frames import TouchFrame
 from models.surface import Surface
@@ -43,7 +43,7 @@ class CheckedDevice(DeviceWrapper):
                 expected="a list of TouchFrame, empty if there is nothing new",
             )
         width, height = self._size
-        far = hypot(width, height)
+        far = length(self._size)
         for frame in frames:
             for contact in frame.contacts:
                 x, y = contact.x, contact.y
