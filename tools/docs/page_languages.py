@@ -5,7 +5,8 @@
 Opens the page in a real Chromium, which has to be installed, shows what a person meets on it, and
 prints every text that is wider than its place or outside of the screen. With `--sheet` it makes two
 sheets: `docs/pictures/languages.webp`, every language, and `docs/pictures/screens.webp`, every
-screen. What is shown is put there: nobody plays, and no physics runs.
+screen. What is shown is put there: nobody plays, and no physics runs. Chinese and Japanese need
+fonts that have them, such as Debian's fonts-noto-cjk.
 """
 
 from __future__ import annotations
