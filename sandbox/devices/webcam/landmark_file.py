@@ -137,6 +137,7 @@ class LandmarkFileDevice(LandmarkDevice):
     """
 
     name = "landmark recording"
+    has_lift = True
     plays_file = True
     damage: Exception | None
 

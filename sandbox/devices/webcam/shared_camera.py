@@ -43,6 +43,7 @@ class CameraPart(LandmarkDevice):
     """
 
     name: str
+    has_lift = True
 
     def __init__(self, shared: SharedCamera, index: int) -> None:
         self._shared, self._first = shared, index == 0

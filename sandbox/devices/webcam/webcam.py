@@ -48,6 +48,7 @@ class WebcamDevice(LandmarkDevice):
     """
 
     name = "webcam"
+    has_lift = True
     finished = False
 
     def __init__(

@@ -16,8 +16,12 @@ from urllib.parse import urlsplit
 import numpy as np
 import pytest
 
+from benchmarks.webcam_films import VIEWS, film, poses_of
+from benchmarks.webcam_films import seen as watch
 from encoders.webcam.camera import Camera
 from models.frames import LandmarkFrame
+from sandbox.devices.webcam.install import install
+from sandbox.devices.webcam.installed import installed_engine
 from sandbox.devices.webcam.landmark_server import ENDED, REPLACED
 from sandbox.devices.webcam.webcam import CLOSED, NOTICES, WebcamDevice
 from tests.encoders.webcam.seen_hands import SIZE, held_up, seen
@@ -215,3 +219,17 @@ def test_why_there_is_no_picture_is_told(tmp_path, device, flags, said, notice):
         assert tab.evaluate("!document.getElementById('again').hidden")
     finally:
         browser.close()
+
+
+@pytest.mark.full
+@pytest.mark.needs("opengl")
+def test_the_fetched_engine_finds_our_rendered_hand_and_asks_no_other_host(tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path))
+    engine = install(lambda line: None)
+    assert engine.is_relative_to(tmp_path) and installed_engine() == engine
+    pictures = film(VIEWS["above"], poses_of(1, 4)).pictures
+    shown = watch(pictures, engine)
+    found = [f for f in shown.frames if f is not None]
+    assert len(found) == len(pictures)
+    assert [h.side for f in found for h in f.hands] == ["right"] * len(pictures)
+    assert all(host.startswith("127.0.0.1:") for host in shown.hosts)

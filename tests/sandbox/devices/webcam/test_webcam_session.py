@@ -72,6 +72,16 @@ def test_two_hands_before_one_camera_are_each_their_own_side(tmp_path):
     assert all(hand.in_air and hand.in_air.camera for hand in chosen.settings.hands)
 
 
+def test_two_hands_carry_together_and_replay_to_the_bit(tmp_path, capsys):
+    file, recording = hand_file(tmp_path / "hands.jsonl", both=True), tmp_path / "two.jsonl"
+    options = ["--device", str(file), "--device", str(file), "--record", str(recording)]
+    assert main(["run", "carry-together", *options]) == 0
+    assert main(["replay", str(recording)]) == 0
+    assert "equal to the bit" in capsys.readouterr().out
+    right, left = (load_recording(recording).inputs[hand] for hand in (0, 1))
+    assert len(right) == len(left) == 60
+
+
 def test_two_right_hands_before_one_camera_are_refused(tmp_path):
     file = str(hand_file(tmp_path / "hands.jsonl", both=True))
     with pytest.raises(InputError, match="a right and a left hand"):
