@@ -24,6 +24,8 @@ from models.json_input import checked, decoded_record
 from models.motion.armature import CHUNK, Armature
 from models.motion.sampling import Poses
 from models.skeleton import ADULT
+from sandbox.devices.webcam.landmark_file import is_landmark_file
+from sandbox.export.landmark_source import open_landmarks
 from sandbox.export.leap_source import Hand, open_leap
 from sandbox.export.motion_source import MotionSource, PoseCallback, poses_of, together
 from sandbox.recording.recording import is_recording, load_recording, read_header
@@ -49,14 +51,14 @@ def open_source(
     hand: Hand | None = None,
     calibration: Path | None = None,
 ) -> MotionSource:
-    """Opens a recording, a capture or a recording of a Leap, distinguished by content.
+    """Opens a recording, a capture, or a recording of a Leap or a camera, distinguished by content.
 
     Args:
         path: The file.
         of: `simulated` hands of a recording, the default; or `commanded` poses, for which the
             recording is played again.
         take: Number of the take of a capture, from 1.
-        hand: Whose hand of a Leap recording; None: all that are there.
+        hand: Whose hand of a recording of a Leap or a camera; None: all that are there.
         calibration: File with the measured hands of a Leap recording.
 
     Raises:
@@ -82,6 +84,9 @@ def open_source(
             got=str(path),
             remedy="Leave out --of",
         )
+    if is_landmark_file(path):
+        _only_leaps(None, calibration, "a recording of landmarks")
+        return open_landmarks(path, hand)
     try:
         return open_leap(path, hand, calibration)
     except RecordingError as error:

@@ -11,9 +11,11 @@ import pytest
 from encoders.webcam.camera import Camera
 from models.errors import InputError
 from models.frames import LandmarkFrame
+from models.motion.sampling import Poses
 from sandbox.cli.main import main
 from sandbox.devices.webcam.landmark_file import header_record
 from sandbox.devices.webcam.landmarks_json import message_of
+from sandbox.export.sources import open_source
 from sandbox.options.scene_options import SceneOptions, plan
 from sandbox.options.webcam_devices import webcam_choice
 from sandbox.recording.recording import load_recording
@@ -86,6 +88,25 @@ def test_two_right_hands_before_one_camera_are_refused(tmp_path):
     file = str(hand_file(tmp_path / "hands.jsonl", both=True))
     with pytest.raises(InputError, match="a right and a left hand"):
         plan(SceneOptions(device=file, second_device=file, hand="right", second_hand="right"))
+
+
+def test_a_recording_of_landmarks_is_exported_as_it_is(tmp_path):
+    file, out = hand_file(tmp_path / "hand.jsonl"), tmp_path / "hand.bvh"
+    assert main(["export", str(file), "--to", str(out)]) == 0
+    assert "MOTION" in out.read_text()
+    source = open_source(file)
+    taken: list[Poses] = []
+    assert source.play(taken.append) == "" and source.names == ("right",)
+    root = np.concatenate([poses.root[:, 0] for poses in taken])
+    assert len(root) == 60 and source.duration == pytest.approx(59 / 30)
+    wrist = CAMERA.unseen(held_up()[None, :3])[0]
+    assert np.linalg.norm(root[30:] - wrist, axis=1).max() < 0.03
+
+
+def test_both_hands_of_a_recording_of_landmarks_are_exported(tmp_path):
+    assert open_source(hand_file(tmp_path / "two.jsonl", both=True)).names == ("right", "left")
+    with pytest.raises(InputError, match="not in the recording"):
+        open_source(hand_file(tmp_path / "one.jsonl"), hand="left")
 
 
 @pytest.mark.parametrize("text", ["fov", "fov=wide", "zoom=2", "at=1/2", "mirrored=yes", "fov=5"])
