@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import importlib
 import re
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -45,6 +46,18 @@ def test_every_link_within_the_repository_leads_somewhere(page: Path) -> None:
         if not target.exists() or (anchor and anchor not in anchors(target)):
             astray.append(link)
     assert not astray
+
+
+def test_the_menu_of_the_site_has_every_page_once() -> None:
+    sections = tomllib.loads((ROOT / "site" / "navigation.toml").read_text(encoding="utf-8"))
+    pages = [page for section in sections["section"] for page in section["pages"]]
+    files = [re.sub(r".*<(.*)>", r"\1", page) for page in pages]
+    assert len(set(files)) == len(files)
+    listed = {ROOT / f"{file}.md" for file in files if not file.startswith("api/")}
+    wanted = set((ROOT / "docs").rglob("*.md")) - {ROOT / "docs" / "index.md"}
+    assert (
+        listed - {ROOT / f"{name}.md" for name in ("README", "CHANGELOG", "CONTRIBUTING")} == wanted
+    )
 
 
 def test_the_index_leads_to_every_page_of_the_documentation() -> None:

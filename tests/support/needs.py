@@ -47,12 +47,21 @@ def _axe() -> str:
     return "" if AXE.is_file() else "no axe-core (npm ci in sandbox/views/page)"
 
 
+SITE = Path(__file__).resolve().parents[2] / "out" / "site"
+"""The site, where `python -m tools.docs.site` puts it."""
+
+
+def _site() -> str:
+    return "" if (SITE / "index.html").is_file() else "no site (python -m tools.docs.site)"
+
+
 _WHAT_LACKS: dict[str, Callable[[], str]] = {
     "opengl": _opengl,
     "egl": lambda: _library("libEGL.so.1", "libegl1"),
     "osmesa": lambda: _library("libOSMesa.so.8", "libosmesa6"),
     "screen": _screen,
     "axe": _axe,
+    "site": _site,
 }
 """Need -> what is missing for it on this machine; empty: nothing."""
 

@@ -1,0 +1,65 @@
+"""Configuration of Sphinx for the site; `tools/docs/site.py` makes the folder of pages."""
+
+from __future__ import annotations
+
+import os
+import tomllib
+from datetime import date
+from importlib.metadata import version as installed
+from pathlib import Path
+from typing import Any
+
+_HERE = Path(os.environ["HAND_SANDBOX_SITE"])
+_SETTINGS = tomllib.loads((_HERE / "settings.toml").read_text(encoding="utf-8"))
+
+
+def _known(name: str) -> str:
+    """A setting; empty if its owner has not filled it in."""
+    value = str(_SETTINGS[name])
+    return "" if value.startswith("<") else value
+
+
+project = _SETTINGS["title"]
+author = _known("authors")
+release = version = installed("hand-sandbox")
+copyright = f"{date.today().year} {author}".strip()
+
+extensions = [
+    "myst_parser",
+    "sphinx.ext.autodoc",
+    "sphinx.ext.napoleon",
+    "sphinx_copybutton",
+]
+exclude_patterns = ["examples/**/*.md"]
+myst_heading_anchors = 4
+myst_enable_extensions = ["colon_fence"]
+# Docstrings of this project write code in single backticks.
+default_role = "code"
+autodoc_default_options = {"members": True, "show-inheritance": True}
+autodoc_member_order = "bysource"
+autodoc_typehints = "signature"
+autodoc_type_aliases = {"Array": "Array", "ArrayLike": "ArrayLike"}
+napoleon_google_docstring = True
+napoleon_numpy_docstring = False
+napoleon_use_ivar = True
+
+html_theme = "furo"
+html_title = project
+html_copy_source = False
+html_show_sourcelink = False
+html_theme_options = {"source_repository": _known("repository")} if _known("repository") else {}
+
+
+def _for_everybody(app: Any, page: str, template: str, context: dict[str, Any], tree: Any) -> None:
+    """Headings of the menu get the level that Sphinx leaves out; wide code is reached by keys."""
+    menu = context.get("furo_navigation_tree", "")
+    context["furo_navigation_tree"] = menu.replace(
+        'role="heading"', 'role="heading" aria-level="2"'
+    )
+    if "body" in context:
+        context["body"] = context["body"].replace("<pre>", '<pre tabindex="0">')
+
+
+def setup(app: Any) -> None:
+    """Called by Sphinx."""
+    app.connect("html-page-context", _for_everybody, priority=900)
