@@ -10,6 +10,7 @@ import json
 import os
 import time
 from collections.abc import Callable, Iterator
+from functools import cache
 from pathlib import Path
 from urllib.parse import urlsplit
 
@@ -19,7 +20,7 @@ import pytest
 from benchmarks.webcam_films import VIEWS, film, poses_of
 from benchmarks.webcam_films import seen as watch
 from encoders.webcam.camera import Camera
-from models.frames import LandmarkFrame
+from models.frames import LandmarkFrame, SeenHand
 from sandbox.devices.webcam.install import install
 from sandbox.devices.webcam.installed import installed_engine
 from sandbox.devices.webcam.landmark_server import ENDED, REPLACED
@@ -49,13 +50,17 @@ export class HandLandmarker {
 }
 """
 
-HAND = seen(held_up(30.0), Camera())
+
+@cache
+def hand_before() -> SeenHand:
+    """The hand that the engine finds."""
+    return seen(held_up(30.0), Camera())
 
 
 def found(*sides: str) -> str:
     """What the engine finds: the same hand for every side, as a script."""
-    points = [{"x": x / SIZE[0], "y": y / SIZE[1], "z": 0.0} for x, y in HAND.image]
-    space = [{"x": x, "y": y, "z": z} for x, y, z in HAND.world]
+    points = [{"x": x / SIZE[0], "y": y / SIZE[1], "z": 0.0} for x, y in hand_before().image]
+    space = [{"x": x, "y": y, "z": z} for x, y, z in hand_before().world]
     told = {
         "landmarks": [points] * len(sides),
         "worldLandmarks": [space] * len(sides),
@@ -122,9 +127,9 @@ def test_landmarks_come_as_they_were_found(tab, device):
     (hand,) = frame.hands
     width, height = frame.size
     assert hand.side == "right" and hand.score == 0.9
-    expected = np.array(HAND.image) * [width / SIZE[0], height / SIZE[1]]
+    expected = np.array(hand_before().image) * [width / SIZE[0], height / SIZE[1]]
     assert np.array(hand.image) == pytest.approx(expected, abs=0.01)
-    assert np.array(hand.world) == pytest.approx(np.array(HAND.world), abs=1e-5)
+    assert np.array(hand.world) == pytest.approx(np.array(hand_before().world), abs=1e-5)
     assert frame.time >= frame.taken > 0.0
     assert tab.evaluate("globalThis.asked") == 3
 
@@ -138,9 +143,9 @@ def test_a_mirrored_picture_is_turned_back(tab, device):
     tab.evaluate("document.getElementById('mirrored').click(); true")
     frame = picture(device, lambda f: bool(f.hands) and f.hands[0].side == "right")
     width = frame.size[0]
-    mirrored = [width - x * width / SIZE[0] for x, _ in HAND.image]
+    mirrored = [width - x * width / SIZE[0] for x, _ in hand_before().image]
     assert [x for x, _ in frame.hands[0].image] == pytest.approx(mirrored, abs=0.01)
-    assert frame.hands[0].world[8][0] == pytest.approx(-HAND.world[8][0], abs=1e-5)
+    assert frame.hands[0].world[8][0] == pytest.approx(-hand_before().world[8][0], abs=1e-5)
 
 
 def test_the_other_hand_is_told_with_what_it_may_mean(tab):

@@ -5,7 +5,9 @@ from __future__ import annotations
 import json
 import time
 from collections.abc import Callable, Iterator
+from functools import cache
 from pathlib import Path
+from typing import Any
 from urllib.error import HTTPError
 from urllib.request import Request, urlopen
 
@@ -19,7 +21,11 @@ from sandbox.devices.webcam.landmarks_json import message_of
 from sandbox.devices.webcam.webcam import CLOSED, NOTICES, WAITING, WebcamDevice
 from tests.encoders.webcam.seen_hands import film, held_up
 
-PICTURE = message_of(film([held_up()], Camera())[0])
+
+@cache
+def picture() -> dict[str, Any]:
+    """A message of the page."""
+    return message_of(film([held_up()], Camera())[0])
 
 
 @pytest.fixture
@@ -62,10 +68,10 @@ def test_a_page_is_told_what_is_wanted_and_its_pictures_come(device):
             "hands": 3,
             "mirrored": True,
         }
-        socket.send(json.dumps(PICTURE))
+        socket.send(json.dumps(picture()))
         assert device.wait(5.0)
         (frame,) = device.poll(0.0)
-        assert message_of(frame) == PICTURE
+        assert message_of(frame) == picture()
         assert device.poll(0.0) == () and device.notice == ""
 
 
@@ -74,7 +80,7 @@ def test_a_trouble_of_the_page_is_told_at_the_session(device, trouble):
     with page(device) as socket:
         socket.send(json.dumps({"trouble": trouble}))
         soon(lambda: device.notice == NOTICES[trouble])
-        socket.send(json.dumps(PICTURE))
+        socket.send(json.dumps(picture()))
         soon(lambda: device.notice == "")
 
 
@@ -83,7 +89,7 @@ def test_a_page_that_is_closed_is_told_and_may_come_back(device):
         pass
     soon(lambda: device.notice == CLOSED)
     with page(device) as socket:
-        socket.send(json.dumps(PICTURE))
+        socket.send(json.dumps(picture()))
         soon(lambda: device.notice == "")
     assert not device.finished
 
@@ -92,7 +98,7 @@ def test_a_second_page_takes_the_place_of_the_first(device):
     with page(device) as first, page(device) as second:
         first.recv(timeout=5)
         assert json.loads(first.recv(timeout=5)) == {"what": "bye", "why": REPLACED}
-        second.send(json.dumps(PICTURE))
+        second.send(json.dumps(picture()))
         assert device.wait(5.0)
     soon(lambda: device.counts["pages closed"] == 1)
 
@@ -110,7 +116,7 @@ def test_what_is_no_picture_is_counted_and_too_much_of_it_ends_the_page(device):
     with page(device) as socket:
         socket.recv(timeout=5)
         socket.send("nonsense")
-        socket.send(json.dumps(PICTURE))
+        socket.send(json.dumps(picture()))
         assert device.wait(5.0)
         for _ in range(PATIENCE):
             socket.send(b"\xff")
@@ -123,7 +129,7 @@ def test_pictures_that_nobody_fetches_are_dropped_and_counted(device, monkeypatc
     monkeypatch.setattr("sandbox.devices.webcam.webcam.KEPT", 3)
     with page(device) as socket:
         for i in range(5):
-            socket.send(json.dumps({**PICTURE, "time": float(i)}))
+            socket.send(json.dumps({**picture(), "time": float(i)}))
         soon(lambda: device.counts["pictures"] == 5)
     assert [f.time for f in device.poll(0.0)] == [2.0, 3.0, 4.0]
     assert device.counts["pictures nobody fetched"] == 2
