@@ -8,7 +8,6 @@ hand by touches can drive one by a Leap: `step(frame)`, `reset()`, `commanded`, 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from math import exp, inf
 
 import numpy as np
 
@@ -16,22 +15,16 @@ from encoders.paalm.average import average_calibration
 from encoders.paalm.hand_pose import hand_pose
 from encoders.paalm.paalm import Paalm, PaalmHand
 from encoders.paalm.palm import Palm
-from encoders.reconstruction.arrival import Phase
+from encoders.reconstruction.followed_hand import FollowedHand, FollowingSettings
 from encoders.reconstruction.touch_reconstructor import Reconstruction
 from models.arithmetic.arrays import Array
-from models.arithmetic.products import length
 from models.errors import EncoderError
 from models.frames import FINGERS, HandFrame, Vector
 from models.limits import RateLimit
 from models.messages.message import Message
-from models.one_pose import OnePose
 from models.person import Person
-from models.pose import ROOT_POSITION, ROOT_ROTATION
-from models.rotations import unwrapped
 from models.skeleton import ADULT
 from models.surface import Surface
-
-_ALL = frozenset(range(len(FINGERS)))
 
 NOTICE_LASTS = 1.0
 """s that a notice to the person stays after its cause has ended."""
@@ -49,12 +42,7 @@ class HandReconstructorSettings:
         size: Length of the simulated hand relative to the average one.
         root_smoothing: s, time constant of the palm's position and rotation; 0 switches it off.
             PAALM smooths fingers itself.
-        patience: s that a lost hand keeps its pose and stays solid: devices lose hands for moments,
-            and a held box should not fall each time.
-        rise, rise_speed: m by which, and m/s at which, a hand that stays lost rises as a ghost, so
-        that it does not hide objects. near: m from its place within which a returned hand may be
-        solid again. floor: m, least world height of a commanded fingertip; the whole hand is
-        raised. People do not feel the table, and a hand pushed into it would crush a held object.
+        patience, rise, rise_speed, near, floor: See `FollowingSettings`.
     """
 
     device: Vector = (0.0, 0.0, -0.10)
@@ -66,6 +54,20 @@ class HandReconstructorSettings:
     rise_speed: float = 0.15
     near: float = 0.02
     floor: float = 0.0
+
+    @property
+    def following(self) -> FollowingSettings:
+        """How the commanded pose follows."""
+        return FollowingSettings(
+            self.rate,
+            self.root_smoothing,
+            0.0,
+            self.patience,
+            self.rise,
+            self.rise_speed,
+            self.near,
+            self.floor,
+        )
 
 
 class HandReconstructor:
@@ -106,8 +108,7 @@ class HandReconstructor:
         self.paalm, self.side = paalm, side
         self.settings = settings or HandReconstructorSettings()
         self.surface = surface or Surface()
-        skeleton = Person(side, self.settings.size).skeleton(ADULT)
-        self._tips, self._radius = OnePose(skeleton), skeleton.tip_radius
+        self._skeleton = Person(side, self.settings.size).skeleton(ADULT)
         self.reset()
 
     @property
@@ -118,14 +119,14 @@ class HandReconstructor:
     @property
     def commanded(self) -> Array:
         """The pose last commanded (48,), in the world."""
-        return self._commanded
+        return self._hand.commanded
 
     @property
     def notice(self) -> str:
         """Notice to the person whose hand is not tracked; empty while all is well."""
         if self._refused and (self._time or 0.0) - self._refused_at < NOTICE_LASTS:
             return Message("hands_apart", "{why}: hold them apart", why=self._refused)
-        if self._unseen > self.settings.patience + UNSEEN_NOTICE:
+        if self._hand.unseen > self.settings.patience + UNSEEN_NOTICE:
             return Message(
                 "hand_unseen",
                 "the {side} hand is not seen: hold it over the device",
@@ -141,10 +142,8 @@ class HandReconstructor:
         self._time: float | None = None
         across = (1.0, 0.0, 0.0) if self.side == "right" else (-1.0, 0.0, 0.0)
         palm = Palm((0.0, 0.0, 0.20), across, (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
-        self._commanded = self._goal = self._pose(np.zeros((len(FINGERS), 4)), palm)
-        self._seen_before = False
-        self._unseen = np.inf
-        self._here = False
+        start = self._pose(np.zeros((len(FINGERS), 4)), palm)
+        self._hand = FollowedHand(self._skeleton, self.settings.following, start)
         self._refused, self._refused_at = "", 0.0
 
     def step(self, frame: HandFrame) -> Reconstruction:
@@ -157,17 +156,11 @@ class HandReconstructor:
         self._time = frame.time if self._time is None else max(frame.time, self._time)
         hand = self._look(frame)
         if hand is not None and hand.seen:
-            self._follow(hand, dt)
+            self._hand.follow(self._pose(hand.table, hand.palm), dt)
         else:
-            self._lose(dt)
-        return Reconstruction(
-            self._commanded,
-            Phase.DOWN if self._here else Phase.COMING_DOWN if self._unseen == 0.0 else Phase.AWAY,
-            _ALL if self._here else frozenset(),
-            None,
-            1.0,
-            float(hand.miss.max()) if hand is not None else float("nan"),
-            (),
+            self._hand.lose(dt)
+        return self._hand.reconstruction(
+            float(hand.miss.max()) if hand is not None else float("nan")
         )
 
     def _look(self, frame: HandFrame) -> PaalmHand | None:
@@ -180,43 +173,5 @@ class HandReconstructor:
             self._refused, self._refused_at = hands.refused, frame.time
         return hands.hands.get(self.side)
 
-    def _follow(self, hand: PaalmHand, dt: float) -> None:
-        s, goal = self.settings, self._pose(hand.table, hand.palm)
-        first = not self._seen_before
-        # After a long absence the old state is not used for smoothing.
-        if self._unseen <= s.patience and s.root_smoothing > 0.0:
-            keep = exp(-dt / s.root_smoothing)
-            turn = unwrapped(goal[ROOT_ROTATION], self._goal[ROOT_ROTATION])
-            goal[ROOT_ROTATION] = turn + keep * (self._goal[ROOT_ROTATION] - turn)
-            place = goal[ROOT_POSITION]
-            goal[ROOT_POSITION] = place + keep * (self._goal[ROOT_POSITION] - place)
-        self._goal = goal
-        above = self._above_floor(goal)
-        self._commanded = above if first else s.rate(self._commanded, above, dt)
-        self._seen_before, self._unseen = True, 0.0
-        off = length(self._commanded[ROOT_POSITION] - above[ROOT_POSITION])
-        self._here = self._here or off < s.near
-
-    def _lose(self, dt: float) -> None:
-        s = self.settings
-        self._unseen += dt
-        if self._unseen <= s.patience:
-            return
-        self._here = False
-        gone = self._unseen - s.patience
-        if self._seen_before and (gone - dt) * s.rise_speed < s.rise:
-            self._commanded = self._commanded.copy()
-            self._commanded[2] += s.rise_speed * min(dt, gone)
-
     def _pose(self, table: Array, palm: Palm) -> Array:
         return hand_pose(table, palm, self.side, self.settings.device, size=self.settings.size)
-
-    def _above_floor(self, q: Array) -> Array:
-        if self.settings.floor == -inf:
-            return q
-        low = float((self._tips.tips(q)[:, 2] - self._radius).min()) - self.settings.floor
-        if low >= 0.0:
-            return q
-        raised = q.copy()
-        raised[2] -= low
-        return raised

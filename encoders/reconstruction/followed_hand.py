@@ -4,7 +4,7 @@ is lost."""
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from math import exp
+from math import exp, inf
 
 import numpy as np
 
@@ -36,7 +36,8 @@ class FollowingSettings:
             that it does not hide objects.
         near: m from its place within which a returned hand may be solid again.
         floor: m, least world height of a commanded fingertip; the whole hand is raised. People do
-            not feel the table, and a hand pushed into it would crush a held object.
+            not feel the table, and a hand pushed into it would crush a held object. Without a
+            table: -inf.
     """
 
     rate: RateLimit = field(default_factory=RateLimit)
@@ -84,7 +85,8 @@ class FollowedHand:
         first = not self._seen_before
         # After a long absence the old state is not used for smoothing.
         if self.unseen <= s.patience:
-            goal[ROOT_ROTATION] = unwrapped(goal[ROOT_ROTATION], self._goal[ROOT_ROTATION])
+            if s.smoothing > 0.0:
+                goal[ROOT_ROTATION] = unwrapped(goal[ROOT_ROTATION], self._goal[ROOT_ROTATION])
             _keep(goal, self._goal, slice(0, JOINTS.start), s.smoothing, dt)
             _keep(goal, self._goal, JOINTS, s.joint_smoothing, dt)
         self._goal = goal
@@ -119,6 +121,8 @@ class FollowedHand:
         return Reconstruction(self._commanded, phase, fingers, None, 1.0, error, ())
 
     def _above_floor(self, q: Array) -> Array:
+        if self.settings.floor == -inf:
+            return q
         low = float((self._tips.tips(q)[:, 2] - self._radius).min()) - self.settings.floor
         if low >= 0.0:
             return q
