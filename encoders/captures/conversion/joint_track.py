@@ -75,6 +75,11 @@ class JointTrack:
         a, b = self.tips[before], self.tips[before + 1]
         return a + share[:, None, None] * (b - a), known
 
+    def tip_at(self, finger: int, times: Array, gap: float) -> tuple[Array, NDArray[np.bool_]]:
+        """Interpolates one fingertip (m, 3) as it was measured, with booleans of where it was."""
+        tips, known = self.tips_at(times, gap)
+        return tips[:, finger], known
+
     def _between(
         self, times: Array, gap: float
     ) -> tuple[NDArray[np.int64], Array, NDArray[np.bool_]]:

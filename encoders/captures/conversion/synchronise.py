@@ -121,8 +121,8 @@ def refined_by_motion(
         times = sample_times(one.track, rules.rate)
         xy = one.track.at(times, rules.gap) * [1.0, -1.0]
         asked = (times + offsets[:, None]).ravel()
-        tips, known = joints.tips_at(asked, rules.gap)
-        way = tips[:, one.finger, :2].reshape(len(offsets), len(times), 2)
+        tip, known = joints.tip_at(one.finger, asked, rules.gap)
+        way = tip[:, :2].reshape(len(offsets), len(times), 2)
         seen = known.reshape(len(offsets), len(times)).all(axis=0)
         if seen.sum() > 2:
             off = way[:, seen] - xy[seen]

@@ -53,6 +53,12 @@ class HandTrack(JointTrack):
         a, b = self.seen[before], self.seen[before + 1]
         return a + share[:, None, None] * (b - a), known
 
+    def tip_at(self, finger: int, times: Array, gap: float) -> tuple[Array, NDArray[np.bool_]]:
+        """Interpolates one fingertip (m, 3) as the device saw it, with booleans of where it did."""
+        tips, known = self.seen_at(times, gap)
+        known = known & np.isfinite(tips[:, finger]).all(axis=1)
+        return np.where(known[:, None], tips[:, finger], 0.0), known
+
     def placed(self, at: DevicePose) -> HandTrack:
         """The track in another frame."""
         q = self.q.copy()
