@@ -79,10 +79,15 @@ def true_rows(s: PairedSession, capture) -> tuple[np.ndarray, np.ndarray]:
     return np.flatnonzero(known), row[known]
 
 
-@pytest.mark.parametrize("dialect", ["v3", "v1"])
-def test_clocks_place_names_and_poses_are_found(dialect):
-    s = session(dialect)
-    capture, notes = plainly(dialect, "right")
+def turned_by(notes, s: PairedSession) -> float:
+    """Degrees by which the device's axes are off."""
+    turn = np.array(notes["device_axes"]) @ s.rotation.T
+    return float(np.degrees(np.arccos((np.trace(turn) - 1) / 2)))
+
+
+def test_clocks_place_names_and_poses_are_found():
+    s = session("v3")
+    capture, notes = plainly("v3", "right")
     assert abs(notes["offset_s"] - s.offset) < 0.005
     mine, true = true_rows(s, capture)
     assert len(mine) > 0.9 * len(s.truth)
@@ -91,9 +96,24 @@ def test_clocks_place_names_and_poses_are_found(dialect):
     # This person's hand is 13 % smaller than an average one: 7 mm between wrist and palm's centre.
     assert np.linalg.norm((q - wanted)[:, :3], axis=1).mean() < 0.006
     angle = geodesic_angle(joint_vectors(q), joint_vectors(wanted))
-    assert np.rad2deg(angle).mean() < (4.0 if dialect == "v3" else 8.0)
-    turn = np.array(notes["device_axes"]) @ s.rotation.T
-    assert np.degrees(np.arccos((np.trace(turn) - 1) / 2)) < 3.0
+    assert np.rad2deg(angle).mean() < 4.0
+    assert turned_by(notes, s) < 3.0
+
+
+def test_over_a_first_leap_clocks_place_and_names_are_found_and_poses_are_rough():
+    # A first Leap says nothing of the fingers but their tips, whose hand is an average one; what
+    # poses are worth is in docs/own-hand.md.
+    s = session("v1")
+    capture, notes = plainly("v1", "right")
+    assert abs(notes["offset_s"] - s.offset) < 0.005
+    mine, true = true_rows(s, capture)
+    assert len(mine) > 0.9 * len(s.truth)
+    assert (capture.down[mine] == s.truth.down[true]).all(axis=1).mean() > 0.95
+    q, wanted = capture.q[mine], s.truth.q[true]
+    assert np.linalg.norm((q - wanted)[:, :3], axis=1).mean() < 0.025
+    angle = geodesic_angle(joint_vectors(q), joint_vectors(wanted))
+    assert np.rad2deg(angle).mean() < 16.0
+    assert turned_by(notes, s) < 3.0
 
 
 def test_a_left_hand_is_captured_as_the_right_one_in_the_mirror():
