@@ -23,9 +23,10 @@ import mujoco
 import numpy as np
 
 from encoders.paalm.coupling import TWO_THIRDS, Coupling
+from encoders.webcam.bounded_step import bounded_step, stepped
 from encoders.webcam.first_guess import first_guess
 from encoders.webcam.landmarks import OF_POINTS, PALM, HandPoints
-from models.arithmetic.arrays import Array, Mask
+from models.arithmetic.arrays import Array
 from models.arithmetic.products import (
     small_product,
     solve_positive,
@@ -194,7 +195,7 @@ class LandmarkFit:
                 square[np.diag_indices(POSE_SIZE)] += still * still
                 down += still * still * _moved(q, before)
             square[np.diag_indices(POSE_SIZE)] += _DAMPING
-            step = self._step(q, square, down)
+            step = bounded_step(q, square, down, self._lower, self._upper)
             q = self._stepped(q, step)
             if float(np.abs(step).max()) < _STILL:
                 break
@@ -203,24 +204,8 @@ class LandmarkFit:
         aside = (points[:, :2] / z[:, None] - seen) * z[:, None]
         return Fit(q, sqrt(float(squared_lengths(aside).mean())))
 
-    def _step(self, q: Array, square: Array, down: Array) -> Array:
-        """The Gauss-Newton step (48,), with joints held that would leave their range."""
-        held = np.zeros(POSE_SIZE, bool)
-        for _ in range(_ROUNDS):
-            step = _solved(square, down, held)
-            joints = q[JOINTS] + step[JOINTS]
-            out = (joints < self._lower) & (q[JOINTS] <= self._lower + _AT_END)
-            out |= (joints > self._upper) & (q[JOINTS] >= self._upper - _AT_END)
-            out &= ~held[JOINTS]
-            if not out.any():
-                break
-            held[JOINTS] |= out
-        return np.minimum(np.maximum(step, -_LONGEST), _LONGEST)
-
     def _stepped(self, q: Array, step: Array) -> Array:
-        moved = q + step
-        moved[ROOT_ROTATION] = _turned(q[ROOT_ROTATION], step[ROOT_ROTATION])
-        moved[JOINTS] = np.minimum(np.maximum(moved[JOINTS], self._lower), self._upper)
+        moved = stepped(q, step, self._lower, self._upper)
         moved[2] = max(float(moved[2]), _NEAREST)
         return moved
 
@@ -236,10 +221,6 @@ _NEAREST = 0.03
 _DAMPING = 1e-3
 _STILL = 1e-5
 """m or rad of a step that ends the search."""
-_LONGEST = 0.5
-"""m or rad of a step in any direction."""
-_ROUNDS = 4
-"""Most rounds in which joints are held."""
 _AT_END = 1e-9
 """rad within which a joint is at the end of its range."""
 
@@ -292,17 +273,6 @@ def _flexion(skeleton: Skeleton, bone: int) -> float:
     return -float(log(skeleton.bones[bone].rest)[0])
 
 
-def _solved(square: Array, down: Array, held: Mask) -> Array:
-    """The step (48,) that solves the equations, 0 where the pose is held."""
-    S, r = square.copy(), -down
-    if held.any():
-        S[held] = 0.0
-        S[:, held] = 0.0
-        S[held, held] = 1.0
-        r[held] = 0.0
-    return solve_positive(S, r)
-
-
 def _cauchy(squares: Array, scale: float) -> Array:
     """Square roots of Cauchy's weights of squared misses (n,)."""
     weights: Array = 1.0 / np.sqrt(1.0 + squares / (scale * scale))
@@ -317,14 +287,6 @@ def _moved(q: Array, before: Array) -> Array:
     mujoco.mju_mulQuat(product, conjugate, quaternion_exp(q[ROOT_ROTATION]))
     moved[ROOT_ROTATION] = quaternion_log(product)
     return moved
-
-
-def _turned(w: Array, turn: Array) -> Array:
-    """The rotation vector (3,) of exp(w) exp(turn)."""
-    product = np.zeros(4)
-    mujoco.mju_mulQuat(product, quaternion_exp(w), quaternion_exp(turn))
-    mujoco.mju_normalize4(product)
-    return quaternion_log(product)
 
 
 def _turn_to_ray(rays: Array) -> Array:

@@ -69,11 +69,11 @@ def perform(options: RunOptions) -> int:
         ("--device", options.device),
         ("--second-device", options.second_device),
     ):
-        if device == "web":
+        if device in ("web", "webxr"):
             raise InputError(
                 "no page is served here, so nobody can touch it",
-                where=f"{option} web",
-                remedy=f"Use `sandbox play {options.task} --device web`",
+                where=f"{option} {device}",
+                remedy=f"Use `sandbox play {options.task} --device {device}`",
             )
     check_output(options.json)
     events = EventLog(options.events)

@@ -26,6 +26,7 @@ class DeviceEntry:
         live: A person or another program drives it, so that a session runs at real time.
         in_air: It produces hand frames or landmark frames; otherwise touch frames.
         camera: It produces landmark frames.
+        headset: It is a headset, which sees hands and shows the scene.
         simulated: A simulated user drives it.
         in_scene: It needs a scene: a window, objects to see, or a hand. Otherwise `sandbox touches`
             accepts it too.
@@ -40,6 +41,7 @@ class DeviceEntry:
     live: bool = True
     in_air: bool = False
     camera: bool = False
+    headset: bool = False
     simulated: bool = False
     in_scene: bool = False
     one_hand: bool = False
@@ -67,6 +69,14 @@ DEVICES: dict[str, DeviceEntry] = {
         in_scene=True,
         argument=False,
     ),
+    "webxr": DeviceEntry(
+        "sandbox.devices.webxr.webxr",
+        "HeadsetDevice",
+        in_air=True,
+        headset=True,
+        in_scene=True,
+        argument=False,
+    ),
     "simulated": DeviceEntry(
         "sandbox.devices.simulated.simulated",
         "SimulatedDevice",
@@ -74,6 +84,16 @@ DEVICES: dict[str, DeviceEntry] = {
         simulated=True,
         in_scene=True,
         one_hand=True,
+        argument=False,
+    ),
+    "webxr-simulated": DeviceEntry(
+        "sandbox.devices.simulated.headset_user",
+        "SimulatedHeadset",
+        live=False,
+        in_air=True,
+        headset=True,
+        simulated=True,
+        in_scene=True,
         argument=False,
     ),
     "leap-simulated": DeviceEntry(

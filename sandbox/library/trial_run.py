@@ -106,9 +106,9 @@ def run_trial(
     makers, about, live = chosen.makers, chosen.about, chosen.live
     if named == "mouse":
         raise InputError("the mouse needs a window", where="device", remedy="Use `sandbox play`")
-    if named == "web":
+    if named in ("web", "webxr"):
         raise InputError(
-            "no page is served here", where="device", got="web", remedy="Use `sandbox play`"
+            "no page is served here", where="device", got=named, remedy="Use `sandbox play`"
         )
     if not isinstance(device, str):
         makers, about, live = (_opens(device),), {"device": "from Python"}, False

@@ -65,7 +65,7 @@ def is_leap(device: str) -> bool:
     """True if a device is a Leap: `leap`, `leap-simulated`, or a Leap recording."""
     entry = built_in(device)
     if entry is not None:
-        return entry.in_air and not entry.camera
+        return entry.in_air and not (entry.camera or entry.headset)
     path = Path(device)
     if not path.is_file() or is_landmark_file(path):
         return False

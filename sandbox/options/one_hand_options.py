@@ -19,6 +19,9 @@ Part = Literal[
 """Parts of the pipeline that can be taken away, to see what each is worth."""
 
 
+_DEVICES = device_choices(without=("mouse", "web", "webxr"))
+
+
 @dataclass(frozen=True)
 class OneHandOptions:
     """Task, device, encoder, physics and recording options for one hand."""
@@ -26,16 +29,15 @@ class OneHandOptions:
     task: Annotated[str, tyro.conf.Positional, tyro.conf.arg(metavar="TASK")] = "box-to-goal"
     """Name of a task (`sandbox` lists them), or FILE.py with a task of your own."""
 
-    device: Annotated[str, tyro.conf.arg(metavar=device_choices(without=("mouse", "web")))] = (
-        "simulated"
-    )
+    device: Annotated[str, tyro.conf.arg(metavar=_DEVICES)] = "simulated"
     """Source of the input. simulated: a simulated user. tuio: a TUIO sender. evdev: a touch screen
     of this Linux machine. leap: a hand in the air over a Leap. webcam: a hand before a camera, by a
     page that opens in your browser (docs/webcam.md). leap-simulated: a simulated person
     over a Leap (leap-simulated:v1: over the first Leap; leap-simulated:v1,noise=2,lose=1: with
-    twice the noise, and the hand is lost for 1 s while it carries something). FILE: a recording of
-    this program, a file by `touches record`, a capture of TUIO packets, a Leap recording (.json,
-    .json.lz), or landmarks by `webcam record`. Or a device of your own: FILE.py:CLASS[:ARGUMENT],
+    twice the noise, and the hand is lost for 1 s while it carries something). webxr-simulated: a
+    simulated person in a headset (docs/headset.md). FILE: a recording of this program, a file by
+    `touches record`, a capture of TUIO packets, a Leap recording (.json, .json.lz), or landmarks by
+    `webcam record`. Or a device of your own: FILE.py:CLASS[:ARGUMENT],
     MODULE:CLASS[:ARGUMENT], or its name in an installed package (docs/write-a-device.md)."""
 
     encoder: Annotated[str, tyro.conf.arg(metavar=choices(*MODELS, "FILE"))] = DEFAULT_MODEL

@@ -15,6 +15,13 @@ from sandbox.devices.discovery import OWN_DEVICE, find_device, offered_devices
 from sandbox.devices.registry import DEVICES, built_in
 from sandbox.devices.simulated.simulated import NEXT_PERSON, SimulatedDevice
 from sandbox.devices.wrappers.degraded import DegradedDevice
+from sandbox.options.headset_devices import (
+    both_in_one_headset,
+    headset_makers,
+    is_headset,
+    simulated_maker,
+    with_headset_hands,
+)
 from sandbox.options.impulse import impulse_limit
 from sandbox.options.leap_calibration import uses_touch_profile
 from sandbox.options.leap_devices import (
@@ -96,6 +103,7 @@ def plan(options: SceneOptions) -> Plan:
     if recording is None:
         played = _recording(options.second_device) if options.second_device else None
         settings = with_webcam_hands(with_leap_hands(settings, options, played), options)
+        settings = with_headset_hands(settings, options)
     first = _plan(options, recording, settings, 0)
     if len(settings.hands) == 1:
         return first
@@ -108,6 +116,8 @@ def plan(options: SceneOptions) -> Plan:
         second = _plan(replace(more, device=options.device), None, settings, 1)
         two = (*first.makers, *second.makers) if "user" in second.about else None
         return replace(first, makers=split_by_side(two, make_first, settings))
+    if both_in_one_headset(options):
+        return replace(first, makers=headset_makers(len(settings.hands)))
     if both_before_one_camera(options):
         return replace(first, makers=sharing_camera(make_first))
     shared = settings.one_surface and recording is None
@@ -148,14 +158,14 @@ def _plan(
         if not entry.in_air:
             about["drop_outs"] = options.drop_outs
     # Only simulated users and 3-D devices have random numbers that differ between hands.
-    differs = is_leap(options.device) or options.device == "simulated"
+    differs = is_in_air(options.device) or options.device == "simulated"
     live = entry is not None and entry.live
     return _with_variation(settings, about, live, opens, hand if differs else 0)
 
 
 def is_in_air(device: str) -> bool:
-    """True if a device sees hands in the air: a Leap, a camera, or a recording of one."""
-    return is_leap(device) or is_webcam(device)
+    """True if a device sees hands in the air: a Leap, a camera, a headset, or a file."""
+    return is_leap(device) or is_webcam(device) or is_headset(device)
 
 
 def _on_surface(make: Callable[[Surface], Device]) -> DeviceMaker:
@@ -197,10 +207,23 @@ def _web(options: SceneOptions, settings: RunSettings, hand: int) -> DeviceMaker
     return _on_surface(WebDevice)
 
 
+def _webxr(options: SceneOptions, settings: RunSettings, hand: int) -> DeviceMaker:
+    """Returns a maker of the device of a headset's hand."""
+    (make,) = headset_makers(1)
+    return make
+
+
+def _webxr_simulated(options: SceneOptions, settings: RunSettings, hand: int) -> DeviceMaker:
+    """Returns a maker of the device of a simulated headset."""
+    return simulated_maker(settings, _user(options), hand)
+
+
 _OPENERS: dict[str, Callable[[SceneOptions, RunSettings, int], DeviceMaker]] = {
     "simulated": _simulated,
     "mouse": _mouse,
     "web": _web,
+    "webxr": _webxr,
+    "webxr-simulated": _webxr_simulated,
 }
 """Makers of built-in touch devices that depend on more of the scene than its surface."""
 

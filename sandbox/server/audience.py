@@ -18,6 +18,7 @@ from models.errors import InputError
 from sandbox.server.connections.client import Client
 from sandbox.server.connections.counters import Counters
 from sandbox.server.connections.page_connection import PageConnection
+from sandbox.server.page_device import PageDevice
 from sandbox.server.protocol.protocol import (
     CREDIT,
     PROTOCOL,
@@ -28,6 +29,7 @@ from sandbox.server.protocol.protocol import (
     Hello,
     ItemAnswer,
     Leave,
+    PageHands,
     PageScreen,
     PageTouches,
     PlayerRequest,
@@ -41,7 +43,6 @@ from sandbox.server.protocol.protocol import (
     Welcome,
     encode,
 )
-from sandbox.server.web import WebDevice
 from sandbox.session.latency import LatencyLog
 
 MOST_CLIENTS = 8
@@ -95,7 +96,7 @@ class Audience:
         self._clients: list[Client] = []
         self._last_player = ""
         self._scene: SceneMessage | None = None
-        self._device: WebDevice | None = None
+        self._device: PageDevice | None = None
         self._frame: bytearray | None = None
         self._skins: Sequence[bytes] = ()
         self._study = study
@@ -113,7 +114,7 @@ class Audience:
         return len(self._clients)
 
     def open_scene(
-        self, scene: SceneMessage, device: WebDevice | None, skins: Sequence[bytes] = ()
+        self, scene: SceneMessage, device: PageDevice | None, skins: Sequence[bytes] = ()
     ) -> None:
         """Begins a new trial: sends its scene to all pages.
 
@@ -333,9 +334,9 @@ class Audience:
                     self.screen = up.screen
             case Presence():
                 client.appear(up.here)
-            case PageTouches() if client.player and client.screen:
-                if self._device:
-                    self._device.push(up, client.screen)
+            case PageTouches() | PageHands() if client.player and client.screen:
+                if self._device and not self._device.hear(up, client.screen):
+                    self._counters.add("another device's message")
             case Drawn() if client.player:
                 self._latency.add("drawn", up.after_ms)
             case PlayerRequest() if client.player and not self._study:

@@ -25,6 +25,7 @@ from sandbox.server.audience import GREETING, MOST_CLIENTS, Audience
 from sandbox.server.connections.access import Access
 from sandbox.server.connections.connection_limits import ConnectionLimits, limited_connection
 from sandbox.server.connections.counters import Counters
+from sandbox.server.page_device import PageDevice
 from sandbox.server.protocol.contact_forces import HandFeedback
 from sandbox.server.protocol.describe import BodyKinematics, state_of, told
 from sandbox.server.protocol.frames import pack
@@ -44,7 +45,6 @@ from sandbox.server.protocol.protocol import (
     encode,
 )
 from sandbox.server.static import StaticFiles, plain
-from sandbox.server.web import WebDevice
 from sandbox.session.latency import LatencyLog
 from sandbox.session.messages import Snapshot
 from sandbox.words.words import preferred, words_in
@@ -57,7 +57,7 @@ class _Shown:
     """The scene that is served now."""
 
     message: SceneMessage
-    device: WebDevice | None
+    device: PageDevice | None
     poses: BodyKinematics
     skins: Sequence[bytes] = ()
     own: int | None = None
@@ -197,7 +197,7 @@ class PageServer:
         self,
         message: SceneMessage,
         scene: SimulatedScene,
-        device: WebDevice | None = None,
+        device: PageDevice | None = None,
         skins: Sequence[bytes] = (),
         own: int | None = None,
     ) -> None:

@@ -20,6 +20,8 @@ MANIFEST_PLACE = b"{{manifest}}"
 MANIFEST = b'<link rel="manifest" href="manifest.json?token={{token}}">'
 """Makes the page installable, which browsers allow with TLS only. The start address of what is
 installed has no token."""
+INDEX, HEADSET = "/index.html", "/headset.html"
+"""The page of fingers on a screen, and that of a headset."""
 WAY_BACK = "/return.html"
 """Page for an address without a token."""
 
@@ -40,20 +42,22 @@ class StaticFiles:
     """Files of a folder, read into memory; nothing outside the folder can be requested.
 
     Args:
-        folder: Folder with an index.html.
+        folder: Folder with the page's files.
+        index: Name of the page at the address itself.
 
     Raises:
         HandSandboxError: The folder has no page.
     """
 
-    def __init__(self, folder: Path = STATIC) -> None:
+    def __init__(self, folder: Path = STATIC, index: str = INDEX) -> None:
+        self._index = index
         paths = sorted(folder.rglob("*")) if folder.is_dir() else []
         self._files = {
             "/" + p.relative_to(folder).as_posix(): p.read_bytes()
             for p in paths
             if p.is_file() and p.suffix in _TYPES
         }
-        if not {"/index.html", WAY_BACK} <= set(self._files):
+        if not {index, WAY_BACK} <= set(self._files):
             raise HandSandboxError(
                 "the page is missing",
                 where=str(folder),
@@ -85,15 +89,15 @@ class StaticFiles:
             path: Path without query.
             websocket_origin: Origin of WebSockets, such as ws://127.0.0.1:8000, which some browsers
                 do not treat as 'self'.
-            token: Token that is written into the links of index.html, since all requests need it.
-            language: Language of a study's participant, written into index.html; empty: the page
+            token: Token that is written into the links of that page, since all requests need it.
+            language: Language of a study's participant, written into it; empty: the page
                 chooses.
         """
-        name = "/index.html" if path == "/" else path
+        name = self._index if path == "/" else path
         body = self._files.get(name)
         if body is None:
             return plain(HTTPStatus.NOT_FOUND, "Page not found.")
-        if name == "/index.html":
+        if name == self._index:
             secure = websocket_origin.startswith("wss:")
             body = body.replace(MANIFEST_PLACE, MANIFEST if secure else b"")
             body = body.replace(TOKEN_PLACE, quote(token).encode())

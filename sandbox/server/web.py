@@ -9,7 +9,8 @@ from collections.abc import Sequence
 
 from models.frames import Contact, TouchFrame
 from models.surface import METRES_PER_INCH, Surface
-from sandbox.server.protocol.protocol import PageScreen, PageTouches
+from sandbox.server.page_device import PageDevice
+from sandbox.server.protocol.protocol import PageHands, PageScreen, PageTouches
 from sandbox.session.device import Device
 from sandbox.session.latency import LatencyLog
 
@@ -18,7 +19,7 @@ QUEUE_FRAMES = 1024
 dropped."""
 
 
-class WebDevice(Device):
+class WebDevice(Device, PageDevice):
     """Our page in a browser, on this machine or a tablet: fingers, or a mouse.
 
     The server's thread adds touches, and the session's thread removes them.
@@ -63,6 +64,13 @@ class WebDevice(Device):
         """True if a finger is down."""
         with self._lock:
             return bool(self._present)
+
+    def hear(self, message: PageTouches | PageHands, screen: PageScreen) -> bool:
+        """Takes in touches; called from the server's thread."""
+        if not isinstance(message, PageTouches):
+            return False
+        self.push(message, screen)
+        return True
 
     def push(self, touches: PageTouches, screen: PageScreen) -> None:
         """Adds the touches of a message; called from the server's thread."""

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from math import isfinite
 from typing import Any
 
+from encoders.headset.joint_reconstructor import JointReconstructor, following
 from encoders.paalm.calibration import HandCalibration
 from encoders.paalm.calibration_file import calibration_from_json, calibration_to_json
 from encoders.paalm.hand_reconstructor import HandReconstructor, HandReconstructorSettings
@@ -43,6 +44,8 @@ class HandInput:
             (see `PaalmOptions.solve`).
         camera: The camera whose landmarks drive the hand; None for a 3-D device. With it, the rest
             has no meaning.
+        joints: The device reports all joints, in the world, as a headset does: they are fitted
+            without a calibration.
     """
 
     at: tuple[float, float, float] = UNDER
@@ -50,6 +53,7 @@ class HandInput:
     learns: bool = True
     by_tips: bool = True
     camera: Camera | None = None
+    joints: bool = False
 
     def __post_init__(self) -> None:
         if not all(isfinite(c) and abs(c) <= FARTHEST for c in self.at):
@@ -69,12 +73,20 @@ class HandInput:
         self, person: Person, surface: Surface, rate: RateLimit
     ) -> AirReconstructor:
         """The reconstructor of the device's kind; arguments and errors are `reconstructor`'s."""
+        if self.joints:
+            _check_seat(person, surface)
+            return JointReconstructor(
+                person.hand, person.hand_size, following(rate), surface=surface
+            )
         if self.camera is None:
             return self.reconstructor(person, surface, rate)
         _check_seat(person, surface)
-        following = FollowingSettings(rate=rate)
         return LandmarkReconstructor(
-            self.camera, person.hand, person.hand_size, following, surface=surface
+            self.camera,
+            person.hand,
+            person.hand_size,
+            FollowingSettings(rate=rate),
+            surface=surface,
         )
 
     def reconstructor(self, person: Person, surface: Surface, rate: RateLimit) -> HandReconstructor:

@@ -193,7 +193,7 @@ class RunSettings:
 
     def as_json(self) -> dict[str, Any]:
         """Values for a recording's header, without a neutral variation, the first rules, true
-        size, an `in_air` or a camera of None, or empty layouts and looks."""
+        size, an `in_air` or a camera of None, missing joints, or empty layouts and looks."""
         values = asdict(self)
         if self.rules == RULES[0]:
             del values["rules"]
@@ -218,7 +218,9 @@ class RunSettings:
         for hand in values["hands"] if isinstance(values["hands"], list) else ():
             _check_names(hand, HandSettings, optional={"in_air", "layouts", "rest"})
             if hand.get("in_air") is not None:
-                _check_names(hand["in_air"], HandInput, optional={"learns", "by_tips", "camera"})
+                _check_names(
+                    hand["in_air"], HandInput, optional={"learns", "by_tips", "camera", "joints"}
+                )
         if "variation" in values:
             _check_names(values["variation"], Variation, optional=_names(Variation))
         try:
@@ -270,8 +272,11 @@ def bare(settings: dict[str, Any]) -> dict[str, Any]:
 
 def _without_defaults(hand: dict[str, Any]) -> dict[str, Any]:
     told = {name: value for name, value in hand.items() if value is not None and value != ()}
-    if told.get("in_air", {}).get("camera", ...) is None:
-        told["in_air"] = {name: v for name, v in told["in_air"].items() if name != "camera"}
+    if "in_air" in told:
+        absent = {"camera": None, "joints": False}
+        told["in_air"] = {
+            name: v for name, v in told["in_air"].items() if v != absent.get(name, ...)
+        }
     return told
 
 

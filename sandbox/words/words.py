@@ -16,10 +16,10 @@ from importlib.resources import files
 
 LANGUAGES = ("en", "de", "fr", "es", "zh", "ja", "ar")
 """Languages with a file, by ISO 639-1, in the order of the menu."""
-GROUPS = ("page", "play", "study", "tasks", "missing", "notices")
-"""Groups of sentences. `page`: on every page; `play`: outside of studies; `study`: in studies;
-`tasks`: names and goals of built-in tasks; `missing`: what a task lacks; `notices`: what the
-program has to tell."""
+GROUPS = ("page", "headset", "play", "study", "tasks", "missing", "notices")
+"""Groups of sentences. `page`: on every page; `headset`: on that of a headset; `play`: outside of
+studies; `study`: in studies; `tasks`: names and goals of built-in tasks; `missing`: what a task
+lacks; `notices`: what the program has to tell."""
 SEEN_IN_STUDIES = ("page", "study", "tasks", "notices")
 """Groups that a participant may get to read."""
 

@@ -39,8 +39,12 @@ def _screen() -> str:
     return f"no {' and no '.join(missing)}" if missing else _library("libGL.so.1", "libgl1")
 
 
-AXE = Path(__file__).resolve().parents[2] / "sandbox/views/page/node_modules/axe-core/axe.min.js"
-"""The checks of axe-core, which npm fetches with what builds the page."""
+_FETCHED = Path(__file__).resolve().parents[2] / "sandbox/views/page/node_modules"
+"""What npm fetches with what builds the page."""
+AXE = _FETCHED / "axe-core/axe.min.js"
+"""The checks of axe-core."""
+IWER = _FETCHED / "iwer/build/iwer.min.js"
+"""An emulated headset."""
 
 
 def _axe() -> str:
@@ -55,6 +59,10 @@ def _site() -> str:
     return "" if (SITE / "index.html").is_file() else "no site (python -m tools.docs.site)"
 
 
+def _iwer() -> str:
+    return "" if IWER.is_file() else "no iwer (npm ci in sandbox/views/page)"
+
+
 _WHAT_LACKS: dict[str, Callable[[], str]] = {
     "opengl": _opengl,
     "egl": lambda: _library("libEGL.so.1", "libegl1"),
@@ -62,6 +70,7 @@ _WHAT_LACKS: dict[str, Callable[[], str]] = {
     "screen": _screen,
     "axe": _axe,
     "site": _site,
+    "iwer": _iwer,
 }
 """Need -> what is missing for it on this machine; empty: nothing."""
 

@@ -15,6 +15,7 @@ from sandbox.server.connections.kept_token import kept_token
 from sandbox.server.page_server import PageServer, tls_context
 from sandbox.server.protocol.describe import summary
 from sandbox.server.protocol.protocol import StudyView, TaskName
+from sandbox.server.static import HEADSET, StaticFiles
 from tasks.registry import TASKS, hands_of
 
 
@@ -48,14 +49,18 @@ class PageOptions:
 
 
 def open_page(
-    options: PageOptions, study: StudyView | None = None, touch: bool = True
+    options: PageOptions,
+    study: StudyView | None = None,
+    touch: bool = True,
+    headset: bool = False,
 ) -> PageServer:
     """Starts the server of the page.
 
     Args:
         options: Address, port and certificate.
         study: View of a study, which has no menus; None for play.
-        touch: True if touches on the page move the hand.
+        touch: True if the player's page moves the hand.
+        headset: True for the page of a headset, False for that of fingers on a screen.
 
     Raises:
         DeviceError: The address or port is not available.
@@ -89,6 +94,7 @@ def open_page(
         tasks,
         program,
         tls,
+        files=StaticFiles(index=HEADSET) if headset else None,
         token=token,
         study=study,
         touch=touch,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from rich.console import Console
 
+from encoders.headset.joint_reconstructor import JointReconstructor
 from encoders.paalm.hand_reconstructor import HandReconstructor
 from encoders.webcam.landmark_reconstructor import LandmarkReconstructor
 from models.errors import DeviceError
@@ -12,10 +13,10 @@ from sandbox.cli.common.page_options import PageOptions, open_page
 from sandbox.devices.wrappers.device_wrapper import DeviceWrapper
 from sandbox.server.connections.address import LOOPBACK
 from sandbox.server.connections.invitation import code, hints
+from sandbox.server.page_device import PageDevice
 from sandbox.server.page_server import PageServer
 from sandbox.server.protocol.describe import describe_scene
 from sandbox.server.protocol.skins import pack_skin
-from sandbox.server.web import WebDevice
 from sandbox.session.session import Session
 from sandbox.trial.events import EventLog
 
@@ -28,7 +29,7 @@ def show_session(
     session: Session,
     hand: str,
     caption: str = "",
-    device: WebDevice | None = None,
+    device: PageDevice | None = None,
     own: int | None = None,
     scored: bool = True,
 ) -> None:
@@ -57,21 +58,21 @@ def show_session(
     server.show_scene(message, session.scene, device, skins, own)
 
 
-def touched_pages(session: Session) -> list[tuple[int | None, WebDevice]]:
+def touched_pages(session: Session) -> list[tuple[int | None, PageDevice]]:
     """Returns the device of each page, with the index of its hand; None for both hands."""
-    devices: dict[int, tuple[int | None, WebDevice]] = {}
+    devices: dict[int, tuple[int | None, PageDevice]] = {}
     for hand, rig in enumerate(session.rigs):
         device = rig.device
         while isinstance(device, DeviceWrapper):
             device = device.device
-        if isinstance(device, WebDevice):
+        if isinstance(device, PageDevice):
             devices[id(device)] = (None if id(device) in devices else hand, device)
     return list(devices.values())
 
 
 def in_air(session: Session) -> bool:
-    """True if all hands are in the air, over 3-D devices or before a camera, without touches."""
-    kinds = (HandReconstructor, LandmarkReconstructor)
+    """True if all hands are in the air, without touches."""
+    kinds = (HandReconstructor, JointReconstructor, LandmarkReconstructor)
     return all(isinstance(rig.reconstructor, kinds) for rig in session.rigs)
 
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 
+from sandbox.server.page_device import PageDevice
 from sandbox.server.page_server import PageServer
 from sandbox.server.protocol.protocol import Pause
-from sandbox.server.web import WebDevice
 
 
 class Absences:
@@ -21,7 +21,7 @@ class Absences:
         players: Server and device of every page whose touches count; empty stops nothing.
     """
 
-    def __init__(self, players: Sequence[tuple[PageServer, WebDevice]]) -> None:
+    def __init__(self, players: Sequence[tuple[PageServer, PageDevice]]) -> None:
         self._players = tuple(players)
         self._begun = not players
         self._awaited: set[int] = set()

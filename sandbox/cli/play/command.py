@@ -17,6 +17,7 @@ from sandbox.cli.common.parse import parse
 from sandbox.cli.play.own_profile import Learner, with_usable_profile
 from sandbox.cli.play.page import play_on_page
 from sandbox.cli.run import RunOptions, perform
+from sandbox.options.headset_devices import LIVE
 from sandbox.options.leap_calibration import uses_touch_profile, with_measured_hand
 from sandbox.options.metavars import device_choices
 from sandbox.options.profiles import DEFAULT, default_path, find_profile
@@ -37,7 +38,8 @@ class PlayOptions(LslOptions, PageOptions, SceneOptions):
     device: Annotated[str, tyro.conf.arg(metavar=device_choices())] = "mouse"
     """Source of the input. mouse: the mouse in the window. web: a page in a browser. tuio: a TUIO
     sender. evdev: a touch screen of this Linux machine. leap: a hand in the air over a Leap,
-    measured the first time. simulated, leap-simulated: a simulated user. FILE: a recording of this
+    measured the first time. webxr: hands in a headset, by its own page (docs/headset.md).
+    simulated, leap-simulated: a simulated user. FILE: a recording of this
     program or of a Leap, or a capture of TUIO packets. Or a device of your own:
     FILE.py:CLASS[:ARGUMENT], MODULE:CLASS[:ARGUMENT], or its name in an installed package
     (docs/write-a-device.md)."""
@@ -71,13 +73,20 @@ def main(argv: list[str]) -> int:
     """Runs `sandbox play ...`."""
     options = parse(PlayOptions, "sandbox play", argv)
     limit = checked_limit(options.max_latency)
-    on_page = options.tablet or options.lan is not None or options.device == "web"
+    headset = options.device == LIVE
+    on_page = options.tablet or options.lan is not None or options.device == "web" or headset
     if options.view == "auto":
         options = replace(options, view="web" if on_page else "window")
+    if headset and options.view != "web":
+        raise InputError(
+            "a headset's own page shows the scene",
+            where=f"--view {options.view}",
+            remedy="Leave out --view; `sandbox replay FILE --view film` makes a film afterwards",
+        )
     if on_page and options.view == "window":
         # The window shows touches on the page; the mouse works, too.
         options = replace(options, device="mouse")
-    elif on_page or (options.view == "web" and options.device == "mouse"):
+    elif (on_page and not headset) or (options.view == "web" and options.device == "mouse"):
         options = replace(options, device="web")
     console = Console()
     options = with_measured_hand(options.with_own_profile(), console)

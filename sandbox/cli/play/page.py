@@ -20,6 +20,8 @@ from sandbox.cli.play.absences import Absences
 from sandbox.cli.play.own_profile import Learner
 from sandbox.cli.play.screen_too_small import explain_refusal
 from sandbox.cli.run import report_end
+from sandbox.devices.webxr.webxr import HeadsetDevice
+from sandbox.options.headset_devices import LIVE
 from sandbox.options.scene_options import Plan, SceneOptions, plan
 from sandbox.server.page_server import PageServer
 from sandbox.server.protocol.protocol import LIFT_STRIP_PX, PlayerRequest
@@ -42,6 +44,9 @@ TICK = 0.02
 
 OTHER_PAGE_PATIENCE = 2.0
 """s after which the player on one of two pages is told that the other page is not open."""
+
+OTHER_SIZE = 0.05
+"""Share by which a hand in a headset has to differ from the drawn one for its person to be told."""
 
 OTHER_PAGE = Message("other_page", "The page of the other hand is not open yet.")
 
@@ -221,6 +226,7 @@ class PagePlay:
             latency = self.servers[0].latency.as_json()
             counts = _counts(chosen.settings)
             absent = absences.listed() or None
+            self._tell_size(session, chosen.settings)
             ended.append(trial.end(latency=latency, absences=absent, **counts))
             if self.learner is not None:
                 self.learner.after(session)
@@ -228,6 +234,16 @@ class PagePlay:
             server.publish(session.snapshot())
         if live.failure:
             raise live.failure
+
+    def _tell_size(self, session: Session, settings: RunSettings) -> None:
+        """Tells a person in a headset whose hand has another size than the drawn one."""
+        headset = session.first_rig.device.find(HeadsetDevice)
+        seen = headset.hand_size if headset is not None else None
+        if seen is not None and abs(seen / settings.hands[0].size - 1.0) > OTHER_SIZE:
+            self.console.print(
+                f"the headset sees a hand {seen:.2f} times as long as the average one: "
+                f"`--hand-size {seen:.2f}` draws it so"
+            )
 
     def _chosen(self, wishes: PlayerRequests) -> Plan:
         chosen = plan(replace(self.options, record=None))
@@ -295,7 +311,9 @@ def play_on_page(
     hands = [options.device, options.second_device].count("web")
     sides = [hand.side for hand in plan(options).settings.hands]
     names = sides if len(set(sides)) == len(sides) else ["first", "second"]
-    events, servers = EventLog(options.events), [open_page(page, touch=hands > 0)]
+    headset = options.device == LIVE
+    first = open_page(page, touch=hands > 0 or headset, headset=headset)
+    events, servers = EventLog(options.events), [first]
     try:
         if hands == 2:
             # Each hand has a page at an address of its own.
@@ -305,6 +323,14 @@ def play_on_page(
             if hands == 2:
                 console.print(f"for the {whose} hand:")
             show_address(server, page, events, console)
+        if headset:
+            port = first.access.port
+            console.print(
+                f"a headset on a USB cable: `adb reverse tcp:{port} tcp:{port}`, then open the "
+                "link in its browser (docs/headset.md)",
+                soft_wrap=True,
+                highlight=False,
+            )
         PagePlay(options, tuple(servers), events, console, learner).run()
     except KeyboardInterrupt:
         console.print("stopped")

@@ -9,6 +9,7 @@ import numpy as np
 
 from encoders.paalm.simulated.eye import LeapEye
 from encoders.paalm.simulated.leap_configuration import FROZEN_LEAP
+from models.arithmetic.arrays import Array
 from models.frames import HandFrame
 from models.person import Person
 from models.skeleton import ADULT
@@ -105,11 +106,17 @@ class SimulatedLeap(HandDevice):
         """The hand frame that the device sees now."""
         if self.finished:
             return []
+        origin, rotation, joints = self.own_hand(now)
+        frame = self._eye.see(now, origin - self._at, rotation, joints)
+        return [replace(frame, hands=()) if self._gone(now) else frame]
+
+    def own_hand(self, now: float) -> tuple[Array, Array, Array]:
+        """Palm centre (3,) m and rotation (3, 3) in the world, and joints (5, 4, 3) m in the palm,
+        of the user's own hand now; the rotation of a left hand is a reflection."""
         origin, rotation, joints = self.user.hand(now)
         if self._left:
             origin, rotation = _MIRROR * origin, _MIRROR[:, None] * rotation
-        frame = self._eye.see(now, origin - self._at, rotation, joints)
-        return [replace(frame, hands=()) if self._gone(now) else frame]
+        return origin, rotation, joints
 
     def _gone(self, now: float) -> bool:
         """True while the whole hand is out of view: once, after a moment of carrying."""

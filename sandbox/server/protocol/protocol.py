@@ -95,6 +95,41 @@ class PageTouches(Struct, tag="touches", forbid_unknown_fields=True, frozen=True
     lift: Annotated[float, Meta(ge=0, le=1)] | None = None
 
 
+Vector = tuple[Number, Number, Number]
+JOINTS_OF_A_HAND = 25
+"""WebXR's joints: the wrist, four of the thumb, and five of each finger, thumb to little finger."""
+
+_EVERY_JOINT = Meta(min_length=JOINTS_OF_A_HAND, max_length=JOINTS_OF_A_HAND)
+
+
+class SeenJoints(Struct, forbid_unknown_fields=True, frozen=True):
+    """A hand that a headset sees: positions (m) of WebXR's 25 joints in the world, in its order;
+    null for one that is not known."""
+
+    side: Literal["right", "left"]
+    joints: Annotated[list[Vector | None], _EVERY_JOINT]
+
+
+class HeldController(Struct, forbid_unknown_fields=True, frozen=True):
+    """A controller in a hand: its grip's position (m) and quaternion (w, x, y, z) in the world, and
+    how far its trigger is pulled."""
+
+    side: Literal["right", "left"]
+    position: Vector
+    quaternion: tuple[Number, Number, Number, Number]
+    trigger: Annotated[float, Meta(ge=0, le=1)]
+
+
+class PageHands(Struct, tag="hands", forbid_unknown_fields=True, frozen=True):
+    """All hands that a headset's page sees at one moment. `seq` counts up from 1, `t` is the page's
+    clock."""
+
+    seq: Count
+    t: Milliseconds
+    hands: Annotated[list[SeenJoints], Meta(max_length=2)]
+    controllers: Annotated[list[HeldController], Meta(max_length=2)] = []
+
+
 class Got(Struct, tag="got", forbid_unknown_fields=True, frozen=True):
     """Acknowledges a frame and returns its credit. Sent at once, before the frame is drawn."""
 
@@ -142,6 +177,7 @@ Up = (
     | Resized
     | Presence
     | PageTouches
+    | PageHands
     | Got
     | Drawn
     | Beat

@@ -15,8 +15,18 @@ for (const name of (await readdir(folder)).filter((name) => name.endsWith(".json
 /** Something of every language, by its code. */
 const ofEach = (choose) =>
   Object.fromEntries(Object.entries(languages).map(([code, page]) => [code, choose(page)]));
+/** Leaves the words of a headset out of the page that has none. */
+const withoutHeadset = {
+  name: "without the headset's words",
+  setup: (build) =>
+    build.onLoad({ filter: /[/\\]words[/\\]\w+\.json$/ }, async ({ path }) => {
+      const { headset: _, ...others } = JSON.parse(await readFile(path, "utf8"));
+      return { contents: JSON.stringify(others), loader: "json" };
+    }),
+};
 await build({
   absWorkingDir: here,
+  plugins: [withoutHeadset],
   entryPoints: { app: "src/main.ts", early: "src/early.ts" },
   define: { PREPARING: JSON.stringify(ofEach((page) => page.preparing)) },
   outdir: out,
@@ -30,7 +40,19 @@ await build({
 });
 await build({
   absWorkingDir: here,
-  entryPoints: { app: "src/style.css" },
+  entryPoints: { headset: "src/headset.ts" },
+  outdir: out,
+  bundle: true,
+  minify: true,
+  format: "iife",
+  target: ["chrome100"],
+  charset: "utf8",
+  legalComments: "none",
+  logLevel: "warning",
+});
+await build({
+  absWorkingDir: here,
+  entryPoints: { app: "src/style.css", headset: "src/headset.css" },
   outdir: out,
   bundle: true,
   minify: true,
@@ -42,7 +64,7 @@ const places = {
   needs_script: needs.map(([code, text]) => `<p lang="${code}">${text}</p>`).join(""),
   words: JSON.stringify(ofEach((p) => [p.return_title, p.return_how, p.return_no_code])),
 };
-for (const page of ["index.html", "return.html"]) {
+for (const page of ["index.html", "headset.html", "return.html"]) {
   let text = await readFile(join(here, "src", page), "utf8");
   for (const [name, value] of Object.entries(places)) text = text.replaceAll(`{{${name}}}`, value);
   await writeFile(join(out, page), text);
@@ -52,5 +74,5 @@ const three = JSON.parse(await readFile(join(here, "node_modules/three/package.j
 const text = await readFile(join(here, "node_modules/three/LICENSE"), "utf8");
 await writeFile(
   join(out, "licences.txt"),
-  `app.js contains parts of three.js ${three.version}, which comes under this licence:\n\n${text.trim()}\n`,
+  `app.js and headset.js contain parts of three.js ${three.version}, which comes under this licence:\n\n${text.trim()}\n`,
 );

@@ -146,5 +146,5 @@ def test_time_begins_with_whichever_hand_touches_first() -> None:
     ((hand, page),) = touched_pages(session)
     assert hand == 1
     assert _waiting(session)
-    page.push(PageTouches(1, 0.0, [(1, 300.0, 300.0, 20.0, 20.0)]), PageScreen(**SCREEN))
+    page.hear(PageTouches(1, 0.0, [(1, 300.0, 300.0, 20.0, 20.0)]), PageScreen(**SCREEN))
     assert not _waiting(session)

@@ -47,6 +47,29 @@ export interface PageTouches {
   lift?: number | null;
 }
 
+/** A hand that a headset sees: positions (m) of WebXR's 25 joints in the world, in its order; null for one that is not known. */
+export interface SeenJoints {
+  side: "left" | "right";
+  joints: ([number, number, number] | null)[];
+}
+
+/** A controller in a hand: its grip's position (m) and quaternion (w, x, y, z) in the world, and how far its trigger is pulled. */
+export interface HeldController {
+  side: "left" | "right";
+  position: [number, number, number];
+  quaternion: [number, number, number, number];
+  trigger: number;
+}
+
+/** All hands that a headset's page sees at one moment. `seq` counts up from 1, `t` is the page's clock. */
+export interface PageHands {
+  type: "hands";
+  seq: number;
+  t: number;
+  hands: (SeenJoints)[];
+  controllers?: (HeldController)[];
+}
+
 /** Acknowledges a frame and returns its credit. Sent at once, before the frame is drawn. */
 export interface Got {
   type: "got";
@@ -256,6 +279,6 @@ export interface State {
   pause: "" | "away" | "back" | "menu" | "start";
 }
 
-export type Up = Hello | Resized | Presence | PageTouches | Got | Drawn | Beat | PlayerRequest | ItemAnswer | Leave;
+export type Up = Hello | Resized | Presence | PageTouches | PageHands | Got | Drawn | Beat | PlayerRequest | ItemAnswer | Leave;
 
 export type Down = Welcome | SceneMessage | Trouble | Sheet | Refusal | Echo;

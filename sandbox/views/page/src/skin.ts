@@ -67,8 +67,6 @@ export function wear(
   const bones = skin.names.map((name) => bodies[names.indexOf(name)]);
   if (bones.some((bone) => !bone)) return null;
   const mesh = new SkinnedMesh(skin.geometry, material);
-  // Bodies have world poses, independent of the mesh's parent.
-  mesh.bindMode = "detached";
   mesh.bind(new Skeleton(bones as Bone[], skin.inverses), new Matrix4());
   mesh.frustumCulled = false;
   mesh.castShadow = mesh.receiveShadow = true;

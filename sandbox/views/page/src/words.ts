@@ -10,7 +10,7 @@ import zh from "../../../words/zh.json";
 import { announce, base } from "./language";
 import type { Told } from "./protocol";
 
-type Groups = Pick<typeof en, "page" | "play" | "study" | "tasks" | "missing" | "notices">;
+type Groups = Pick<typeof en, "page" | "headset" | "play" | "study" | "tasks" | "missing" | "notices">;
 type Keys<G> = G extends unknown ? keyof G : never;
 /** Name of a sentence. */
 export type Key = Keys<Groups[keyof Groups]>;
@@ -26,6 +26,7 @@ export const FILES: Record<string, File> = { en, de, fr, es, zh, ja, ar };
 
 const allOf = (file: File): Record<string, string> => ({
   ...file.page,
+  ...file.headset,
   ...file.play,
   ...file.study,
   ...file.tasks,

@@ -1,0 +1,1 @@
+"""From the joints of a hand, as a headset reports them, to the pose of the whole hand."""

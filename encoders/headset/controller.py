@@ -1,0 +1,75 @@
+"""A controller as a hand: its grip is the palm, its trigger closes a pinch of three fingers.
+
+Controllers do not see fingers, so the hand around one is ours: pinching points of an average hand,
+open or closed by as much as the trigger is pulled.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from math import cos, radians, sin
+
+import numpy as np
+
+from encoders.headset.joint_fit import JointFit, JointFitSettings
+from encoders.headset.joint_points import KNUCKLES, PALM, TIPS, JointPoints
+from encoders.paalm.hand_pose import PALM_CENTRE
+from models.arithmetic.arrays import Array
+from models.arithmetic.products import small_product
+from models.pose import POSE_SIZE
+from models.rotations import quaternion_to_matrix
+from models.skeleton import ADULT
+
+_CENTRE = np.array([-0.038, 0.047, -0.055]) + PALM_CENTRE
+"""(3,) m in the hand's frame, where the tips meet."""
+_AXIS = radians(52.0)
+"""rad in the palm's plane, from x: from the thumb's tip to the fingers', as the resting thumb of
+`models.skeleton` faces."""
+_PITCH = 0.019
+"""m between the tips of index and middle finger."""
+_OPEN, _CLOSED = 0.085, 0.010
+"""m between the centres of the tips of thumb and fingers."""
+_BENT = JointFitSettings(free=25.0, steps=40)
+"""Joints stay near the middle of their ranges, where the tips leave them free."""
+_GRIP = {
+    "right": np.array([[0.0, 0.0, 1.0], [0.0, -1.0, 0.0], [1.0, 0.0, 0.0]]),
+    "left": np.array([[0.0, 0.0, -1.0], [0.0, -1.0, 0.0], [1.0, 0.0, 0.0]]),
+}
+"""Axes of a grip from those of a hand that is represented as a right one. WebXR's grip: x out of
+the back of a right hand and into that of a left one, -z towards the thumb of a closed hand, so that
+the fingers of an open one point along -y."""
+
+
+def controller_points(side: str, trigger: float, position: Array, quaternion: Array) -> Array:
+    """(20, 3) m, points of the hand around a controller, in the frame of its pose.
+
+    Args:
+        side: `right` or `left`.
+        trigger: 0 (open) to 1 (closed).
+        position: (3,) m of the grip.
+        quaternion: (4,) w, x, y, z of the grip.
+    """
+    opened, closed = _pinching(_OPEN), _pinching(_CLOSED)
+    q = opened + trigger * (closed - opened)
+    own = JointPoints(ADULT).points(q) - PALM_CENTRE
+    turned = small_product(own, small_product(quaternion_to_matrix(quaternion), _GRIP[side]).T)
+    return position + turned
+
+
+@cache
+def _pinching(gap: float) -> Array:
+    """The pose (48,) of a pinching hand with a gap in m, its root at rest."""
+    points = JointPoints(ADULT).points(np.zeros(POSE_SIZE))
+    wanted = np.full(points.shape, np.nan)
+    wanted[list(PALM)] = points[list(PALM)]
+    # Ring and little finger stay as they are at rest.
+    for place in (*range(KNUCKLES[2], TIPS), TIPS + 3, TIPS + 4):
+        wanted[place] = points[place]
+    axis = np.array([cos(_AXIS), sin(_AXIS), 0.0])
+    beside = 0.5 * _PITCH * np.array([sin(_AXIS), -cos(_AXIS), 0.0])
+    wanted[TIPS] = _CENTRE - 0.5 * gap * axis
+    wanted[TIPS + 1] = _CENTRE + 0.5 * gap * axis - beside
+    wanted[TIPS + 2] = _CENTRE + 0.5 * gap * axis + beside
+    found = JointFit(ADULT, _BENT).fit(wanted)
+    assert found is not None
+    return found.pose

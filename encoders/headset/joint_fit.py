@@ -1,0 +1,167 @@
+"""Fits the pose of a hand of known size to the joints that a headset sees.
+
+The palm is laid on the wrist and the four knuckles, every bone is turned into the direction of its
+two joints, and a few Gauss-Newton steps bring the points of our hand to those that were seen: the
+tips nearly exactly, the rest as far as our bones, which have other lengths, allow. Joints stay in
+their ranges. What positions do not tell, such as the twist of a stretched finger, stays in the
+middle of its range.
+
+Each frame is solved by itself, so a replay may begin anywhere.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import atan2, radians
+from typing import NamedTuple
+
+import numpy as np
+
+from encoders.headset.joint_points import KNUCKLES, PALM, SPREAD, TIPS, JointPoints
+from encoders.webcam.bounded_step import bounded_step, stepped
+from encoders.webcam.first_guess import turn_between
+from models.arithmetic.arrays import Array, Mask
+from models.arithmetic.products import (
+    length,
+    small_product,
+    squared_lengths,
+    stacked_applied,
+    transposed_times,
+)
+from models.pose import JOINTS, POSE_SIZE, ROOT_POSITION, ROOT_ROTATION
+from models.rotations import exp
+from models.skeleton import Skeleton
+
+
+@dataclass(frozen=True)
+class JointFitSettings:
+    """What the fit trusts, and how long it goes on.
+
+    Attributes:
+        twist: degrees, standard deviation of a finger's first bone about its axis.
+        play: degrees, of twist and sideways play of its other joints.
+        thumb: degrees, of the thumb's joints about their middle.
+        free: degrees, of what the joints' positions tell well by themselves.
+        steps: Largest number of Gauss-Newton steps.
+    """
+
+    twist: float = 6.0
+    play: float = 2.0
+    thumb: float = 60.0
+    free: float = 1000.0
+    steps: int = 4
+
+
+class JointsFitted(NamedTuple):
+    """A fitted pose.
+
+    Attributes:
+        pose: (48,) in the frame of the points.
+        error: m, root mean square of the tips' distances from the seen ones.
+    """
+
+    pose: Array
+    error: float
+
+
+class JointFit:
+    """Fits one right hand.
+
+    Args:
+        skeleton: The right hand's skeleton, of the person's size.
+        settings: What the fit trusts.
+    """
+
+    def __init__(self, skeleton: Skeleton, settings: JointFitSettings | None = None) -> None:
+        self.settings = s = settings or JointFitSettings()
+        self._skeleton, self._points = skeleton, JointPoints(skeleton)
+        self._palm = self._points.points(np.zeros(POSE_SIZE))[list(PALM)]
+        self._lower, self._upper = skeleton.lower, skeleton.upper
+        self._prior = _prior(skeleton, s)
+
+    def fit(self, seen: Array) -> JointsFitted | None:
+        """Fits a hand; None if it has no palm: the wrist and three knuckles are needed.
+
+        Args:
+            seen: (20, 3) m, points of a right hand, not a number where one is missing
+                (`joint_points.seen_points`).
+        """
+        there: Mask = np.isfinite(squared_lengths(seen))
+        palm = there[list(PALM)]
+        if not palm[0] or int(palm.sum()) < len(KNUCKLES):
+            return None
+        q = self._laid(seen[list(PALM)], palm)
+        self._turn_bones(q, seen, there)
+        weight = np.where(there, 1.0 / SPREAD, 0.0)
+        wanted = np.where(there[:, None], seen, 0.0)
+        for _ in range(self.settings.steps):
+            points, jacobian = self._points.points_and_jacobian(q)
+            rows = (jacobian * weight[:, None, None]).reshape(-1, POSE_SIZE)
+            missed = ((points - wanted) * weight[:, None]).reshape(-1, 1)
+            square = transposed_times(rows, rows)
+            down = transposed_times(rows, missed)[:, 0]
+            square[np.diag_indices(POSE_SIZE)] += self._prior
+            down[JOINTS] += self._prior[JOINTS] * q[JOINTS]
+            step = bounded_step(q, square, down, self._lower, self._upper)
+            q = stepped(q, step, self._lower, self._upper)
+            if float(np.abs(step).max()) < _STILL:
+                break
+        tips = (self._points.points(q) - wanted)[TIPS:][there[TIPS:]]
+        error = float(np.sqrt(squared_lengths(tips).mean())) if len(tips) else 0.0
+        return JointsFitted(q, error)
+
+    def _laid(self, palm: Array, there: Mask) -> Array:
+        """The pose (48,) at rest whose palm lies on the seen one (5, 3), by its knuckles."""
+        q = np.zeros(POSE_SIZE)
+        own = self._palm[there]
+        q[ROOT_ROTATION] = turn_between(own, palm[there])
+        turned = stacked_applied(exp(q[ROOT_ROTATION]), own)
+        # A longer palm has its wrist farther away, not its fingers.
+        q[ROOT_POSITION] = (palm[there][1:] - turned[1:]).mean(axis=0)
+        return q
+
+    def _turn_bones(self, q: Array, seen: Array, there: Mask) -> None:
+        """Turns every bone into the direction of its joints, by the shortest way, in place."""
+        frame, finger = exp(q[ROOT_ROTATION]), -1
+        for i, bone in enumerate(self._skeleton.bones):
+            if bone.finger != finger:
+                finger, frame = bone.finger, exp(q[ROOT_ROTATION])
+            frame = small_product(frame, bone.rest)
+            last = bone is self._skeleton.last_bones[finger]
+            start, end = 1 + i, TIPS + finger if last else 2 + i
+            if there[start] and there[end]:
+                part = slice(JOINTS.start + 3 * i, JOINTS.start + 3 * i + 3)
+                along = stacked_applied(frame.T, seen[end] - seen[start])
+                turn = _shortest(along)
+                bounds = self._lower[3 * i : 3 * i + 3], self._upper[3 * i : 3 * i + 3]
+                q[part] = np.minimum(np.maximum(turn, bounds[0]), bounds[1])
+                frame = small_product(frame, exp(q[part]))
+
+
+_STILL = 1e-5
+"""m or rad of a step that ends the search."""
+
+
+def _shortest(along: Array) -> Array:
+    """The rotation vector (3,) without twist that turns y into a direction (3,)."""
+    x, y, z = along.tolist()
+    across = length(np.array([x, z]))
+    if across == 0.0:
+        return np.zeros(3)
+    angle = atan2(across, y) / across
+    return np.array([z * angle, 0.0, -x * angle])
+
+
+def _prior(skeleton: Skeleton, s: JointFitSettings) -> Array:
+    """(48,) precisions of the joints' components about their middle, in 1/rad2; 0 of the root."""
+    spread = []
+    for i, bone in enumerate(skeleton.bones):
+        if bone.finger == 0:
+            spread += [s.thumb] * 3
+        elif i in skeleton.first_bone:
+            spread += [s.free, s.twist, s.free]
+        else:
+            spread += [s.free, s.play, s.play]
+    prior = np.zeros(POSE_SIZE)
+    prior[JOINTS] = [radians(degrees) ** -2 for degrees in spread]
+    return prior

@@ -1,0 +1,137 @@
+"""What a headset's page sends as hands in the air: WebXR's 25 joints, or a controller."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from math import sqrt
+
+import numpy as np
+
+from encoders.headset.controller import controller_points
+from encoders.headset.joint_points import KNUCKLES, THUMB, TIPS, WRIST
+from models.errors import FrameError
+from models.frames import TrackedFinger, TrackedHand, Vector
+from sandbox.server.protocol.protocol import HeldController, SeenJoints
+
+Places = tuple[Vector | None, ...]
+
+_FINGERS = ((1, 2, 3, 4), (6, 7, 8, 9), (11, 12, 13, 14), (16, 17, 18, 19), (21, 22, 23, 24))
+"""Joints of each finger in WebXR's order, from the first that we have to the tip: a thumb begins
+with its metacarpal (CMC), a finger with its phalanx-proximal (MCP)."""
+_KNUCKLES = tuple(joints[0] for joints in _FINGERS[1:])
+_LEAST = 1e-6
+"""m, least length of anything that is a bone."""
+
+
+def seen_hand(seen: SeenJoints) -> TrackedHand | None:
+    """The hand of 25 joints, with those fingers of which all joints are known.
+
+    None without the wrist or one of the four knuckles: where the palm is cannot be told then.
+
+    Raises:
+        FrameError: The joints are not those of a hand.
+    """
+    return _hand(seen.side, tuple(seen.joints))
+
+
+def held_hand(held: HeldController) -> TrackedHand:
+    """The hand around a controller.
+
+    Raises:
+        FrameError: The quaternion is not that of a turn.
+    """
+    quaternion = np.array(held.quaternion)
+    size = sqrt(float((quaternion * quaternion).sum()))
+    if abs(size - 1.0) > _UNIT:
+        raise FrameError("not a unit quaternion", where="controller", got=held.quaternion)
+    points = controller_points(held.side, held.trigger, np.array(held.position), quaternion / size)
+    places: list[Vector | None] = [None] * 25
+    places[0] = _vector(points[WRIST])
+    for finger, joints in enumerate(_FINGERS):
+        first = THUMB if finger == 0 else KNUCKLES[finger - 1]
+        own = [*points[first : first + (2 if finger == 0 else 3)], points[TIPS + finger]]
+        if finger == 0:
+            # Our thumb has no IP joint.
+            own.insert(2, 0.5 * (own[1] + own[2]))
+        for joint, point in zip(joints, own, strict=True):
+            places[joint] = _vector(point)
+    hand = _hand(held.side, tuple(places))
+    assert hand is not None
+    return hand
+
+
+_UNIT = 1e-3
+
+
+def _hand(side: str, joints: Places) -> TrackedHand | None:
+    wrist = joints[0]
+    knuckles = [joints[k] for k in _KNUCKLES]
+    known = [k for k in knuckles if k is not None]
+    if wrist is None or len(known) < len(knuckles):
+        return None
+    middle = _mean(known)
+    across = _unit(_from(known[0], known[-1]))
+    forward = _unit(_from(wrist, middle))
+    # Forward x across is into the palm of a right hand, whose little finger is at +x.
+    normal = _cross(across, forward)
+    normal = _unit(normal if side == "left" else _times(-1.0, normal))
+    fingers = []
+    for finger, places in enumerate(_FINGERS):
+        own = [joint for joint in (joints[p] for p in places) if joint is not None]
+        if len(own) == len(places):
+            fingers.append(_finger(finger, own))
+    return TrackedHand(
+        0 if side == "right" else 1,
+        _mean([wrist, *known]),
+        normal,
+        forward,
+        tuple(fingers),
+        side,
+        wrist=wrist,
+    )
+
+
+def _finger(finger: int, joints: list[Vector]) -> TrackedFinger:
+    bones = [_from(a, b) for a, b in pairwise(joints)]
+    knuckle, pip, dip, tip = joints
+    return TrackedFinger(
+        finger,
+        tip,
+        _unit(bones[-1]),
+        sum(_size(bone) for bone in bones),
+        finger,
+        (knuckle, pip, dip, tip),
+    )
+
+
+def _from(a: Vector, b: Vector) -> Vector:
+    return b[0] - a[0], b[1] - a[1], b[2] - a[2]
+
+
+def _times(factor: float, v: Vector) -> Vector:
+    return factor * v[0], factor * v[1], factor * v[2]
+
+
+def _mean(points: list[Vector]) -> Vector:
+    x, y, z = (sum(p[i] for p in points) / len(points) for i in range(3))
+    return x, y, z
+
+
+def _size(v: Vector) -> float:
+    return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2])
+
+
+def _unit(v: Vector) -> Vector:
+    size = _size(v)
+    if size < _LEAST:
+        raise FrameError("the joints of a hand lie on each other", where="headset", got=v)
+    return _times(1.0 / size, v)
+
+
+def _cross(a: Vector, b: Vector) -> Vector:
+    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+
+
+def _vector(point: np.ndarray) -> Vector:
+    x, y, z = point.tolist()
+    return x, y, z

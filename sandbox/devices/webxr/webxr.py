@@ -1,0 +1,149 @@
+"""A headset as a hand device: its page sends the joints of both hands, or controllers."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections import Counter, deque
+from collections.abc import Sequence
+
+from encoders.headset.joint_points import seen_size
+from models.errors import FrameError
+from models.frames import FINGERS, HandFrame, TrackedHand
+from models.skeleton import ADULT
+from sandbox.devices.webxr.joints import held_hand, seen_hand
+from sandbox.server.page_device import PageDevice
+from sandbox.server.protocol.protocol import (
+    HeldController,
+    PageHands,
+    PageScreen,
+    PageTouches,
+    SeenJoints,
+)
+from sandbox.session.device import HandDevice
+from sandbox.session.latency import LatencyLog
+
+KEPT = 1024
+"""Largest number of frames that wait for the session, 11 s at 90 Hz; beyond it the oldest are
+dropped."""
+
+
+class HeadsetDevice(HandDevice, PageDevice):
+    """Hands in a headset, or controllers: a page that enters VR draws the table and sends them.
+
+    The page lays the table into the room, and sends places in the world of the table. The server's
+    thread adds frames, and the session's thread removes them.
+
+    Args:
+        latency: Log of the time that messages waited for the session.
+
+    Attributes:
+        latency: The log as given; a server replaces it with its own.
+        counts: Number of hands that could not be used, by reason.
+        second: The same frames for a second hand of the scene.
+    """
+
+    name = "webxr"
+    latency: LatencyLog
+    news: threading.Event
+
+    def __init__(self, latency: LatencyLog | None = None) -> None:
+        self.latency = latency or LatencyLog()
+        self.counts: Counter[str] = Counter()
+        self.news = threading.Event()
+        self.applied = 0
+        self.second = SecondHand(self)
+        self._lock = threading.Lock()
+        self._frames: deque[tuple[HandFrame, int, float]] = deque(maxlen=KEPT)
+        self._seen = False
+        self._sizes: deque[float] = deque(maxlen=KEPT)
+
+    @property
+    def touched(self) -> bool:
+        """True while a hand is seen."""
+        with self._lock:
+            return self._seen
+
+    @property
+    def hand_size(self) -> float | None:
+        """Length of the person's hand relative to the average one, by the bones that the headset
+        reports; None before a hand was seen."""
+        sizes = sorted(self._sizes)
+        return sizes[len(sizes) // 2] if sizes else None
+
+    def hear(self, message: PageTouches | PageHands, screen: PageScreen) -> bool:
+        """Takes in hands; called from the server's thread."""
+        if not isinstance(message, PageHands):
+            return False
+        hands: dict[str, TrackedHand] = {}
+        everything: list[SeenJoints | HeldController] = [*message.hands, *message.controllers]
+        for told in everything:
+            try:
+                hand = held_hand(told) if isinstance(told, HeldController) else seen_hand(told)
+            except FrameError as error:
+                self.counts[error.what] += 1
+                continue
+            if hand is None:
+                self.counts["hands without a palm"] += 1
+            elif len(hand.fingers) < len(FINGERS):
+                self.counts["hands without a finger"] += 1
+            if hand is None:
+                continue
+            hands.setdefault(told.side, hand)
+            size = seen_size(hand, ADULT)
+            if isinstance(told, SeenJoints) and size is not None:
+                self._sizes.append(size)
+        self._put(tuple(hands.values()), message.seq)
+        return True
+
+    def begin_page(self) -> None:
+        """A page begins to send: its messages are counted anew."""
+        with self._lock:
+            self._frames = deque(((f, 0, at) for f, _, at in self._frames), maxlen=KEPT)
+            self.applied = 0
+
+    def cancel_all(self) -> None:
+        """The page was closed or fell silent: no hand is seen."""
+        if self.touched:
+            self._put((), self.applied)
+
+    def poll(self, now: float = 0.0) -> Sequence[HandFrame]:
+        """Every frame since the last call, oldest first; `now` is ignored."""
+        with self._lock:
+            self.news.clear()
+            waiting = list(self._frames)
+            self._frames.clear()
+        at = time.monotonic()
+        for frame, seq, arrived in waiting:
+            self.applied = max(self.applied, seq)
+            self.latency.add("waited", 1000.0 * (at - arrived))
+            self.second.waiting.append(frame)
+        return [frame for frame, _, _ in waiting]
+
+    def _put(self, hands: tuple[TrackedHand, ...], seq: int) -> None:
+        now = time.monotonic()
+        with self._lock:
+            self._seen = bool(hands)
+            self._frames.append((HandFrame(now, hands, self.name), seq, now))
+        self.news.set()
+
+
+class SecondHand(HandDevice):
+    """A headset's frames for a second hand of the scene: both see every frame, and each takes the
+    hand of its side.
+
+    Args:
+        headset: The headset, which the first hand polls.
+    """
+
+    name: str
+
+    def __init__(self, headset: HeadsetDevice) -> None:
+        self.name = f"{headset.name}, second hand"
+        self.waiting: deque[HandFrame] = deque(maxlen=KEPT)
+
+    def poll(self, now: float) -> Sequence[HandFrame]:
+        """The frames that the first hand has got since the last call."""
+        frames = tuple(self.waiting)
+        self.waiting.clear()
+        return frames

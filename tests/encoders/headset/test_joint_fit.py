@@ -1,0 +1,118 @@
+"""Poses from joints: the forward model's joints give the pose back."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from encoders.headset.joint_fit import JointFit
+from encoders.headset.joint_points import KNUCKLES, PALM, TIPS, seen_points, seen_size
+from models.limits import violations
+from models.pose import JOINTS, ROOT_POSITION, ROOT_ROTATION
+from models.rotations import geodesic_angle
+from models.skeleton import ADULT
+from tests.encoders.headset.joint_hands import any_pose, points, seen
+
+FIT = JointFit(ADULT)
+OF_FINGERS = np.array([3 * i for i, bone in enumerate(ADULT.bones) if bone.finger > 0])
+"""Flexions of the fingers, among the joints' components."""
+
+
+def fitted(seen_at):
+    found = FIT.fit(seen_at)
+    assert found is not None
+    return found
+
+
+def test_joints_of_any_pose_give_the_pose_back():
+    rng = np.random.default_rng(1)
+    off, turned = [], []
+    for _ in range(100):
+        q = any_pose(rng)
+        found = fitted(points(q))
+        off.append(np.degrees(np.abs((found.pose - q)[JOINTS][6:])))
+        turned.append(float(np.degrees(geodesic_angle(found.pose[3:6], q[3:6]))))
+        assert found.pose[ROOT_POSITION] == pytest.approx(q[ROOT_POSITION], abs=0.004)
+        assert found.error < 1e-4
+    assert np.mean(off) < 0.3 and np.max(off) < 5.0
+    assert np.max(turned) < 4.0
+
+
+def test_the_same_joints_give_the_same_bits():
+    seen_at = points(any_pose(np.random.default_rng(2)))
+    again = JointFit(ADULT)
+    again.fit(points(any_pose(np.random.default_rng(3))))
+    found = again.fit(seen_at)
+    assert found is not None and found.pose.tobytes() == fitted(seen_at).pose.tobytes()
+
+
+@pytest.mark.parametrize("size", [0.8, 1.2])
+def test_tips_of_a_hand_of_another_size_are_where_the_person_s_are(size):
+    rng = np.random.default_rng(4)
+    errors = []
+    for _ in range(20):
+        q = any_pose(rng)
+        q[JOINTS] *= 0.5
+        errors.append(fitted(points(q, ADULT.scaled(size))).error)
+    assert np.median(errors) < 0.003
+
+
+def test_joints_that_tremble_cost_little():
+    rng = np.random.default_rng(5)
+    off = []
+    for _ in range(50):
+        q = any_pose(rng)
+        q[JOINTS] *= 0.7
+        found = fitted(points(q) + rng.normal(0.0, 0.001, (20, 3)))
+        off.append(np.degrees((found.pose - q)[JOINTS][OF_FINGERS]))
+        assert found.error < 0.002
+    assert np.sqrt(np.mean(np.square(off))) < 4.0
+
+
+def test_no_joint_leaves_its_range_wherever_its_points_are():
+    rng = np.random.default_rng(6)
+    for _ in range(20):
+        at = points(any_pose(rng))
+        at[3:] += rng.normal(0.0, 0.02, (17, 3))
+        assert violations(fitted(at).pose, ADULT) == 0
+
+
+def test_a_missing_finger_stays_at_rest_and_the_others_are_as_before():
+    q = any_pose(np.random.default_rng(7))
+    at = points(q)
+    whole = fitted(at).pose
+    at[[KNUCKLES[0], KNUCKLES[0] + 1, KNUCKLES[0] + 2, TIPS + 1]] = np.nan
+    found = fitted(at)
+    assert np.isfinite(found.pose).all()
+    assert found.pose[JOINTS][6:15] == pytest.approx(np.zeros(9), abs=1e-6)
+    assert np.degrees(found.pose - whole)[JOINTS][OF_FINGERS[3:]] == pytest.approx(0.0, abs=3.0)
+
+
+@pytest.mark.parametrize("missing", [[PALM[0]], list(KNUCKLES[:2])])
+def test_without_a_palm_there_is_no_pose(missing):
+    at = points(any_pose(np.random.default_rng(8)))
+    at[missing] = np.nan
+    assert FIT.fit(at) is None
+
+
+def test_a_page_s_hand_has_the_points_of_ours():
+    at = points(any_pose(np.random.default_rng(9)))
+    assert seen_points(seen(at)) == pytest.approx(at)
+
+
+@pytest.mark.parametrize("size", [0.9, 1.0, 1.15])
+def test_the_size_of_a_hand_is_that_of_its_bones(size):
+    q = any_pose(np.random.default_rng(10))
+    assert seen_size(seen(points(q, ADULT.scaled(size))), ADULT) == pytest.approx(size)
+
+
+def test_the_palm_is_laid_on_the_knuckles_of_a_longer_palm():
+    q = any_pose(np.random.default_rng(11))
+    q[JOINTS] = 0.0
+    at = points(q)
+    middle = at[list(KNUCKLES)].mean(axis=0)
+    at[0] += 0.1 * (at[0] - middle)
+    found = fitted(at)
+    assert points(found.pose)[TIPS:] == pytest.approx(at[TIPS:], abs=0.001)
+    turned = geodesic_angle(found.pose[ROOT_ROTATION], q[ROOT_ROTATION])
+    assert float(np.degrees(turned)) < 3.0

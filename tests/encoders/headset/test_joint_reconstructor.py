@@ -1,0 +1,108 @@
+"""A headset's joints as a reconstructor: sides, absence, and controllers."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from encoders.headset.controller import controller_points
+from encoders.headset.joint_points import TIPS
+from encoders.headset.joint_reconstructor import UNSEEN_NOTICE, JointReconstructor
+from encoders.reconstruction.arrival import Phase
+from models.frames import HandFrame, TrackedHand
+from models.kinematics import Kinematics
+from models.pose import JOINTS, ROOT_POSITION
+from models.rotations import matrix_to_quaternion
+from models.skeleton import ADULT
+from tests.encoders.headset.joint_hands import any_pose, points, seen
+
+STEP = 0.016
+MIRROR = np.array([-1.0, 1.0, 1.0])
+
+
+def high(seed: int) -> np.ndarray:
+    """A pose well above the table."""
+    q = any_pose(np.random.default_rng(seed))
+    q[ROOT_POSITION] = 0.03, -0.1, 0.4
+    return q
+
+
+def play(reconstructor: JointReconstructor, hands: tuple[TrackedHand, ...], steps: int, at=0.0):
+    for i in range(steps):
+        result = reconstructor.step(HandFrame(at + i * STEP, hands))
+    return result
+
+
+def test_the_hand_goes_where_the_joints_are():
+    q = high(1)
+    result = play(JointReconstructor(), (seen(points(q)),), 40)
+    tips = Kinematics(ADULT).tips(result.q)
+    assert tips == pytest.approx(points(q)[TIPS:], abs=0.0005)
+    assert result.phase is Phase.DOWN and len(result.fingers) == 5
+
+
+def test_a_left_hand_is_the_mirror_image_of_a_right_one():
+    q = high(2)
+    right = play(JointReconstructor("right"), (seen(points(q)),), 40)
+    left = play(JointReconstructor("left"), (seen(points(q) * MIRROR, "left"),), 40)
+    mirror = Kinematics(ADULT.mirrored()).tips(left.q)
+    assert mirror == pytest.approx(Kinematics(ADULT).tips(right.q) * MIRROR, abs=1e-9)
+
+
+def test_each_hand_takes_its_own_side_of_two():
+    both = (seen(points(high(3)) * MIRROR, "left"), seen(points(high(4))))
+    alone = play(JointReconstructor("right"), both[1:], 30)
+    assert play(JointReconstructor("right"), both, 30).q.tobytes() == alone.q.tobytes()
+
+
+def test_a_lost_hand_waits_becomes_a_ghost_and_is_told():
+    reconstructor = JointReconstructor()
+    play(reconstructor, (seen(points(high(5))),), 40)
+    assert play(reconstructor, (), 10, 40 * STEP).phase is Phase.DOWN
+    result = play(reconstructor, (), int((UNSEEN_NOTICE + 1.0) / STEP), 50 * STEP)
+    assert result.phase is Phase.AWAY and not result.fingers
+    assert "not seen" in reconstructor.notice
+
+
+def test_a_hand_under_the_table_is_raised():
+    q = high(6)
+    q[ROOT_POSITION] = 0.0, 0.0, -0.1
+    result = play(JointReconstructor(), (seen(points(q)),), 60)
+    tips = Kinematics(ADULT).tips(result.q)[:, 2]
+    assert (tips - ADULT.tip_radius).min() > -1e-6
+
+
+def test_a_hand_without_a_palm_is_counted():
+    hand = seen(points(high(7)))
+    reconstructor = JointReconstructor()
+    bare = TrackedHand(0, hand.palm, hand.normal, hand.direction, (), "right")
+    assert play(reconstructor, (bare,), 5).phase is Phase.AWAY
+    assert reconstructor.counts == {"hands without a palm": 1}
+
+
+UPRIGHT = matrix_to_quaternion(np.eye(3))
+
+
+@pytest.mark.parametrize("side", ["right", "left"])
+def test_a_trigger_closes_the_pinch(side):
+    gaps = []
+    for trigger in (0.0, 0.5, 1.0):
+        at = controller_points(side, trigger, np.zeros(3), UPRIGHT)
+        gaps.append(float(np.linalg.norm(at[TIPS] - at[TIPS + 1])))
+    assert gaps[0] > 0.08 and gaps[0] > gaps[1] > gaps[2] and gaps[2] < 0.016
+
+
+def test_a_controller_s_hand_has_its_back_along_x_and_is_mirrored_for_the_left():
+    right = controller_points("right", 0.3, np.zeros(3), UPRIGHT)
+    left = controller_points("left", 0.3, np.zeros(3), UPRIGHT)
+    assert left == pytest.approx(right * MIRROR)
+    # The tips meet in front of the palm: at -x of a right hand, whose thumb is at -z.
+    assert right[TIPS : TIPS + 3, 0].max() < -0.03
+    assert right[TIPS, 2] < right[TIPS + 4, 2]
+
+
+def test_joints_at_rest_are_possible():
+    q = high(8)
+    q[JOINTS] = 0.0
+    result = play(JointReconstructor(), (seen(points(q)),), 40)
+    assert np.degrees(result.q[JOINTS]) == pytest.approx(0.0, abs=1.0)

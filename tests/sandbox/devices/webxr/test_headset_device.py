@@ -1,0 +1,228 @@
+"""The headset's device behind its server, driven by a client in place of a page."""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from urllib.error import HTTPError
+from urllib.request import urlopen
+
+import numpy as np
+import pytest
+from websockets.sync.client import ClientConnection, connect
+
+from models.errors import FrameError
+from models.frames import HandFrame
+from models.skeleton import ADULT
+from sandbox.cli.common.page_view import show_session, touched_pages
+from sandbox.devices.webxr.joints import held_hand, seen_hand
+from sandbox.devices.webxr.webxr import HeadsetDevice
+from sandbox.options.scene_options import SceneOptions, plan
+from sandbox.server.page_server import PageServer
+from sandbox.server.protocol.protocol import (
+    PROTOCOL,
+    HeldController,
+    PageHands,
+    PageScreen,
+    SeenJoints,
+)
+from sandbox.server.static import HEADSET, StaticFiles
+from sandbox.trial.assembly import build
+from tests.encoders.headset.joint_hands import any_pose, points, seen
+
+SCREEN = {"px_per_in": 110.0, "width_px": 800.0, "height_px": 600.0, "calibrated": False}
+
+
+def joints(seed: int = 1, side: str = "right", size: float = 1.0) -> dict[str, object]:
+    """A hand as a page sends it."""
+    hand = seen(points(any_pose(np.random.default_rng(seed)), ADULT.scaled(size)), side)
+    assert hand.wrist is not None
+    places: list[Sequence[float] | None] = [None] * 25
+    places[0] = hand.wrist
+    for finger in hand.fingers:
+        first = 1 if finger.finger == 0 else 5 * (finger.finger or 0) + 1
+        assert finger.joints is not None
+        places[first : first + 4] = finger.joints
+    return {"side": side, "joints": places}
+
+
+@dataclass
+class Headset:
+    """A served scene whose hand is a headset's."""
+
+    server: PageServer
+    device: HeadsetDevice
+
+    @contextmanager
+    def page(self) -> Iterator[ClientConnection]:
+        base, _, query = self.server.url.partition("/?")
+        address, headers = f"{base.replace('http', 'ws')}/?{query}", {"Origin": base}
+        with connect(address, additional_headers=headers, compression=None) as socket:
+            self._greet(socket)
+            yield socket
+
+    def _greet(self, socket: ClientConnection) -> None:
+        hello = {"type": "hello", "protocol": PROTOCOL, "client": "headset", "role": "player"}
+        socket.send(json.dumps({**hello, "screen": SCREEN}))
+        assert json.loads(socket.recv(timeout=5))["role"] == "player"
+
+    def frame(self, accept: Callable[[HandFrame], bool]) -> HandFrame:
+        """The next frame of a kind."""
+        until = time.monotonic() + 5.0
+        while time.monotonic() < until:
+            for frame in self.device.poll():
+                if accept(frame):
+                    return frame
+            time.sleep(0.005)
+        raise AssertionError("no such frame")
+
+
+@pytest.fixture
+def headset() -> Iterator[Headset]:
+    server = PageServer(files=StaticFiles(index=HEADSET))
+    chosen = plan(SceneOptions(device="webxr"))
+    session = build(chosen.settings, chosen.makers)
+    ((own, device),) = touched_pages(session)
+    assert isinstance(device, HeadsetDevice)
+    show_session(server, session, "right", "", device, own)
+    yield Headset(server, device)
+    session.close()
+    server.close()
+
+
+def send(socket: ClientConnection, seq: int, *hands: dict[str, object], **more: object) -> None:
+    socket.send(json.dumps({"type": "hands", "seq": seq, "t": 0.0, "hands": hands, **more}))
+
+
+def soon(condition: Callable[[], object]) -> None:
+    until = time.monotonic() + 5.0
+    while not condition():
+        assert time.monotonic() < until
+        time.sleep(0.01)
+
+
+def test_both_hands_of_a_page_come_with_all_joints(headset):
+    with headset.page() as page:
+        send(page, 1, joints(1), joints(2, "left"))
+        frame = headset.frame(lambda f: len(f.hands) == 2)
+    assert [h.side for h in frame.hands] == ["right", "left"]
+    for hand, told in zip(frame.hands, (joints(1), joints(2, "left")), strict=True):
+        places = told["joints"]
+        assert isinstance(places, list)
+        assert hand.wrist == pytest.approx(places[0])
+        assert hand.fingers[1].joints == tuple(map(tuple, places[6:10]))
+    assert headset.device.applied == 1
+
+
+def test_a_hand_is_seen_until_its_page_closes(headset):
+    with headset.page() as page:
+        assert not headset.device.touched
+        send(page, 1, joints())
+        soon(lambda: headset.device.touched)
+        assert not headset.server.away
+    soon(lambda: not headset.device.touched)
+    assert headset.frame(lambda f: not f.hands).hands == ()
+    soon(lambda: headset.server.away)
+
+
+def test_a_headset_that_is_taken_off_is_away_and_back(headset):
+    with headset.page() as page:
+        send(page, 1, joints())
+        page.send(json.dumps({"type": "presence", "here": False}))
+        soon(lambda: headset.server.away)
+        page.send(json.dumps({"type": "presence", "here": True}))
+        soon(lambda: not headset.server.away)
+
+
+def test_a_hand_without_a_finger_keeps_the_others_and_one_without_a_palm_is_left_out(headset):
+    fingerless, without_wrist = joints(1), joints(2, "left")
+    assert isinstance(fingerless["joints"], list) and isinstance(without_wrist["joints"], list)
+    fingerless["joints"][9] = None
+    without_wrist["joints"][0] = None
+    with headset.page() as page:
+        send(page, 1, fingerless, without_wrist)
+        (hand,) = headset.frame(lambda f: bool(f.hands)).hands
+    assert sorted(f.finger for f in hand.fingers) == [0, 2, 3, 4]
+    counts = headset.device.counts
+    assert counts["hands without a palm"] == counts["hands without a finger"] == 1
+
+
+def test_what_is_no_hand_is_refused_and_the_next_one_comes(headset):
+    flat = {"side": "right", "joints": [[0.0, 0.0, 0.0]] * 25}
+    with headset.page() as page:
+        send(page, 1, {"side": "right", "joints": [[0.0, 0.0, 0.0]] * 24})
+        send(page, 2, {"side": "right", "joints": [[1e9, 0.0, 0.0]] * 25})
+        send(page, 3, flat)
+        send(page, 4, joints())
+        assert headset.frame(lambda f: bool(f.hands)).hands
+    assert headset.server.counters["malformed message"] == 2
+    assert headset.device.counts["the joints of a hand lie on each other"] == 1
+
+
+def test_touches_are_no_message_for_a_headset(headset):
+    with headset.page() as page:
+        page.send(json.dumps({"type": "touches", "seq": 1, "t": 0.0, "contacts": []}))
+        send(page, 2, joints())
+        headset.frame(lambda f: bool(f.hands))
+    assert headset.server.counters["another device's message"] == 1
+
+
+def test_a_controller_is_a_hand_that_pinches(headset):
+    held: dict[str, object] = {
+        "side": "right",
+        "position": [0.1, 0.0, 0.2],
+        "quaternion": [1.0, 0.0, 0.0, 0.0],
+    }
+    gaps = []
+    with headset.page() as page:
+        for trigger in (0.0, 1.0):
+            send(page, 1, controllers=[{**held, "trigger": trigger}])
+            (hand,) = headset.frame(lambda f: bool(f.hands)).hands
+            tips = [np.array(f.tip) for f in hand.fingers]
+            gaps.append(float(np.linalg.norm(tips[0] - tips[1])))
+    assert gaps[0] > 0.08 and gaps[1] < 0.016
+
+
+def test_a_controller_without_a_turn_is_refused():
+    with pytest.raises(FrameError, match="quaternion"):
+        held_hand(HeldController("right", (0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0), 0.0))
+
+
+@pytest.mark.parametrize("side", ["right", "left"])
+def test_the_palm_of_a_flat_hand_faces_down(side):
+    at = points(np.zeros(48)) * ([-1.0, 1.0, 1.0] if side == "left" else [1.0, 1.0, 1.0])
+    hand = seen(at, side)
+    assert hand.normal[2] < -0.95 and hand.direction[1] > 0.95
+
+
+def test_the_size_of_the_person_s_hand_is_known_after_a_moment(headset):
+    assert headset.device.hand_size is None
+    with headset.page() as page:
+        send(page, 1, joints(3, size=1.1))
+        headset.frame(lambda f: bool(f.hands))
+    assert headset.device.hand_size == pytest.approx(1.1, abs=1e-3)
+
+
+def test_the_address_shows_the_headset_s_page_and_needs_its_token(headset):
+    body = urlopen(headset.server.url, timeout=5).read().decode()
+    assert "headset.js" in body and "app.js" not in body and "{{" not in body
+    base = headset.server.url.partition("/?")[0]
+    with pytest.raises(HTTPError) as refused:
+        urlopen(f"{base}/headset.js", timeout=5)
+    assert refused.value.code == 403
+
+
+def test_a_touch_device_takes_no_hands():
+    chosen = plan(SceneOptions(device="web"))
+    session = build(chosen.settings, chosen.makers)
+    ((_, device),) = touched_pages(session)
+    assert not device.hear(PageHands(1, 0.0, []), PageScreen(110.0, 800.0, 600.0, False))
+
+
+def test_a_hand_whose_knuckles_are_unknown_is_none():
+    places: list[tuple[float, float, float] | None] = [(0.01 * i, 0.0, 0.0) for i in range(25)]
+    places[11] = None
+    assert seen_hand(SeenJoints("right", places)) is None

@@ -1,0 +1,80 @@
+"""Hands in a headset in a session: trials, recordings, replays, two hands, options."""
+
+from __future__ import annotations
+
+import pytest
+
+from models.errors import InputError
+from models.frames import HandFrame
+from sandbox.cli.main import main
+from sandbox.devices.webxr.webxr import HeadsetDevice, SecondHand
+from sandbox.options.scene_options import SceneOptions, plan
+from sandbox.recording.recording import load_recording
+from sandbox.trial.assembly import build
+from sandbox.trial.headless import run_trial
+from sandbox.trial.settings import RunSettings
+
+
+def test_a_trial_in_a_simulated_headset_is_recorded_and_replays_to_the_bit(tmp_path, capsys):
+    file = tmp_path / "trial.jsonl"
+    assert main(["run", "box-to-goal", "--device", "webxr-simulated", "--record", str(file)]) == 0
+    assert main(["replay", str(file)]) == 0
+    assert "equal to the bit" in capsys.readouterr().out
+    recording = load_recording(file)
+    frames = [entry.frame for entry in recording.inputs[0]]
+    last = frames[-1]
+    assert all(isinstance(frame, HandFrame) for frame in frames) and isinstance(last, HandFrame)
+    joints = [f.joints for f in last.hands[0].fingers]
+    assert len(joints) == 5 and all(joints)
+    settings = RunSettings.from_json(recording.header["settings"])
+    assert settings.hands[0].in_air is not None and settings.hands[0].in_air.joints
+
+
+@pytest.mark.parametrize(("task", "hand"), [("box-to-goal", "left"), ("stack", "right")])
+def test_the_simulated_person_succeeds(task, hand):
+    chosen = plan(SceneOptions(task=task, device="webxr-simulated", hand=hand))
+    result = run_trial(chosen.settings, chosen.makers)
+    assert result.success, result.reason
+
+
+def test_a_leap_s_header_says_nothing_of_joints():
+    settings = plan(SceneOptions(device="leap-simulated")).settings
+    (hand,) = settings.as_json()["hands"]
+    assert "joints" not in hand["in_air"]
+    assert RunSettings.from_json(settings.as_json()) == settings
+
+
+def test_two_hands_in_one_headset_see_the_same_frames():
+    chosen = plan(SceneOptions(device="webxr", task="carry-together"))
+    assert [hand.side for hand in chosen.settings.hands] == ["right", "left"]
+    assert all(hand.in_air and hand.in_air.joints for hand in chosen.settings.hands)
+    session = build(chosen.settings, chosen.makers)
+    first, second = (rig.device.within() for rig in session.rigs)
+    headset = next(d for d in first if isinstance(d, HeadsetDevice))
+    assert headset.second in [d for d in second if isinstance(d, SecondHand)]
+
+
+def test_two_right_hands_in_one_headset_are_refused():
+    with pytest.raises(InputError, match="a right and a left hand"):
+        plan(SceneOptions(device="webxr", second_device="webxr", hand="right", second_hand="right"))
+
+
+def test_a_headset_is_the_first_device():
+    with pytest.raises(InputError, match="comes first"):
+        plan(SceneOptions(device="tuio", second_device="webxr"))
+
+
+def test_touches_alone_can_be_degraded():
+    with pytest.raises(InputError, match="in the air"):
+        plan(SceneOptions(device="webxr", vary="noise=0.001"))
+
+
+@pytest.mark.parametrize("view", ["window", "none"])
+def test_a_headset_has_no_other_view(view, capsys):
+    assert main(["play", "box-to-goal", "--device", "webxr", "--view", view]) == 2
+    assert "a headset's own page shows the scene" in capsys.readouterr().err
+
+
+def test_run_serves_no_page(capsys):
+    assert main(["run", "box-to-goal", "--device", "webxr"]) == 2
+    assert "sandbox play box-to-goal --device webxr" in capsys.readouterr().err
