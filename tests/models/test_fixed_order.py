@@ -15,6 +15,7 @@ ROOMS = (
     "encoders/*.py",
     "encoders/labels/*.py",
     "encoders/paalm/*.py",
+    "encoders/headset/*.py",
     "encoders/person/*.py",
     "encoders/reconstruction/*.py",
     "encoders/regression/*.py",

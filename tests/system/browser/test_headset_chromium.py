@@ -39,8 +39,8 @@ from tasks.user import UserConfiguration
 from tests.encoders.headset.joint_hands import points
 from tests.sandbox.devices.webxr.test_headset_device import joints
 from tests.support.chromium import BINARY, Browser, Tab
-from tests.support.emulated_headset import show, worn
 from tests.support.processes import PATIENCE
+from tests.system.browser.emulated_headset import show, worn
 
 pytestmark = [
     pytest.mark.skipif(not os.path.exists(BINARY), reason="Debian's chromium is missing"),

@@ -151,7 +151,7 @@ def test_a_hand_without_a_finger_keeps_the_others_and_one_without_a_palm_is_left
 
 
 def test_what_is_no_hand_is_refused_and_the_next_one_comes(headset):
-    flat = {"side": "right", "joints": [[0.0, 0.0, 0.0]] * 25}
+    flat: dict[str, object] = {"side": "right", "joints": [[0.0, 0.0, 0.0]] * 25}
     with headset.page() as page:
         send(page, 1, {"side": "right", "joints": [[0.0, 0.0, 0.0]] * 24})
         send(page, 2, {"side": "right", "joints": [[1e9, 0.0, 0.0]] * 25})
