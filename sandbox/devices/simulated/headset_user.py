@@ -13,7 +13,7 @@ from models.frames import HandFrame
 from models.person import Person
 from sandbox.devices.simulated.leap_user import SimulatedLeap
 from sandbox.devices.simulated.simulated import NEXT_PERSON
-from sandbox.devices.webxr.joints import seen_hand
+from sandbox.devices.webxr.joints import FINGER_JOINTS, seen_hand
 from sandbox.server.protocol.protocol import JOINTS_OF_A_HAND, SeenJoints
 from tasks.task import Task
 from tasks.user import UserConfiguration
@@ -21,7 +21,6 @@ from tasks.user import UserConfiguration
 NOISE = 0.0005
 """m, standard deviation of every joint along every axis, from frame to frame. Assumed: no headset
 was measured."""
-_WEBXR = ((1, 2, 3, 4), (6, 7, 8, 9), (11, 12, 13, 14), (16, 17, 18, 19), (21, 22, 23, 24))
 _METACARPALS = (5, 10, 15, 20)
 
 
@@ -83,7 +82,7 @@ def webxr_joints(origin: Array, rotation: Array, joints: Array) -> Array:
     own[0, 2] = 0.5 * (own[0, 1] + own[0, 3])
     places = np.zeros((JOINTS_OF_A_HAND, 3))
     places[0] = -np.array(PALM_CENTRE)
-    for finger, indices in enumerate(_WEBXR):
+    for finger, indices in enumerate(FINGER_JOINTS):
         places[list(indices)] = own[finger]
     for metacarpal in _METACARPALS:
         places[metacarpal] = 0.5 * (places[0] + places[metacarpal + 1])

@@ -11,14 +11,20 @@ from encoders.headset.controller import controller_points
 from encoders.headset.joint_points import KNUCKLES, THUMB, TIPS, WRIST
 from models.errors import FrameError
 from models.frames import TrackedFinger, TrackedHand, Vector
-from sandbox.server.protocol.protocol import HeldController, SeenJoints
+from sandbox.server.protocol.protocol import JOINTS_OF_A_HAND, HeldController, SeenJoints
 
 Places = tuple[Vector | None, ...]
 
-_FINGERS = ((1, 2, 3, 4), (6, 7, 8, 9), (11, 12, 13, 14), (16, 17, 18, 19), (21, 22, 23, 24))
+FINGER_JOINTS = (
+    (1, 2, 3, 4),
+    (6, 7, 8, 9),
+    (11, 12, 13, 14),
+    (16, 17, 18, 19),
+    (21, 22, 23, 24),
+)
 """Joints of each finger in WebXR's order, from the first that we have to the tip: a thumb begins
 with its metacarpal (CMC), a finger with its phalanx-proximal (MCP)."""
-_KNUCKLES = tuple(joints[0] for joints in _FINGERS[1:])
+_KNUCKLES = tuple(joints[0] for joints in FINGER_JOINTS[1:])
 _LEAST = 1e-6
 """m, least length of anything that is a bone."""
 
@@ -45,9 +51,9 @@ def held_hand(held: HeldController) -> TrackedHand:
     if abs(size - 1.0) > _UNIT:
         raise FrameError("not a unit quaternion", where="controller", got=held.quaternion)
     points = controller_points(held.side, held.trigger, np.array(held.position), quaternion / size)
-    places: list[Vector | None] = [None] * 25
+    places: list[Vector | None] = [None] * JOINTS_OF_A_HAND
     places[0] = _vector(points[WRIST])
-    for finger, joints in enumerate(_FINGERS):
+    for finger, joints in enumerate(FINGER_JOINTS):
         first = THUMB if finger == 0 else KNUCKLES[finger - 1]
         own = [*points[first : first + (2 if finger == 0 else 3)], points[TIPS + finger]]
         if finger == 0:
@@ -61,6 +67,7 @@ def held_hand(held: HeldController) -> TrackedHand:
 
 
 _UNIT = 1e-3
+"""Tolerance for the length of a unit quaternion."""
 
 
 def _hand(side: str, joints: Places) -> TrackedHand | None:
@@ -76,7 +83,7 @@ def _hand(side: str, joints: Places) -> TrackedHand | None:
     normal = _cross(across, forward)
     normal = _unit(normal if side == "left" else _times(-1.0, normal))
     fingers = []
-    for finger, places in enumerate(_FINGERS):
+    for finger, places in enumerate(FINGER_JOINTS):
         own = [joint for joint in (joints[p] for p in places) if joint is not None]
         if len(own) == len(places):
             fingers.append(_finger(finger, own))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from encoders.headset.joint_points import KNUCKLES, THUMB, TIPS, JointPoints
@@ -53,3 +55,16 @@ def seen(points: Array, side: str = "right") -> TrackedHand:
     hand = seen_hand(SeenJoints("left" if side == "left" else "right", joints))
     assert hand is not None
     return hand
+
+
+def joints(seed: int = 1, side: str = "right", size: float = 1.0) -> dict[str, object]:
+    """A hand as a page sends it, without the fingers' metacarpals."""
+    hand = seen(points(any_pose(np.random.default_rng(seed)), ADULT.scaled(size)), side)
+    assert hand.wrist is not None
+    places: list[Sequence[float] | None] = [None] * JOINTS_OF_A_HAND
+    places[0] = hand.wrist
+    for finger in hand.fingers:
+        first = 1 if finger.finger == 0 else 5 * (finger.finger or 0) + 1
+        assert finger.joints is not None
+        places[first : first + 4] = finger.joints
+    return {"side": side, "joints": places}

@@ -36,8 +36,7 @@ from sandbox.trial.headless import run_trial
 from sandbox.words.words import words_in
 from tasks.task import Task
 from tasks.user import UserConfiguration
-from tests.encoders.headset.joint_hands import points
-from tests.sandbox.devices.webxr.test_headset_device import joints
+from tests.encoders.headset.joint_hands import joints, points
 from tests.support.chromium import BINARY, Browser, Tab
 from tests.support.processes import PATIENCE
 from tests.system.browser.emulated_headset import show, worn

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from urllib.error import HTTPError
@@ -16,7 +16,6 @@ from websockets.sync.client import ClientConnection, connect
 
 from models.errors import FrameError
 from models.frames import HandFrame
-from models.skeleton import ADULT
 from sandbox.cli.common.page_view import show_session, touched_pages
 from sandbox.devices.webxr.joints import held_hand, seen_hand
 from sandbox.devices.webxr.webxr import HeadsetDevice
@@ -31,22 +30,9 @@ from sandbox.server.protocol.protocol import (
 )
 from sandbox.server.static import HEADSET, StaticFiles
 from sandbox.trial.assembly import build
-from tests.encoders.headset.joint_hands import any_pose, points, seen
+from tests.encoders.headset.joint_hands import joints, points, seen
 
 SCREEN = {"px_per_in": 110.0, "width_px": 800.0, "height_px": 600.0, "calibrated": False}
-
-
-def joints(seed: int = 1, side: str = "right", size: float = 1.0) -> dict[str, object]:
-    """A hand as a page sends it."""
-    hand = seen(points(any_pose(np.random.default_rng(seed)), ADULT.scaled(size)), side)
-    assert hand.wrist is not None
-    places: list[Sequence[float] | None] = [None] * 25
-    places[0] = hand.wrist
-    for finger in hand.fingers:
-        first = 1 if finger.finger == 0 else 5 * (finger.finger or 0) + 1
-        assert finger.joints is not None
-        places[first : first + 4] = finger.joints
-    return {"side": side, "joints": places}
 
 
 @dataclass
