@@ -132,13 +132,18 @@ class PersonInVr(HandDevice):
         return [replace(self.room.seen(np.array(told.joints, float), told.side), time=now)]
 
 
-def test_the_simulated_person_brings_the_box_to_its_goal_through_the_page(
-    browser: Browser, server: PageServer, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+@pytest.mark.parametrize("name", ["box-to-goal", pytest.param("stack", marks=pytest.mark.full)])
+def test_the_simulated_person_does_a_task_through_the_page(
+    browser: Browser,
+    server: PageServer,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    name: str,
 ) -> None:
     tab = worn(browser, server.url)
     tab.resize(**SIZE)
     device = HeadsetDevice()
-    settings = plan(SceneOptions(device="webxr-simulated")).settings
+    settings = plan(SceneOptions(task=name, device="webxr-simulated")).settings
 
     def make(task: Task, surface: Surface) -> Device:
         person = SimulatedHeadset(task, UserConfiguration(), settings.seed)
