@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 import pytest
 
@@ -13,13 +15,17 @@ from models.rotations import geodesic_angle
 from models.skeleton import ADULT
 from tests.encoders.headset.joint_hands import any_pose, points, seen
 
-FIT = JointFit(ADULT)
 OF_FINGERS = np.array([3 * i for i, bone in enumerate(ADULT.bones) if bone.finger > 0])
 """Flexions of the fingers, among the joints' components."""
 
 
+@cache
+def fit_of_adult() -> JointFit:
+    return JointFit(ADULT)
+
+
 def fitted(seen_at):
-    found = FIT.fit(seen_at)
+    found = fit_of_adult().fit(seen_at)
     assert found is not None
     return found
 
@@ -92,7 +98,7 @@ def test_a_missing_finger_stays_at_rest_and_the_others_are_as_before():
 def test_without_a_palm_there_is_no_pose(missing):
     at = points(any_pose(np.random.default_rng(8)))
     at[missing] = np.nan
-    assert FIT.fit(at) is None
+    assert fit_of_adult().fit(at) is None
 
 
 def test_a_page_s_hand_has_the_points_of_ours():
