@@ -20,6 +20,7 @@ from pathlib import Path
 
 import numpy as np
 
+from benchmarks.one_line import run
 from encoders.evaluation.paalm_plausible import plausibility
 from encoders.paalm import Paalm
 from encoders.paalm.angles import joints_of_angles
@@ -288,4 +289,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    run(main)

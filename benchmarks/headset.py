@@ -13,6 +13,7 @@ from __future__ import annotations
 import argparse
 from statistics import median
 
+from benchmarks.one_line import run
 from sandbox.devices.simulated.headset_user import NOISE
 from sandbox.options.headset_devices import SIMULATED
 from sandbox.options.scene_options import SceneOptions, plan
@@ -42,4 +43,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    run(main)

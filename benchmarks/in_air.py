@@ -17,6 +17,7 @@ import numpy as np
 
 import sandbox.trial.assembly as assembly
 from benchmarks.judged_air import air_seeds
+from benchmarks.one_line import run
 from models.surface import Surface
 from sandbox.devices.simulated.leap_disturbance import LeapDisturbance
 from sandbox.devices.simulated.leap_user import SimulatedLeap
@@ -157,4 +158,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    run(main)

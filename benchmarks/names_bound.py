@@ -25,6 +25,7 @@ from rich.console import Console
 from rich.progress import track
 from rich.table import Table
 
+from benchmarks.one_line import run
 from benchmarks.strangers import Frames, answers, of, row, tracked
 from encoders.capture import Capture
 from encoders.captures.population import load_population, simulate_population
@@ -126,4 +127,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    run(main)

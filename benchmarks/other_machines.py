@@ -20,6 +20,8 @@ from pathlib import Path
 from rich.progress import track
 
 from benchmarks.machine import describe_machine
+from benchmarks.one_line import run
+from models.errors import InputError
 from sandbox.recording.recording import Recording, load_recording
 from sandbox.recording.versions import versions
 from sandbox.trial.replay import Verification, replay
@@ -89,7 +91,15 @@ def main() -> None:
         return
     found: dict[str, list[Verification]] = defaultdict(list)
     there: set[str] = set()
-    for file in track(sorted(options.folder.glob("*.jsonl")), "replaying"):
+    files = sorted(options.folder.glob("*.jsonl"))
+    if not files:
+        raise InputError(
+            "no recordings here",
+            where=str(options.folder),
+            expected="files *.jsonl",
+            remedy="`python -m benchmarks.other_machines FOLDER --record 3` records some",
+        )
+    for file in track(files, "replaying"):
         recording = load_recording(file)
         there.add(recording.header["versions"]["libm"])
         found[kind(recording)].append(replay(recording)[1])
@@ -103,4 +113,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    run(main)

@@ -20,6 +20,7 @@ from rich.console import Console
 from rich.progress import track
 from rich.table import Table
 
+from benchmarks.one_line import run
 from encoders.capture import Capture
 from encoders.captures.population import load_population
 from encoders.evaluation.errors import pose_errors
@@ -120,4 +121,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    run(main)

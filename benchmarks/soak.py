@@ -20,6 +20,7 @@ from rich.console import Console
 from rich.progress import Progress
 
 from benchmarks.machine import describe_machine
+from benchmarks.one_line import run
 from models.arithmetic.arrays import Array
 from models.errors import DivergenceError
 from models.frames import Contact, TouchFrame
@@ -337,4 +338,4 @@ def _print_row(task: str, profile: str, found: Found) -> None:
 
 
 if __name__ == "__main__":
-    main()
+    run(main)

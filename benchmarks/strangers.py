@@ -22,6 +22,7 @@ from rich.console import Console
 from rich.progress import track
 from rich.table import Table
 
+from benchmarks.one_line import run
 from encoders.capture import Capture
 from encoders.captures.population import load_population, simulate_population
 from encoders.captures.population.names import train_names
@@ -168,4 +169,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    run(main)

@@ -28,6 +28,7 @@ from scipy.stats import binomtest
 
 from benchmarks.judged import judged_seeds
 from benchmarks.lanes import in_lanes
+from benchmarks.one_line import run
 from tasks.registry import TASKS
 
 ENCODERS: dict[str, dict[str, Any]] = {
@@ -197,4 +198,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    run(main)

@@ -23,6 +23,7 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
+from benchmarks.one_line import run
 from benchmarks.webcam_films import RATE, SIZE, VIEWS, film, numbered, poses_of, seen
 from encoders.webcam.camera import Camera
 from encoders.webcam.first_guess import turn_between
@@ -219,4 +220,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    run(main)

@@ -79,7 +79,7 @@ def read_npz(
             arrays = {name: file[name] for name in wanted}
             header = json.loads(bytes(file["header"].tobytes()).decode())
     except FileNotFoundError:
-        raise error("no such file", where=where) from None
+        raise error("no such file", where=where, expected=what, remedy=remedy) from None
     except error:
         raise
     except _DAMAGE as damage:

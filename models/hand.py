@@ -20,8 +20,8 @@ from models.arithmetic.arrays import Array
 from models.arithmetic.products import length
 from models.errors import SceneError
 from models.one_pose import OnePose
-from models.rotations import matrix_to_quaternion, quaternion_exp
-from models.scene_hand import Link
+from models.rotations import matrix_to_quaternion, quaternion_exp, quaternion_log
+from models.scene_hand import Follower, Link, PoseFollower
 from models.skeleton import ADULT, Bone, Skeleton
 
 IMPULSE_PERIOD = 1.0 / 60.0
@@ -138,6 +138,19 @@ class Hand:
     def controls(self, q: Array) -> Array:
         """Controls (48,) for a pose (48,): the pose itself, one target per servo."""
         return q
+
+    def assets(self) -> list[Element]:
+        """No assets."""
+        return []
+
+    def follower(self) -> Follower:
+        """What follows poses: controls are the pose itself."""
+        return PoseFollower(self.controls)
+
+    def coordinates(self, qpos: Array) -> Array:
+        """Poses (..., 48) of joint positions (..., 63)."""
+        turns = quaternion_log(qpos[..., 3:].reshape(*qpos.shape[:-1], 15, 4))
+        return np.concatenate([qpos[..., :3], turns.reshape(*qpos.shape[:-1], 45)], axis=-1)
 
     def joint_positions(self, q: Array) -> Array:
         """Joint positions (63,) at a pose (48,): three slides and 15 quaternions."""

@@ -221,6 +221,8 @@ def scene_xml(spec: SceneSpec) -> str:
         world.append(obj.body())
     assets = root.find("asset")
     assert assets is not None
+    for hand in spec.hands:
+        assets.extend(hand.assets())
     for obj in spec.objects:
         if isinstance(obj, MjcfObject):
             assets.extend(obj.assets())

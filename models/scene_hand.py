@@ -7,7 +7,7 @@ their links to fingers. Scene, session, collision gating, sensing and views use 
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass
 from typing import Protocol
 from xml.etree.ElementTree import Element
@@ -38,6 +38,39 @@ class Link:
     geom: str
     tip_geom: str
     solid_from: float = 0.0
+
+
+class Follower(Protocol):
+    """Turns the poses of one movement into controls; it may go on from its last result."""
+
+    @property
+    def missed(self) -> frozenset[int] | None:
+        """Labels of the fingers that touch and whose tips could not be put where the last pose has
+        them; None for a hand that can take every pose."""
+        ...
+
+    def __call__(self, q: Array, fingers: Collection[int]) -> Array:
+        """Controls (m,) for a pose (48,).
+
+        Args:
+            q: The pose.
+            fingers: Labels of the fingers that touch: where not all fingertips can be where the
+                pose has them, theirs matter.
+        """
+        ...
+
+
+class PoseFollower:
+    """A follower whose controls are a function of the pose alone."""
+
+    missed = None
+
+    def __init__(self, controls: Callable[[Array], Array]) -> None:
+        self._controls = controls
+
+    def __call__(self, q: Array, fingers: Collection[int]) -> Array:
+        """Controls (m,) for a pose (48,)."""
+        return self._controls(q)
 
 
 class SceneHand(Protocol):
@@ -80,12 +113,25 @@ class SceneHand(Protocol):
         """
         ...
 
+    def assets(self) -> list[Element]:
+        """MJCF assets, such as meshes; every name begins with the hand's name and `_`."""
+        ...
+
     def actuators(self) -> list[Element]:
         """MJCF actuators in the order of its controls."""
         ...
 
     def controls(self, q: Array) -> Array:
         """Controls (m,) that make it follow a pose q (48,) in the world; m is constant."""
+        ...
+
+    def follower(self) -> Follower:
+        """What turns the poses of one movement into controls."""
+        ...
+
+    def coordinates(self, qpos: Array) -> Array:
+        """Joint positions (..., n) as numbers without quaternions: the palm's place (m) and
+        rotation vector (rad), then a rotation vector or an angle of every joint."""
         ...
 
     def joint_positions(self, q: Array) -> Array:

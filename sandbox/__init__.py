@@ -14,8 +14,11 @@ from __future__ import annotations
 import importlib.util
 import os
 import sys
+import warnings
 from itertools import pairwise
 from typing import TYPE_CHECKING
+
+from sandbox.beside import mixed_up
 
 _NEIGHBOURS = ("models", "encoders", "tasks")
 _EXIT_BAD_INPUT = 2
@@ -78,6 +81,34 @@ def _refuse_shadowed_neighbours() -> None:
             )
 
 
+def _look_for_strangers() -> None:
+    """Says in one line that another package's files are among those of our neighbours.
+
+    Raises:
+        ShadowedPackageError: Files of ours were replaced by another package's, or are gone.
+    """
+    home = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
+    for name, (strange, changed) in mixed_up(home, _NEIGHBOURS).items():
+        where = os.path.join(home, name)
+        if changed:
+            raise ShadowedPackageError(
+                f"another package has replaced files of the package `{name}` (got another "
+                f"{changed[0]!r} in {where!r}). Install hand-sandbox in an environment of its own, "
+                "or again: `pip install --force-reinstall --no-deps hand-sandbox`",
+                name=name,
+                path=os.path.join(where, changed[0]),
+            )
+        line = (
+            f"another package has installed files into the package `{name}` ({strange[0]!r} in "
+            f"{where!r}); one of the two may fail. Install hand-sandbox in an environment of its "
+            "own"
+        )
+        if _is_own_command():
+            print(f"sandbox: {line}", file=sys.stderr)
+        else:
+            warnings.warn(line, stacklevel=2)
+
+
 def _is_own_command() -> bool:
     """True if this process is `sandbox ...` itself, not a program that imports us."""
     if sys.argv[:1] == ["-m"]:
@@ -92,6 +123,7 @@ def _is_own_command() -> bool:
 
 try:
     _refuse_shadowed_neighbours()
+    _look_for_strangers()
 except ShadowedPackageError as _error:
     if not _is_own_command():
         raise

@@ -7,8 +7,11 @@ import importlib
 import re
 import tomllib
 from pathlib import Path
+from xml.etree import ElementTree
 
 import pytest
+
+from tools.docs.how_it_works import drawing
 
 ROOT = Path(__file__).parents[1]
 PAGES = sorted(
@@ -46,6 +49,19 @@ def test_every_link_within_the_repository_leads_somewhere(page: Path) -> None:
         if not target.exists() or (anchor and anchor not in anchors(target)):
             astray.append(link)
     assert not astray
+
+
+def test_the_readme_is_a_screen_and_a_half() -> None:
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    # A screen of 1440 x 900 px shows about 50 lines.
+    assert len(text.splitlines()) <= 80
+    assert text.index("20 strangers") < text.index("another day of that one person")
+
+
+def test_the_picture_of_the_steps_is_the_one_that_its_command_draws() -> None:
+    drawn = ElementTree.fromstring(drawing())
+    kept = (ROOT / "docs" / "pictures" / "how-it-works.svg").read_text(encoding="utf-8")
+    assert ElementTree.tostring(drawn) == ElementTree.tostring(ElementTree.fromstring(kept))
 
 
 def test_the_menu_of_the_site_has_every_page_once() -> None:

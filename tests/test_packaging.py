@@ -84,6 +84,31 @@ def test_the_changelog_tells_of_this_version(project: dict[str, Any]) -> None:
     assert re.search(rf"^## \[{version}\]", changelog, re.MULTILINE)
 
 
+def test_the_changelog_fits_a_screen_and_the_rest_is_in_the_history() -> None:
+    changelog = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
+    newest = changelog.split("\n## ")[1]
+    assert len(newest.splitlines()) <= 50, "move the detail to docs/history.md"
+    assert "docs/history.md" in changelog
+
+
+def test_the_citation_and_the_licences_are_of_what_is_shipped(project: dict[str, Any]) -> None:
+    citation = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
+    assert f"\nversion: {project['project']['version']}\n" in citation
+    files = project["project"]["license-files"]
+    assert all((ROOT / file).is_file() for file in files)
+    bundled = ROOT / "sandbox" / "views" / "static" / "licences.txt"
+    assert bundled.relative_to(ROOT).as_posix() in files
+
+
+def test_the_source_archive_has_what_the_tests_need() -> None:
+    manifest = (ROOT / "MANIFEST.in").read_text(encoding="utf-8")
+    grafted = set(re.findall(r"^graft (.*)$", manifest, re.MULTILINE))
+    folders = {path.name for path in ROOT.iterdir() if path.is_dir()}
+    made = {".git", "out", "build", "dist", "sandbox-demo", "node_modules"}
+    kept = {name for name in folders - made if not re.search(r"^\.(?!ci$|github$)|egg-info$", name)}
+    assert kept <= grafted
+
+
 def test_the_licence_is_whole() -> None:
     text = (ROOT / "LICENSE").read_text(encoding="utf-8")
     assert "Apache License" in text

@@ -29,6 +29,7 @@ SUBCOMMANDS = {
     "touches": "show record send formats",
     "paalm": "show calibrate",
     "leap": "fake simulate formats",
+    "robot": "fit show",
     "webcam": "install status record",
     "capture": "record simulate",
 }

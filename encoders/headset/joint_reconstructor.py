@@ -18,14 +18,11 @@ from encoders.reconstruction.touch_reconstructor import Reconstruction
 from models.arithmetic.arrays import Array
 from models.frames import HandFrame, TrackedHand
 from models.limits import RateLimit
-from models.messages.message import Message
 from models.person import Person
 from models.pose import POSE_SIZE, ROOT_POSITION, mirrored
 from models.skeleton import ADULT
 from models.surface import Surface
 
-UNSEEN_NOTICE = 1.0
-"""s that a hand is an unseen ghost before the person gets a notice."""
 _START = (0.0, -0.10, 0.12)
 """m, wrist of the right hand before it is seen: over the table, fingers away from the person."""
 _MIRROR = np.array([-1.0, 1.0, 1.0])
@@ -88,13 +85,7 @@ class JointReconstructor:
     @property
     def notice(self) -> str:
         """Notice to the person whose hand is not seen; empty while all is well."""
-        if self._hand.unseen > self._hand.settings.patience + UNSEEN_NOTICE:
-            return Message(
-                "hand_unseen",
-                "the {side} hand is not seen: hold it over the device",
-                side=self.side,
-            )
-        return ""
+        return self._hand.notice(self.side)
 
     def step(self, frame: HandFrame) -> Reconstruction:
         """Processes a frame; called once per control step, even if nothing has changed."""

@@ -28,8 +28,6 @@ from models.surface import Surface
 
 NOTICE_LASTS = 1.0
 """s that a notice to the person stays after its cause has ended."""
-UNSEEN_NOTICE = 1.0
-"""s that a hand is an unseen ghost before the person gets a notice."""
 
 
 @dataclass(frozen=True)
@@ -126,13 +124,7 @@ class HandReconstructor:
         """Notice to the person whose hand is not tracked; empty while all is well."""
         if self._refused and (self._time or 0.0) - self._refused_at < NOTICE_LASTS:
             return Message("hands_apart", "{why}: hold them apart", why=self._refused)
-        if self._hand.unseen > self.settings.patience + UNSEEN_NOTICE:
-            return Message(
-                "hand_unseen",
-                "the {side} hand is not seen: hold it over the device",
-                side=self.side,
-            )
-        return ""
+        return self._hand.notice(self.side)
 
     def reset(self) -> None:
         """Returns to the initial state: an open hand 20 cm over the device."""

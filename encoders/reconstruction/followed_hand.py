@@ -14,12 +14,16 @@ from models.arithmetic.arrays import Array
 from models.arithmetic.products import length
 from models.frames import FINGERS
 from models.limits import RateLimit
+from models.messages.message import Message
 from models.one_pose import OnePose
 from models.pose import JOINTS, ROOT_POSITION, ROOT_ROTATION
 from models.rotations import unwrapped
 from models.skeleton import Skeleton
 
 _ALL = frozenset(range(len(FINGERS)))
+
+UNSEEN_NOTICE = 1.0
+"""s that a hand is an unseen ghost before the person gets a notice."""
 
 
 @dataclass(frozen=True)
@@ -78,6 +82,14 @@ class FollowedHand:
     def commanded(self) -> Array:
         """The pose last commanded (48,), in the world."""
         return self._commanded
+
+    def notice(self, side: str) -> str:
+        """Notice to the person whose hand of this side is not seen; empty while all is well."""
+        if self.unseen > self.settings.patience + UNSEEN_NOTICE:
+            return Message(
+                "hand_unseen", "the {side} hand is not seen: hold it over the device", side=side
+            )
+        return ""
 
     def follow(self, goal: Array, dt: float) -> None:
         """Moves towards a goal (48,) in the world that is seen now, in a control step of dt s."""

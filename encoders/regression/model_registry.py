@@ -11,6 +11,7 @@ import json
 import os
 import sys
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import cache, cached_property
 from hashlib import blake2b
 from pathlib import Path
@@ -46,10 +47,16 @@ LONG = 2.0
 """s; training that takes longer is kept for the next time."""
 
 
+@dataclass(frozen=True)
 class PcaIkModel(TrainedModel):
-    """A model whose encoder is inverse kinematics."""
+    """A model whose encoder is inverse kinematics.
+
+    Attributes:
+        like: Digest of the model whose capture it was fitted to.
+    """
 
     encoder: PcaIkEncoder
+    like: str = ""
 
     @cached_property
     def digest(self) -> str:
@@ -59,14 +66,18 @@ class PcaIkModel(TrainedModel):
             "pad_height_": self.encoder.pad_height_,
             "tip_misfit_": self.encoder.tip_misfit_,
         }
-        text = json.dumps([PCA_IK, given | learned, builtin("quadratic").digest], sort_keys=True)
+        text = json.dumps([PCA_IK, given | learned, self.like], sort_keys=True)
         return blake2b(text.encode(), digest_size=16).hexdigest()
 
 
 @cache
 def pca_ik_model() -> TrainedModel:
     """The paper's PCA-IK with its own numbers, fitted to the built-in capture."""
-    like = builtin("quadratic")
+    return pca_ik_like(builtin("quadratic"))
+
+
+def pca_ik_like(like: TrainedModel) -> TrainedModel:
+    """The paper's PCA-IK with its own numbers, fitted to the capture of another model."""
     return PcaIkModel(
         PCA_IK,
         PcaIkEncoder().fit(like.training_u, like.training_pose),
@@ -74,6 +85,7 @@ def pca_ik_model() -> TrainedModel:
         like.training_u,
         like.training_pose,
         {k: v for k, v in like.meta.items() if k not in ("degree", "ridge")},
+        like=like.digest,
     )
 
 

@@ -17,15 +17,12 @@ from encoders.webcam.landmark_fit import FitSettings, LandmarkFit
 from models.arithmetic.arrays import Array
 from models.arithmetic.products import small_product
 from models.frames import LandmarkFrame, SeenHand
-from models.messages.message import Message
 from models.person import Person
 from models.pose import POSE_SIZE, ROOT_POSITION, ROOT_ROTATION, mirrored
 from models.rotations import exp, log
 from models.skeleton import ADULT
 from models.surface import Surface
 
-UNSEEN_NOTICE = 1.0
-"""s that a hand is an unseen ghost before the person gets a notice."""
 _START = (0.0, -0.10, 0.12)
 """m, wrist of the right hand before it is seen: over the table, fingers away from the person."""
 _FORGET = 0.5
@@ -90,13 +87,7 @@ class LandmarkReconstructor:
     @property
     def notice(self) -> str:
         """Notice to the person whose hand is not seen; empty while all is well."""
-        if self._hand.unseen > self._hand.settings.patience + UNSEEN_NOTICE:
-            return Message(
-                "hand_unseen",
-                "the {side} hand is not seen: hold it over the device",
-                side=self.side,
-            )
-        return ""
+        return self._hand.notice(self.side)
 
     def step(self, frame: LandmarkFrame) -> Reconstruction:
         """Processes a frame; called once per control step, even if nothing has changed."""

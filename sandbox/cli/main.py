@@ -25,6 +25,7 @@ COMMANDS: dict[str, str] = {
     "study": "design, run, report and share user studies",
     "doctor": "check what works on this machine, and what to install for the rest",
     "paalm": "joint angles of hands over a Leap, by the paper of 2013: show and calibrate",
+    "robot": "robots' hands in the place of ours: fit one of your own, list those that are known",
     "leap": "replace a Leap: simulated recordings, a fake service; list the formats",
     "webcam": "hands before a webcam: install what finds them, record landmarks",
     "touches": "show, record and send touches: the first thing to try with a new tablet",

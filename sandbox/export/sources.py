@@ -118,7 +118,17 @@ def poses_of_qpos(time: Array, qpos: Array, hands: int) -> Poses:
 
 
 def hands_of(settings: RunSettings) -> tuple[tuple[Armature, ...], tuple[str, ...]]:
-    """Armatures and names of a session's hands."""
+    """Armatures and names of a session's hands.
+
+    Raises:
+        InputError: The hands are a robot's, whose joints the formats do not hold.
+    """
+    if settings.robot:
+        raise InputError(
+            "a robot's hand has no skeleton that can be exported",
+            where="--robot",
+            got=settings.robot,
+        )
     return (
         tuple(Armature(hand.person.skeleton(ADULT)) for hand in settings.hands),
         settings.hand_names,

@@ -10,7 +10,6 @@ import numpy as np
 from gymnasium import spaces
 
 from models.arithmetic.arrays import Array
-from models.rotations import quaternion_log
 from sandbox.gym.actions import SLOTS
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
@@ -80,7 +79,6 @@ def _hand(
 ) -> dict[str, Array]:
     """Observation of one hand: its pose, fingertips, solid fingers, and labels of its touches."""
     hand, joints = snapshot.hands[i], session.data.qpos[session.scene.qpos_slice(i)]
-    turns = quaternion_log(joints[3:].reshape(15, 4)).ravel()
     solid, labels = np.zeros(SLOTS), np.full(SLOTS, -1.0)
     solid[sorted(hand.solid)] = 1.0
     known = {c.id: c.label for c in hand.contacts}
@@ -88,7 +86,7 @@ def _hand(
         label = None if id is None else known.get(id)
         labels[slot] = -1.0 if label is None else label
     return {
-        "pose": np.concatenate([joints[:3], turns]),
+        "pose": session.scene.spec.hands[i].coordinates(joints),
         "tips": hand.tips,
         "solid": solid,
         "labels": labels,

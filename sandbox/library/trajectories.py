@@ -13,8 +13,7 @@ from numpy.typing import NDArray
 from models.arithmetic.arrays import Array
 from models.errors import InputError
 from models.frames import FINGERS
-from models.pose import ROOT_POSITION
-from models.rotations import matrix_to_quaternion, quaternion_log
+from models.rotations import matrix_to_quaternion
 from models.skeleton import ADULT
 from sandbox.session.messages import HandView, Snapshot
 from sandbox.session.session import Session
@@ -56,7 +55,8 @@ class HandTrajectory:
 
     Attributes:
         q: (T, 48) pose of the simulated hand: root position (m), root rotation vector (rad), then
-            the rotation vectors of 14 ball joints (rad).
+            the rotation vectors of 14 ball joints (rad). Of a robot's hand (T, 6 + n): place and
+            rotation vector of its palm, then the angles of its joints.
         commanded: (T, 48) pose that the touches ask for; the servos follow it.
         tips: (T, 5, 3) m, fingertips of the simulated hand, thumb to little finger.
         solid: (T, 5) True if a finger collides with objects; False for a ghost.
@@ -152,12 +152,19 @@ class Trajectories:
 
     def _hand_rows(self) -> Iterable[Sequence[object]]:
         tips = (f"{finger}_tip_{axis}" for finger in FINGERS for axis in "xyz")
-        yield ["hand", "time_s", "step", "solid", *POSE_COLUMNS, *tips]
+        yield ["hand", "time_s", "step", "solid", *self._pose_columns(), *tips]
         for number, hand in enumerate(self.hands):
             for i, moment in enumerate(self._moments()):
                 solid = "".join(FINGERS[f][0] for f in np.flatnonzero(hand.solid[i]))
                 values = np.concatenate([hand.q[i], hand.tips[i].ravel()])
                 yield [number, *moment, solid, *_digits(values)]
+
+    def _pose_columns(self) -> Sequence[str]:
+        """Names of the numbers of a pose; of a robot's hand its joints are numbered."""
+        width = self.hands[0].q.shape[1] if self.hands else len(POSE_COLUMNS)
+        if width == len(POSE_COLUMNS):
+            return POSE_COLUMNS
+        return [*POSE_COLUMNS[:6], *(f"q_joint_{i}" for i in range(width - 6))]
 
     def _touch_rows(self) -> Iterable[Sequence[object]]:
         yield ["time_s", "hand", "contact", "finger", "x", "y", "state"]
@@ -205,9 +212,8 @@ class TrajectoryView:
         views = [s.hands[number] for s in self._snapshots]
         qpos = np.array([s.qpos[self._scene.qpos_slice(number)] for s in self._snapshots])
         qpos = qpos.reshape(len(views), -1)
-        turns = quaternion_log(qpos[:, 3:].reshape(len(views), -1, 4))
         return HandTrajectory(
-            np.hstack([qpos[:, ROOT_POSITION], turns.reshape(len(views), -1)]),
+            self._scene.spec.hands[number].coordinates(qpos),
             np.array([view.target for view in views]),
             np.array([view.tips for view in views]),
             np.array([_solid(view) for view in views], bool),

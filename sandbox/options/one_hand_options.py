@@ -77,6 +77,10 @@ class OneHandOptions:
     hand: Literal["right", "left"] | None = None
     """Which hand. Default: that of the recording or profile, else right."""
 
+    robot: Annotated[str, tyro.conf.arg(metavar="{shadow,adroit,FILE}")] = ""
+    """Robot whose hand is in the place of yours (docs/robots.md): one of the extra `robots`, or
+    FILE.xml with a mapping by `sandbox robot fit` beside it. Default: our own hand."""
+
     hand_size: Annotated[float | None, tyro.conf.arg(metavar="RATIO")] = None
     """Length of the hand relative to the trained hand, 0.6 to 1.6; `sandbox calibrate` measures
     it."""

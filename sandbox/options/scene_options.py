@@ -51,7 +51,7 @@ from sandbox.recording.recording import Recording, is_recording, load_recording
 from sandbox.server.web import WebDevice
 from sandbox.session.device import Device
 from sandbox.trial.device_makers import DeviceMaker, DeviceMakers, merging, sharing
-from sandbox.trial.recorded_encoder import recorded_encoder
+from sandbox.trial.recorded_models import recorded_encoder, with_kept_models
 from sandbox.trial.settings import RunSettings, bare
 from sandbox.trial.surfaces import home
 from tasks.task import Task
@@ -279,12 +279,13 @@ def _settings(options: SceneOptions, recording: Recording | None) -> RunSettings
         base = RunSettings(task=options.task)
     base = replace(base, seed=base.seed if options.seed is None else options.seed)
     if recording is not None and _keeps_recorded_settings(options):
-        return base
+        return with_kept_models(base, recording.header)
     values: dict[str, Any] = {
         "encoder": options.encoder,
         "servo": options.servo,
         "impulse": impulse_limit(options.impulse),
         "contact": options.contact,
+        "robot": options.robot,
     }
     if options.labels is not None:
         values["labels"] = options.labels
@@ -336,6 +337,7 @@ def _keeps_recorded_settings(options: SceneOptions) -> bool:
         "impulse",
         "contact",
         "servo",
+        "robot",
         "surface",
         "tell_labels",
     )

@@ -3,6 +3,9 @@
 Fingers that close on a thing press across its faces, and their servos also pull along them: the
 grip holds the thing in a place where it would not stay by itself. Both are read from MuJoCo's
 contacts; how much of their limit the servos use is read from its actuators.
+
+Reading takes a third of a millisecond, so that what is needed for it is copied at once, and read
+where somebody looks, in any thread.
 """
 
 from __future__ import annotations
@@ -19,6 +22,7 @@ from numpy.typing import NDArray
 from models.arithmetic.arrays import Array
 from models.frames import FINGERS
 from models.scene import Scene
+from models.scene_hand import SceneHand
 
 
 @dataclass(frozen=True)
@@ -68,16 +72,69 @@ class HandLoad:
         """True if some servo gives all the force that it may."""
         return self.palm_at_limit or any(finger.at_limit for finger in self.fingers)
 
+    @property
+    def full(self) -> frozenset[int]:
+        """Labels of the fingers that touch objects while a servo of their own or of the palm gives
+        all the force that it may."""
+        return frozenset(
+            label
+            for label, finger in enumerate(self.fingers)
+            if finger.force > 0.0 and (finger.at_limit or self.palm_at_limit)
+        )
+
 
 FULL = 0.999
 """Share of a servo's limit from which on the limit counts as reached."""
+
+
+@dataclass(frozen=True)
+class _Forces:
+    """Copies of MuJoCo's arrays: of n contacts the geoms (n, 2), frames (n, 9), address and number
+    of their rows (n,); the rows; forces of the servos, and their largest (servos,), N or N m."""
+
+    geoms: NDArray[np.int64]
+    frames: Array
+    address: NDArray[np.int64]
+    rows: NDArray[np.int64]
+    constraints: Array
+    servos: Array
+    limits: Array
+
+    def of(self, contact: int) -> Array:
+        """(3,) N in a contact's frame, its normal first: of an elliptic cone, the rows are that."""
+        force = np.zeros(3)
+        first, rows = int(self.address[contact]), min(int(self.rows[contact]), 3)
+        if first >= 0:
+            force[:rows] = self.constraints[first : first + rows]
+        return force
+
+
+class KeptLoads:
+    """The loads of one moment, read when somebody looks, from any thread.
+
+    Args:
+        loads: Knows the scene.
+        forces: Copies of that moment's arrays.
+    """
+
+    def __init__(self, loads: FingerLoads, forces: _Forces) -> None:
+        self._loads, self._forces = loads, forces
+
+    @cached_property
+    def hands(self) -> tuple[HandLoad, ...]:
+        """The load of each hand."""
+        return self._loads.of(self._forces)
+
+    def force(self, contact: int) -> Array:
+        """(3,) N of a contact in its frame, its normal first."""
+        return self._forces.of(contact)
 
 
 class FingerLoads:
     """Reads the loads of all hands of a scene.
 
     Args:
-        scene: The scene.
+        scene: The scene, whose contacts have elliptic cones of friction.
     """
 
     def __init__(self, scene: Scene) -> None:
@@ -85,42 +142,67 @@ class FingerLoads:
 
     def read(self, data: mujoco.MjData) -> list[HandLoad]:
         """The current load of each hand."""
+        return list(self.keep(data).hands)
+
+    def keep(self, data: mujoco.MjData) -> KeptLoads:
+        """The current loads, to be read later."""
+        contact = data.contact
+        forces = _Forces(
+            contact.geom.copy(),
+            contact.frame.copy(),
+            contact.efc_address.copy(),
+            contact.dim.copy(),
+            data.efc_force.copy(),
+            data.actuator_force.copy(),
+            self._scene.model.actuator_forcerange[:, 1].copy(),
+        )
+        return KeptLoads(self, forces)
+
+    def of(self, kept: _Forces) -> tuple[HandLoad, ...]:
+        """The load of each hand at the moment of some copies."""
         hands, n = len(self._scene.spec.hands), len(FINGERS)
         forces = np.zeros((hands * n, 3))
         # Vectors on each object that is touched, by object and finger.
         pushes: dict[int, dict[int, Array]] = {}
-        if data.ncon:
-            one, roots = np.zeros(6), self._scene.model.body_rootid[self._scene.model.geom_bodyid]
-            pairs = data.contact.geom.tolist()
-            for contact, pair in enumerate(self._owners[data.contact.geom].tolist()):
-                for side, part in enumerate(pair):
-                    if part >= 0:
-                        mujoco.mj_contactForce(self._scene.model, data, contact, one)
-                        across, x, y = one[:3].tolist()
-                        along = sqrt(x * x + y * y)
-                        forces[part] += sqrt(across * across + along * along), across, along
-                        # A contact's normal points from its first geom to its second one.
-                        push = one[:3] @ data.contact.frame[contact].reshape(3, 3)
-                        thing = pushes.setdefault(int(roots[pairs[contact][1 - side]]), {})
-                        thing[part] = thing.get(part, 0.0) + (push if side == 0 else -push)
-        used, stored = self._used(data), _stored(pushes, len(forces))
+        owners = self._owners[kept.geoms]
+        for contact in np.flatnonzero((owners >= 0).any(axis=1)).tolist():
+            one = kept.of(contact)
+            across, x, y = one.tolist()
+            along = sqrt(x * x + y * y)
+            # A contact's normal points from its first geom to its second one.
+            push = one @ kept.frames[contact].reshape(3, 3)
+            for side, part in enumerate(owners[contact].tolist()):
+                if part >= 0:
+                    forces[part] += sqrt(across * across + along * along), across, along
+                    other = int(self._roots[kept.geoms[contact, 1 - side]])
+                    thing = pushes.setdefault(other, {})
+                    thing[part] = thing.get(part, 0.0) + (push if side == 0 else -push)
+        used, stored = self._used(kept), _stored(pushes, len(forces))
         fingers = [
             FingerLoad(force, pressing, sideways, used[part // n][part % n], stored[part])
             for part, (force, pressing, sideways) in enumerate(forces.tolist())
         ]
-        return [HandLoad(tuple(fingers[n * i : n * (i + 1)]), used[i][-1]) for i in range(hands)]
+        return tuple(
+            HandLoad(tuple(fingers[n * i : n * (i + 1)]), used[i][-1]) for i in range(hands)
+        )
 
-    def _used(self, data: mujoco.MjData) -> list[list[float]]:
+    def _used(self, kept: _Forces) -> list[list[float]]:
         """Largest share of a limit, of each finger of each hand, and last of its palm."""
         model = self._scene.model
         shares = [[0.0] * (len(FINGERS) + 1) for _ in self._scene.spec.hands]
         for actuator, (hand, part) in self._servos.items():
             first = int(model.actuator_outadr[actuator])
-            force = data.actuator_force[first : first + int(model.actuator_outnum[actuator])]
-            limit = float(model.actuator_forcerange[actuator, 1])
+            force = kept.servos[first : first + int(model.actuator_outnum[actuator])]
+            limit = float(kept.limits[actuator])
             share = float(np.sqrt(np.sum(force * force))) / limit if limit > 0.0 else 0.0
             shares[hand][part] = max(shares[hand][part], min(share, 1.0))
         return shares
+
+    @cached_property
+    def _roots(self) -> NDArray[np.int64]:
+        """(geoms,) number of the object that each geom belongs to."""
+        model = self._scene.model
+        return np.asarray(model.body_rootid[model.geom_bodyid], np.int64)
 
     @cached_property
     def _owners(self) -> NDArray[np.int64]:
@@ -137,13 +219,24 @@ class FingerLoads:
         """Hand and finger of each actuator of a hand; -1 as its finger is the palm."""
         model, servos = self._scene.model, {}
         for i, hand in enumerate(self._scene.spec.hands):
-            fingers = {model.body(link.body).id: link.finger for link in hand.links}
+            fingers = _bodies_of_fingers(model, hand)
             for actuator in range(model.nactuator):
                 if model.actuator(actuator).name.startswith(f"{hand.name}_"):
                     # All servos of a hand act on joints.
                     joint = int(model.actuator_trnid[actuator, 0])
                     servos[actuator] = i, fingers.get(int(model.jnt_bodyid[joint]), -1)
         return servos
+
+
+def _bodies_of_fingers(model: mujoco.MjModel, hand: SceneHand) -> dict[int, int]:
+    """Finger of each body of a hand's fingers: of links, and of what carries them."""
+    palm, fingers = model.body(hand.palm).id, {}
+    for link in hand.links:
+        body = model.body(link.body).id
+        while body != palm:
+            fingers[body] = link.finger
+            body = int(model.body_parentid[body])
+    return fingers
 
 
 def _stored(pushes: Mapping[int, Mapping[int, Array]], fingers: int) -> list[float]:

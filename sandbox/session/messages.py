@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 from models.arithmetic.arrays import Array
 from models.lazy_fields import LazyFields
+from sandbox.session.finger_loads import HandLoad, KeptLoads
 from tasks.score import Score
 from tasks.task import Goal
 
@@ -19,6 +20,10 @@ MOVE_APART = "Move apart"
 
 SURE = 0.8
 """Probability of a finger's name below which views show that it is not sure."""
+
+TOLD, STRONGEST = 1.0, 70.0
+"""N stored by a grip: below the first views say nothing, as a resting finger presses with as much;
+at the second, the strongest grip that people were tried at, the arc around a finger is closed."""
 
 
 @dataclass(frozen=True)
@@ -90,6 +95,7 @@ class Snapshot(LazyFields):
         score: Score so far.
         notices: Messages for the person.
         contact: Contact mode: `hard`, `soft` or `none`.
+        kept_loads: What the hands press with, for `loads`; None where nobody has kept it.
     """
 
     time: float
@@ -101,6 +107,23 @@ class Snapshot(LazyFields):
     score: Score
     notices: tuple[str, ...] = ()
     contact: str = "hard"
+    kept_loads: KeptLoads | None = None
+
+    @property
+    def loads(self) -> tuple[HandLoad, ...]:
+        """What each hand presses with, read at the first look; empty where it is not known."""
+        return () if self.kept_loads is None else self.kept_loads.hands
+
+    def stored(self, hand: int, label: int | None) -> float:
+        """N that a grip of a hand stores in a finger; 0 where nothing is worth telling."""
+        if label is None or not self.loads:
+            return 0.0
+        force = self.loads[hand].fingers[label].stored
+        return force if force >= TOLD else 0.0
+
+    def at_limit(self, hand: int, label: int | None) -> bool:
+        """True if a hand has no more force for a finger that touches something."""
+        return bool(self.loads) and label in self.loads[hand].full
 
     @property
     def notice(self) -> str:

@@ -45,6 +45,9 @@ from tasks.task import Task
 NOTICE_TIME = 2.0
 """s for which the notice about an object that was put back is shown."""
 
+OUT_OF_REACH = "a finger is where this robot's hand cannot reach"
+"""Told in English only, until there are translations that somebody has translated back."""
+
 STATE = mujoco.mjtState.mjSTATE_INTEGRATION
 """State that must be stored so that a simulation continues to the bit. `FULLPHYSICS` lacks the
 solver's warm start: a simulation continued from it differs at the first step."""
@@ -142,6 +145,9 @@ class Session:
         self._respawn = Respawn(self.scene, surfaces)
         self._respawn_notice: tuple[float, str] = (-np.inf, "")
         self.diverged = ""
+        self._followers = [rig.hand.follower() for rig in rigs]
+        # Control periods of hands that cannot take every pose, with touches, and without reach.
+        self._followed = self._missed = 0
         self._latest_frames = [LatestFrame(rig.reconstructor.empty) for rig in rigs]
         self._recorder = recorder
         self.step = 0
@@ -193,6 +199,14 @@ class Session:
     def respawned(self) -> int:
         """Number of times that an object was returned to the workspace."""
         return sum(self._respawn.counts.values())
+
+    @property
+    def unreached(self) -> float | None:
+        """Share of the control periods with named touches in which some fingertip could not be put
+        at its touch, 5 mm off or more; None for hands that can take every pose."""
+        if all(follower.missed is None for follower in self._followers):
+            return None
+        return self._missed / self._followed if self._followed else 0.0
 
     def solid(self, hand: int) -> frozenset[int]:
         """Labels of a hand's fingers that can collide now."""
@@ -296,6 +310,7 @@ class Session:
             score=self.scorer.score,
             notices=tuple(self._notices()),
             contact=self.contact,
+            kept_loads=self._loads.keep(self.data) if any(g.fingers for g in self._gates) else None,
         )
 
     def close(self) -> None:
@@ -305,6 +320,7 @@ class Session:
 
     def _notices(self) -> list[str]:
         notices = [rig.yaw.notice for rig in self.rigs if rig.yaw and rig.yaw.notice]
+        notices += [OUT_OF_REACH for follower in self._followers if follower.missed]
         notices += sorted({gate.notice for gate in self._gates if gate.notice})
         inputs = (part.notice for rig in self.rigs for part in (rig.device, rig.reconstructor))
         notices += dict.fromkeys(notice for notice in inputs if notice)
@@ -350,7 +366,7 @@ class Session:
                 rig.yaw.reset()
             pose = rig.reconstructor.commanded
             self.data.qpos[self.scene.qpos_slice(i)] = self.scene.pose_to_qpos(i, pose)
-            self.data.ctrl[self.scene.control_slice(i)] = rig.hand.controls(pose)
+            self.data.ctrl[self.scene.control_slice(i)] = self._followers[i](pose, frozenset())
             self.scene.set_solid(i, frozenset())
         mujoco.mj_forward(self.scene.model, self.data)
 
@@ -361,7 +377,12 @@ class Session:
         reconstruction = rig.reconstructor.step(frame)
         if rig.yaw:
             rig.yaw.step(self.time, reconstruction.u)
-        self.data.ctrl[self.scene.control_slice(i)] = rig.hand.controls(reconstruction.q)
+        follower = self._followers[i]
+        controls = follower(reconstruction.q, reconstruction.fingers)
+        self.data.ctrl[self.scene.control_slice(i)] = controls
+        if follower.missed is not None and reconstruction.fingers:
+            self._followed += 1
+            self._missed += bool(follower.missed)
         leading = self._leading[i]
         ghost = self._contact.ghost
         lets_go = leading.lets_go(self.data, reconstruction, ghost) if leading else False

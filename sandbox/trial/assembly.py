@@ -8,6 +8,9 @@ from dataclasses import replace
 from typing import Any
 
 from encoders.correction import CorrectionSettings
+from encoders.earlier.encoders import kept_encoder
+from encoders.earlier.labels import kept_labels
+from encoders.kept import PREFIX
 from encoders.labels.belief import BeliefLabels, builtin_belief
 from encoders.labels.labelling import Labeller, PaperLabels
 from encoders.labels.population_belief import builtin_population_belief
@@ -25,6 +28,9 @@ from models.arithmetic.arrays import Array
 from models.errors import CaptureError, InputError
 from models.hand import Hand, finger_armature, is_gentle
 from models.limits import GENTLE, RateLimit
+from models.robot.known import find_robot
+from models.robot.robot_hand import RobotHand
+from models.scene_hand import SceneHand
 from models.skeleton import ADULT
 from models.surface import Surface
 from sandbox.lsl.lsl_listening import ForwardingRecorder
@@ -67,11 +73,15 @@ pass through them look wrong; `python -m benchmarks.in_air --links 1` shows the 
 
 
 def load_encoder(name: str) -> TrainedModel:
-    """The model that `--encoder` names; the training of one that has none yet is told on stderr.
+    """The model that `--encoder` names, or one of an earlier release.
+
+    The training of an encoder that has no model yet is told on stderr.
 
     Raises:
         InputError: No model has this name, or it cannot be used.
     """
+    if name.startswith(PREFIX):
+        return kept_encoder(name.removeprefix(PREFIX))
     return find_model(name, _print_progress)
 
 
@@ -80,10 +90,14 @@ def _print_progress(line: str) -> None:
 
 
 def digests(settings: RunSettings) -> dict[str, str]:
-    """Digests of the trained models: the encoder, and the belief over labels if it is used."""
+    """Digests of the trained models: the encoder, and the belief over labels if it is used; and of
+    a robot's hand."""
     belief = _belief(settings)
     labels = "" if belief is None else belief.trained.digest
-    return {"encoder": load_encoder(settings.encoder).digest, "labels": labels}
+    learned = {"encoder": load_encoder(settings.encoder).digest, "labels": labels}
+    if not settings.robot:
+        return learned
+    return {**learned, "robot": RobotHand("", find_robot(settings.robot)).digest}
 
 
 def reconstructor_settings(settings: RunSettings, lift_range: float = 0.0) -> ReconstructorSettings:
@@ -132,9 +146,11 @@ def _belief(settings: RunSettings, hand: HandSettings | None = None) -> BeliefLa
     """The belief over labels that the settings name; None for the paper's rule."""
     if settings.labels == "paper":
         return None
+    known = known_layouts(hand.layouts, hand.size) if hand and hand.layouts else None
+    if settings.kept_names:
+        return kept_labels(settings.kept_names, known)
     if settings.labels != "population":
         return builtin_belief()
-    known = known_layouts(hand.layouts, hand.size) if hand and hand.layouts else None
     return builtin_population_belief(known)
 
 
@@ -240,23 +256,42 @@ def build(
     return session
 
 
-def _hands(settings: RunSettings, task_type: type[Task]) -> list[Hand]:
+def _hands(settings: RunSettings, task_type: type[Task]) -> list[SceneHand]:
     """The simulated hands."""
     return [
-        Hand(
+        _hand(settings, name, hand, task_type)
+        for name, hand in zip(settings.hand_names, settings.hands, strict=True)
+    ]
+
+
+def _hand(settings: RunSettings, name: str, hand: HandSettings, task_type: type[Task]) -> SceneHand:
+    """One simulated hand: ours, or a robot's."""
+    skeleton = hand.person.skeleton(ADULT)
+    solid_end = (
+        UPRIGHT_END
+        if task_type.plane == "front"
+        else TIP_END
+        if settings.rules > 1 and hand.in_air is None
+        else None
+    )
+    if not settings.robot:
+        return Hand(
             name,
-            hand.person.skeleton(ADULT),
+            skeleton,
             servo=settings.servo,
             impulse=settings.impulse,
             finger_armature=finger_armature(settings.impulse),
-            solid_end=UPRIGHT_END
-            if task_type.plane == "front"
-            else TIP_END
-            if settings.rules > 1 and hand.in_air is None
-            else None,
+            solid_end=solid_end,
         )
-        for name, hand in zip(settings.hand_names, settings.hands, strict=True)
-    ]
+    mapping = find_robot(settings.robot)
+    if mapping.side != hand.side:
+        raise InputError(
+            f"this robot's hand is a {mapping.side} one",
+            where="--robot",
+            got=f"{settings.robot} for the {hand.side} hand",
+            remedy=f"Use --hand {mapping.side}",
+        )
+    return RobotHand(name, mapping, skeleton, hand.size, settings.impulse, solid_end=solid_end)
 
 
 def _yaw_watch(model: TrainedModel) -> YawMonitor | None:

@@ -15,7 +15,7 @@ from sandbox.session.session import Session
 from sandbox.trial.assembly import build, digests
 from sandbox.trial.device_makers import DeviceMaker, DeviceMakers
 from sandbox.trial.driver import Trial, ViewMaker, no_views
-from sandbox.trial.recorded_encoder import recorded_encoder
+from sandbox.trial.recorded_models import recorded_encoder, with_kept_models
 from sandbox.trial.recorded_poses import RecordedPoses
 from sandbox.trial.settings import RunSettings
 
@@ -67,6 +67,7 @@ def settings_of(recording: Recording) -> RunSettings:
         task=recorded_task(header, where),
         encoder=recorded_encoder(header, where),
     )
+    settings = with_kept_models(settings, header)
     here, there = digests(settings), header.get("digests")
     if here != there:
         remedy = "Use the version of the sandbox that its header names"

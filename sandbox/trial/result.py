@@ -146,6 +146,14 @@ class TrialResult(msgspec.Struct, frozen=True, kw_only=True):
         int,
         _field("", "times that an object left the workspace and was put back", JOURNAL, TABLE),
     ] = 0
+    unreached: Annotated[
+        float | None,
+        _field(
+            "0 to 1",
+            "share of the time with touches in which a fingertip of a robot's hand could not be at "
+            "its touch, 5 mm off or more; left out for our own hand",
+        ),
+    ] = None
     state_hash: Annotated[
         str,
         _field(
@@ -266,6 +274,8 @@ class TrialResult(msgspec.Struct, frozen=True, kw_only=True):
             "respawned": session.respawned,
             "state_hash": session.state_hash,
         }
+        if session.unreached is not None:
+            values["unreached"] = round(session.unreached, 6)
         return cls(**_split({**values, **(more or {})}))
 
     @classmethod

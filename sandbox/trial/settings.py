@@ -29,11 +29,14 @@ during a trial; `paper`: nearest training pose; `device`: labels of the device i
 also as an upper bound with the simulated user."""
 
 RULES = (1, 2)
-"""Rules of fingers near things, by the number of their first version: 1 as in 0.2.0; 2 leads
+"""Rules of fingers near things, by number: 1 is what was in force before there were others; 2 leads
 fingertips out of things beside their touches, and lets fingers that spread let go at once."""
 
 MOST_HANDS = 2
 """Largest number of hands in a scene."""
+
+_OPTIONAL = {"variation", "rules", "surface_scale", "scored", "kept_names", "robot"}
+"""Settings that a header may lack."""
 
 _IN_RESULTS = {
     "side": "hand",
@@ -120,6 +123,10 @@ class RunSettings:
         one_surface: All hands touch one surface; otherwise each has its own, of the same size.
         variation: Differences from the drawn trial, and disturbances of the touches.
         rules: One of `RULES`, by default the second; a header without it has the first.
+        kept_names: Digest of the names of an earlier release that label the fingers; empty for
+            those that ship (see `encoders.kept`).
+        robot: The robot whose hand is in the place of the person's (see `models.robot.known`);
+            empty for our own hand.
     """
 
     task: str = "box-to-goal"
@@ -145,6 +152,8 @@ class RunSettings:
     rules: int = RULES[1]
     surface_scale: float = 1.0
     scored: bool = True
+    kept_names: str = ""
+    robot: str = ""
 
     def __post_init__(self) -> None:
         if self.rules not in RULES:
@@ -193,7 +202,8 @@ class RunSettings:
 
     def as_json(self) -> dict[str, Any]:
         """Values for a recording's header, without a neutral variation, the first rules, true
-        size, an `in_air` or a camera of None, missing joints, or empty layouts and looks."""
+        size, names that ship, an `in_air` or a camera of None, missing joints, or empty layouts
+        and looks."""
         values = asdict(self)
         if self.rules == RULES[0]:
             del values["rules"]
@@ -203,6 +213,10 @@ class RunSettings:
             del values["surface_scale"]
         if self.scored:
             del values["scored"]
+        if not self.kept_names:
+            del values["kept_names"]
+        if not self.robot:
+            del values["robot"]
         values["hands"] = [_without_defaults(hand) for hand in values["hands"]]
         return values
 
@@ -214,7 +228,7 @@ class RunSettings:
             RecordingError: A setting is missing, unknown or of the wrong type.
             InputError: A value is not allowed.
         """
-        _check_names(values, cls, optional={"variation", "rules", "surface_scale", "scored"})
+        _check_names(values, cls, optional=_OPTIONAL)
         for hand in values["hands"] if isinstance(values["hands"], list) else ():
             _check_names(hand, HandSettings, optional={"in_air", "layouts", "rest"})
             if hand.get("in_air") is not None:

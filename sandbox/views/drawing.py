@@ -14,12 +14,13 @@ from typing import Literal
 
 import mujoco
 import numpy as np
+from numpy.typing import NDArray
 
 from models.arithmetic.arrays import Array
 from models.scene import Scene
 from models.skin.colours import PALE
 from models.surface import Surface
-from sandbox.session.messages import ContactView, HandView, Snapshot
+from sandbox.session.messages import STRONGEST, ContactView, HandView, Snapshot
 from sandbox.views import palette
 from sandbox.views.hand_look import HIDDEN_GROUP, part_colour, skinned_model
 from sandbox.views.marks import Marks
@@ -35,6 +36,8 @@ MAX_GEOMS = 2000
 
 RING_RADIUS, RING_WIDTH, RING_SIDES = 0.0100, 0.0016, 20
 """m, m and number of straight pieces of the ring around a contact."""
+ARC_RADIUS, ARC_WIDTH = 0.0130, 0.0014
+"""m, of the arc around it that tells the force of a grip."""
 EDGE_RADIUS, THREAD_RADIUS = 0.0008, 0.0006
 """m, radii of the edges of a goal and of the threads between touches and fingertips."""
 PALM_RADIUS = 0.015
@@ -99,6 +102,13 @@ class Drawing:
             for i, h in enumerate(hands)
             if i in self.looks
         }
+        # Geoms of hands without a skin, with the groups in which they are seen.
+        self._own_shapes = {
+            i: (own, self.model.geom_group[own].copy())
+            for i, h in enumerate(hands)
+            if i not in self.looks
+            for own in [self._geoms_below(h.palm)]
+        }
         self._option = mujoco.MjvOption()
         self._option.geomgroup[HIDDEN_GROUP:] = 0
         self._owners = {
@@ -136,6 +146,8 @@ class Drawing:
         drawn = [hidden is None or (hidden == "ghosts" and bool(h.solid)) for h in snapshot.hands]
         self._option.skingroup[:] = 0
         self._option.skingroup[: len(drawn)] = drawn
+        for i, (own, groups) in self._own_shapes.items():
+            model.geom_group[own] = groups if drawn[i] else HIDDEN_GROUP
         # For a camera without perspective, MuJoCo takes the visible height, in metres, from here.
         model.vis.global_.fovy = (
             self.narrowness * ORTHOGRAPHIC_HEIGHT * self.surface.size[1]
@@ -160,6 +172,7 @@ class Drawing:
                 self._draw_threads(hand)
             for contact in hand.contacts:
                 self._draw_contact(contact, hand)
+                self._draw_grip(contact, snapshot, i)
 
     def sees_sky(self) -> bool:
         """True if the picture shows anything above the horizon; only then the sky is drawn."""
@@ -187,6 +200,11 @@ class Drawing:
                 away.append(there)
                 here.append(whole)
         return away, here
+
+    def _geoms_below(self, palm: str) -> NDArray[np.int64]:
+        """Numbers of the geoms of a hand."""
+        model, root = self.model, int(self.model.body(palm).id)
+        return np.flatnonzero(model.body_rootid[model.geom_bodyid] == root)
 
     def _parts_of(self, body: int) -> list[_GoalPart]:
         model = self.model
@@ -294,6 +312,17 @@ class Drawing:
         self._marks.ring(place, rotation, *size, colour, strength, dashed=not contact.sure)
         filled = 0.55 if contact.label in hand.solid else 0.22
         self._marks.disc(RING_RADIUS, place, rotation, colour, filled * strength)
+
+    def _draw_grip(self, contact: ContactView, snapshot: Snapshot, hand: int) -> None:
+        """Adds an arc that closes with the force that a grip has stored in a finger; closed and
+        white where the hand has no more force."""
+        full = snapshot.at_limit(hand, contact.label)
+        stored = snapshot.stored(hand, contact.label)
+        if full or stored > 0.0:
+            share = 1.0 if full else min(stored / STRONGEST, 1.0)
+            colour = palette.TEXT if full else palette.finger_colour(contact.label, contact.state)
+            place, rotation = contact.position + self.drop, self.surface.rotation
+            self._marks.arc(place, rotation, ARC_RADIUS, ARC_WIDTH, share, colour)
 
 
 def goal_colour(snapshot: Snapshot) -> Colour:

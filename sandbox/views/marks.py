@@ -12,6 +12,9 @@ from numpy.typing import ArrayLike
 from models.arithmetic.arrays import Array
 from sandbox.views.palette import Colour
 
+ARC_SIDES = 36
+"""Straight pieces of a whole arc, of 10 degrees each."""
+
 
 class Marks:
     """Adds marks to a drawing list.
@@ -97,6 +100,26 @@ class Marks:
             turn = rotation @ np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])
             middle = position + turn @ np.array([radius, 0.0, 0.0])
             self.box([width / 2, half, 2e-4], middle, turn, colour, alpha)
+
+    def arc(
+        self,
+        position: Array,
+        rotation: Array,
+        radius: float,
+        width: float,
+        share: float,
+        colour: Colour,
+    ) -> None:
+        """Adds the share, 0 to 1, of a flat ring, its middle towards the person; radius and width
+        in m."""
+        pieces = max(round(share * ARC_SIDES), 1)
+        half = radius * np.tan(np.pi / ARC_SIDES)
+        for piece in range(pieces):
+            angle = 2 * np.pi * (piece - (pieces - 1) / 2) / ARC_SIDES - np.pi / 2
+            cos, sin = np.cos(angle), np.sin(angle)
+            turn = rotation @ np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])
+            middle = position + turn @ np.array([radius, 0.0, 0.0])
+            self.box([width / 2, half, 2e-4], middle, turn, colour, 1.0)
 
     def edges(
         self, half: Array, position: Array, rotation: Array, colour: Colour, radius: float

@@ -165,14 +165,14 @@ def _result(score: Score, time: float) -> tuple[str, str, Colour]:
 
 
 def _names(snapshot: Snapshot, lens: Lens, drop: np.ndarray, scale: float) -> list[Sticker]:
-    """The finger's name at every contact, on the side that faces away from the other contacts; what
-    to do instead, where the finger is inside an object.
+    """The finger's name at every contact, on the side that faces away from the other contacts, and
+    the force that a grip stores in it; what to do instead, where the finger is inside an object.
 
     A held object lies between the contacts, so that names do not cover it.
     """
     placed: list[Sticker] = []
     contacts = [c for hand in snapshot.hands for c in hand.contacts]
-    stuck = [c.label in hand.inside for hand in snapshot.hands for c in hand.contacts]
+    owners = [i for i, hand in enumerate(snapshot.hands) for _ in hand.contacts]
     if not contacts:
         return placed
     pixels, ahead = lens.project(np.array([c.position + drop for c in contacts]))
@@ -184,9 +184,18 @@ def _names(snapshot: Snapshot, lens: Lens, drop: np.ndarray, scale: float) -> li
         contact = contacts[i]
         colour = palette.finger_colour(contact.label, contact.state)
         name = palette.finger_name(contact.label, contact.state, contact.sure)
-        if stuck[i]:
-            name, colour = MOVE_APART, palette.WARNING
-        image = _label(name, palette.PANEL, colour, SMALL, scale)
+        hand, full = owners[i], snapshot.at_limit(owners[i], contact.label)
+        if contact.label in snapshot.hands[hand].inside:
+            name, colour, full = MOVE_APART, palette.WARNING, False
+        elif full:
+            name = f"{name}: full force"
+        elif stored := snapshot.stored(hand, contact.label):
+            name = f"{name} {stored:.0f} N"
+        if full:
+            # Dark on light at the limit, which is told without colours, too.
+            image = _label(name, palette.TEXT, palette.PANEL, SMALL, scale, solid=True)
+        else:
+            image = _label(name, palette.PANEL, colour, SMALL, scale)
         away = pixels[i] - middle
         length = float(np.linalg.norm(away))
         away = away / length if length > 1.0 else np.array([0.0, 1.0])

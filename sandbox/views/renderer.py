@@ -107,17 +107,21 @@ class Renderer(Closeable):
             snapshot: The snapshot to draw.
             stretched: px to which the drawing is stretched before texts are added.
         """
-        if self.camera is None:
-            self.camera = film_camera(snapshot, self._surface)
-        # A picture higher than wide shows more above and below, and not less at the sides.
-        self._drawing.narrowness = max(1.0, self.size[1] / self.size[0])
-        with self._gl.as_current():
-            picture = self._mixed(snapshot)
+        picture = self.without_texts(snapshot)
         if stretched and stretched != self.size:
             picture = picture.resize(stretched, Image.Resampling.BILINEAR)
         self.lens = Lens.of(self._drawing.view, picture.size)
         paste(picture, stickers(snapshot, self.lens, self._surface, self._drawing.drop, self.words))
         return picture
+
+    def without_texts(self, snapshot: Snapshot) -> Image.Image:
+        """The picture of a snapshot without texts, RGB."""
+        if self.camera is None:
+            self.camera = film_camera(snapshot, self._surface)
+        # A picture higher than wide shows more above and below, and not less at the sides.
+        self._drawing.narrowness = max(1.0, self.size[1] / self.size[0])
+        with self._gl.as_current():
+            return self._mixed(snapshot)
 
     def _mixed(self, snapshot: Snapshot) -> Image.Image:
         """The drawing, with translucent ghosts."""

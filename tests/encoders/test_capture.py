@@ -10,10 +10,12 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from numpy.typing import NDArray
 
 from encoders.capture import Capture
 from encoders.input_vector import contact_vector
 from encoders.store import load_capture, save_capture
+from models.arithmetic.arrays import Array
 from models.errors import CaptureError
 from models.pose import absolute_pose
 from models.surface import METRES_PER_INCH
@@ -38,39 +40,39 @@ def path(tmp_path: Path) -> Path:
     return path
 
 
-def test_a_capture_survives_saving_to_the_bit(path):
+def test_a_capture_survives_saving_to_the_bit(path: Path) -> None:
     made, read = capture(), load_capture(path)
     for name in ("time", "trial", "ids", "xy", "q"):
         np.testing.assert_array_equal(getattr(read, name), getattr(made, name))
     assert read.meta == made.meta
 
 
-def test_single_precision_keeps_places_to_a_tenth_of_a_micrometre(tmp_path):
+def test_single_precision_keeps_places_to_a_tenth_of_a_micrometre(tmp_path: Path) -> None:
     save_capture(capture(), tmp_path / "c.npz", np.float32)
     read = load_capture(tmp_path / "c.npz")
     np.testing.assert_allclose(read.xy, capture().xy, atol=1e-7)
     np.testing.assert_array_equal(read.time, capture().time)
 
 
-def test_equal_captures_are_equal_files(tmp_path):
+def test_equal_captures_are_equal_files(tmp_path: Path) -> None:
     for name in ("a", "b"):
         save_capture(capture(), tmp_path / name)
     assert (tmp_path / "a").read_bytes() == (tmp_path / "b").read_bytes()
 
 
-def test_contact_vectors_are_those_of_every_frame():
+def test_contact_vectors_are_those_of_every_frame() -> None:
     c = capture()
     for t in range(len(c)):
         inches: Any = {f: c.xy[t, f] / METRES_PER_INCH for f in np.flatnonzero(c.down[t])}
         np.testing.assert_allclose(c.u[t], contact_vector(inches), atol=1e-12)
 
 
-def test_relative_poses_lead_back_to_the_captured_ones():
+def test_relative_poses_lead_back_to_the_captured_ones() -> None:
     c = capture()
     np.testing.assert_allclose(absolute_pose(c.relative, c.leftmost), c.q, atol=1e-15)
 
 
-def test_moving_hand_and_touches_together_changes_neither_input_nor_output():
+def test_moving_hand_and_touches_together_changes_neither_input_nor_output() -> None:
     c = capture()
     q = c.q.copy()
     q[:, :2] += [0.03, -0.02]
@@ -79,14 +81,14 @@ def test_moving_hand_and_touches_together_changes_neither_input_nor_output():
     np.testing.assert_allclose(moved.relative, c.relative, atol=1e-12)
 
 
-def test_a_selection_keeps_frames_and_their_order():
+def test_a_selection_keeps_frames_and_their_order() -> None:
     c = capture()
     chosen = c.select(np.array([5, 2]))
     np.testing.assert_array_equal(chosen.q, c.q[[5, 2]])
     assert len(c.select(c.trial == 1)) == 4
 
 
-def broken(**changes) -> Capture:
+def broken(**changes: Any) -> Capture:
     return replace(capture(), **changes)
 
 
@@ -105,12 +107,14 @@ def broken(**changes) -> Capture:
         ("xy", np.where(np.isnan(capture().xy), [np.nan, 0.0], capture().xy)),
     ),
 )
-def test_arrays_that_break_the_contract_are_refused(name, value):
+def test_arrays_that_break_the_contract_are_refused(
+    name: str, value: Array | NDArray[np.int64]
+) -> None:
     with pytest.raises(CaptureError, match=name):
         broken(**{name: value})
 
 
-def test_an_empty_capture_is_refused():
+def test_an_empty_capture_is_refused() -> None:
     with pytest.raises(CaptureError, match="empty"):
         capture().select(np.zeros(12, bool))
 
@@ -133,31 +137,31 @@ def test_an_empty_capture_is_refused():
         {"header": np.zeros(0)},
     ),
 )
-def test_a_file_with_a_wrong_part_is_refused_and_named(path, changes):
+def test_a_file_with_a_wrong_part_is_refused_and_named(path: Path, changes: dict[str, Any]) -> None:
     rewritten(path, **changes)
     with pytest.raises(CaptureError, match=r"capture\.npz"):
         load_capture(path)
 
 
-def test_a_missing_file_is_reported_as_missing(tmp_path):
+def test_a_missing_file_is_reported_as_missing(tmp_path: Path) -> None:
     with pytest.raises(CaptureError, match="no such file"):
         load_capture(tmp_path / "none.npz")
 
 
-def test_a_folder_and_an_empty_file_are_refused_as_captures(tmp_path):
+def test_a_folder_and_an_empty_file_are_refused_as_captures(tmp_path: Path) -> None:
     (tmp_path / "empty").touch()
     for path in (tmp_path, tmp_path / "empty"):
         with pytest.raises(CaptureError, match="not a capture"):
             load_capture(path)
 
 
-def test_nothing_is_unpickled(path):
+def test_nothing_is_unpickled(path: Path) -> None:
     with_pickle(path, "q")
     with pytest.raises(CaptureError, match="pickle"):
         load_capture(path)
 
 
-def test_a_file_that_would_fill_the_memory_is_refused_before_it_is_unpacked(path):
+def test_a_file_that_would_fill_the_memory_is_refused_before_it_is_unpacked(path: Path) -> None:
     claiming_too_much(path)
     with pytest.raises(CaptureError, match="too large"):
         load_capture(path)
@@ -165,7 +169,7 @@ def test_a_file_that_would_fill_the_memory_is_refused_before_it_is_unpacked(path
 
 @settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=60)
 @given(share=st.floats(0, 0.999))
-def test_a_truncated_file_is_refused(path, share):
+def test_a_truncated_file_is_refused(path: Path, share: float) -> None:
     whole = path.read_bytes()
     cut = path.with_name("cut.npz")
     cut.write_bytes(whole[: int(share * len(whole))])
@@ -175,7 +179,9 @@ def test_a_truncated_file_is_refused(path, share):
 
 @settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=150)
 @given(where=st.floats(0, 1), value=st.binary(min_size=1, max_size=8))
-def test_a_damaged_file_is_refused_or_reads_as_it_was(path, where, value):
+def test_a_damaged_file_is_refused_or_reads_as_it_was(
+    path: Path, where: float, value: bytes
+) -> None:
     """The checksum of every part sees damage to it; zip's own fields may be immaterial."""
     data = bytearray(path.read_bytes())
     at = int(where * (len(data) - len(value)))

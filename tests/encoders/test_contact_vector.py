@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from random import Random
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -30,13 +32,15 @@ def in_frame(contacts: dict[int, tuple[float, float]]) -> np.ndarray:
 
 
 @given(contacts=hands, move=moves)
-def test_moving_all_contacts_together_changes_nothing(contacts, move):
+def test_moving_all_contacts_together_changes_nothing(
+    contacts: dict[int, tuple[float, float]], move: tuple[int, int]
+) -> None:
     moved = {i: (x + move[0] * DOT, y + move[1] * DOT) for i, (x, y) in contacts.items()}
     np.testing.assert_array_equal(contact_vector(moved), contact_vector(contacts))
 
 
 @given(contacts=hands)
-def test_layout_and_flags_can_be_read_back(contacts):
+def test_layout_and_flags_can_be_read_back(contacts: dict[int, tuple[float, float]]) -> None:
     u = contact_vector(contacts)
     assert set(np.flatnonzero(u[10:])) == set(contacts)
     xy = u[:10].reshape(5, 2)
@@ -49,37 +53,41 @@ def test_layout_and_flags_can_be_read_back(contacts):
 
 
 @given(contacts=hands)
-def test_no_contact_is_left_of_the_origin_and_one_is_at_it(contacts):
+def test_no_contact_is_left_of_the_origin_and_one_is_at_it(
+    contacts: dict[int, tuple[float, float]],
+) -> None:
     xy = contact_vector(contacts)[:10].reshape(5, 2)[sorted(contacts)]
     assert (xy[:, 0] >= 0).all()
     assert (xy == 0).all(axis=1).any()
 
 
 @given(contacts=hands, order=st.randoms())
-def test_the_order_in_which_contacts_are_told_does_not_matter(contacts, order):
+def test_the_order_in_which_contacts_are_told_does_not_matter(
+    contacts: dict[int, tuple[float, float]], order: Random
+) -> None:
     items = list(contacts.items())
     order.shuffle(items)
     np.testing.assert_array_equal(contact_vector(dict(items)), contact_vector(contacts))
 
 
 @given(contacts=hands)
-def test_many_frames_and_one_take_the_same_path(contacts):
+def test_many_frames_and_one_take_the_same_path(contacts: dict[int, tuple[float, float]]) -> None:
     U, origin = contact_vectors(in_frame(contacts))
     np.testing.assert_allclose(U[0], contact_vector(contacts), atol=1e-12)
     np.testing.assert_allclose(origin[0], np.array(min(contacts.values())) * METRES_PER_INCH)
 
 
-def test_of_contacts_equally_far_left_the_upper_one_is_the_origin():
+def test_of_contacts_equally_far_left_the_upper_one_is_the_origin() -> None:
     u = contact_vector({1: (2.0, 3.0), 4: (2.0, 1.0), 0: (5.0, 0.0)})
     np.testing.assert_array_equal(u[[2, 3, 8, 9, 0, 1]], [0, 2, 0, 0, 3, -1])
 
 
-def test_of_contacts_at_one_place_the_smaller_id_is_the_origin():
+def test_of_contacts_at_one_place_the_smaller_id_is_the_origin() -> None:
     assert leftmost([[1, 1], [1, 1], [1, 1]], [7, 3, 5]) == 1
     assert leftmost([[1, 1], [1, 1]]) == 0
 
 
-def test_inches_and_the_place_of_every_number_are_the_papers():
+def test_inches_and_the_place_of_every_number_are_the_papers() -> None:
     u = contact_vector({0: (1.0, 2.0), 2: (3.5, 1.0)})
     wanted = [0, 0, -1, -1, 2.5, -1, -1, -1, -1, -1, 1, 0, 1, 0, 0]
     np.testing.assert_array_equal(u, wanted)
@@ -96,6 +104,6 @@ def test_inches_and_the_place_of_every_number_are_the_papers():
         {0: (0.0, 0.0), 1: (1.0, -np.inf)},
     ),
 )
-def test_contacts_that_are_no_hand_are_refused(contacts):
+def test_contacts_that_are_no_hand_are_refused(contacts: dict[int, tuple[float, float]]) -> None:
     with pytest.raises(EncoderError):
         contact_vector(contacts)

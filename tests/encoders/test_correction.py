@@ -48,7 +48,9 @@ def missed(q: np.ndarray, labels: np.ndarray, targets: np.ndarray) -> float:
 
 @given(rng=generators, count=counts)
 @settings(max_examples=200)
-def test_every_touching_fingertip_is_within_a_millimetre(rng, count):
+def test_every_touching_fingertip_is_within_a_millimetre(
+    rng: np.random.Generator, count: int
+) -> None:
     case = Case(rng, count)
     result = case.corrected()
     assert missed(result.q, case.labels, case.targets) < 0.001
@@ -59,7 +61,9 @@ def test_every_touching_fingertip_is_within_a_millimetre(rng, count):
     "count",
     range(1, 6),
 )
-def test_guesses_of_the_expected_quality_still_bring_every_fingertip_to_its_touch(count):
+def test_guesses_of_the_expected_quality_still_bring_every_fingertip_to_its_touch(
+    count: int,
+) -> None:
     rng = np.random.default_rng(count)
     worst = 0.0
     for _ in range(60):
@@ -70,7 +74,9 @@ def test_guesses_of_the_expected_quality_still_bring_every_fingertip_to_its_touc
 
 @given(rng=generators, count=counts, finger=st.integers(0, 4))
 @settings(max_examples=50)
-def test_a_guess_that_meets_its_touches_by_illegal_joints_is_not_taken_as_it_is(rng, count, finger):
+def test_a_guess_that_meets_its_touches_by_illegal_joints_is_not_taken_as_it_is(
+    rng: np.random.Generator, count: int, finger: int
+) -> None:
     case = Case(rng, count)
     last = max(i for i, bone in enumerate(ADULT.bones) if bone.finger == finger)
     case.q[6 + 3 * last] = ADULT.lower[3 * last] - 0.5
@@ -82,7 +88,9 @@ def test_a_guess_that_meets_its_touches_by_illegal_joints_is_not_taken_as_it_is(
 
 @given(rng=generators, count=counts, poor=st.floats(0.0, 6.0))
 @settings(max_examples=100)
-def test_an_extreme_guess_never_gives_an_illegal_pose_or_a_wrong_error(rng, count, poor):
+def test_an_extreme_guess_never_gives_an_illegal_pose_or_a_wrong_error(
+    rng: np.random.Generator, count: int, poor: float
+) -> None:
     case = Case(rng, count, poor)
     result = case.corrected()
     assert violations(result.q, ADULT) == 0
@@ -91,7 +99,7 @@ def test_an_extreme_guess_never_gives_an_illegal_pose_or_a_wrong_error(rng, coun
     assert 0 <= result.iterations <= CORRECTION.settings.iterations
 
 
-def test_touches_that_no_hand_spans_are_told_by_the_error():
+def test_touches_that_no_hand_spans_are_told_by_the_error() -> None:
     labels, targets = [0, 4], np.array([[-0.5, 0.0, 0.0], [0.5, 0.0, 0.0]])
     result = CORRECTION.correct(np.zeros(48), labels, targets)
     assert result.error > 0.2
@@ -101,7 +109,9 @@ def test_touches_that_no_hand_spans_are_told_by_the_error():
 
 @given(rng=generators, count=counts)
 @settings(max_examples=50)
-def test_the_order_in_which_fingers_are_named_does_not_matter(rng, count):
+def test_the_order_in_which_fingers_are_named_does_not_matter(
+    rng: np.random.Generator, count: int
+) -> None:
     case = Case(rng, count)
     order = rng.permutation(count)
     other = CORRECTION.correct(case.guess, case.labels[order], case.targets[order])
@@ -110,7 +120,7 @@ def test_the_order_in_which_fingers_are_named_does_not_matter(rng, count):
 
 @given(rng=generators, count=counts)
 @settings(max_examples=50)
-def test_a_guess_that_is_right_is_left_alone(rng, count):
+def test_a_guess_that_is_right_is_left_alone(rng: np.random.Generator, count: int) -> None:
     case = Case(rng, count, poor=0.0)
     result = case.corrected()
     np.testing.assert_array_equal(result.q, case.q)
@@ -119,7 +129,9 @@ def test_a_guess_that_is_right_is_left_alone(rng, count):
 
 @given(rng=generators, count=counts, shift=st.tuples(*[st.floats(-0.5, 0.5)] * 3))
 @settings(max_examples=50)
-def test_touches_and_guess_moved_alike_move_the_hand_and_nothing_else(rng, count, shift):
+def test_touches_and_guess_moved_alike_move_the_hand_and_nothing_else(
+    rng: np.random.Generator, count: int, shift: tuple[float, float, float]
+) -> None:
     case = Case(rng, count)
     moved = np.concatenate([shift, np.zeros(45)])
     result = CORRECTION.correct(case.guess + moved, case.labels, case.targets + np.array(shift))
@@ -128,7 +140,9 @@ def test_touches_and_guess_moved_alike_move_the_hand_and_nothing_else(rng, count
 
 @given(rng=generators, count=counts)
 @settings(max_examples=50)
-def test_the_result_is_likelier_than_the_pose_that_touched(rng, count):
+def test_the_result_is_likelier_than_the_pose_that_touched(
+    rng: np.random.Generator, count: int
+) -> None:
     # That pose meets the touches too, so it was there to be found.
     case = Case(rng, count)
     distance = np.linalg.norm((case.corrected().q - case.guess) / SPREAD)
@@ -137,7 +151,9 @@ def test_the_result_is_likelier_than_the_pose_that_touched(rng, count):
 
 @given(rng=generators, finger=st.integers(0, 4))
 @settings(max_examples=50)
-def test_fingers_that_do_not_touch_keep_their_legal_posture(rng, finger):
+def test_fingers_that_do_not_touch_keep_their_legal_posture(
+    rng: np.random.Generator, finger: int
+) -> None:
     case = Case(rng, 1)
     result = CORRECTION.correct(case.guess, [finger], KINEMATICS.tips(case.q)[[finger]])
     legal = np.clip(case.guess[6:], ADULT.lower, ADULT.upper).reshape(14, 3)
@@ -145,7 +161,7 @@ def test_fingers_that_do_not_touch_keep_their_legal_posture(rng, finger):
     np.testing.assert_allclose(result.q[6:].reshape(14, 3)[others], legal[others], atol=1e-9)
 
 
-def test_what_the_encoder_knows_well_is_changed_least():
+def test_what_the_encoder_knows_well_is_changed_least() -> None:
     case = Case(np.random.default_rng(7), 2)
     sure = GUESS_COVARIANCE.copy()
     sure[:6, :6] *= 1e-4
@@ -158,7 +174,9 @@ def test_what_the_encoder_knows_well_is_changed_least():
 
 @given(rng=generators, count=counts)
 @settings(max_examples=30)
-def test_fingers_that_rest_bring_the_hand_to_rest_wherever_it_came_from(rng, count):
+def test_fingers_that_rest_bring_the_hand_to_rest_wherever_it_came_from(
+    rng: np.random.Generator, count: int
+) -> None:
     case = Case(rng, count, poor=0.4)
     ends = []
     for start in (case.q, np.clip(case.q + 0.1 * SPREAD * rng.normal(size=48), LOWEST, HIGHEST)):
@@ -171,7 +189,7 @@ def test_fingers_that_rest_bring_the_hand_to_rest_wherever_it_came_from(rng, cou
 
 
 @pytest.mark.parametrize("count", range(1, 6))
-def test_a_warm_start_saves_steps_and_changes_nothing(count):
+def test_a_warm_start_saves_steps_and_changes_nothing(count: int) -> None:
     rng = np.random.default_rng(100 + count)
     steps = []
     for _ in range(20):

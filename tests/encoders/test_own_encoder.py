@@ -6,10 +6,13 @@ import json
 import subprocess
 import sys
 import zipfile
+from collections.abc import Iterator
 from pathlib import Path
+from typing import Any, Self
 
 import numpy as np
 import pytest
+from numpy.typing import ArrayLike
 
 from encoders.capture import Capture
 from encoders.discovery import source_digest
@@ -24,6 +27,7 @@ from encoders.regression.trained import (
     train_encoder,
 )
 from encoders.store import save_capture
+from models.arithmetic.arrays import Array
 from models.errors import EncoderError, RecordingError
 from sandbox.cli.main import main
 from sandbox.recording.recording import load_recording
@@ -37,7 +41,7 @@ QUICK = "tests.support.regress_tasks:Quick"
 
 
 @pytest.fixture(scope="module", autouse=True)
-def cache(tmp_path_factory: pytest.TempPathFactory):
+def cache(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
     """A folder for trained models that is not this user's."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("XDG_CACHE_HOME", str(tmp_path_factory.mktemp("cache")))
@@ -53,22 +57,24 @@ def capture() -> Capture:
 class Mean(Encoder):
     """The least that an encoder has: fit and predict."""
 
-    def fit(self, U, Q):
-        self.mean = np.mean(Q, axis=0)
+    def fit(self, U: ArrayLike, Q: ArrayLike) -> Self:
+        self.mean = np.mean(np.asarray(Q, float), axis=0)
         return self
 
-    def predict(self, U):
+    def predict(self, U: ArrayLike) -> Array:
         return np.broadcast_to(self.mean, (*np.shape(U)[:-1], 48)).copy()
 
 
 # The example, in four commands
 
 
-def test_the_example_has_fewer_than_sixty_lines():
+def test_the_example_has_fewer_than_sixty_lines() -> None:
     assert len(EXAMPLE.read_text().splitlines()) < 60
 
 
-def test_the_example_plays_a_trial_that_replays(tmp_path, capsys):
+def test_the_example_plays_a_trial_that_replays(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     record, out = tmp_path / "run.jsonl", tmp_path / "run.json"
     line = ["run", "box-to-goal", "--seed", "7", "--encoder", NAME, "--record", str(record)]
     assert main([*line, "--json", str(out)]) == 0
@@ -80,7 +86,7 @@ def test_the_example_plays_a_trial_that_replays(tmp_path, capsys):
     assert "exact" in capsys.readouterr().out
 
 
-def test_the_example_runs_over_seeds(tmp_path):
+def test_the_example_runs_over_seeds(tmp_path: Path) -> None:
     out = tmp_path / "report.json"
     line = ["regress", "--tasks", QUICK, "--seeds", "0:2", "--encoder", NAME, "--json", str(out)]
     assert main([*line, "--executor", "serial"]) == 0
@@ -88,7 +94,7 @@ def test_the_example_runs_over_seeds(tmp_path):
     assert report["configuration"]["encoder"] == NAME
 
 
-def test_the_example_is_evaluated(capture, tmp_path):
+def test_the_example_is_evaluated(capture: Capture, tmp_path: Path) -> None:
     path, out = tmp_path / "c.npz", tmp_path / "report.json"
     save_capture(capture, path)
     line = ["evaluate", "--encoders", "mean", NAME, "--capture", str(path), "--train", "split"]
@@ -96,7 +102,9 @@ def test_the_example_is_evaluated(capture, tmp_path):
     assert set(json.loads(out.read_text())["encoders"]) == {"mean", "KernelRidge"}
 
 
-def test_the_example_is_trained_into_a_file_that_is_loaded_again(capture, tmp_path, capsys):
+def test_the_example_is_trained_into_a_file_that_is_loaded_again(
+    capture: Capture, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     path, out = tmp_path / "c.npz", tmp_path / "kernel.npz"
     save_capture(capture, path)
     assert main(["train", "--encoder", NAME, "--capture", str(path), "--out", str(out)]) == 0
@@ -112,7 +120,9 @@ def test_the_example_is_trained_into_a_file_that_is_loaded_again(capture, tmp_pa
 # Storage
 
 
-def test_an_encoder_that_stores_nothing_learns_again_when_it_is_loaded(capture, tmp_path):
+def test_an_encoder_that_stores_nothing_learns_again_when_it_is_loaded(
+    capture: Capture, tmp_path: Path
+) -> None:
     model = train_encoder(capture, "mean", Mean)
     save_model(model, tmp_path / "m.npz")
     read = load_model(tmp_path / "m.npz")
@@ -121,7 +131,9 @@ def test_an_encoder_that_stores_nothing_learns_again_when_it_is_loaded(capture, 
 
 
 @pytest.mark.parametrize("name", sorted(set(ENCODERS) - {"pca-ik", "pca-ik-null", "map-ik"}))
-def test_each_of_our_encoders_comes_back_from_a_file(name, capture, tmp_path):
+def test_each_of_our_encoders_comes_back_from_a_file(
+    name: str, capture: Capture, tmp_path: Path
+) -> None:
     model = train_encoder(capture, name, ENCODERS[name])
     save_model(model, tmp_path / "m.npz")
     read = load_model(tmp_path / "m.npz")
@@ -129,7 +141,7 @@ def test_each_of_our_encoders_comes_back_from_a_file(name, capture, tmp_path):
     np.testing.assert_array_equal(read.encoder.predict(capture.u), model.encoder.predict(capture.u))
 
 
-def test_inverse_kinematics_comes_back_from_a_file(tmp_path):
+def test_inverse_kinematics_comes_back_from_a_file(tmp_path: Path) -> None:
     model = pca_ik_model()
     save_model(model, tmp_path / "m.npz")
     some = model.training_u[::700]
@@ -138,7 +150,7 @@ def test_inverse_kinematics_comes_back_from_a_file(tmp_path):
     )
 
 
-def test_the_digest_of_pca_ik_is_the_same_on_every_machine():
+def test_the_digest_of_pca_ik_is_the_same_on_every_machine() -> None:
     assert pca_ik_model().digest == "5f66865a6554705909f9101d147652c4"
 
 
@@ -160,8 +172,8 @@ def test_the_digest_of_pca_ik_is_the_same_on_every_machine():
     ],
 )
 def test_a_damaged_model_of_a_custom_encoder_is_refused_with_a_one_line_error(
-    capture, tmp_path, changes, says
-):
+    capture: Capture, tmp_path: Path, changes: dict[str, Any], says: str
+) -> None:
     path = tmp_path / "k.npz"
     save_model(train_encoder(capture, "k", find_encoder(NAME)), path)
     rewritten(path, **changes)
@@ -170,7 +182,9 @@ def test_a_damaged_model_of_a_custom_encoder_is_refused_with_a_one_line_error(
     assert "k.npz" in str(error.value) and "\n" not in str(error.value)
 
 
-def test_a_model_that_took_long_to_train_is_cached(capture, tmp_path, monkeypatch):
+def test_a_model_that_took_long_to_train_is_cached(
+    capture: Capture, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     from encoders.regression import model_registry
 
     monkeypatch.setattr(model_registry, "LONG", 0.0)
@@ -207,7 +221,9 @@ def write(path: Path, body: str) -> str:
         ("class A(Mean):\n def __init__(self, size): pass", "without arguments.*size"),
     ],
 )
-def test_a_file_without_a_valid_encoder_is_refused_with_a_one_line_error(tmp_path, body, says):
+def test_a_file_without_a_valid_encoder_is_refused_with_a_one_line_error(
+    tmp_path: Path, body: str, says: str
+) -> None:
     with pytest.raises(EncoderError, match=says) as error:
         find_encoder(write(tmp_path / "lab.py", body))
     assert "\n" not in str(error.value)
@@ -223,7 +239,9 @@ def test_a_file_without_a_valid_encoder_is_refused_with_a_one_line_error(tmp_pat
         ("class A(Mean):\n def __init__(self): 1/0", False),
     ],
 )
-def test_an_error_names_the_page_on_encoders_only_where_the_page_helps(tmp_path, body, helps):
+def test_an_error_names_the_page_on_encoders_only_where_the_page_helps(
+    tmp_path: Path, body: str, helps: bool
+) -> None:
     with pytest.raises(EncoderError) as error:
         find_encoder(write(tmp_path / "lab.py", body) + ":A")
     assert ("docs/write-an-encoder.md" in str(error.value)) == helps
@@ -237,7 +255,9 @@ def test_an_error_names_the_page_on_encoders_only_where_the_page_helps(tmp_path,
         ("B = 5", "nothing of this name.*no encoder"),
     ],
 )
-def test_an_unknown_encoder_name_is_refused_with_a_one_line_error(tmp_path, body, says):
+def test_an_unknown_encoder_name_is_refused_with_a_one_line_error(
+    tmp_path: Path, body: str, says: str
+) -> None:
     with pytest.raises(EncoderError, match=says) as error:
         find_encoder(write(tmp_path / "lab.py", body) + ":A")
     assert "\n" not in str(error.value)
@@ -268,15 +288,15 @@ def test_an_unknown_encoder_name_is_refused_with_a_one_line_error(tmp_path, body
     ],
 )
 def test_an_encoder_that_breaks_the_contract_is_refused_with_a_one_line_error(
-    capture, tmp_path, method, says
-):
+    capture: Capture, tmp_path: Path, method: str, says: str
+) -> None:
     kind = find_encoder(write(tmp_path / "lab.py", f"class A(Mean):\n def {method}"))
     with pytest.raises(EncoderError, match=says) as error:
         train_encoder(capture, "a", kind)
     assert "\n" not in str(error.value)
 
 
-def test_poses_that_storing_changes_are_refused(capture, tmp_path):
+def test_poses_that_storing_changes_are_refused(capture: Capture, tmp_path: Path) -> None:
     body = """class A(Mean):
  def arrays(self): return {"scale": np.ones(1)}
  def restore(self, arrays, U, Q): return self.fit(U, Q + 0.1)"""
@@ -284,14 +304,18 @@ def test_poses_that_storing_changes_are_refused(capture, tmp_path):
         train_encoder(capture, "a", find_encoder(write(tmp_path / "lab.py", body)))
 
 
-def test_an_encoder_with_unseeded_random_numbers_is_refused(capture, tmp_path):
+def test_an_encoder_with_unseeded_random_numbers_is_refused(
+    capture: Capture, tmp_path: Path
+) -> None:
     body = """class A(Mean):
  def fit(self, U, Q): return super().fit(U, Q + np.random.default_rng().normal(0, 10))"""
     with pytest.raises(EncoderError, match=r"two trainings on equal frames.*fixed seed"):
         train_encoder(capture, "a", find_encoder(write(tmp_path / "lab.py", body)))
 
 
-def test_the_error_of_a_prediction_names_the_shape_of_its_input(capture, tmp_path):
+def test_the_error_of_a_prediction_names_the_shape_of_its_input(
+    capture: Capture, tmp_path: Path
+) -> None:
     body = """class A(Mean):
  def predict(self, U): return np.zeros((len(U), 48)) if U.ndim == 2 else 1 / 0"""
     with pytest.raises(EncoderError, match=r"cannot predict from U of shape \(15,\)"):
@@ -309,7 +333,12 @@ def test_the_error_of_a_prediction_names_the_shape_of_its_input(capture, tmp_pat
     ],
     ids=lambda line: line[0],
 )
-def test_every_command_reports_a_wrong_name_in_one_line(line, tmp_path, capsys, monkeypatch):
+def test_every_command_reports_a_wrong_name_in_one_line(
+    line: list[str],
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     monkeypatch.chdir(tmp_path)
     path = write(tmp_path / "lab.py", "class A(Mean): pass")
     assert main([word.format(path) for word in line]) == 2
@@ -318,12 +347,16 @@ def test_every_command_reports_a_wrong_name_in_one_line(line, tmp_path, capsys, 
 
 
 @pytest.mark.parametrize("option", (["--degree", "2"], ["--ridge", "1"], ["--builtin"]))
-def test_a_custom_encoder_is_not_affected_by_options_of_built_in_encoders(option, capsys):
+def test_a_custom_encoder_is_not_affected_by_options_of_built_in_encoders(
+    option: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
     assert main(["train", "--encoder", NAME, "--out", "m.npz", *option]) == 2
     assert "does not apply" in capsys.readouterr().err
 
 
-def test_without_scikit_learn_the_example_says_what_to_install(monkeypatch, tmp_path):
+def test_without_scikit_learn_the_example_says_what_to_install(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
     monkeypatch.setitem(sys.modules, "sklearn", None)
     path = tmp_path / "kernel_ridge.py"
     path.write_text(EXAMPLE.read_text())
@@ -335,7 +368,7 @@ def test_without_scikit_learn_the_example_says_what_to_install(monkeypatch, tmp_
 # Names
 
 
-def test_names_and_places_are_told_apart():
+def test_names_and_places_are_told_apart() -> None:
     assert not any(is_external(name) for name in (*ENCODERS, "mine.npz", "best", "nobody"))
     assert is_external(NAME) and is_external("my_lab.encoders:Mine")
     assert all(origin(name) == {} for name in ENCODERS)
@@ -344,14 +377,14 @@ def test_names_and_places_are_told_apart():
         find_encoder("nobody")
 
 
-def test_the_source_digest_is_that_of_the_file(tmp_path):
+def test_the_source_digest_is_that_of_the_file(tmp_path: Path) -> None:
     a = find_encoder(write(tmp_path / "a.py", "class A(Mean): pass"))
     b = find_encoder(write(tmp_path / "b.py", "class A(Mean): pass"))
     c = find_encoder(write(tmp_path / "c.py", "class A(Mean): 'other'"))
     assert source_digest(a) == source_digest(b) != source_digest(c)
 
 
-def test_a_class_within_a_function_cannot_be_stored(capture, tmp_path):
+def test_a_class_within_a_function_cannot_be_stored(capture: Capture, tmp_path: Path) -> None:
     class Inner(Mean):
         pass
 
@@ -360,7 +393,7 @@ def test_a_class_within_a_function_cannot_be_stored(capture, tmp_path):
         save_model(model, tmp_path / "m.npz")
 
 
-def test_built_in_classes_are_recognised_and_subclasses_are_not():
+def test_built_in_classes_are_recognised_and_subclasses_are_not() -> None:
     class Heir(MeanEncoder):
         pass
 
@@ -368,7 +401,7 @@ def test_built_in_classes_are_recognised_and_subclasses_are_not():
     assert builtin_name(ENCODERS["linear"]()) == "polynomial"
 
 
-def test_a_recording_whose_encoder_has_changed_or_is_gone_is_refused(tmp_path):
+def test_a_recording_whose_encoder_has_changed_or_is_gone_is_refused(tmp_path: Path) -> None:
     lab, record = tmp_path / "lab.py", tmp_path / "run.jsonl"
     write(lab, "class A(Mean): pass")
     assert main(["run", QUICK, "--encoder", f"{lab}:A", "--record", str(record)]) == 0
@@ -402,7 +435,7 @@ from encoders import Encoder
 FIVE = 5
 class Mean(Encoder):
     def fit(self, U, Q):
-        self.mean = np.mean(Q, axis=0)
+        self.mean = np.mean(np.asarray(Q, float), axis=0)
         return self
     def predict(self, U):
         return np.broadcast_to(self.mean, (*np.shape(U)[:-1], 48)).copy()
@@ -436,7 +469,9 @@ def sandbox(site: Path | None, *arguments: str) -> subprocess.CompletedProcess[s
     )
 
 
-def test_an_installed_package_s_encoder_is_run_recorded_and_replayed(installed, tmp_path):
+def test_an_installed_package_s_encoder_is_run_recorded_and_replayed(
+    installed: Path, tmp_path: Path
+) -> None:
     record = str(tmp_path / "run.jsonl")
     ran = sandbox(installed, "run", QUICK, "--encoder", "tiny-lab-mean", "--record", record)
     assert ran.returncode == 0, ran.stderr
@@ -457,7 +492,9 @@ def test_an_installed_package_s_encoder_is_run_recorded_and_replayed(installed, 
         ("tiny-lab-nothing", "tiny-lab-five, tiny-lab-mean, tiny-lab-missing"),
     ],
 )
-def test_an_unusable_installed_encoder_is_refused_with_a_one_line_error(installed, name, says):
+def test_an_unusable_installed_encoder_is_refused_with_a_one_line_error(
+    installed: Path, name: str, says: str
+) -> None:
     refused = sandbox(installed, "run", QUICK, "--encoder", name)
     assert refused.returncode == 2
     assert says in refused.stderr and refused.stderr.count("\n") == 1

@@ -23,7 +23,9 @@ sizes = st.integers(1, 40)
 
 
 @given(rng=generators, n=sizes, m=sizes, p=sizes)
-def test_products_are_those_of_numpy_to_rounding(rng, n, m, p):
+def test_products_are_those_of_numpy_to_rounding(
+    rng: np.random.Generator, n: int, m: int, p: int
+) -> None:
     A, B, C = rng.normal(size=(n, m)), rng.normal(size=(m, p)), rng.normal(size=(p, m))
     x, y = rng.normal(size=m), rng.normal(size=n)
     for ours, numpys in (
@@ -42,21 +44,21 @@ def test_products_are_those_of_numpy_to_rounding(rng, n, m, p):
 
 
 @given(rng=generators, n=sizes)
-def test_equations_of_a_positive_matrix_are_solved(rng, n):
+def test_equations_of_a_positive_matrix_are_solved(rng: np.random.Generator, n: int) -> None:
     A = rng.normal(size=(n, n + 3))
     S, r = A @ A.T + 1e-3 * np.eye(n), rng.normal(size=n)
     x = products.solve_positive(np.tril(S), r)
     np.testing.assert_allclose(S @ x, r, atol=1e-8)
 
 
-def test_a_matrix_that_is_not_positive_is_refused():
+def test_a_matrix_that_is_not_positive_is_refused() -> None:
     for S in (np.zeros((2, 2)), -np.eye(3), np.array([[1.0, 2.0], [2.0, 1.0]])):
         with pytest.raises(ArithmeticError, match="not positive definite"):
             products.solve_positive(S, np.ones(len(S)))
 
 
 @given(rng=generators, n=st.integers(1, 12))
-def test_eigenvectors_rebuild_their_matrix(rng, n):
+def test_eigenvectors_rebuild_their_matrix(rng: np.random.Generator, n: int) -> None:
     A = rng.normal(size=(n, n))
     S = A + A.T
     values, V = eigen(S)
@@ -66,14 +68,14 @@ def test_eigenvectors_rebuild_their_matrix(rng, n):
     np.testing.assert_allclose(values, np.linalg.eigvalsh(S)[::-1], atol=1e-9)
 
 
-def test_the_exponential_of_many_numbers_is_accurate_to_single_precision():
+def test_the_exponential_of_many_numbers_is_accurate_to_single_precision() -> None:
     x = np.linspace(-86.0, 0.0, 100_001).astype(np.float32)
     np.testing.assert_allclose(functions.exp_of_many(x), np.exp(x.astype(float)), rtol=3e-7)
     assert (functions.exp_of_many(np.array([-90.0, -1e4], np.float32)) == 0.0).all()
 
 
 @given(x=st.lists(st.floats(-700.0, 700.0), min_size=1, max_size=20))
-def test_functions_of_arrays_are_those_of_libm(x):
+def test_functions_of_arrays_are_those_of_libm(x: list[float]) -> None:
     a = np.array(x)
     np.testing.assert_allclose(functions.exp(a), np.exp(a), rtol=1e-14)
     np.testing.assert_allclose(functions.sin(a), np.sin(a), rtol=1e-12, atol=1e-15)
@@ -92,7 +94,9 @@ def test_functions_of_arrays_are_those_of_libm(x):
         {"NPY_DISABLE_CPU_FEATURES": "AVX2 FMA3 X86_V3 X86_V4 AVX512F AVX512_SKX"},
     ],
 )
-def test_no_kernel_of_blas_and_no_dispatch_of_numpy_changes_a_bit(environment):
+def test_no_kernel_of_blas_and_no_dispatch_of_numpy_changes_a_bit(
+    environment: dict[str, str],
+) -> None:
     code = "from models.arithmetic.probe import *; print(libm_digest(), arithmetic_digest())"
     told = subprocess.run(
         [sys.executable, "-W", "ignore", "-c", code],

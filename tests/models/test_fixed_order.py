@@ -12,6 +12,7 @@ ROOT = Path(__file__).resolve().parents[2]
 
 ROOMS = (
     "models/*.py",
+    "models/robot/*.py",
     "encoders/*.py",
     "encoders/labels/*.py",
     "encoders/paalm/*.py",
@@ -52,6 +53,7 @@ APART = {
     "encoders/regression/trained.py": "training; what ships is stored",
     "encoders/validation.py": "training",
     "sandbox/session/finger_loads.py": "what views say about a grip",
+    "models/robot/mapping_fit.py": "a mapping's file holds the result",
     "models/person.py": "turns by quarters, whose products are exact in any order",
     "tasks/checks.py": "checks of a draw",
 }

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
+from typing import Any
 
 import mujoco
 import numpy as np
 import pytest
 from hypothesis import given, settings
 
+from models.arithmetic.arrays import Array
 from models.errors import SceneError
 from models.hand import CALM_ARMATURE, IMPULSE_PERIOD, IMPULSE_PROFILES, SERVOS, Hand
 from models.kinematics import Kinematics
@@ -24,7 +27,7 @@ THUMB_MCP = 9
 """Component of the pose: flexion of the thumb's outer joint."""
 
 
-def hand_scene(timestep: float = 0.002, **options) -> tuple[Scene, mujoco.MjData]:
+def hand_scene(timestep: float = 0.002, **options: Any) -> tuple[Scene, mujoco.MjData]:
     scene = Scene(SceneSpec((Hand(**options),), timestep=timestep))
     return scene, mujoco.MjData(scene.model)
 
@@ -54,7 +57,7 @@ def left_hand() -> Skeleton:
 def fields_that_differ(a: mujoco.MjModel, b: mujoco.MjModel) -> list[str]:
     """Names of the arrays and options in which two models are not equal to the bit."""
 
-    def values(model):
+    def values(model: mujoco.MjModel) -> Iterator[tuple[str, Any]]:
         for name in dir(model):
             value = getattr(model, name)
             if isinstance(value, np.ndarray | int | float | bytes) and not name.startswith("_"):
@@ -68,13 +71,13 @@ def fields_that_differ(a: mujoco.MjModel, b: mujoco.MjModel) -> list[str]:
     return [name for name, value in values(a) if not np.array_equal(value, others[name])]
 
 
-def test_the_file_is_the_hand_that_the_builder_builds():
+def test_the_file_is_the_hand_that_the_builder_builds() -> None:
     file = mujoco.MjModel.from_xml_path(str(HAND_FILE))
     built = mujoco.MjModel.from_xml_string(hand_xml(Hand()))
     assert not fields_that_differ(file, built), "`python -m tools.make_hand` writes the file anew"
 
 
-def test_the_comparison_of_models_sees_a_servo_a_length_and_an_option():
+def test_the_comparison_of_models_sees_a_servo_a_length_and_an_option() -> None:
     text = hand_xml(Hand())
     built = mujoco.MjModel.from_xml_string(text)
     weaker = mujoco.MjModel.from_xml_string(hand_xml(Hand(impulse=0.5)))
@@ -85,7 +88,7 @@ def test_the_comparison_of_models_sees_a_servo_a_length_and_an_option():
     assert "opt.impratio" in fields_that_differ(other, built)
 
 
-def test_the_file_holds_the_same_hand_as_a_scene():
+def test_the_file_holds_the_same_hand_as_a_scene() -> None:
     file = mujoco.MjModel.from_xml_path(str(HAND_FILE))
     scene, _ = hand_scene()
     # Addresses of geoms differ, since a scene has a table before the hand.
@@ -95,7 +98,7 @@ def test_the_file_holds_the_same_hand_as_a_scene():
     assert not [name for name in different if name.startswith(parts)]
 
 
-def test_the_file_opens_alone_and_its_hand_stays_at_rest():
+def test_the_file_opens_alone_and_its_hand_stays_at_rest() -> None:
     model = mujoco.MjModel.from_xml_path(str(HAND_FILE))
     data = mujoco.MjData(model)
     mujoco.mj_step(model, data, round(1.0 / model.opt.timestep))
@@ -105,7 +108,7 @@ def test_the_file_opens_alone_and_its_hand_stays_at_rest():
 
 
 @pytest.mark.parametrize("servo", SERVOS)
-def test_the_hand_has_48_degrees_of_freedom_and_a_control_for_each(servo):
+def test_the_hand_has_48_degrees_of_freedom_and_a_control_for_each(servo: str) -> None:
     scene, _ = hand_scene(servo=servo)
     assert (scene.model.nq, scene.model.nv, scene.model.nu) == (63, POSE_SIZE, POSE_SIZE)
     kinds = scene.model.jnt_type.tolist()
@@ -114,7 +117,7 @@ def test_the_hand_has_48_degrees_of_freedom_and_a_control_for_each(servo):
 
 
 @pytest.mark.parametrize("servo", SERVOS)
-def test_each_component_of_the_pose_commands_its_own_joint_and_axis(servo):
+def test_each_component_of_the_pose_commands_its_own_joint_and_axis(servo: str) -> None:
     scene, data = hand_scene(servo=servo)
     for component in range(POSE_SIZE):
         mujoco.mj_resetData(scene.model, data)
@@ -127,7 +130,7 @@ def test_each_component_of_the_pose_commands_its_own_joint_and_axis(servo):
 
 
 @pytest.mark.parametrize("servo", SERVOS)
-def test_what_one_component_commands_is_where_that_component_goes(servo):
+def test_what_one_component_commands_is_where_that_component_goes(servo: str) -> None:
     for component in range(POSE_SIZE):
         scene, data = hand_scene(timestep=0.004, servo=servo)
         command = np.zeros(POSE_SIZE)
@@ -139,7 +142,7 @@ def test_what_one_component_commands_is_where_that_component_goes(servo):
 
 @given(q=legal_poses)
 @settings(max_examples=50)
-def test_kinematics_and_mujoco_agree_where_every_bone_is(q):
+def test_kinematics_and_mujoco_agree_where_every_bone_is(q: Array) -> None:
     scene, data = hand_scene_once()
     put(scene, data, q)
     mujoco.mj_kinematics(scene.model, data)
@@ -166,7 +169,9 @@ def hand_scene_once() -> tuple[Scene, mujoco.MjData]:
 
 @pytest.mark.parametrize("timestep", TIMESTEPS)
 @pytest.mark.parametrize("servo", SERVOS)
-def test_both_kinds_of_servo_bring_the_hand_into_any_legal_pose_and_hold_it(servo, timestep):
+def test_both_kinds_of_servo_bring_the_hand_into_any_legal_pose_and_hold_it(
+    servo: str, timestep: float
+) -> None:
     rng = np.random.default_rng(5)
     scene, data = hand_scene(timestep, servo=servo)
     for _ in range(5):
@@ -205,7 +210,9 @@ def far_away(rng: np.random.Generator) -> np.ndarray:
 @pytest.mark.parametrize("timestep", TIMESTEPS)
 @pytest.mark.parametrize("impulse", [*IMPULSE_PROFILES.values(), TINY])
 @pytest.mark.parametrize("servo", SERVOS)
-def test_no_servo_exceeds_its_impulse_limit_and_saturated_ones_reach_it(servo, impulse, timestep):
+def test_no_servo_exceeds_its_impulse_limit_and_saturated_ones_reach_it(
+    servo: str, impulse: float, timestep: float
+) -> None:
     scene, data = hand_scene(timestep, servo=servo, impulse=impulse)
     limit = impulse / IMPULSE_PERIOD
     model = scene.model
@@ -234,7 +241,9 @@ def test_no_servo_exceeds_its_impulse_limit_and_saturated_ones_reach_it(servo, i
 
 
 @pytest.mark.parametrize("impulse", [IMPULSE_PROFILES["safe"], TINY])
-def test_a_saturated_root_gives_the_impulse_limit_in_its_period_at_any_timestep(impulse):
+def test_a_saturated_root_gives_the_impulse_limit_in_its_period_at_any_timestep(
+    impulse: float,
+) -> None:
     for timestep in TIMESTEPS:
         scene, data = hand_scene(timestep, impulse=impulse)
         data.ctrl[0] = 10.0
@@ -247,7 +256,9 @@ def test_a_saturated_root_gives_the_impulse_limit_in_its_period_at_any_timestep(
 
 
 @pytest.mark.parametrize("servo", SERVOS)
-def test_a_heavy_finger_that_breaks_free_is_half_as_far_at_first_and_ends_at_the_same_place(servo):
+def test_a_heavy_finger_that_breaks_free_is_half_as_far_at_first_and_ends_at_the_same_place(
+    servo: str,
+) -> None:
     def bent(armature: float) -> tuple[float, float]:
         scene, data = hand_scene(servo=servo, finger_armature=armature)
         # What held the finger 0.2 rad away from its target is suddenly gone.
@@ -262,7 +273,7 @@ def test_a_heavy_finger_that_breaks_free_is_half_as_far_at_first_and_ends_at_the
     assert same == pytest.approx(end, abs=1e-5) and end == pytest.approx(-0.2, abs=1e-3)
 
 
-def test_a_saturated_finger_turns_alike_at_any_timestep():
+def test_a_saturated_finger_turns_alike_at_any_timestep() -> None:
     def flexed(timestep: float, servo: str) -> float:
         scene, data = hand_scene(timestep, servo=servo, impulse=TINY)
         data.ctrl[THUMB_MCP] = -0.8
@@ -279,7 +290,9 @@ def test_a_saturated_finger_turns_alike_at_any_timestep():
     assert np.all((share > 0.75) & (share < 1.0 + 1e-6))
 
 
-def test_the_limit_of_three_position_servos_is_a_cube_and_of_an_orientation_servo_a_sphere():
+def test_the_limit_of_three_position_servos_is_a_cube_and_of_an_orientation_servo_a_sphere() -> (
+    None
+):
     target = np.zeros(POSE_SIZE)
     target[6:9] = 0.6  # thumb CMC about all three axes
     torque = {}
@@ -295,7 +308,7 @@ def test_the_limit_of_three_position_servos_is_a_cube_and_of_an_orientation_serv
 
 @given(q=legal_poses)
 @settings(max_examples=50)
-def test_a_mirrored_pose_is_the_left_hands_pose(q):
+def test_a_mirrored_pose_is_the_left_hands_pose(q: Array) -> None:
     np.testing.assert_array_equal(mirrored(mirrored(q)), q)
     right = Kinematics(ADULT).place(q)
     left = Kinematics(left_hand()).place(mirrored(q))
@@ -305,7 +318,7 @@ def test_a_mirrored_pose_is_the_left_hands_pose(q):
 
 
 @pytest.mark.parametrize("side", [-1.0, 1.0])
-def test_fingers_lie_on_the_side_that_the_skeleton_says(side):
+def test_fingers_lie_on_the_side_that_the_skeleton_says(side: float) -> None:
     skeleton = ADULT if side > 0 else left_hand()
     tips = Kinematics(skeleton).tips(np.zeros(POSE_SIZE))
     # Thumb at -x and little finger at +x of a right hand, fingers forward, flexed below the palm.
@@ -315,7 +328,7 @@ def test_fingers_lie_on_the_side_that_the_skeleton_says(side):
     assert np.all(tips[:, 2] < 0)
 
 
-def test_a_rest_rotation_survives_the_file_as_a_quaternion():
+def test_a_rest_rotation_survives_the_file_as_a_quaternion() -> None:
     for bone in ADULT.bones:
         again = exp(quaternion_log(matrix_to_quaternion(bone.rest)))
         np.testing.assert_allclose(again, bone.rest, atol=1e-12)
@@ -331,7 +344,7 @@ def test_a_rest_rotation_survives_the_file_as_a_quaternion():
         {"impulse": float("inf")},
     ],
 )
-def test_an_impossible_hand_is_refused(wrong):
+def test_an_impossible_hand_is_refused(wrong: dict[str, Any]) -> None:
     with pytest.raises(SceneError):
         Hand(**wrong)
 

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 from scipy.spatial.transform import Rotation
 
+from models.arithmetic.arrays import Array
 from models.kinematics import Kinematics
 from models.limits import violations, within_limits
 from models.pose import (
@@ -74,13 +75,13 @@ def walked(q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 @given(w=turns)
-def test_logarithm_undoes_the_exponential_below_a_half_turn(w):
+def test_logarithm_undoes_the_exponential_below_a_half_turn(w: Array) -> None:
     np.testing.assert_allclose(log(exp(w)), w, atol=1e-9)
     np.testing.assert_allclose(quaternion_log(quaternion_exp(w)), w, atol=1e-12)
 
 
 @given(w=vectors)
-def test_rotations_are_those_of_another_library(w):
+def test_rotations_are_those_of_another_library(w: Array) -> None:
     theirs = Rotation.from_rotvec(w)
     np.testing.assert_allclose(exp(w), theirs.as_matrix(), atol=1e-12)
     np.testing.assert_allclose(exp(log(exp(w))), theirs.as_matrix(), atol=1e-12)
@@ -92,7 +93,7 @@ def test_rotations_are_those_of_another_library(w):
 
 @pytest.mark.parametrize("size", (0.0, 1e-12, 1e-9, 1e-7, 1e-6, 1e-5, np.pi - 1e-9, np.pi))
 @pytest.mark.parametrize("axis", ((1, 0, 0), (0, 1, 0), (0, 0, -1), (0.6, -0.64, 0.48)))
-def test_tiny_and_half_turns_are_exact_too(size, axis):
+def test_tiny_and_half_turns_are_exact_too(size: float, axis: tuple[float, float, float]) -> None:
     w = size * np.array(axis)
     np.testing.assert_allclose(exp(w), Rotation.from_rotvec(w).as_matrix(), atol=1e-15)
     back = log(exp(w))
@@ -100,7 +101,7 @@ def test_tiny_and_half_turns_are_exact_too(size, axis):
 
 
 @given(w=turns, d=vectors)
-def test_left_jacobian_is_the_derivative_of_the_exponential(w, d):
+def test_left_jacobian_is_the_derivative_of_the_exponential(w: Array, d: Array) -> None:
     h = 1e-6
     change = (exp(w + h * d) - exp(w - h * d)) / (2 * h)
     _, J = exp_and_left_jacobian(w)
@@ -108,12 +109,12 @@ def test_left_jacobian_is_the_derivative_of_the_exponential(w, d):
 
 
 @given(a=vectors, b=vectors)
-def test_skew_is_the_cross_product(a, b):
+def test_skew_is_the_cross_product(a: Array, b: Array) -> None:
     np.testing.assert_allclose(skew(a) @ b, np.cross(a, b), atol=1e-12)
 
 
 @given(a=turns, b=turns, c=turns)
-def test_the_angle_between_rotations_is_a_distance(a, b, c):
+def test_the_angle_between_rotations_is_a_distance(a: Array, b: Array, c: Array) -> None:
     assert geodesic_angle(a, a) < 1e-7
     assert abs(geodesic_angle(a, b) - geodesic_angle(b, a)) < 1e-7
     assert geodesic_angle(a, c) <= geodesic_angle(a, b) + geodesic_angle(b, c) + 1e-7
@@ -122,14 +123,14 @@ def test_the_angle_between_rotations_is_a_distance(a, b, c):
 
 
 @given(w=turns, reference=vectors)
-def test_unwrapping_keeps_the_rotation_and_comes_nearer(w, reference):
+def test_unwrapping_keeps_the_rotation_and_comes_nearer(w: Array, reference: Array) -> None:
     near = unwrap_near(w, reference)
     np.testing.assert_allclose(exp(near), exp(w), atol=1e-9)
     assert np.linalg.norm(near - reference) <= np.linalg.norm(w - reference) + 1e-9
 
 
 @given(q=legal_poses)
-def test_joints_and_tips_are_where_a_plain_walk_along_the_bones_ends(q):
+def test_joints_and_tips_are_where_a_plain_walk_along_the_bones_ends(q: Array) -> None:
     placement, (joints, tips) = HAND.place(q), walked(q)
     np.testing.assert_allclose(placement.joints, joints, atol=1e-12)
     np.testing.assert_allclose(placement.tips, tips, atol=1e-12)
@@ -137,7 +138,7 @@ def test_joints_and_tips_are_where_a_plain_walk_along_the_bones_ends(q):
 
 @settings(max_examples=30)
 @given(q=legal_poses)
-def test_jacobian_is_the_derivative_of_the_fingertips(q):
+def test_jacobian_is_the_derivative_of_the_fingertips(q: Array) -> None:
     h = 1e-6
     steps = h * np.eye(48)
     slope = (HAND.tips(q + steps) - HAND.tips(q - steps)) / (2 * h)
@@ -146,7 +147,7 @@ def test_jacobian_is_the_derivative_of_the_fingertips(q):
     np.testing.assert_allclose(jacobian, np.moveaxis(slope, 0, -1), atol=1e-8)
 
 
-def test_a_finger_is_moved_by_its_own_joints_and_the_root_only():
+def test_a_finger_is_moved_by_its_own_joints_and_the_root_only() -> None:
     _, jacobian = HAND.tips_and_jacobian(np.random.default_rng(0).normal(size=48) * 0.2)
     moved = np.abs(jacobian).max(axis=1) > 0
     for finger in range(5):
@@ -156,7 +157,7 @@ def test_a_finger_is_moved_by_its_own_joints_and_the_root_only():
 
 
 @given(q=legal_poses, turn=turns, shift=vectors)
-def test_moving_the_root_moves_the_whole_hand(q, turn, shift):
+def test_moving_the_root_moves_the_whole_hand(q: Array, turn: Array, shift: Array) -> None:
     moved = q.copy()
     moved[:3] = exp(turn) @ q[:3] + shift
     moved[ROOT_ROTATION] = log(exp(turn) @ exp(q[ROOT_ROTATION]))
@@ -164,7 +165,7 @@ def test_moving_the_root_moves_the_whole_hand(q, turn, shift):
 
 
 @given(q=legal_poses)
-def test_bones_keep_their_length_in_every_pose(q):
+def test_bones_keep_their_length_in_every_pose(q: Array) -> None:
     placement = HAND.place(q)
     for i, bone in enumerate(ADULT.bones):
         last = i + 1 == len(ADULT.bones) or ADULT.bones[i + 1].finger != bone.finger
@@ -173,7 +174,7 @@ def test_bones_keep_their_length_in_every_pose(q):
 
 
 @given(shapes=st.sampled_from(((), (3,), (2, 3), (0,))), seed=st.integers(0, 99))
-def test_a_batch_is_its_poses_one_by_one(shapes, seed):
+def test_a_batch_is_its_poses_one_by_one(shapes: tuple[int, ...], seed: int) -> None:
     q = np.random.default_rng(seed).normal(size=(*shapes, 48)) * 0.3
     tips, jacobian = HAND.tips_and_jacobian(q)
     assert tips.shape == (*shapes, 5, 3) and jacobian.shape == (*shapes, 5, 3, 48)
@@ -184,7 +185,7 @@ def test_a_batch_is_its_poses_one_by_one(shapes, seed):
 
 
 @given(q=legal_poses)
-def test_the_mirrored_pose_of_the_mirrored_hand_has_mirrored_tips(q):
+def test_the_mirrored_pose_of_the_mirrored_hand_has_mirrored_tips(q: Array) -> None:
     np.testing.assert_array_equal(mirrored(mirrored(q)), q)
     np.testing.assert_allclose(
         Kinematics(left_hand()).tips(mirrored(q)), HAND.tips(q) @ MIRROR, atol=1e-12
@@ -192,14 +193,14 @@ def test_the_mirrored_pose_of_the_mirrored_hand_has_mirrored_tips(q):
 
 
 @given(q=legal_poses, factor=st.floats(0.5, 2.0))
-def test_a_larger_hand_reaches_further_by_its_factor(q, factor):
+def test_a_larger_hand_reaches_further_by_its_factor(q: Array, factor: float) -> None:
     q[:3] = 0
     np.testing.assert_allclose(
         Kinematics(ADULT.scaled(factor)).tips(q), factor * HAND.tips(q), atol=1e-12
     )
 
 
-def test_the_hand_at_rest_lies_as_the_convention_says():
+def test_the_hand_at_rest_lies_as_the_convention_says() -> None:
     """Right hand, palm down: thumb at -x, fingers along +y and bent towards -z."""
     tips = HAND.tips(np.zeros(48))
     assert (np.diff(tips[:, 0]) > 0).all()
@@ -207,7 +208,7 @@ def test_the_hand_at_rest_lies_as_the_convention_says():
 
 
 @pytest.mark.parametrize("bone", [i for i, b in enumerate(ADULT.bones) if b.finger > 0])
-def test_a_negative_turn_about_x_flexes_a_finger(bone):
+def test_a_negative_turn_about_x_flexes_a_finger(bone: int) -> None:
     q = np.zeros(48)
     q[6 + 3 * bone] = -0.3
     finger = ADULT.bones[bone].finger
@@ -216,7 +217,7 @@ def test_a_negative_turn_about_x_flexes_a_finger(bone):
 
 
 @given(q=hnp.arrays(float, 48, elements=st.floats(-4, 4)))
-def test_clamped_poses_are_legal_and_legal_poses_stay(q):
+def test_clamped_poses_are_legal_and_legal_poses_stay(q: Array) -> None:
     clamped = within_limits(q, ADULT)
     assert violations(clamped, ADULT) == 0
     np.testing.assert_array_equal(within_limits(clamped, ADULT), clamped)
@@ -226,7 +227,9 @@ def test_clamped_poses_are_legal_and_legal_poses_stay(q):
 
 
 @given(q=legal_poses, contact=st.tuples(st.floats(0, 0.2), st.floats(0, 0.15)))
-def test_relative_and_absolute_poses_undo_each_other(q, contact):
+def test_relative_and_absolute_poses_undo_each_other(
+    q: Array, contact: tuple[float, float]
+) -> None:
     relative = relative_pose(q, contact)
     np.testing.assert_allclose(absolute_pose(relative, contact), q, atol=1e-15)
     # The contact is at (x, -y, 0) of the surface; relative to it, it is at the origin.
@@ -234,7 +237,9 @@ def test_relative_and_absolute_poses_undo_each_other(q, contact):
 
 
 @given(q=legal_poses, tilt=turns, x=st.floats(-1, 1))
-def test_a_pose_in_the_world_touches_what_it_touches_on_the_surface(q, tilt, x):
+def test_a_pose_in_the_world_touches_what_it_touches_on_the_surface(
+    q: Array, tilt: Array, x: float
+) -> None:
     surface = Surface(origin=(x, 0.2, 0.7), rotation=exp(tilt))
     world = surface_to_world(q, surface)
     expected = HAND.tips(q) @ surface.rotation.T + np.array(surface.origin)
@@ -242,6 +247,6 @@ def test_a_pose_in_the_world_touches_what_it_touches_on_the_surface(q, tilt, x):
 
 
 @given(a=legal_poses, b=legal_poses)
-def test_a_blend_starts_and_ends_where_it_should(a, b):
+def test_a_blend_starts_and_ends_where_it_should(a: Array, b: Array) -> None:
     np.testing.assert_allclose(blend(a, b, 0.0), a, atol=1e-15)
     np.testing.assert_allclose(HAND.tips(blend(a, b, 1.0)), HAND.tips(b), atol=1e-9)

@@ -17,7 +17,7 @@ class Place(LazyFields):
     name: str = "here"
 
 
-def test_fields_that_nobody_reads_are_never_computed():
+def test_fields_that_nobody_reads_are_never_computed() -> None:
     def compute() -> dict[str, float]:
         raise AssertionError("somebody looked")
 
@@ -27,13 +27,13 @@ def test_fields_that_nobody_reads_are_never_computed():
         _ = place.y
 
 
-def test_a_field_is_computed_once_and_kept():
+def test_a_field_is_computed_once_and_kept() -> None:
     calls = []
     place = Place.deferred(lambda: calls.append(1) or {"y": 2.0}, x=1.0)
     assert (place.y, place.y, len(calls)) == (2.0, 2.0, 1)
 
 
-def test_an_object_with_lazy_fields_is_like_any_other():
+def test_an_object_with_lazy_fields_is_like_any_other() -> None:
     late = Place.deferred(lambda: {"y": 2.0}, x=1.0)
     assert late == Place(1.0, 2.0)
     assert replace(Place.deferred(lambda: {"y": 2.0}, x=1.0), x=3.0) == Place(3.0, 2.0)
@@ -41,18 +41,18 @@ def test_an_object_with_lazy_fields_is_like_any_other():
 
 
 @pytest.mark.parametrize("name", ["z", "_work", "__len__"])
-def test_an_unknown_attribute_is_an_attribute_error(name):
+def test_an_unknown_attribute_is_an_attribute_error(name: str) -> None:
     place = Place.deferred(lambda: {"y": 2.0}, x=1.0)
     assert not hasattr(place, name)
     assert not hasattr(Place(1.0, 2.0), name)
 
 
-def test_a_field_that_the_function_does_not_return_is_an_attribute_error():
+def test_a_field_that_the_function_does_not_return_is_an_attribute_error() -> None:
     with pytest.raises(AttributeError, match="Place has no y"):
         _ = Place.deferred(dict, x=1.0).y
 
 
-def test_a_snapshot_shows_its_own_moment_whenever_it_is_looked_at():
+def test_a_snapshot_shows_its_own_moment_whenever_it_is_looked_at() -> None:
     chosen = plan(SceneOptions(seed=1))
     session = build(chosen.settings, chosen.makers)
     show = session.rigs[0].device.show

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+from typing import Any
 from xml.etree.ElementTree import tostring
 
 import mujoco
@@ -11,6 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
+from models.arithmetic.arrays import Array
 from models.errors import InputError
 from models.hand import Hand
 from models.mjcf_object import MjcfObject
@@ -58,7 +61,9 @@ TURNS = hnp.arrays(float, 4, elements=st.floats(-1, 1)).filter(lambda q: np.lina
 
 @pytest.mark.parametrize("shape", KNOWN)
 @given(local=POINTS, turn=TURNS, size=st.sampled_from([1.0, 0.5, 2.0]))
-def test_clearance_is_the_distance_that_geometry_gives(shape, local, turn, size):
+def test_clearance_is_the_distance_that_geometry_gives(
+    shape: str, local: Array, turn: Array, size: float
+) -> None:
     text, distance = KNOWN[shape]
     thing = MjcfObject("thing", text, 0.1, size=size)
     flat = np.empty(9)
@@ -75,7 +80,7 @@ def test_clearance_is_the_distance_that_geometry_gives(shape, local, turn, size)
 
 
 @pytest.mark.parametrize("size", [1.0, 1.5])
-def test_in_a_scene_it_is_the_body_that_was_described(size):
+def test_in_a_scene_it_is_the_body_that_was_described(size: float) -> None:
     inside = (
         '<geom type="cylinder" size=".02 .03" friction=".7"/><body pos=".04 0 .01" euler="0 90 10">'
         f'{BLOCK}<geom type="mesh" mesh="block" pos="0 .05 0" euler="20 30 40"/></body>'
@@ -108,7 +113,7 @@ def test_in_a_scene_it_is_the_body_that_was_described(size):
 
 @pytest.mark.parametrize("shape", KNOWN)
 @pytest.mark.parametrize("size", [1.0, 1.7])
-def test_on_the_table_it_rests_where_it_was_put(shape, size):
+def test_on_the_table_it_rests_where_it_was_put(shape: str, size: float) -> None:
     thing = MjcfObject.on_table("thing", KNOWN[shape][0], 0.1, (0.03, 0.02), 0.4).scaled(size)
     scene = Scene(SceneSpec((Hand(),), (thing,)))
     data = mujoco.MjData(scene.model)
@@ -122,7 +127,7 @@ def test_on_the_table_it_rests_where_it_was_put(shape, size):
     )
 
 
-def test_a_visible_geom_without_collisions_is_not_solid():
+def test_a_visible_geom_without_collisions_is_not_solid() -> None:
     ghost = '<geom type="sphere" size=".2" contype="0" conaffinity="0"/>'
     thing = MjcfObject("thing", mjcf(SPHERE + ghost), 0.1)
     assert thing.clearance([[0.1, 0, 0]], np.zeros(3), np.eye(3)) == pytest.approx(0.07)
@@ -131,7 +136,9 @@ def test_a_visible_geom_without_collisions_is_not_solid():
     assert sorted(model.geom_contype[model.geom_bodyid == model.body("thing").id]) == [0, 6]
 
 
-def test_a_file_with_its_mesh_beside_it_is_the_same_from_any_folder(tmp_path, monkeypatch):
+def test_a_file_with_its_mesh_beside_it_is_the_same_from_any_folder(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     corners = [(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]
     lines = [f"v {0.02 * x} {0.03 * y} {0.01 * z}" for x, y, z in corners]
     quads = ["1 2 4 3", "5 7 8 6", "1 5 6 2", "3 4 8 7", "1 3 7 5", "2 6 8 4"]
@@ -163,7 +170,9 @@ def test_a_file_with_its_mesh_beside_it_is_the_same_from_any_folder(tmp_path, mo
         ("/no/such/file.xml", "no such file"),
     ],
 )
-def test_a_description_without_one_rigid_body_is_refused_with_a_one_line_error(text, says):
+def test_a_description_without_one_rigid_body_is_refused_with_a_one_line_error(
+    text: str, says: str
+) -> None:
     with pytest.raises(InputError, match=says) as error:
         MjcfObject("thing", text, 0.1)
     assert "\n" not in str(error.value)
@@ -172,6 +181,6 @@ def test_a_description_without_one_rigid_body_is_refused_with_a_one_line_error(t
 @pytest.mark.parametrize(
     "wrong", [{"mass": 0.0}, {"mass": np.nan}, {"size": -1.0}, {"name": ""}, {"name": "table"}]
 )
-def test_impossible_objects_are_refused(wrong):
+def test_impossible_objects_are_refused(wrong: dict[str, Any]) -> None:
     with pytest.raises(InputError):
         MjcfObject(**{"name": "thing", "mjcf": mjcf(SPHERE), "mass": 0.1, **wrong})

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gzip
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -13,9 +14,9 @@ from scipy.spatial.transform import Rotation
 
 from models.errors import MotionError
 from models.motion.motion import Motion
-from models.motion.read.asf import read_amc, read_asf
+from models.motion.read.asf import AcclaimSkeleton, read_amc, read_asf
 from models.motion.read.bvh import read_bvh
-from models.motion.read.markers import read_markers
+from models.motion.read.markers import MarkerTracks, read_markers
 
 BVH = """HIERARCHY
 ROOT hips
@@ -89,14 +90,16 @@ TSV = (
 SOUND = {"bvh": BVH, "asf": ASF, "amc": AMC, "tsv": TSV}
 
 
-def read(path: Path):
+def read(path: Path) -> Motion | AcclaimSkeleton | MarkerTracks:
     """Whatever a file holds, by the end of its name."""
     kind = path.suffix[1:]
     if kind == "amc":
         skeleton = path.with_name("skeleton.asf")
         skeleton.write_text(ASF)
         return read_amc(path, read_asf(skeleton))
-    return {"bvh": read_bvh, "asf": read_asf, "tsv": read_markers}[kind](path)
+    readers: dict[str, Callable[[Path], Motion | AcclaimSkeleton | MarkerTracks]]
+    readers = {"bvh": read_bvh, "asf": read_asf, "tsv": read_markers}
+    return readers[kind](path)
 
 
 def written(folder: Path, kind: str, text: str) -> Path:
@@ -112,8 +115,10 @@ def bone_lengths(motion: Motion) -> np.ndarray:
     return np.stack([np.linalg.norm(places[:, j] - places[:, p], axis=1) for j, p in pairs], 1)
 
 
-def test_a_bvh_turns_in_the_order_of_its_channels_about_axes_that_turn_along(tmp_path):
-    motion = read(written(tmp_path, "bvh", BVH))
+def test_a_bvh_turns_in_the_order_of_its_channels_about_axes_that_turn_along(
+    tmp_path: Path,
+) -> None:
+    motion = read_bvh(written(tmp_path, "bvh", BVH))
     placed = motion.place()
     for t, (hips, knee, at) in enumerate(
         (((10, 20, 30), (40, 50, 60), (1, 90, 2)), ((0, 0, 0), (-170, 80, 5), (0, 91, 0)))
@@ -127,8 +132,9 @@ def test_a_bvh_turns_in_the_order_of_its_channels_about_axes_that_turn_along(tmp
     np.testing.assert_allclose(motion.time, [0, 0.02])
 
 
-def test_an_acclaim_bone_turns_about_fixed_axes_of_its_own_frame(tmp_path):
+def test_an_acclaim_bone_turns_about_fixed_axes_of_its_own_frame(tmp_path: Path) -> None:
     motion = read(written(tmp_path, "amc", AMC))
+    assert isinstance(motion, Motion)
     placed = motion.place()
     metre = 0.0254 / 0.5
     rest = Rotation.from_euler("xyz", [10, 20, 30], degrees=True)
@@ -144,8 +150,8 @@ def test_an_acclaim_bone_turns_about_fixed_axes_of_its_own_frame(tmp_path):
         np.testing.assert_allclose(placed.ends[t, 2], metre * foot, atol=1e-12)
 
 
-def test_markers_that_were_not_seen_are_missing_and_others_keep_their_place(tmp_path):
-    tracks = read(written(tmp_path, "tsv", TSV))
+def test_markers_that_were_not_seen_are_missing_and_others_keep_their_place(tmp_path: Path) -> None:
+    tracks = read_markers(written(tmp_path, "tsv", TSV))
     assert tracks.names == ("a", "b")
     np.testing.assert_allclose(tracks.time, [0, 0.02, 0.04])
     np.testing.assert_allclose(tracks.places[0], [[0.001, 0.002, 0.003], [0.004, 0.005, 0.006]])
@@ -154,14 +160,14 @@ def test_markers_that_were_not_seen_are_missing_and_others_keep_their_place(tmp_
     )
 
 
-def test_a_packed_file_reads_like_a_plain_one(tmp_path):
-    plain = read(written(tmp_path, "tsv", TSV))
+def test_a_packed_file_reads_like_a_plain_one(tmp_path: Path) -> None:
+    plain = read_markers(written(tmp_path, "tsv", TSV))
     packed = tmp_path / "packed.tsv.gz"
     packed.write_bytes(gzip.compress(TSV.encode()))
     np.testing.assert_array_equal(read_markers(packed).places, plain.places)
 
 
-def test_bones_of_a_real_hand_keep_their_lengths_in_every_frame(shared_data):
+def test_bones_of_a_real_hand_keep_their_lengths_in_every_frame(shared_data: Path) -> None:
     motion = read_bvh(shared_data / "formats" / "fingers.bvh")
     assert len(motion) == 69 and len(motion.names) == 55
     lengths = bone_lengths(motion)
@@ -172,7 +178,7 @@ def test_bones_of_a_real_hand_keep_their_lengths_in_every_frame(shared_data):
     assert 0.03 < np.linalg.norm(places[0, 1] - places[0, 0]) < 0.05
 
 
-def test_real_fingers_end_where_the_file_puts_their_end_sites(shared_data):
+def test_real_fingers_end_where_the_file_puts_their_end_sites(shared_data: Path) -> None:
     motion = read_bvh(shared_data / "formats" / "fingers.bvh")
     has_end = ~np.isnan(motion.ends).any(axis=1)
     parents = set(motion.parents)
@@ -183,7 +189,7 @@ def test_real_fingers_end_where_the_file_puts_their_end_sites(shared_data):
     np.testing.assert_allclose(reach, np.tile(sizes, (69, 1)), atol=1e-12)
 
 
-def test_a_real_body_keeps_its_bones_and_its_feet_above_the_floor(shared_data):
+def test_a_real_body_keeps_its_bones_and_its_feet_above_the_floor(shared_data: Path) -> None:
     folder = shared_data / "formats"
     motion = read_amc(folder / "backflip.amc", read_asf(folder / "backflip.asf"))
     assert len(motion) == 247 and len(motion.names) == 31
@@ -200,7 +206,7 @@ def test_a_real_body_keeps_its_bones_and_its_feet_above_the_floor(shared_data):
     assert -0.02 < np.nanmin(ends[..., 1]) < 0.02
 
 
-def test_real_markers_lie_on_one_hand(shared_data):
+def test_real_markers_lie_on_one_hand(shared_data: Path) -> None:
     tracks = read_markers(shared_data / "formats" / "hand-markers.tsv.gz")
     assert len(tracks) == 6000 and len(tracks.names) == 21
     np.testing.assert_allclose(tracks.time[-1], 59.99)
@@ -274,7 +280,9 @@ def test_real_markers_lie_on_one_hand(shared_data):
         ("tsv", "5.5\t6.5", "5.5\tsix"),
     ),
 )
-def test_a_file_with_a_wrong_part_is_refused_and_named(tmp_path, kind, old, new):
+def test_a_file_with_a_wrong_part_is_refused_and_named(
+    tmp_path: Path, kind: str, old: str, new: str
+) -> None:
     assert SOUND[kind].count(old) == 1 or kind == "amc"
     read(written(tmp_path, kind, SOUND[kind]))
     with pytest.raises(MotionError, match=rf"file\.{kind}"):
@@ -285,7 +293,7 @@ def test_a_file_with_a_wrong_part_is_refused_and_named(tmp_path, kind, old, new)
 @pytest.mark.parametrize(
     "content", (b"", b"\n \n", b"\0\1\2\3", b"\xff\xfe\xfd", b"\x1f\x8b\x08 no gzip", b"a\tb\nc")
 )
-def test_a_file_of_another_kind_is_refused(tmp_path, kind, content):
+def test_a_file_of_another_kind_is_refused(tmp_path: Path, kind: str, content: bytes) -> None:
     path = tmp_path / f"file.{kind}"
     path.write_bytes(content)
     with pytest.raises(MotionError, match=rf"file\.{kind}"):
@@ -293,7 +301,7 @@ def test_a_file_of_another_kind_is_refused(tmp_path, kind, content):
 
 
 @pytest.mark.parametrize("kind", SOUND)
-def test_a_missing_file_and_a_folder_are_refused(tmp_path, kind):
+def test_a_missing_file_and_a_folder_are_refused(tmp_path: Path, kind: str) -> None:
     with pytest.raises(MotionError, match="no such file"):
         read(tmp_path / f"file.{kind}")
     (tmp_path / f"folder.{kind}").mkdir()
@@ -301,7 +309,7 @@ def test_a_missing_file_and_a_folder_are_refused(tmp_path, kind):
         read(tmp_path / f"folder.{kind}")
 
 
-def test_a_packed_file_that_was_cut_short_is_refused(tmp_path):
+def test_a_packed_file_that_was_cut_short_is_refused(tmp_path: Path) -> None:
     packed = gzip.compress(TSV.encode())
     path = tmp_path / "cut.tsv.gz"
     path.write_bytes(packed[: len(packed) // 2])
@@ -312,8 +320,8 @@ def test_a_packed_file_that_was_cut_short_is_refused(tmp_path):
 @settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=80)
 @given(kind=st.sampled_from(["bvh", "tsv"]), share=st.floats(0, 1, exclude_max=True))
 def test_a_file_that_states_its_frames_is_refused_when_cut_before_its_last_number(
-    tmp_path, kind, share
-):
+    tmp_path: Path, kind: str, share: float
+) -> None:
     text = SOUND[kind].rstrip()
     # A number cut in two is a number still, and nobody can tell.
     last = max(text.rfind(" "), text.rfind("\t"))
@@ -323,7 +331,9 @@ def test_a_file_that_states_its_frames_is_refused_when_cut_before_its_last_numbe
 
 @settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=120)
 @given(kind=st.sampled_from(sorted(SOUND)), data=st.data())
-def test_damage_gives_finite_numbers_or_our_error_and_never_another(tmp_path, kind, data):
+def test_damage_gives_finite_numbers_or_our_error_and_never_another(
+    tmp_path: Path, kind: str, data: st.DataObject
+) -> None:
     text = SOUND[kind]
     at = data.draw(st.integers(0, len(text) - 1))
     put = data.draw(st.text("0123456789.-e{}:\n\t xyzROTJEND", max_size=4))

@@ -14,13 +14,14 @@ import pygltflib
 import pytest
 from scipy.spatial.transform import Rotation
 
+from models.arithmetic.arrays import Array
 from models.motion.armature import ORDERS, Y_UP, Armature
 from models.motion.points import HandPoints
 from models.motion.write.asf import AmcWriter
 from models.motion.write.bvh import BvhWriter
 from models.motion.write.c3d import MOST, C3dWriter
 from models.motion.write.gltf import GltfWriter
-from models.skeleton import ADULT
+from models.skeleton import ADULT, Skeleton
 from models.skin.skin import Skin
 from tests.support.motion_poses import HANDS, last_joints, legal, moving, points_of, written
 from tests.support.node_readers import ask
@@ -31,7 +32,7 @@ INCH = 0.0254
 
 @pytest.mark.parametrize("hand", HANDS)
 @pytest.mark.parametrize("order", ORDERS)
-def test_bvhio_finds_every_joint_of_a_bvh(tmp_path, hand, order):
+def test_bvhio_finds_every_joint_of_a_bvh(tmp_path: Path, hand: str, order: str) -> None:
     skeleton = HANDS[hand]
     q = legal(skeleton, 40, 7)
     (path,) = written(lambda a: BvhWriter(tmp_path / "h.bvh", a, 60.0, order), skeleton, q)
@@ -49,7 +50,7 @@ def test_bvhio_finds_every_joint_of_a_bvh(tmp_path, hand, order):
 
 @pytest.mark.parametrize("hand", HANDS)
 @pytest.mark.parametrize("order", ("ZXY", "XYZ", "YZX"))
-def test_three_js_finds_every_joint_of_a_bvh(tmp_path, hand, order):
+def test_three_js_finds_every_joint_of_a_bvh(tmp_path: Path, hand: str, order: str) -> None:
     skeleton = HANDS[hand]
     q = legal(skeleton, 40, 8)
     (path,) = written(lambda a: BvhWriter(tmp_path / "h.bvh", a, 60.0, order), skeleton, q)
@@ -63,7 +64,7 @@ def test_three_js_finds_every_joint_of_a_bvh(tmp_path, hand, order):
 
 
 @pytest.mark.parametrize("hand", HANDS)
-def test_pyacclaim_finds_every_bones_end_of_an_amc(tmp_path, hand):
+def test_pyacclaim_finds_every_bones_end_of_an_amc(tmp_path: Path, hand: str) -> None:
     skeleton = HANDS[hand]
     q = legal(skeleton, 41, 9)  # it leaves out the last frame
     asf, amc = written(lambda a: AmcWriter(tmp_path / "h.amc", a, 60.0), skeleton, q)
@@ -84,7 +85,7 @@ def test_pyacclaim_finds_every_bones_end_of_an_amc(tmp_path, hand):
 
 
 @pytest.fixture(scope="module")
-def two_hands(tmp_path_factory) -> tuple[Path, list, list]:
+def two_hands(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[Skeleton], list[Array]]:
     """A .glb of two hands, their skeletons and poses."""
     path = tmp_path_factory.mktemp("glb") / "hands.glb"
     skeletons = [HANDS["right"], HANDS["large left"]]
@@ -97,12 +98,14 @@ def two_hands(tmp_path_factory) -> tuple[Path, list, list]:
     return path, skeletons, poses
 
 
-def test_the_validator_accepts_a_glb(two_hands):
+def test_the_validator_accepts_a_glb(two_hands: tuple[Path, list[Skeleton], list[Array]]) -> None:
     said = ask("validate", two_hands[0])
     assert (said["errors"], said["warnings"], said["infos"]) == (0, 0, 0), said["first"]
 
 
-def test_three_js_moves_joints_and_skin_of_a_glb_as_we_do(two_hands):
+def test_three_js_moves_joints_and_skin_of_a_glb_as_we_do(
+    two_hands: tuple[Path, list[Skeleton], list[Array]],
+) -> None:
     path, skeletons, poses = two_hands
     frames = (0, 11, 60, 89)
     said = ask("glb", path, *(f / 60 for f in frames))
@@ -124,7 +127,9 @@ def test_three_js_moves_joints_and_skin_of_a_glb_as_we_do(two_hands):
                 assert np.abs(found - posed[part.vertices][::50]).max() < 2e-5, part.name
 
 
-def test_pygltflib_finds_unit_quaternions_that_never_flip_in_a_glb(two_hands):
+def test_pygltflib_finds_unit_quaternions_that_never_flip_in_a_glb(
+    two_hands: tuple[Path, list[Skeleton], list[Array]],
+) -> None:
     path, _, poses = two_hands
     file = pygltflib.GLTF2().load(path)
     blob = file.binary_blob()
@@ -158,7 +163,7 @@ def test_pygltflib_finds_unit_quaternions_that_never_flip_in_a_glb(two_hands):
 
 
 @pytest.mark.parametrize("joints", (True, False))
-def test_ezc3d_and_c3d_find_every_point_of_a_c3d(tmp_path, joints):
+def test_ezc3d_and_c3d_find_every_point_of_a_c3d(tmp_path: Path, joints: bool) -> None:
     hands = [HANDS["right"], HANDS["large left"]]
     poses = [legal(s, 120, 20 + i) for i, s in enumerate(hands)]
     armatures = [Armature(s) for s in hands]
@@ -188,7 +193,7 @@ def test_ezc3d_and_c3d_find_every_point_of_a_c3d(tmp_path, joints):
     assert np.abs(found - wanted).max() < 1e-6
 
 
-def test_a_c3d_of_more_frames_than_16_bits_count_is_still_whole(tmp_path):
+def test_a_c3d_of_more_frames_than_16_bits_count_is_still_whole(tmp_path: Path) -> None:
     count = MOST + 1000
     points = HandPoints([Armature(ADULT)], ["right"], fingers=(1,))
     q = np.tile(legal(ADULT, 1, 3), (count, 1))

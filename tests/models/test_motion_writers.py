@@ -15,6 +15,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 from scipy.spatial.transform import Rotation
 
+from models.arithmetic.arrays import Array
 from models.errors import MotionError
 from models.motion.armature import (
     ORDERS,
@@ -40,7 +41,7 @@ from models.motion.write.gltf import GltfWriter
 from models.motion.write.points_csv import PointsCsvWriter
 from models.motion.write.vicon_v import VWriter
 from models.rotations import quaternion_to_matrix
-from models.skeleton import ADULT
+from models.skeleton import ADULT, Skeleton
 from tests.support.motion_poses import (
     HANDS,
     last_joints,
@@ -63,7 +64,7 @@ def read_back(kind: str, paths: list[Path]) -> Motion:
     return motion_of(paths[0], read_vsk(paths[1]), read_v(paths[0]))
 
 
-def assert_same(motion: Motion, skeleton, q, up) -> None:
+def assert_same(motion: Motion, skeleton: Skeleton, q: Array, up: Array) -> None:
     """Joints and fingertips of a motion are those of poses, `up` turned."""
     armature = Armature(skeleton)
     joints, tips = points_of(skeleton, q)
@@ -83,7 +84,9 @@ def assert_same(motion: Motion, skeleton, q, up) -> None:
 
 @settings(max_examples=40)
 @given(drawn=motions, order=st.sampled_from(ORDERS), rate=st.sampled_from([24.0, 60.0, 62.5]))
-def test_a_hand_comes_back_from_bvh_within_a_micrometre(drawn, order, rate):
+def test_a_hand_comes_back_from_bvh_within_a_micrometre(
+    drawn: tuple[Skeleton, Array], order: str, rate: float
+) -> None:
     skeleton, q = drawn
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "hand.bvh"
@@ -95,7 +98,9 @@ def test_a_hand_comes_back_from_bvh_within_a_micrometre(drawn, order, rate):
 
 @settings(max_examples=25)
 @given(drawn=motions, kind=st.sampled_from(["amc", "v"]), rate=st.sampled_from([24.0, 60.0, 62.5]))
-def test_a_hand_comes_back_from_amc_and_v_within_a_micrometre(drawn, kind, rate):
+def test_a_hand_comes_back_from_amc_and_v_within_a_micrometre(
+    drawn: tuple[Skeleton, Array], kind: str, rate: float
+) -> None:
     skeleton, q = drawn
     make, up = {"amc": (AmcWriter, Y_UP), "v": (VWriter, Z_UP)}[kind]
     with tempfile.TemporaryDirectory() as folder:
@@ -105,7 +110,7 @@ def test_a_hand_comes_back_from_amc_and_v_within_a_micrometre(drawn, kind, rate)
     assert len(motion) == len(q) and abs(motion.frame_time * rate - 1) < 1e-9
 
 
-def test_points_come_back_from_a_table_within_a_micrometre(tmp_path):
+def test_points_come_back_from_a_table_within_a_micrometre(tmp_path: Path) -> None:
     q = legal(ADULT, 700, 1)
     points = HandPoints([Armature(ADULT)], ["right"], joints=True)
     written(lambda a: PointsCsvWriter(tmp_path / "p.csv", points, 60), ADULT, q)
@@ -119,7 +124,7 @@ def test_points_come_back_from_a_table_within_a_micrometre(tmp_path):
 
 
 @pytest.mark.parametrize("order", ORDERS)
-def test_no_order_comes_near_its_pole_while_the_joints_stay_in_their_ranges(order):
+def test_no_order_comes_near_its_pole_while_the_joints_stay_in_their_ranges(order: str) -> None:
     for skeleton in HANDS.values():
         armature = Armature(skeleton)
         keys = armature.keys(legal(skeleton, 3000, 2))
@@ -130,7 +135,7 @@ def test_no_order_comes_near_its_pole_while_the_joints_stay_in_their_ranges(orde
 
 @pytest.mark.parametrize("order", ORDERS)
 @pytest.mark.parametrize("seed", range(3))
-def test_angles_never_jump_in_any_order(order, seed):
+def test_angles_never_jump_in_any_order(order: str, seed: int) -> None:
     armature = Armature(ADULT)
     q = moving(ADULT, 600, seed)
     euler = ContinuousEuler(order)
@@ -147,7 +152,7 @@ def test_angles_never_jump_in_any_order(order, seed):
     assert euler.biggest_step == np.abs(np.diff(angles, axis=0)).max()
 
 
-def test_the_first_angle_of_a_finger_is_its_flexion_and_the_last_its_spread():
+def test_the_first_angle_of_a_finger_is_its_flexion_and_the_last_its_spread() -> None:
     armature = Armature(ADULT)
     for order in ("ZXY", "XYZ", "ZYX", "XZY"):
         q = np.zeros((3, 48))
@@ -168,7 +173,7 @@ def test_the_first_angle_of_a_finger_is_its_flexion_and_the_last_its_spread():
     vectors=hnp.arrays(float, (12, 3), elements=st.floats(-7, 7)),
     order=st.sampled_from(ORDERS),
 )
-def test_euler_angles_mean_the_turn_they_were_made_of(vectors, order):
+def test_euler_angles_mean_the_turn_they_were_made_of(vectors: Array, order: str) -> None:
     turns = Rotation.from_rotvec(vectors).as_matrix()
     angles = ContinuousEuler(order).angles(turns[:, None])[:, 0]
     again = Rotation.from_euler(order, angles).as_matrix()
@@ -179,7 +184,7 @@ def test_euler_angles_mean_the_turn_they_were_made_of(vectors, order):
 
 
 @pytest.mark.parametrize("order", ORDERS)
-def test_angles_that_pass_through_a_pole_are_those_they_were_made_of(order):
+def test_angles_that_pass_through_a_pole_are_those_they_were_made_of(order: str) -> None:
     t = np.linspace(0, 6, 3000)
     angles = np.stack([3 * t, 1.7 * np.sin(1.3 * t), 0.5 * t * t], axis=-1)[:, None]
     turns = rotations_of_angles(angles, order.lower(), fixed=False)
@@ -191,7 +196,7 @@ def test_angles_that_pass_through_a_pole_are_those_they_were_made_of(order):
 
 @pytest.mark.parametrize("order", ORDERS)
 @pytest.mark.parametrize("sign", (1, -1))
-def test_at_a_pole_itself_angles_stay_near_and_mean_the_same(order, sign):
+def test_at_a_pole_itself_angles_stay_near_and_mean_the_same(order: str, sign: int) -> None:
     turn = rotations_of_angles(np.array([[0.3, sign * np.pi / 2, 0.7]]), order.lower(), fixed=False)
     euler = ContinuousEuler(order)
     before = rotations_of_angles(np.array([[0.1, sign * 1.5, 0.6]]), order.lower(), fixed=False)
@@ -207,7 +212,7 @@ turns_of_outer_axes = st.floats(-2 * np.pi, 2 * np.pi) | st.sampled_from(
 )
 
 
-def about(axis, sine, cosine):
+def about(axis: int, sine: float, cosine: float) -> Array:
     """Matrix of a turn about an axis of the world: 0 is X, 1 is Y, 2 is Z."""
     turn, (j, k) = np.eye(3), ((axis + 1) % 3, (axis + 2) % 3)
     turn[j, j] = turn[k, k] = cosine
@@ -215,7 +220,7 @@ def about(axis, sine, cosine):
     return turn
 
 
-def turned_by(order, first, middle, last):
+def turned_by(order: str, first: float, middle: tuple[float, float], last: float) -> Array:
     """Matrix of three turns; the middle one as its sine and cosine, which may be exactly 0."""
     a, b, c = ("XYZ".index(letter) for letter in order)
     outer = about(a, np.sin(first), np.cos(first)), about(c, np.sin(last), np.cos(last))
@@ -234,8 +239,14 @@ def turned_by(order, first, middle, last):
 @example("XYZ", 0.5, 1.0, 1e-7, (1, 1), (0.1, 0.2, 0.3), np.zeros((3, 3)))
 @example("ZXY", 0.5, 1.0, 2e-7, (-1, 1), (0.1, 0.2, 0.3), np.array([[1e-8, -1e-8, 1e-8]] * 3))
 def test_angles_give_back_the_turn_at_and_near_a_pole(
-    order, first, last, cosine, signs, before, errors
-):
+    order: str,
+    first: float,
+    last: float,
+    cosine: float,
+    signs: tuple[int, int],
+    before: tuple[float, float, float],
+    errors: Array,
+) -> None:
     middle = signs[0] * np.sqrt(1 - cosine**2), signs[1] * cosine
     turn = turned_by(order, first, middle, last)
     previous = turned_by(order, before[0], (np.sin(before[1]), np.cos(before[1])), before[2])
@@ -248,7 +259,7 @@ def test_angles_give_back_the_turn_at_and_near_a_pole(
             np.testing.assert_allclose(again, turn, atol=4e-7)
 
 
-def test_the_zero_pose_is_a_hand_with_its_axes_along_the_files():
+def test_the_zero_pose_is_a_hand_with_its_axes_along_the_files() -> None:
     for order in ORDERS:
         frame = zero_frame(order)
         np.testing.assert_allclose(frame @ frame.T, np.eye(3), atol=1e-15)
@@ -273,7 +284,7 @@ WRITERS = {
 
 
 @pytest.mark.parametrize("kind", WRITERS)
-def test_a_file_is_the_same_to_the_bit_however_its_keys_come(tmp_path, kind):
+def test_a_file_is_the_same_to_the_bit_however_its_keys_come(tmp_path: Path, kind: str) -> None:
     armature = Armature(ADULT)
     q = moving(ADULT, 300, 3)
     contents = []
@@ -288,7 +299,7 @@ def test_a_file_is_the_same_to_the_bit_however_its_keys_come(tmp_path, kind):
 
 
 @pytest.mark.parametrize("kind", WRITERS)
-def test_nothing_is_left_of_a_file_that_was_not_finished(tmp_path, kind):
+def test_nothing_is_left_of_a_file_that_was_not_finished(tmp_path: Path, kind: str) -> None:
     armature = Armature(ADULT)
     with pytest.raises(ZeroDivisionError), WRITERS[kind](tmp_path, armature) as writer:
         writer.write(armature.keys(moving(ADULT, 9, 3)))
@@ -303,7 +314,9 @@ def test_nothing_is_left_of_a_file_that_was_not_finished(tmp_path, kind):
 
 
 @pytest.mark.parametrize("kind", WRITERS)
-def test_a_file_that_is_there_stays_as_it_is_until_the_new_one_is_whole(tmp_path, kind):
+def test_a_file_that_is_there_stays_as_it_is_until_the_new_one_is_whole(
+    tmp_path: Path, kind: str
+) -> None:
     armature = Armature(ADULT)
     names = [
         p.name for p in written(lambda a: WRITERS[kind](tmp_path, a), ADULT, moving(ADULT, 9, 3))
@@ -329,7 +342,7 @@ def room_for(size: int) -> Iterator[None]:
 
 
 @pytest.mark.parametrize("kind", WRITERS)
-def test_a_full_disk_is_reported_and_no_file_is_left(tmp_path, kind):
+def test_a_full_disk_is_reported_and_no_file_is_left(tmp_path: Path, kind: str) -> None:
     q = moving(ADULT, 300, 3)
     whole = [p.stat().st_size for p in written(lambda a: WRITERS[kind](tmp_path, a), ADULT, q)]
     for share in (0.02, 0.5, 0.98):
@@ -344,7 +357,7 @@ def test_a_full_disk_is_reported_and_no_file_is_left(tmp_path, kind):
 
 
 @pytest.mark.parametrize("kind", WRITERS)
-def test_a_folder_that_is_not_there_is_refused(tmp_path, kind):
+def test_a_folder_that_is_not_there_is_refused(tmp_path: Path, kind: str) -> None:
     with pytest.raises(MotionError, match="cannot be written here"):
         WRITERS[kind](tmp_path / "none", Armature(ADULT))
 
@@ -356,7 +369,9 @@ def test_a_folder_that_is_not_there_is_refused(tmp_path, kind):
     splits=st.integers(1, 9),
     seed=st.integers(0, 99),
 )
-def test_keys_are_evenly_spaced_whatever_portions_the_poses_come_in(count, rate, splits, seed):
+def test_keys_are_evenly_spaced_whatever_portions_the_poses_come_in(
+    count: int, rate: float, splits: int, seed: int
+) -> None:
     rng = np.random.default_rng(seed)
     time = np.cumsum(rng.uniform(0.005, 0.03, count)) + 3.0
     turns = Rotation.random(count * 15, random_state=seed).as_quat()[:, [3, 0, 1, 2]]
@@ -380,7 +395,7 @@ def test_keys_are_evenly_spaced_whatever_portions_the_poses_come_in(count, rate,
     np.testing.assert_allclose(whole.turns[0, 0], quaternion_to_matrix(turns[0]), atol=1e-9)
 
 
-def test_a_key_at_the_moment_of_a_pose_is_that_pose():
+def test_a_key_at_the_moment_of_a_pose_is_that_pose() -> None:
     q = moving(ADULT, 50, 5, rate=62.5)
     armature = Armature(ADULT)
     turns = Rotation.from_rotvec(q[:, 3:].reshape(-1, 3)).as_quat()[:, [3, 0, 1, 2]]
@@ -392,7 +407,7 @@ def test_a_key_at_the_moment_of_a_pose_is_that_pose():
 
 
 @given(ends=hnp.arrays(float, (2, 3), elements=st.floats(-3, 3)), share=st.floats(0, 1))
-def test_between_two_turns_the_way_is_even_and_short(ends, share):
+def test_between_two_turns_the_way_is_even_and_short(ends: Array, share: float) -> None:
     one, two = Rotation.from_rotvec(ends)
     a, b = (r.as_quat()[[3, 0, 1, 2]] for r in (one, two))
     between = slerp(a, b, np.array([share]))
@@ -403,7 +418,7 @@ def test_between_two_turns_the_way_is_even_and_short(ends, share):
         assert abs((between.inv() * two).magnitude() - (1 - share) * whole) < 1e-6
 
 
-def test_time_that_stands_still_is_refused():
+def test_time_that_stands_still_is_refused() -> None:
     sampler = Sampler((Armature(ADULT),), 60)
     still = np.tile([1.0, 0, 0, 0], (2, 1, 15, 1))
     with pytest.raises(MotionError, match="does not increase"):
@@ -413,7 +428,7 @@ def test_time_that_stands_still_is_refused():
             Sampler((Armature(ADULT),), rate)
 
 
-def test_the_armature_stands_where_the_kinematics_stand():
+def test_the_armature_stands_where_the_kinematics_stand() -> None:
     for skeleton in HANDS.values():
         armature = Armature(skeleton)
         q = legal(skeleton, 50, 6)

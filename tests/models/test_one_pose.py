@@ -12,6 +12,7 @@ from encoders.input_vector import contact_vector
 from encoders.labels.belief import builtin_belief
 from encoders.regression.trained import builtin
 from encoders.smoothing import common_motion, rigid_motion
+from models.arithmetic.arrays import Array
 from models.kinematics import Kinematics
 from models.one_pose import OnePose, SeveralPoses
 from models.rotations import (
@@ -34,7 +35,9 @@ places = st.lists(
 
 
 @given(rng=generators, size=st.sampled_from([0.0, 1e-12, 1e-7, 1e-3, 0.3, 2.0]))
-def test_one_pose_has_the_fingertips_and_jacobian_of_many(rng, size):
+def test_one_pose_has_the_fingertips_and_jacobian_of_many(
+    rng: np.random.Generator, size: float
+) -> None:
     q = size * rng.normal(size=48)
     for skeleton in (ADULT, ADULT.scaled(1.2), ADULT.mirrored()):
         tips, jacobian = Kinematics(skeleton).tips_and_jacobian(q)
@@ -46,7 +49,9 @@ def test_one_pose_has_the_fingertips_and_jacobian_of_many(rng, size):
 
 
 @given(rng=generators, fingers=st.lists(st.integers(0, 4), min_size=1, unique=True))
-def test_a_finger_is_where_it_is_whoever_else_is_asked_for(rng, fingers):
+def test_a_finger_is_where_it_is_whoever_else_is_asked_for(
+    rng: np.random.Generator, fingers: list[int]
+) -> None:
     q = random_pose(rng)
     for found, part in zip(
         OnePose(ADULT).tips_and_jacobian(q),
@@ -63,7 +68,9 @@ def test_a_finger_is_where_it_is_whoever_else_is_asked_for(rng, fingers):
     fingers=st.lists(st.integers(0, 4), min_size=1, unique=True),
 )
 @settings(deadline=None)
-def test_several_poses_are_found_to_the_bit_as_each_alone(rng, size, count, fingers):
+def test_several_poses_are_found_to_the_bit_as_each_alone(
+    rng: np.random.Generator, size: float, count: int, fingers: list[int]
+) -> None:
     q = size * rng.normal(size=(count, 48))
     one, together = OnePose(ADULT, fingers), SeveralPoses(ADULT, fingers).tips_and_jacobian(q)
     for i in range(count):
@@ -71,7 +78,7 @@ def test_several_poses_are_found_to_the_bit_as_each_alone(rng, size, count, fing
             np.testing.assert_array_equal(alone, all_of_them[i])
 
 
-def test_what_one_pose_gave_stays_when_it_is_asked_again():
+def test_what_one_pose_gave_stays_when_it_is_asked_again() -> None:
     rng, one = np.random.default_rng(0), OnePose(ADULT)
     first = one.tips_and_jacobian(random_pose(rng))
     kept = [part.copy() for part in first]
@@ -81,14 +88,14 @@ def test_what_one_pose_gave_stays_when_it_is_asked_again():
 
 
 @given(w=vectors, turn=angles)
-def test_a_turn_about_the_normal_is_a_product_of_rotations(w, turn):
+def test_a_turn_about_the_normal_is_a_product_of_rotations(w: Array, turn: float) -> None:
     whole = exp([0.0, 0.0, turn]) @ exp(w)
     np.testing.assert_allclose(exp(turned_about_normal(w, turn)), whole, atol=1e-12)
     assert np.linalg.norm(turned_about_normal(w, turn)) <= np.pi + 1e-12
 
 
 @given(w=vectors, turn=angles)
-def test_the_turn_about_the_normal_follows_the_hand(w, turn):
+def test_the_turn_about_the_normal_follows_the_hand(w: Array, turn: float) -> None:
     # A hand that lies on its side has no such turn.
     R = exp(w)
     assume(np.hypot(R[1, 0] - R[0, 1], R[0, 0] + R[1, 1]) > 1e-3)
@@ -97,7 +104,7 @@ def test_the_turn_about_the_normal_follows_the_hand(w, turn):
 
 
 @given(w=vectors, reference=vectors)
-def test_one_vector_is_unwrapped_as_many_are(w, reference):
+def test_one_vector_is_unwrapped_as_many_are(w: Array, reference: Array) -> None:
     # Halfway between two turns either is as near.
     t = np.linalg.norm(w)
     assume(t < 1e-6 or abs(((reference - w) @ w / t / (2 * np.pi)) % 1 - 0.5) > 1e-6)
@@ -105,7 +112,9 @@ def test_one_vector_is_unwrapped_as_many_are(w, reference):
 
 
 @given(before=places, rng=generators)
-def test_touches_move_together_as_points_do(before, rng):
+def test_touches_move_together_as_points_do(
+    before: list[tuple[float, float]], rng: np.random.Generator
+) -> None:
     after = [
         (x + dx, y + dy)
         for (x, y), (dx, dy) in zip(before, 0.01 * rng.normal(size=(len(before), 2)), strict=True)
@@ -120,7 +129,9 @@ def test_touches_move_together_as_points_do(before, rng):
 
 
 @given(touches=places.filter(len), rng=generators)
-def test_best_predicts_one_contact_vector_as_it_predicts_many(touches, rng):
+def test_best_predicts_one_contact_vector_as_it_predicts_many(
+    touches: list[tuple[float, float]], rng: np.random.Generator
+) -> None:
     inches = {
         int(f): p
         for f, p in zip(rng.permutation(5), np.divide(touches, 0.0254).tolist(), strict=False)
@@ -133,7 +144,9 @@ def test_best_predicts_one_contact_vector_as_it_predicts_many(touches, rng):
 
 @given(rng=generators, count=st.integers(2, 5))
 @settings(max_examples=30, deadline=None)
-def test_a_correction_that_carries_its_last_pose_corrects_as_a_new_one(rng, count):
+def test_a_correction_that_carries_its_last_pose_corrects_as_a_new_one(
+    rng: np.random.Generator, count: int
+) -> None:
     kinematics, covariance = Kinematics(ADULT), 0.01 * np.eye(48)
     used, q = FingertipCorrection(kinematics.skeleton, covariance), random_pose(rng)
     labels = rng.permutation(5)[:count]
@@ -151,7 +164,9 @@ def test_a_correction_that_carries_its_last_pose_corrects_as_a_new_one(rng, coun
 
 @given(rng=generators, count=st.integers(1, 5))
 @settings(max_examples=20, deadline=None)
-def test_a_belief_that_has_nothing_new_to_look_at_says_what_a_look_would_have_said(rng, count):
+def test_a_belief_that_has_nothing_new_to_look_at_says_what_a_look_would_have_said(
+    rng: np.random.Generator, count: int
+) -> None:
     quick, slow = builtin_belief(), builtin_belief()
     xy = np.array([0.05, 0.05]) + 0.03 * rng.normal(size=(count, 2))
     for _ in range(12):

@@ -29,7 +29,9 @@ KIND = OutsideKind("lamp", "hand_sandbox.lamps", DeviceError, loaded="lit")
         ("lab:9", None),
     ],
 )
-def test_a_place_is_a_file_or_a_module_with_a_class_and_an_argument(text, place):
+def test_a_place_is_a_file_or_a_module_with_a_class_and_an_argument(
+    text: str, place: Place | None
+) -> None:
     assert place_in(text) == place
 
 
@@ -48,8 +50,8 @@ def classes_in(module: ModuleType) -> list[str]:
     ],
 )
 def test_what_cannot_be_loaded_is_told_in_one_line_by_an_error_of_its_kind(
-    tmp_path: Path, body, member, says
-):
+    tmp_path: Path, body: str, member: str, says: str
+) -> None:
     file = tmp_path / "lab.py"
     file.write_text(body)
     with pytest.raises(DeviceError, match=says) as error:
@@ -57,7 +59,7 @@ def test_what_cannot_be_loaded_is_told_in_one_line_by_an_error_of_its_kind(
     assert "\n" not in str(error.value)
 
 
-def test_a_class_is_loaded_by_its_name_or_as_the_only_one_of_a_file(tmp_path: Path):
+def test_a_class_is_loaded_by_its_name_or_as_the_only_one_of_a_file(tmp_path: Path) -> None:
     file = tmp_path / "lamps.py"
     file.write_text("class Lamp: pass\n")
     for text in (f"{file}", f"{file}:Lamp"):
@@ -66,7 +68,7 @@ def test_a_class_is_loaded_by_its_name_or_as_the_only_one_of_a_file(tmp_path: Pa
     assert KIND.load_offered("nobody-offers-this") is None
 
 
-def test_errors_of_this_project_pass_a_guard_unchanged():
+def test_errors_of_this_project_pass_a_guard_unchanged() -> None:
     with pytest.raises(InputError, match=r"^as it was$"), KIND.guarded("here"):
         raise InputError("as it was")
     with pytest.raises(DeviceError, match="here: too dark"), KIND.guarded("here", "too dark"):

@@ -51,8 +51,8 @@ def arrays(model: mujoco.MjModel) -> dict[str, np.ndarray]:
 @pytest.mark.parametrize("count", range(4))
 @pytest.mark.parametrize("servo", SERVOS)
 def test_a_scene_of_any_number_of_boxes_runs_at_any_timestep_without_a_warning(
-    servo, count, timestep
-):
+    servo: str, count: int, timestep: float
+) -> None:
     scene = Scene(SceneSpec((Hand(servo=servo),), BOXES[:count], timestep=timestep))
     data = mujoco.MjData(scene.model)
     put(scene, data, AWAY)
@@ -62,7 +62,7 @@ def test_a_scene_of_any_number_of_boxes_runs_at_any_timestep_without_a_warning(
     assert scene.substeps * timestep == pytest.approx(CONTROL_PERIOD)
 
 
-def test_two_hands_take_two_poses_in_a_row():
+def test_two_hands_take_two_poses_in_a_row() -> None:
     hands = (Hand("left"), Hand("right", servo="position"))
     scene = Scene(SceneSpec(hands, (CUBE,)))
     data = mujoco.MjData(scene.model)
@@ -77,7 +77,7 @@ def test_two_hands_take_two_poses_in_a_row():
 
 
 @pytest.mark.parametrize("timestep", TIMESTEPS)
-def test_boxes_on_the_table_stay_where_they_are(timestep):
+def test_boxes_on_the_table_stay_where_they_are(timestep: float) -> None:
     scene, data = table_with(*BOXES, timestep=timestep)
     run(scene, data, 0.5)
     before = places(scene, data)
@@ -87,7 +87,9 @@ def test_boxes_on_the_table_stay_where_they_are(timestep):
 
 @pytest.mark.parametrize("timestep", TIMESTEPS)
 @pytest.mark.parametrize("servo", SERVOS)
-def test_a_box_between_two_fingers_is_lifted_and_stays_between_them(servo, timestep):
+def test_a_box_between_two_fingers_is_lifted_and_stays_between_them(
+    servo: str, timestep: float
+) -> None:
     scene, data, closed = pinched(timestep=timestep, servo=servo)
     lifted = closed + 0.05 * np.eye(48)[2]
     for share in np.linspace(0.0, 1.0, 30):
@@ -102,7 +104,7 @@ def test_a_box_between_two_fingers_is_lifted_and_stays_between_them(servo, times
     assert np.rad2deg(np.abs(after[3:] - before[3:]).max()) < 1.0
 
 
-def test_fingers_that_are_ghosts_lift_nothing():
+def test_fingers_that_are_ghosts_lift_nothing() -> None:
     scene, data, closed = pinched()
     scene.set_solid(0, frozenset())
     data.ctrl[:] = closed + 0.05 * np.eye(48)[2]
@@ -129,7 +131,7 @@ def boxes_while_a_ghost(passes: bool, warm_start: bool) -> np.ndarray:
     return np.array(states)
 
 
-def test_a_ghost_passes_through_a_box_without_changing_a_bit_of_its_state():
+def test_a_ghost_passes_through_a_box_without_changing_a_bit_of_its_state() -> None:
     # MuJoCo decides for all bodies at once whether its solver starts from the last step's answer,
     # so that a hand anywhere reaches the last digits of a box; without that, nothing is left.
     np.testing.assert_array_equal(
@@ -138,7 +140,7 @@ def test_a_ghost_passes_through_a_box_without_changing_a_bit_of_its_state():
     )
 
 
-def test_a_ghost_reaches_a_box_by_rounding_alone():
+def test_a_ghost_reaches_a_box_by_rounding_alone() -> None:
     passing = boxes_while_a_ghost(passes=True, warm_start=True)
     away = boxes_while_a_ghost(passes=False, warm_start=True)
     np.testing.assert_allclose(passing, away, atol=1e-6, rtol=0)
@@ -146,7 +148,9 @@ def test_a_ghost_reaches_a_box_by_rounding_alone():
 
 @pytest.mark.parametrize("fingers", [frozenset(), frozenset({0, 1}), frozenset(range(5))])
 @pytest.mark.parametrize("whole", [False, True])
-def test_what_is_solid_changes_bits_of_the_hands_own_bones_and_nothing_else(fingers, whole):
+def test_what_is_solid_changes_bits_of_the_hands_own_bones_and_nothing_else(
+    fingers: frozenset[int], whole: bool
+) -> None:
     scene = Scene(SceneSpec((Hand("a"), Hand("b")), BOXES))
     before = arrays(scene.model)
     scene.set_solid(1, fingers, whole=whole)
@@ -165,7 +169,7 @@ def test_what_is_solid_changes_bits_of_the_hands_own_bones_and_nothing_else(fing
 
 
 @given(fingers=st.lists(st.frozensets(st.integers(0, 4)), max_size=5))
-def test_what_was_solid_before_does_not_matter(fingers):
+def test_what_was_solid_before_does_not_matter(fingers: list[frozenset[int]]) -> None:
     scene = Scene(SceneSpec((Hand(),)))
     for chosen in fingers:
         scene.set_solid(0, chosen)
@@ -175,7 +179,7 @@ def test_what_was_solid_before_does_not_matter(fingers):
     np.testing.assert_array_equal(scene.model.geom_contype, fresh.model.geom_contype)
 
 
-def test_no_hand_meets_the_table_or_itself():
+def test_no_hand_meets_the_table_or_itself() -> None:
     scene, data = table_with()
     tangle = np.concatenate([[0.0, 0.0, 0.01], np.zeros(3), ADULT.lower])
     scene.set_solid(0, frozenset(range(5)), whole=True)
@@ -194,12 +198,12 @@ def test_no_hand_meets_the_table_or_itself():
 @pytest.mark.parametrize(
     "timestep", [0.003, 0.005, 0.0161, 0.032, 1.0, 1e9, 0.0, -0.002, float("nan"), float("inf")]
 )
-def test_a_timestep_that_does_not_divide_the_control_period_is_refused(timestep):
+def test_a_timestep_that_does_not_divide_the_control_period_is_refused(timestep: float) -> None:
     with pytest.raises(SceneError, match="whole number of physics steps"):
         Scene(SceneSpec((Hand(),), timestep=timestep))
 
 
 @given(parts=st.integers(1, 64))
-def test_a_timestep_that_divides_the_control_period_is_taken(parts):
+def test_a_timestep_that_divides_the_control_period_is_taken(parts: int) -> None:
     scene = Scene(SceneSpec((), (CUBE,), timestep=CONTROL_PERIOD / parts))
     assert scene.substeps == parts

@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from models.arithmetic.arrays import Array
 from models.errors import InputError
 from models.frames import FINGERS, Contact, TouchFrame
 from models.hand import CONTACT_HAND, Hand
@@ -36,8 +37,8 @@ UPRIGHT = place_surface(Surface(), StackVertical)
 
 @given(surfaces, places, places, st.tuples(places, places), places)
 def test_up_the_surface_is_up_in_the_world_and_out_of_it_is_towards_the_person(
-    surface, depth, low, xy, step
-):
+    surface: Surface, depth: float, low: float, xy: tuple[float, float], step: float
+) -> None:
     upright = surface.placed_upright(depth, low)
     assert upright.upright and not surface.upright
     here = upright.to_world(xy)
@@ -47,12 +48,12 @@ def test_up_the_surface_is_up_in_the_world_and_out_of_it_is_towards_the_person(
     assert np.allclose(upright.to_world(xy, step) - here, [0.0, -step, 0.0])
     assert np.allclose(upright.to_surface(upright.to_world(xy, step)), xy)
     assert np.isclose(np.linalg.det(upright.rotation), 1.0)
-    corners = upright.to_world([[0.0, 0.0], surface.size])
+    corners = upright.to_world(np.array([[0.0, 0.0], surface.size]))
     assert np.allclose(corners[:, 0], [-surface.size[0] / 2, surface.size[0] / 2])
     assert np.allclose(corners[:, 2], [low + surface.size[1], low])
 
 
-def test_a_task_is_played_flat_or_upright_as_it_says():
+def test_a_task_is_played_flat_or_upright_as_it_says() -> None:
     flat = place_surface(Surface(), BoxToGoal)
     assert not flat.upright and flat.origin[2] == BoxToGoal.touch_height
     _, height = UPRIGHT.size
@@ -68,7 +69,7 @@ def touching(up: float) -> TouchFrame:
 
 
 @pytest.mark.parametrize("up", [0.01, 0.04])
-def test_touches_dragged_up_the_screen_lift_the_fingertips_as_far(up):
+def test_touches_dragged_up_the_screen_lift_the_fingertips_as_far(up: float) -> None:
     settings = RunSettings(task="stack-vertical", smoothing=False)
     session = build(settings, (lambda task, surface: _Still(),))
     reconstructor: Any = session.rigs[0].reconstructor
@@ -89,7 +90,7 @@ def test_touches_dragged_up_the_screen_lift_the_fingertips_as_far(up):
     assert np.allclose(before[:, 1], 0.0, atol=1e-3), "in the plane of the boxes' middles"
 
 
-def test_the_hand_waits_in_front_of_its_place_and_not_above_it():
+def test_the_hand_waits_in_front_of_its_place_and_not_above_it() -> None:
     session = build(RunSettings(task="stack-vertical"), (lambda task, surface: _Still(),))
     tips = Kinematics(ADULT).tips(session.rigs[0].reconstructor.commanded)
     middle = UPRIGHT.to_world(UPRIGHT.size / 2)
@@ -97,14 +98,16 @@ def test_the_hand_waits_in_front_of_its_place_and_not_above_it():
     assert np.linalg.norm((tips.mean(axis=0) - middle)[[0, 2]]) < 0.01
 
 
-def test_nobody_sits_at_the_side_of_an_upright_surface():
+def test_nobody_sits_at_the_side_of_an_upright_surface() -> None:
     settings = RunSettings(task="stack-vertical", hands=(HandSettings(turn=90),))
     with pytest.raises(InputError, match="from its lower edge"):
         build(settings, (lambda task, surface: _Still(),))
 
 
 @given(points, points)
-def test_who_looks_from_the_front_sees_right_as_right_and_up_as_up(point, other):
+def test_who_looks_from_the_front_sees_right_as_right_and_up_as_up(
+    point: Array, other: Array
+) -> None:
     view = FrontView(UPRIGHT)
     assert not view.surface.upright
     seen = view.point(point)
@@ -114,7 +117,9 @@ def test_who_looks_from_the_front_sees_right_as_right_and_up_as_up(point, other)
 
 
 @given(st.floats(-np.pi, np.pi), st.floats(-np.deg2rad(35), np.deg2rad(35)))
-def test_a_box_is_seen_to_roll_and_its_turn_along_the_depth_is_not(angle, away):
+def test_a_box_is_seen_to_roll_and_its_turn_along_the_depth_is_not(
+    angle: float, away: float
+) -> None:
     view = FrontView(UPRIGHT)
     box = Box("box", (0.02, 0.02, 0.02), 0.1, (0.0, 0.0, 0.02))
     turned = exp([0.0, -angle, 0.0])
@@ -132,7 +137,7 @@ def test_a_box_is_seen_to_roll_and_its_turn_along_the_depth_is_not(angle, away):
 BOX = Box("box", (0.025, 0.025, 0.025), 0.1, (0.0, 0.0, 0.025))
 
 
-def test_before_an_upright_surface_only_the_balls_of_fingertips_are_solid():
+def test_before_an_upright_surface_only_the_balls_of_fingertips_are_solid() -> None:
     hand = Hand(solid_end=UPRIGHT_END)
     scene = Scene(SceneSpec((hand,), (BOX,)))
     last_links = {link.finger: link for link in hand.links}
@@ -155,7 +160,7 @@ def test_before_an_upright_surface_only_the_balls_of_fingertips_are_solid():
         assert np.linalg.norm(place - tip) < 1e-3, f
 
 
-def test_what_is_solid_of_a_hand_changes_nothing_of_its_mass():
+def test_what_is_solid_of_a_hand_changes_nothing_of_its_mass() -> None:
     whole, ends = (
         Scene(SceneSpec((Hand(solid_end=end),), (BOX,))).model for end in (None, UPRIGHT_END)
     )
@@ -165,7 +170,7 @@ def test_what_is_solid_of_a_hand_changes_nothing_of_its_mass():
 
 
 @pytest.mark.parametrize("end", [None, UPRIGHT_END])
-def test_no_part_of_a_hand_ever_meets_the_table(end):
+def test_no_part_of_a_hand_ever_meets_the_table(end: float | None) -> None:
     hand = Hand(solid_end=end)
     scene = Scene(SceneSpec((hand,), (BOX,)))
     model = scene.model

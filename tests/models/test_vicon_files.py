@@ -14,7 +14,7 @@ from scipy.spatial.transform import Rotation
 from models.errors import MotionError
 from models.motion.armature import Armature
 from models.motion.read.vicon_v import motion_of, read_v
-from models.motion.read.vsk import JOINTS, read_vsk
+from models.motion.read.vsk import JOINTS, ViconSkeleton, read_vsk
 from models.motion.write.vicon_v import VWriter
 from models.skeleton import ADULT
 from tests.support.motion_poses import moving, written
@@ -44,7 +44,7 @@ VSK = """<?xml version="1.0" standalone="yes"?>
 """
 
 
-def skeleton(folder: Path, text: str = VSK):
+def skeleton(folder: Path, text: str = VSK) -> ViconSkeleton:
     path = folder / "file.vsk"
     path.write_text(text)
     return read_vsk(path)
@@ -81,7 +81,7 @@ FRAMES: list[list[float]] = [
 ]
 
 
-def test_a_skeleton_has_its_segments_where_its_parameters_put_them(tmp_path):
+def test_a_skeleton_has_its_segments_where_its_parameters_put_them(tmp_path: Path) -> None:
     found = skeleton(tmp_path)
     assert found.names == ["Root", "Arm", "Hand"] and found.parents == [-1, 0, 1]
     np.testing.assert_allclose(found.positions[1], [0.3, -0.3, 0.005])
@@ -92,7 +92,7 @@ def test_a_skeleton_has_its_segments_where_its_parameters_put_them(tmp_path):
     assert found.freedoms == 6 + 3 + 1
 
 
-def test_a_genuine_skeleton_is_a_person(shared_data):
+def test_a_genuine_skeleton_is_a_person(shared_data: Path) -> None:
     found = read_vsk(shared_data / "formats" / "Yuting.vsk")
     assert len(found.names) == 30 and len(found.markers) == 53
     assert found.freedoms == 6 + 18 * 3 + 6 and set(found.joints) <= set(JOINTS)
@@ -101,13 +101,13 @@ def test_a_genuine_skeleton_is_a_person(shared_data):
     np.testing.assert_allclose(legs[0], legs[1])
 
 
-def test_our_own_hand_has_fifteen_segments_and_48_freedoms_as_the_papers(tmp_path):
+def test_our_own_hand_has_fifteen_segments_and_48_freedoms_as_the_papers(tmp_path: Path) -> None:
     paths = written(lambda a: VWriter(tmp_path / "h.v", a, 60), ADULT, moving(ADULT, 3, 0))
     found = read_vsk(paths[1])
     assert len(found.names) == 15 and found.freedoms == 48
 
 
-def test_a_motion_turns_segments_by_rotation_vectors_after_their_rest(tmp_path):
+def test_a_motion_turns_segments_by_rotation_vectors_after_their_rest(tmp_path: Path) -> None:
     path = tmp_path / "file.v"
     path.write_bytes(motion_bytes(LABELS, FRAMES))
     motion = motion_of(path, skeleton(tmp_path), read_v(path))
@@ -123,7 +123,7 @@ def test_a_motion_turns_segments_by_rotation_vectors_after_their_rest(tmp_path):
         np.testing.assert_allclose(placed[t, 3], hand + arm.apply([0.01, 0, 0.3]), atol=1e-12)
 
 
-def test_rotation_vectors_of_a_wrist_that_turns_round_and_round_do_not_jump(tmp_path):
+def test_rotation_vectors_of_a_wrist_that_turns_round_and_round_do_not_jump(tmp_path: Path) -> None:
     q = moving(ADULT, 600, 1)
     path, _ = written(lambda a: VWriter(tmp_path / "h.v", a, 60), ADULT, q)
     values = read_v(path).values
@@ -152,21 +152,23 @@ def test_rotation_vectors_of_a_wrist_that_turns_round_and_round_do_not_jump(tmp_
         ('standalone="yes"?>', 'standalone="yes"?><!DOCTYPE a [<!ENTITY b "c">]>'),
     ),
 )
-def test_a_skeleton_with_a_wrong_part_is_refused_and_named(tmp_path, old, new):
+def test_a_skeleton_with_a_wrong_part_is_refused_and_named(
+    tmp_path: Path, old: str, new: str
+) -> None:
     assert old in VSK
     text = VSK.replace(old, new) if old == "KinematicModel" else VSK.replace(old, new, 1)
     with pytest.raises(MotionError, match=r"file\.vsk"):
         skeleton(tmp_path, text)
 
 
-def test_segments_inside_one_another_without_end_are_refused(tmp_path):
+def test_segments_inside_one_another_without_end_are_refused(tmp_path: Path) -> None:
     inside = "".join(f'<Segment NAME="s{i}"><JointBall />' for i in range(500))
     text = f"<KinematicModel><Skeleton>{inside}{'</Segment>' * 500}</Skeleton></KinematicModel>"
     with pytest.raises(MotionError, match="nested too deeply"):
         skeleton(tmp_path, text)
 
 
-def test_a_motion_of_another_skeleton_or_of_two_at_once_is_refused(tmp_path):
+def test_a_motion_of_another_skeleton_or_of_two_at_once_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "file.v"
     other = [label.replace("Root", "Hips").replace("Arm", "Leg") for label in LABELS]
     path.write_bytes(motion_bytes(other, FRAMES))
@@ -179,7 +181,7 @@ def test_a_motion_of_another_skeleton_or_of_two_at_once_is_refused(tmp_path):
 
 
 @pytest.mark.parametrize("share", np.linspace(0, 0.999, 25))
-def test_a_motion_that_was_cut_short_is_refused(tmp_path, share):
+def test_a_motion_that_was_cut_short_is_refused(tmp_path: Path, share: float) -> None:
     data = motion_bytes(LABELS, FRAMES[:1], other=False)
     path = tmp_path / "file.v"
     path.write_bytes(data[: int(share * len(data))])
@@ -192,7 +194,9 @@ def test_a_motion_that_was_cut_short_is_refused(tmp_path, share):
     ([[float("nan")] * 9], [[float("inf")] * 9], [[1e200] * 9], []),
     ids=["nan", "inf", "huge", "none"],
 )
-def test_a_motion_without_finite_numbers_is_refused(tmp_path, frames):
+def test_a_motion_without_finite_numbers_is_refused(
+    tmp_path: Path, frames: list[list[float]]
+) -> None:
     path = tmp_path / "file.v"
     path.write_bytes(motion_bytes(LABELS, frames))
     with pytest.raises(MotionError, match=r"file\.v"):
@@ -201,7 +205,9 @@ def test_a_motion_without_finite_numbers_is_refused(tmp_path, frames):
 
 @settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=150)
 @given(data=st.data())
-def test_a_damaged_motion_gives_finite_numbers_or_our_error_and_never_another(tmp_path, data):
+def test_a_damaged_motion_gives_finite_numbers_or_our_error_and_never_another(
+    tmp_path: Path, data: st.DataObject
+) -> None:
     content = bytearray(motion_bytes(LABELS, FRAMES))
     for _ in range(data.draw(st.integers(1, 3))):
         content[data.draw(st.integers(0, len(content) - 1))] = data.draw(st.integers(0, 255))
@@ -217,7 +223,7 @@ def test_a_damaged_motion_gives_finite_numbers_or_our_error_and_never_another(tm
 
 
 @pytest.mark.parametrize("content", (b"", b"V#", b"RIFF....", b"V#\2\0" + bytes(64), bytes(99)))
-def test_a_file_that_is_not_a_v_file_is_refused(tmp_path, content):
+def test_a_file_that_is_not_a_v_file_is_refused(tmp_path: Path, content: bytes) -> None:
     path = tmp_path / "file.v"
     path.write_bytes(content)
     with pytest.raises(MotionError, match=r"file\.v"):
@@ -226,7 +232,7 @@ def test_a_file_that_is_not_a_v_file_is_refused(tmp_path, content):
         read_v(tmp_path / "none.v")
 
 
-def test_a_hand_of_ours_keeps_its_joints_names(tmp_path):
+def test_a_hand_of_ours_keeps_its_joints_names(tmp_path: Path) -> None:
     path, vsk = written(lambda a: VWriter(tmp_path / "h.v", a, 60), ADULT, moving(ADULT, 3, 0))
     motion = motion_of(path, read_vsk(vsk), read_v(path))
     assert motion.names[:15] == Armature(ADULT).names

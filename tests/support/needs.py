@@ -10,6 +10,7 @@ import ctypes
 import shutil
 from collections.abc import Callable
 from functools import cache
+from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
@@ -32,6 +33,10 @@ def _library(name: str, package: str) -> str:
     except OSError:
         return f"no {name} (Debian's {package})"
     return ""
+
+
+def _package(name: str, extra: str) -> str:
+    return "" if find_spec(name) else f"no {name} (the extra {extra})"
 
 
 def _screen() -> str:
@@ -71,6 +76,7 @@ _WHAT_LACKS: dict[str, Callable[[], str]] = {
     "axe": _axe,
     "site": _site,
     "iwer": _iwer,
+    "robots": lambda: _package("gymnasium_robotics", "robots"),
 }
 """Need -> what is missing for it on this machine; empty: nothing."""
 

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import Any
+
 import mujoco
 import numpy as np
 import pytest
@@ -9,6 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from benchmarks.pinch import pinch_poses
+from models.arithmetic.arrays import Array
 from models.errors import InputError
 from models.hand import Hand
 from models.rotations import exp, matrix_to_quaternion
@@ -47,7 +51,12 @@ class Trial:
         self.goal = np.asarray(self.task.goals[0].position)
         self.joint = self.data.joint("box")
 
-    def place(self, shift=(0.0, 0.0, 0.0), turn: float = 0.0, rotation=None) -> None:
+    def place(
+        self,
+        shift: Sequence[float] | Array = (0.0, 0.0, 0.0),
+        turn: float = 0.0,
+        rotation: Array | None = None,
+    ) -> None:
         """The box at rest at its goal, but for a shift (m), a turn (degrees) and a rotation."""
         yaw = turned(np.rad2deg(self.task.goals[0].yaw) + turn)
         matrix = yaw if rotation is None else yaw @ rotation
@@ -68,7 +77,7 @@ def trial() -> Trial:
 
 
 @given(seed=seeds, surface=st.sampled_from([Surface(*s) for s in PRESETS.values()]) | surfaces)
-def test_every_trial_is_within_its_ranges(seed, surface):
+def test_every_trial_is_within_its_ranges(seed: int, surface: Surface) -> None:
     task = BoxToGoal.draw(seed, surface)
     (box,), (goal,) = task.objects, task.goals
     start, end = np.array(box.position), np.array(goal.position)
@@ -85,12 +94,12 @@ def test_every_trial_is_within_its_ranges(seed, surface):
 
 
 @given(seed=seeds, surface=surfaces)
-def test_the_same_seed_on_the_same_surface_is_the_same_trial(seed, surface):
+def test_the_same_seed_on_the_same_surface_is_the_same_trial(seed: int, surface: Surface) -> None:
     again = Surface(surface.width_in, surface.height_in, surface.origin)
     assert BoxToGoal.draw(seed, surface) == BoxToGoal.draw(seed, again)
 
 
-def test_other_seeds_are_other_trials_that_fill_the_ranges():
+def test_other_seeds_are_other_trials_that_fill_the_ranges() -> None:
     tasks = [BoxToGoal.draw(seed, TABLET) for seed in range(400)]
     assert len({task.objects[0].position for task in tasks}) == len(tasks)
     drawn = {
@@ -106,7 +115,7 @@ def test_other_seeds_are_other_trials_that_fill_the_ranges():
 
 
 @given(seed=seeds, centre=st.tuples(st.floats(-1, 1), st.floats(-1, 1), st.floats(0, 0.1)))
-def test_a_trial_moves_with_the_surface(seed, centre):
+def test_a_trial_moves_with_the_surface(seed: int, centre: tuple[float, float, float]) -> None:
     here, there = Surface().centred_at((0, 0, 0)), Surface().centred_at(centre)
     a, b = BoxToGoal.draw(seed, here), BoxToGoal.draw(seed, there)
     shift = np.array([centre[0], centre[1], 0.0])
@@ -119,7 +128,7 @@ def test_a_trial_moves_with_the_surface(seed, centre):
 
 
 @pytest.mark.parametrize("seed", range(5))
-def test_no_trial_begins_done(seed):
+def test_no_trial_begins_done(seed: int) -> None:
     trial = Trial(seed)
     run(trial.scene, trial.data, 0.1)
     measure = trial.task.measure(trial.sensing)
@@ -129,7 +138,7 @@ def test_no_trial_begins_done(seed):
 
 
 @pytest.mark.parametrize("seed", range(5))
-def test_a_box_that_stands_on_its_goal_has_arrived(seed):
+def test_a_box_that_stands_on_its_goal_has_arrived(seed: int) -> None:
     trial = Trial(seed)
     trial.place()
     run(trial.scene, trial.data, 0.1)
@@ -137,13 +146,13 @@ def test_a_box_that_stands_on_its_goal_has_arrived(seed):
 
 
 @pytest.mark.parametrize("degrees", [90.0, 180.0, -90.0, 270.0])
-def test_a_quarter_turn_of_a_cube_counts_as_no_turn(trial, degrees):
+def test_a_quarter_turn_of_a_cube_counts_as_no_turn(trial: Trial, degrees: float) -> None:
     trial.place(turn=degrees)
     run(trial.scene, trial.data, 0.1)
     assert trial.task.measure(trial.sensing).reached
 
 
-def resting(trial: Trial, **place) -> Measure:
+def resting(trial: Trial, **place: Any) -> Measure:
     """What is said of a box that was put somewhere near the goal and has come to rest."""
     trial.place(**place)
     run(trial.scene, trial.data, 0.2)
@@ -151,7 +160,7 @@ def resting(trial: Trial, **place) -> Measure:
 
 
 @pytest.mark.parametrize("direction", [(1, 0), (-1, 0), (0, 1), (0, -1), (0.6, 0.8)])
-def test_a_centimetre_off_is_off(trial, direction):
+def test_a_centimetre_off_is_off(trial: Trial, direction: tuple[float, float]) -> None:
     step = np.array([*direction, 0.0])
     assert resting(trial, shift=0.009 * step).reached
     measure = resting(trial, shift=0.011 * step)
@@ -161,14 +170,14 @@ def test_a_centimetre_off_is_off(trial, direction):
 
 @pytest.mark.parametrize("quarter", [0.0, 90.0, 180.0, 270.0])
 @pytest.mark.parametrize("sign", [-1.0, 1.0])
-def test_eleven_degrees_are_too_many(trial, sign, quarter):
+def test_eleven_degrees_are_too_many(trial: Trial, sign: float, quarter: float) -> None:
     assert resting(trial, turn=quarter + 9.0 * sign).reached
     measure = resting(trial, turn=quarter + 11.0 * sign)
     assert not measure.reached
     assert measure.reason == "the box is turned by 11 degrees against the goal"
 
 
-def on_edge(degrees: float, axis: int) -> dict[str, object]:
+def on_edge(degrees: float, axis: int) -> dict[str, Any]:
     """A box tilted on one of its edges, which is pressed into the table as a weight presses it."""
     angle = np.deg2rad(abs(degrees))
     lowest = EDGE / 2 * (np.cos(angle) + np.sin(angle))
@@ -177,7 +186,7 @@ def on_edge(degrees: float, axis: int) -> dict[str, object]:
 
 @pytest.mark.parametrize("axis", [0, 1])
 @pytest.mark.parametrize("sign", [-1.0, 1.0])
-def test_a_tilted_box_has_not_arrived(trial, axis, sign):
+def test_a_tilted_box_has_not_arrived(trial: Trial, axis: int, sign: float) -> None:
     trial.place(**on_edge(4.0 * sign, axis))
     assert trial.measure().reached
     trial.place(**on_edge(6.0 * sign, axis))
@@ -186,14 +195,14 @@ def test_a_tilted_box_has_not_arrived(trial, axis, sign):
     assert measure.reason == "the box is tilted by 6 degrees"
 
 
-def test_a_box_on_another_face_does_not_count_as_upright(trial):
+def test_a_box_on_another_face_does_not_count_as_upright(trial: Trial) -> None:
     # It looks the same; the task asks for the face that was below, and says so.
     measure = resting(trial, rotation=turned(90.0, 0))
     assert not measure.reached
     assert "tilted by 90 degrees" in measure.reason
 
 
-def test_a_box_in_the_air_has_not_arrived(trial):
+def test_a_box_in_the_air_has_not_arrived(trial: Trial) -> None:
     trial.place(shift=(0.0, 0.0, 0.003))
     measure = trial.measure()
     assert not measure.reached
@@ -202,7 +211,7 @@ def test_a_box_in_the_air_has_not_arrived(trial):
     assert trial.measure().reason == "the box is 11 mm from the goal"
 
 
-def test_a_box_that_moves_has_not_arrived(trial):
+def test_a_box_that_moves_has_not_arrived(trial: Trial) -> None:
     trial.place(shift=(0.0, 0.0, -1e-5))
     trial.joint.qvel[:3] = 0.009, 0.0, 0.0
     assert trial.measure().reached
@@ -212,7 +221,7 @@ def test_a_box_that_moves_has_not_arrived(trial):
     assert measure.reason == "the box is still moving"
 
 
-def test_a_box_in_somebodys_fingers_has_not_arrived_until_they_let_go(trial):
+def test_a_box_in_somebodys_fingers_has_not_arrived_until_they_let_go(trial: Trial) -> None:
     trial.place()
     box = trial.task.objects[0]
     at_goal = type(box)(
@@ -236,7 +245,7 @@ def test_a_box_in_somebodys_fingers_has_not_arrived_until_they_let_go(trial):
     assert trial.task.measure(trial.sensing).reached
 
 
-def test_a_ghost_in_the_box_does_not_hold_it(trial):
+def test_a_ghost_in_the_box_does_not_hold_it(trial: Trial) -> None:
     trial.place()
     inside = AWAY.copy()
     put(trial.scene, trial.data, inside)
@@ -248,7 +257,7 @@ def test_a_ghost_in_the_box_does_not_hold_it(trial):
 
 
 @pytest.mark.parametrize("seed", range(5))
-def test_progress_grows_on_the_way_to_the_goal_and_is_whole_only_there(seed):
+def test_progress_grows_on_the_way_to_the_goal_and_is_whole_only_there(seed: int) -> None:
     trial = Trial(seed)
     start = np.asarray(trial.task.objects[0].position)
     said = []
@@ -264,7 +273,7 @@ def test_progress_grows_on_the_way_to_the_goal_and_is_whole_only_there(seed):
     assert trial.measure().progress == 0.0, "farther than at the start is no progress"
 
 
-def test_measuring_moves_nothing(trial):
+def test_measuring_moves_nothing(trial: Trial) -> None:
     trial.place(shift=(0.004, 0.0, 0.001))
     mujoco.mj_forward(trial.scene.model, trial.data)
     spec = mujoco.mjtState.mjSTATE_INTEGRATION
@@ -276,6 +285,6 @@ def test_measuring_moves_nothing(trial):
 
 
 @pytest.mark.parametrize("size", [(2.0, 2.0), (3.0, 10.0), (5.0, 3.0)])
-def test_a_surface_without_room_for_start_and_goal_is_refused(size):
+def test_a_surface_without_room_for_start_and_goal_is_refused(size: tuple[float, float]) -> None:
     with pytest.raises(InputError, match="too small"):
         BoxToGoal.draw(0, Surface(*size))

@@ -11,6 +11,7 @@ import mujoco
 import numpy as np
 import pytest
 
+from models.arithmetic.arrays import Array
 from models.errors import InputError
 from models.objects import TRAY_GRIP, TRAY_HANDLE, Box
 from models.rotations import exp, matrix_to_quaternion
@@ -19,12 +20,14 @@ from sandbox.cli.main import main
 from sandbox.devices.simulated.simulated import SimulatedDevice
 from sandbox.options.scene_options import SceneOptions, plan
 from sandbox.options.second_hand import with_second_names
-from sandbox.recording.recording import load_recording
+from sandbox.recording.recording import Recording, load_recording
 from sandbox.regress.plan import RegressionPlan
+from sandbox.session.session import Session
 from sandbox.trial.assembly import build
 from sandbox.trial.hand_input import HandInput
 from sandbox.trial.headless import run_trial
 from sandbox.trial.replay import replay
+from sandbox.trial.result import TrialResult
 from sandbox.trial.settings import HandSettings, RunSettings
 from tasks.carry_together import BORDER, SEAM, SLOPE_TOLERANCE, CarryTogether
 from tasks.registry import draw_task
@@ -38,24 +41,26 @@ RIGHT_AND_LEFT = (HandSettings("right"), HandSettings("left"))
 BOTH = Surface(15.52, 5.82).centred_at((0.0, 0.0, 0.0))
 
 
-def carry(seed: int, **options):
+def carry(seed: int, **options: Any) -> TrialResult:
     chosen = plan(SceneOptions(task=TASK, seed=seed, **options))
     return run_trial(chosen.settings, chosen.makers, about=chosen.about)
 
 
 @pytest.fixture(scope="module")
-def recording(tmp_path_factory):
+def recording(tmp_path_factory: pytest.TempPathFactory) -> Recording:
     path = tmp_path_factory.mktemp("two") / "carry.jsonl"
     assert main(["run", TASK, "--seed", "3", "--record", str(path)]) == 0
     return load_recording(path)
 
 
-def test_two_simulated_users_carry_the_tray(recording):
+def test_two_simulated_users_carry_the_tray(recording: Recording) -> None:
     for result in (carry(0).as_json(), recording.end["result"]):
         assert result["success"] and result["final"]
 
 
-def test_the_recording_of_two_hands_replays_to_the_bit_and_plays_as_two_devices(recording):
+def test_the_recording_of_two_hands_replays_to_the_bit_and_plays_as_two_devices(
+    recording: Recording,
+) -> None:
     assert set(recording.inputs) == {0, 1}
     session, found = replay(recording)
     assert found.exact and found.complete and session.scorer.score.held
@@ -65,7 +70,7 @@ def test_the_recording_of_two_hands_replays_to_the_bit_and_plays_as_two_devices(
     assert result.state_hash == recording.end["result"]["state_hash"]
 
 
-def test_settings_of_two_hands_are_read_back_as_they_were_and_damaged_ones_are_refused():
+def test_settings_of_two_hands_are_read_back_as_they_were_and_damaged_ones_are_refused() -> None:
     hands = (HandSettings(), HandSettings("right", 0.9, 180, HandInput()))
     two = RunSettings(hands=hands, one_surface=True)
     values = json.loads(json.dumps(two.as_json()))
@@ -83,7 +88,7 @@ def test_settings_of_two_hands_are_read_back_as_they_were_and_damaged_ones_are_r
             RunSettings.from_json({**values, **wrong})
 
 
-def test_one_skilled_hand_alone_only_tips_the_tray():
+def test_one_skilled_hand_alone_only_tips_the_tray() -> None:
     """One skilled user who waits for nobody, and one who does nothing."""
     chosen = plan(SceneOptions(task=TASK, seed=0, second_user="idle"))
     session = build(chosen.settings, chosen.makers)
@@ -104,11 +109,11 @@ def test_one_skilled_hand_alone_only_tips_the_tray():
     assert not session.scorer.score.instant
 
 
-def test_the_mirrored_scene_has_the_same_trial_with_the_sides_swapped():
+def test_the_mirrored_scene_has_the_same_trial_with_the_sides_swapped() -> None:
     settings = RunSettings(task=TASK, hands=RIGHT_AND_LEFT)
     swapped = replace(settings, hands=RIGHT_AND_LEFT[::-1])
 
-    def places(chosen):
+    def places(chosen: RunSettings) -> tuple[list[Array], Session]:
         session = build(chosen, plan(SceneOptions(task=TASK)).makers)
         return [
             r.reconstructor.surface.to_world(r.reconstructor.surface.size / 2)[0]
@@ -125,17 +130,17 @@ def test_the_mirrored_scene_has_the_same_trial_with_the_sides_swapped():
     np.testing.assert_allclose(whole.to_world(whole.size / 2)[:2], 0.0, atol=1e-12)
 
 
-def test_a_left_hand_first_and_a_right_one_second_carry_the_tray_too():
+def test_a_left_hand_first_and_a_right_one_second_carry_the_tray_too() -> None:
     assert carry(4, hand="left", second_hand="right").success
 
 
-def test_two_hands_on_one_large_surface_carry_the_tray():
+def test_two_hands_on_one_large_surface_carry_the_tray() -> None:
     result = carry(3, one_surface=True, surface="15.5x5.8in")
     assert result.success
 
 
 @pytest.fixture(scope="module")
-def still():
+def still() -> Session:
     """A session that nobody plays."""
     chosen = plan(SceneOptions(task=TASK, seed=3, user="idle", second_user="idle"))
     return build(chosen.settings, chosen.makers)
@@ -162,8 +167,8 @@ DEGREE = np.deg2rad(1.0)
     ],
 )
 def test_the_tray_is_in_its_place_within_what_the_task_says(
-    still, off, turn, slope, roll, speed, reason
-):
+    still: Session, off: float, turn: float, slope: float, roll: float, speed: float, reason: str
+) -> None:
     task, goal = still.task, still.task.goals[0]
     model, data = still.scene.model, mujoco.MjData(still.scene.model)
     joint = model.joint("tray")
@@ -183,7 +188,7 @@ def test_the_tray_is_in_its_place_within_what_the_task_says(
     assert (found.progress == 1.0) == (not reason)
 
 
-def test_a_tray_that_stands_on_the_table_is_not_in_its_place(still):
+def test_a_tray_that_stands_on_the_table_is_not_in_its_place(still: Session) -> None:
     data = mujoco.MjData(still.scene.model)
     for _ in range(50):
         mujoco.mj_step(still.scene.model, data)
@@ -191,7 +196,7 @@ def test_a_tray_that_stands_on_the_table_is_not_in_its_place(still):
     assert found.reason == "the tray is on the table" and not found.reached
 
 
-def test_every_grip_is_on_its_hands_half_and_trials_follow_from_their_seeds():
+def test_every_grip_is_on_its_hands_half_and_trials_follow_from_their_seeds() -> None:
     for seed in range(200):
         task = CarryTogether.draw(seed, BOTH)
         assert task == CarryTogether.draw(seed, BOTH)
@@ -206,7 +211,7 @@ def test_every_grip_is_on_its_hands_half_and_trials_follow_from_their_seeds():
                 assert min(x, BOTH.size[0] - x, y, BOTH.size[1] - y) >= BORDER - 1e-9
 
 
-def test_a_tray_s_clearance_is_that_of_its_boxes():
+def test_a_tray_s_clearance_is_that_of_its_boxes() -> None:
     tray = CarryTogether.draw(0, BOTH).objects[0]
     points = np.array([[0.0, 0.0, 0.0], [TRAY_GRIP, 0.0, 0.0], [0.0, 0.2, -0.011], [0.3, 0.0, 0.0]])
     found = tray.clearance(points, np.zeros(3), np.eye(3))
@@ -216,7 +221,7 @@ def test_a_tray_s_clearance_is_that_of_its_boxes():
 
 
 @pytest.mark.parametrize("vary", ["size=0.9,mass=0.7,start=10", "latency=60,noise=1"])
-def test_varied_trials_run(vary):
+def test_varied_trials_run(vary: str) -> None:
     chosen = plan(SceneOptions(task=TASK, seed=1, vary=vary))
     session = build(chosen.settings, chosen.makers)
     for _ in range(80):
@@ -226,7 +231,7 @@ def test_varied_trials_run(vary):
     assert not session.diverged and len(snapshot.hands) == 2
 
 
-def test_the_rectangle_that_encloses_one_surface_is_that_surface():
+def test_the_rectangle_that_encloses_one_surface_is_that_surface() -> None:
     assert enclosing([BOTH]) is BOTH and enclosing([BOTH, BOTH]) is BOTH
     apart = [BOTH.centred_at((x, 0.1, 0.0)) for x in (0.3, -0.1)]
     around = enclosing(apart)
@@ -234,7 +239,7 @@ def test_the_rectangle_that_encloses_one_surface_is_that_surface():
     np.testing.assert_allclose(around.to_world(around.size / 2), (0.1, 0.1, 0.0), atol=1e-12)
 
 
-def test_an_option_given_twice_applies_to_the_second_hand():
+def test_an_option_given_twice_applies_to_the_second_hand() -> None:
     words = ["box-to-goal", "--device", "a", "--hand=left", "--device=b", "--hand", "right"]
     assert with_second_names(words) == [
         "box-to-goal",
@@ -249,7 +254,7 @@ def test_an_option_given_twice_applies_to_the_second_hand():
         with_second_names(["--device", "a", "--device", "b", "--device", "c"])
 
 
-def test_invalid_options_for_a_second_hand_are_refused():
+def test_invalid_options_for_a_second_hand_are_refused() -> None:
     for options, what in (
         ({"second_hand": "left"}, "only one hand"),
         ({"task": TASK, "one_surface": True}, "too small"),
@@ -267,7 +272,7 @@ def test_invalid_options_for_a_second_hand_are_refused():
         build(two, plan(SceneOptions()).makers)
 
 
-def test_two_people_with_a_screen_each_share_a_task_for_one_hand():
+def test_two_people_with_a_screen_each_share_a_task_for_one_hand() -> None:
     chosen = plan(SceneOptions(seed=4, second_device="simulated", second_turn=180))
     session = build(chosen.settings, chosen.makers)
     first, second = (rig.reconstructor.surface for rig in session.rigs)
@@ -275,7 +280,7 @@ def test_two_people_with_a_screen_each_share_a_task_for_one_hand():
     assert session.task == draw_task(type(session.task), 4, first)
 
 
-def test_two_people_with_a_right_hand_each_carry_it_from_the_command_line(tmp_path: Path):
+def test_two_people_with_a_right_hand_each_carry_it_from_the_command_line(tmp_path: Path) -> None:
     out = tmp_path / "result.json"
     words = ["--device", "simulated", "--device", "simulated", "--hand", "right", "--hand", "right"]
     assert main(["run", TASK, "--seed", "2", *words, "--json", str(out)]) == 0
@@ -284,14 +289,14 @@ def test_two_people_with_a_right_hand_each_carry_it_from_the_command_line(tmp_pa
     assert result["settings"]["second"]["hand"] == "right"
 
 
-def test_a_task_for_two_hands_without_a_tray_needs_users_of_its_own():
+def test_a_task_for_two_hands_without_a_tray_needs_users_of_its_own() -> None:
     task = CarryTogether.draw(0, BOTH)
     box = Box("tray", (0.02, 0.02, 0.02), 0.1, task.objects[0].position)
     with pytest.raises(InputError, match="own simulated user"):
         SimulatedDevice(replace(task, objects=(box,)), UserConfiguration(), BOTH, 0)  # type: ignore[arg-type]
 
 
-def test_a_regression_run_of_all_tasks_has_the_configuration_of_one_of_them():
+def test_a_regression_run_of_all_tasks_has_the_configuration_of_one_of_them() -> None:
     first, second = (RegressionPlan(tasks, (0,)) for tasks in (("box-to-goal", TASK), (TASK,)))
     assert first.configuration() == second.configuration()
     asked = RegressionPlan((TASK,), (0,), {"second_hand": "right"})

@@ -5,8 +5,10 @@ from __future__ import annotations
 import itertools
 import json
 import sys
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from typing import Any, NoReturn
 
 import numpy as np
 import pytest
@@ -19,12 +21,14 @@ from models.surface import Surface
 from sandbox.cli.main import main
 from sandbox.library.trial_run import run_trial
 from sandbox.recording.recording import load_recording
+from sandbox.regression import Regression
 from sandbox.trial.assembly import build
 from sandbox.trial.replay import settings_of
 from sandbox.trial.settings import RunSettings
 from tasks.custom_task import CustomTask, judge, two_places
 from tasks.registry import TASKS, draw_task, find_task, origin
-from tasks.task import Goal
+from tasks.sensing import Sensing
+from tasks.task import Goal, Measure
 from tests.support.processes import ROOT
 from tests.support.scripted import Script
 
@@ -42,16 +46,16 @@ class Slide(CustomTask):
     name = "test-slide"
 
     @classmethod
-    def place(cls, rng, surface):
+    def place(cls, rng: np.random.Generator, surface: Surface) -> tuple[list[Box], list[Goal]]:
         start, end = two_places(rng, surface)
         box = Box("it", (0.02, 0.02, 0.02), 0.1, (start[0], start[1], 0.02))
         return [box], [Goal("it", (end[0], end[1], 0.02), 0.0)]
 
-    def measure(self, sensing):
+    def measure(self, sensing: Sensing) -> Measure:
         return judge(0.5, (True, "never"))
 
 
-def test_a_seed_and_a_version_are_one_trial():
+def test_a_seed_and_a_version_are_one_trial() -> None:
     class Second(Slide):
         version = 2
 
@@ -68,7 +72,7 @@ def test_a_seed_and_a_version_are_one_trial():
 
 
 @given(seed=st.integers(0, 10_000))
-def test_two_places_keep_their_distance_from_each_other_and_from_the_border(seed):
+def test_two_places_keep_their_distance_from_each_other_and_from_the_border(seed: int) -> None:
     a, b = two_places(np.random.default_rng(seed), SURFACE, (0.05, 0.06), 0.03)
     assert 0.05 <= np.linalg.norm(a - b) <= 0.06
     assert a[2] == b[2] == 0.0
@@ -77,18 +81,18 @@ def test_two_places_keep_their_distance_from_each_other_and_from_the_border(seed
         assert np.all(xy >= 0.03 - 1e-9) and np.all(xy <= SURFACE.size - 0.03 + 1e-9)
 
 
-def test_the_first_missing_condition_is_reported_and_only_success_has_progress_one():
+def test_the_first_missing_condition_is_reported_and_only_success_has_progress_one() -> None:
     assert judge(2.0, (False, "a"), (True, "b"), (True, "c")).reason == "b"
     assert judge(2.0, (True, "b")).progress < 1.0
     assert judge(-1.0, (True, "b")).progress == 0.0
     assert judge(0.2, (False, "b")).reached and judge(0.2).progress == 1.0
 
 
-def broken(**parts):
+def broken(**parts: Any) -> type[Slide]:
     return type("Broken", (Slide,), {"name": "test-broken", **parts})
 
 
-def fails(cls, rng, surface):
+def fails(cls: type[Slide], rng: np.random.Generator, surface: Surface) -> NoReturn:
     raise ZeroDivisionError("a lab's own bug")
 
 
@@ -131,14 +135,18 @@ BOX = Box("it", (0.02, 0.02, 0.02), 0.1, (0.0, 0.0, 0.02))
         (lambda cls, rng, surface: two_places(rng, surface, (9.0, 9.5)), "too small"),
     ],
 )
-def test_a_trial_that_cannot_be_drawn_is_refused_with_a_one_line_error(place, says):
+def test_a_trial_that_cannot_be_drawn_is_refused_with_a_one_line_error(
+    place: Callable[[type[Slide], np.random.Generator, Surface], object], says: str
+) -> None:
     with pytest.raises(InputError, match=says) as error:
         draw_task(broken(place=classmethod(place)), 0, SURFACE)
     assert "\n" not in str(error.value)
 
 
-def test_objects_that_just_touch_do_not_overlap():
-    def place(cls, rng, surface):
+def test_objects_that_just_touch_do_not_overlap() -> None:
+    def place(
+        cls: type[Slide], rng: np.random.Generator, surface: Surface
+    ) -> tuple[list[Box], list[Goal]]:
         return [BOX, replace(BOX, name="other", position=(0.0, 0.0, 0.06))], []
 
     assert len(draw_task(broken(place=classmethod(place)), 0, SURFACE).objects) == 2
@@ -156,13 +164,13 @@ def test_objects_that_just_touch_do_not_overlap():
     ],
 )
 def test_a_task_whose_measure_returns_nothing_is_refused_before_the_trial(
-    measure, says, monkeypatch
-):
+    measure: Callable[[Slide, Sensing], object], says: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setitem(TASKS, "test-broken", broken(measure=measure))
     closed = []
 
     class Closes(Script):
-        def close(self):
+        def close(self) -> None:
             closed.append(self)
 
     with pytest.raises(InputError, match=says) as error:
@@ -170,10 +178,12 @@ def test_a_task_whose_measure_returns_nothing_is_refused_before_the_trial(
     assert "\n" not in str(error.value) and len(closed) == 1
 
 
-def test_a_measure_that_later_returns_nothing_ends_the_trial_with_a_one_line_error(monkeypatch):
+def test_a_measure_that_later_returns_nothing_ends_the_trial_with_a_one_line_error(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     seen = []
 
-    def measure(self, sensing):
+    def measure(self: Slide, sensing: Sensing) -> Measure | None:
         seen.append(1)
         return judge(0.5, (True, "never")) if len(seen) < 4 else None
 
@@ -207,13 +217,15 @@ def write(path: Path, body: str) -> Path:
         ),
     ],
 )
-def test_a_file_without_a_valid_task_is_refused_with_a_one_line_error(tmp_path, body, says):
+def test_a_file_without_a_valid_task_is_refused_with_a_one_line_error(
+    tmp_path: Path, body: str, says: str
+) -> None:
     with pytest.raises(InputError, match=says) as error:
         find_task(str(write(tmp_path / "lab.py", body)))
     assert "\n" not in str(error.value)
 
 
-def test_a_file_can_import_modules_from_its_own_folder(tmp_path):
+def test_a_file_can_import_modules_from_its_own_folder(tmp_path: Path) -> None:
     for folder, size in (("one", 0.01), ("two", 0.02)):
         (tmp_path / folder / "parts").mkdir(parents=True)
         (tmp_path / folder / "shapes_of_a_lab.py").write_text(f"SIZE = {size}\n")
@@ -231,14 +243,14 @@ def test_a_file_can_import_modules_from_its_own_folder(tmp_path):
     assert sys.path == path
 
 
-def test_an_error_in_a_file_beside_a_task_names_its_line(tmp_path):
+def test_an_error_in_a_file_beside_a_task_names_its_line(tmp_path: Path) -> None:
     (tmp_path / "broken_of_a_lab.py").write_text("x = 1\ny = x / 0\n")
     path = write(tmp_path / "lab.py", "import broken_of_a_lab\n")
     with pytest.raises(InputError, match=r"ZeroDivisionError.*broken_of_a_lab.py:2"):
         find_task(str(path))
 
 
-def test_tasks_are_found_by_module_and_class_as_well(tmp_path):
+def test_tasks_are_found_by_module_and_class_as_well(tmp_path: Path) -> None:
     path = write(tmp_path / "lab.py", "class A(Slide): name = 'a'\nclass B(Slide): name = 'b'")
     assert find_task(f"{path}:B").name == "b"
     assert origin(f"{path}:B") == {"file": str(path), "member": "B", "task_version": 1}
@@ -252,7 +264,7 @@ def test_tasks_are_found_by_module_and_class_as_well(tmp_path):
         find_task(f"{'long' * 100}.py")
 
 
-def test_a_task_without_our_base_class_gets_defaults_for_missing_members(tmp_path):
+def test_a_task_without_our_base_class_gets_defaults_for_missing_members(tmp_path: Path) -> None:
     body = """
 class Minimal:
     name, version, plane = "minimal", 1, "table"
@@ -270,7 +282,9 @@ class Minimal:
     assert task.hands == 1 and task.user is None
 
 
-def test_the_example_has_forty_lines_of_code_and_is_done_by_the_simulated_user(tmp_path, capsys):
+def test_the_example_has_forty_lines_of_code_and_is_done_by_the_simulated_user(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     code = [line for line in MUG.read_text().split('"""', 2)[2].splitlines() if line.strip()]
     assert len(code) <= 40
     record, out = tmp_path / "mug.jsonl", tmp_path / "mug.json"
@@ -283,14 +297,14 @@ def test_the_example_has_forty_lines_of_code_and_is_done_by_the_simulated_user(t
 
 
 @pytest.mark.parametrize("seed", [0, 1])
-def test_the_example_with_a_user_of_its_own_is_done_by_that_user(seed):
+def test_the_example_with_a_user_of_its_own_is_done_by_that_user(seed: int) -> None:
     run = run_trial(PUCK, seed)
     assert run.success
     user = Path(PUCK).read_text().split("class OneFinger")[1].split("class PushThePuck")[0]
     assert len(user.strip().splitlines()) <= 30
 
 
-def test_without_a_touch_the_example_is_not_done(regression):
+def test_without_a_touch_the_example_is_not_done(regression: Regression) -> None:
     report = regression(str(MUG), "0:2", user="idle")
     assert [t["success"] for t in report.trials] == [False, False]
     assert {t["task"] for t in report.trials} == {"my-lab-push-the-mug"}
@@ -303,7 +317,7 @@ def recorded(path: Path, task: str, **source: object) -> None:
     path.write_text(json.dumps({**header, "task_from": source}) + "\n")
 
 
-def test_a_recording_of_another_version_of_its_task_is_refused(tmp_path):
+def test_a_recording_of_another_version_of_its_task_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "run.jsonl"
     recorded(
         path,
@@ -315,7 +329,7 @@ def test_a_recording_of_another_version_of_its_task_is_refused(tmp_path):
         settings_of(load_recording(path))
 
 
-def test_a_recording_whose_task_is_gone_says_what_to_install(tmp_path):
+def test_a_recording_whose_task_is_gone_says_what_to_install(tmp_path: Path) -> None:
     path = tmp_path / "run.jsonl"
     recorded(
         path, "my-lab-gone", entry_point="gone_lab.tasks:Gone", package="gone-lab", version="1.2"

@@ -11,7 +11,7 @@ PERIOD = 0.016
 
 
 @pytest.mark.parametrize(("task", "hands"), [("box-to-goal", 1), ("carry-together", 2)])
-def test_every_hand_counts_for_one_second_from_its_first_touch_on(task, hands):
+def test_every_hand_counts_for_one_second_from_its_first_touch_on(task: str, hands: int) -> None:
     counts = trial((task, 3, 4, "population"))
     frames = sum(counts.all.values())
     # Not with fewer than two fingers, which is short, as fingers come within 33 ms.
@@ -22,7 +22,7 @@ def test_every_hand_counts_for_one_second_from_its_first_touch_on(task, hands):
     assert unnamed >= hands * 0.1 / PERIOD - 1, "names wait for a tenth of a second"
 
 
-def test_shares_are_of_named_frames_or_of_all():
+def test_shares_are_of_named_frames_or_of_all() -> None:
     trials = []
     for right in (10, 20):
         counts = Counts()

@@ -49,7 +49,7 @@ def stretches(longest: int) -> st.SearchStrategy[list[bool]]:
 
 
 @given(steps=stretches(140), dt=st.sampled_from([0.004, 0.008, CONTROL_PERIOD]))
-def test_held_means_reached_for_the_hold_time_without_a_break(steps, dt):
+def test_held_means_reached_for_the_hold_time_without_a_break(steps: list[bool], dt: float) -> None:
     scorer = play(steps, dt)
     seen = steps
     if scorer.over and scorer.score.status is Status.HELD:
@@ -62,7 +62,9 @@ def test_held_means_reached_for_the_hold_time_without_a_break(steps, dt):
 
 
 @given(pieces=st.lists(st.integers(1, HOLD_STEPS - 1), min_size=1, max_size=20))
-def test_moments_at_the_goal_with_breaks_between_them_do_not_count_as_a_hold(pieces):
+def test_moments_at_the_goal_with_breaks_between_them_do_not_count_as_a_hold(
+    pieces: list[int],
+) -> None:
     steps = [reached for n in pieces for reached in [True] * n + [False]]
     score = play(steps).score
     assert score.instant
@@ -70,18 +72,18 @@ def test_moments_at_the_goal_with_breaks_between_them_do_not_count_as_a_hold(pie
     assert score.status is Status.RUNNING
 
 
-def test_a_hold_that_is_one_step_too_short_does_not_count():
+def test_a_hold_that_is_one_step_too_short_does_not_count() -> None:
     # 0.5 s is 31.25 control steps: the 33rd moment at the goal is the first that long after it.
     assert not play([True] * (HOLD_STEPS)).score.held
     assert play([True] * (HOLD_STEPS + 1)).score.held
 
 
-def test_the_time_of_a_success_is_when_it_was_held():
+def test_the_time_of_a_success_is_when_it_was_held() -> None:
     scorer = play([False] * 10 + [True] * 200)
     assert scorer.score.time == pytest.approx((11 + HOLD_STEPS) * CONTROL_PERIOD)
 
 
-def test_the_trial_runs_one_second_longer_and_reports_the_final_state():
+def test_the_trial_runs_one_second_longer_and_reports_the_final_state() -> None:
     lasting = play([True] * (HOLD_STEPS + 1 + AFTERMATH_STEPS))
     held: Any = pytest.approx((1 + HOLD_STEPS) * CONTROL_PERIOD)
     assert lasting.score == Score(True, True, True, Status.HELD, 1.0, "", held)
@@ -95,7 +97,7 @@ def test_the_trial_runs_one_second_longer_and_reports_the_final_state():
     assert toppled.score.progress == MISSED.progress
 
 
-def test_a_trial_that_is_never_held_ends_at_its_time_limit():
+def test_a_trial_that_is_never_held_ends_at_its_time_limit() -> None:
     steps = round(LIMIT / CONTROL_PERIOD)
     assert not play([False] * (steps - 1)).over
     scorer = play([False] * (steps + 1))
@@ -105,14 +107,14 @@ def test_a_trial_that_is_never_held_ends_at_its_time_limit():
     assert not scorer.score.success
 
 
-def test_a_goal_reached_too_late_to_be_held_is_an_instant_and_a_timeout():
+def test_a_goal_reached_too_late_to_be_held_is_an_instant_and_a_timeout() -> None:
     steps = round(LIMIT / CONTROL_PERIOD)
     late = play([False] * (steps - 5) + [True] * 100)
     assert late.score.status is Status.TIMEOUT
     assert (late.score.instant, late.score.held, late.score.final) == (True, False, True)
 
 
-def test_a_hold_in_the_last_second_still_gets_its_second_of_aftermath():
+def test_a_hold_in_the_last_second_still_gets_its_second_of_aftermath() -> None:
     steps = round(LIMIT / CONTROL_PERIOD)
     scorer = play([False] * (steps - HOLD_STEPS - 5) + [True] * (HOLD_STEPS + 20))
     assert scorer.score.held
@@ -124,14 +126,14 @@ def test_a_hold_in_the_last_second_still_gets_its_second_of_aftermath():
 LOST = Measure(False, 0.2, "it is spoiled", lost=True)
 
 
-def test_an_irreversible_failure_ends_a_trial_at_once():
+def test_an_irreversible_failure_ends_a_trial_at_once() -> None:
     scorer = play([True] * 3)
     scorer.update(4 * CONTROL_PERIOD, LOST)
     assert (scorer.score.status, scorer.score.reason) == (Status.FAILED, LOST.reason)
     assert scorer.score.instant and not scorer.score.success
 
 
-def test_a_success_is_not_lost_afterwards():
+def test_a_success_is_not_lost_afterwards() -> None:
     scorer = play([True] * (HOLD_STEPS + 1))
     scorer.update((HOLD_STEPS + 2) * CONTROL_PERIOD, LOST)
     assert scorer.score.success and not scorer.over
@@ -141,7 +143,7 @@ ended = st.sampled_from([Status.DIVERGED, Status.INPUT_ENDED])
 
 
 @given(steps=stretches(45), status=ended)
-def test_an_abort_keeps_an_earlier_success(steps, status):
+def test_an_abort_keeps_an_earlier_success(steps: list[bool], status: Status) -> None:
     scorer = play(steps)
     before = scorer.score
     after = scorer.abort(status, "the tablet was unplugged")
@@ -155,7 +157,9 @@ def test_an_abort_keeps_an_earlier_success(steps, status):
 
 
 @given(steps=stretches(45), later=stretches(45), status=ended)
-def test_nothing_changes_a_trial_that_is_over(steps, later, status):
+def test_nothing_changes_a_trial_that_is_over(
+    steps: list[bool], later: list[bool], status: Status
+) -> None:
     scorer = play(steps)
     result = scorer.abort(status, "the tablet was unplugged")
     for i, reached in enumerate(later):
@@ -164,6 +168,6 @@ def test_nothing_changes_a_trial_that_is_over(steps, later, status):
     assert scorer.score == result
 
 
-def test_a_trial_that_is_aborted_before_it_begins_has_no_success():
+def test_a_trial_that_is_aborted_before_it_begins_has_no_success() -> None:
     score = Scorer(TASK).abort(Status.DIVERGED, "it diverged at once")
     assert score == replace(Score(), status=Status.DIVERGED, reason="it diverged at once")

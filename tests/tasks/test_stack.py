@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import mujoco
@@ -10,6 +11,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from models.arithmetic.arrays import Array
 from models.errors import InputError
 from models.hand import Hand
 from models.rotations import exp, matrix_to_quaternion
@@ -41,7 +43,9 @@ class Trial:
     def edge(self, number: int) -> float:
         return 2 * self.task.objects[number].half_size[0]
 
-    def put(self, number: int, position, rotation=None) -> None:
+    def put(
+        self, number: int, position: Sequence[float] | Array, rotation: Array | None = None
+    ) -> None:
         """A box, at rest, with its middle there."""
         joint = self.data.joint(self.task.objects[number].name)
         joint.qpos[:3] = position
@@ -49,7 +53,13 @@ class Trial:
             joint.qpos[3:] = matrix_to_quaternion(rotation)
         joint.qvel[:] = 0.0
 
-    def stack(self, number: int, on: int, off=(0.0, 0.0), rotation=None) -> None:
+    def stack(
+        self,
+        number: int,
+        on: int,
+        off: Sequence[float] | Array = (0.0, 0.0),
+        rotation: Array | None = None,
+    ) -> None:
         """A box on another one, off its middle by (2,) m."""
         below = self.data.joint(self.task.objects[on].name).qpos[:3]
         height = (self.edge(number) + self.edge(on)) / 2
@@ -79,7 +89,7 @@ def three() -> Trial:
     kind=st.sampled_from([Stack, StackThree]),
     surface=st.sampled_from([Surface(*PRESETS[n]) for n in ("ipad2", "ipad-11", "ipad-13")]),
 )
-def test_every_trial_is_within_its_ranges(seed, kind, surface):
+def test_every_trial_is_within_its_ranges(seed: int, kind: type[Stack], surface: Surface) -> None:
     surface = surface.centred_at((0.1, -0.2, kind.touch_height))
     task = kind.draw(seed, surface)
     assert len(task.objects) == kind.count and len(task.goals) == kind.count - 1
@@ -101,20 +111,22 @@ def test_every_trial_is_within_its_ranges(seed, kind, surface):
 
 
 @given(seed=seeds)
-def test_the_same_seed_on_the_same_surface_is_the_same_trial(seed):
+def test_the_same_seed_on_the_same_surface_is_the_same_trial(seed: int) -> None:
     assert Stack.draw(seed, TABLET) == Stack.draw(seed, Surface(origin=TABLET.origin))
 
 
 @pytest.mark.parametrize("kind", [Stack, StackThree])
 @pytest.mark.parametrize("size", [(2.0, 2.0), (2.5, 10.0), (4.0, 3.0)])
-def test_a_surface_without_room_for_the_boxes_is_refused(kind, size):
+def test_a_surface_without_room_for_the_boxes_is_refused(
+    kind: type[Stack], size: tuple[float, float]
+) -> None:
     with pytest.raises(InputError, match="too small"):
         kind.draw(1, Surface(*size))
 
 
 @pytest.mark.parametrize("kind", [Stack, StackThree])
 @pytest.mark.parametrize("seed", range(3))
-def test_no_trial_begins_done(kind, seed):
+def test_no_trial_begins_done(kind: type[Stack], seed: int) -> None:
     measure = Trial(kind, seed).after(0.1)
     assert not measure.reached
     assert measure.progress < 0.01
@@ -122,7 +134,7 @@ def test_no_trial_begins_done(kind, seed):
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_a_box_on_the_middle_of_the_other_is_a_stack(seed):
+def test_a_box_on_the_middle_of_the_other_is_a_stack(seed: int) -> None:
     trial = Trial(seed=seed)
     trial.stack(1, 0)
     assert trial.after() == Measure(True, 1.0, "")
@@ -130,13 +142,17 @@ def test_a_box_on_the_middle_of_the_other_is_a_stack(seed):
 
 @pytest.mark.parametrize("axis", [0, 1, 2])
 @pytest.mark.parametrize("degrees", [90.0, 180.0])
-def test_a_cube_is_a_cube_on_whichever_face_it_stands(trial, axis, degrees):
+def test_a_cube_is_a_cube_on_whichever_face_it_stands(
+    trial: Trial, axis: int, degrees: float
+) -> None:
     trial.stack(1, 0, rotation=exp(np.deg2rad(degrees) * np.eye(3)[axis]))
     assert trial.after().reached
 
 
 @pytest.mark.parametrize("direction", [(1, 0), (0, -1), (0.6, 0.8)])
-def test_the_offset_counts_in_edges_of_the_smaller_box(trial, direction):
+def test_the_offset_counts_in_edges_of_the_smaller_box(
+    trial: Trial, direction: tuple[float, float]
+) -> None:
     smaller = min(trial.edge(0), trial.edge(1))
     trial.stack(1, 0, off=(OFFSET_TOLERANCE * smaller - 0.001) * np.array(direction))
     assert trial.after().reached
@@ -145,7 +161,7 @@ def test_the_offset_counts_in_edges_of_the_smaller_box(trial, direction):
     assert not measure.reached and "off the middle of the base box" in measure.reason
 
 
-def test_boxes_side_by_side_that_push_each_other_are_not_stacked(trial):
+def test_boxes_side_by_side_that_push_each_other_are_not_stacked(trial: Trial) -> None:
     base = np.array(trial.task.objects[0].position)
     trial.put(0, base, np.eye(3))
     beside = (trial.edge(0) + trial.edge(1)) / 2
@@ -158,7 +174,7 @@ def test_boxes_side_by_side_that_push_each_other_are_not_stacked(trial):
     assert not measure.reached
 
 
-def test_a_box_that_leans_on_the_other_and_on_the_table_is_not_stacked():
+def test_a_box_that_leans_on_the_other_and_on_the_table_is_not_stacked() -> None:
     edges, masses = np.array([0.040, 0.060]), np.array([0.2, 0.1])
     trial = Trial(task=Stack.of(0, edges, masses, np.array([[-0.04, 0], [0.04, 0]]), np.zeros(2)))
     # One edge of the large box on the table, and the face beside it on the small one's upper edge.
@@ -174,7 +190,7 @@ def test_a_box_that_leans_on_the_other_and_on_the_table_is_not_stacked():
     assert both > 5, "it hardly leaned, and nothing was tested"
 
 
-def test_a_stack_with_the_base_on_top_is_the_wrong_one(trial):
+def test_a_stack_with_the_base_on_top_is_the_wrong_one(trial: Trial) -> None:
     low = np.array(trial.task.objects[1].position)
     trial.put(1, low)
     trial.stack(0, 1)
@@ -183,7 +199,7 @@ def test_a_stack_with_the_base_on_top_is_the_wrong_one(trial):
     assert measure.reason == "the base box does not stand on the table"
 
 
-def test_a_box_in_the_air_over_the_other_is_no_stack(trial):
+def test_a_box_in_the_air_over_the_other_is_no_stack(trial: Trial) -> None:
     trial.stack(1, 0)
     assert trial.after().reached
     trial.data.joint("second").qpos[2] += 0.002
@@ -192,7 +208,7 @@ def test_a_box_in_the_air_over_the_other_is_no_stack(trial):
     assert measure.reason == "the second box does not stand on the base box"
 
 
-def test_a_stack_that_slides_is_not_done(trial):
+def test_a_stack_that_slides_is_not_done(trial: Trial) -> None:
     trial.stack(1, 0)
     assert trial.after().reached
     for name in ("base", "second"):
@@ -201,7 +217,7 @@ def test_a_stack_that_slides_is_not_done(trial):
     assert trial.task.measure(trial.sensing).reason == "the base box is still moving"
 
 
-def test_three_boxes_count_in_their_order_only(three):
+def test_three_boxes_count_in_their_order_only(three: Trial) -> None:
     three.stack(1, 0)
     half = three.after()
     assert not half.reached and 0.5 <= half.progress < 0.6
@@ -210,7 +226,7 @@ def test_three_boxes_count_in_their_order_only(three):
     assert three.after() == Measure(True, 1.0, "")
 
 
-def test_the_third_on_the_base_and_the_second_on_it_are_the_wrong_order(three):
+def test_the_third_on_the_base_and_the_second_on_it_are_the_wrong_order(three: Trial) -> None:
     three.stack(2, 0)
     three.stack(1, 2)
     measure = three.after()
@@ -218,7 +234,7 @@ def test_the_third_on_the_base_and_the_second_on_it_are_the_wrong_order(three):
     assert measure.reason == "the second box does not stand on the base box"
 
 
-def test_forces_between_boxes_are_opposite_and_support_the_weights(three):
+def test_forces_between_boxes_are_opposite_and_support_the_weights(three: Trial) -> None:
     three.stack(1, 0)
     three.stack(2, 1)
     three.after(0.5)
@@ -238,7 +254,7 @@ class Pose:
     rotation: np.ndarray
 
 
-def test_a_goal_on_a_box_goes_where_the_box_goes():
+def test_a_goal_on_a_box_goes_where_the_box_goes() -> None:
     goal = Goal("b", (0.0, 0.0, 0.05), 0.3, "a")
     for angle, shift in ((0.0, 0.0), (0.4, 0.1), (-2.0, -0.3)):
         turn = exp(np.array([0.0, 0.0, angle]))
@@ -249,7 +265,7 @@ def test_a_goal_on_a_box_goes_where_the_box_goes():
         assert placed.on is None
 
 
-def test_a_goal_on_a_box_that_is_not_placed_yet_is_shown_above_that_boxs_goal():
+def test_a_goal_on_a_box_that_is_not_placed_yet_is_shown_above_that_boxs_goal() -> None:
     goals = [Goal("b", (0, 0, 0.05), 0.0, "a"), Goal("c", (0, 0, 0.04), 0.0, "b")]
     base, flat = np.array([0.1, 0.0, 0.025]), np.eye(3)
     away = place(goals, {"a": Pose(base, flat), "b": Pose(np.array([-0.1, 0, 0.025]), flat)})
@@ -259,14 +275,14 @@ def test_a_goal_on_a_box_that_is_not_placed_yet_is_shown_above_that_boxs_goal():
     np.testing.assert_allclose(stacked[1].position, [0.106, 0.0, 0.115])
 
 
-def test_a_goal_in_the_world_stays_as_it_is():
+def test_a_goal_in_the_world_stays_as_it_is() -> None:
     goal = Goal("box", (0.1, 0.2, 0.3), 0.4)
     assert place([goal], {}) == (goal,)
 
 
 @given(angle=st.floats(-3.0, 3.0), face=st.sampled_from([0, 1, 2]), turns=st.integers(0, 3))
 def test_the_direction_of_a_cube_is_the_same_on_every_face_but_for_quarter_turns(
-    angle, face, turns
-):
+    angle: float, face: int, turns: int
+) -> None:
     rotation = exp(np.array([0.0, 0.0, angle])) @ exp(turns * np.pi / 2 * np.eye(3)[face])
     assert np.sin(2 * (flat_yaw(rotation) - angle)) == pytest.approx(0.0, abs=1e-9)

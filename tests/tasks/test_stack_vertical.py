@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any
+from pathlib import Path
+from typing import Any, Literal
 
 import mujoco
 import numpy as np
@@ -37,7 +38,7 @@ UPRIGHT = place_surface(Surface(), StackVertical)
 
 @given(seeds, sizes)
 @settings(max_examples=50)
-def test_every_trial_is_within_its_ranges(seed, size):
+def test_every_trial_is_within_its_ranges(seed: int, size: tuple[float, float]) -> None:
     surface = place_surface(Surface(*size), StackVertical)
     trial = StackVertical.draw(seed, surface)
     edges = [2 * box.half_size[0] for box in trial.objects]
@@ -54,11 +55,11 @@ def test_every_trial_is_within_its_ranges(seed, size):
 
 
 @given(seeds)
-def test_the_same_seed_on_the_same_surface_is_the_same_trial(seed):
+def test_the_same_seed_on_the_same_surface_is_the_same_trial(seed: int) -> None:
     assert StackVertical.draw(seed, UPRIGHT) == StackVertical.draw(seed, UPRIGHT)
 
 
-def test_other_seeds_are_other_trials_with_either_box_on_either_side():
+def test_other_seeds_are_other_trials_with_either_box_on_either_side() -> None:
     trials = [StackVertical.draw(seed, UPRIGHT) for seed in range(60)]
     assert len({t.objects for t in trials}) == 60
     sides = [t.objects[1].position[0] > t.objects[0].position[0] for t in trials]
@@ -66,7 +67,7 @@ def test_other_seeds_are_other_trials_with_either_box_on_either_side():
 
 
 @pytest.mark.parametrize("size", [(4.0, 6.0), (7.76, 3.0)])
-def test_a_surface_without_room_is_refused(size):
+def test_a_surface_without_room_is_refused(size: tuple[float, float]) -> None:
     with pytest.raises(InputError, match="too small for this task"):
         StackVertical.draw(0, place_surface(Surface(*size), StackVertical))
 
@@ -101,7 +102,7 @@ class Stack:
         return self.task.measure(self.sensing)
 
 
-def test_no_trial_begins_done():
+def test_no_trial_begins_done() -> None:
     stack = Stack()
     measure = stack.measure()
     assert not measure.reached and measure.reason == "the second box stands on the table"
@@ -109,7 +110,9 @@ def test_no_trial_begins_done():
 
 
 @pytest.mark.parametrize("turn", [(0, 0, 0), (0, 0, 40), (90, 0, 0), (0, 90, 20), (180, 0, 0)])
-def test_a_cube_on_the_base_is_stacked_on_any_face_and_at_any_yaw(turn):
+def test_a_cube_on_the_base_is_stacked_on_any_face_and_at_any_yaw(
+    turn: tuple[int, int, int],
+) -> None:
     stack = Stack()
     stack.place(0.1, -0.1, turn)
     measure = stack.measure()
@@ -118,7 +121,7 @@ def test_a_cube_on_the_base_is_stacked_on_any_face_and_at_any_yaw(turn):
 
 
 @pytest.mark.parametrize(("right", "away"), [(0.40, 0.0), (-0.40, 0.0), (0.0, 0.40), (0.0, -0.40)])
-def test_depth_counts_for_the_offset_as_much_as_what_is_seen(right, away):
+def test_depth_counts_for_the_offset_as_much_as_what_is_seen(right: float, away: float) -> None:
     stack = Stack()
     stack.place(right, away)
     measure = stack.measure()
@@ -128,7 +131,7 @@ def test_depth_counts_for_the_offset_as_much_as_what_is_seen(right, away):
     assert stack.measure().reached
 
 
-def test_a_box_in_the_air_is_not_stacked():
+def test_a_box_in_the_air_is_not_stacked() -> None:
     stack = Stack()
     stack.place(0.0, 0.0)
     stack.data.joint("second").qpos[2] += 0.02
@@ -138,7 +141,9 @@ def test_a_box_in_the_air_is_not_stacked():
 
 @pytest.mark.parametrize("sign", [-1.0, 1.0])
 @pytest.mark.parametrize("taken", [False, True])
-def test_a_box_that_fingers_can_no_longer_meet_comes_back_into_their_plane(sign, taken):
+def test_a_box_that_fingers_can_no_longer_meet_comes_back_into_their_plane(
+    sign: float, taken: bool
+) -> None:
     session = scripted(lambda now: (), task="stack-vertical", seed=3)
     boxes: Any = session.task.objects
     base, second = boxes
@@ -159,7 +164,7 @@ def test_a_box_that_fingers_can_no_longer_meet_comes_back_into_their_plane(sign,
 
 
 @pytest.mark.parametrize("deeper", [-0.012, 0.012])
-def test_a_box_that_fingers_still_meet_is_left_at_its_depth(deeper):
+def test_a_box_that_fingers_still_meet_is_left_at_its_depth(deeper: float) -> None:
     session = scripted(lambda now: (), task="stack-vertical", seed=3)
     start = int(session.scene.model.joint("second").qposadr[0])
     session.data.qpos[start + 1] = deeper
@@ -170,8 +175,8 @@ def test_a_box_that_fingers_still_meet_is_left_at_its_depth(deeper):
 
 @pytest.mark.parametrize(("seed", "hand", "fingers"), [(0, "right", 3), (3, "left", 2)])
 def test_the_simulated_user_stacks_with_one_hand_and_replay_shows_it_to_the_bit(
-    tmp_path, seed, hand, fingers
-):
+    tmp_path: Path, seed: int, hand: Literal["right", "left"], fingers: int
+) -> None:
     options = SceneOptions(task="stack-vertical", seed=seed, hand=hand, fingers=fingers)
     planned = plan(options)
     file = tmp_path / "trial.jsonl"
@@ -183,7 +188,7 @@ def test_the_simulated_user_stacks_with_one_hand_and_replay_shows_it_to_the_bit(
 
 
 @pytest.mark.parametrize("user", ["idle", "random"])
-def test_a_user_who_does_nothing_does_not_stack(user):
+def test_a_user_who_does_nothing_does_not_stack(user: Literal["idle", "random"]) -> None:
     planned = plan(SceneOptions(task="stack-vertical", seed=1, user=user))
     session = build(planned.settings, planned.makers)
     device = session.rigs[0].device

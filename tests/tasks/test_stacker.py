@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import Any
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from models.arithmetic.arrays import Array
 from models.objects import Box
 from models.surface import Surface
 from sandbox.options.scene_options import SceneOptions, plan
@@ -23,35 +27,35 @@ USER = UserConfiguration()
 HAND = Hand.draw(USER, 0)
 
 
-def trial(**options) -> TrialResult:
+def trial(**options: Any) -> TrialResult:
     chosen = plan(SceneOptions(**options))
     return run_trial(chosen.settings, chosen.makers, about=chosen.about)
 
 
 @pytest.mark.parametrize("fingers", [2, 3, 5])
-def test_the_simulated_user_stacks_two_boxes(fingers):
+def test_the_simulated_user_stacks_two_boxes(fingers: int) -> None:
     result = trial(task="stack", seed=2, fingers=fingers)
     assert result.success and result.final and result.respawned == 0
 
 
-def test_the_simulated_user_stacks_three_boxes():
+def test_the_simulated_user_stacks_three_boxes() -> None:
     result = trial(task="stack-three", seed=0)
     assert result.success and result.final
 
 
 @pytest.mark.parametrize("person", [{"hand": "left"}, {"turn": 180}, {"hand_size": 0.9}])
-def test_left_handed_people_at_other_sides_stack_too(person):
+def test_left_handed_people_at_other_sides_stack_too(person: dict[str, Any]) -> None:
     assert trial(task="stack", seed=0, **person).success
 
 
-def test_touching_nothing_stacks_nothing():
+def test_touching_nothing_stacks_nothing() -> None:
     user = IdleLiftUser(USER, TABLET, 3, Stack.lift_range)
     for now in np.arange(100) * 0.016:
         frame = user.touch(float(now))
         assert not frame.contacts and not frame.lift
 
 
-def test_random_touches_come_with_a_slider_that_goes_anywhere():
+def test_random_touches_come_with_a_slider_that_goes_anywhere() -> None:
     user = RandomLiftUser(USER, TABLET, 3, Stack.lift_range)
     lifts = [user.touch(float(now)).lift for now in np.arange(2_000) * 0.016]
     assert min(lifts) == 0.0 and max(lifts) > 0.8
@@ -62,7 +66,9 @@ def test_random_touches_come_with_a_slider_that_goes_anywhere():
     seed=st.integers(0, 1_000),
     heights=st.lists(st.floats(-0.1, 0.3), min_size=1, max_size=6),
 )
-def test_a_slider_stays_on_its_way_and_goes_where_it_should(seed, heights):
+def test_a_slider_stays_on_its_way_and_goes_where_it_should(
+    seed: int, heights: list[float]
+) -> None:
     slider = Slider(0.18, np.random.default_rng(seed))
     now = 0.0
     for height in heights:
@@ -77,7 +83,9 @@ def test_a_slider_stays_on_its_way_and_goes_where_it_should(seed, heights):
             assert slider.control(now) == 0.0, "at its lower end it rests"
 
 
-def seen(xy, edge: float = 0.05, height: float = 0.025, yaw: float = 0.0) -> SeenObject:
+def seen(
+    xy: Sequence[float] | Array, edge: float = 0.05, height: float = 0.025, yaw: float = 0.0
+) -> SeenObject:
     c, s = np.cos(yaw), np.sin(yaw)
     shape = Box("box", (edge / 2,) * 3, 0.1, (*xy, height))
     rotation = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
@@ -85,7 +93,7 @@ def seen(xy, edge: float = 0.05, height: float = 0.025, yaw: float = 0.0) -> See
 
 
 @pytest.mark.parametrize("direction", np.linspace(0.0, 2 * np.pi, 8, endpoint=False))
-def test_fingers_are_put_where_there_is_room(direction):
+def test_fingers_are_put_where_there_is_room(direction: float) -> None:
     box = seen((0.0, 0.0))
     beside = 0.068 * np.array([np.cos(direction), np.sin(direction)])
     neighbour = seen(beside, yaw=direction)
@@ -97,14 +105,14 @@ def test_fingers_are_put_where_there_is_room(direction):
 
 
 @pytest.mark.parametrize("yaw", np.linspace(-0.7, 0.7, 5))
-def test_a_failed_grasp_is_not_tried_again_at_once(yaw):
+def test_a_failed_grasp_is_not_tried_again_at_once(yaw: float) -> None:
     box = seen((0.0, 0.0), yaw=yaw)
     first = roomiest_grasp(box, 0.0, HAND, Surroundings(TABLET))
     second = roomiest_grasp(box, 0.0, HAND, Surroundings(TABLET), first)
     assert abs(np.sin(second.axis - first.axis)) > 0.9 or np.cos(second.axis - first.axis) < -0.9
 
 
-def test_a_grasp_is_chosen_that_fits_on_the_screen_at_the_goal_as_well():
+def test_a_grasp_is_chosen_that_fits_on_the_screen_at_the_goal_as_well() -> None:
     width = TABLET.size[0]
     goal = TABLET.to_world([width - 0.030, TABLET.size[1] / 2])[:2]
     grasp = roomiest_grasp(seen((0.0, 0.0)), 0.0, HAND, Surroundings(TABLET, (), goal))
@@ -115,6 +123,6 @@ def test_a_grasp_is_chosen_that_fits_on_the_screen_at_the_goal_as_well():
 
 @pytest.mark.full
 @pytest.mark.parametrize("task", ["stack", "stack-three"])
-def test_random_touches_with_a_random_slider_hardly_ever_stack(task):
+def test_random_touches_with_a_random_slider_hardly_ever_stack(task: str) -> None:
     done = [trial(task=task, seed=seed, user="random").success for seed in range(100)]
     assert sum(done) < 5

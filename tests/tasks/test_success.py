@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 from benchmarks.judged import configuration, freeze, frozen_seeds, judged_seeds
 from benchmarks.judged_air import air_seeds
 from benchmarks.success import trial, wilson
+from models.arithmetic.arrays import Array
 from models.errors import InputError
 from models.frames import Contact, TouchFrame
 from sandbox.session.device import Device
@@ -16,21 +20,23 @@ from sandbox.trial.settings import RunSettings
 from tasks.score import Scorer
 
 
-def test_the_wilson_interval_is_the_published_one():
+def test_the_wilson_interval_is_the_published_one() -> None:
     # Newcombe (1998), Statistics in Medicine 17, table I: 81 of 263 and 0 of 20, method 3.
     assert np.allclose(np.array(wilson(81, 263)) / 100, (0.2553, 0.3662), atol=5e-5)
     assert np.allclose(np.array(wilson(0, 20)) / 100, (0.0, 0.1611), atol=5e-5)
 
 
 @pytest.mark.parametrize("drawn", [judged_seeds, air_seeds])
-def test_judged_seeds_follow_from_the_frozen_configuration_alone(drawn):
+def test_judged_seeds_follow_from_the_frozen_configuration_alone(
+    drawn: Callable[[int, str], list[int]],
+) -> None:
     seeds = drawn(20, "box-to-goal")
     assert seeds == drawn(30, "box-to-goal")[:20]
     assert len(set(seeds)) == 20
     assert not {*seeds} & {*drawn(20, "stack")}
 
 
-def test_only_the_frozen_configuration_is_judged(tmp_path):
+def test_only_the_frozen_configuration_is_judged(tmp_path: Path) -> None:
     frozen = tmp_path / "frozen.json"
     freeze(frozen, configuration())
     seeds = frozen_seeds(5, "stack", frozen, configuration(), "judged")
@@ -46,14 +52,14 @@ def test_only_the_frozen_configuration_is_judged(tmp_path):
 
 @pytest.mark.full
 @pytest.mark.parametrize("fingers", [2, 3, 5])
-def test_best_succeeds_in_95_of_100_judged_trials(fingers):
+def test_best_succeeds_in_95_of_100_judged_trials(fingers: int) -> None:
     results = [trial(("box-to-goal", "best", fingers, seed)) for seed in judged_seeds(100)]
     assert sum(r["success"] for r in results) >= 95
 
 
 @pytest.mark.full
 @pytest.mark.parametrize("row", ["user does nothing", "user touches at random"])
-def test_control_users_succeed_in_under_5_of_100_judged_trials(row):
+def test_control_users_succeed_in_under_5_of_100_judged_trials(row: str) -> None:
     results = [trial(("box-to-goal", row, 3, seed)) for seed in judged_seeds(100)]
     assert sum(r["success"] for r in results) < 5
 
@@ -64,11 +70,12 @@ class Nonsense(Device):
     name = "nonsense"
     finished = False
 
-    def __init__(self, size):
+    def __init__(self, size: Array) -> None:
         self.rng = np.random.default_rng(0)
-        self.size, self.contacts = size, {}
+        self.size = size
+        self.contacts: dict[int, Array] = {}
 
-    def poll(self, now):
+    def poll(self, now: float) -> list[TouchFrame]:
         gone = {i for i in self.contacts if self.rng.random() < 0.05}
         cancelled = frozenset(i for i in gone if self.rng.random() < 0.5)
         for i in gone:
@@ -82,13 +89,15 @@ class Nonsense(Device):
         contacts = tuple(Contact(i, *p.tolist()) for i, p in self.contacts.items())
         return [TouchFrame(now, contacts, cancelled=cancelled)]
 
-    def close(self):
+    def close(self) -> None:
         pass
 
 
 @pytest.mark.full
 @pytest.mark.parametrize("impulse", [100.0, 0.5])
-def test_ten_minutes_of_nonsense_neither_diverge_nor_command_an_illegal_pose(impulse):
+def test_ten_minutes_of_nonsense_neither_diverge_nor_command_an_illegal_pose(
+    impulse: float,
+) -> None:
     session = build(RunSettings(impulse=impulse), (lambda task, surface: Nonsense(surface.size),))
     skeleton = session.rigs[0].hand.skeleton
     for _ in range(10 * 60 * 62):

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from itertools import combinations
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,13 +14,17 @@ from hypothesis import strategies as st
 
 from models.arithmetic.arrays import Array
 from models.frames import TouchFrame
+from models.surface import Surface
 from sandbox.devices.wrappers.device_wrapper import DeviceWrapper
 from sandbox.options.scene_options import SceneOptions, plan
+from sandbox.session.device import Device
+from sandbox.trial.device_makers import DeviceMaker
 from sandbox.trial.driver import open_trial
 from sandbox.trial.settings import RunSettings
 from tasks.registry import TASKS
 from tasks.simulated_user.grasp import grasp_across
 from tasks.simulated_user.hand import NARROWEST, Hand
+from tasks.task import Task
 from tasks.user import UserConfiguration
 
 people = st.integers(0, 100_000)
@@ -32,7 +38,7 @@ def hand_of(seed: int, fingers: int = 5, size: float = 1.0) -> Hand:
     return Hand.draw(UserConfiguration(fingers=fingers, hand_size=size), seed)
 
 
-def test_neighbours_are_as_far_apart_as_those_of_147_real_layouts():
+def test_neighbours_are_as_far_apart_as_those_of_147_real_layouts() -> None:
     tips = np.array([hand_of(seed).tips for seed in range(4_000)])
     apart = np.linalg.norm(np.diff(tips, axis=1), axis=2)
     real = [[25, 19, 25], [29, 23, 31], [34, 26, 36]]
@@ -41,7 +47,9 @@ def test_neighbours_are_as_far_apart_as_those_of_147_real_layouts():
 
 
 @given(seed=people, size=st.floats(0.6, 1.6))
-def test_a_hand_of_any_size_has_its_fingers_on_an_arc_and_beside_each_other(seed, size):
+def test_a_hand_of_any_size_has_its_fingers_on_an_arc_and_beside_each_other(
+    seed: int, size: float
+) -> None:
     tips = np.array(hand_of(seed, size=size).tips)
     ways = np.diff(tips, axis=0)
     turns = ways[:-1, 0] * ways[1:, 1] - ways[:-1, 1] * ways[1:, 0]
@@ -52,13 +60,13 @@ def test_a_hand_of_any_size_has_its_fingers_on_an_arc_and_beside_each_other(seed
 
 
 @given(seed=people, size=st.floats(0.9, 1.6))
-def test_distances_of_fingers_grow_with_the_hand(seed, size):
+def test_distances_of_fingers_grow_with_the_hand(seed: int, size: float) -> None:
     one, other = np.array(hand_of(seed).tips), np.array(hand_of(seed, size=size).tips)
     np.testing.assert_allclose(other, size * one)
 
 
 @given(seed=people, n=st.integers(2, 5), face=st.floats(0.005, 0.15))
-def test_as_many_fingers_touch_as_are_wanted_and_have_room(seed, n, face):
+def test_as_many_fingers_touch_as_are_wanted_and_have_room(seed: int, n: int, face: float) -> None:
     hand = hand_of(seed, n)
     touching = hand.fitting(face)
     assert 2 <= touching <= n
@@ -77,7 +85,9 @@ def test_as_many_fingers_touch_as_are_wanted_and_have_room(seed, n, face):
     face=st.floats(0.04, 0.06),
     yaw=st.floats(-0.78, 0.78),
 )
-def test_the_hand_opens_as_far_as_people_do(seed, n, width, face, yaw):
+def test_the_hand_opens_as_far_as_people_do(
+    seed: int, n: int, width: float, face: float, yaw: float
+) -> None:
     hand = hand_of(seed, n)
     grasp = grasp_across(hand.natural_axis + yaw, width, face, hand)
     opening = width + 2 * (0.007 + grasp.opening(hand))
@@ -91,7 +101,7 @@ def test_the_hand_opens_as_far_as_people_do(seed, n, width, face, yaw):
 
 
 @given(seed=people, yaw=st.floats(-0.785, 0.785))
-def test_thumb_and_index_lie_as_those_of_people_who_pinch(seed, yaw):
+def test_thumb_and_index_lie_as_those_of_people_who_pinch(seed: int, yaw: float) -> None:
     hand = hand_of(seed, 2)
     grasp = grasp_across(hand.natural_axis + yaw, 0.05, 0.05, hand)
     thumb, index = grasp.places(np.zeros(2), grasp.opening(hand), hand)
@@ -102,11 +112,11 @@ def test_thumb_and_index_lie_as_those_of_people_who_pinch(seed, yaw):
 class Watched(DeviceWrapper):
     """Keeps the simulated user's frames."""
 
-    def __init__(self, device) -> None:
+    def __init__(self, device: Device) -> None:
         super().__init__(device)
         self.frames: list[TouchFrame] = []
 
-    def poll(self, now):
+    def poll(self, now: float) -> Sequence[TouchFrame]:
         frames = super().poll(now)
         self.frames += frames
         return frames
@@ -121,13 +131,13 @@ class Watched(DeviceWrapper):
         return found
 
 
-def played(task: str, seed: int, fingers: int, **options) -> list[Watched]:
+def played(task: str, seed: int, fingers: int, **options: Any) -> list[Watched]:
     """The first five seconds of a trial."""
     chosen = plan(SceneOptions(task=task, seed=seed, fingers=fingers, **options))
     opened: list[Watched] = []
 
-    def watched(make):
-        def open_device(task, surface):
+    def watched(make: DeviceMaker) -> DeviceMaker:
+        def open_device(task: Task, surface: Surface) -> Watched:
             opened.append(Watched(make(task, surface)))
             return opened[-1]
 
@@ -141,7 +151,9 @@ def played(task: str, seed: int, fingers: int, **options) -> list[Watched]:
 
 @pytest.mark.parametrize("task", TASKS)
 @pytest.mark.parametrize("fingers", [2, 3, 5])
-def test_no_two_fingers_are_ever_nearer_than_real_ones_nor_wider_apart(task, fingers):
+def test_no_two_fingers_are_ever_nearer_than_real_ones_nor_wider_apart(
+    task: str, fingers: int
+) -> None:
     for seed in range(8_000, 8_003):
         for device in played(task, seed, fingers):
             hands = [hand for hand in device.hands() if len(hand) > 1]
@@ -151,7 +163,7 @@ def test_no_two_fingers_are_ever_nearer_than_real_ones_nor_wider_apart(task, fin
                 assert min(apart) >= NARROWEST and max(apart) < LONGEST + STRAY
 
 
-def test_a_hand_at_the_border_of_the_screen_stops_as_a_whole():
+def test_a_hand_at_the_border_of_the_screen_stops_as_a_whole() -> None:
     size = np.array(RunSettings().surface_in) * 0.0254
     at_border = 0
     for seed in range(8_000, 8_010):
@@ -166,7 +178,7 @@ def test_a_hand_at_the_border_of_the_screen_stops_as_a_whole():
 
 
 @pytest.mark.parametrize("seed", [8_001, 8_002, 8_003])
-def test_smaller_hands_touch_with_fingers_nearer_to_each_other(seed):
+def test_smaller_hands_touch_with_fingers_nearer_to_each_other(seed: int) -> None:
     def apart(size: float) -> float:
         """Distance of index and middle finger while the hand is open: it is less once it closes."""
         (device,) = played("wrench-slide", seed, 5, hand_size=size)
@@ -177,7 +189,7 @@ def test_smaller_hands_touch_with_fingers_nearer_to_each_other(seed):
     assert small == pytest.approx(0.8 * middling, abs=0.002)
 
 
-def test_a_hand_of_another_size_is_the_same_hand_otherwise():
+def test_a_hand_of_another_size_is_the_same_hand_otherwise() -> None:
     plain = UserConfiguration()
     one = Hand.draw(plain, 3)
     assert replace(one, configuration=replace(plain, fingers=5)) == Hand.draw(

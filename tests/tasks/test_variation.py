@@ -3,6 +3,7 @@
 import json
 from dataclasses import replace
 from itertools import pairwise
+from pathlib import Path
 from typing import Any
 
 import mujoco
@@ -11,6 +12,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from models.arithmetic.arrays import Array
 from models.errors import InputError
 from models.frames import Contact, TouchFrame
 from models.hand import Hand
@@ -30,6 +32,7 @@ from sandbox.trial.settings import RunSettings
 from tasks.box_to_goal import BoxToGoal
 from tasks.goals import place
 from tasks.stack import Stack, StackThree
+from tasks.task import Task
 from tasks.variation import RANGES, Variation, vary
 from tasks.wrench_slide import WrenchSlide
 
@@ -43,26 +46,28 @@ class Scripted(Device):
 
     name = "scripted"
 
-    def __init__(self, frames):
+    def __init__(self, frames: list[TouchFrame]) -> None:
         self.frames, self.next = frames, 0
 
-    def poll(self, now):
+    def poll(self, now: float) -> list[TouchFrame]:
         self.next += 1
         return [self.frames[self.next - 1]] if self.next <= len(self.frames) else []
 
     @property
-    def finished(self):
+    def finished(self) -> bool:
         return self.next >= len(self.frames)
 
-    def close(self):
+    def close(self) -> None:
         pass
 
 
-def frames_of(n, *contacts):
+def frames_of(n: int, *contacts: Contact) -> list[TouchFrame]:
     return [TouchFrame(i * STEP, contacts) for i in range(n)]
 
 
-def played(variation, frames, seed=0, more=0):
+def played(
+    variation: Variation, frames: list[TouchFrame], seed: int = 0, more: int = 0
+) -> list[TouchFrame | None]:
     """Frames that come out at every control period; None where there is none."""
     device = DegradedDevice(Scripted(frames), variation, FLAT, seed)
     out = []
@@ -72,25 +77,25 @@ def played(variation, frames, seed=0, more=0):
     return out
 
 
-def standing(task):
+class Pose:
+    def __init__(self, position: Array, rotation: Array) -> None:
+        self.position, self.rotation = position, rotation
+
+
+def standing(task: Task) -> dict[str, Pose]:
     """Poses of a task's boxes as they start."""
     return {box.name: Pose(np.array(box.position), np.eye(3)) for box in task.objects}
 
 
-class Pose:
-    def __init__(self, position, rotation):
-        self.position, self.rotation = position, rotation
-
-
 @given(seeds)
-def test_a_neutral_variation_gives_the_very_same_trial(seed):
+def test_a_neutral_variation_gives_the_very_same_trial(seed: int) -> None:
     task = BoxToGoal.draw(seed, FLAT)
     assert vary(task, Variation(), FLAT) is task
     assert vary(task, Variation(friction=0.5, latency=0.1, noise=1e-3), FLAT) is task
 
 
-def test_a_run_with_a_neutral_variation_has_the_hash_of_one_without():
-    def run(text):
+def test_a_run_with_a_neutral_variation_has_the_hash_of_one_without() -> None:
+    def run(text: str) -> tuple[str, dict[str, Any], dict[str, Any]]:
         chosen = plan(SceneOptions(seed=2, vary=text))
         session = build(chosen.settings, chosen.makers)
         for _ in range(40):
@@ -105,7 +110,7 @@ def test_a_run_with_a_neutral_variation_has_the_hash_of_one_without():
 
 @given(seeds, st.floats(0.05, 20.0))
 @settings(max_examples=25)
-def test_mass_times_k_gives_objects_k_times_as_heavy_and_nothing_else(seed, k):
+def test_mass_times_k_gives_objects_k_times_as_heavy_and_nothing_else(seed: int, k: float) -> None:
     task = StackThree.draw(seed, FLAT)
     heavier = vary(task, Variation(mass=k), FLAT)
     pairs: Any = zip(heavier.objects, task.objects, strict=True)
@@ -115,7 +120,7 @@ def test_mass_times_k_gives_objects_k_times_as_heavy_and_nothing_else(seed, k):
     assert heavier.goals == task.goals
 
 
-def test_a_compiled_object_weighs_k_times_as_much():
+def test_a_compiled_object_weighs_k_times_as_much() -> None:
     task = BoxToGoal.draw(1, FLAT)
     weights = [
         Scene(SceneSpec((Hand(),), vary(task, Variation(mass=k), FLAT).objects)).model
@@ -127,7 +132,7 @@ def test_a_compiled_object_weighs_k_times_as_much():
 
 
 @given(seeds, st.floats(0.3, 2.0))
-def test_a_scaled_box_stands_on_the_table_at_its_start_and_at_its_goal(seed, k):
+def test_a_scaled_box_stands_on_the_table_at_its_start_and_at_its_goal(seed: int, k: float) -> None:
     task = BoxToGoal.draw(seed, FLAT)
     scaled = vary(task, Variation(size=k), FLAT)
     box: Any
@@ -143,7 +148,7 @@ def test_a_scaled_box_stands_on_the_table_at_its_start_and_at_its_goal(seed, k):
 
 @given(seeds, st.floats(0.3, 2.0))
 @settings(max_examples=25)
-def test_goals_of_scaled_stacks_lie_face_on_face(seed, k):
+def test_goals_of_scaled_stacks_lie_face_on_face(seed: int, k: float) -> None:
     scaled = vary(StackThree.draw(seed, FLAT), Variation(size=k), FLAT)
     boxes: Any = scaled.objects
     top = 2 * boxes[0].half_size[2]
@@ -153,7 +158,9 @@ def test_goals_of_scaled_stacks_lie_face_on_face(seed, k):
 
 
 @given(seeds, st.floats(0.001, 0.030), st.sampled_from([BoxToGoal, Stack, WrenchSlide]))
-def test_objects_start_just_so_far_away_on_the_surface_and_none_nearer_to_another(seed, way, kind):
+def test_objects_start_just_so_far_away_on_the_surface_and_none_nearer_to_another(
+    seed: int, way: float, kind: type[Task]
+) -> None:
     surface = place_surface(Surface(), kind)
     task = kind.draw(seed, surface)
     moved = vary(task, Variation(start=way), surface)
@@ -175,7 +182,7 @@ class OneSize(Wrench):
     scaled = None
 
 
-def test_an_object_with_a_fixed_size_is_refused():
+def test_an_object_with_a_fixed_size_is_refused() -> None:
     task = WrenchSlide.draw(0, FLAT)
     task = replace(task, objects=(OneSize(**vars(task.objects[0])),))
     with pytest.raises(InputError, match="one size only"):
@@ -183,8 +190,8 @@ def test_an_object_with_a_fixed_size_is_refused():
     assert vary(task, Variation(mass=2.0), FLAT).objects[0].mass == 2.0 * task.objects[0].mass
 
 
-def test_friction_times_k_is_every_sliding_friction_times_k_and_no_other():
-    def model(text):
+def test_friction_times_k_is_every_sliding_friction_times_k_and_no_other() -> None:
+    def model(text: str) -> mujoco.MjModel:
         chosen = plan(SceneOptions(vary=text))
         return build(chosen.settings, chosen.makers).scene.model
 
@@ -194,8 +201,8 @@ def test_friction_times_k_is_every_sliding_friction_times_k_and_no_other():
     assert np.array_equal(slippery.body_mass, plain.body_mass)
 
 
-def test_a_box_on_a_slippery_table_slides_at_a_slope_at_which_it_else_stays():
-    def slid(friction):
+def test_a_box_on_a_slippery_table_slides_at_a_slope_at_which_it_else_stays() -> None:
+    def slid(friction: float) -> float:
         chosen = plan(SceneOptions(user="idle", seed=1, vary=f"friction={friction}"))
         session = build(chosen.settings, chosen.makers)
         # Friction is 0.5 against the table: it holds at a slope of 0.3 and not at 0.3 if halved.
@@ -209,7 +216,7 @@ def test_a_box_on_a_slippery_table_slides_at_a_slope_at_which_it_else_stays():
 
 
 @given(st.integers(0, 30), seeds)
-def test_latency_gives_the_same_touches_so_many_steps_later(steps, seed):
+def test_latency_gives_the_same_touches_so_many_steps_later(steps: int, seed: int) -> None:
     rng = np.random.default_rng(seed)
     frames = [
         TouchFrame(0.0, tuple(Contact(j, *rng.uniform(0, 0.1, 2)) for j in range(i % 4)), i % 3 / 2)
@@ -221,7 +228,7 @@ def test_latency_gives_the_same_touches_so_many_steps_later(steps, seed):
         assert arrived.contacts == sent.contacts and arrived.lift == sent.lift
 
 
-def test_a_late_device_is_not_finished_while_touches_are_on_their_way():
+def test_a_late_device_is_not_finished_while_touches_are_on_their_way() -> None:
     device = DegradedDevice(
         Scripted(frames_of(2, Contact(1, 0.05, 0.05))), Variation(latency=3 * STEP), FLAT, 0
     )
@@ -232,7 +239,7 @@ def test_a_late_device_is_not_finished_while_touches_are_on_their_way():
     assert ended == [False, False, False, False, True, True]
 
 
-def test_noise_has_the_deviation_asked_for_about_the_true_place_and_keeps_everything_else():
+def test_noise_has_the_deviation_asked_for_about_the_true_place_and_keeps_everything_else() -> None:
     contact = Contact(7, 0.05, 0.06, size=0.01, label=2)
     out = played(Variation(noise=2e-3), frames_of(3000, contact))
     xy = np.array([[f.contacts[0].x, f.contacts[0].y] for f in out])
@@ -244,7 +251,9 @@ def test_noise_has_the_deviation_asked_for_about_the_true_place_and_keeps_everyt
 
 @given(st.lists(st.integers(0, 2**31 - 1), max_size=5, unique=True), seeds, st.floats(1.0, 20.0))
 @settings(max_examples=40)
-def test_ghosts_share_no_id_and_real_touches_stay_as_they_are(ids, seed, rate):
+def test_ghosts_share_no_id_and_real_touches_stay_as_they_are(
+    ids: list[int], seed: int, rate: float
+) -> None:
     contacts = tuple(Contact(i, 0.01 * n, 0.02) for n, i in enumerate(ids))
     seen = set()
     # Frames refuse two contacts of one id by themselves.
@@ -257,9 +266,9 @@ def test_ghosts_share_no_id_and_real_touches_stay_as_they_are(ids, seed, rate):
     assert len({i for i, _, _ in seen}) == len(seen)
 
 
-def test_ghosts_appear_as_often_as_asked_and_stay_their_time():
+def test_ghosts_appear_as_often_as_asked_and_stay_their_time() -> None:
     out = played(Variation(ghosts=4.0), frames_of(12_000))
-    stays: dict[str, Any] = {}
+    stays: dict[int, int] = {}
     for frame in out:
         for ghost in frame.contacts:
             stays[ghost.id] = stays.get(ghost.id, 0) + 1
@@ -267,7 +276,7 @@ def test_ghosts_appear_as_often_as_asked_and_stay_their_time():
     assert max(stays.values()) == int(np.ceil(GHOST_LENGTH / STEP - 1e-9))
 
 
-def test_a_dropped_touch_comes_back_under_another_id_at_its_place():
+def test_a_dropped_touch_comes_back_under_another_id_at_its_place() -> None:
     out = played(Variation(dropped=1.0), frames_of(2000, Contact(3, 0.05, 0.05)))
     gone = [not f.contacts for f in out]
     ids = list(dict.fromkeys(c.id for f in out for c in f.contacts))
@@ -277,7 +286,7 @@ def test_a_dropped_touch_comes_back_under_another_id_at_its_place():
     assert {(c.x, c.y) for f in out for c in f.contacts} == {(0.05, 0.05)}
 
 
-def test_a_touch_that_came_back_is_cancelled_under_the_id_it_came_back_with():
+def test_a_touch_that_came_back_is_cancelled_under_the_id_it_came_back_with() -> None:
     frames = frames_of(2000, Contact(3, 0.05, 0.05))
     frames.append(TouchFrame(2000 * STEP, cancelled=frozenset({3})))
     out = played(Variation(dropped=1.0), frames)
@@ -285,14 +294,16 @@ def test_a_touch_that_came_back_is_cancelled_under_the_id_it_came_back_with():
     assert last != 3 and out[-1].cancelled == {last}
 
 
-def test_degraded_touches_follow_from_the_seed():
+def test_degraded_touches_follow_from_the_seed() -> None:
     bad = Variation(noise=1e-3, dropped=1.0, ghosts=3.0, latency=0.05)
     frames = frames_of(300, Contact(1, 0.05, 0.05), Contact(2, 0.08, 0.05))
     assert played(bad, frames, 4) == played(bad, frames, 4) != played(bad, frames, 5)
     assert played(Variation(), frames) == [replace(f, time=f.time) for f in frames]
 
 
-def test_a_varied_run_replays_to_the_bit_and_is_marked_in_recording_and_result(tmp_path):
+def test_a_varied_run_replays_to_the_bit_and_is_marked_in_recording_and_result(
+    tmp_path: Path,
+) -> None:
     text = "size=0.9,mass=2,friction=0.8,start=10,noise=0.5,dropped=1,ghosts=1,latency=30"
     chosen = plan(SceneOptions(seed=6, vary=text + ",hand-size=1.05"))
     path = tmp_path / "varied.jsonl"
@@ -311,14 +322,14 @@ def test_a_varied_run_replays_to_the_bit_and_is_marked_in_recording_and_result(t
     )
 
 
-def test_settings_of_an_older_recording_are_not_varied():
+def test_settings_of_an_older_recording_are_not_varied() -> None:
     values = RunSettings().as_json()
     assert "variation" not in values
     assert RunSettings.from_json(values).variation.neutral
 
 
 @given(st.text(max_size=30))
-def test_invalid_texts_are_never_parsed_as_a_variation(text):
+def test_invalid_texts_are_never_parsed_as_a_variation(text: str) -> None:
     try:
         variation, hand = parse_variation(text)
     except InputError:
@@ -343,12 +354,12 @@ def test_invalid_texts_are_never_parsed_as_a_variation(text):
         "=1",
     ],
 )
-def test_an_invalid_variation_gives_one_clear_error(text):
+def test_an_invalid_variation_gives_one_clear_error(text: str) -> None:
     with pytest.raises(InputError, match="--vary"):
         parse_variation(text)
 
 
-def test_all_values_of_the_automatic_sweep_are_valid():
+def test_all_values_of_the_automatic_sweep_are_valid() -> None:
     for kind in KINDS.values():
         for value in (*kind.down, *kind.up):
             variation, hand = parse_variation(f"{kind.name}={value}")
@@ -358,12 +369,12 @@ def test_all_values_of_the_automatic_sweep_are_valid():
 
 
 @pytest.mark.parametrize("values", [[], "size", {"speed": 1.0}, {"size": 99.0}])
-def test_a_recording_with_another_variation_is_refused(values):
+def test_a_recording_with_another_variation_is_refused(values: Any) -> None:
     with pytest.raises(InputError):
         RunSettings.from_json({**RunSettings().as_json(), "variation": values})
 
 
-def test_a_simulation_of_the_smallest_and_heaviest_box_stands_still_at_its_start():
+def test_a_simulation_of_the_smallest_and_heaviest_box_stands_still_at_its_start() -> None:
     task = vary(BoxToGoal.draw(3, FLAT), Variation(size=0.3, mass=32.0), FLAT)
     scene = Scene(SceneSpec((Hand(),), task.objects))
     data = mujoco.MjData(scene.model)

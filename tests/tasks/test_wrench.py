@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import mujoco
@@ -11,6 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
+from models.arithmetic.arrays import Array
 from models.errors import InputError
 from models.hand import Hand
 from models.objects import HANDLE, JAW, THICKNESS, Wrench, bolt_place
@@ -21,7 +23,7 @@ from tasks import wrench_base, wrench_slide, wrench_turn
 from tasks.sensing import Sensing
 from tasks.task import Measure
 from tasks.variation import Variation, vary
-from tasks.wrench_base import wrapped
+from tasks.wrench_base import WrenchTask, wrapped
 from tasks.wrench_slide import WrenchSlide
 from tasks.wrench_turn import WrenchTurn
 from tests.support.simulation import put, run
@@ -41,9 +43,7 @@ def turned(degrees: float, axis: int = 2) -> np.ndarray:
 class Trial:
     """A trial in its real scene, with the wrench put where a test wants it."""
 
-    def __init__(
-        self, kind: type[WrenchTurn] | type[WrenchSlide], seed: int = 4, size: float = 1.0
-    ) -> None:
+    def __init__(self, kind: type[WrenchTask], seed: int = 4, size: float = 1.0) -> None:
         self.task = vary(kind.draw(seed, TABLET), Variation(size=size), TABLET)
         self.scene = Scene(SceneSpec((Hand(),), self.task.objects, self.task.table_friction))
         self.data = mujoco.MjData(self.scene.model)
@@ -54,7 +54,12 @@ class Trial:
         self.goal = self.task.goals[0]
         self.joint = self.data.joint("wrench")
 
-    def place(self, shift=(0.0, 0.0, 0.0), turn: float = 0.0, rotation=None) -> None:
+    def place(
+        self,
+        shift: Sequence[float] | Array = (0.0, 0.0, 0.0),
+        turn: float = 0.0,
+        rotation: Array | None = None,
+    ) -> None:
         """The wrench at rest at its goal, but for a shift (m), a turn (degrees) and a rotation."""
         self.joint.qvel[:] = 0.0
         yaw = self.goal.yaw + np.deg2rad(turn)
@@ -75,7 +80,9 @@ class Trial:
 
 @settings(max_examples=40)
 @given(seed=seeds, surface=tablets)
-def test_a_wrench_to_turn_is_within_its_ranges_and_its_handle_within_reach(seed, surface):
+def test_a_wrench_to_turn_is_within_its_ranges_and_its_handle_within_reach(
+    seed: int, surface: Surface
+) -> None:
     task = WrenchTurn.draw(seed, surface)
     (wrench,), (goal,) = task.objects, task.goals
     low, high = wrench_turn.TURN
@@ -99,7 +106,9 @@ def test_a_wrench_to_turn_is_within_its_ranges_and_its_handle_within_reach(seed,
 
 @settings(max_examples=40)
 @given(seed=seeds, surface=tablets)
-def test_a_wrench_to_slide_is_within_its_ranges_and_on_the_surface(seed, surface):
+def test_a_wrench_to_slide_is_within_its_ranges_and_on_the_surface(
+    seed: int, surface: Surface
+) -> None:
     task = WrenchSlide.draw(seed, surface)
     (wrench,), (goal,) = task.objects, task.goals
     assert wrench.bolt is None
@@ -122,7 +131,9 @@ def test_a_wrench_to_slide_is_within_its_ranges_and_on_the_surface(seed, surface
 @both
 @settings(max_examples=40)
 @given(seed=seeds, x=st.floats(-1, 1), y=st.floats(-1, 1))
-def test_the_same_seed_is_the_same_trial_wherever_the_surface_is(kind, seed, x, y):
+def test_the_same_seed_is_the_same_trial_wherever_the_surface_is(
+    kind: type[WrenchTask], seed: int, x: float, y: float
+) -> None:
     here, there = kind.draw(seed, Surface()), kind.draw(seed, Surface(origin=(x, y, 0.01)))
     assert kind.draw(seed, Surface()) == here
     assert there.objects[0].yaw == here.objects[0].yaw
@@ -132,7 +143,7 @@ def test_the_same_seed_is_the_same_trial_wherever_the_surface_is(kind, seed, x, 
 
 
 @both
-def test_seeds_turn_both_ways_and_point_all_ways(kind):
+def test_seeds_turn_both_ways_and_point_all_ways(kind: type[WrenchTask]) -> None:
     drawn = [kind.draw(seed, TABLET) for seed in range(200)]
     turns = np.array([t.goals[0].yaw - t.objects[0].yaw for t in drawn])
     assert 60 < np.sum(turns > 0) < 140
@@ -142,13 +153,15 @@ def test_seeds_turn_both_ways_and_point_all_ways(kind):
 
 @both
 @pytest.mark.parametrize("size", [(2.0, 2.0), (4.0, 3.0), (1.0, 12.0)])
-def test_a_surface_without_room_is_refused(kind, size):
+def test_a_surface_without_room_is_refused(
+    kind: type[WrenchTask], size: tuple[float, float]
+) -> None:
     with pytest.raises(InputError, match="too small"):
         kind.draw(0, Surface(*size))
 
 
 @both
-def test_a_wrench_at_its_goal_is_there_and_one_turned_round_is_not(kind):
+def test_a_wrench_at_its_goal_is_there_and_one_turned_round_is_not(kind: type[WrenchTask]) -> None:
     trial = Trial(kind)
     trial.place(shift=(0.0, 0.0, -1e-5))
     assert trial.measure() == Measure(True, 1.0, "")
@@ -158,7 +171,9 @@ def test_a_wrench_at_its_goal_is_there_and_one_turned_round_is_not(kind):
 
 @pytest.mark.parametrize(("kind", "limit"), [(WrenchTurn, 5.0), (WrenchSlide, 8.0)])
 @pytest.mark.parametrize("way", [-1.0, 1.0])
-def test_a_turn_counts_up_to_its_tolerance(kind, limit, way):
+def test_a_turn_counts_up_to_its_tolerance(
+    kind: type[WrenchTask], limit: float, way: float
+) -> None:
     trial = Trial(kind)
     trial.place(turn=way * (limit - 0.05), shift=(0.0, 0.0, -1e-5))
     assert trial.measure().reached
@@ -167,7 +182,7 @@ def test_a_turn_counts_up_to_its_tolerance(kind, limit, way):
 
 
 @pytest.mark.parametrize("angle", np.linspace(0.0, 2 * np.pi, 7))
-def test_a_slide_counts_up_to_its_tolerance(angle):
+def test_a_slide_counts_up_to_its_tolerance(angle: float) -> None:
     trial = Trial(WrenchSlide)
     way = np.array([np.cos(angle), np.sin(angle), 0.0])
     trial.place(shift=0.0099 * way - [0, 0, 1e-5])
@@ -176,7 +191,7 @@ def test_a_slide_counts_up_to_its_tolerance(angle):
     assert "10 mm from the goal" in trial.measure().reason
 
 
-def test_a_wrench_that_is_tilted_or_hangs_in_the_air_is_not_there():
+def test_a_wrench_that_is_tilted_or_hangs_in_the_air_is_not_there() -> None:
     trial = Trial(WrenchSlide)
     trial.place(rotation=turned(6.0, axis=0))
     assert "tilted" in trial.measure().reason
@@ -185,7 +200,7 @@ def test_a_wrench_that_is_tilted_or_hangs_in_the_air_is_not_there():
 
 
 @both
-def test_a_moving_wrench_is_not_there(kind):
+def test_a_moving_wrench_is_not_there(kind: type[WrenchTask]) -> None:
     trial = Trial(kind)
     trial.place(shift=(0.0, 0.0, -1e-5))
     trial.joint.qvel[0] = 0.009 / (-JAW if kind is WrenchTurn else 1.0)
@@ -195,7 +210,7 @@ def test_a_moving_wrench_is_not_there(kind):
 
 
 @both
-def test_progress_grows_from_start_to_goal_and_is_whole_only_there(kind):
+def test_progress_grows_from_start_to_goal_and_is_whole_only_there(kind: type[WrenchTask]) -> None:
     trial = Trial(kind)
     began = trial.task.objects[0]
     shift = np.subtract(began.position, trial.goal.position)
@@ -212,7 +227,7 @@ def test_progress_grows_from_start_to_goal_and_is_whole_only_there(kind):
 
 
 @both
-def test_measuring_moves_nothing(kind):
+def test_measuring_moves_nothing(kind: type[WrenchTask]) -> None:
     trial = Trial(kind)
     spec = mujoco.mjtState.mjSTATE_INTEGRATION
     before, after = (np.empty(mujoco.mj_stateSize(trial.scene.model, spec)) for _ in range(2))
@@ -223,7 +238,7 @@ def test_measuring_moves_nothing(kind):
 
 
 @both
-def test_a_wrench_that_nobody_touches_stays_where_it_is(kind):
+def test_a_wrench_that_nobody_touches_stays_where_it_is(kind: type[WrenchTask]) -> None:
     trial = Trial(kind)
     began = trial.task.objects[0]
     run(trial.scene, trial.data, 2.0)
@@ -235,7 +250,7 @@ def test_a_wrench_that_nobody_touches_stays_where_it_is(kind):
 
 
 @pytest.mark.parametrize("way", [-1.0, 1.0])
-def test_a_bolt_yields_to_more_than_its_friction_and_then_holds_again(way):
+def test_a_bolt_yields_to_more_than_its_friction_and_then_holds_again(way: float) -> None:
     trial = Trial(WrenchTurn)
     wrench: Any = trial.task.objects[0]
     trial.joint.qfrc_applied[0] = 0.9 * way * wrench.bolt
@@ -256,7 +271,7 @@ def test_a_bolt_yields_to_more_than_its_friction_and_then_holds_again(way):
     np.testing.assert_allclose(bolt_place(now.position[:2], now.yaw), bolt, atol=1e-9)
 
 
-def test_the_head_of_a_bolt_turns_with_its_wrench_and_nothing_of_it_can_be_touched():
+def test_the_head_of_a_bolt_turns_with_its_wrench_and_nothing_of_it_can_be_touched() -> None:
     trial = Trial(WrenchTurn)
     trial.place(turn=20.0)
     mujoco.mj_forward(trial.scene.model, trial.data)
@@ -273,7 +288,7 @@ def test_the_head_of_a_bolt_turns_with_its_wrench_and_nothing_of_it_can_be_touch
 
 
 @pytest.mark.parametrize("speed", [-3.0, 0.4])
-def test_the_speed_of_a_wrench_on_a_bolt_is_that_of_its_middle(speed):
+def test_the_speed_of_a_wrench_on_a_bolt_is_that_of_its_middle(speed: float) -> None:
     trial = Trial(WrenchTurn)
     trial.joint.qvel[0] = speed
     mujoco.mj_forward(trial.scene.model, trial.data)
@@ -285,7 +300,7 @@ def test_the_speed_of_a_wrench_on_a_bolt_is_that_of_its_middle(speed):
 
 
 @pytest.mark.parametrize("bolt", [None, 0.05])
-def test_a_wrench_weighs_what_it_says_and_balances_at_its_middle(bolt):
+def test_a_wrench_weighs_what_it_says_and_balances_at_its_middle(bolt: float | None) -> None:
     wrench = Wrench("wrench", 0.1, (0.02, 0.01, 0.012), 0.7, bolt)
     scene = Scene(SceneSpec((Hand(),), (wrench,)))
     body = scene.model.body("wrench")
@@ -304,7 +319,9 @@ def test_a_wrench_weighs_what_it_says_and_balances_at_its_middle(bolt):
     yaw=st.floats(-3, 3),
     size=st.sampled_from([1.0, 0.4, 2.5]),
 )
-def test_clearance_is_the_distance_to_the_nearest_solid_part_of_the_model(shares, yaw, size):
+def test_clearance_is_the_distance_to_the_nearest_solid_part_of_the_model(
+    shares: Array, yaw: float, size: float
+) -> None:
     wrench = Wrench("wrench", 0.1, (0.02, -0.03, 0.02), yaw, size=size)
     scene = Scene(SceneSpec((Hand(),), (wrench,)))
     data = mujoco.MjData(scene.model)
@@ -323,7 +340,7 @@ def test_clearance_is_the_distance_to_the_nearest_solid_part_of_the_model(shares
 
 @pytest.mark.parametrize("seed", range(4))
 @pytest.mark.parametrize("past", [-40.0, -6.0, 0.0, 4.0, 14.0, 16.0, 100.0])
-def test_a_nut_turned_far_past_its_goal_is_spoiled(seed, past):
+def test_a_nut_turned_far_past_its_goal_is_spoiled(seed: int, past: float) -> None:
     trial = Trial(WrenchTurn, seed)
     way = np.sign(wrapped(trial.goal.yaw - trial.task.objects[0].yaw))
     trial.place(turn=way * past)

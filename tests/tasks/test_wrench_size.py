@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 from xml.etree.ElementTree import tostring
 
@@ -11,6 +12,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from models.arithmetic.arrays import Array
 from models.objects import BOLT_LIFT, JAW, Wrench, bolt_place
 from models.rotations import exp
 from sandbox.devices.simulated.air_user.holds import hold_of, pinch_motion
@@ -23,6 +25,7 @@ from tasks.simulated_user.handling import handling_of
 from tasks.task import Goal
 from tasks.user import SeenObject, UserConfiguration
 from tasks.variation import RANGES, Variation, vary
+from tasks.wrench_base import WrenchTask
 from tasks.wrench_slide import WrenchSlide
 from tasks.wrench_turn import GRIP, GRIP_BORDER, WrenchTurn
 from tests.support.simulation import run
@@ -41,7 +44,9 @@ def seen(yaw: float, size: float, bolt: float | None = None) -> SeenObject:
 
 
 @given(yaw=yaws, bolt=bolts, x=st.floats(-0.1, 0.1), k=sizes)
-def test_scaling_by_1_changes_nothing_and_factors_multiply(yaw, bolt, x, k):
+def test_scaling_by_1_changes_nothing_and_factors_multiply(
+    yaw: float, bolt: float, x: float, k: float
+) -> None:
     wrench = Wrench("wrench", 0.1, (x, 0.03, 0.012), yaw, bolt)
     assert wrench.scaled(1.0) == wrench
     assert tostring(wrench.scaled(1.0).body()) == tostring(wrench.body())
@@ -52,7 +57,9 @@ def test_scaling_by_1_changes_nothing_and_factors_multiply(yaw, bolt, x, k):
 
 @given(seed=seeds, k=st.floats(0.3, 3.0))
 @settings(max_examples=40)
-def test_a_larger_wrench_sits_on_the_same_bolt_and_weighs_and_rubs_the_same(seed, k):
+def test_a_larger_wrench_sits_on_the_same_bolt_and_weighs_and_rubs_the_same(
+    seed: int, k: float
+) -> None:
     task = WrenchTurn.draw(seed, TABLET)
     varied = vary(task, Variation(size=k), TABLET)
     was: Any
@@ -70,7 +77,7 @@ def test_a_larger_wrench_sits_on_the_same_bolt_and_weighs_and_rubs_the_same(seed
 
 @given(seed=seeds, k=st.floats(0.3, 3.0))
 @settings(max_examples=40)
-def test_a_larger_free_wrench_lies_on_the_table_about_the_same_middle(seed, k):
+def test_a_larger_free_wrench_lies_on_the_table_about_the_same_middle(seed: int, k: float) -> None:
     task = WrenchSlide.draw(seed, TABLET)
     varied = vary(task, Variation(size=k), TABLET)
     shape: Any = varied.objects[0]
@@ -83,7 +90,9 @@ def test_a_larger_free_wrench_lies_on_the_table_about_the_same_middle(seed, k):
 
 @both
 @pytest.mark.parametrize("size", [0.5, 0.7, 1.4, 2.0])
-def test_a_wrench_of_any_size_is_at_its_goal_where_its_goal_is_drawn(kind, size):
+def test_a_wrench_of_any_size_is_at_its_goal_where_its_goal_is_drawn(
+    kind: type[WrenchTask], size: float
+) -> None:
     trial = Trial(kind, size=size)
     trial.place(shift=(0.0, 0.0, -1e-5))
     assert trial.measure().reached
@@ -93,7 +102,9 @@ def test_a_wrench_of_any_size_is_at_its_goal_where_its_goal_is_drawn(kind, size)
 
 @both
 @pytest.mark.parametrize("size", [0.5, 2.0])
-def test_a_wrench_of_any_size_that_nobody_touches_stays_where_it_is(kind, size):
+def test_a_wrench_of_any_size_that_nobody_touches_stays_where_it_is(
+    kind: type[WrenchTask], size: float
+) -> None:
     trial = Trial(kind, size=size)
     began = trial.task.objects[0]
     run(trial.scene, trial.data, 1.0)
@@ -104,8 +115,8 @@ def test_a_wrench_of_any_size_that_nobody_touches_stays_where_it_is(kind, size):
 
 
 @pytest.mark.parametrize("size", [0.5, 2.0])
-def test_from_above_a_larger_wrench_and_its_bolt_are_an_enlarged_picture(size):
-    def parts(k):
+def test_from_above_a_larger_wrench_and_its_bolt_are_an_enlarged_picture(size: float) -> None:
+    def parts(k: float) -> tuple[Array, Array, Array]:
         trial = Trial(WrenchTurn, size=k)
         mujoco.mj_forward(trial.scene.model, trial.data)
         model, data = trial.scene.model, trial.data
@@ -123,7 +134,9 @@ def test_from_above_a_larger_wrench_and_its_bolt_are_an_enlarged_picture(size):
 
 
 @given(yaw=yaws, turn=st.floats(-1.5, 1.5), n=st.integers(2, 5), bolt=bolts, k=st.floats(0.6, 2.5))
-def test_fingers_come_down_beside_the_handle_that_is_there_and_close_on_it(yaw, turn, n, bolt, k):
+def test_fingers_come_down_beside_the_handle_that_is_there_and_close_on_it(
+    yaw: float, turn: float, n: int, bolt: float, k: float
+) -> None:
     c = UserConfiguration(fingers=n)
     hand = Hand.draw(c, 0)
     wrench = seen(yaw, k, bolt)
@@ -139,7 +152,9 @@ def test_fingers_come_down_beside_the_handle_that_is_there_and_close_on_it(yaw, 
 
 
 @given(yaw=yaws, turn=st.floats(-1.5, 1.5), n=st.integers(2, 5), bolt=bolts, k=sizes)
-def test_the_simulated_user_can_grasp_a_wrench_of_any_allowed_size(yaw, turn, n, bolt, k):
+def test_the_simulated_user_can_grasp_a_wrench_of_any_allowed_size(
+    yaw: float, turn: float, n: int, bolt: float, k: float
+) -> None:
     wrench = seen(yaw, k, bolt)
     grasp = handling_of(wrench.shape).grasp(
         wrench, turn, Hand.draw(UserConfiguration(fingers=n), 0)
@@ -152,8 +167,8 @@ def test_the_simulated_user_can_grasp_a_wrench_of_any_allowed_size(yaw, turn, n,
 @given(seed=seeds, k=st.floats(1.0, 2.5), share=st.floats(0.0, 1.0))
 @settings(max_examples=20)
 def test_a_longer_handle_is_gripped_no_farther_from_the_bolt_than_the_screen_has_room(
-    seed, k, share
-):
+    seed: int, k: float, share: float
+) -> None:
     task = vary(WrenchTurn.draw(seed, TABLET), Variation(size=k), TABLET)
     wrench: Any
     (wrench,), (goal,) = task.objects, task.goals
@@ -175,8 +190,8 @@ def test_a_longer_handle_is_gripped_no_farther_from_the_bolt_than_the_screen_has
 
 @given(yaw=yaws, k=sizes, bolt=bolts, turn=st.floats(-0.4, 0.4))
 def test_a_hand_in_the_air_closes_on_the_handle_that_is_there_and_turns_it_about_its_bolt(
-    yaw, k, bolt, turn
-):
+    yaw: float, k: float, bolt: float, turn: float
+) -> None:
     wrench = seen(yaw, k, bolt)
     hold = hold_of(wrench, np.zeros(2))
     x, y, z = wrench.rotation.T @ (hold.position - wrench.position)
@@ -206,8 +221,8 @@ def test_a_hand_in_the_air_closes_on_the_handle_that_is_there_and_turns_it_about
     ],
 )
 def test_the_simulated_user_does_it_with_another_wrench_and_it_replays_to_the_bit(
-    task, size, more, tmp_path
-):
+    task: str, size: float, more: dict[str, Any], tmp_path: Path
+) -> None:
     chosen = plan(SceneOptions(task=task, seed=1, vary=f"size={size}", **more))
     path = tmp_path / "varied.jsonl"
     result = run_trial(chosen.settings, chosen.makers, record=path, about=chosen.about)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -47,7 +49,9 @@ def wrapped(angle: float) -> float:
 
 
 @given(yaw=yaws, turn=turns, n=fingers, bolt=bolts, person=people)
-def test_thumb_and_fingers_come_down_beside_the_handle_and_close_on_it(yaw, turn, n, bolt, person):
+def test_thumb_and_fingers_come_down_beside_the_handle_and_close_on_it(
+    yaw: float, turn: float, n: int, bolt: float, person: int
+) -> None:
     c = UserConfiguration(fingers=n)
     hand = Hand.draw(c, person)
     wrench = seen(yaw, bolt)
@@ -67,7 +71,9 @@ def test_thumb_and_fingers_come_down_beside_the_handle_and_close_on_it(yaw, turn
 
 
 @given(yaw=yaws, turn=turns, n=fingers, bolt=bolts)
-def test_every_turn_is_made_in_three_grasps_without_a_wrist_that_is_broken(yaw, turn, n, bolt):
+def test_every_turn_is_made_in_three_grasps_without_a_wrist_that_is_broken(
+    yaw: float, turn: float, n: int, bolt: float
+) -> None:
     hand = Hand.draw(UserConfiguration(fingers=n), 0)
     handling = wrench_handling(seen(0.0, bolt))
     left = turn
@@ -85,7 +91,7 @@ def test_every_turn_is_made_in_three_grasps_without_a_wrist_that_is_broken(yaw, 
 
 
 @given(axis=yaws, turn=turns)
-def test_a_wrist_turned_too_far_may_turn_back_but_no_further(axis, turn):
+def test_a_wrist_turned_too_far_may_turn_back_but_no_further(axis: float, turn: float) -> None:
     hand = Hand.draw(UserConfiguration(), 0)
     now = wrapped(axis - hand.natural_axis)
     after = now + within_comfort(axis, turn, hand)
@@ -95,7 +101,9 @@ def test_a_wrist_turned_too_far_may_turn_back_but_no_further(axis, turn):
 
 
 @given(yaw=yaws, turn=st.floats(0.1, 1.5), way=st.sampled_from([-1, 1]), bolt=bolts)
-def test_two_fingers_close_so_that_the_handle_begins_to_turn_the_right_way(yaw, turn, way, bolt):
+def test_two_fingers_close_so_that_the_handle_begins_to_turn_the_right_way(
+    yaw: float, turn: float, way: int, bolt: float
+) -> None:
     hand = Hand.draw(UserConfiguration(fingers=2), 0)
     wrench = seen(yaw, bolt)
     grasp = handling_of(wrench.shape).grasp(wrench, way * turn, hand)
@@ -110,7 +118,7 @@ def test_two_fingers_close_so_that_the_handle_begins_to_turn_the_right_way(yaw, 
 
 
 @given(yaw=yaws, goal=yaws)
-def test_the_missing_movement_brings_the_wrench_to_its_goal(yaw, goal):
+def test_the_missing_movement_brings_the_wrench_to_its_goal(yaw: float, goal: float) -> None:
     at = Goal("wrench", (0.05, 0.03, 0.012), goal)
     free = seen(yaw)
     off, turn = wrench_handling(free).missing(free, at)
@@ -131,7 +139,9 @@ def test_the_missing_movement_brings_the_wrench_to_its_goal(yaw, goal):
     hand=st.sampled_from(["left", "right"]),
     turn=st.sampled_from([0, 90, 180, 270]),
 )
-def test_from_every_seat_the_jaws_are_where_they_are_drawn(yaw, x, y, hand, turn):
+def test_from_every_seat_the_jaws_are_where_they_are_drawn(
+    yaw: float, x: float, y: float, hand: str, turn: int
+) -> None:
     seat = Seat(Person(hand=hand, turn=turn), Surface().centred_at((0.0, 0.0, 0.006)))
     wrench = seen(yaw, None, x, y)
     goal = Goal("wrench", tuple(wrench.position), yaw)
@@ -146,28 +156,28 @@ def test_from_every_seat_the_jaws_are_where_they_are_drawn(yaw, x, y, hand, turn
     assert np.cos(sight.goals[0].yaw - shown.yaw) == pytest.approx(1.0)
 
 
-def play(task: str, seed: int, **options) -> TrialResult:
+def play(task: str, seed: int, **options: Any) -> TrialResult:
     chosen = plan(SceneOptions(task=task, seed=seed, **options))
     return run_trial(chosen.settings, chosen.makers, about=chosen.about)
 
 
 @pytest.mark.parametrize("task", TASKS)
 @pytest.mark.parametrize("n", [2, 3, 5])
-def test_the_simulated_user_succeeds_by_touch_alone(task, n):
+def test_the_simulated_user_succeeds_by_touch_alone(task: str, n: int) -> None:
     result = play(task, 3, fingers=n)
     assert result.success, result.reason
     assert result.task_version == registry.find_task(task).version
 
 
 @pytest.mark.parametrize("task", TASKS)
-def test_a_left_hand_from_another_seat_succeeds_as_well(task):
+def test_a_left_hand_from_another_seat_succeeds_as_well(task: str) -> None:
     assert play(task, 1, hand="left", turn=90).success
 
 
 @pytest.mark.full
 @pytest.mark.parametrize(("task", "least"), [("wrench-turn", 39), ("wrench-slide", 38)])
 @pytest.mark.parametrize("n", [2, 3, 5])
-def test_nearly_all_of_forty_trials_succeed(task, least, n):
+def test_nearly_all_of_forty_trials_succeed(task: str, least: int, n: int) -> None:
     assert sum(play(task, seed, fingers=n).success for seed in range(40)) >= least
 
 
@@ -181,5 +191,5 @@ def test_nearly_all_of_forty_trials_succeed(task, least, n):
         ("wrench-turn", "random"),
     ],
 )
-def test_control_users_succeed_in_under_5_of_100_trials(task, user):
+def test_control_users_succeed_in_under_5_of_100_trials(task: str, user: str) -> None:
     assert sum(play(task, seed, user=user).success for seed in range(100)) < 5

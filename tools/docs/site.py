@@ -19,6 +19,7 @@ import shutil
 import subprocess
 import sys
 import tomllib
+from importlib.util import find_spec
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -27,7 +28,7 @@ SITE = ROOT / "site"
 PACKAGES = ("models", "encoders", "tasks", "sandbox")
 """Packages whose public names have a page each."""
 
-TOP = ("README.md", "CHANGELOG.md", "CONTRIBUTING.md", "LICENSE")
+TOP = ("README.md", "CHANGELOG.md", "CONTRIBUTING.md", "LICENSE", "CITATION.cff")
 """Files of the repository's top folder that are pages, or that pages link to."""
 
 LINK = re.compile(r"\]\(((?:\.\./)+(?:models|encoders|tasks|sandbox|tools|benchmarks)/[^)#\s]+)")
@@ -150,6 +151,9 @@ def main() -> int:
         for name in to_fill_in():
             print(f"site/settings.toml: {name} is to be filled in")
         return 0
+    if find_spec("sphinx") is None:
+        print('Sphinx is missing: pip install -e ".[site]"', file=sys.stderr)
+        return 2
     status = build(options.out)
     if not status:
         print(f"{options.out / 'index.html'} is the first page")

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from models.frames import FINGERS
-from sandbox.session.finger_loads import HandLoad
 from sandbox.session.session import Session
 
 NOTHING = (0.0,) * len(FINGERS)
@@ -36,16 +35,7 @@ def hand_feedback(session: Session) -> list[HandFeedback]:
             tuple(finger.force for finger in load.fingers),
             reconstruction.probability,
             tuple(finger.stored for finger in load.fingers),
-            full_fingers(load),
+            load.full,
         )
         for load, reconstruction in zip(session.loads(), session.reconstructions, strict=True)
     ]
-
-
-def full_fingers(load: HandLoad) -> frozenset[int]:
-    """Labels of the touching fingers for which the hand has no more force."""
-    return frozenset(
-        label
-        for label, finger in enumerate(load.fingers)
-        if finger.force > 0.0 and (finger.at_limit or load.palm_at_limit)
-    )

@@ -61,12 +61,15 @@ def describe_scene(
     """
     model = scene.model
     things = {thing.name for thing in task.objects}
+    palms = {model.body(hand.palm).id for hand in scene.spec.hands}
     geoms = []
     for i in range(model.ngeom):
+        root = model.body(int(model.body_rootid[model.geom_bodyid[i]])).name
         kind = _KINDS.get(mujoco.mjtGeom(int(model.geom_type[i])))
+        if int(model.geom_bodyid[i]) in palms and kind is None:
+            geoms.append(_palm_box(scene, i, root, things))
         if kind is None or model.geom_rgba[i, 3] == 0:
             continue
-        root = model.body(int(model.body_rootid[model.geom_bodyid[i]])).name
         geoms.append(
             Geom(
                 int(model.geom_bodyid[i]),
@@ -100,6 +103,22 @@ def describe_scene(
         told(caption) if caption else None,
         in_air,
         scored,
+    )
+
+
+def _palm_box(scene: SimulatedScene, geom: int, root: str, things: set[str]) -> Geom:
+    """The box around a mesh of a robot's palm; its fingers are drawn as capsules."""
+    model, turn, place = scene.model, np.empty(9), np.empty(3)
+    mujoco.mju_quat2Mat(turn, model.geom_quat[geom])
+    mujoco.mju_mulMatVec3(place, turn, model.geom_aabb[geom, :3])
+    return Geom(
+        int(model.geom_bodyid[geom]),
+        "box",
+        _floats(model.geom_aabb[geom, 3:]),
+        _floats(model.geom_pos[geom] + place),
+        _floats(model.geom_quat[geom]),
+        _floats(model.geom_rgba[geom]),
+        _part(scene, root, things),
     )
 
 

@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from encoders.captures.conversion import ConversionReport, JointTrack, TouchLog
 from encoders.captures.conversion.touch_log import valid_contacts
 from encoders.store import load_capture, save_capture
+from models.arithmetic.arrays import Array
 from models.errors import CaptureError
 from tests.support.hand_recording import (
     AHEAD,
     RATE,
     RULES,
+    Truth,
     converted,
     played,
     rows_of,
@@ -23,19 +27,21 @@ from tests.support.hand_recording import (
 
 
 @pytest.fixture(scope="module")
-def truth():
+def truth() -> Truth:
     return played()
 
 
 @pytest.fixture(scope="module")
-def joints(truth):
+def joints(truth: Truth) -> JointTrack:
     return JointTrack(truth.time, truth.q, truth.skeleton)
 
 
 # --- touches and poses side by side
 
 
-def test_labels_and_poses_come_back_and_single_fingers_do_not(truth, joints):
+def test_labels_and_poses_come_back_and_single_fingers_do_not(
+    truth: Truth, joints: JointTrack
+) -> None:
     capture, report = converted(touch_log(truth, AHEAD), joints)
     rows = rows_of(truth, capture)
     np.testing.assert_array_equal(capture.down, truth.down[rows])
@@ -48,7 +54,9 @@ def test_labels_and_poses_come_back_and_single_fingers_do_not(truth, joints):
     assert not report.contacts and not report.parts
 
 
-def test_taps_tell_the_offset_of_the_clocks_within_a_frame(truth, joints):
+def test_taps_tell_the_offset_of_the_clocks_within_a_frame(
+    truth: Truth, joints: JointTrack
+) -> None:
     capture, report = converted(touch_log(truth, AHEAD), joints, "tap", 0.0)
     assert abs(report.notes["offset_s"] - AHEAD) < 1 / RATE
     assert abs(report.notes["offset_s"] - AHEAD) < 5 * report.notes["offset_precision_s"]
@@ -56,12 +64,12 @@ def test_taps_tell_the_offset_of_the_clocks_within_a_frame(truth, joints):
 
 
 @pytest.mark.parametrize("ahead", (-7.5, 0.0, 0.013, 41.0))
-def test_any_offset_is_found(truth, joints, ahead):
+def test_any_offset_is_found(truth: Truth, joints: JointTrack, ahead: float) -> None:
     _, report = converted(touch_log(truth, ahead), joints, "tap", 0.0)
     assert abs(report.notes["offset_s"] - ahead) < 0.5 / RATE
 
 
-def test_a_part_of_the_touches_is_enough_to_find_it(truth, joints):
+def test_a_part_of_the_touches_is_enough_to_find_it(truth: Truth, joints: JointTrack) -> None:
     log = touch_log(truth, AHEAD)
     rows = (log.frame > 300) & (log.frame < 800)
     part = TouchLog(log.time, log.frame[rows], log.ids[rows], log.xy[rows])
@@ -69,7 +77,7 @@ def test_a_part_of_the_touches_is_enough_to_find_it(truth, joints):
     assert abs(report.notes["offset_s"] - AHEAD) < 1 / RATE
 
 
-def test_taps_in_one_rhythm_are_refused_for_they_fit_many_offsets(joints):
+def test_taps_in_one_rhythm_are_refused_for_they_fit_many_offsets(joints: JointTrack) -> None:
     q = np.tile(joints.q[0], (1200, 1))
     time = np.arange(1200) / RATE
     q[:, 2] += 0.02 * np.abs(np.sin(np.pi * time))  # down once a second
@@ -81,24 +89,28 @@ def test_taps_in_one_rhythm_are_refused_for_they_fit_many_offsets(joints):
         converted(log, steady, "tap")
 
 
-def test_touches_of_another_session_are_refused_by_their_taps(joints):
+def test_touches_of_another_session_are_refused_by_their_taps(joints: JointTrack) -> None:
     other = touch_log(played(8.0, seed=5), 0.0)
     with pytest.raises(CaptureError, match="offset"):
         converted(other, joints, "tap")
 
 
-def test_a_hand_that_never_taps_cannot_be_synchronised_by_taps(truth, joints):
+def test_a_hand_that_never_taps_cannot_be_synchronised_by_taps(
+    truth: Truth, joints: JointTrack
+) -> None:
     still = JointTrack(truth.time, np.tile(truth.q[0], (len(truth.q), 1)), truth.skeleton)
     with pytest.raises(CaptureError, match="no tap"):
         converted(touch_log(truth), still, "tap")
 
 
-def test_a_wrong_offset_is_noticed(truth, joints):
+def test_a_wrong_offset_is_noticed(truth: Truth, joints: JointTrack) -> None:
     with pytest.raises(CaptureError, match=r"no touch is near|no contact|no frame"):
         converted(touch_log(truth), joints, "clock", 100.0)
 
 
-def test_the_order_of_contacts_and_their_ids_do_not_matter(truth, joints):
+def test_the_order_of_contacts_and_their_ids_do_not_matter(
+    truth: Truth, joints: JointTrack
+) -> None:
     log = touch_log(truth, AHEAD)
     rng = np.random.default_rng(3)
     order = np.lexsort((rng.random(len(log.frame)), log.frame))
@@ -109,7 +121,9 @@ def test_the_order_of_contacts_and_their_ids_do_not_matter(truth, joints):
     np.testing.assert_array_equal(second.xy, first.xy)
 
 
-def test_a_capture_keeps_its_report_when_it_is_saved(truth, joints, tmp_path):
+def test_a_capture_keeps_its_report_when_it_is_saved(
+    truth: Truth, joints: JointTrack, tmp_path: Path
+) -> None:
     capture, report = converted(touch_log(truth, AHEAD), joints)
     save_capture(capture, tmp_path / "c.npz")
     read = load_capture(tmp_path / "c.npz")
@@ -119,7 +133,9 @@ def test_a_capture_keeps_its_report_when_it_is_saved(truth, joints, tmp_path):
     assert read.meta["rate_hz"] == RATE
 
 
-def test_takes_end_at_pauses_and_before_they_grow_too_long(truth, joints):
+def test_takes_end_at_pauses_and_before_they_grow_too_long(
+    truth: Truth, joints: JointTrack
+) -> None:
     rules = replace(RULES, longest_take=1.0, pause=0.5)
     capture, _ = converted(touch_log(truth, AHEAD), joints, rules=rules)
     assert (np.diff(capture.trial) >= 0).all() and (np.diff(capture.trial) <= 1).all()
@@ -133,7 +149,12 @@ def test_takes_end_at_pauses_and_before_they_grow_too_long(truth, joints):
 # --- glitches
 
 
-def with_rows(log, frames, ids, xy):
+def with_rows(
+    log: TouchLog,
+    frames: NDArray[np.int64] | list[int],
+    ids: NDArray[np.int64] | list[int],
+    xy: Array | list[list[float]],
+) -> TouchLog:
     """The log with contacts put into frames."""
     frame = np.concatenate([log.frame, frames])
     order = np.argsort(frame, kind="stable")
@@ -145,7 +166,7 @@ def with_rows(log, frames, ids, xy):
     )
 
 
-def test_a_very_short_contact_is_dropped_and_counted(truth, joints):
+def test_a_very_short_contact_is_dropped_and_counted(truth: Truth, joints: JointTrack) -> None:
     log = touch_log(truth, AHEAD)
     clean, _ = converted(log, joints)
     flash = with_rows(log, [200, 500, 501], [900, 901, 901], [[0.1, 0.1]] * 3)
@@ -155,7 +176,9 @@ def test_a_very_short_contact_is_dropped_and_counted(truth, joints):
     np.testing.assert_array_equal(capture.down, clean.down)
 
 
-def test_a_touch_far_from_every_fingertip_is_dropped_and_counted(truth, joints):
+def test_a_touch_far_from_every_fingertip_is_dropped_and_counted(
+    truth: Truth, joints: JointTrack
+) -> None:
     log = touch_log(truth, AHEAD)
     clean, _ = converted(log, joints)
     frames = np.arange(300, 420)
@@ -165,7 +188,9 @@ def test_a_touch_far_from_every_fingertip_is_dropped_and_counted(truth, joints):
     np.testing.assert_array_equal(capture.down, clean.down)
 
 
-def test_a_place_that_jumps_out_and_back_is_replaced_by_a_straight_line(truth, joints):
+def test_a_place_that_jumps_out_and_back_is_replaced_by_a_straight_line(
+    truth: Truth, joints: JointTrack
+) -> None:
     log = touch_log(truth, AHEAD)
     id_ = np.bincount(log.ids).argmax()
     rows = np.flatnonzero(log.ids == id_)
@@ -178,7 +203,7 @@ def test_a_place_that_jumps_out_and_back_is_replaced_by_a_straight_line(truth, j
     np.testing.assert_allclose(capture.xy, clean.xy, atol=2e-3)
 
 
-def test_an_id_that_jumps_to_another_finger_is_cut_in_two(truth, joints):
+def test_an_id_that_jumps_to_another_finger_is_cut_in_two(truth: Truth, joints: JointTrack) -> None:
     log = touch_log(truth, AHEAD)
     five = np.flatnonzero(truth.down[:, [1, 4]].all(axis=1))
     # The index finger's id goes on as the little finger's, whose own contact is never seen.
@@ -196,7 +221,7 @@ def test_an_id_that_jumps_to_another_finger_is_cut_in_two(truth, joints):
     assert report.frames["with one finger"] >= len(run)
 
 
-def test_frames_that_arrive_in_bunches_cut_no_contact_and_hide_no_jump():
+def test_frames_that_arrive_in_bunches_cut_no_contact_and_hide_no_jump() -> None:
     """Packets without times of their own, of a network that sleeps: five at once, 80 ms apart."""
     count = 200
     even = np.arange(count) / 60.0
@@ -214,7 +239,9 @@ def test_frames_that_arrive_in_bunches_cut_no_contact_and_hide_no_jump():
     assert [len(part.time) for part in parts] == [102, count - 102]
 
 
-def test_a_touch_that_never_ends_is_cut_where_it_came_to_rest(truth, joints):
+def test_a_touch_that_never_ends_is_cut_where_it_came_to_rest(
+    truth: Truth, joints: JointTrack
+) -> None:
     log = touch_log(truth, AHEAD)
     five = np.flatnonzero(truth.down.all(axis=1))
     id_ = log.ids[log.frame == five[-1]][0]
@@ -229,7 +256,9 @@ def test_a_touch_that_never_ends_is_cut_where_it_came_to_rest(truth, joints):
     assert abs(len(capture) - len(clean)) <= 1
 
 
-def test_frames_whose_time_runs_backwards_are_dropped_and_counted(truth, joints):
+def test_frames_whose_time_runs_backwards_are_dropped_and_counted(
+    truth: Truth, joints: JointTrack
+) -> None:
     log = touch_log(truth, AHEAD)
     time = log.time.copy()
     time[[400, 401, 700]] -= 1.0
@@ -239,7 +268,7 @@ def test_frames_whose_time_runs_backwards_are_dropped_and_counted(truth, joints)
     np.testing.assert_array_equal(capture.down, truth.down[rows])
 
 
-def test_a_contact_between_two_fingers_is_refused(truth, joints):
+def test_a_contact_between_two_fingers_is_refused(truth: Truth, joints: JointTrack) -> None:
     """A third of its life at another finger is more than the fifth that is allowed."""
     index = truth.xy[:, 1]
     frames = np.flatnonzero(truth.down[:, 1] & truth.down[:, 2])
@@ -253,7 +282,7 @@ def test_a_contact_between_two_fingers_is_refused(truth, joints):
     assert report.contacts["nearer to another finger for more than 20 % of their time"] == 1
 
 
-def test_two_contacts_of_one_finger_leave_the_nearer(truth, joints):
+def test_two_contacts_of_one_finger_leave_the_nearer(truth: Truth, joints: JointTrack) -> None:
     frames = np.flatnonzero(truth.down[:, 1])
     frames = max(np.split(frames, np.flatnonzero(np.diff(frames) > 1) + 1), key=len)
     log = touch_log(truth, AHEAD)
@@ -264,7 +293,9 @@ def test_two_contacts_of_one_finger_leave_the_nearer(truth, joints):
     np.testing.assert_array_equal(capture.xy, clean.xy)
 
 
-def test_frames_in_a_gap_of_the_poses_are_dropped_and_counted(truth, joints):
+def test_frames_in_a_gap_of_the_poses_are_dropped_and_counted(
+    truth: Truth, joints: JointTrack
+) -> None:
     keep = np.ones(len(truth.time), bool)
     keep[400:460] = False
     gap = JointTrack(truth.time[keep], truth.q[keep], truth.skeleton)

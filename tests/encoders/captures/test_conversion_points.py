@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -19,6 +20,7 @@ from encoders.captures.conversion import (
 )
 from encoders.captures.conversion.sites import mapped, recognised, sites_of
 from encoders.captures.conversion.surface_frame import frame_from_fingertips
+from models.arithmetic.arrays import Array
 from models.errors import CaptureError
 from models.pose import joint_vectors
 from models.rotations import exp, geodesic_angle
@@ -29,6 +31,7 @@ from tests.support.hand_recording import (
     RATE,
     RULES,
     SCALE,
+    Truth,
     converted,
     markers,
     played,
@@ -41,28 +44,30 @@ UPRIGHT = frame_from_corners([0, 0, 0], [1, 0, 0], [0, -1, 0])
 
 
 @pytest.fixture(scope="module")
-def truth():
+def truth() -> Truth:
     return played()
 
 
 @pytest.fixture(scope="module")
-def joints(truth):
+def joints(truth: Truth) -> JointTrack:
     return JointTrack(truth.time, truth.q, truth.skeleton)
 
 
 @pytest.fixture(scope="module")
-def fitted(truth):
+def fitted(truth: Truth) -> tuple[JointTrack, ConversionReport]:
     """The hand as found from markers, and what was noted."""
     report = ConversionReport()
     return joints_from_points(truth.time, markers(truth), SITES, UPRIGHT, ADULT, report), report
 
 
-def joint_error(a, b):
+def joint_error(a: Array, b: Array) -> float:
     """Degrees, mean angle between the joints of poses."""
     return float(np.rad2deg(geodesic_angle(joint_vectors(a), joint_vectors(b))).mean())
 
 
-def test_markers_give_back_size_and_poses(truth, fitted):
+def test_markers_give_back_size_and_poses(
+    truth: Truth, fitted: tuple[JointTrack, ConversionReport]
+) -> None:
     """Within 1.5 % of the size, 8 mm of the wrist, 5 mm of the fingertips and 7 degrees a joint:
     a marker's place on its bone, and a bone's twist, are only known to that."""
     found, report = fitted
@@ -75,14 +80,18 @@ def test_markers_give_back_size_and_poses(truth, fitted):
     assert np.linalg.norm(found.tips - tips, axis=2).mean() < 0.005
 
 
-def test_markers_and_touches_give_the_same_labels(truth, fitted):
+def test_markers_and_touches_give_the_same_labels(
+    truth: Truth, fitted: tuple[JointTrack, ConversionReport]
+) -> None:
     capture, report = converted(touch_log(truth, AHEAD), fitted[0], "tap", 0.0)
     assert abs(report.notes["offset_s"] - AHEAD) < 1 / RATE
     rows = rows_of(truth, capture)
     assert (capture.down == truth.down[rows]).all()
 
 
-def test_markers_near_the_surface_are_touches(truth, fitted):
+def test_markers_near_the_surface_are_touches(
+    truth: Truth, fitted: tuple[JointTrack, ConversionReport]
+) -> None:
     capture = capture_from_poses(fitted[0], 0.005, RULES, ConversionReport(), {})
     rows = rows_of(truth, capture, 0.0)
     assert (capture.down == truth.down[rows]).all(axis=1).mean() > 0.95
@@ -91,7 +100,9 @@ def test_markers_near_the_surface_are_touches(truth, fitted):
     assert np.linalg.norm(capture.xy - truth.xy[rows], axis=2)[both].mean() < 0.006
 
 
-def test_the_surface_is_found_from_fingertips_wherever_the_recorder_stands(truth, fitted):
+def test_the_surface_is_found_from_fingertips_wherever_the_recorder_stands(
+    truth: Truth, fitted: tuple[JointTrack, ConversionReport]
+) -> None:
     turn, shift = exp(np.array([0.7, -1.1, 0.4])), np.array([1.0, -2.0, 0.5])
     moved = {name: p @ turn.T + shift for name, p in markers(truth).items()}
     report = ConversionReport()
@@ -110,7 +121,7 @@ def test_the_surface_is_found_from_fingertips_wherever_the_recorder_stands(truth
     assert np.abs(capture_span - true_span)[seen].mean() < 0.006
 
 
-def test_short_gaps_of_markers_are_bridged_and_long_ones_give_no_poses(truth):
+def test_short_gaps_of_markers_are_bridged_and_long_ones_give_no_poses(truth: Truth) -> None:
     points = {name: p[:300].copy() for name, p in markers(truth).items()}
     points["index_tip"][50:54] = np.nan
     points["index_middle"][50:54] = np.nan  # the finger is not seen for 67 ms
@@ -123,7 +134,7 @@ def test_short_gaps_of_markers_are_bridged_and_long_ones_give_no_poses(truth):
 
 
 @pytest.mark.parametrize("pair", (("index_tip", "little_tip"), ("thumb_tip", "hand_top")))
-def test_swapped_markers_are_noticed(truth, pair):
+def test_swapped_markers_are_noticed(truth: Truth, pair: tuple[str, str]) -> None:
     points = {name: p[::4] for name, p in markers(truth).items()}
     a, b = pair
     points[a], points[b] = points[b], points[a]
@@ -131,7 +142,7 @@ def test_swapped_markers_are_noticed(truth, pair):
         joints_from_points(truth.time[::4], points, SITES, UPRIGHT, ADULT, ConversionReport())
 
 
-def test_a_hand_of_the_wrong_side_is_noticed(truth):
+def test_a_hand_of_the_wrong_side_is_noticed(truth: Truth) -> None:
     points = {name: p[::4] for name, p in markers(truth).items()}
     with pytest.raises(CaptureError, match="side"):
         joints_from_points(
@@ -139,7 +150,7 @@ def test_a_hand_of_the_wrong_side_is_noticed(truth):
         )
 
 
-def test_a_left_hand_is_found_as_the_right_one_in_the_mirror(truth):
+def test_a_left_hand_is_found_as_the_right_one_in_the_mirror(truth: Truth) -> None:
     seen = {}
     for side, sign in (("right", 1.0), ("left", -1.0)):
         points = {name: p[:60] * [sign, 1.0, 1.0] for name, p in markers(truth).items()}
@@ -149,7 +160,7 @@ def test_a_left_hand_is_found_as_the_right_one_in_the_mirror(truth):
     np.testing.assert_allclose(seen["left"], seen["right"], atol=1e-9)
 
 
-def test_a_wrong_unit_is_noticed(truth):
+def test_a_wrong_unit_is_noticed(truth: Truth) -> None:
     points = {name: 10 * p for name, p in markers(truth).items()}
     with pytest.raises(CaptureError, match="size"):
         joints_from_points(truth.time, points, SITES, UPRIGHT, ADULT, ConversionReport())
@@ -158,7 +169,7 @@ def test_a_wrong_unit_is_noticed(truth):
 # --- frames, names and arrays
 
 
-def test_a_surface_given_by_its_corners_has_the_frame_that_they_span():
+def test_a_surface_given_by_its_corners_has_the_frame_that_they_span() -> None:
     turn = exp(np.array([0.3, 0.8, -0.5]))
     corners = np.array([[0, 0, 0], [0.2, 0, 0], [0, -0.15, 0]]) @ turn.T + [1, 2, 3]
     frame = frame_from_corners(*corners)
@@ -175,14 +186,16 @@ def test_a_surface_given_by_its_corners_has_the_frame_that_they_span():
         ([0, 0], [1, 0], [0, 1]),
     ),
 )
-def test_corners_that_span_no_plane_are_refused(corners):
+def test_corners_that_span_no_plane_are_refused(
+    corners: tuple[list[float], list[int], list[int]],
+) -> None:
     with pytest.raises(CaptureError, match="corners"):
         frame_from_corners(*corners)
 
 
 @settings(max_examples=15)
 @given(seed=st.integers(0, 1000))
-def test_fingertips_scattered_in_the_air_do_not_rest_on_a_plane(seed):
+def test_fingertips_scattered_in_the_air_do_not_rest_on_a_plane(seed: int) -> None:
     rng = np.random.default_rng(seed)
     tips = rng.uniform(-0.1, 0.1, (60, 5, 3))
     with pytest.raises(CaptureError, match="no plane"):
@@ -190,12 +203,12 @@ def test_fingertips_scattered_in_the_air_do_not_rest_on_a_plane(seed):
 
 
 @pytest.mark.parametrize("height", (0.0, -0.01, 0.05, np.nan))
-def test_an_impossible_height_of_touch_is_refused(joints, height):
+def test_an_impossible_height_of_touch_is_refused(joints: JointTrack, height: float) -> None:
     with pytest.raises(CaptureError, match="height"):
         capture_from_poses(joints, height, RULES, ConversionReport(), {})
 
 
-def test_a_hand_in_the_air_touches_nothing(truth):
+def test_a_hand_in_the_air_touches_nothing(truth: Truth) -> None:
     q = truth.q.copy()
     q[:, 2] += 0.2
     high = JointTrack(truth.time, q, truth.skeleton)
@@ -210,16 +223,16 @@ def test_a_hand_in_the_air_touches_nothing(truth):
         ([f"glove:{n}" for n in QUALISYS], {f"glove:{n}": s for n, s in QUALISYS.items()}),
     ),
 )
-def test_names_of_glove_markers_are_recognised(names, expected):
+def test_names_of_glove_markers_are_recognised(names: list[str], expected: dict[str, str]) -> None:
     assert recognised(names, "right", ADULT) == expected
 
 
-def test_unknown_names_are_refused_and_listed():
+def test_unknown_names_are_refused_and_listed() -> None:
     with pytest.raises(CaptureError, match="m1, m2"):
         recognised(["m1", "m2"], "right", ADULT)
 
 
-def test_the_fingers_of_the_other_hand_are_not_taken():
+def test_the_fingers_of_the_other_hand_are_not_taken() -> None:
     names = [
         f"LeftHand{f}{i}" for f in ("Thumb", "Index", "Middle", "Ring", "Pinky") for i in "123"
     ]
@@ -243,7 +256,7 @@ def test_the_fingers_of_the_other_hand_are_not_taken():
         ({"m1": "index_tip_skin"}, "point on the thumb"),
     ),
 )
-def test_a_mapping_that_makes_no_sense_is_refused(change, message):
+def test_a_mapping_that_makes_no_sense_is_refused(change: dict[str, Any], message: str) -> None:
     names = [f"m{i}" for i in range(len(QUALISYS) + 1)]
     sound = dict(zip(names, QUALISYS.values(), strict=False))
     thumb = [name for name, site in sound.items() if site.startswith("thumb")]
@@ -269,7 +282,7 @@ def test_a_mapping_that_makes_no_sense_is_refused(change, message):
         {"xy": np.full((2, 2), np.inf)},
     ),
 )
-def test_a_touch_log_that_breaks_its_contract_is_refused(change):
+def test_a_touch_log_that_breaks_its_contract_is_refused(change: dict[str, Any]) -> None:
     sound = TouchLog(np.array([0.0, 0.1]), np.array([0, 1]), np.array([4, 4]), np.zeros((2, 2)))
     with pytest.raises(CaptureError, match="touches"):
         replace(sound, **change)
@@ -286,7 +299,7 @@ def test_a_touch_log_that_breaks_its_contract_is_refused(change):
         {"q": np.full((2, 48), np.nan)},
     ),
 )
-def test_poses_that_break_their_contract_are_refused(change):
+def test_poses_that_break_their_contract_are_refused(change: dict[str, Any]) -> None:
     sound = JointTrack(np.array([0.0, 0.1]), np.zeros((2, 48)), ADULT)
     with pytest.raises(CaptureError, match="joints"):
         replace(sound, **change)

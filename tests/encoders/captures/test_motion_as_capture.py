@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shutil
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,7 +15,7 @@ from models.motion.write.vicon_v import VWriter
 from models.pose import joint_vectors
 from models.rotations import geodesic_angle
 from sandbox.cli.main import main
-from tests.support.hand_recording import RATE, played, touch_log, write_shown
+from tests.support.hand_recording import RATE, Truth, played, touch_log, write_shown
 from tests.support.motion_poses import written
 
 AHEAD = 1.25
@@ -29,12 +30,12 @@ KINDS = {"bvh": (BvhWriter, "y"), "amc": (AmcWriter, "y"), "v": (VWriter, "z")}
 
 
 @pytest.fixture(scope="module")
-def truth():
+def truth() -> Truth:
     return played(8.0, seed=3)
 
 
 @pytest.fixture(scope="module")
-def folder(truth, tmp_path_factory):
+def folder(truth: Truth, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """One session: touches, and the hand in every format."""
     folder = tmp_path_factory.mktemp("session")
     write_shown(folder / "shown.jsonl", touch_log(truth, AHEAD))
@@ -45,7 +46,7 @@ def folder(truth, tmp_path_factory):
     return folder
 
 
-def converted(folder, kind, out, *more) -> int:
+def converted(folder: Path, kind: str, out: Path, *more: object) -> int:
     up, hand = KINDS[kind][1], folder / f"hand.{kind}"
     return main(
         [
@@ -67,7 +68,9 @@ def converted(folder, kind, out, *more) -> int:
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_motion_of_every_kind_becomes_the_capture_that_it_was(folder, truth, tmp_path, kind):
+def test_motion_of_every_kind_becomes_the_capture_that_it_was(
+    folder: Path, truth: Truth, tmp_path: Path, kind: str
+) -> None:
     assert converted(folder, kind, tmp_path / "c.npz") == 0
     capture = load_capture(tmp_path / "c.npz")
     rows = np.clip(np.round((capture.time + AHEAD) * RATE).astype(int), 0, len(truth.time) - 1)
@@ -80,7 +83,9 @@ def test_motion_of_every_kind_becomes_the_capture_that_it_was(folder, truth, tmp
     assert abs(capture.meta["conversion"]["hand_scale"] - 0.95) < 0.01
 
 
-def test_a_motion_without_its_skeleton_says_what_is_missing(folder, tmp_path, capsys):
+def test_a_motion_without_its_skeleton_says_what_is_missing(
+    folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     for kind, skeleton in (("amc", ".asf"), ("v", ".vsk")):
         for name in ("shown.jsonl", "y.toml", "z.toml", f"hand.{kind}"):
             shutil.copy(folder / name, tmp_path / name)
@@ -94,7 +99,9 @@ def test_a_motion_without_its_skeleton_says_what_is_missing(folder, tmp_path, ca
         assert "y.toml" in capsys.readouterr().err
 
 
-def test_a_skeleton_alone_and_a_body_without_fingers_are_refused(folder, shared_data, capsys):
+def test_a_skeleton_alone_and_a_body_without_fingers_are_refused(
+    folder: Path, shared_data: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     out, mapping = str(folder / "no.npz"), ["--mapping", str(folder / "y.toml")]
     for name, why in (
         (folder / "hand.asf", "give the motion"),
@@ -107,7 +114,9 @@ def test_a_skeleton_alone_and_a_body_without_fingers_are_refused(folder, shared_
         assert why in capsys.readouterr().err
 
 
-def test_the_rate_of_a_foreign_amc_file_comes_from_an_option(folder, truth, tmp_path):
+def test_the_rate_of_a_foreign_amc_file_comes_from_an_option(
+    folder: Path, truth: Truth, tmp_path: Path
+) -> None:
     for name in ("shown.jsonl", "y.toml", "hand.asf"):
         shutil.copy(folder / name, tmp_path / name)
     text = (folder / "hand.amc").read_text()

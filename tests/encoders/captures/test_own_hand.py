@@ -33,7 +33,7 @@ def service(seed: int = 0, side: str = "right", first: int = 0) -> FakeLeapd:
     return FakeLeapd(messages, port=0, rate=1000.0, loop=True)
 
 
-def test_a_hand_is_measured_kept_and_taken_the_next_time():
+def test_a_hand_is_measured_kept_and_taken_the_next_time() -> None:
     server = service()
     try:
         assert measure_and_save(
@@ -52,7 +52,7 @@ def test_a_hand_is_measured_kept_and_taken_the_next_time():
     assert with_measured_hand(other, Console(file=StringIO()), ask=False) == other
 
 
-def test_the_other_hand_is_measured_beside_the_first():
+def test_the_other_hand_is_measured_beside_the_first() -> None:
     for side in ("right", "left"):
         server = service(1, side)
         try:
@@ -64,7 +64,7 @@ def test_the_other_hand_is_measured_beside_the_first():
     assert set(read_calibration(own_calibration_path())) == {"right", "left"}
 
 
-def test_a_person_who_declines_is_not_measured():
+def test_a_person_who_declines_is_not_measured() -> None:
     for options in (
         PlayOptions(device="leap", profile="none"),
         PlayOptions(device="leap-simulated"),
@@ -74,7 +74,7 @@ def test_a_person_who_declines_is_not_measured():
     assert not own_calibration_path().exists()
 
 
-def test_a_service_that_is_not_there_ends_the_measuring(monkeypatch: pytest.MonkeyPatch):
+def test_a_service_that_is_not_there_ends_the_measuring(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("sandbox.devices.leap.leap.SILENCE", 0.3)
     with pytest.raises(DeviceError, match="is silent"):
         measure_and_save(
@@ -88,7 +88,7 @@ def test_a_service_that_is_not_there_ends_the_measuring(monkeypatch: pytest.Monk
 
 
 @pytest.mark.parametrize("content", ["", "{", "[]", '{"kind": "hand-sandbox profile"}', "\x00"])
-def test_other_files_are_not_taken_for_calibrations(content: str, tmp_path: Path):
+def test_other_files_are_not_taken_for_calibrations(content: str, tmp_path: Path) -> None:
     path = tmp_path / "file.json"
     path.write_text(content)
     assert not is_calibration(path) and not is_calibration(tmp_path / "missing.json")

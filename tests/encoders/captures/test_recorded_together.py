@@ -6,10 +6,12 @@ import json
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
+from encoders.capture import Capture
 from encoders.captures.conversion import ConversionReport, ConversionRules, TouchLog
 from encoders.captures.paired.capture_from_hands import capture_from_hands, open_hand
 from encoders.captures.paired.clocks import host_clock
@@ -51,7 +53,9 @@ def hands_time(s: PairedSession) -> np.ndarray:
     return host_clock(times, s.leap_arrived, "hands").host(times)
 
 
-def converted(s: PairedSession, shift: float = 0.0, **options):
+def converted(
+    s: PairedSession, shift: float = 0.0, **options: Any
+) -> tuple[Capture, dict[str, Any]]:
     report = ConversionReport()
     capture = capture_from_hands(
         log_of(s),
@@ -67,11 +71,11 @@ def converted(s: PairedSession, shift: float = 0.0, **options):
 
 
 @cache
-def plainly(dialect: str, side: str):
+def plainly(dialect: str, side: str) -> tuple[Capture, dict[str, Any]]:
     return converted(session(dialect, side))
 
 
-def true_rows(s: PairedSession, capture) -> tuple[np.ndarray, np.ndarray]:
+def true_rows(s: PairedSession, capture: Capture) -> tuple[np.ndarray, np.ndarray]:
     """Frames of the capture and of the truth that are of one moment."""
     off = np.abs(s.truth.time[None] - (capture.time - s.touch_delay)[:, None])
     row = off.argmin(axis=1)
@@ -79,13 +83,13 @@ def true_rows(s: PairedSession, capture) -> tuple[np.ndarray, np.ndarray]:
     return np.flatnonzero(known), row[known]
 
 
-def turned_by(notes, s: PairedSession) -> float:
+def turned_by(notes: dict[str, Any], s: PairedSession) -> float:
     """Degrees by which the device's axes are off."""
     turn = np.array(notes["device_axes"]) @ s.rotation.T
     return float(np.degrees(np.arccos((np.trace(turn) - 1) / 2)))
 
 
-def test_clocks_place_names_and_poses_are_found():
+def test_clocks_place_names_and_poses_are_found() -> None:
     s = session("v3")
     capture, notes = plainly("v3", "right")
     assert abs(notes["offset_s"] - s.offset) < 0.005
@@ -100,7 +104,7 @@ def test_clocks_place_names_and_poses_are_found():
     assert turned_by(notes, s) < 3.0
 
 
-def test_over_a_first_leap_clocks_place_and_names_are_found_and_poses_are_rough():
+def test_over_a_first_leap_clocks_place_and_names_are_found_and_poses_are_rough() -> None:
     # A first Leap says nothing of the fingers but their tips, whose hand is an average one; what
     # poses are worth is in docs/own-hand.md.
     s = session("v1")
@@ -116,7 +120,7 @@ def test_over_a_first_leap_clocks_place_and_names_are_found_and_poses_are_rough(
     assert turned_by(notes, s) < 3.0
 
 
-def test_a_left_hand_is_captured_as_the_right_one_in_the_mirror():
+def test_a_left_hand_is_captured_as_the_right_one_in_the_mirror() -> None:
     right, _ = plainly("v3", "right")
     left, _ = plainly("v3", "left")
     mine, true = true_rows(session(side="left"), left)
@@ -128,13 +132,13 @@ def test_a_left_hand_is_captured_as_the_right_one_in_the_mirror():
     assert abs(len(left) - len(right)) < 0.05 * len(right)
 
 
-def test_the_offset_follows_the_clock_that_is_set_ahead():
+def test_the_offset_follows_the_clock_that_is_set_ahead() -> None:
     _, notes = plainly("v3", "right")
     _, ahead = converted(session(), shift=7.25, one_clock=False)
     assert ahead["offset_s"] - notes["offset_s"] == pytest.approx(7.25, abs=0.004)
 
 
-def test_only_poses_change_when_fingertips_are_brought_to_touches():
+def test_only_poses_change_when_fingertips_are_brought_to_touches() -> None:
     capture, _ = converted(session(), correct="all")
     plain, _ = plainly("v3", "right")
     skeleton, _ = skeleton_of(open_hand(session().leap.frames, "right"))
@@ -146,12 +150,12 @@ def test_only_poses_change_when_fingertips_are_brought_to_touches():
     assert np.array_equal(capture.xy, plain.xy, equal_nan=True)
 
 
-def test_with_one_clock_taps_that_match_only_seconds_later_do_not_count():
+def test_with_one_clock_taps_that_match_only_seconds_later_do_not_count() -> None:
     with pytest.raises(CaptureError, match=r"taps do not determine|no tap"):
         converted(session(), shift=2.0)
 
 
-def test_frames_with_a_touch_that_no_fingertip_makes_are_left_out():
+def test_frames_with_a_touch_that_no_fingertip_makes_are_left_out() -> None:
     s = session()
     begin, end = s.touches[0].time + 12.0, s.touches[0].time + 14.0
     stray = Contact(4_000_000, 0.19, 0.005)
@@ -168,7 +172,7 @@ def test_frames_with_a_touch_that_no_fingertip_makes_are_left_out():
     assert notes["kept_frames"] == len(capture)
 
 
-def test_poses_lose_their_trembling_and_keep_their_way_on_either_side_of_a_gap():
+def test_poses_lose_their_trembling_and_keep_their_way_on_either_side_of_a_gap() -> None:
     rng = np.random.default_rng(2)
     time = np.r_[np.arange(0.0, 1.0, 0.01), np.arange(5.0, 6.0, 0.01)]
     way = np.outer(0.1 * time + (time > 3.0), np.ones(48))
@@ -180,25 +184,25 @@ def test_poses_lose_their_trembling_and_keep_their_way_on_either_side_of_a_gap()
     assert np.abs(_smooth(time, way) - way).max() < 0.0025
 
 
-def test_recordings_that_never_overlap_are_refused():
+def test_recordings_that_never_overlap_are_refused() -> None:
     with pytest.raises(CaptureError, match="do not overlap"):
         converted(session(), shift=500.0)
 
 
-def test_touches_of_another_session_are_refused():
+def test_touches_of_another_session_are_refused() -> None:
     s = session()
     other = simulate_paired(4, 2, "first", "v3", "right", SHORT)
     with pytest.raises(CaptureError):
         converted(replace(s, touches=other.touches, touch_arrived=other.touch_arrived))
 
 
-def test_a_recording_that_begins_with_a_playing_hand_is_not_calibrated():
+def test_a_recording_that_begins_with_a_playing_hand_is_not_calibrated() -> None:
     frames = session("v1").leap.frames[600:]
     with pytest.raises(EncoderError):
         open_hand(frames, "right")
 
 
-def test_clock_drift_is_estimated_despite_jitter():
+def test_clock_drift_is_estimated_despite_jitter() -> None:
     rng = np.random.default_rng(0)
     device = np.arange(0.0, 300.0, 0.01)
     clock = host_clock(device, 5.0 + 1.0001 * device + rng.exponential(0.004, len(device)), "x")
@@ -206,7 +210,7 @@ def test_clock_drift_is_estimated_despite_jitter():
     assert np.ptp(clock.host(device) - (5.0 + 1.0001 * device)) < 1e-3
 
 
-def test_a_machine_that_was_busy_for_a_while_does_not_set_the_clock():
+def test_a_machine_that_was_busy_for_a_while_does_not_set_the_clock() -> None:
     rng = np.random.default_rng(0)
     device = np.arange(0.0, 300.0, 0.01)
     arrived = 5.0 + 1.0001 * device + rng.exponential(0.004, len(device))
@@ -218,13 +222,13 @@ def test_a_machine_that_was_busy_for_a_while_does_not_set_the_clock():
     assert np.abs(busy.host(device) - plain.host(device)).max() < 2e-4
 
 
-def test_a_clock_that_was_set_is_refused():
+def test_a_clock_that_was_set_is_refused() -> None:
     device = np.arange(0.0, 60.0, 0.01)
     with pytest.raises(CaptureError, match="arrival"):
         host_clock(device, 1.2 * device, "x")
 
 
-def test_registration_finds_any_rigid_motion_through_outliers():
+def test_registration_finds_any_rigid_motion_through_outliers() -> None:
     rng = np.random.default_rng(1)
     touches = rng.uniform(0.0, 0.15, (200, 2))
     points = np.column_stack([touches, np.full(200, 0.006)])
@@ -236,7 +240,7 @@ def test_registration_finds_any_rigid_motion_through_outliers():
     assert np.allclose(found.shift, shift, atol=1e-6)
 
 
-def test_touches_on_one_line_do_not_determine_the_device_pose():
+def test_touches_on_one_line_do_not_determine_the_device_pose() -> None:
     touches = np.column_stack([np.linspace(0, 0.1, 50), np.zeros(50)])
     with pytest.raises(CaptureError, match="to locate the device"):
         register(touches, np.column_stack([touches, np.zeros(50)]))
@@ -250,7 +254,7 @@ def guided(each: float) -> Guide:
     return guide
 
 
-def test_the_guide_asks_for_every_set_and_ends():
+def test_the_guide_asks_for_every_set_and_ends() -> None:
     guide, now = guided(0.2), 0.0
     for tap in range(3):
         assert "Tap" in guide.step.text
@@ -269,7 +273,7 @@ def test_the_guide_asks_for_every_set_and_ends():
     assert guide.share == 1.0
 
 
-def test_fingers_of_the_wrong_number_do_not_count():
+def test_fingers_of_the_wrong_number_do_not_count() -> None:
     guide = guided(0.2)
     for i in range(3):
         guide.touch(frame_of(float(i), 5), float(i))
@@ -284,19 +288,21 @@ def frame_of(time: float, fingers: int) -> TouchFrame:
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory) -> Path:
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     out = tmp_path_factory.mktemp("own") / "day"
     write_simulated(session(), out, "P1")
     return out
 
 
-def said(capsys, *args: object) -> tuple[int, str, str]:
+def said(capsys: pytest.CaptureFixture[str], *args: object) -> tuple[int, str, str]:
     status = main(["capture", *map(str, args)])
     out = capsys.readouterr()
     return status, out.out, out.err
 
 
-def test_a_folder_becomes_a_capture_that_says_it_is_simulated(folder, tmp_path, capsys):
+def test_a_folder_becomes_a_capture_that_says_it_is_simulated(
+    folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     status, out, err = said(capsys, "--recorded", folder, "--out", tmp_path / "c.npz")
     assert status == 0, err
     capture = load_capture(tmp_path / "c.npz")
@@ -319,8 +325,12 @@ def test_a_folder_becomes_a_capture_that_says_it_is_simulated(folder, tmp_path, 
     ],
 )
 def test_recordings_that_do_not_match_give_a_one_line_error(
-    folder, tmp_path, capsys, options, expected
-):
+    folder: Path,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    options: list[str],
+    expected: str,
+) -> None:
     late = tmp_path / "late"
     late.mkdir()
     (late / "about.json").write_text((folder / "about.json").read_text())
@@ -334,7 +344,7 @@ def test_recordings_that_do_not_match_give_a_one_line_error(
     assert expected in err and err.count("\n") == 1 and "Traceback" not in err
 
 
-def test_a_full_disk_is_reported_at_once_and_earlier_data_are_kept(tmp_path):
+def test_a_full_disk_is_reported_at_once_and_earlier_data_are_kept(tmp_path: Path) -> None:
     device = Path("/dev/full")
     if not device.exists():
         pytest.skip("device node absent: /dev/full")
@@ -349,7 +359,7 @@ def test_a_full_disk_is_reported_at_once_and_earlier_data_are_kept(tmp_path):
     assert len(read_frame_file(tmp_path / TOUCHES).frames) == 1
 
 
-def test_a_session_is_not_written_over(folder, capsys):
+def test_a_session_is_not_written_over(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     before = {path.name: path.read_bytes() for path in folder.iterdir()}
     status, _, err = said(
         capsys,
@@ -367,7 +377,9 @@ def test_a_session_is_not_written_over(folder, capsys):
     assert {path.name: path.read_bytes() for path in folder.iterdir()} == before
 
 
-def test_recording_files_as_devices_keeps_them_together(folder, tmp_path, capsys):
+def test_recording_files_as_devices_keeps_them_together(
+    folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     copy = tmp_path / "copy"
     status, _, err = said(
         capsys,

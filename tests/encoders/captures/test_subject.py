@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -40,7 +41,7 @@ def later() -> Capture:
 
 
 @pytest.fixture(params=("training", "later"))
-def capture(request) -> Capture:
+def capture(request: pytest.FixtureRequest) -> Capture:
     return request.getfixturevalue(request.param)
 
 
@@ -52,26 +53,26 @@ def tip_heights(capture: Capture) -> np.ndarray:
     return HAND.tips(capture.q)[..., 2]
 
 
-def test_training_has_the_papers_frames_and_every_set_of_fingers(training):
+def test_training_has_the_papers_frames_and_every_set_of_fingers(training: Capture) -> None:
     assert len(training) == 7083
     sizes, counts = np.unique(training.down.sum(axis=1), return_counts=True)
     assert dict(zip(sizes, counts, strict=True)) == SIZES
     assert sets_of(training) == set(SETS) and len(SETS) == 26
 
 
-def test_every_set_is_trained_with_every_gesture(training):
+def test_every_set_is_trained_with_every_gesture(training: Capture) -> None:
     clips = [tuple(map(int, training.down[training.trial == t][0])) for t in range(124)]
     counted = {fingers: clips.count(fingers) for fingers in clips}
     assert len(counted) == 26
     assert set(counted.values()) == {4, 24} and counted[(1, 1, 1, 1, 1)] == 24
 
 
-def test_a_later_day_has_the_papers_frames_and_no_single_finger(later):
+def test_a_later_day_has_the_papers_frames_and_no_single_finger(later: Capture) -> None:
     assert len(later) == 2538
     assert set(later.down.sum(axis=1)) == {2, 3, 4, 5}
 
 
-def test_the_built_in_capture_is_what_the_frozen_subject_does(training):
+def test_the_built_in_capture_is_what_the_frozen_subject_does(training: Capture) -> None:
     shipped = builtin_capture()
     np.testing.assert_array_equal(training.ids, shipped.ids)
     moved = np.abs(training.q - shipped.q).max(axis=1) > 1e-4
@@ -83,16 +84,16 @@ def _json(configuration: SubjectConfiguration) -> dict:
     return {k: list(v) if isinstance(v, tuple) else v for k, v in configuration.as_json().items()}
 
 
-def test_it_says_that_it_is_simulated(capture):
+def test_it_says_that_it_is_simulated(capture: Capture) -> None:
     assert capture.meta["simulated"] is True
     assert "simulated" in capture.meta["subject"]
 
 
-def test_no_joint_leaves_its_range(capture):
+def test_no_joint_leaves_its_range(capture: Capture) -> None:
     assert violations(capture.q, ADULT).sum() == 0
 
 
-def test_touching_tips_are_on_the_surface_and_lifted_ones_above_it(capture):
+def test_touching_tips_are_on_the_surface_and_lifted_ones_above_it(capture: Capture) -> None:
     z = tip_heights(capture)
     off = np.abs(z[capture.down] - FROZEN.tip_height)
     assert np.median(off) < 0.001 and off.max() < 0.006
@@ -100,11 +101,11 @@ def test_touching_tips_are_on_the_surface_and_lifted_ones_above_it(capture):
     assert np.median(z[~capture.down]) > FROZEN.tip_height + 0.01
 
 
-def test_no_knuckle_is_in_the_table(capture):
+def test_no_knuckle_is_in_the_table(capture: Capture) -> None:
     assert HAND.place(capture.q).joints[..., 2].min() > 0.0
 
 
-def test_touches_are_on_the_screen_in_whole_dots_and_under_the_fingertips(capture):
+def test_touches_are_on_the_screen_in_whole_dots_and_under_the_fingertips(capture: Capture) -> None:
     xy = capture.xy[capture.down]
     assert (xy >= 0).all() and (xy <= Surface().size).all()
     dots = xy / METRES_PER_INCH * FROZEN.touch_resolution
@@ -113,13 +114,13 @@ def test_touches_are_on_the_screen_in_whole_dots_and_under_the_fingertips(captur
     assert np.linalg.norm(xy - tips, axis=1).max() < 0.02
 
 
-def test_fingers_do_not_overlap(capture):
+def test_fingers_do_not_overlap(capture: Capture) -> None:
     a, b = np.triu_indices(5, 1)
     distance = np.linalg.norm(capture.xy[:, a] - capture.xy[:, b], axis=2)
     assert np.nanmin(distance) > 0.010
 
 
-def test_a_contact_keeps_its_id_from_landing_to_lifting_and_no_other_has_it(later):
+def test_a_contact_keeps_its_id_from_landing_to_lifting_and_no_other_has_it(later: Capture) -> None:
     for i in np.unique(later.ids[later.ids >= 0]):
         frames, fingers = np.nonzero(later.ids == i)
         assert len(set(fingers)) == 1 and len(set(later.trial[frames])) == 1
@@ -128,12 +129,12 @@ def test_a_contact_keeps_its_id_from_landing_to_lifting_and_no_other_has_it(late
     assert set(np.abs(changed).sum(axis=1)) <= {0, 1, 2}
 
 
-def test_takes_follow_each_other_in_time(capture):
+def test_takes_follow_each_other_in_time(capture: Capture) -> None:
     assert (np.diff(capture.time) > 0).all()
     assert (np.diff(capture.trial) >= 0).all()
 
 
-def test_equal_arguments_give_equal_captures_and_others_do_not():
+def test_equal_arguments_give_equal_captures_and_others_do_not() -> None:
     first, again = simulate(QUICK, 3, 1), simulate(QUICK, 3, 1)
     np.testing.assert_array_equal(first.q, again.q)
     np.testing.assert_array_equal(first.xy, again.xy)
@@ -142,13 +143,13 @@ def test_equal_arguments_give_equal_captures_and_others_do_not():
         assert other.q.shape == first.q.shape and np.abs(other.q - first.q).max() > 0.1
 
 
-def test_no_frame_of_a_later_day_comes_from_the_training(training, later):
+def test_no_frame_of_a_later_day_comes_from_the_training(training: Capture, later: Capture) -> None:
     a, b = training.q[:, 6:], later.q[:, 6:]
     nearest = [np.abs(a - row).max(axis=1).min() for row in b[::10]]
     assert min(nearest) > np.deg2rad(0.5)
 
 
-def test_markers_placed_anew_shift_joints_but_hardly_fingertips():
+def test_markers_placed_anew_shift_joints_but_hardly_fingertips() -> None:
     placed_alike = replace(QUICK, day_joint=1e-9, day_root=(1e-9, 1e-9))
     with_error, without = simulate(QUICK, 5, 1), simulate(placed_alike, 5, 1)
     shift = (with_error.q - without.q)[:, 6:]
@@ -157,21 +158,21 @@ def test_markers_placed_anew_shift_joints_but_hardly_fingertips():
     assert np.median(moved) < 0.002
 
 
-def test_poses_are_not_a_polynomial_of_the_touches(training):
+def test_poses_are_not_a_polynomial_of_the_touches(training: Capture) -> None:
     """Even on the frames it learned from, a cubic with 816 terms cannot follow the wrist."""
     U, Q = training.u, training.relative
     left = CubicEncoder().fit(U, Q).predict(U) - Q
     assert np.linalg.norm(left[:, :3], axis=1).mean() > 0.005
 
 
-def test_few_components_carry_most_of_the_variance_as_in_the_paper(training):
+def test_few_components_carry_most_of_the_variance_as_in_the_paper(training: Capture) -> None:
     """Percent in 3, 6, 9 and 12 components (section 3); the subject was calibrated to it."""
     values = np.linalg.eigvalsh(np.cov(training.relative.T))[::-1]
     shares = 100 * np.cumsum(values)[[2, 5, 8, 11]] / values.sum()
     np.testing.assert_allclose(shares, [68, 87, 94, 97], atol=5)
 
 
-def test_the_solver_ends_where_a_small_change_of_posture_does_not_help():
+def test_the_solver_ends_where_a_small_change_of_posture_does_not_help() -> None:
     hand = anatomy(np.random.default_rng(0), ADULT, FROZEN)
     solver = PostureSolver(HAND, hand)
     rng = np.random.default_rng(1)
@@ -195,7 +196,7 @@ def test_the_solver_ends_where_a_small_change_of_posture_does_not_help():
     assert np.linalg.norm(tips - targets, axis=2)[:, :3].max() < 0.002
 
 
-def test_a_target_that_is_free_does_not_matter():
+def test_a_target_that_is_free_does_not_matter() -> None:
     hand = anatomy(np.random.default_rng(0), ADULT, FROZEN)
     solver = PostureSolver(HAND, hand)
     aim, targets = np.zeros((1, FREEDOMS)), np.zeros((1, 5, 3))
@@ -204,7 +205,7 @@ def test_a_target_that_is_free_does_not_matter():
     np.testing.assert_allclose(found[0], aim, atol=1e-12)
 
 
-def test_a_stroke_is_the_same_at_any_rate_and_so_is_noise():
+def test_a_stroke_is_the_same_at_any_rate_and_so_is_noise() -> None:
     fast, slow = np.arange(0, 4, 0.01), np.arange(0, 4, 0.05)
     for make in (
         lambda t: strokes(np.random.default_rng(2), t, (0.5, 1.0), (0.6, 1.3)),
@@ -214,31 +215,35 @@ def test_a_stroke_is_the_same_at_any_rate_and_so_is_noise():
         np.testing.assert_allclose(at_once[::5], make(np.append(slow, 4.0))[:-1], atol=1e-9)
 
 
-def test_noise_has_variance_one():
+def test_noise_has_variance_one() -> None:
     noise = smooth_noise(np.random.default_rng(3), np.arange(0, 200, 0.2), 0.4, (50,))
     assert noise.var() == pytest.approx(1.0, abs=0.05)
     assert noise.mean() == pytest.approx(0.0, abs=0.05)
 
 
 @pytest.mark.parametrize(("seed", "day"), ((-1, 0), (0, -1)))
-def test_negative_seeds_and_days_are_refused(seed, day):
+def test_negative_seeds_and_days_are_refused(seed: int, day: int) -> None:
     with pytest.raises(InputError, match="0 or more"):
         simulate(FROZEN, seed, day)
 
 
-def test_progress_grows_to_one():
+def test_progress_grows_to_one() -> None:
     told: list[float] = []
     simulate(QUICK, 0, 1, told.append)
     assert told == sorted(told) and told[-1] == 1.0
 
 
-def test_the_command_writes_the_capture_and_says_that_it_is_simulated(tmp_path, capsys, later):
+def test_the_command_writes_the_capture_and_says_that_it_is_simulated(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], later: Capture
+) -> None:
     path = tmp_path / "day1.npz"
     assert main(["subject", "--seed", str(SEED), "--day", "1", "--out", str(path)]) == 0
     assert "2,538 frames" in (told := capsys.readouterr().out) and "simulated" in told
     np.testing.assert_allclose(load_capture(path).q, later.q, atol=1e-6)
 
 
-def test_the_command_refuses_a_folder_that_is_not_there(tmp_path, capsys):
+def test_the_command_refuses_a_folder_that_is_not_there(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     assert main(["subject", "--out", str(tmp_path / "none" / "c.npz")]) == 2
     assert "no such folder" in capsys.readouterr().err

@@ -26,6 +26,7 @@ from encoders.regression.trained import (
 from encoders.regression.yaw_normalised import YawNormalisedEncoder
 from encoders.smoothing import PoseFilter
 from encoders.validation import FOLDS, error_product, robust_covariance, trial_folds
+from models.arithmetic.arrays import Array
 from models.errors import EncoderError
 from models.pose import absolute_pose
 from tests.encoders.regression.turning import turned_places, turned_pose
@@ -71,7 +72,7 @@ def trained() -> TrainedModel:
         st.deferred(lambda: st.sampled_from(np.unique(takes().trial).tolist())), min_size=1
     )
 )
-def test_a_takes_poses_do_not_depend_on_other_takes(chosen):
+def test_a_takes_poses_do_not_depend_on_other_takes(chosen: set[int]) -> None:
     part = np.isin(takes().trial, list(chosen))
     np.testing.assert_allclose(
         estimate(shipped(), takes().select(part)), estimated()[part], atol=1e-9
@@ -80,14 +81,14 @@ def test_a_takes_poses_do_not_depend_on_other_takes(chosen):
 
 @settings(max_examples=10)
 @given(first=st.deferred(lambda: st.integers(0, len(takes()) - 1)))
-def test_poses_do_not_depend_on_what_comes_later(first):
+def test_poses_do_not_depend_on_what_comes_later(first: int) -> None:
     part = np.arange(first + 1)
     np.testing.assert_allclose(
         estimate(shipped(), takes().select(part)), estimated()[part], atol=1e-9
     )
 
 
-def test_every_take_begins_with_the_unsmoothed_pose_and_goes_on_with_smoothed_ones():
+def test_every_take_begins_with_the_unsmoothed_pose_and_goes_on_with_smoothed_ones() -> None:
     unsmoothed = estimate(replace(shipped(), tau=0.0), takes())
     begins = np.concatenate([[True], np.diff(takes().trial) != 0])
     assert begins.sum() == 4
@@ -95,7 +96,7 @@ def test_every_take_begins_with_the_unsmoothed_pose_and_goes_on_with_smoothed_on
     assert (np.abs(estimated() - unsmoothed)[~begins].max(axis=1) > 0).mean() > 0.9
 
 
-def test_without_a_filter_every_frame_is_encoded_and_corrected_by_itself():
+def test_without_a_filter_every_frame_is_encoded_and_corrected_by_itself() -> None:
     unsmoothed = estimate(replace(shipped(), tau=0.0), takes())
     model = shipped().model
     wanted = absolute_pose(model.encoder.predict(takes().u), takes().leftmost)
@@ -107,31 +108,31 @@ def test_without_a_filter_every_frame_is_encoded_and_corrected_by_itself():
 
 @settings(max_examples=10)
 @given(shift=st.tuples(st.floats(-0.2, 0.2), st.floats(-0.2, 0.2)))
-def test_where_on_the_surface_the_hand_is_does_not_matter(shift):
+def test_where_on_the_surface_the_hand_is_does_not_matter(shift: tuple[float, float]) -> None:
     moved = estimated().copy()
     moved[:, :2] += [shift[0], -shift[1]]
     found = shipped().estimate(takes().time, takes().trial, takes().xy + shift)
     np.testing.assert_allclose(found, moved, atol=1e-7)
 
 
-def test_estimating_leaves_the_touches_as_they_were():
+def test_estimating_leaves_the_touches_as_they_were() -> None:
     kept = takes().xy.copy()
     estimate(shipped(), takes())
     np.testing.assert_array_equal(takes().xy, kept)
     np.testing.assert_array_equal(estimate(shipped(), takes()), estimated())
 
 
-def test_on_what_it_was_trained_on_it_is_nearer_than_its_encoder_alone():
+def test_on_what_it_was_trained_on_it_is_nearer_than_its_encoder_alone() -> None:
     encoder = absolute_pose(shipped().model.encoder.predict(takes().u), takes().leftmost)
     assert error_product(estimated(), takes().q) < error_product(encoder, takes().q)
 
 
-def test_a_labeller_is_a_fresh_one_each_time():
+def test_a_labeller_is_a_fresh_one_each_time() -> None:
     one, other = shipped().labeller(), shipped().labeller()
     assert one is not other and one is not shipped().belief and other is not shipped().belief
 
 
-def test_the_built_in_estimate_is_simulated_and_says_so():
+def test_the_built_in_estimate_is_simulated_and_says_so() -> None:
     meta = shipped().model.meta
     assert meta["simulated"] is True and meta["capture"] == builtin_capture().meta
     assert shipped().model.name == "best" and shipped().model.correction is not None
@@ -140,18 +141,18 @@ def test_the_built_in_estimate_is_simulated_and_says_so():
     )
 
 
-def test_the_packages_data_are_below_five_megabytes():
+def test_the_packages_data_are_below_five_megabytes() -> None:
     assert sum(p.stat().st_size for p in builtin_folder().rglob("*") if p.is_file()) < 5e6
 
 
-def test_the_winner_is_the_candidate_with_the_least_validated_error(trained):
+def test_the_winner_is_the_candidate_with_the_least_validated_error(trained: TrainedModel) -> None:
     for meta in (shipped().model.meta, trained.meta):
         corrected = {name: pair[1] for name, pair in meta["validated"].items()}
         assert set(corrected) == set(CANDIDATES)
         assert corrected[meta["winner"]] == min(corrected.values())
 
 
-def test_what_the_table_says_of_a_candidate_is_what_validation_gives(trained):
+def test_what_the_table_says_of_a_candidate_is_what_validation_gives(trained: TrainedModel) -> None:
     winner = trained.meta["winner"]
     predicted = blocked_predictions(CANDIDATES[winner], sparse())
     plain = 100 * np.rad2deg(error_product(predicted, sparse().relative))
@@ -162,7 +163,9 @@ def test_what_the_table_says_of_a_candidate_is_what_validation_gives(trained):
     )
 
 
-def test_training_again_gives_the_same_model_and_calls_simulated_only_what_is_marked_so(trained):
+def test_training_again_gives_the_same_model_and_calls_simulated_only_what_is_marked_so(
+    trained: TrainedModel,
+) -> None:
     told: list[float] = []
     again = train_best_model(replace(sparse(), meta={}), "again", told.append)
     assert told == sorted(told) and len(told) == len(CANDIDATES) and 0 < told[0] <= told[-1] <= 1
@@ -172,12 +175,12 @@ def test_training_again_gives_the_same_model_and_calls_simulated_only_what_is_ma
     np.testing.assert_array_equal(again.correction.tip_variance, trained.correction.tip_variance)
 
 
-def test_one_take_alone_is_refused():
+def test_one_take_alone_is_refused() -> None:
     with pytest.raises(EncoderError, match="2 trials"):
         train_best_model(takes().select(takes().trial == takes().trial[0]))
 
 
-def test_predictions_of_a_take_are_made_without_it():
+def test_predictions_of_a_take_are_made_without_it() -> None:
     """The take's own poses may be anything: its predictions stay what they were."""
     take = sparse().trial == sparse().trial[50]
     strange = sparse().q.copy()
@@ -194,7 +197,7 @@ def test_predictions_of_a_take_are_made_without_it():
 @given(
     trials=st.lists(st.integers(0, 12), min_size=2, max_size=80).filter(lambda t: len(set(t)) > 1)
 )
-def test_folds_never_split_a_trial_and_leave_something_to_learn_from(trials):
+def test_folds_never_split_a_trial_and_leave_something_to_learn_from(trials: list[int]) -> None:
     trial = np.array(trials)
     fold = trial_folds(trial)
     assert fold.shape == trial.shape and fold.min() >= 0 and fold.max() < FOLDS
@@ -206,19 +209,23 @@ def test_folds_never_split_a_trial_and_leave_something_to_learn_from(trials):
     trials=st.lists(st.integers(0, 12), min_size=2, max_size=80).filter(lambda t: len(set(t)) > 1),
     data=st.data(),
 )
-def test_the_order_of_frames_does_not_change_their_folds(trials, data):
+def test_the_order_of_frames_does_not_change_their_folds(
+    trials: list[int], data: st.DataObject
+) -> None:
     trial = np.array(trials)
     order = np.array(data.draw(st.permutations(range(len(trials)))))
     np.testing.assert_array_equal(trial_folds(trial[order]), trial_folds(trial)[order])
 
 
-def test_folds_are_about_equally_large():
+def test_folds_are_about_equally_large() -> None:
     sizes = np.bincount(trial_folds(builtin_capture().trial), minlength=FOLDS)
     assert sizes.min() > 0.9 * sizes.max()
 
 
 @given(a=legal_poses, b=legal_poses, seed=st.integers(0, 2**16))
-def test_badness_is_a_product_without_order_direction_or_place(a, b, seed):
+def test_badness_is_a_product_without_order_direction_or_place(
+    a: Array, b: Array, seed: int
+) -> None:
     rng = np.random.default_rng(seed)
     q = np.stack([a, b, a, b]) + rng.normal(0, 0.01, (4, 48))
     truth = np.stack([b, a, a, b])
@@ -233,8 +240,8 @@ def test_badness_is_a_product_without_order_direction_or_place(a, b, seed):
 
 @given(a=legal_poses, b=legal_poses, wrist=st.booleans(), joints=st.booleans())
 def test_badness_is_zero_where_the_wrist_or_the_joints_are_right_and_nowhere_else(
-    a, b, wrist, joints
-):
+    a: Array, b: Array, wrist: bool, joints: bool
+) -> None:
     """It is a product, so one part that is right hides the other."""
     b = b.copy()
     b[:3], b[6:] = a[:3] + 0.01 * wrist, a[6:] + 0.1 * joints
@@ -243,7 +250,7 @@ def test_badness_is_zero_where_the_wrist_or_the_joints_are_right_and_nowhere_els
 
 
 @given(seed=st.integers(0, 2**16))
-def test_the_robust_covariance_is_one_and_no_frame_rules_it(seed):
+def test_the_robust_covariance_is_one_and_no_frame_rules_it(seed: int) -> None:
     rng = np.random.default_rng(seed)
     mixed = rng.normal(size=(6, 6))
     errors = rng.normal(size=(400, 6)) @ mixed.T
@@ -263,7 +270,7 @@ def test_the_robust_covariance_is_one_and_no_frame_rules_it(seed):
     degrees=st.floats(-30, 30),
     about=st.tuples(st.floats(-0.2, 0.2), st.floats(-0.2, 0.2)).map(np.array),
 )
-def test_the_filter_is_told_how_the_touches_turned(degrees, about):
+def test_the_filter_is_told_how_the_touches_turned(degrees: float, about: Array) -> None:
     """What it finds from touches alone is the turn about the point that they were turned about."""
     time, step = 0.01 * np.arange(10.0), np.deg2rad(degrees) / 9
     held = takes().xy[int(np.argmax(takes().down.sum(axis=1)))]
@@ -272,5 +279,5 @@ def test_the_filter_is_told_how_the_touches_turned(degrees, about):
     unsmoothed = replace(shipped(), tau=0.0).estimate(time, np.zeros(10, int), xy)
     posture = PoseFilter(shipped().tau)
     wanted = [posture.step(unsmoothed[0], [0.0, 0.0], 0.0)]
-    wanted += [posture.step(q, [0.0, 0.0], 0.01, step, about) for q in unsmoothed[1:]]
+    wanted += [posture.step(q, [0.0, 0.0], 0.01, step, about.tolist()) for q in unsmoothed[1:]]
     np.testing.assert_allclose(found, wanted, atol=1e-9)

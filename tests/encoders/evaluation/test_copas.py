@@ -23,7 +23,7 @@ def capture() -> Capture:
 # Intervals
 
 
-def test_an_interval_over_takes_covers_where_independent_frames_do_not():
+def test_an_interval_over_takes_covers_where_independent_frames_do_not() -> None:
     """Takes of 50 frames that differ by more than their frames do."""
     covered, believed = 0, 0
     for seed in range(200):
@@ -37,7 +37,7 @@ def test_an_interval_over_takes_covers_where_independent_frames_do_not():
     assert believed < 0.5 * 200
 
 
-def test_an_interval_is_around_the_mean_and_comes_out_the_same_again():
+def test_an_interval_is_around_the_mean_and_comes_out_the_same_again() -> None:
     rng = np.random.default_rng(1)
     values, block = rng.normal(size=300), np.repeat(np.arange(10), 30)
     low, high = block_interval(values, block)
@@ -45,13 +45,13 @@ def test_an_interval_is_around_the_mean_and_comes_out_the_same_again():
     assert block_interval(values, block + 7) == (low, high)
 
 
-def test_equal_values_leave_no_doubt_and_none_leave_nothing():
+def test_equal_values_leave_no_doubt_and_none_leave_nothing() -> None:
     assert block_interval(np.full(9, 2.5), np.arange(9) // 3) == (2.5, 2.5)
     assert standard_error(np.full(9, 2.5)) == 0
     assert np.isnan(block_interval(np.empty(0), np.empty(0, int))).all()
 
 
-def test_the_standard_error_is_that_of_independent_values():
+def test_the_standard_error_is_that_of_independent_values() -> None:
     assert standard_error(np.array([1.0, 2.0, 3.0, 4.0])) == pytest.approx(
         np.std([1, 2, 3, 4], ddof=1) / 2
     )
@@ -60,7 +60,7 @@ def test_the_standard_error_is_that_of_independent_values():
 # The Copas test
 
 
-def test_on_random_frames_the_copas_test_sees_that_noise_was_fitted():
+def test_on_random_frames_the_copas_test_sees_that_noise_was_fitted() -> None:
     rng = np.random.default_rng(0)
     U, Q = rng.normal(size=(300, 8)), rng.normal(size=(300, 20))
     test = copas(lambda: PolynomialEncoder(2), U, Q, np.arange(300) // 10, blocked=False, folds=5)
@@ -69,7 +69,7 @@ def test_on_random_frames_the_copas_test_sees_that_noise_was_fitted():
         assert test.count(rule) > 0.8 * 20
 
 
-def test_a_true_law_with_plenty_of_data_is_not_called_overfitted():
+def test_a_true_law_with_plenty_of_data_is_not_called_overfitted() -> None:
     rng = np.random.default_rng(1)
     U = rng.normal(size=(4000, 4))
     Q = U @ rng.normal(size=(4, 40)) + rng.normal(size=(4000, 40))
@@ -80,7 +80,7 @@ def test_a_true_law_with_plenty_of_data_is_not_called_overfitted():
             assert test.count(rule) < 0.12 * 40, (rule, blocked)
 
 
-def test_a_slope_is_that_of_least_squares():
+def test_a_slope_is_that_of_least_squares() -> None:
     rng = np.random.default_rng(2)
     predicted = rng.normal(size=(200, 3))
     y = predicted * [0.5, 1.0, 1.5] + 0.1 + 0.01 * rng.normal(size=(200, 3))
@@ -90,7 +90,7 @@ def test_a_slope_is_that_of_least_squares():
         assert found.overfitted[rule][0] and not found.overfitted[rule][2]
 
 
-def test_where_takes_move_together_only_the_clustered_rule_keeps_its_level():
+def test_where_takes_move_together_only_the_clustered_rule_keeps_its_level() -> None:
     """Predictions and errors of 12 takes of 40 frames, all frames of a take nearly alike."""
     rng = np.random.default_rng(3)
     outputs, trial = 400, np.repeat(np.arange(12), 40)
@@ -101,13 +101,13 @@ def test_where_takes_move_together_only_the_clustered_rule_keeps_its_level():
     assert found.overfitted["clustered"].mean() < 0.15
 
 
-def test_predictions_that_never_vary_have_no_slope_and_are_not_counted(capture):
+def test_predictions_that_never_vary_have_no_slope_and_are_not_counted(capture: Capture) -> None:
     test = copas(MeanEncoder, capture.u, capture.relative, capture.trial, blocked=True, folds=4)
     assert np.isnan(test.median_slope)
     assert all(test.count(rule) == 0 for rule in RULES)
 
 
-def test_one_take_has_no_folds(capture):
+def test_one_take_has_no_folds(capture: Capture) -> None:
     one = capture.select(capture.trial == capture.trial[0])
     with pytest.raises(EncoderError, match="several trials"):
         copas(LinearEncoder, one.u, one.relative, one.trial, blocked=True)

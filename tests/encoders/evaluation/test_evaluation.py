@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from numpy.typing import NDArray
 
 from encoders.capture import Capture
 from encoders.correction import PAD_HEIGHT
@@ -24,6 +25,7 @@ from encoders.labels.belief import builtin_belief
 from encoders.labels.labelling import Labelling, PaperLabels
 from encoders.regression.polynomial import LinearEncoder
 from encoders.regression.trained import TrainedModel, builtin_capture
+from models.arithmetic.arrays import Array
 from models.errors import EncoderError
 from models.kinematics import Kinematics
 from models.pose import JOINTS, POSE_SIZE
@@ -100,7 +102,7 @@ class Told(EncoderMethod):
         super().__init__("told", None, labeller, history=True)
         self.q = q
 
-    def estimate(self, time, trial, xy):
+    def estimate(self, time: Array, trial: NDArray[np.int64], xy: Array) -> Array:
         return self.q
 
 
@@ -120,7 +122,7 @@ def some() -> Capture:
 # Errors
 
 
-def test_a_perfect_estimate_has_no_error_at_all(capture):
+def test_a_perfect_estimate_has_no_error_at_all(capture: Capture) -> None:
     result = evaluate_method(Told(capture.q), Tests([capture]))
     for labels in (TRUE, OWN):
         for part in ("wrist", "joints", "components", "turn"):
@@ -128,7 +130,7 @@ def test_a_perfect_estimate_has_no_error_at_all(capture):
     assert result.right.all() and result.stayed.right.all() and result.first.right.all()
 
 
-def test_a_wrist_one_centimetre_off_is_one_centimetre_off():
+def test_a_wrist_one_centimetre_off_is_one_centimetre_off() -> None:
     q = made_capture().q
     moved = q.copy()
     moved[:, 1] += 0.01
@@ -138,7 +140,9 @@ def test_a_wrist_one_centimetre_off_is_one_centimetre_off():
 
 
 @given(angle=st.floats(0.5, 90), joint=st.integers(0, 13), axis=st.integers(0, 2))
-def test_one_joint_turned_by_an_angle_counts_as_a_fourteenth_of_it(angle, joint, axis):
+def test_one_joint_turned_by_an_angle_counts_as_a_fourteenth_of_it(
+    angle: float, joint: int, axis: int
+) -> None:
     q = made_capture(1, seed=3).q[-1:]
     turned = q.copy()
     place = slice(6 + 3 * joint, 9 + 3 * joint)
@@ -148,14 +152,14 @@ def test_one_joint_turned_by_an_angle_counts_as_a_fourteenth_of_it(angle, joint,
     assert pose_errors(turned, q).angle[0] == pytest.approx(angle / 14, abs=1e-6)
 
 
-def test_components_are_judged_one_by_one():
+def test_components_are_judged_one_by_one() -> None:
     q = np.zeros((2, POSE_SIZE))
     off = q.copy()
     off[0, 6] = np.deg2rad(4.2)
     np.testing.assert_allclose(pose_errors(off, q).component, [0.1, 0.0], atol=1e-9)
 
 
-def test_a_touch_right_below_its_fingertip_has_no_tip_error():
+def test_a_touch_right_below_its_fingertip_has_no_tip_error() -> None:
     q = np.zeros((1, POSE_SIZE))
     kinematics = Kinematics(ADULT)
     q[0, 2] = PAD_HEIGHT - kinematics.tips(q)[0, 2, 2]
@@ -167,14 +171,14 @@ def test_a_touch_right_below_its_fingertip_has_no_tip_error():
     np.testing.assert_allclose(tip_errors(q, xy), [2.0], atol=1e-9)
 
 
-def test_the_share_beyond_the_limits_counts_frames_times_components():
+def test_the_share_beyond_the_limits_counts_frames_times_components() -> None:
     q = np.zeros((4, POSE_SIZE))
     assert limit_share(q) == 0
     q[0, JOINTS] = ADULT.upper + 0.01
     assert limit_share(q) == pytest.approx(1 / 4)
 
 
-def test_all_components_together_hold_all_variance():
+def test_all_components_together_hold_all_variance() -> None:
     vectors = np.random.default_rng(0).normal(size=(200, 6)) * np.arange(1, 7)
     shares = variance_shares(vectors, (1, 3, 6))
     assert shares[1] < shares[3] < shares[6] and shares[6] == pytest.approx(100)
@@ -184,13 +188,13 @@ def test_all_components_together_hold_all_variance():
 
 
 @pytest.mark.parametrize("history", (False, True))
-def test_who_knows_the_fingers_names_them_all(capture, history):
+def test_who_knows_the_fingers_names_them_all(capture: Capture, history: bool) -> None:
     found = own_labels(capture, Knowing, history)
     assert found.right.all() and found.stayed.right.all() and found.first.right.all()
     np.testing.assert_array_equal(found.xy, capture.xy)
 
 
-def test_lone_contacts_are_judged_at_every_change_and_at_every_beginning(capture):
+def test_lone_contacts_are_judged_at_every_change_and_at_every_beginning(capture: Capture) -> None:
     found = own_labels(capture, Knowing, history=True)
     takes = len(np.unique(capture.trial))
     assert len(found.stayed.right) == takes * sum(len(fingers) for fingers in STAGES)
@@ -198,14 +202,16 @@ def test_lone_contacts_are_judged_at_every_change_and_at_every_beginning(capture
 
 
 @pytest.mark.parametrize("cheat", (ByOrder, ByNumber))
-def test_neither_order_nor_numbers_of_contacts_tell_their_fingers(cheat):
+def test_neither_order_nor_numbers_of_contacts_tell_their_fingers(cheat: type[Knowing]) -> None:
     """In `made_capture` ids are in the order of the fingers; a take's ids are drawn once."""
     found = own_labels(made_capture(takes=40), cheat, history=True)
     five = np.tile(np.repeat([len(f) == 5 for f in STAGES], STAGE_FRAMES), 40)
     assert found.right[five].mean() < 0.1
 
 
-def test_a_labeller_with_history_is_reset_at_every_take_and_one_without_at_every_frame(capture):
+def test_a_labeller_with_history_is_reset_at_every_take_and_one_without_at_every_frame(
+    capture: Capture,
+) -> None:
     for history, wanted in ((True, len(np.unique(capture.trial))), (False, len(capture))):
         made: list[Knowing] = []
 
@@ -220,7 +226,7 @@ def test_a_labeller_with_history_is_reset_at_every_take_and_one_without_at_every
 
 @settings(max_examples=4)
 @given(seed=st.integers(1, 2**16))
-def test_shuffling_contacts_changes_no_label(some, seed):
+def test_shuffling_contacts_changes_no_label(some: Capture, seed: int) -> None:
     few = some.select(np.arange(0, len(some), 9))
     model = TrainedModel(
         "", LinearEncoder().fit(some.u, some.relative), np.eye(48), some.u, some.relative
@@ -232,7 +238,7 @@ def test_shuffling_contacts_changes_no_label(some, seed):
         np.testing.assert_array_equal(usual.stayed.right, other.stayed.right)
 
 
-def test_wrong_labels_move_touches_to_other_fingers_and_nowhere_else(capture):
+def test_wrong_labels_move_touches_to_other_fingers_and_nowhere_else(capture: Capture) -> None:
     found = own_labels(capture, ByOrder, history=True)
     assert not found.right.all()
     for frame in range(0, len(capture), 5):
@@ -244,7 +250,7 @@ def test_wrong_labels_move_touches_to_other_fingers_and_nowhere_else(capture):
 # Motion
 
 
-def test_steady_motion_has_no_acceleration(capture):
+def test_steady_motion_has_no_acceleration(capture: Capture) -> None:
     q = capture.q.copy()
     q[:, JOINTS] = (capture.time * 0.2)[:, None]
     found = smoothness(q, capture)
@@ -254,7 +260,7 @@ def test_steady_motion_has_no_acceleration(capture):
     assert len(found.acceleration) == takes * len(STAGES) * (STAGE_FRAMES - 2)
 
 
-def test_a_jump_at_a_change_of_contacts_is_a_jump_and_no_acceleration(capture):
+def test_a_jump_at_a_change_of_contacts_is_a_jump_and_no_acceleration(capture: Capture) -> None:
     q = np.zeros((len(capture), POSE_SIZE))
     late = np.tile(np.arange(len(STAGES) * STAGE_FRAMES) >= STAGE_FRAMES, 3)
     q[late, 6] = np.deg2rad(4.2)
@@ -267,7 +273,7 @@ def test_a_jump_at_a_change_of_contacts_is_a_jump_and_no_acceleration(capture):
     assert np.count_nonzero(found.jump > 1e-9) == 3
 
 
-def test_acceleration_is_the_second_derivative(capture):
+def test_acceleration_is_the_second_derivative(capture: Capture) -> None:
     q = np.zeros((len(capture), POSE_SIZE))
     q[:, JOINTS] = (np.deg2rad(0.5 * 7.0) * (capture.time % 100) ** 2)[:, None]
     np.testing.assert_allclose(smoothness(q, capture).acceleration, 7.0, rtol=1e-6)
@@ -276,7 +282,7 @@ def test_acceleration_is_the_second_derivative(capture):
 # Subjects and methods
 
 
-def test_judged_days_follow_from_the_subject_and_the_seed_alone():
+def test_judged_days_follow_from_the_subject_and_the_seed_alone() -> None:
     person = subject("first")
     days = person.judged_days(6, 0)
     assert days == person.judged_days(6, 0) and days[:3] == person.judged_days(3, 0)
@@ -286,20 +292,22 @@ def test_judged_days_follow_from_the_subject_and_the_seed_alone():
     assert not set(days) & set(changed.judged_days(6, 0))
 
 
-def test_a_subject_that_there_is_not_is_refused():
+def test_a_subject_that_there_is_not_is_refused() -> None:
     with pytest.raises(EncoderError, match="first, second"):
         subject("third")
     assert set(SUBJECTS) == {"first", "second"}
 
 
 @pytest.mark.parametrize("names", [("nobody",), ("linear", "linear"), (), ("missing.npz",)])
-def test_names_that_mean_no_method_are_refused_before_anything_is_computed(names):
+def test_names_that_mean_no_method_are_refused_before_anything_is_computed(
+    names: tuple[str, ...],
+) -> None:
     with pytest.raises(EncoderError):
         check_names(names)
 
 
 @pytest.mark.parametrize("name", [n for n in NAMES if n != "best"])
-def test_every_method_gives_a_pose_and_labels_for_every_frame(name, some):
+def test_every_method_gives_a_pose_and_labels_for_every_frame(name: str, some: Capture) -> None:
     method = Training(some).method(name)
     few = some.select(np.arange(0, len(some), 25))
     q = method.estimate(few.time, few.trial, few.xy)
@@ -308,7 +316,7 @@ def test_every_method_gives_a_pose_and_labels_for_every_frame(name, some):
     assert (np.isfinite(found.xy[..., 0]).sum(axis=1) == few.down.sum(axis=1)).all()
 
 
-def test_a_method_does_not_see_how_frames_are_split_into_captures(some):
+def test_a_method_does_not_see_how_frames_are_split_into_captures(some: Capture) -> None:
     method = Training(some).method("linear")
     few = some.select(np.arange(0, len(some), 6))
     half = np.unique(few.trial)[: len(np.unique(few.trial)) // 2]
@@ -322,7 +330,7 @@ def test_a_method_does_not_see_how_frames_are_split_into_captures(some):
 # The report
 
 
-def test_the_report_has_every_promised_number_and_is_json(some):
+def test_the_report_has_every_promised_number_and_is_json(some: Capture) -> None:
     few = some.select(np.arange(0, len(some), 6))
     tests = Tests([few])
     method = Training(some).method("linear")
@@ -344,7 +352,7 @@ def test_the_report_has_every_promised_number_and_is_json(some):
         assert low <= e["wrist_cm"][labels] <= high
 
 
-def test_the_report_of_a_perfect_method_repeats_the_captured_motion(capture):
+def test_the_report_of_a_perfect_method_repeats_the_captured_motion(capture: Capture) -> None:
     tests = Tests([capture])
     found = report({"told": evaluate_method(Told(capture.q), tests)}, tests, capture, {})
     e = found["encoders"]["told"]
@@ -353,7 +361,7 @@ def test_the_report_of_a_perfect_method_repeats_the_captured_motion(capture):
     assert e["labels_percent"]["all"] == 100 and e["overfitted_joints"] is None
 
 
-def test_a_capture_of_lone_contacts_leaves_gaps_and_no_error(capture):
+def test_a_capture_of_lone_contacts_leaves_gaps_and_no_error(capture: Capture) -> None:
     ids, xy = capture.ids.copy(), capture.xy.copy()
     ids[:, 2:], xy[:, 2:] = -1, np.nan
     ids[:, 0], xy[:, 0] = -1, np.nan
@@ -367,7 +375,7 @@ def test_a_capture_of_lone_contacts_leaves_gaps_and_no_error(capture):
     assert found["simulated"] is False
 
 
-def test_numbers_that_are_none_become_null():
+def test_numbers_that_are_none_become_null() -> None:
     assert plain({"a": np.nan, "b": (np.float64(1), np.inf), "c": np.bool_(True)}) == {
         "a": None,
         "b": [1.0, None],

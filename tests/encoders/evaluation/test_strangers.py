@@ -27,7 +27,7 @@ def result(right: list[bool], claimed: list[float], error: float = 1.0) -> Stran
     return StrangerResult(fingers, errors, 10 * errors, np.array(right), np.array(claimed))
 
 
-def test_the_curve_counts_what_was_claimed_and_what_was_right():
+def test_the_curve_counts_what_was_claimed_and_what_was_right() -> None:
     curve = reliability(np.array([0.62, 0.68, 0.95, 1.0]), np.array([True, False, True, True]))
     assert [(b["from"], b["to"]) for b in curve] == [(0.6, 0.7), (0.9, 1.0)]
     assert curve[0]["claimed"] == pytest.approx(0.65) and curve[0]["right"] == 0.5
@@ -36,7 +36,7 @@ def test_the_curve_counts_what_was_claimed_and_what_was_right():
     assert calibration_error(curve) == pytest.approx(0.5 * 15 + 0.5 * 2.5)
 
 
-def test_true_probabilities_have_no_calibration_error_and_boasting_has_one():
+def test_true_probabilities_have_no_calibration_error_and_boasting_has_one() -> None:
     rng = np.random.default_rng(0)
     claimed = rng.random(200_000)
     right = rng.random(len(claimed)) < claimed
@@ -44,7 +44,7 @@ def test_true_probabilities_have_no_calibration_error_and_boasting_has_one():
     assert calibration_error(reliability(np.ones(len(claimed)), right)) == pytest.approx(50, abs=1)
 
 
-def test_intervals_are_over_people():
+def test_intervals_are_over_people() -> None:
     alike = summary([result([True, False] * 50, [0.9] * 100) for _ in range(5)])
     assert alike["labels_percent"]["all"] == 50.0
     assert alike["labels_percent_interval"]["all"] == (50.0, 50.0)
@@ -54,12 +54,12 @@ def test_intervals_are_over_people():
     assert apart["wrist_cm"] == 1.5 and apart["wrist_cm_interval"][0] < 1.3
 
 
-def test_names_that_were_not_asked_for_are_not_judged():
+def test_names_that_were_not_asked_for_are_not_judged() -> None:
     found = summary([result([False] * 10, [np.nan] * 10)])
     assert "labels_percent" not in found and found["people"] == 1
 
 
-def test_a_stranger_is_judged_by_the_estimate_of_the_model():
+def test_a_stranger_is_judged_by_the_estimate_of_the_model() -> None:
     one = simulate_population("strangers", {"judge": {"second": 3}}).people[0]
     capture = at_trained_size(one, one.meta["size"])
     capture = capture.select(capture.trial == capture.trial[0])

@@ -7,8 +7,9 @@ from functools import cache
 import numpy as np
 import pytest
 
-from encoders.headset.joint_fit import JointFit
+from encoders.headset.joint_fit import JointFit, JointsFitted
 from encoders.headset.joint_points import KNUCKLES, PALM, TIPS, seen_points, seen_size
+from models.arithmetic.arrays import Array
 from models.limits import violations
 from models.pose import JOINTS, ROOT_POSITION, ROOT_ROTATION
 from models.rotations import geodesic_angle
@@ -24,13 +25,13 @@ def fit_of_adult() -> JointFit:
     return JointFit(ADULT)
 
 
-def fitted(seen_at):
+def fitted(seen_at: Array) -> JointsFitted:
     found = fit_of_adult().fit(seen_at)
     assert found is not None
     return found
 
 
-def test_joints_of_any_pose_give_the_pose_back():
+def test_joints_of_any_pose_give_the_pose_back() -> None:
     rng = np.random.default_rng(1)
     off, turned = [], []
     for _ in range(100):
@@ -44,7 +45,7 @@ def test_joints_of_any_pose_give_the_pose_back():
     assert np.max(turned) < 4.0
 
 
-def test_the_same_joints_give_the_same_bits():
+def test_the_same_joints_give_the_same_bits() -> None:
     seen_at = points(any_pose(np.random.default_rng(2)))
     again = JointFit(ADULT)
     again.fit(points(any_pose(np.random.default_rng(3))))
@@ -53,7 +54,7 @@ def test_the_same_joints_give_the_same_bits():
 
 
 @pytest.mark.parametrize("size", [0.8, 1.2])
-def test_tips_of_a_hand_of_another_size_are_where_the_person_s_are(size):
+def test_tips_of_a_hand_of_another_size_are_where_the_person_s_are(size: float) -> None:
     rng = np.random.default_rng(4)
     errors = []
     for _ in range(20):
@@ -63,7 +64,7 @@ def test_tips_of_a_hand_of_another_size_are_where_the_person_s_are(size):
     assert np.median(errors) < 0.003
 
 
-def test_joints_that_tremble_cost_little():
+def test_joints_that_tremble_cost_little() -> None:
     rng = np.random.default_rng(5)
     off = []
     for _ in range(50):
@@ -75,7 +76,7 @@ def test_joints_that_tremble_cost_little():
     assert np.sqrt(np.mean(np.square(off))) < 4.0
 
 
-def test_no_joint_leaves_its_range_wherever_its_points_are():
+def test_no_joint_leaves_its_range_wherever_its_points_are() -> None:
     rng = np.random.default_rng(6)
     for _ in range(20):
         at = points(any_pose(rng))
@@ -83,7 +84,7 @@ def test_no_joint_leaves_its_range_wherever_its_points_are():
         assert violations(fitted(at).pose, ADULT) == 0
 
 
-def test_a_missing_finger_stays_at_rest_and_the_others_are_as_before():
+def test_a_missing_finger_stays_at_rest_and_the_others_are_as_before() -> None:
     q = any_pose(np.random.default_rng(7))
     at = points(q)
     whole = fitted(at).pose
@@ -95,24 +96,24 @@ def test_a_missing_finger_stays_at_rest_and_the_others_are_as_before():
 
 
 @pytest.mark.parametrize("missing", [[PALM[0]], list(KNUCKLES[:2])])
-def test_without_a_palm_there_is_no_pose(missing):
+def test_without_a_palm_there_is_no_pose(missing: list[int]) -> None:
     at = points(any_pose(np.random.default_rng(8)))
     at[missing] = np.nan
     assert fit_of_adult().fit(at) is None
 
 
-def test_a_page_s_hand_has_the_points_of_ours():
+def test_a_page_s_hand_has_the_points_of_ours() -> None:
     at = points(any_pose(np.random.default_rng(9)))
     assert seen_points(seen(at)) == pytest.approx(at)
 
 
 @pytest.mark.parametrize("size", [0.9, 1.0, 1.15])
-def test_the_size_of_a_hand_is_that_of_its_bones(size):
+def test_the_size_of_a_hand_is_that_of_its_bones(size: float) -> None:
     q = any_pose(np.random.default_rng(10))
     assert seen_size(seen(points(q, ADULT.scaled(size))), ADULT) == pytest.approx(size)
 
 
-def test_the_palm_is_laid_on_the_knuckles_of_a_longer_palm():
+def test_the_palm_is_laid_on_the_knuckles_of_a_longer_palm() -> None:
     q = any_pose(np.random.default_rng(11))
     q[JOINTS] = 0.0
     at = points(q)

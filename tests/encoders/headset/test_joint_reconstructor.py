@@ -7,8 +7,10 @@ import pytest
 
 from encoders.headset.controller import controller_points
 from encoders.headset.joint_points import TIPS
-from encoders.headset.joint_reconstructor import UNSEEN_NOTICE, JointReconstructor
+from encoders.headset.joint_reconstructor import JointReconstructor
 from encoders.reconstruction.arrival import Phase
+from encoders.reconstruction.followed_hand import UNSEEN_NOTICE
+from encoders.reconstruction.touch_reconstructor import Reconstruction
 from models.frames import HandFrame, TrackedHand
 from models.kinematics import Kinematics
 from models.pose import JOINTS, ROOT_POSITION
@@ -27,13 +29,15 @@ def high(seed: int) -> np.ndarray:
     return q
 
 
-def play(reconstructor: JointReconstructor, hands: tuple[TrackedHand, ...], steps: int, at=0.0):
+def play(
+    reconstructor: JointReconstructor, hands: tuple[TrackedHand, ...], steps: int, at: float = 0.0
+) -> Reconstruction:
     for i in range(steps):
         result = reconstructor.step(HandFrame(at + i * STEP, hands))
     return result
 
 
-def test_the_hand_goes_where_the_joints_are():
+def test_the_hand_goes_where_the_joints_are() -> None:
     q = high(1)
     result = play(JointReconstructor(), (seen(points(q)),), 40)
     tips = Kinematics(ADULT).tips(result.q)
@@ -41,7 +45,7 @@ def test_the_hand_goes_where_the_joints_are():
     assert result.phase is Phase.DOWN and len(result.fingers) == 5
 
 
-def test_a_left_hand_is_the_mirror_image_of_a_right_one():
+def test_a_left_hand_is_the_mirror_image_of_a_right_one() -> None:
     q = high(2)
     right = play(JointReconstructor("right"), (seen(points(q)),), 40)
     left = play(JointReconstructor("left"), (seen(points(q) * MIRROR, "left"),), 40)
@@ -49,13 +53,13 @@ def test_a_left_hand_is_the_mirror_image_of_a_right_one():
     assert mirror == pytest.approx(Kinematics(ADULT).tips(right.q) * MIRROR, abs=1e-9)
 
 
-def test_each_hand_takes_its_own_side_of_two():
+def test_each_hand_takes_its_own_side_of_two() -> None:
     both = (seen(points(high(3)) * MIRROR, "left"), seen(points(high(4))))
     alone = play(JointReconstructor("right"), both[1:], 30)
     assert play(JointReconstructor("right"), both, 30).q.tobytes() == alone.q.tobytes()
 
 
-def test_a_lost_hand_waits_becomes_a_ghost_and_is_told():
+def test_a_lost_hand_waits_becomes_a_ghost_and_is_told() -> None:
     reconstructor = JointReconstructor()
     play(reconstructor, (seen(points(high(5))),), 40)
     assert play(reconstructor, (), 10, 40 * STEP).phase is Phase.DOWN
@@ -64,7 +68,7 @@ def test_a_lost_hand_waits_becomes_a_ghost_and_is_told():
     assert "not seen" in reconstructor.notice
 
 
-def test_a_hand_under_the_table_is_raised():
+def test_a_hand_under_the_table_is_raised() -> None:
     q = high(6)
     q[ROOT_POSITION] = 0.0, 0.0, -0.1
     result = play(JointReconstructor(), (seen(points(q)),), 60)
@@ -72,7 +76,7 @@ def test_a_hand_under_the_table_is_raised():
     assert (tips - ADULT.tip_radius).min() > -1e-6
 
 
-def test_a_hand_without_a_palm_is_counted():
+def test_a_hand_without_a_palm_is_counted() -> None:
     hand = seen(points(high(7)))
     reconstructor = JointReconstructor()
     bare = TrackedHand(0, hand.palm, hand.normal, hand.direction, (), "right")
@@ -84,7 +88,7 @@ UPRIGHT = matrix_to_quaternion(np.eye(3))
 
 
 @pytest.mark.parametrize("side", ["right", "left"])
-def test_a_trigger_closes_the_pinch(side):
+def test_a_trigger_closes_the_pinch(side: str) -> None:
     gaps = []
     for trigger in (0.0, 0.5, 1.0):
         at = controller_points(side, trigger, np.zeros(3), UPRIGHT)
@@ -92,7 +96,7 @@ def test_a_trigger_closes_the_pinch(side):
     assert gaps[0] > 0.08 and gaps[0] > gaps[1] > gaps[2] and gaps[2] < 0.016
 
 
-def test_a_controller_s_hand_has_its_back_along_x_and_is_mirrored_for_the_left():
+def test_a_controller_s_hand_has_its_back_along_x_and_is_mirrored_for_the_left() -> None:
     right = controller_points("right", 0.3, np.zeros(3), UPRIGHT)
     left = controller_points("left", 0.3, np.zeros(3), UPRIGHT)
     assert left == pytest.approx(right * MIRROR)
@@ -101,7 +105,7 @@ def test_a_controller_s_hand_has_its_back_along_x_and_is_mirrored_for_the_left()
     assert right[TIPS, 2] < right[TIPS + 4, 2]
 
 
-def test_joints_at_rest_are_possible():
+def test_joints_at_rest_are_possible() -> None:
     q = high(8)
     q[JOINTS] = 0.0
     result = play(JointReconstructor(), (seen(points(q)),), 40)

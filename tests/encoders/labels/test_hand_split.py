@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from random import Random
 from typing import Any
 
 import numpy as np
@@ -42,7 +43,9 @@ histories = st.lists(st.dictionaries(st.integers(0, 14), places, max_size=13), m
 
 @given(histories)
 @settings(max_examples=60, deadline=None)
-def test_a_contact_never_changes_hands_while_it_is_down_and_no_hand_has_six(history):
+def test_a_contact_never_changes_hands_while_it_is_down_and_no_hand_has_six(
+    history: list[dict[int, tuple[float, float]]],
+) -> None:
     splitter = HandSplitter(HOMES)
     before: dict[int, int] = {}
     for step, down in enumerate(history):
@@ -67,7 +70,9 @@ def test_a_contact_never_changes_hands_while_it_is_down_and_no_hand_has_six(hist
     st.randoms(use_true_random=False),
 )
 @settings(max_examples=60, deadline=None)
-def test_two_hands_that_come_down_at_their_homes_are_told_apart_whatever_the_ids(n, m, x, y, mix):
+def test_two_hands_that_come_down_at_their_homes_are_told_apart_whatever_the_ids(
+    n: int, m: int, x: float, y: float, mix: Random
+) -> None:
     right = [(px + x, py + y) for px, py in fan((0.30, 0.10), n)]
     left = [(px + x, py - y) for px, py in fan((0.10, 0.10), m)]
     ids = list(range(n + m))
@@ -81,14 +86,14 @@ def test_two_hands_that_come_down_at_their_homes_are_told_apart_whatever_the_ids
 
 @given(st.integers(1, 5), st.integers(1, 5))
 @settings(max_examples=25, deadline=None)
-def test_in_a_mirror_the_hands_change_and_nothing_else(n, m):
+def test_in_a_mirror_the_hands_change_and_nothing_else(n: int, m: int) -> None:
     down = dict(enumerate([*fan((0.27, 0.12), n), *fan((0.09, 0.09), m)]))
     mirrored = {i: (0.4 - x, y) for i, (x, y) in down.items()}
     found, other = held(HandSplitter(HOMES), down), held(HandSplitter(HOMES), mirrored)
     assert [1 - hand for hand in found] == other
 
 
-def test_hands_that_cross_once_they_are_down_keep_their_contacts():
+def test_hands_that_cross_once_they_are_down_keep_their_contacts() -> None:
     splitter = HandSplitter(HOMES)
     start = dict(enumerate([*fan(HOMES[0], 3), *fan(HOMES[1], 3)]))
     for step in range(60):
@@ -99,7 +104,7 @@ def test_hands_that_cross_once_they_are_down_keep_their_contacts():
     assert [splitter.hand(i) for i in range(6)] == [0, 0, 0, 1, 1, 1]
 
 
-def test_a_finger_that_comes_back_beside_its_hand_belongs_to_it_far_from_its_home():
+def test_a_finger_that_comes_back_beside_its_hand_belongs_to_it_far_from_its_home() -> None:
     splitter = HandSplitter(HOMES)
     away = dict(enumerate([(0.12, 0.05), (0.15, 0.05)]))
     assert held(splitter, {i: (x + 0.15, y) for i, (x, y) in away.items()}) == [0, 0]
@@ -110,13 +115,13 @@ def test_a_finger_that_comes_back_beside_its_hand_belongs_to_it_far_from_its_hom
     assert splitter.hand(7) == 0
 
 
-def test_six_fingers_of_one_place_are_two_hands_and_an_eleventh_is_nobodys():
+def test_six_fingers_of_one_place_are_two_hands_and_an_eleventh_is_nobodys() -> None:
     crowd = dict(enumerate((0.30 + 0.005 * k, 0.1) for k in range(11)))
     hands = held(HandSplitter(HOMES), crowd)
     assert hands.count(0) == hands.count(1) == 5 and hands.count(None) == 1
 
 
-def test_a_contact_waits_for_others_of_its_hand_and_is_reported_then():
+def test_a_contact_waits_for_others_of_its_hand_and_is_reported_then() -> None:
     splitter = HandSplitter(HOMES)
     given_at = []
     for step in range(8):
@@ -128,7 +133,7 @@ def test_a_contact_waits_for_others_of_its_hand_and_is_reported_then():
     )
 
 
-def test_what_is_cancelled_is_told_to_its_hand_alone():
+def test_what_is_cancelled_is_told_to_its_hand_alone() -> None:
     splitter = HandSplitter(HOMES)
     held(splitter, {1: (0.3, 0.1), 2: (0.1, 0.1)})
     gone = TouchFrame(0.2, (Contact(2, 0.1, 0.1),), 0.5, frozenset({1}))
@@ -142,19 +147,19 @@ class Once(Device):
 
     name, finished = "once", False
 
-    def __init__(self, frames):
+    def __init__(self, frames: list[TouchFrame]) -> None:
         self.frames, self.closed = frames, 0
 
-    def poll(self, now):
+    def poll(self, now: float) -> list[TouchFrame]:
         due = [f for f in self.frames if f.time <= now]
         self.frames = [f for f in self.frames if f.time > now]
         return due
 
-    def close(self):
+    def close(self) -> None:
         self.closed += 1
 
 
-def test_a_finger_that_rests_gets_its_hand_though_the_device_is_silent():
+def test_a_finger_that_rests_gets_its_hand_though_the_device_is_silent() -> None:
     shared = SharedSurface(Once([frame(0, {1: (0.3, 0.1), 2: (0.1, 0.1)})]), HOMES)
     found: list[set[Any]] = [set(), set()]
     for step in range(6):
@@ -164,7 +169,7 @@ def test_a_finger_that_rests_gets_its_hand_though_the_device_is_silent():
     assert found == [{1}, {2}]
 
 
-def test_hands_22_cm_apart_get_19_of_20_contacts_right():
+def test_hands_22_cm_apart_get_19_of_20_contacts_right() -> None:
     # What more it is, and how it falls off nearer by, `python -m benchmarks.hand_split` tells.
     count, _ = measure(6, seed=3)[0.22]
     assert count.all > 20 and count.right / count.all >= 0.95

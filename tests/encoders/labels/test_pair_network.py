@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from numpy.typing import NDArray
 
 from encoders.labels.labelling import hypotheses
 from encoders.labels.network_evidence import NetworkEvidence, set_prior
@@ -21,7 +22,7 @@ from models.errors import EncoderError
 SIZES = {"g": 7, "context": 5, "f": 9, "h": 6}
 
 
-def drawn_weights(seed: int = 0):
+def drawn_weights(seed: int = 0) -> dict[str, NDArray[np.float32]]:
     rng = np.random.default_rng(seed)
     weights = initial_weights(rng, SIZES)
     return {k: v + rng.normal(0, 0.05, v.shape).astype(np.float32) for k, v in weights.items()}
@@ -29,7 +30,9 @@ def drawn_weights(seed: int = 0):
 
 @given(st.integers(2, 5), st.integers(0, 1000))
 @settings(max_examples=30, deadline=None)
-def test_probabilities_follow_the_contacts_whatever_their_order_and_place(count, seed):
+def test_probabilities_follow_the_contacts_whatever_their_order_and_place(
+    count: int, seed: int
+) -> None:
     rng = np.random.default_rng(seed)
     evidence = NetworkEvidence(PairNetwork(drawn_weights()), dict.fromkeys(range(2, 6), 1.0))
     xy = rng.normal(0, 0.03, (count, 2))
@@ -43,7 +46,7 @@ def test_probabilities_follow_the_contacts_whatever_their_order_and_place(count,
 
 
 @pytest.mark.parametrize("count", [2, 3, 5])
-def test_the_slopes_of_the_loss_are_its_finite_differences(count):
+def test_the_slopes_of_the_loss_are_its_finite_differences(count: int) -> None:
     rng = np.random.default_rng(count)
     weights, step = {k: v.astype(float) for k, v in drawn_weights().items()}, 1e-5
     xy = rng.normal(0, 0.03, (6, count, 2))
@@ -60,7 +63,7 @@ def test_the_slopes_of_the_loss_are_its_finite_differences(count):
 
 
 @pytest.mark.parametrize("count", [2, 3, 4, 5])
-def test_a_batch_gets_the_probabilities_that_single_layouts_get(count):
+def test_a_batch_gets_the_probabilities_that_single_layouts_get(count: int) -> None:
     weights = drawn_weights()
     xy = np.random.default_rng(0).normal(0, 0.03, (4, count, 2))
     flat = NetworkEvidence(PairNetwork(weights), dict.fromkeys(range(2, 6), 1.0), {})
@@ -68,7 +71,7 @@ def test_a_batch_gets_the_probabilities_that_single_layouts_get(count):
     assert np.allclose(together, [flat.log_posterior(one) for one in xy], atol=1e-4)
 
 
-def test_the_prior_prefers_thumb_and_index_and_gives_every_set_a_chance():
+def test_the_prior_prefers_thumb_and_index_and_gives_every_set_a_chance() -> None:
     for count in (2, 3, 4):
         prior = np.exp(set_prior()[count])
         usual = {tuple(sorted(row)) for row in hypotheses(count)[prior == prior.max()].tolist()}
@@ -76,7 +79,7 @@ def test_the_prior_prefers_thumb_and_index_and_gives_every_set_a_chance():
         assert prior.sum() == pytest.approx(1.0) and prior.min() > 0.001
 
 
-def test_a_stored_belief_is_the_same_belief(tmp_path: Path):
+def test_a_stored_belief_is_the_same_belief(tmp_path: Path) -> None:
     belief = from_weights(drawn_weights(), "people")
     belief.save(tmp_path / "names.npz")
     back = load_population_belief(tmp_path / "names.npz")
@@ -86,7 +89,7 @@ def test_a_stored_belief_is_the_same_belief(tmp_path: Path):
 
 
 @pytest.mark.parametrize("damage", ["missing", "shape", "nan", "cut"])
-def test_a_damaged_file_is_one_clear_error(tmp_path: Path, damage: str):
+def test_a_damaged_file_is_one_clear_error(tmp_path: Path, damage: str) -> None:
     path, weights = tmp_path / "names.npz", drawn_weights()
     from_weights(weights, "people").save(path)
     if damage == "cut":
@@ -105,7 +108,7 @@ def test_a_damaged_file_is_one_clear_error(tmp_path: Path, damage: str):
         load_population_belief(path)
 
 
-def test_five_fingers_of_a_stranger_are_named_and_kept_and_help_with_fewer():
+def test_five_fingers_of_a_stranger_are_named_and_kept_and_help_with_fewer() -> None:
     rng = np.random.default_rng(3)
     # Distances of real layouts: thumb, index, middle, ring, little; metres, y down.
     hand = 1e-3 * np.array([[0, 0], [35, -42], [60, -55], [83, -48], [104, -26]])
@@ -123,7 +126,7 @@ def test_five_fingers_of_a_stranger_are_named_and_kept_and_help_with_fewer():
     assert belief.log_probability(truth) > stranger.log_probability(truth)
 
 
-def test_a_new_trial_begins_with_what_was_known_before_the_last_one():
+def test_a_new_trial_begins_with_what_was_known_before_the_last_one() -> None:
     hand = 1e-3 * np.array([[0, 0], [35, -42], [60, -55], [83, -48], [104, -26]])
     belief = builtin_population_belief()
     belief.assign({f: tuple(hand[f]) for f in range(5)}, {})
@@ -132,7 +135,7 @@ def test_a_new_trial_begins_with_what_was_known_before_the_last_one():
     assert len(belief.own) == 0
 
 
-def test_confident_answers_about_fewer_fingers_are_not_fed_back():
+def test_confident_answers_about_fewer_fingers_are_not_fed_back() -> None:
     rng = np.random.default_rng(0)
     belief = builtin_population_belief()
     for _ in range(40):

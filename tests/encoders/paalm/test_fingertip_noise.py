@@ -33,7 +33,7 @@ def constants(places: np.ndarray) -> float:
 
 @given(st.integers(0, 10_000), st.floats(0.2, 5.0))
 @settings(max_examples=40, deadline=None)
-def test_the_time_constant_grows_with_the_square_of_white_noise(seed: int, size: float):
+def test_the_time_constant_grows_with_the_square_of_white_noise(seed: int, size: float) -> None:
     noise = np.random.default_rng(seed).standard_normal((400, 3))
     # Of independent numbers, a second difference has six times the variance.
     scale = size * STEADY / (np.sqrt(6.0) * np.sqrt(8.0 / np.pi))
@@ -45,13 +45,15 @@ def test_the_time_constant_grows_with_the_square_of_white_noise(seed: int, size:
 
 @given(st.floats(0.15, 1.0), st.floats(0.01, 0.08), st.tuples(*[st.floats(-1, 1)] * 3))
 @settings(deadline=None)
-def test_fast_movement_is_not_measured_as_noise(time: float, far: float, way: tuple):
+def test_fast_movement_is_not_measured_as_noise(
+    time: float, far: float, way: tuple[float, float, float]
+) -> None:
     s = np.clip((np.arange(120) * DT - 0.5) / time, 0.0, 1.0)
     places = (far * (10 * s**3 - 15 * s**4 + 6 * s**5))[:, None] * np.array(way)
     assert constants(places) == 0.03
 
 
-def test_a_jump_after_a_gap_is_not_measured_as_noise():
+def test_a_jump_after_a_gap_is_not_measured_as_noise() -> None:
     jumps = np.cumsum(np.arange(200) % 40 == 0)[:, None] * np.array([0.05, 0.0, 0.0])
     assert constants(jumps) == 0.03
     found = followed(np.zeros((10, 3)))
@@ -62,7 +64,7 @@ def test_a_jump_after_a_gap_is_not_measured_as_noise():
     assert found.mean == before, "what is before and after a gap is not compared"
 
 
-def test_a_device_as_quiet_as_it_should_be_is_followed_as_with_a_fixed_constant():
+def test_a_device_as_quiet_as_it_should_be_is_followed_as_with_a_fixed_constant() -> None:
     one = take(2, drop_outs=False)
     free, fixed = calibrated(one), calibrated(one, FIXED)
     for frame in one.frames:
@@ -71,7 +73,7 @@ def test_a_device_as_quiet_as_it_should_be_is_followed_as_with_a_fixed_constant(
         )
 
 
-def test_of_a_noisy_device_two_fifths_of_the_jitter_go_and_hardly_any_accuracy():
+def test_of_a_noisy_device_two_fifths_of_the_jitter_go_and_hardly_any_accuracy() -> None:
     # 2 mm from frame to frame; a real Leap of 2013 had 0.05.
     noisy = replace(FROZEN_LEAP, tip=0.002, length=0.001, direction=1.0)
     free: list[dict[str, float]] = []

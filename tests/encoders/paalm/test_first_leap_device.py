@@ -10,17 +10,19 @@ import numpy as np
 import pytest
 
 from encoders.paalm.palm import palm_of
-from encoders.paalm.simulated.air import simulate_air
-from encoders.paalm.simulated.first_software import FirstSoftware
+from encoders.paalm.simulated.air import AirTake, simulate_air
+from encoders.paalm.simulated.first_software import FirstSoftware, SeenHand
 from encoders.paalm.simulated.forward import leap_take
-from encoders.paalm.simulated.leap_configuration import FROZEN_LEAP, QUANTILES
+from encoders.paalm.simulated.leap_configuration import FROZEN_LEAP, QUANTILES, LeapConfiguration
 from tests.support.leap_hands import SHORT, real_take
 
 STILL = replace(SHORT, open_seconds=1.0, seconds=0.1)
 ALWAYS = replace(FROZEN_LEAP, lost_rate=0.0, reversed_share=0.0, swapped=0.0)
 
 
-def held_open(seconds: float, configuration=ALWAYS, seed: int = 3):
+def held_open(
+    seconds: float, configuration: LeapConfiguration = ALWAYS, seed: int = 3
+) -> tuple[AirTake, list[SeenHand]]:
     """What the device says of one open hand that does not move, 100 times a second."""
     hand = simulate_air(seed, configuration=STILL)
     device = FirstSoftware(np.random.default_rng(seed), configuration)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -24,7 +25,7 @@ from sandbox.devices.leap.leap_file import read_leap
 from tests.support.leap_hands import real_take, take
 
 
-def test_a_real_hand_is_plausible(shared_data) -> None:
+def test_a_real_hand_is_plausible(shared_data: Path) -> None:
     found = plausibility(read_leap(shared_data / "leap" / "v1-hands.json").frames)
     assert found.remark == ""
     assert found.fingers > 3000
@@ -32,14 +33,14 @@ def test_a_real_hand_is_plausible(shared_data) -> None:
     assert found.tips < 0.005
 
 
-def test_a_real_hand_over_a_live_device_is_as_plausible(shared_data) -> None:
+def test_a_real_hand_over_a_live_device_is_as_plausible(shared_data: Path) -> None:
     found = plausibility(read_leap(shared_data / "leap" / "v1-hands.json").frames, live=True)
     assert found.fingers > 3000
     assert found.backward < 0.08 and found.claws < 0.05 and found.at_limit < 0.05
     assert found.tips < 0.005
 
 
-def test_of_two_real_hands_the_thumbs_tell_the_sides(shared_data) -> None:
+def test_of_two_real_hands_the_thumbs_tell_the_sides(shared_data: Path) -> None:
     frames = read_leap(shared_data / "leap" / "v1-hands.json").frames
     sides = HandSides(("right", "left"))
     said = [(h.id, side) for f in frames for side, h in sides.choose(f).items()]

@@ -69,7 +69,9 @@ def test_straight_fingers_and_those_without_joints_teach_nothing() -> None:
 
 
 @pytest.mark.parametrize("seed", [41, 42, 43])
-def test_a_persons_joints_are_nearer_to_the_truth_than_with_the_dialects_coupling(seed) -> None:
+def test_a_persons_joints_are_nearer_to_the_truth_than_with_the_dialects_coupling(
+    seed: int,
+) -> None:
     take = leap_take(simulate_air(seed, "right", replace(FROZEN_AIR, seconds=12.0)), seed, "v3")
     late = np.arange(len(take.frames)) > len(take.frames) // 3
     found = {}

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -90,7 +92,7 @@ def turned(hand: TrackedHand, rotation: np.ndarray) -> TrackedHand:
     )
 
 
-def test_an_open_hand_has_ratios_of_one_and_an_error_of_a_few_degrees():
+def test_an_open_hand_has_ratios_of_one_and_an_error_of_a_few_degrees() -> None:
     one = take(1, drop_outs=False)
     paalm = calibrated(one, LENGTHS)
     ratios = [
@@ -101,7 +103,7 @@ def test_an_open_hand_has_ratios_of_one_and_an_error_of_a_few_degrees():
     np.testing.assert_allclose(np.mean(ratios, axis=0), 1.0, atol=0.01)
 
 
-def test_calibration_is_the_mean_length_of_every_finger():
+def test_calibration_is_the_mean_length_of_every_finger() -> None:
     one = take(1, drop_outs=False)
     paalm = Paalm(LENGTHS)
     found = paalm.calibrate(one.frames, "right", 100)["right"]
@@ -114,26 +116,26 @@ def test_calibration_is_the_mean_length_of_every_finger():
 
 
 @pytest.mark.parametrize("seed", range(3))
-def test_fingers_keep_their_names_where_the_order_by_x_loses_them(seed):
+def test_fingers_keep_their_names_where_the_order_by_x_loses_them(seed: int) -> None:
     figures = judge_recording("", take(seed)).figures
     assert figures["identity_tracked"] >= 99.5
     assert figures["identity_paper"] < 97.0
 
 
-def test_joints_that_a_device_separates_are_met_within_the_goals():
+def test_joints_that_a_device_separates_are_met_within_the_goals() -> None:
     figures = [judge_recording("", take(seed, "v3")).figures for seed in range(3)]
     for name, most in (("pip_deg", 8.0), ("dip_deg", 12.0), ("pip_dip_deg", 5.0)):
         assert np.mean([f[name] for f in figures]) < most
 
 
-def test_the_default_options_are_no_worse_than_those_of_the_paper():
+def test_the_default_options_are_no_worse_than_those_of_the_paper() -> None:
     one = take(1)
     default, printed = judge_recording("", one).figures, judge_recording("", one, PAPER).figures
     for name in ("mcp_deg", "pip_deg", "dip_deg", "jitter_deg"):
         assert default[name] < printed[name]
 
 
-def test_the_order_in_the_message_says_nothing():
+def test_the_order_in_the_message_says_nothing() -> None:
     one = take(0)
     again = [
         replace(f, hands=(replace(f.hands[0], fingers=f.hands[0].fingers[::-1]),))
@@ -144,7 +146,7 @@ def test_the_order_in_the_message_says_nothing():
     )
 
 
-def test_a_hand_of_another_size_has_the_same_angles():
+def test_a_hand_of_another_size_has_the_same_angles() -> None:
     hand = simulate_air(3, configuration=SHORT)
     large = replace(hand, joints=1.2 * hand.joints)
     found = []
@@ -155,7 +157,7 @@ def test_a_hand_of_another_size_has_the_same_angles():
     assert np.abs(found[0] - found[1])[:, 1:, [0, 2]].mean() < 1.5
 
 
-def test_a_left_hand_in_a_mirror_is_a_right_hand():
+def test_a_left_hand_in_a_mirror_is_a_right_hand() -> None:
     right = take(2)
     left = LeapTake(
         tuple(map(mirrored, right.frames)),
@@ -170,7 +172,7 @@ def test_a_left_hand_in_a_mirror_is_a_right_hand():
     np.testing.assert_allclose(a, b, atol=1e-6)
 
 
-def test_both_hands_at_once_are_what_each_is_alone():
+def test_both_hands_at_once_are_what_each_is_alone() -> None:
     right, left = take(4), take(5, side="left")
     both = Paalm()
     frames = side_by_side(right, left)
@@ -184,7 +186,7 @@ def test_both_hands_at_once_are_what_each_is_alone():
         np.testing.assert_allclose(tables(both, frames, side), steps, atol=1e-6)
 
 
-def test_hands_on_top_of_each_other_are_refused_and_held():
+def test_hands_on_top_of_each_other_are_refused_and_held() -> None:
     right, left = take(4), take(5, side="left")
     paalm = Paalm()
     frames = side_by_side(right, left)
@@ -201,7 +203,7 @@ def test_hands_on_top_of_each_other_are_refused_and_held():
     assert paalm.step(frames[202]).refused is None
 
 
-def test_a_finger_that_vanished_stays_as_it_was_while_the_palm_turns_and_moves():
+def test_a_finger_that_vanished_stays_as_it_was_while_the_palm_turns_and_moves() -> None:
     one = take(1, drop_outs=False)
     # Without smoothing: what vanishes stays where the device saw it last, not where smoothing was.
     paalm = calibrated(one, PaalmOptions(smoothing=0.0))
@@ -216,7 +218,7 @@ def test_a_finger_that_vanished_stays_as_it_was_while_the_palm_turns_and_moves()
     assert after.ratios["index"] == before.ratios["index"]
 
 
-def test_a_finger_held_in_the_devices_frame_turns_against_the_palm():
+def test_a_finger_held_in_the_devices_frame_turns_against_the_palm() -> None:
     one = take(1, drop_outs=False)
     paalm = calibrated(one, PaalmOptions(hold="device"))
     for frame in one.frames[:200]:
@@ -228,7 +230,7 @@ def test_a_finger_held_in_the_devices_frame_turns_against_the_palm():
     assert after.table[1, 0] - before == pytest.approx(np.rad2deg(0.3), abs=4.0)
 
 
-def test_a_hand_that_is_not_seen_is_held_and_comes_back():
+def test_a_hand_that_is_not_seen_is_held_and_comes_back() -> None:
     one = take(0, drop_outs=False)
     paalm = calibrated(one)
     before = paalm.step(one.frames[0]).hands["right"]
@@ -238,7 +240,7 @@ def test_a_hand_that_is_not_seen_is_held_and_comes_back():
     assert paalm.step(one.frames[2]).hands["right"].seen
 
 
-def test_fingers_that_swap_ids_from_one_frame_to_the_next_keep_their_names():
+def test_fingers_that_swap_ids_from_one_frame_to_the_next_keep_their_names() -> None:
     one = take(3, drop_outs=False)
     paalm = calibrated(one)
     for number, frame in enumerate(one.frames[:300]):
@@ -254,7 +256,7 @@ def test_fingers_that_swap_ids_from_one_frame_to_the_next_keep_their_names():
         assert all(names[i] == f for f, i in enumerate(said.values()) if i is not None)
 
 
-def test_time_that_runs_backwards_changes_nothing_and_is_counted():
+def test_time_that_runs_backwards_changes_nothing_and_is_counted() -> None:
     one = take(0)
     paalm = calibrated(one)
     now = paalm.step(one.frames[300]).hands["right"]
@@ -263,7 +265,7 @@ def test_time_that_runs_backwards_changes_nothing_and_is_counted():
     np.testing.assert_array_equal(late.hands["right"].table, now.table)
 
 
-def test_a_frame_with_too_many_fingers_is_counted_and_holds_the_hand():
+def test_a_frame_with_too_many_fingers_is_counted_and_holds_the_hand() -> None:
     one = take(0, drop_outs=False)
     paalm = calibrated(one)
     before = paalm.step(one.frames[0]).hands["right"]
@@ -274,7 +276,7 @@ def test_a_frame_with_too_many_fingers_is_counted_and_holds_the_hand():
     assert paalm.counts["hands with more than five fingers"] == 1
 
 
-def test_an_unmeasured_hand_is_refused():
+def test_an_unmeasured_hand_is_refused() -> None:
     with pytest.raises(EncoderError, match="calibration"):
         Paalm().step(take(0).frames[0])
 
@@ -294,7 +296,9 @@ def folded(one: LeapTake) -> list[HandFrame]:
         (lambda: folded(take(1, "v3")), "varies too much|was not open|not spread|was bent"),
     ),
 )
-def test_a_hand_that_is_not_open_is_not_measured_and_the_reason_is_said(frames, says):
+def test_a_hand_that_is_not_open_is_not_measured_and_the_reason_is_said(
+    frames: Callable[[], list[HandFrame]], says: str
+) -> None:
     # Only lengths have to be even; tips need some frames that show all of each finger.
     options = LENGTHS if "varies" in says else PaalmOptions()
     with pytest.raises(EncoderError, match=says):
@@ -305,7 +309,9 @@ def test_a_hand_that_is_not_open_is_not_measured_and_the_reason_is_said(frames, 
 @pytest.mark.parametrize(
     "turn", [(0, 0, 80), (0, 0, 180), (0, 90, 0), (0, 170, 0), (40, -60, -120)]
 )
-def test_a_turned_hand_is_measured_under_the_names_of_its_fingers(side, turn):
+def test_a_turned_hand_is_measured_under_the_names_of_its_fingers(
+    side: str, turn: tuple[int, int, int]
+) -> None:
     hand = simulate_air(6, side, replace(SHORT, seconds=1.0))
     upright = leap_take(hand, 6, drop_outs=False)
     one = leap_take(air.turned(hand, exp(np.deg2rad(turn))), 6, drop_outs=False)
@@ -329,7 +335,9 @@ def test_a_turned_hand_is_measured_under_the_names_of_its_fingers(side, turn):
         (None, False, 2.0 / 3.0),
     ],
 )
-def test_joints_bend_together_as_they_do_in_the_devices_dialect(dialect, equal, slope):
+def test_joints_bend_together_as_they_do_in_the_devices_dialect(
+    dialect: str | None, equal: bool, slope: float
+) -> None:
     frames = [replace(f, dialect=dialect) for f in take(1, "v3").frames[150:300]]
     if equal:
         frames = [bent_equally(f) for f in frames]
@@ -366,7 +374,7 @@ def bent_equally(frame: HandFrame) -> HandFrame:
     return replace(frame, hands=(replace(hand, fingers=tuple(fingers)),))
 
 
-def test_few_frames_of_an_open_hand_are_enough_of_a_recording_and_bones_need_none():
+def test_few_frames_of_an_open_hand_are_enough_of_a_recording_and_bones_need_none() -> None:
     open_hand = [f for f, held in zip(take(0).frames, take(0).open, strict=True) if held]
     whole = [f for f in open_hand if len(f.hands[0].fingers) == 5]
     paalm = Paalm()
@@ -380,7 +388,7 @@ def test_few_frames_of_an_open_hand_are_enough_of_a_recording_and_bones_need_non
     assert paalm.calibration["right"].bones is not None
 
 
-def test_fingers_held_together_are_not_measured():
+def test_fingers_held_together_are_not_measured() -> None:
     one = take(0, drop_outs=False)
     near = []
     for frame in one.frames[:100]:
@@ -399,7 +407,7 @@ def test_fingers_held_together_are_not_measured():
         Paalm().calibrate(near, "right", 80)
 
 
-def test_the_hand_to_calibrate_must_be_specified():
+def test_the_hand_to_calibrate_must_be_specified() -> None:
     with pytest.raises(EncoderError, match="hand to calibrate"):
         Paalm().calibrate(take(0).frames, "neither", 10)  # type: ignore[arg-type]
     with pytest.raises(EncoderError, match="no such choice"):
@@ -407,7 +415,7 @@ def test_the_hand_to_calibrate_must_be_specified():
 
 
 @pytest.mark.parametrize("dialect", ("v1", "v3"))
-def test_a_calibration_written_and_read_reconstructs_the_same(dialect, tmp_path):
+def test_a_calibration_written_and_read_reconstructs_the_same(dialect: str, tmp_path: Path) -> None:
     one, path = take(1, dialect), tmp_path / "hand.json"
     first = calibrated(one)
     write_calibration(first.calibration, path)
@@ -420,19 +428,19 @@ def test_a_calibration_written_and_read_reconstructs_the_same(dialect, tmp_path)
 @pytest.mark.parametrize(
     "content", ("", "[]", '{"schema": 1}', '{"schema": 1, "paalm_calibration": {"right": {}}}')
 )
-def test_a_file_without_a_calibration_is_refused(content, tmp_path):
+def test_a_file_without_a_calibration_is_refused(content: str, tmp_path: Path) -> None:
     path = tmp_path / "c.json"
     path.write_text(content)
     with pytest.raises(EncoderError, match=r"c\.json"):
         read_calibration(path)
 
 
-def test_seeds_to_judge_on_follow_from_the_configuration_and_are_no_development_seeds():
+def test_seeds_to_judge_on_follow_from_the_configuration_and_are_no_development_seeds() -> None:
     assert judged_seeds(5) == judged_seeds(8)[:5]
     assert len(set(judged_seeds(20))) == 20 and min(judged_seeds(20)) > 199
 
 
-def test_an_average_hand_is_rougher_than_the_measured_one_and_joints_need_no_measuring():
+def test_an_average_hand_is_rougher_than_the_measured_one_and_joints_need_no_measuring() -> None:
     one, joints = take(2, drop_outs=False), take(2, "v3")
     errors = {}
     fixed = PaalmOptions(learns=False)
@@ -446,7 +454,7 @@ def test_an_average_hand_is_rougher_than_the_measured_one_and_joints_need_no_mea
     assert measured < errors["v1"] < 30.0
 
 
-def test_joints_of_a_hand_that_is_never_open_are_judged_by_its_own_bones():
+def test_joints_of_a_hand_that_is_never_open_are_judged_by_its_own_bones() -> None:
     made = take(3, "v3")
     closed = replace(made, open=np.zeros_like(made.open))
     figures = judge_recording("", closed).figures

@@ -29,12 +29,14 @@ def tip_of(
 
 
 @given(st.lists(TABLE, min_size=5, max_size=5))
-def test_angles_of_joints_are_the_angles_that_placed_them(rows):
+def test_angles_of_joints_are_the_angles_that_placed_them(
+    rows: list[tuple[float, float, float, float]],
+) -> None:
     joints = joints_of_angles(rows, np.zeros((5, 3)), np.tile(LENGTHS, (5, 1)))
     np.testing.assert_allclose(angles_of_joints(joints), rows, atol=1e-9)
 
 
-def test_every_angle_has_a_name_of_its_own():
+def test_every_angle_has_a_name_of_its_own() -> None:
     table = np.arange(20.0).reshape(5, 4)
     named = by_name(table)
     assert len(named) == 20 == len({n for row in NAMES for n in row})
@@ -49,7 +51,9 @@ def test_every_angle_has_a_name_of_its_own():
     st.sampled_from((TWO_THIRDS, EQUAL, Coupling(0.6, 3.0))),
     st.sampled_from((0.0, 0.45)),
 )
-def test_inverse_kinematics_finds_the_angles_of_a_reachable_tip(flexion, spread, pip, coup, hid):
+def test_inverse_kinematics_finds_the_angles_of_a_reachable_tip(
+    flexion: float, spread: float, pip: float, coup: Coupling, hid: float
+) -> None:
     chain = FingerChain(LENGTHS, coup, hidden=hid)
     target = tip_of(chain, flexion, spread, pip)
     if np.linalg.norm(target) < chain.shortest + 1e-4:
@@ -62,11 +66,12 @@ def test_inverse_kinematics_finds_the_angles_of_a_reachable_tip(flexion, spread,
 
 
 @given(st.lists(st.floats(-0.2, 0.2), min_size=3, max_size=3))
-def test_any_target_gives_legal_angles_and_the_miss_that_is_reported(target):
+def test_any_target_gives_legal_angles_and_the_miss_that_is_reported(target: list[float]) -> None:
     chain = FingerChain(LENGTHS, TWO_THIRDS)
     if np.linalg.norm(target) < 1e-6:
         return
-    found = chain.solve(tuple(target))
+    x, y, z = target
+    found = chain.solve((x, y, z))
     limits = FINGER_LIMITS
     for angle, (low, high) in (
         (found.flexion, limits.flexion),
@@ -79,7 +84,7 @@ def test_any_target_gives_legal_angles_and_the_miss_that_is_reported(target):
     assert found.miss == pytest.approx(np.linalg.norm(np.subtract(tip, target)), abs=1e-6)
 
 
-def test_where_a_limit_refuses_no_other_bend_comes_nearer():
+def test_where_a_limit_refuses_no_other_bend_comes_nearer() -> None:
     chain = FingerChain(LENGTHS, TWO_THIRDS)
     target = (0.0, -0.03, 0.05)
     found = chain.solve(target)
@@ -91,12 +96,12 @@ def test_where_a_limit_refuses_no_other_bend_comes_nearer():
 
 
 @given(st.floats(0.0, 100.0), st.floats(0.1, 9.0))
-def test_a_shorter_finger_is_a_more_bent_finger(pip, more):
+def test_a_shorter_finger_is_a_more_bent_finger(pip: float, more: float) -> None:
     chain = FingerChain(LENGTHS, TWO_THIRDS, hidden=0.45)
     assert chain.chord(pip + more) < chain.chord(pip)
 
 
-def test_a_coupling_is_fitted_to_what_it_was_made_from_and_refused_without_motion():
+def test_a_coupling_is_fitted_to_what_it_was_made_from_and_refused_without_motion() -> None:
     pip = np.linspace(0.0, 90.0, 50)
     fitted = Coupling.fitted(pip, 0.6 * pip + 4.0)
     assert (fitted.slope, fitted.offset) == (pytest.approx(0.6), pytest.approx(4.0))
@@ -106,7 +111,7 @@ def test_a_coupling_is_fitted_to_what_it_was_made_from_and_refused_without_motio
         Coupling.fitted(pip, -pip)
 
 
-def test_a_finger_without_bones_is_refused():
+def test_a_finger_without_bones_is_refused() -> None:
     with pytest.raises(EncoderError):
         FingerChain((0.0, 0.026, 0.021), TWO_THIRDS)
     with pytest.raises(EncoderError):

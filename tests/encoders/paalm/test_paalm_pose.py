@@ -49,7 +49,16 @@ def joints_in_palm(q: np.ndarray, rotation: np.ndarray) -> np.ndarray:
 
 
 @given(st.tuples(THUMB, FINGER, FINGER, FINGER, FINGER), TURN)
-def test_the_hands_joints_show_the_angles_it_was_given(rows, turn):
+def test_the_hands_joints_show_the_angles_it_was_given(
+    rows: tuple[
+        tuple[float, float, float, float],
+        tuple[float, float, float, float],
+        tuple[float, float, float, float],
+        tuple[float, float, float, float],
+        tuple[float, float, float, float],
+    ],
+    turn: list[float],
+) -> None:
     palm = palm_of(seen_hand(turn), "right")
     q = hand_pose(rows, palm)
     assert violations(q, ADULT) == 0
@@ -64,7 +73,9 @@ def test_the_hands_joints_show_the_angles_it_was_given(rows, turn):
     st.lists(st.floats(-180, 180), min_size=20, max_size=20),
     st.lists(st.floats(-3.0, 3.0), min_size=3, max_size=3),
 )
-def test_a_pose_is_what_one_turn_after_the_other_gives(angles, turn):
+def test_a_pose_is_what_one_turn_after_the_other_gives(
+    angles: list[float], turn: list[float]
+) -> None:
     rows = np.array(angles).reshape(5, 4)
     palm = Palm((0.01, 0.02, 0.2), *(tuple(c) for c in exp(turn).T.tolist()))
     q = np.zeros(48)
@@ -90,7 +101,7 @@ def test_a_pose_is_what_one_turn_after_the_other_gives(angles, turn):
     )
 
 
-def test_within_the_joints_ranges_every_angle_is_exact():
+def test_within_the_joints_ranges_every_angle_is_exact() -> None:
     rows = np.array(
         [[5, -5, 20, 0], [30, 4, 40, 30], [35, 0, 50, 20], [20, -4, 30, 10], [25, -9, 60, 40]],
         float,
@@ -100,7 +111,7 @@ def test_within_the_joints_ranges_every_angle_is_exact():
     np.testing.assert_allclose(shown, rows, atol=1e-6)
 
 
-def test_the_palm_is_the_root_and_the_devices_place_is_added():
+def test_the_palm_is_the_root_and_the_devices_place_is_added() -> None:
     palm = palm_of(seen_hand([0.0, 0.0, 0.0]), "right")
     q = hand_pose(np.zeros((5, 4)), palm, device=(0.0, 0.5, 1.0))
     np.testing.assert_allclose(q[:3] + PALM_CENTRE, np.add(palm.origin, (0.0, 0.5, 1.0)))
@@ -108,7 +119,7 @@ def test_the_palm_is_the_root_and_the_devices_place_is_added():
 
 
 @given(TURN)
-def test_a_left_pose_is_the_mirror_image_of_a_right_one(turn):
+def test_a_left_pose_is_the_mirror_image_of_a_right_one(turn: list[float]) -> None:
     rows = np.tile([20.0, 3.0, 30.0, 20.0], (5, 1))
     right = seen_hand(turn)
 
@@ -129,7 +140,7 @@ def test_a_left_pose_is_the_mirror_image_of_a_right_one(turn):
     )
 
 
-def test_a_recorded_hand_is_followed_within_the_limits_and_without_jumps():
+def test_a_recorded_hand_is_followed_within_the_limits_and_without_jumps() -> None:
     one = take(1)
     followed = HandReconstructor(calibrated(one))
     poses = []
@@ -144,7 +155,7 @@ def test_a_recorded_hand_is_followed_within_the_limits_and_without_jumps():
     assert np.linalg.norm(steps[:, 2:], axis=2).max() <= rate.angular * 0.0101
 
 
-def test_a_hand_that_is_gone_holds_its_pose_as_a_ghost_and_reset_forgets_it():
+def test_a_hand_that_is_gone_holds_its_pose_as_a_ghost_and_reset_forgets_it() -> None:
     one = take(1)
     followed = HandReconstructor(calibrated(one))
     fresh = followed.commanded.copy()
@@ -157,7 +168,7 @@ def test_a_hand_that_is_gone_holds_its_pose_as_a_ghost_and_reset_forgets_it():
     np.testing.assert_array_equal([followed.step(f).q for f in one.frames[:50]], first)
 
 
-def test_a_side_that_was_not_measured_is_refused():
+def test_a_side_that_was_not_measured_is_refused() -> None:
     with pytest.raises(EncoderError, match="not calibrated"):
         HandReconstructor(calibrated(take(1)), "left")
     with pytest.raises(EncoderError, match="not calibrated"):

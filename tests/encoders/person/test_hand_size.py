@@ -17,7 +17,9 @@ from encoders.captures.subject import FROZEN, SEED, simulate
 from encoders.input_vector import contact_vectors
 from encoders.person.hand_size import SPREADS, HandSizes, builtin_sizes
 from encoders.person.natural_layout import of_capture
+from encoders.reconstruction.touch_reconstructor import Reconstruction
 from encoders.regression.trained import builtin, builtin_capture
+from models.arithmetic.arrays import Array
 from models.errors import CaptureError, InputError
 from models.frames import Contact, TouchFrame
 from models.hand import Hand
@@ -25,7 +27,7 @@ from models.kinematics import Kinematics
 from models.person import Person
 from models.pose import absolute_pose
 from models.scene import Scene, SceneSpec
-from models.skeleton import ADULT
+from models.skeleton import ADULT, Skeleton
 from models.surface import Surface
 from sandbox.trial.assembly import build
 from sandbox.trial.settings import HandSettings, RunSettings
@@ -49,7 +51,7 @@ def turned(xy: np.ndarray, angle: float) -> np.ndarray:
     return xy @ np.array([[c, s], [-s, c]])
 
 
-def reconstructed(size: float, touched: float):
+def reconstructed(size: float, touched: float) -> tuple[Surface, list[Reconstruction]]:
     """What the default settings make of touches `touched` times as far apart, on such a screen."""
     screen = (7.76 * touched, 5.82 * touched)
     settings = RunSettings(hands=(HandSettings(size=size),), surface_in=screen)
@@ -64,7 +66,7 @@ def reconstructed(size: float, touched: float):
 
 
 @pytest.mark.parametrize("size", [0.85, 1.15])
-def test_a_larger_hand_on_a_larger_screen_takes_the_same_pose_larger(size):
+def test_a_larger_hand_on_a_larger_screen_takes_the_same_pose_larger(size: float) -> None:
     _, plain = reconstructed(1.0, 1.0)
     _, sized = reconstructed(size, size)
     assert plain[-1].down and len(plain[-1].fingers) == 5
@@ -75,7 +77,7 @@ def test_a_larger_hand_on_a_larger_screen_takes_the_same_pose_larger(size):
 
 
 @pytest.mark.parametrize("size", [0.85, 0.93, 1.15])
-def test_fingertips_of_a_hand_of_any_size_are_on_the_real_touches(size):
+def test_fingertips_of_a_hand_of_any_size_are_on_the_real_touches(size: float) -> None:
     surface, found = reconstructed(size, 1.0)
     last = found[-1]
     assert last.down and last.tip_error < 1e-3
@@ -85,7 +87,7 @@ def test_fingertips_of_a_hand_of_any_size_are_on_the_real_touches(size):
         assert off < 1e-3
 
 
-def test_a_hand_of_size_one_is_the_trained_one_itself():
+def test_a_hand_of_size_one_is_the_trained_one_itself() -> None:
     assert Person().skeleton(ADULT) is ADULT
     plain = RunSettings()
     made = build(plain, (lambda task, surface: None,))
@@ -94,7 +96,7 @@ def test_a_hand_of_size_one_is_the_trained_one_itself():
 
 @given(q=legal_poses, size=st.floats(0.6, 1.6))
 @settings(max_examples=20)
-def test_kinematics_and_mujoco_agree_on_a_scaled_hand(q, size):
+def test_kinematics_and_mujoco_agree_on_a_scaled_hand(q: Array, size: float) -> None:
     skeleton = ADULT.scaled(size)
     place = Kinematics(skeleton).place(q)
     plain = Kinematics(ADULT).place(q)
@@ -108,8 +110,8 @@ def test_kinematics_and_mujoco_agree_on_a_scaled_hand(q, size):
     np.testing.assert_allclose(found, place.joints, atol=1e-8)
 
 
-def test_flesh_grows_with_the_third_power_of_the_size():
-    def mass(skeleton) -> np.ndarray:
+def test_flesh_grows_with_the_third_power_of_the_size() -> None:
+    def mass(skeleton: Skeleton) -> np.ndarray:
         return Scene(SceneSpec((Hand(skeleton=skeleton),))).model.body_mass[1:]
 
     np.testing.assert_allclose(mass(ADULT.scaled(1.2)), 1.2**3 * mass(ADULT), rtol=1e-6)
@@ -122,8 +124,8 @@ angles = st.floats(-1.5, 1.5)
 @given(size=sizes, angle=angles, order=st.permutations(range(5)), x=st.floats(-1, 1))
 @settings(max_examples=30)
 def test_the_size_does_not_depend_on_place_turn_or_order_and_grows_with_the_touches(
-    size, angle, order, x
-):
+    size: float, angle: float, order: list[int], x: float
+) -> None:
     plain = builtin_sizes().estimate(someone())
     moved = [turned(size * xy, angle)[list(order)] + [x, 2 * x] for xy in someone()]
     found = builtin_sizes().estimate([moved[2], moved[0], moved[1]])
@@ -143,7 +145,7 @@ def own_spreads(capture: Capture, seed: int) -> list[np.ndarray]:
     return [xy[order[round(rank * (len(order) - 1))]] for rank in ranks]
 
 
-def test_the_trained_subjects_own_spreads_say_that_its_hand_is_its_hand():
+def test_the_trained_subjects_own_spreads_say_that_its_hand_is_its_hand() -> None:
     found = []
     for seed in range(12):
         # A single one may be an odd moment of the subject's, and is then refused.
@@ -158,13 +160,13 @@ def test_the_trained_subjects_own_spreads_say_that_its_hand_is_its_hand():
 
 
 @pytest.mark.parametrize("size", [0.85, 0.9, 1.0, 1.1, 1.15])
-def test_the_interval_holds_the_size_of_somebody_whose_habits_are_others(size):
+def test_the_interval_holds_the_size_of_somebody_whose_habits_are_others(size: float) -> None:
     found = builtin_sizes().estimate(someone(size))
     assert found.low < size < found.high
     assert found.ratio == pytest.approx(size, rel=0.12)
 
 
-def test_one_misunderstood_spread_does_not_decide_alone():
+def test_one_misunderstood_spread_does_not_decide_alone() -> None:
     natural, closed, wide = someone()
     plain = builtin_sizes().estimate([natural, closed, wide])
     # Hardly closed at all: by itself, this spread would say a hand half as large again.
@@ -194,7 +196,7 @@ def test_layouts_that_do_not_determine_the_size_are_refused_with_the_reason(
         builtin_sizes().estimate(layouts)
 
 
-def test_scattered_touches_are_not_accepted_as_a_hand():
+def test_scattered_touches_are_not_accepted_as_a_hand() -> None:
     rng = np.random.default_rng(4)
     refused = 0
     for _ in range(50):
@@ -205,7 +207,7 @@ def test_scattered_touches_are_not_accepted_as_a_hand():
     assert refused >= 48
 
 
-def test_a_capture_without_five_fingers_has_no_hand_to_compare_with():
+def test_a_capture_without_five_fingers_has_no_hand_to_compare_with() -> None:
     capture = builtin_capture()
     few = capture.select(capture.down.sum(axis=1) < 5)
     with pytest.raises(CaptureError, match="five"):
@@ -213,7 +215,9 @@ def test_a_capture_without_five_fingers_has_no_hand_to_compare_with():
 
 
 @given(angle=st.floats(-3.1, 3.1), size=st.floats(0.5, 2.0), order=st.permutations(range(5)))
-def test_five_fingers_are_told_apart_however_the_hand_is_turned(angle, size, order):
+def test_five_fingers_are_told_apart_however_the_hand_is_turned(
+    angle: float, size: float, order: list[int]
+) -> None:
     # A turn of the surface's frame, whose y points down, is clockwise seen from above.
     xy = turned(size * someone()[0], -angle)[list(order)] + [0.1, 0.2]
     layout = of_capture(builtin_capture())
@@ -223,7 +227,7 @@ def test_five_fingers_are_told_apart_however_the_hand_is_turned(angle, size, ord
     assert np.cos(match.turn - straight - angle) > 1 - 1e-9
 
 
-def test_most_frames_of_the_trained_subject_are_told_apart_whatever_their_turn():
+def test_most_frames_of_the_trained_subject_are_told_apart_whatever_their_turn() -> None:
     capture = builtin_capture()
     layout = of_capture(capture)
     right = total = 0
@@ -244,7 +248,9 @@ def small_hand(size: float) -> Capture:
     return simulate(QUICK, SEED, 4, skeleton=ADULT.scaled(size))
 
 
-def test_a_subject_with_a_smaller_hand_touches_closer_together_and_with_its_own_fingertips():
+def test_a_subject_with_a_smaller_hand_touches_closer_together_and_with_its_own_fingertips() -> (
+    None
+):
     plain, small = simulate(QUICK, SEED, 4), small_hand(0.85)
     assert small.meta["skeleton"] == ADULT.scaled(0.85).name != plain.meta["skeleton"]
 
@@ -254,7 +260,7 @@ def test_a_subject_with_a_smaller_hand_touches_closer_together_and_with_its_own_
 
     assert spread(small) / spread(plain) == pytest.approx(0.85, abs=0.05)
 
-    def off(skeleton) -> float:
+    def off(skeleton: Skeleton) -> float:
         """m, mean distance seen from above between fingertips and touches."""
         tips = Kinematics(skeleton).tips(small.q)[..., :2] * [1.0, -1.0]
         return float(np.linalg.norm(tips - small.xy, axis=2)[small.down].mean())
@@ -263,7 +269,7 @@ def test_a_subject_with_a_smaller_hand_touches_closer_together_and_with_its_own_
 
 
 @pytest.mark.parametrize("size", [0.85, 1.15])
-def test_touches_scaled_to_the_trained_hand_bring_the_wrist_nearer(size):
+def test_touches_scaled_to_the_trained_hand_bring_the_wrist_nearer(size: float) -> None:
     capture, encoder = small_hand(size), builtin("best").encoder
 
     def error(used: float) -> float:
@@ -274,7 +280,7 @@ def test_touches_scaled_to_the_trained_hand_bring_the_wrist_nearer(size):
     assert error(size) < 0.95 * error(1.0)
 
 
-def test_a_surface_of_another_size_changes_nothing_but_its_middle():
+def test_a_surface_of_another_size_changes_nothing_but_its_middle() -> None:
     # The wrapper's surface is in the trained hand's metres; what leaves it is in real ones.
     settings = replace(RunSettings(hands=(HandSettings(size=0.9),)), surface_in=(9.0, 7.0))
     session = build(settings, (lambda task, surface: None,))

@@ -4,6 +4,7 @@ import json
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -53,7 +54,7 @@ def missing(known: TrainedModel, capture: Capture) -> float:
     return float(off[:, BENT].mean())
 
 
-def test_a_planted_offset_is_removed_and_more_looks_remove_more():
+def test_a_planted_offset_is_removed_and_more_looks_remove_more() -> None:
     seen = planted()
     looks = looks_of(seen)
     left = [abs(missing(knowing_rest(model(), looks[:n], 1.0), seen)) for n in (1, 4, len(looks))]
@@ -62,27 +63,27 @@ def test_a_planted_offset_is_removed_and_more_looks_remove_more():
     assert left[2] < 0.6 * PLANTED
 
 
-def test_looks_at_what_the_encoder_expects_change_nothing():
+def test_looks_at_what_the_encoder_expects_change_nothing() -> None:
     expected = absolute_pose(model().encoder.predict(person().u), person().leftmost)
     known = knowing_rest(model(), looks_of(replace(person(), q=expected)), 1.0)
     u = person().u[:20]
     np.testing.assert_allclose(known.encoder.predict(u), model().encoder.predict(u), atol=1e-4)
 
 
-def test_one_pose_is_the_pose_of_many():
+def test_one_pose_is_the_pose_of_many() -> None:
     known = knowing_rest(model(), looks_of(planted()), 1.0).encoder
     u = person().u[:5]
     np.testing.assert_allclose([known.predict(row) for row in u], known.predict(u), atol=1e-9)
 
 
-def test_a_seen_hand_is_less_uncertain_in_no_direction_more():
+def test_a_seen_hand_is_less_uncertain_in_no_direction_more() -> None:
     known = knowing_rest(model(), looks_of(planted()), 1.0)
     told = model().residual_covariance - known.residual_covariance
     assert np.linalg.eigvalsh(told).min() > -1e-7 < np.linalg.eigvalsh(told).max()
     assert np.linalg.eigvalsh(known.residual_covariance).min() > -1e-6
 
 
-def test_size_changes_lengths_and_no_angles():
+def test_size_changes_lengths_and_no_angles() -> None:
     looks = looks_of(planted())
     larger = tuple(
         Look(
@@ -98,13 +99,13 @@ def test_size_changes_lengths_and_no_angles():
     )
 
 
-def test_an_encoder_of_one_person_cannot_use_a_rest_posture():
+def test_an_encoder_of_one_person_cannot_use_a_rest_posture() -> None:
     with pytest.raises(EncoderError, match="--encoder best: this encoder cannot use"):
         knowing_rest(builtin("best"), looks_of(person()), 1.0)
 
 
 @pytest.mark.parametrize("hand", ("right", "left"))
-def test_a_file_gives_back_its_looks(tmp_path, hand):
+def test_a_file_gives_back_its_looks(tmp_path: Path, hand: str) -> None:
     looks = looks_of(person(), 3)
     save_rest(looks, tmp_path / "rest.json", hand, simulated=True)
     assert load_rest(tmp_path / "rest.json", hand, 1.0) == looks
@@ -115,7 +116,7 @@ def test_a_file_gives_back_its_looks(tmp_path, hand):
     assert known is not None and first["touches"][touch] == [sign * known[0], known[1]]
 
 
-def test_a_capture_is_a_rest_posture_as_well(tmp_path):
+def test_a_capture_is_a_rest_posture_as_well(tmp_path: Path) -> None:
     save_capture(person(), tmp_path / "me.npz", np.float64)
     assert load_rest(tmp_path / "me.npz", "right", 1.0) == looks_of(person())
     assert 1 <= len(looks_of(person())) <= MOST
@@ -138,7 +139,9 @@ def changed(path: Path, **values: object) -> None:
         ({"looks": [{"touches": [[0, 0]] * 5, "pose": [0.0] * 48}]}, "far from its touch"),
     ),
 )
-def test_a_file_that_cannot_be_used_costs_one_clear_error(tmp_path, wrong, told):
+def test_a_file_that_cannot_be_used_costs_one_clear_error(
+    tmp_path: Path, wrong: dict[str, Any], told: str
+) -> None:
     path = tmp_path / "rest.json"
     save_rest(looks_of(person(), 2), path, "right", simulated=True)
     changed(path, **wrong)
@@ -146,7 +149,7 @@ def test_a_file_that_cannot_be_used_costs_one_clear_error(tmp_path, wrong, told)
         load_rest(path, "right", 1.0)
 
 
-def test_two_swapped_fingers_are_noticed():
+def test_two_swapped_fingers_are_noticed() -> None:
     look = next(k for k in looks_of(person()) if None not in k.touches)
     thumb, *others, little = look.touches
     with pytest.raises(EncoderError, match="far from its touch"):

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterable
 from dataclasses import replace
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -51,7 +53,9 @@ def turned(xy: np.ndarray, angle: float) -> np.ndarray:
     return xy @ np.array([[c, -s], [s, c]])
 
 
-def u_of(turn: float, fingers=range(5), names=None) -> np.ndarray:
+def u_of(
+    turn: float, fingers: Iterable[int] = range(5), names: Iterable[int] | None = None
+) -> np.ndarray:
     """Contact vector of a hand at a turn, with the names its fingers got."""
     xy = turned(natural(), turn - middle()) / METRES_PER_INCH
     names = list(fingers) if names is None else names
@@ -65,8 +69,8 @@ def u_of(turn: float, fingers=range(5), names=None) -> np.ndarray:
     data=st.data(),
 )
 def test_the_turn_of_four_or_five_touches_does_not_depend_on_what_they_are_called(
-    turn, fingers, data
-):
+    turn: float, fingers: tuple[int, ...], data: st.DataObject
+) -> None:
     names = data.draw(st.permutations(fingers))
     plain = trained_range().turn(u_of(turn, fingers))
     # Whoever is leftmost stays so, hence positions are those of the true fingers.
@@ -75,15 +79,17 @@ def test_the_turn_of_four_or_five_touches_does_not_depend_on_what_they_are_calle
 
 
 @given(turn=st.floats(-3.1, 3.1), fingers=st.sampled_from([(0, 1), (0, 1, 2), (1, 2, 3), (2, 4)]))
-def test_the_turn_of_two_or_three_touches_is_that_of_their_names(turn, fingers):
+def test_the_turn_of_two_or_three_touches_is_that_of_their_names(
+    turn: float, fingers: tuple[int, ...]
+) -> None:
     assert np.cos(trained_range().turn(u_of(turn, fingers)) - turn) > np.cos(np.deg2rad(25.0))
 
 
-def test_one_touch_has_no_turn():
+def test_one_touch_has_no_turn() -> None:
     assert trained_range().turn(u_of(0.3, (1,))) is None
 
 
-def test_the_range_holds_the_turns_of_the_training_and_is_not_the_whole_circle():
+def test_the_range_holds_the_turns_of_the_training_and_is_not_the_whole_circle() -> None:
     assert -np.pi < trained_range().low < -0.5 < 0.5 < trained_range().high < np.pi
     turns = trained_range().layout.turns
     beyond = np.array([trained_range().beyond(t) for t in turns])
@@ -92,7 +98,7 @@ def test_the_range_holds_the_turns_of_the_training_and_is_not_the_whole_circle()
 
 
 @given(turn=st.floats(-3.14, 3.14))
-def test_the_excess_of_a_yaw_is_its_distance_to_the_nearer_end_of_the_range(turn):
+def test_the_excess_of_a_yaw_is_its_distance_to_the_nearer_end_of_the_range(turn: float) -> None:
     beyond = trained_range().beyond(turn)
     ends = np.array([trained_range().low, trained_range().high])
     ways = np.abs((ends - turn + np.pi) % (2 * np.pi) - np.pi)
@@ -101,7 +107,7 @@ def test_the_excess_of_a_yaw_is_its_distance_to_the_nearer_end_of_the_range(turn
     assert 0.0 <= beyond <= np.pi
 
 
-def test_a_capture_with_few_frames_of_five_fingers_says_nothing_about_turns():
+def test_a_capture_with_few_frames_of_five_fingers_says_nothing_about_turns() -> None:
     U = builtin_capture().u
     with pytest.raises(CaptureError, match="five"):
         YawRange.of(U[U[:, 10:].sum(axis=1) < 5])
@@ -120,17 +126,17 @@ def far() -> float:
     return trained_range().high + np.deg2rad(40.0)
 
 
-def test_a_hand_turned_too_far_is_noticed_once_it_stays_so():
+def test_a_hand_turned_too_far_is_noticed_once_it_stays_so() -> None:
     notices = watched([0.0] * 5 + [far()] * 20)
     assert not any(notices[:8]) and all(notices[10:])
     assert len(set(notices[10:])) == 1 and "--turn" in notices[-1]
 
 
-def test_a_short_excess_gives_no_warning():
+def test_a_short_excess_gives_no_warning() -> None:
     assert not any(watched(([0.0] * 5 + [far()] * 3) * 10))
 
 
-def test_a_yaw_that_jitters_at_the_border_gives_one_warning():
+def test_a_yaw_that_jitters_at_the_border_gives_one_warning() -> None:
     s = YawWarningSettings()
     border = trained_range().high + s.outside
     rng = np.random.default_rng(0)
@@ -140,12 +146,12 @@ def test_a_yaw_that_jitters_at_the_border_gives_one_warning():
     assert watch.warnings == 1 and all(notices[12:])
 
 
-def test_a_hand_that_turns_back_takes_its_notice_away():
+def test_a_hand_that_turns_back_takes_its_notice_away() -> None:
     notices = watched([far()] * 10 + [0.0] * 10)
     assert notices[9] and not notices[-1]
 
 
-def test_warnings_keep_their_distance_in_time():
+def test_warnings_keep_their_distance_in_time() -> None:
     watch = YawMonitor(trained_range())
     # In and out once a second for a minute.
     turns = ([far()] * 5 + [0.0] * 5) * 60
@@ -153,7 +159,7 @@ def test_warnings_keep_their_distance_in_time():
     assert 2 <= watch.warnings <= 60 / YawWarningSettings().apart + 1
 
 
-def test_lifting_and_landing_again_is_no_new_warning():
+def test_lifting_and_landing_again_is_no_new_warning() -> None:
     watch = YawMonitor(trained_range())
     for i in range(300):
         watch.step(0.1 * i, None if i % 10 > 7 else u_of(far()))
@@ -178,11 +184,11 @@ class Resting(Device):
     def finished(self) -> bool:
         return self.now >= self.seconds
 
-    def poll(self, now):
+    def poll(self, now: float) -> list[TouchFrame]:
         self.now = now
         return [TouchFrame(now, self.contacts if now > 0.2 else ())]
 
-    def close(self):
+    def close(self) -> None:
         pass
 
 
@@ -196,14 +202,14 @@ def about_turning(snapshot: Snapshot) -> str:
     return "; ".join(n for n in snapshot.notices if "--turn" in n)
 
 
-def test_a_person_at_the_far_side_of_the_screen_is_warned_unless_the_seat_is_set():
+def test_a_person_at_the_far_side_of_the_screen_is_warned_unless_the_seat_is_set() -> None:
     far = notices_of(RunSettings(), np.pi)
     assert far[-1] and len(set(far) - {""}) == 1
     assert not any(notices_of(RunSettings(hands=(HandSettings(turn=180),)), np.pi))
     assert not any(notices_of(RunSettings(), 0.0))
 
 
-def test_a_left_hand_is_judged_in_its_mirror():
+def test_a_left_hand_is_judged_in_its_mirror() -> None:
     surface = RunSettings().surface
     frame = PersonFrame(Person("left"), surface)
 
@@ -226,7 +232,7 @@ def test_a_left_hand_is_judged_in_its_mirror():
     assert last(np.pi) and not last(0.0)
 
 
-def test_the_warning_changes_no_state_of_the_simulation():
+def test_the_warning_changes_no_state_of_the_simulation() -> None:
     hashes = []
     for watched_too in (True, False):
         session = build(RunSettings(), (lambda task, surface: Resting(surface, np.pi),))
@@ -238,7 +244,7 @@ def test_the_warning_changes_no_state_of_the_simulation():
     assert hashes[0] == hashes[1]
 
 
-def test_the_events_of_a_run_hold_one_warning(tmp_path):
+def test_the_events_of_a_run_hold_one_warning(tmp_path: Path) -> None:
     recorded, events = tmp_path / "far.jsonl", tmp_path / "events.jsonl"
     run_trial(RunSettings(), (lambda task, surface: Resting(surface, np.pi),), record=recorded)
     assert run.main(["--device", str(recorded), "--events", str(events)]) == 0

@@ -61,7 +61,9 @@ def a_hand_that_is_down() -> Arrival:
 
 
 @given(history=stretches, dt=st.sampled_from([0.001, 0.008, DT]))
-def test_the_height_never_jumps_and_stays_between_the_place_and_the_hover(history, dt):
+def test_the_height_never_jumps_and_stays_between_the_place_and_the_hover(
+    history: list[Moment], dt: float
+) -> None:
     arrival = Arrival(S)
     for moment in history:
         before = arrival.height
@@ -71,7 +73,9 @@ def test_the_height_never_jumps_and_stays_between_the_place_and_the_hover(histor
 
 
 @given(history=stretches)
-def test_a_hand_is_down_only_at_its_place_and_comes_down_only_over_it(history):
+def test_a_hand_is_down_only_at_its_place_and_comes_down_only_over_it(
+    history: list[Moment],
+) -> None:
     arrival = Arrival(S)
     for moment in history:
         before = arrival.phase
@@ -87,7 +91,7 @@ def test_a_hand_is_down_only_at_its_place_and_comes_down_only_over_it(history):
 
 
 @given(history=stretches)
-def test_a_hand_that_nothing_touches_is_away_and_rises_to_its_hover(history):
+def test_a_hand_that_nothing_touches_is_away_and_rises_to_its_hover(history: list[Moment]) -> None:
     arrival = Arrival(S)
     for moment in history:
         told(arrival, moment)
@@ -96,7 +100,7 @@ def test_a_hand_that_nothing_touches_is_away_and_rises_to_its_hover(history):
 
 
 @given(history=stretches)
-def test_after_a_reset_a_hand_is_as_new(history):
+def test_after_a_reset_a_hand_is_as_new(history: list[Moment]) -> None:
     used, fresh = Arrival(S), Arrival(S)
     for moment in history:
         told(used, moment)
@@ -107,7 +111,7 @@ def test_after_a_reset_a_hand_is_as_new(history):
         assert (used.phase, used.height) == (fresh.phase, fresh.height)
 
 
-def test_a_hand_over_resting_touches_dwells_and_then_comes_down_at_its_speed():
+def test_a_hand_over_resting_touches_dwells_and_then_comes_down_at_its_speed() -> None:
     arrival = Arrival(S)
     heights, phases = [], []
     for _ in range(40):
@@ -123,7 +127,7 @@ def test_a_hand_over_resting_touches_dwells_and_then_comes_down_at_its_speed():
 
 
 @pytest.mark.parametrize("dt", [DT / 2, DT / 4, DT / 16])
-def test_a_finer_step_comes_down_at_the_same_time(dt):
+def test_a_finer_step_comes_down_at_the_same_time(dt: float) -> None:
     def time_to_land(step: float) -> float:
         arrival, n = Arrival(S), 0
         while arrival.phase is not Phase.DOWN:
@@ -134,19 +138,19 @@ def test_a_finer_step_comes_down_at_the_same_time(dt):
     assert time_to_land(dt) == pytest.approx(time_to_land(DT), abs=2.5 * DT)
 
 
-def test_a_hand_away_from_its_place_never_comes_down():
+def test_a_hand_away_from_its_place_never_comes_down() -> None:
     arrival = told(Arrival(S), Moment(off=S.place + 0.001), 10.0)
     assert (arrival.phase, arrival.height) == (Phase.ABOVE, S.hover)
 
 
-def test_moving_touches_keep_a_hand_up_until_its_patience_is_over():
+def test_moving_touches_keep_a_hand_up_until_its_patience_is_over() -> None:
     moving = Moment(speed=S.rest + 0.01)
     arrival = told(Arrival(S), moving, S.patience - 2 * DT)
     assert (arrival.phase, arrival.height) == (Phase.ABOVE, S.hover)
     assert told(arrival, moving, 3 * DT).phase is Phase.COMING_DOWN
 
 
-def test_a_rest_that_is_broken_begins_anew():
+def test_a_rest_that_is_broken_begins_anew() -> None:
     arrival = Arrival(S)
     for _ in range(4):
         told(arrival, READY, S.dwell - 2 * DT)
@@ -155,30 +159,30 @@ def test_a_rest_that_is_broken_begins_anew():
     assert told(arrival, READY, S.dwell + DT).phase in LOW
 
 
-def test_unnamed_fingers_keep_a_hand_up():
+def test_unnamed_fingers_keep_a_hand_up() -> None:
     arrival = told(Arrival(S), Moment(named=False), 10.0)
     assert (arrival.phase, arrival.height) == (Phase.WAITING, S.hover)
     assert told(arrival, READY).phase is Phase.ABOVE
 
 
-def test_a_finger_that_joins_without_a_name_does_not_send_a_hand_up():
+def test_a_finger_that_joins_without_a_name_does_not_send_a_hand_up() -> None:
     arrival = told(a_hand_that_is_down(), Moment(named=False), 1.0)
     assert (arrival.phase, arrival.height) == (Phase.DOWN, 0.0)
 
 
-def test_a_hand_that_is_down_stays_down_however_its_touches_move():
+def test_a_hand_that_is_down_stays_down_however_its_touches_move() -> None:
     arrival = told(a_hand_that_is_down(), Moment(speed=2.0, off=0.3), 5.0)
     assert (arrival.phase, arrival.height) == (Phase.DOWN, 0.0)
 
 
-def test_a_touch_on_the_way_up_waits_and_dwells_again():
+def test_a_touch_on_the_way_up_waits_and_dwells_again() -> None:
     arrival = told(a_hand_that_is_down(), NOTHING, 0.08)
     assert 0.0 < arrival.height < S.hover
     assert told(arrival, READY, 2 * DT).phase is Phase.ABOVE
     assert told(arrival, READY, S.dwell + DT).phase is Phase.COMING_DOWN
 
 
-def test_hands_that_do_not_hover_are_down_as_soon_as_their_fingers_have_names():
+def test_hands_that_do_not_hover_are_down_as_soon_as_their_fingers_have_names() -> None:
     arrival = Arrival(replace(S, hover=0.0))
     assert arrival.height == 0.0
     assert told(arrival, Moment(speed=5.0, off=1.0)).phase is Phase.DOWN

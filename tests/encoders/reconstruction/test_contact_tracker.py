@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -51,13 +53,15 @@ def sequences(draw: st.DrawFn) -> list[TouchFrame]:
     return frames
 
 
-def frame(time: float, *places: tuple[float, float] | None, cancelled=(), **more) -> TouchFrame:
+def frame(
+    time: float, *places: tuple[float, float] | None, cancelled: Iterable[int] = (), **more: Any
+) -> TouchFrame:
     """Contacts by place; the id is the place in the row, None is no contact."""
     down = [Contact(i, *xy) for i, xy in enumerate(places) if xy is not None]
     return TouchFrame(time, tuple(down), cancelled=frozenset(cancelled), **more)
 
 
-def moved(places, x: float, y: float):
+def moved(places: Iterable[tuple[float, float]], x: float, y: float) -> list[tuple[float, float]]:
     return [(px + x, py + y) for px, py in places]
 
 
@@ -69,7 +73,9 @@ def after(*frames: TouchFrame, settings: TrackerSettings = SHARP) -> ContactTrac
 
 
 @given(frames=sequences())
-def test_there_are_never_more_than_five_fingers_and_no_two_share_an_id(frames):
+def test_there_are_never_more_than_five_fingers_and_no_two_share_an_id(
+    frames: list[TouchFrame],
+) -> None:
     tracker = ContactTracker()
     seen: set[int] = set()
     for each in frames:
@@ -85,7 +91,9 @@ def test_there_are_never_more_than_five_fingers_and_no_two_share_an_id(frames):
 
 
 @given(frames=sequences())
-def test_every_contact_is_one_finger_or_ignored_and_every_finger_touches_or_is_lost(frames):
+def test_every_contact_is_one_finger_or_ignored_and_every_finger_touches_or_is_lost(
+    frames: list[TouchFrame],
+) -> None:
     tracker = ContactTracker()
     for each in frames:
         tracker.step(each)
@@ -99,7 +107,7 @@ def test_every_contact_is_one_finger_or_ignored_and_every_finger_touches_or_is_l
 
 
 @given(frames=sequences())
-def test_a_lost_finger_lives_no_longer_than_its_grace(frames):
+def test_a_lost_finger_lives_no_longer_than_its_grace(frames: list[TouchFrame]) -> None:
     tracker = ContactTracker()
     for each in frames:
         tracker.step(each)
@@ -109,7 +117,7 @@ def test_a_lost_finger_lives_no_longer_than_its_grace(frames):
 
 
 @given(frames=sequences())
-def test_positions_stay_finite_and_counts_only_grow(frames):
+def test_positions_stay_finite_and_counts_only_grow(frames: list[TouchFrame]) -> None:
     tracker = ContactTracker()
     counts: dict[str, int] = {}
     for each in frames:
@@ -120,7 +128,9 @@ def test_positions_stay_finite_and_counts_only_grow(frames):
 
 
 @given(frames=sequences(), later=sequences())
-def test_after_a_reset_the_past_is_forgotten(frames, later):
+def test_after_a_reset_the_past_is_forgotten(
+    frames: list[TouchFrame], later: list[TouchFrame]
+) -> None:
     used = after(*frames, settings=SETTINGS)
     used.reset()
     fresh = ContactTracker()
@@ -134,7 +144,7 @@ def test_after_a_reset_the_past_is_forgotten(frames, later):
 
 
 @given(lost=st.integers(0, 4), x=st.floats(-0.05, 0.05), y=st.floats(-0.05, 0.05))
-def test_a_lost_finger_is_carried_by_the_others(lost, x, y):
+def test_a_lost_finger_is_carried_by_the_others(lost: int, x: float, y: float) -> None:
     there = moved(HAND, x, y)
     there[lost] = None
     tracker = after(frame(0.0, *HAND), frame(DT, *there))
@@ -142,7 +152,7 @@ def test_a_lost_finger_is_carried_by_the_others(lost, x, y):
     assert not tracker.tracks[lost].active
 
 
-def test_what_carries_a_lost_finger_is_the_others_mean_motion():
+def test_what_carries_a_lost_finger_is_the_others_mean_motion() -> None:
     tracker = after(
         frame(0.0, THUMB, INDEX, MIDDLE),
         frame(DT, (0.03, 0.10), (0.04, 0.07), None),
@@ -155,7 +165,9 @@ def test_what_carries_a_lost_finger_is_the_others_mean_motion():
     angle=st.floats(0.0, 6.3),
     pause=st.floats(0.0, SETTINGS.grace - 0.01),
 )
-def test_a_new_id_close_to_a_lost_finger_inherits_it(away, angle, pause):
+def test_a_new_id_close_to_a_lost_finger_inherits_it(
+    away: float, angle: float, pause: float
+) -> None:
     near = (INDEX[0] + away * np.cos(angle), INDEX[1] + away * np.sin(angle))
     tracker = after(
         frame(0.0, THUMB, INDEX),
@@ -170,7 +182,7 @@ def test_a_new_id_close_to_a_lost_finger_inherits_it(away, angle, pause):
     assert tracker.counts["found again"] == 1
 
 
-def test_a_new_id_elsewhere_is_another_finger():
+def test_a_new_id_elsewhere_is_another_finger() -> None:
     far = (INDEX[0] + SETTINGS.inherit + 0.001, INDEX[1])
     tracker = after(
         frame(0.0, THUMB, INDEX), frame(DT, THUMB, None), frame(2 * DT, THUMB, None, far)
@@ -179,7 +191,7 @@ def test_a_new_id_elsewhere_is_another_finger():
     assert "found again" not in tracker.counts
 
 
-def test_a_new_id_between_two_lost_fingers_inherits_the_nearer_one():
+def test_a_new_id_between_two_lost_fingers_inherits_the_nearer_one() -> None:
     tracker = after(
         frame(0.0, THUMB, INDEX, MIDDLE),
         frame(DT, THUMB, None, None),
@@ -188,7 +200,7 @@ def test_a_new_id_between_two_lost_fingers_inherits_the_nearer_one():
     assert {i: t.active for i, t in tracker.tracks.items()} == {0: True, 1: False, 2: True}
 
 
-def test_an_inherited_finger_keeps_its_old_id_free_for_another():
+def test_an_inherited_finger_keeps_its_old_id_free_for_another() -> None:
     tracker = after(
         frame(0.0, THUMB, INDEX),
         frame(DT, THUMB, None),
@@ -209,14 +221,14 @@ def lifetime(cancelled: bool) -> float:
     raise AssertionError("it never went")
 
 
-def test_a_cancelled_finger_lives_longer_than_a_lifted_one():
+def test_a_cancelled_finger_lives_longer_than_a_lifted_one() -> None:
     lifted, cancelled = lifetime(cancelled=False), lifetime(cancelled=True)
     assert lifted == pytest.approx(SETTINGS.grace, abs=DT)
     assert cancelled == pytest.approx(SETTINGS.cancelled_grace, abs=DT)
     assert cancelled > lifted + 0.1
 
 
-def test_with_no_finger_left_all_are_let_go_together():
+def test_with_no_finger_left_all_are_let_go_together() -> None:
     stagger = 4 * DT
     tracker = after(frame(0.0, THUMB, INDEX, MIDDLE))
     living = []
@@ -232,7 +244,7 @@ def test_with_no_finger_left_all_are_let_go_together():
     assert (living.index(0)) * DT == pytest.approx(SETTINGS.grace, abs=DT)
 
 
-def test_while_a_finger_touches_the_others_go_one_by_one():
+def test_while_a_finger_touches_the_others_go_one_by_one() -> None:
     tracker = after(frame(0.0, THUMB, INDEX, MIDDLE), frame(DT, THUMB, None, MIDDLE))
     tracker.step(frame(DT + 0.1, THUMB, None, None))
     tracker.step(frame(DT + SETTINGS.grace, THUMB, None, None))
@@ -241,7 +253,7 @@ def test_while_a_finger_touches_the_others_go_one_by_one():
     assert list(tracker.tracks) == [0]
 
 
-def test_without_grace_a_finger_is_gone_at_once():
+def test_without_grace_a_finger_is_gone_at_once() -> None:
     none = replace(SHARP, grace=0.0, cancelled_grace=0.0)
     tracker = after(frame(0.0, THUMB, INDEX), frame(DT, THUMB, None), settings=none)
     assert list(tracker.tracks) == [0]
@@ -258,7 +270,9 @@ SIXTH = Contact(9, 0.06, 0.08)
     ("contact", "why"),
     [(PALM, "palm"), (FAR, "farther away than a hand reaches"), (SIXTH, "more than five")],
 )
-def test_contacts_that_are_not_fingers_of_the_hand_are_ignored_and_counted_once(contact, why):
+def test_contacts_that_are_not_fingers_of_the_hand_are_ignored_and_counted_once(
+    contact: Contact, why: str
+) -> None:
     hand = HAND if why == "more than five" else HAND[:2]
     down = frame(0.0, *hand).contacts
     tracker = after(*[TouchFrame(i * DT, (*down, contact)) for i in range(3)])
@@ -277,7 +291,7 @@ def test_contacts_that_are_not_fingers_of_the_hand_are_ignored_and_counted_once(
     assert tracker.ignored == ()
 
 
-def test_a_palm_does_not_replace_a_lost_finger():
+def test_a_palm_does_not_replace_a_lost_finger() -> None:
     palm = Contact(9, *INDEX, SETTINGS.blob + 0.001)
     thumb = frame(0.0, THUMB).contacts
     tracker = after(
@@ -286,14 +300,14 @@ def test_a_palm_does_not_replace_a_lost_finger():
     assert tracker.ignored == (palm,)
 
 
-def test_contacts_of_usual_size_within_a_hands_width_are_accepted():
+def test_contacts_of_usual_size_within_a_hands_width_are_accepted() -> None:
     edge = Contact(1, THUMB[0] + SETTINGS.span - 0.001, THUMB[1], SETTINGS.blob - 0.001)
     tracker = after(TouchFrame(0.0, (Contact(0, *THUMB), edge)))
     assert len(tracker.tracks) == 2
     assert tracker.counts == {}
 
 
-def test_a_sixth_contact_takes_the_place_of_the_finger_lost_longest():
+def test_a_sixth_contact_takes_the_place_of_the_finger_lost_longest() -> None:
     tracker = after(
         frame(0.0, *HAND),
         frame(DT, None, *HAND[1:]),
@@ -304,7 +318,7 @@ def test_a_sixth_contact_takes_the_place_of_the_finger_lost_longest():
 
 
 @given(dt=st.floats(0.001, 0.1), x=st.floats(-0.1, 0.1), y=st.floats(-0.1, 0.1))
-def test_smoothing_is_the_same_in_one_step_and_in_two_halves(dt, x, y):
+def test_smoothing_is_the_same_in_one_step_and_in_two_halves(dt: float, x: float, y: float) -> None:
     there = moved([THUMB, INDEX], x, y)
     start = frame(0.0, THUMB, INDEX)
     once = after(start, frame(dt, *there), settings=SETTINGS)
@@ -313,7 +327,7 @@ def test_smoothing_is_the_same_in_one_step_and_in_two_halves(dt, x, y):
         np.testing.assert_allclose(a.xy, b.xy, atol=1e-12)
 
 
-def test_smoothing_is_a_first_order_low_pass():
+def test_smoothing_is_a_first_order_low_pass() -> None:
     tracker = after(
         frame(0.0, THUMB), frame(SETTINGS.low_pass, *moved([THUMB], 0.01, 0.0)), settings=SETTINGS
     )
@@ -321,7 +335,7 @@ def test_smoothing_is_a_first_order_low_pass():
     assert share == pytest.approx(1.0 - np.exp(-1.0))
 
 
-def test_labels_of_a_device_that_knows_its_fingers_are_used():
+def test_labels_of_a_device_that_knows_its_fingers_are_used() -> None:
     tracker = after(
         TouchFrame(0.0, (Contact(0, *THUMB, label=0), Contact(1, *INDEX))),
         TouchFrame(DT, (Contact(0, *THUMB), Contact(1, *INDEX, label=1))),
@@ -329,7 +343,7 @@ def test_labels_of_a_device_that_knows_its_fingers_are_used():
     assert [t.device_label for t in tracker.tracks.values()] == [0, 1]
 
 
-def test_an_id_that_a_device_uses_again_elsewhere_is_another_finger():
+def test_an_id_that_a_device_uses_again_elsewhere_is_another_finger() -> None:
     tracker = after(frame(0.0, THUMB, INDEX), frame(DT, THUMB, None))
     before = set(tracker.tracks)
     far = (INDEX[0] + SETTINGS.inherit + 0.01, INDEX[1])

@@ -47,7 +47,9 @@ def frames(first: np.ndarray, second: np.ndarray) -> list[TouchFrame]:
 
 @given(first=places, second=places)
 @settings(max_examples=8, deadline=None)
-def test_a_slow_hand_comes_down_when_a_quick_one_does_and_is_slow_from_there_on(first, second):
+def test_a_slow_hand_comes_down_when_a_quick_one_does_and_is_slow_from_there_on(
+    first: tuple[float, float], second: tuple[float, float]
+) -> None:
     quick, slow = hand(RateLimit()), hand(SLOW)
     before = None
     for frame in frames(np.array(first), np.array(second)):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from random import Random
 
 import numpy as np
 import pytest
@@ -59,7 +60,7 @@ def judged(sizes: list[float]) -> list[Kind]:
 
 
 @given(st.floats(0.0, 0.022), st.integers(0, 2**31))
-def test_a_fingertip_is_known_within_the_time_that_names_take(size, seed):
+def test_a_fingertip_is_known_within_the_time_that_names_take(size: float, seed: int) -> None:
     noise = np.random.default_rng(seed).normal(1.0, 0.05, 8)
     kinds = judged([max(size, 0.0001) * n for n in noise])
     assert Kind.PALM not in kinds
@@ -68,7 +69,7 @@ def test_a_fingertip_is_known_within_the_time_that_names_take(size, seed):
 
 
 @given(st.floats(0.040, 0.5), st.integers(0, 2**31))
-def test_a_large_contact_is_a_palm_and_never_a_finger(size, seed):
+def test_a_large_contact_is_a_palm_and_never_a_finger(size: float, seed: int) -> None:
     noise = np.random.default_rng(seed).normal(1.0, 0.1, 60)
     kinds = judged([size * max(n, 0.7) for n in noise])
     assert Kind.FINGER not in kinds
@@ -76,13 +77,15 @@ def test_a_large_contact_is_a_palm_and_never_a_finger(size, seed):
 
 
 @given(st.floats(0.008, 0.02), st.floats(0.045, 0.09), st.floats(0.1, 0.4))
-def test_a_contact_that_grows_into_a_palm_is_one_before_it_has_grown(first, last, takes):
+def test_a_contact_that_grows_into_a_palm_is_one_before_it_has_grown(
+    first: float, last: float, takes: float
+) -> None:
     kinds = judged([grown(DT * i, first, last, takes) for i in range(40)])
     assert kinds[round(takes / DT) + 3] is Kind.PALM
 
 
 @given(st.lists(st.floats(0.001, 0.2), min_size=1, max_size=60))
-def test_a_palm_stays_one_until_it_leaves_whatever_is_reported(sizes):
+def test_a_palm_stays_one_until_it_leaves_whatever_is_reported(sizes: list[float]) -> None:
     judge = PalmJudge()
     was = False
     for step, size in enumerate(sizes):
@@ -95,12 +98,12 @@ def test_a_palm_stays_one_until_it_leaves_whatever_is_reported(sizes):
 
 
 @given(st.lists(st.floats(0.001, 0.2), min_size=60, max_size=60))
-def test_nobody_is_left_unsure(sizes):
+def test_nobody_is_left_unsure(sizes: list[float]) -> None:
     assert judged(sizes)[-1] is not Kind.UNSURE
 
 
 @given(st.lists(st.tuples(st.floats(0.001, 0.2), st.floats(0.001, 0.2)), max_size=40))
-def test_width_and_height_may_be_exchanged(extents):
+def test_width_and_height_may_be_exchanged(extents: list[tuple[float, float]]) -> None:
     one, other = SizeCourse(0.0), SizeCourse(0.0)
     for step, (width, height) in enumerate(extents):
         one.report(DT * step, (width, height))
@@ -109,7 +112,12 @@ def test_width_and_height_may_be_exchanged(extents):
 
 
 @given(PLACES, st.lists(PLACES, min_size=1, max_size=6), PLACES, st.randoms())
-def test_odds_of_a_place_depend_on_where_it_is_beside_the_others_alone(place, others, by, random):
+def test_odds_of_a_place_depend_on_where_it_is_beside_the_others_alone(
+    place: tuple[float, float],
+    others: list[tuple[float, float]],
+    by: tuple[float, float],
+    random: Random,
+) -> None:
     odds = place_odds(place, others)
     assert abs(odds) <= LARGEST
     shuffled = random.sample(others, len(others))
@@ -121,7 +129,7 @@ def test_odds_of_a_place_depend_on_where_it_is_beside_the_others_alone(place, ot
     assert place_odds(here, moved) == pytest.approx(place_odds(place, lone), abs=1e-6)
 
 
-def test_a_heel_is_likelier_a_palm_than_any_finger_is():
+def test_a_heel_is_likelier_a_palm_than_any_finger_is() -> None:
     at_heel = place_odds(HEEL, FINGERS[:3])
     fingers = [
         place_odds(FINGERS[i], [p for j, p in enumerate(FINGERS[:4]) if j != i]) for i in range(4)
@@ -140,7 +148,9 @@ def frames(*contacts: tuple[Contact, float], until: float) -> list[TouchFrame]:
 
 @pytest.mark.parametrize("begins", [0.0, 0.3, 1.2])
 @pytest.mark.parametrize("takes", [0.1, 0.4])
-def test_a_palm_that_grows_beside_a_grip_never_gets_a_name_nor_moves_the_hand(begins, takes):
+def test_a_palm_that_grows_beside_a_grip_never_gets_a_name_nor_moves_the_hand(
+    begins: float, takes: float
+) -> None:
     grip = [(touch(i), 0.2) for i in range(3)]
     with_palm, alone = reconstructor(), reconstructor()
     told = set()
@@ -161,7 +171,7 @@ def test_a_palm_that_grows_beside_a_grip_never_gets_a_name_nor_moves_the_hand(be
     assert hand.fingers == still.fingers
 
 
-def test_a_finger_that_becomes_a_palm_is_dropped_and_the_others_go_on():
+def test_a_finger_that_becomes_a_palm_is_dropped_and_the_others_go_on() -> None:
     hand = reconstructor()
     for frame in frames(*((touch(i), 0.0) for i in range(4)), until=1.5):
         size = grown(max(frame.time - 1.0, 0.0), 0.01, 0.06, 0.2)
@@ -173,7 +183,7 @@ def test_a_finger_that_becomes_a_palm_is_dropped_and_the_others_go_on():
     assert found.phase is Phase.DOWN
 
 
-def test_a_finger_that_had_no_room_beside_a_palm_comes_once_the_palm_is_known():
+def test_a_finger_that_had_no_room_beside_a_palm_comes_once_the_palm_is_known() -> None:
     tracker = ContactTracker()
     for step in range(30):
         size = grown(DT * step, 0.012, 0.06, 0.2)
@@ -188,7 +198,9 @@ def test_a_finger_that_had_no_room_beside_a_palm_comes_once_the_palm_is_known():
 
 
 @given(st.floats(0.004, 0.09), PLACES)
-def test_while_five_fingers_are_down_nothing_else_becomes_one(size, place):
+def test_while_five_fingers_are_down_nothing_else_becomes_one(
+    size: float, place: tuple[float, float]
+) -> None:
     tracker = ContactTracker()
     five = tuple(touch(i) for i in range(5))
     for step in range(80):
@@ -198,7 +210,7 @@ def test_while_five_fingers_are_down_nothing_else_becomes_one(size, place):
     assert [c.id for c in tracker.ignored] == [9]
 
 
-def test_a_wide_thumb_of_a_grip_gets_its_name():
+def test_a_wide_thumb_of_a_grip_gets_its_name() -> None:
     hand = reconstructor()
     rng = np.random.default_rng(3)
     for frame in frames(*((touch(i), 0.0) for i in range(4)), until=1.2):
@@ -211,7 +223,9 @@ def test_a_wide_thumb_of_a_grip_gets_its_name():
 
 
 @given(st.lists(st.sampled_from([None, 0.01, 0.034, 0.05]), min_size=5, max_size=5))
-def test_contacts_without_width_and_height_are_judged_by_their_diameter_as_they_come(sizes):
+def test_contacts_without_width_and_height_are_judged_by_their_diameter_as_they_come(
+    sizes: list[float],
+) -> None:
     tracker = ContactTracker()
     contacts = tuple(replace(touch(i, None), size=s) for i, s in enumerate(sizes))
     tracker.step(TouchFrame(0.0, contacts))

@@ -30,7 +30,8 @@ ENCODERS: dict[str, Callable[[], TouchIkEncoder]] = {
     "null space, neighbour": lambda: NullSpaceIkEncoder(iterations=10, desired="neighbour"),
     "likeliest": lambda: MapIkEncoder(iterations=10),
 }
-KINDS = [PcaIkEncoder, NullSpaceIkEncoder, MapIkEncoder]
+Kind = type[PcaIkEncoder] | type[NullSpaceIkEncoder] | type[MapIkEncoder]
+KINDS: list[Kind] = [PcaIkEncoder, NullSpaceIkEncoder, MapIkEncoder]
 
 every_encoder = pytest.mark.parametrize("name", ENCODERS)
 every_kind = pytest.mark.parametrize("kind", KINDS)

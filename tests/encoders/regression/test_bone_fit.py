@@ -53,7 +53,7 @@ UNSEEN = np.stack([random_pose(np.random.default_rng(i)) for i in range(200)])
 
 @settings(max_examples=15)
 @given(seed=seeds)
-def test_exact_touches_give_back_the_fingertips_of_the_hand_that_made_them(seed):
+def test_exact_touches_give_back_the_fingertips_of_the_hand_that_made_them(seed: int) -> None:
     person = another(seed)
     fitted = fitted_skeleton(touched_by(person, 1000, (0, 1, 2, 3, 4), seed + 1), ADULT)
     off = tips_apart(fitted, person, UNSEEN)
@@ -63,7 +63,7 @@ def test_exact_touches_give_back_the_fingertips_of_the_hand_that_made_them(seed)
 
 @settings(max_examples=15)
 @given(seed=seeds)
-def test_exact_touches_give_back_the_bones_themselves(seed):
+def test_exact_touches_give_back_the_bones_themselves(seed: int) -> None:
     person = another(seed)
     fitted = fitted_skeleton(touched_by(person, 1000, (0, 1, 2, 3, 4), seed + 1), ADULT)
     for found, wanted in zip(fitted.bones, person.bones, strict=True):
@@ -73,7 +73,7 @@ def test_exact_touches_give_back_the_bones_themselves(seed):
 
 @settings(max_examples=15)
 @given(seed=seeds, finger=st.integers(0, 4))
-def test_a_finger_that_never_touches_keeps_its_bones(seed, finger):
+def test_a_finger_that_never_touches_keeps_its_bones(seed: int, finger: int) -> None:
     others = tuple(f for f in range(5) if f != finger)
     fitted = fitted_skeleton(touched_by(another(seed), 80, others, seed), ADULT)
     for found, known in zip(fitted.bones, ADULT.bones, strict=True):
@@ -83,13 +83,15 @@ def test_a_finger_that_never_touches_keeps_its_bones(seed, finger):
 
 @settings(max_examples=15)
 @given(seed=seeds)
-def test_touches_that_the_known_hand_explains_leave_it_as_it_is(seed):
+def test_touches_that_the_known_hand_explains_leave_it_as_it_is(seed: int) -> None:
     fitted = fitted_skeleton(touched_by(ADULT, 100, (0, 1, 2, 3, 4), seed), ADULT)
     assert tips_apart(fitted, ADULT, UNSEEN).max() < 1e-9
 
 
 @given(seed=seeds)
-def test_of_one_touch_the_bones_explain_more_than_before_and_stay_near_the_known_ones(seed):
+def test_of_one_touch_the_bones_explain_more_than_before_and_stay_near_the_known_ones(
+    seed: int,
+) -> None:
     capture = touched_by(another(seed), 5, (0, 1, 2, 3, 4), seed)
     fitted = fitted_skeleton(capture, ADULT)
     before = np.linalg.norm(tip_misses(TABLE, capture), axis=1)
@@ -103,7 +105,7 @@ def test_of_one_touch_the_bones_explain_more_than_before_and_stay_near_the_known
 
 @settings(max_examples=15)
 @given(seed=seeds)
-def test_the_order_of_frames_does_not_matter(seed):
+def test_the_order_of_frames_does_not_matter(seed: int) -> None:
     capture = touched_by(another(seed), 60, (0, 1, 2, 3, 4), seed)
     order = np.random.default_rng(seed).permutation(len(capture))
     once, other = fitted_skeleton(capture, ADULT), fitted_skeleton(capture.select(order), ADULT)
@@ -112,7 +114,9 @@ def test_the_order_of_frames_does_not_matter(seed):
 
 @settings(max_examples=15)
 @given(seed=seeds, shift=st.tuples(st.floats(-0.3, 0.3), st.floats(-0.3, 0.3)))
-def test_where_on_the_surface_the_hand_was_does_not_matter(seed, shift):
+def test_where_on_the_surface_the_hand_was_does_not_matter(
+    seed: int, shift: tuple[float, float]
+) -> None:
     capture = touched_by(another(seed), 60, (0, 1, 2, 3, 4), seed)
     q = capture.q.copy()
     q[:, :2] += [shift[0], -shift[1]]
@@ -121,7 +125,7 @@ def test_where_on_the_surface_the_hand_was_does_not_matter(seed, shift):
     assert tips_apart(once, other, UNSEEN).max() < 1e-9
 
 
-def test_more_frames_of_the_same_touches_say_nothing_new_beyond_a_few_hundred():
+def test_more_frames_of_the_same_touches_say_nothing_new_beyond_a_few_hundred() -> None:
     """Frames of a take nearly repeat each other; their number must not overrule what is known."""
     capture = touched_by(another(3), 1000, (0, 1, 2, 3, 4), 3)
     twice = capture.select(np.tile(np.arange(len(capture)), 2))
@@ -129,7 +133,7 @@ def test_more_frames_of_the_same_touches_say_nothing_new_beyond_a_few_hundred():
     assert tips_apart(once, other, UNSEEN).max() < 1e-9
 
 
-def test_only_lengths_and_knuckles_are_fitted():
+def test_only_lengths_and_knuckles_are_fitted() -> None:
     person = another(4)
     fitted = fitted_skeleton(touched_by(person, 100, (0, 1, 2, 3, 4), 4), ADULT)
     for found, known in zip(fitted.bones, ADULT.bones, strict=True):
@@ -141,7 +145,9 @@ def test_only_lengths_and_knuckles_are_fitted():
 
 
 @given(seed=seeds, length=st.floats(0.0, 0.08), knuckle=st.floats(0.0, 0.01))
-def test_joints_of_another_hand_sit_at_the_ends_of_its_bones(seed, length, knuckle):
+def test_joints_of_another_hand_sit_at_the_ends_of_its_bones(
+    seed: int, length: float, knuckle: float
+) -> None:
     person = another(seed, length, knuckle)
     place = Kinematics(person).place(UNSEEN[:3])
     for i, bone in enumerate(person.bones):
@@ -151,7 +157,7 @@ def test_joints_of_another_hand_sit_at_the_ends_of_its_bones(seed, length, knuck
         np.testing.assert_allclose(end, wanted, atol=1e-12)
 
 
-def test_another_hand_differs_by_as_much_as_was_asked_for():
+def test_another_hand_differs_by_as_much_as_was_asked_for() -> None:
     people = [another(seed, 0.06, 0.004) for seed in range(300)]
     shares = [
         [a.length / b.length - 1 for a, b in zip(p.bones, ADULT.bones, strict=True)] for p in people
@@ -164,7 +170,7 @@ def test_another_hand_differs_by_as_much_as_was_asked_for():
     assert tips_apart(same, ADULT, UNSEEN).max() < 1e-12
 
 
-def test_the_same_source_makes_the_same_hand_and_leaves_the_table_alone():
+def test_the_same_source_makes_the_same_hand_and_leaves_the_table_alone() -> None:
     before = [(b.length, b.anchor) for b in ADULT.bones]
     assert tips_apart(another(9), another(9), UNSEEN).max() == 0
     assert tips_apart(another(9), another(10), UNSEEN).max() > 0.001
@@ -172,7 +178,7 @@ def test_the_same_source_makes_the_same_hand_and_leaves_the_table_alone():
 
 
 @given(seed=seeds)
-def test_tips_of_touching_fingers_belong_one_pad_above_their_touches(seed):
+def test_tips_of_touching_fingers_belong_one_pad_above_their_touches(seed: int) -> None:
     capture = touched_by(another(seed), 10, (0, 1, 2, 3, 4), seed)
     kinematics = Kinematics(another(seed))
     assert np.abs(tip_misses(kinematics, capture)).max() < 1e-12
@@ -180,7 +186,7 @@ def test_tips_of_touching_fingers_belong_one_pad_above_their_touches(seed):
     np.testing.assert_array_equal(tip_targets(np.array([0.1, 0.2])), [0.1, -0.2, PAD_HEIGHT])
 
 
-def test_fitted_bones_miss_less_on_takes_that_they_were_not_fitted_to():
+def test_fitted_bones_miss_less_on_takes_that_they_were_not_fitted_to() -> None:
     capture = builtin_capture().select(np.arange(0, len(builtin_capture()), 20))
     left, known = capture.trial % 4 == 0, another(1)
     fitted = fitted_skeleton(capture.select(~left), known)

@@ -8,7 +8,7 @@ from sandbox.options.scene_options import SceneOptions
 from sandbox.trial.settings import RunSettings
 
 
-def test_all_defaults_are_the_one_default():
+def test_all_defaults_are_the_one_default() -> None:
     assert DEFAULT_MODEL in MODELS
     assert {SceneOptions().encoder, RunSettings().encoder} == {DEFAULT_MODEL}
     assert inspect.signature(RegressOptions).parameters["encoder"].default == DEFAULT_MODEL

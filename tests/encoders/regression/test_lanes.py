@@ -28,13 +28,13 @@ def walk(job: tuple[int, int]) -> tuple[int, list[bytes]]:
     return start, poses
 
 
-def test_every_trial_sees_the_poses_that_it_sees_alone():
+def test_every_trial_sees_the_poses_that_it_sees_alone() -> None:
     jobs = [(start, 2 + start % 3) for start in range(10)] + [(99, 0)]
     together = dict(in_lanes(walk, jobs))
     assert together == dict(map(walk, jobs))
 
 
-def test_an_error_in_a_trial_is_passed_on_and_leaves_the_encoder_unchanged():
+def test_an_error_in_a_trial_is_passed_on_and_leaves_the_encoder_unchanged() -> None:
     encoder = pca_ik_model().encoder
     before = encoder.predict(touches()[0])
 

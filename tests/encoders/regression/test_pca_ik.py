@@ -15,7 +15,7 @@ from tests.encoders.regression.ik_frames import KINEMATICS, new_touches, pca, po
 from tests.support.simulation import random_pose
 
 
-def test_damped_steps_go_on_where_the_paper_stops_counting():
+def test_damped_steps_go_on_where_the_paper_stops_counting() -> None:
     found = {
         n: PcaIkEncoder(iterations=n).fit(touches(), poses()).solve(new_touches()).residual
         for n in (0, 4, 20, 100)
@@ -26,21 +26,21 @@ def test_damped_steps_go_on_where_the_paper_stops_counting():
 
 
 @pytest.mark.parametrize("free", ["translation", "root"])
-def test_without_compliance_and_with_enough_components_fingertips_are_met(free):
+def test_without_compliance_and_with_enough_components_fingertips_are_met(free: str) -> None:
     stiff = PcaIkEncoder(
         compliance_translation=0, compliance_rotation=0, components=30, free=free, iterations=30
     ).fit(touches(), poses())
     assert stiff.solve(new_touches()).residual.max() < 1e-6
 
 
-def test_the_whole_pose_in_all_its_components_meets_fingertips_too():
+def test_the_whole_pose_in_all_its_components_meets_fingertips_too() -> None:
     stiff = PcaIkEncoder(
         compliance_translation=0, compliance_rotation=0, components=48, free="nothing"
     ).fit(touches(), poses())
     assert stiff.solve(new_touches()[::4]).residual.max() < 1e-6
 
 
-def test_a_training_frame_stays_nearer_to_itself_than_to_the_mean_pose():
+def test_a_training_frame_stays_nearer_to_itself_than_to_the_mean_pose() -> None:
     away = np.linalg.norm((pca().predict(touches()) - poses())[:, JOINTS], axis=1)
     spread = np.linalg.norm((pca().mean_ - poses())[:, JOINTS], axis=1)
     assert away.mean() < 0.25 * spread.mean()
@@ -48,7 +48,9 @@ def test_a_training_frame_stays_nearer_to_itself_than_to_the_mean_pose():
 
 @pytest.mark.parametrize("contacts", range(1, 6))
 @pytest.mark.parametrize(("free", "root"), [("translation", 3), ("root", 6), ("nothing", 0)])
-def test_poses_change_in_three_k_minus_three_components_and_in_what_is_free(contacts, free, root):
+def test_poses_change_in_three_k_minus_three_components_and_in_what_is_free(
+    contacts: int, free: str, root: int
+) -> None:
     rng = np.random.default_rng(contacts)
     fingers = sorted(rng.permutation(5)[:contacts])
     inputs = np.array([row(*fingers)] * 60)
@@ -66,7 +68,7 @@ def test_poses_change_in_three_k_minus_three_components_and_in_what_is_free(cont
     assert np.linalg.matrix_rank(change, tol=1e-9) == root + 3 * contacts - 3 or contacts == 1
 
 
-def test_components_are_those_of_the_training_poses():
+def test_components_are_those_of_the_training_poses() -> None:
     joints = PcaIkEncoder(free="root").fit(touches(), poses())
     away = (poses() - poses().mean(axis=0))[:, JOINTS]
     _, singular, directions = np.linalg.svd(away, full_matrices=False)
@@ -79,7 +81,7 @@ def test_components_are_those_of_the_training_poses():
     assert not joints.components_[:6].any()
 
 
-def test_a_start_projected_on_all_components_is_the_neighbour_itself():
+def test_a_start_projected_on_all_components_is_the_neighbour_itself() -> None:
     options: dict[str, Any] = {"iterations": 0, "components": 45}
     neighbour = PcaIkEncoder(**options).fit(touches(), poses()).predict(new_touches())
     projected = (
@@ -90,7 +92,9 @@ def test_a_start_projected_on_all_components_is_the_neighbour_itself():
 
 @given(seed=st.integers(0, 2**32 - 1), contacts=st.integers(2, 5))
 @settings(max_examples=25, deadline=None)
-def test_fingertips_move_along_the_components_as_the_jacobian_says(seed, contacts):
+def test_fingertips_move_along_the_components_as_the_jacobian_says(
+    seed: int, contacts: int
+) -> None:
     rng = np.random.default_rng(seed)
     q, h = random_pose(rng), 1e-5
     _, J = KINEMATICS.tips_and_jacobian(q)
@@ -100,7 +104,7 @@ def test_fingertips_move_along_the_components_as_the_jacobian_says(seed, contact
 
 
 @pytest.mark.parametrize("finger", range(5))
-def test_one_contact_only_moves_the_mean_pose_over_it(finger):
+def test_one_contact_only_moves_the_mean_pose_over_it(finger: int) -> None:
     encoder = PcaIkEncoder().fit(touches(), poses())
     solution = encoder.solve(row(finger)[None])
     assert encoder.n_components(1) == 0
@@ -109,7 +113,7 @@ def test_one_contact_only_moves_the_mean_pose_over_it(finger):
     np.testing.assert_allclose(solution.q[0, 3:], poses()[touching, 3:].mean(axis=0), atol=1e-12)
 
 
-def test_more_damping_means_shorter_steps():
+def test_more_damping_means_shorter_steps() -> None:
     moved = []
     for rotation in (2.5, 25.0, 250.0):
         encoder = PcaIkEncoder(iterations=1, compliance_rotation=rotation).fit(touches(), poses())
@@ -118,7 +122,7 @@ def test_more_damping_means_shorter_steps():
     assert moved[0] > moved[1] > moved[2]
 
 
-def test_softness_is_damping_by_the_inverse():
+def test_softness_is_damping_by_the_inverse() -> None:
     soft = PcaIkEncoder(
         iterations=5, reading="softness", compliance_translation=10, compliance_rotation=0.04
     )

@@ -27,7 +27,7 @@ from models.kinematics import Kinematics
 from models.limits import violations, within_limits
 from models.pose import JOINTS, absolute_pose, joint_vectors
 from models.rotations import geodesic_angle
-from models.skeleton import ADULT
+from models.skeleton import ADULT, Skeleton
 from tests.support.simulation import HIGHEST, LOWEST
 
 TABLE = Kinematics(ADULT)
@@ -90,7 +90,9 @@ def wrist_distance(q: np.ndarray) -> float:
 
 @settings(max_examples=40)
 @given(seed=seeds, down=fingers)
-def test_with_the_right_bones_and_full_trust_the_tips_meet_the_touches(seed, down):
+def test_with_the_right_bones_and_full_trust_the_tips_meet_the_touches(
+    seed: int, down: list[int]
+) -> None:
     q, guess, covariance = near_a_table(seed)
     # All tips of these fingers belong on the surface, so only one finger's height can be right.
     q[:, 2] += PAD_HEIGHT - TABLE.tips(q)[:, down[0], 2]
@@ -102,7 +104,7 @@ def test_with_the_right_bones_and_full_trust_the_tips_meet_the_touches(seed, dow
     assert np.abs(TABLE.tips(corrected)[:, down[0], 2] - PAD_HEIGHT).max() < 1e-5
 
 
-def test_all_fingers_at_once_meet_their_touches_on_nearly_all_captured_frames():
+def test_all_fingers_at_once_meet_their_touches_on_nearly_all_captured_frames() -> None:
     bones = fitted_skeleton(takes(), ADULT)
     full = PersonCorrection(bones, error_covariance(), np.full(3, 1e-12))
     corrected = replace(takes(), q=full.correct(first_guess(), takes().xy))
@@ -115,7 +117,9 @@ def test_all_fingers_at_once_meet_their_touches_on_nearly_all_captured_frames():
 
 
 @given(seed=seeds, down=fingers, distrust=st.sampled_from((1e9, 1e12, 1e15)))
-def test_with_endless_distrust_the_prediction_stays_as_it_was(seed, down, distrust):
+def test_with_endless_distrust_the_prediction_stays_as_it_was(
+    seed: int, down: list[int], distrust: float
+) -> None:
     q, guess, covariance = near_a_table(seed)
     cautious = PersonCorrection(ADULT, covariance, distrust * np.full(3, 1e-4))
     np.testing.assert_allclose(
@@ -124,7 +128,7 @@ def test_with_endless_distrust_the_prediction_stays_as_it_was(seed, down, distru
 
 
 @given(seed=seeds, down=fingers)
-def test_a_prediction_whose_tips_are_right_is_left_alone(seed, down):
+def test_a_prediction_whose_tips_are_right_is_left_alone(seed: int, down: list[int]) -> None:
     q, _, covariance = near_a_table(seed)
     q[:, 2] += PAD_HEIGHT - TABLE.tips(q)[:, down[0], 2]
     xy = touched(q, down[:1])
@@ -133,7 +137,7 @@ def test_a_prediction_whose_tips_are_right_is_left_alone(seed, down):
 
 
 @given(seed=seeds)
-def test_without_a_touch_nothing_is_corrected(seed):
+def test_without_a_touch_nothing_is_corrected(seed: int) -> None:
     q, guess, covariance = near_a_table(seed)
     some = PersonCorrection(ADULT, covariance, np.full(3, 1e-6))
     unchanged = some.correct(guess, touched(q, []))
@@ -152,7 +156,7 @@ def cost(
 
 @settings(max_examples=25)
 @given(seed=seeds, frame=st.deferred(lambda: st.integers(0, len(takes()) - 1)))
-def test_the_corrected_pose_is_the_likeliest_one(seed, frame):
+def test_the_corrected_pose_is_the_likeliest_one(seed: int, frame: int) -> None:
     """Central differences of the cost: next to nothing is left to gain in any direction."""
     q, xy, covariance = takes().q[frame], takes().xy[frame], 0.1 * error_covariance()
     variance = np.array([3e-7, 3e-7, 2e-7])
@@ -174,7 +178,7 @@ def test_the_corrected_pose_is_the_likeliest_one(seed, frame):
 
 @settings(max_examples=25)
 @given(seed=seeds)
-def test_the_truth_is_as_far_away_as_the_covariance_says(seed):
+def test_the_truth_is_as_far_away_as_the_covariance_says(seed: int) -> None:
     """Estimates of many noisy predictions have the smaller errors that Bayes promises."""
     rng = np.random.default_rng(seed)
     q, _, covariance = near_a_table(seed, 1)
@@ -192,7 +196,9 @@ def test_the_truth_is_as_far_away_as_the_covariance_says(seed):
 
 
 @given(seed=seeds, down=fingers, shift=st.tuples(st.floats(-0.3, 0.3), st.floats(-0.3, 0.3)))
-def test_a_hand_elsewhere_on_the_surface_is_corrected_alike(seed, down, shift):
+def test_a_hand_elsewhere_on_the_surface_is_corrected_alike(
+    seed: int, down: list[int], shift: tuple[float, float]
+) -> None:
     q, guess, covariance = near_a_table(seed)
     some = PersonCorrection(ADULT, covariance, np.full(3, 1e-6))
     away = np.zeros(48)
@@ -205,7 +211,7 @@ def test_a_hand_elsewhere_on_the_surface_is_corrected_alike(seed, down, shift):
 
 
 @given(seed=seeds, down=fingers)
-def test_many_frames_at_once_are_what_each_is_alone(seed, down):
+def test_many_frames_at_once_are_what_each_is_alone(seed: int, down: list[int]) -> None:
     q, guess, covariance = near_a_table(seed)
     xy = touched(q, down)
     xy[1, down[0]] = np.nan
@@ -215,7 +221,7 @@ def test_many_frames_at_once_are_what_each_is_alone(seed, down):
 
 
 @given(seed=seeds, down=fingers)
-def test_what_a_lifted_finger_would_touch_does_not_matter(seed, down):
+def test_what_a_lifted_finger_would_touch_does_not_matter(seed: int, down: list[int]) -> None:
     """Half a place is no place: the other half must not count."""
     q, guess, covariance = near_a_table(seed)
     xy = touched(q, down)
@@ -227,7 +233,9 @@ def test_what_a_lifted_finger_would_touch_does_not_matter(seed, down):
 
 @settings(max_examples=40)
 @given(seed=seeds, down=fingers, far=st.floats(0.0, 0.2))
-def test_joints_stay_within_their_ranges_wherever_the_touches_are(seed, down, far):
+def test_joints_stay_within_their_ranges_wherever_the_touches_are(
+    seed: int, down: list[int], far: float
+) -> None:
     rng = np.random.default_rng(seed)
     q, guess, covariance = near_a_table(seed)
     xy = touched(q, down) + rng.normal(0, far, (len(q), 5, 2))
@@ -244,7 +252,9 @@ def held() -> np.ndarray:
     return takes().trial % 3 == 0
 
 
-def corrected_on_the_rest(skeleton, held: np.ndarray, fit: bool) -> tuple[np.ndarray, float]:
+def corrected_on_the_rest(
+    skeleton: Skeleton, held: np.ndarray, fit: bool
+) -> tuple[np.ndarray, float]:
     """Poses (T, 48), the held-out ones corrected, all others as captured; and the distrust."""
     seen = takes().select(~held)
     correction = train_correction(seen, predicted_poses()[~held], error_covariance(), skeleton, fit)
@@ -254,7 +264,9 @@ def corrected_on_the_rest(skeleton, held: np.ndarray, fit: bool) -> tuple[np.nda
 
 
 @pytest.mark.parametrize("seed", range(3))
-def test_bones_wrong_by_six_percent_are_fitted_and_joints_are_no_worse_than_before(seed, held):
+def test_bones_wrong_by_six_percent_are_fitted_and_joints_are_no_worse_than_before(
+    seed: int, held: np.ndarray
+) -> None:
     wrong = perturbed_skeleton(ADULT, np.random.default_rng(seed), 0.06, 0.004)
     corrected, _ = corrected_on_the_rest(wrong, held, fit=True)
     before = np.where(held[:, None], first_guess(), takes().q)
@@ -262,7 +274,7 @@ def test_bones_wrong_by_six_percent_are_fitted_and_joints_are_no_worse_than_befo
     assert wrist_distance(corrected) < wrist_distance(before)
 
 
-def test_for_people_whose_bones_nobody_knows_touches_are_trusted_less(held):
+def test_for_people_whose_bones_nobody_knows_touches_are_trusted_less(held: np.ndarray) -> None:
     seen = takes().select(~held)
     known, unknown = (
         train_correction(seen, predicted_poses()[~held], error_covariance(), ADULT, fit)
@@ -272,7 +284,9 @@ def test_for_people_whose_bones_nobody_knows_touches_are_trusted_less(held):
     assert unknown.skeleton is ADULT
 
 
-def test_for_people_whose_bones_nobody_knows_joints_are_hardly_worse_than_before(held):
+def test_for_people_whose_bones_nobody_knows_joints_are_hardly_worse_than_before(
+    held: np.ndarray,
+) -> None:
     seen = takes().select(~held)
     unknown = train_correction(seen, predicted_poses()[~held], error_covariance(), ADULT, fit=False)
     own = PersonCorrection(ADULT, error_covariance(), blocked_variance(seen, ADULT))
@@ -287,7 +301,9 @@ def test_for_people_whose_bones_nobody_knows_joints_are_hardly_worse_than_before
     assert np.mean(cautious) < np.mean(trusting)
 
 
-def test_training_is_the_same_every_time_and_scales_the_variance_by_its_distrust(held):
+def test_training_is_the_same_every_time_and_scales_the_variance_by_its_distrust(
+    held: np.ndarray,
+) -> None:
     seen = takes().select(~held)
     once, again = (
         train_correction(seen, predicted_poses()[~held], error_covariance(), ADULT)
@@ -298,7 +314,7 @@ def test_training_is_the_same_every_time_and_scales_the_variance_by_its_distrust
     np.testing.assert_array_equal(once.tip_variance, once.distrust * blocked_variance(seen, ADULT))
 
 
-def test_the_two_directions_along_the_surface_share_one_variance():
+def test_the_two_directions_along_the_surface_share_one_variance() -> None:
     x, y, z = blocked_variance(takes(), ADULT)
     assert x == y > 0 and z > 0
     misses = tip_misses(TABLE, takes())
@@ -308,13 +324,13 @@ def test_the_two_directions_along_the_surface_share_one_variance():
     )
 
 
-def test_one_take_alone_is_refused():
+def test_one_take_alone_is_refused() -> None:
     alone = takes().trial == takes().trial[0]
     with pytest.raises(EncoderError, match="2 trials"):
         train_correction(takes().select(alone), predicted_poses()[alone], error_covariance(), ADULT)
 
 
-def test_a_joint_that_its_prediction_puts_out_of_range_comes_back():
+def test_a_joint_that_its_prediction_puts_out_of_range_comes_back() -> None:
     guess = first_guess()[:3].copy()
     guess[:, JOINTS] = ADULT.upper + 0.5
     some = PersonCorrection(ADULT, error_covariance(), np.full(3, 1.0))

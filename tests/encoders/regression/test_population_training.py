@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -51,7 +52,7 @@ def grown(person: Capture, factor: float) -> Capture:
     return replace(person, xy=person.xy * factor, q=q, meta=person.meta | {"size": size})
 
 
-def test_a_larger_hand_in_the_same_posture_gets_the_same_joint_angles():
+def test_a_larger_hand_in_the_same_posture_gets_the_same_joint_angles() -> None:
     person = few().of(group="choose").people[0]
     encoder = builtin("population").encoder
     for factor in (0.9, 1.1):
@@ -62,7 +63,7 @@ def test_a_larger_hand_in_the_same_posture_gets_the_same_joint_angles():
         np.testing.assert_allclose(q, known, atol=1e-7)
 
 
-def test_training_does_not_depend_on_the_size_of_hands():
+def test_training_does_not_depend_on_the_size_of_hands() -> None:
     people = few().of(group="train").people
     larger = [grown(person, 1.1) for person in people]
     model = train_population(larger, trained().meta["population"])
@@ -70,7 +71,7 @@ def test_training_does_not_depend_on_the_size_of_hands():
     np.testing.assert_allclose(model.encoder.predict(u), trained().encoder.predict(u), atol=1e-4)
 
 
-def test_people_who_are_held_out_are_not_trained_on():
+def test_people_who_are_held_out_are_not_trained_on() -> None:
     shipped = builtin("population").meta["population"]["people"]
     assert set(shipped) == {"first", "second", "posed"}
     without = few().of(without="second")
@@ -89,7 +90,7 @@ def test_people_who_are_held_out_are_not_trained_on():
     assert again.digest == model.digest != trained().digest
 
 
-def test_equal_people_give_equal_models_and_a_file_keeps_all_of_them(tmp_path):
+def test_equal_people_give_equal_models_and_a_file_keeps_all_of_them(tmp_path: Path) -> None:
     assert trained_on(few()).digest == trained().digest
     save_model(trained(), tmp_path / "p.npz")
     back = load_model(tmp_path / "p.npz")
@@ -97,7 +98,7 @@ def test_equal_people_give_equal_models_and_a_file_keeps_all_of_them(tmp_path):
     np.testing.assert_array_equal(back.personal_covariance, trained().personal_covariance)
 
 
-def test_the_personal_part_of_the_errors_is_a_part():
+def test_the_personal_part_of_the_errors_is_a_part() -> None:
     model = builtin("population")
     personal = model.personal_covariance
     assert personal is not None
@@ -106,7 +107,7 @@ def test_the_personal_part_of_the_errors_is_a_part():
     assert 0.05 < np.trace(personal) / np.trace(model.residual_covariance) < 0.8
 
 
-def test_strangers_of_both_generators_get_better_poses_than_from_one_persons_encoder():
+def test_strangers_of_both_generators_get_better_poses_than_from_one_persons_encoder() -> None:
     errors: dict[str, list[list[float]]] = {name: [] for name in ("population", "best")}
     for person in simulate_population("strangers", {"judge": {"first": 4, "second": 4}}).people:
         sized = at_trained_size(person, person.meta["size"])
@@ -119,7 +120,7 @@ def test_strangers_of_both_generators_get_better_poses_than_from_one_persons_enc
     assert (population < one_person).all()
 
 
-def test_the_encoder_for_strangers_has_a_name_and_says_that_it_is_simulated():
+def test_the_encoder_for_strangers_has_a_name_and_says_that_it_is_simulated() -> None:
     assert "population" in MODELS
     model = find_model("population", pytest.fail)
     assert model is builtin("population") and model.meta["simulated"] is True
@@ -128,7 +129,7 @@ def test_the_encoder_for_strangers_has_a_name_and_says_that_it_is_simulated():
     assert (builtin_folder() / "population.npz").stat().st_size < 300_000
 
 
-def test_too_few_people_are_refused():
+def test_too_few_people_are_refused() -> None:
     people = few().of(group="train").people[:3]
     with pytest.raises(EncoderError, match="too few people to train on"):
         train_population(people, {})
@@ -142,6 +143,8 @@ def test_too_few_people_are_refused():
         (["--part", "pose", "--population", "p.npz", "--degree", "2"], "does not apply"),
     ),
 )
-def test_the_command_says_what_is_wrong(tmp_path, capsys, line, told):
+def test_the_command_says_what_is_wrong(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], line: list[str], told: str
+) -> None:
     assert main(["train", *line, "--out", str(tmp_path / "m.npz")]) == 2
     assert told in capsys.readouterr().err

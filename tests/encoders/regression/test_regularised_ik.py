@@ -12,7 +12,7 @@ from tests.encoders.regression.ik_frames import KINEMATICS, pca, poses, row, tar
 from tests.support.simulation import random_pose
 
 
-def test_the_null_space_variant_ends_with_fingertips_met():
+def test_the_null_space_variant_ends_with_fingertips_met() -> None:
     # Many frames: unpaced steps went to and fro on some of them, and on most did not.
     many = builtin_capture().u[7::120]
     assert NullSpaceIkEncoder().fit(touches(), poses()).solve(many).residual.max() < 1e-4
@@ -20,7 +20,9 @@ def test_the_null_space_variant_ends_with_fingertips_met():
 
 @given(seed=st.integers(0, 2**32 - 1), contacts=st.integers(1, 5))
 @settings(max_examples=25, deadline=None)
-def test_what_is_projected_into_the_null_space_leaves_fingertips_to_first_order(seed, contacts):
+def test_what_is_projected_into_the_null_space_leaves_fingertips_to_first_order(
+    seed: int, contacts: int
+) -> None:
     rng = np.random.default_rng(seed)
     q, fingers = random_pose(rng), rng.permutation(5)[:contacts]
     _, jacobian = KINEMATICS.tips_and_jacobian(q)
@@ -37,7 +39,7 @@ def test_what_is_projected_into_the_null_space_leaves_fingertips_to_first_order(
     assert abs(np.sum((wish - left) * cost * left)) < 1e-8
 
 
-def test_the_wish_changes_no_fingertip_to_first_order_in_a_step():
+def test_the_wish_changes_no_fingertip_to_first_order_in_a_step() -> None:
     q = pca().predict(row(0, 1, 3))[None]
     _, jacobian = KINEMATICS.tips_and_jacobian(q)
     J = jacobian[:, [0, 1, 3]].reshape(1, 9, 48)
@@ -51,7 +53,7 @@ def test_the_wish_changes_no_fingertip_to_first_order_in_a_step():
     np.testing.assert_allclose(J @ difference[0], 0.0, atol=1e-12)
 
 
-def test_the_null_space_variant_ends_as_near_to_its_wish_as_fingertips_let_it():
+def test_the_null_space_variant_ends_as_near_to_its_wish_as_fingertips_let_it() -> None:
     encoder = NullSpaceIkEncoder(settled=1e-10, iterations=300).fit(touches(), poses())
     contacts = row(0, 1, 2)
     q = encoder.predict(contacts)[None]
@@ -62,7 +64,7 @@ def test_the_null_space_variant_ends_as_near_to_its_wish_as_fingertips_let_it():
     np.testing.assert_allclose(null_space_part(encoder.mean_ - q, J, cost), 0.0, atol=1e-5)
 
 
-def test_the_most_likely_pose_is_a_local_maximum_of_the_posterior():
+def test_the_most_likely_pose_is_a_local_maximum_of_the_posterior() -> None:
     encoder = MapIkEncoder(tip_sigma=0.002).fit(touches(), poses())
     contacts = row(0, 1, 2, 4)
     q = encoder.predict(contacts)

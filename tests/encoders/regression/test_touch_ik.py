@@ -19,6 +19,7 @@ from models.skeleton import ADULT
 from models.surface import METRES_PER_INCH
 from tests.encoders.regression.ik_frames import (
     KINEMATICS,
+    Kind,
     every_encoder,
     every_kind,
     fitted,
@@ -37,7 +38,9 @@ from tests.encoders.regression.ik_frames import (
     at=st.deferred(lambda: st.integers(0, len(new_touches()) - 1)),
 )
 @settings(max_examples=10, deadline=None)
-def test_touches_moved_alike_give_the_same_relative_pose(name: str, shift, at):
+def test_touches_moved_alike_give_the_same_relative_pose(
+    name: str, shift: tuple[float, float], at: int
+) -> None:
     encoder = fitted(name)
     moved = new_touches()[at].copy()
     moved[:10] += np.tile(shift, 5)
@@ -47,7 +50,7 @@ def test_touches_moved_alike_give_the_same_relative_pose(name: str, shift, at):
 
 
 @every_encoder
-def test_where_a_lifted_finger_is_said_to_be_does_not_matter(name: str):
+def test_where_a_lifted_finger_is_said_to_be_does_not_matter(name: str) -> None:
     encoder = fitted(name)
     other = new_touches().copy()
     other[:, :10][np.repeat(new_touches()[:, 10:] == 0, 2, axis=1)] = 31.4
@@ -55,7 +58,7 @@ def test_where_a_lifted_finger_is_said_to_be_does_not_matter(name: str):
 
 
 @every_encoder
-def test_a_row_gives_the_same_result_in_a_batch_and_alone(name: str):
+def test_a_row_gives_the_same_result_in_a_batch_and_alone(name: str) -> None:
     encoder = fitted(name)
     together = encoder.predict(new_touches())
     for i in range(0, len(new_touches()), 7):
@@ -65,7 +68,7 @@ def test_a_row_gives_the_same_result_in_a_batch_and_alone(name: str):
 
 
 @every_encoder
-def test_the_residual_is_that_of_the_pose(name: str):
+def test_the_residual_is_that_of_the_pose(name: str) -> None:
     encoder = fitted(name)
     solution = encoder.solve(new_touches())
     np.testing.assert_allclose(
@@ -75,7 +78,7 @@ def test_the_residual_is_that_of_the_pose(name: str):
 
 
 @every_kind
-def test_fingertips_come_closer_from_iteration_to_iteration(kind):
+def test_fingertips_come_closer_from_iteration_to_iteration(kind: Kind) -> None:
     mean = [
         kind(iterations=n).fit(touches(), poses()).solve(new_touches()).residual.mean()
         for n in (0, 1, 2)
@@ -83,7 +86,7 @@ def test_fingertips_come_closer_from_iteration_to_iteration(kind):
     assert mean[0] > mean[1] > mean[2]
 
 
-def test_a_settled_row_stops_without_loss_of_accuracy():
+def test_a_settled_row_stops_without_loss_of_accuracy() -> None:
     stopped = MapIkEncoder().fit(touches(), poses()).solve(new_touches()[::2])
     all_steps = MapIkEncoder(settled=0.0).fit(touches(), poses()).solve(new_touches()[::2])
     assert stopped.iterations.min() < 100
@@ -91,7 +94,7 @@ def test_a_settled_row_stops_without_loss_of_accuracy():
 
 
 @pytest.mark.parametrize("kind", ["pca", "pca, root free", "null space"])
-def test_training_frames_that_meet_their_touches_exactly_are_given_back(kind):
+def test_training_frames_that_meet_their_touches_exactly_are_given_back(kind: str) -> None:
     touched = MapIkEncoder(tip_sigma=1e-6).fit(touches(), poses()).solve(touches())
     exact = touched.residual < 1e-7
     assert exact.mean() > 0.9
@@ -103,7 +106,7 @@ def test_training_frames_that_meet_their_touches_exactly_are_given_back(kind):
     np.testing.assert_allclose(encoder.predict(touches()[exact]), touched.q[exact], atol=1e-4)
 
 
-def test_the_start_is_the_training_frame_with_the_nearest_touches():
+def test_the_start_is_the_training_frame_with_the_nearest_touches() -> None:
     start = PcaIkEncoder(iterations=0).fit(touches(), poses()).predict(new_touches())
     for contacts, pose in zip(new_touches(), start, strict=True):
         same = np.flatnonzero((touches()[:, 10:] == contacts[10:]).all(axis=1))
@@ -112,7 +115,7 @@ def test_the_start_is_the_training_frame_with_the_nearest_touches():
 
 
 @every_kind
-def test_one_undamped_step_misses_by_the_square_of_its_length(kind):
+def test_one_undamped_step_misses_by_the_square_of_its_length(kind: Kind) -> None:
     # Only a step along a right Jacobian does; a wrong one misses by its length.
     rng = np.random.default_rng(3)
     q = pca().predict(row(0, 1, 2, 3))[None]
@@ -134,13 +137,13 @@ def test_one_undamped_step_misses_by_the_square_of_its_length(kind):
 
 
 @every_encoder
-def test_one_contact_has_an_answer_everywhere(name: str):
+def test_one_contact_has_an_answer_everywhere(name: str) -> None:
     encoder = fitted(name)
     found = encoder.solve(np.array([row(finger) for finger in range(5)]))
     assert np.isfinite(found.q).all() and np.isfinite(found.residual).all()
 
 
-def test_fingers_never_seen_by_themselves_start_from_a_frame_with_more_fingers():
+def test_fingers_never_seen_by_themselves_start_from_a_frame_with_more_fingers() -> None:
     seen = ~(touches()[:, 10:] == [0, 1, 0, 1, 0]).all(axis=1)
     encoder = PcaIkEncoder(iterations=0).fit(touches()[seen], poses()[seen])
     frame = np.flatnonzero((touches()[:, 10:] == 1).all(axis=1))[3]
@@ -152,7 +155,7 @@ def test_fingers_never_seen_by_themselves_start_from_a_frame_with_more_fingers()
     )
 
 
-def test_fingers_that_no_training_frame_has_are_reported_by_name():
+def test_fingers_that_no_training_frame_has_are_reported_by_name() -> None:
     seen = (touches()[:, 10:] == [1, 1, 0, 0, 0]).all(axis=1)
     for encoder in (PcaIkEncoder(), NullSpaceIkEncoder(desired="neighbour")):
         encoder.fit(touches()[seen], poses()[seen]).predict(row(1))
@@ -162,7 +165,7 @@ def test_fingers_that_no_training_frame_has_are_reported_by_name():
 
 
 @every_kind
-def test_the_fingertips_are_those_of_the_skeleton_given(kind):
+def test_the_fingertips_are_those_of_the_skeleton_given(kind: Kind) -> None:
     small = ADULT.scaled(0.9)
     encoder = kind(small).fit(touches(), poses())
     found = encoder.solve(new_touches()[::4])
@@ -172,14 +175,14 @@ def test_the_fingertips_are_those_of_the_skeleton_given(kind):
     assert encoder.tip_misfit_ > 2 * kind().fit(touches(), poses()).tip_misfit_
 
 
-def test_the_pad_height_is_learned_unless_it_is_given():
+def test_the_pad_height_is_learned_unless_it_is_given() -> None:
     down = touches()[:, 10:] == 1
     assert pca().pad_height_ == pytest.approx(np.median(KINEMATICS.tips(poses())[down][:, 2]))
     assert PcaIkEncoder(pad_height=0.004).fit(touches(), poses()).pad_height_ == 0.004
 
 
 @every_kind
-def test_one_training_frame_is_enough_for_an_answer(kind):
+def test_one_training_frame_is_enough_for_an_answer(kind: Kind) -> None:
     found = kind().fit(touches()[:1], poses()[:1]).solve(touches()[:1])
     assert np.isfinite(found.q).all()
 
@@ -242,12 +245,12 @@ def test_unusable_contact_vectors_are_refused(
 
 
 @every_kind
-def test_an_encoder_that_has_learned_nothing_says_so(kind):
+def test_an_encoder_that_has_learned_nothing_says_so(kind: Kind) -> None:
     with pytest.raises(EncoderError, match="learned nothing"):
         kind().predict(new_touches())
 
 
-def test_a_tie_is_decided_by_the_first_frame():
+def test_a_tie_is_decided_by_the_first_frame() -> None:
     down, places = touches_of(np.repeat(touches()[:1], 3, axis=0))
     poses = np.arange(3.0)[:, None] * np.ones(48)
     found = TouchNeighbours(down, places, poses).nearest(down[0], places[:1])
@@ -273,6 +276,6 @@ def test_a_tie_is_decided_by_the_first_frame():
         MapIkEncoder(tip_sigma=0.0),
     ],
 )
-def test_options_out_of_their_range_are_refused(encoder):
+def test_options_out_of_their_range_are_refused(encoder: TouchIkEncoder) -> None:
     with pytest.raises(EncoderError):
         encoder.fit(touches(), poses())

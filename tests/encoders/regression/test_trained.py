@@ -60,12 +60,12 @@ def capture() -> Capture:
 
 
 @pytest.fixture(scope="module")
-def model(capture) -> TrainedModel:
+def model(capture: Capture) -> TrainedModel:
     return train(capture, "mine", 1, 0.01)
 
 
 @pytest.fixture(scope="module")
-def corrected(model, capture) -> TrainedModel:
+def corrected(model: TrainedModel, capture: Capture) -> TrainedModel:
     """A turned encoder with a correction by bones that are not the table's."""
     encoder = YawNormalisedEncoder(0.03, 0.1).fit(capture.u, capture.relative)
     bones = perturbed_skeleton(ADULT, np.random.default_rng(0), 0.06, 0.004)
@@ -74,20 +74,20 @@ def corrected(model, capture) -> TrainedModel:
 
 
 @pytest.fixture
-def corrected_path(corrected, tmp_path: Path) -> Path:
+def corrected_path(corrected: TrainedModel, tmp_path: Path) -> Path:
     path = tmp_path / "turned.npz"
     save_model(corrected, path)
     return path
 
 
 @pytest.fixture
-def path(model, tmp_path: Path) -> Path:
+def path(model: TrainedModel, tmp_path: Path) -> Path:
     path = tmp_path / "mine.npz"
     save_model(model, path)
     return path
 
 
-def test_a_saved_model_comes_back_to_the_bit(model, path):
+def test_a_saved_model_comes_back_to_the_bit(model: TrainedModel, path: Path) -> None:
     read = load_model(path)
     assert read.digest == model.digest and read.meta == model.meta and read.name == "mine"
     np.testing.assert_array_equal(
@@ -98,8 +98,8 @@ def test_a_saved_model_comes_back_to_the_bit(model, path):
 
 @pytest.mark.parametrize("training", (True, False))
 def test_a_yaw_normalised_encoder_and_its_correction_come_back_to_the_bit(
-    corrected, capture, training, tmp_path
-):
+    corrected: TrainedModel, capture: Capture, training: bool, tmp_path: Path
+) -> None:
     save_model(corrected, tmp_path / "t.npz", training)
     read = load_model(tmp_path / "t.npz", None if training else capture)
     assert read.digest == corrected.digest
@@ -116,34 +116,40 @@ def test_a_yaw_normalised_encoder_and_its_correction_come_back_to_the_bit(
     assert (tmp_path / "again.npz").read_bytes() == (tmp_path / "t.npz").read_bytes()
 
 
-def test_a_model_without_its_training_data_takes_them_from_the_capture(model, capture, tmp_path):
+def test_a_model_without_its_training_data_takes_them_from_the_capture(
+    model: TrainedModel, capture: Capture, tmp_path: Path
+) -> None:
     save_model(model, tmp_path / "slim.npz", training=False)
     assert load_model(tmp_path / "slim.npz", capture).digest == model.digest
     with pytest.raises(EncoderError, match=r"slim\.npz"):
         load_model(tmp_path / "slim.npz")
 
 
-def test_the_digest_sees_every_part(model):
+def test_the_digest_sees_every_part(model: TrainedModel) -> None:
+    encoder = model.encoder
+    assert isinstance(encoder, PolynomialEncoder)
     changed = (
         replace(model, residual_covariance=model.residual_covariance * 1.01),
         replace(model, training_u=model.training_u[:-1]),
         replace(model, training_pose=model.training_pose + 0.01),
         replace(model, meta=model.meta | {"ridge": 0.02}),
-        replace(model, encoder=PolynomialEncoder(1, 0.02).load(model.encoder.coef_, 15)),
-        replace(model, encoder=PolynomialEncoder(1, 0.01).load(model.encoder.coef_ * 1.01, 15)),
+        replace(model, encoder=PolynomialEncoder(1, 0.02).load(encoder.coef_, 15)),
+        replace(model, encoder=PolynomialEncoder(1, 0.01).load(encoder.coef_ * 1.01, 15)),
     )
     assert len({model.digest, *(m.digest for m in changed)}) == 7
     assert replace(model, name="other").digest == model.digest
 
 
-def test_a_model_says_where_it_comes_from(model, capture):
+def test_a_model_says_where_it_comes_from(model: TrainedModel, capture: Capture) -> None:
     assert model.meta["simulated"] is True
     assert model.meta["capture"]["configuration"] and model.meta["capture"]["seed"] == 0
     nameless = train(replace(capture, meta={}), "mine", 1, 0.01)
     assert nameless.meta["simulated"] is False
 
 
-def test_covariance_is_that_of_errors_on_takes_not_seen(model, capture):
+def test_covariance_is_that_of_errors_on_takes_not_seen(
+    model: TrainedModel, capture: Capture
+) -> None:
     C = model.residual_covariance
     np.testing.assert_allclose(C, C.T, atol=1e-12)
     assert np.linalg.eigvalsh(C).min() > -1e-9
@@ -151,38 +157,40 @@ def test_covariance_is_that_of_errors_on_takes_not_seen(model, capture):
     assert np.trace(C) > 0.9 * np.trace(seen.T @ seen / len(seen))
 
 
-def test_frames_of_one_take_are_never_on_both_sides_of_a_split(capture):
+def test_frames_of_one_take_are_never_on_both_sides_of_a_split(capture: Capture) -> None:
     fold = trial_folds(capture.trial)
     assert all(len(set(fold[capture.trial == t])) == 1 for t in np.unique(capture.trial))
     sizes = np.bincount(fold)
     assert len(sizes) == 10 and sizes.max() < 1.5 * sizes.min()
 
 
-def test_without_a_ridge_validation_chooses_one(capture):
+def test_without_a_ridge_validation_chooses_one(capture: Capture) -> None:
     chosen = train(capture, "mine", 2, None)
     assert isinstance(chosen.encoder, PolynomialEncoder)
     assert chosen.meta["ridge"] in RIDGES and chosen.encoder.ridge == chosen.meta["ridge"]
 
 
-def test_on_noise_validation_chooses_the_strongest_ridge(capture):
+def test_on_noise_validation_chooses_the_strongest_ridge(capture: Capture) -> None:
     q = np.random.default_rng(0).normal(size=capture.q.shape)
     noise = replace(capture, q=0.1 * q, xy=capture.xy)
     assert train(noise, "noise", 2, None).meta["ridge"] == RIDGES[-1]
 
 
-def test_one_take_alone_is_refused(capture):
+def test_one_take_alone_is_refused(capture: Capture) -> None:
     with pytest.raises(EncoderError, match="2 trials"):
         train(capture.select(capture.trial == 0), "mine", 1, 0.0)
 
 
 @pytest.mark.parametrize(("degree", "ridge"), ((0, 0.0), (4, 0.0), (2, -1.0), (2, np.nan)))
-def test_a_degree_or_ridge_that_is_none_is_refused(capture, degree, ridge):
+def test_a_degree_or_ridge_that_is_none_is_refused(
+    capture: Capture, degree: int, ridge: float
+) -> None:
     with pytest.raises(EncoderError):
         train(capture, "mine", degree, ridge)
 
 
 @pytest.mark.parametrize("name", BUILTIN)
-def test_built_in_models_are_trained_on_the_built_in_capture(name):
+def test_built_in_models_are_trained_on_the_built_in_capture(name: str) -> None:
     model, capture = builtin(name), builtin_capture()
     assert model.meta["capture"] == capture.meta and model.meta["simulated"] is True
     np.testing.assert_array_equal(model.training_u, np.float32(capture.u))
@@ -190,7 +198,7 @@ def test_built_in_models_are_trained_on_the_built_in_capture(name):
     assert np.linalg.norm(error[:, :3], axis=1).mean() < 0.05
 
 
-def test_the_papers_model_is_least_squares_on_the_built_in_capture():
+def test_the_papers_model_is_least_squares_on_the_built_in_capture() -> None:
     capture = builtin_capture()
     fresh = QuadraticEncoder().fit(capture.u, capture.relative)
     paper = builtin("paper")
@@ -201,15 +209,15 @@ def test_the_papers_model_is_least_squares_on_the_built_in_capture():
     )
 
 
-def test_shipped_files_are_small():
+def test_shipped_files_are_small() -> None:
     assert sum(p.stat().st_size for p in builtin_folder().glob("*.npz")) < 5e6
 
 
-def test_a_built_in_model_is_loaded_once():
+def test_a_built_in_model_is_loaded_once() -> None:
     assert builtin("best") is builtin("best")
 
 
-def test_an_unknown_name_is_answered_with_the_known_ones():
+def test_an_unknown_name_is_answered_with_the_known_ones() -> None:
     with pytest.raises(EncoderError, match="paper, linear, quadratic, cubic, best"):
         builtin("deep")
 
@@ -248,7 +256,9 @@ def test_an_unknown_name_is_answered_with_the_known_ones():
         {"header": said(distrust=1.0)},
     ),
 )
-def test_a_file_with_a_wrong_part_is_refused_in_one_clear_line(path, changes):
+def test_a_file_with_a_wrong_part_is_refused_in_one_clear_line(
+    path: Path, changes: dict[str, Any]
+) -> None:
     rewritten(path, **changes)
     with pytest.raises(EncoderError, match=r"mine\.npz") as error:
         load_model(path)
@@ -284,7 +294,9 @@ def test_a_file_with_a_wrong_part_is_refused_in_one_clear_line(path, changes):
         {"header": said_turned(distrust=True)},
     ),
 )
-def test_a_turned_encoder_or_correction_with_a_wrong_part_is_refused(corrected_path, changes):
+def test_a_turned_encoder_or_correction_with_a_wrong_part_is_refused(
+    corrected_path: Path, changes: dict[str, Any]
+) -> None:
     rewritten(corrected_path, **changes)
     with pytest.raises(EncoderError, match=r"turned\.npz") as error:
         load_model(corrected_path)
@@ -292,31 +304,33 @@ def test_a_turned_encoder_or_correction_with_a_wrong_part_is_refused(corrected_p
 
 
 @pytest.mark.parametrize("degree", (3, "deep", [2], None))
-def test_a_turned_encoder_has_no_degree_that_could_be_wrong(corrected_path, corrected, degree):
+def test_a_turned_encoder_has_no_degree_that_could_be_wrong(
+    corrected_path: Path, corrected: TrainedModel, degree: object
+) -> None:
     rewritten(corrected_path, header=said_turned(degree=degree, meta=corrected.meta))
     assert load_model(corrected_path).digest == corrected.digest
 
 
-def test_nothing_is_unpickled(path):
+def test_nothing_is_unpickled(path: Path) -> None:
     with_pickle(path, "coef")
     with pytest.raises(EncoderError, match="pickle"):
         load_model(path)
 
 
-def test_a_file_that_would_fill_the_memory_is_refused(path):
+def test_a_file_that_would_fill_the_memory_is_refused(path: Path) -> None:
     claiming_too_much(path)
     with pytest.raises(EncoderError, match="too large"):
         load_model(path)
 
 
-def test_a_missing_file_is_reported_as_missing(tmp_path):
+def test_a_missing_file_is_reported_as_missing(tmp_path: Path) -> None:
     with pytest.raises(EncoderError, match="no such file"):
         load_model(tmp_path / "none.npz")
 
 
 @settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=40)
 @given(share=st.floats(0, 0.999))
-def test_a_truncated_file_is_refused(path, share):
+def test_a_truncated_file_is_refused(path: Path, share: float) -> None:
     whole = path.read_bytes()
     cut = path.with_name("cut.npz")
     cut.write_bytes(whole[: int(share * len(whole))])
@@ -328,8 +342,14 @@ def test_a_truncated_file_is_refused(path, share):
 @given(where=st.floats(0, 1), value=st.binary(min_size=1, max_size=8))
 @pytest.mark.parametrize("kind", ("polynomial", "turned"))
 def test_a_damaged_file_is_refused_or_reads_as_it_was(
-    path, model, corrected_path, corrected, kind, where, value
-):
+    path: Path,
+    model: TrainedModel,
+    corrected_path: Path,
+    corrected: TrainedModel,
+    kind: str,
+    where: float,
+    value: bytes,
+) -> None:
     if kind == "turned":
         path, model = corrected_path, corrected
     data = bytearray(path.read_bytes())
@@ -345,7 +365,9 @@ def test_a_damaged_file_is_refused_or_reads_as_it_was(
         assert read.digest == model.digest
 
 
-def test_the_command_trains_on_a_capture(capture, tmp_path, capsys):
+def test_the_command_trains_on_a_capture(
+    capture: Capture, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     save_capture(capture, tmp_path / "c.npz")
     line = ["train", "--capture", str(tmp_path / "c.npz"), "--out", str(tmp_path / "m.npz")]
     assert main([*line, "--degree", "1", "--ridge", "0"]) == 0
@@ -353,7 +375,9 @@ def test_the_command_trains_on_a_capture(capture, tmp_path, capsys):
     assert load_model(tmp_path / "m.npz").digest == train(capture, "m", 1, 0.0).digest
 
 
-def test_without_a_degree_the_command_trains_what_wins(capture, tmp_path, capsys):
+def test_without_a_degree_the_command_trains_what_wins(
+    capture: Capture, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     few = capture.select(capture.trial % 3 == 0)
     save_capture(few, tmp_path / "c.npz")
     line = ["train", "--capture", str(tmp_path / "c.npz"), "--out", str(tmp_path / "m.npz")]
@@ -365,7 +389,9 @@ def test_without_a_degree_the_command_trains_what_wins(capture, tmp_path, capsys
 
 
 @pytest.mark.full
-def test_the_command_makes_the_built_in_models_anew(tmp_path, capsys):
+def test_the_command_makes_the_built_in_models_anew(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     assert main(["train", "--builtin", "--out", str(tmp_path)]) == 0
     told = capsys.readouterr().out
     assert told.count("agrees") == 1 + len(BUILTIN) and "differs" not in told
@@ -382,7 +408,13 @@ def test_the_command_makes_the_built_in_models_anew(tmp_path, capsys):
         (["--capture", CAPTURE_FILE, "--out", "none/m.npz"], "no such folder"),
     ),
 )
-def test_the_command_answers_bad_input_with_one_line(rest, told, tmp_path, capsys, monkeypatch):
+def test_the_command_answers_bad_input_with_one_line(
+    rest: list[str],
+    told: str,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     monkeypatch.chdir(tmp_path)
     assert main(["train", "--out", "m.npz", *rest]) == 2
     line = capsys.readouterr().err

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from numpy.typing import ArrayLike
 
 from encoders.capture import Capture
 from encoders.input_vector import contact_vectors
@@ -19,6 +20,7 @@ from encoders.regression.yaw_normalised import (
     normalised_touches,
     yaw_of,
 )
+from models.arithmetic.arrays import Array
 from models.errors import EncoderError
 from models.pose import absolute_pose, joint_vectors, relative_pose
 from models.rotations import exp, geodesic_angle, log
@@ -76,7 +78,9 @@ def after_a_turn(
 
 @settings(max_examples=30)
 @given(degrees=st.floats(-40, 40), about=points)
-def test_touches_that_turn_turn_the_hand_and_hardly_move_its_joints(degrees, about):
+def test_touches_that_turn_turn_the_hand_and_hardly_move_its_joints(
+    degrees: float, about: Array
+) -> None:
     wrist, hand, joints = after_a_turn(turned_encoder(), np.deg2rad(degrees), about)
     assert hand < 0.15 * np.deg2rad(abs(degrees)) + 1e-9
     assert joints < np.deg2rad(1.0)
@@ -85,7 +89,7 @@ def test_touches_that_turn_turn_the_hand_and_hardly_move_its_joints(degrees, abo
 
 @settings(max_examples=30)
 @given(degrees=st.floats(5, 40), left=st.booleans(), about=points)
-def test_a_plain_quadratic_turns_far_worse(degrees, left, about):
+def test_a_plain_quadratic_turns_far_worse(degrees: float, left: bool, about: Array) -> None:
     angle = np.deg2rad(degrees if left else -degrees)
     assert (
         after_a_turn(turned_encoder(), angle, about)
@@ -94,13 +98,15 @@ def test_a_plain_quadratic_turns_far_worse(degrees, left, about):
 
 
 @given(shift=points)
-def test_touches_that_move_together_change_nothing_relative(shift):
+def test_touches_that_move_together_change_nothing_relative(shift: Array) -> None:
     moved = turned_encoder().predict(contact_vectors(new().xy + shift)[0])
     np.testing.assert_allclose(moved, turned_encoder().predict(new().u), atol=1e-9)
 
 
 @given(seed=seeds, angle=angles, more=angles, shift=points)
-def test_the_normalised_frame_does_not_depend_on_the_hands_turn_and_place(seed, angle, more, shift):
+def test_the_normalised_frame_does_not_depend_on_the_hands_turn_and_place(
+    seed: int, angle: float, more: float, shift: Array
+) -> None:
     rng = np.random.default_rng(seed)
     xy = rng.uniform(0, 0.2, (6, 5, 2))
     xy[rng.uniform(size=(6, 5)) < 0.3] = np.nan
@@ -113,7 +119,9 @@ def test_the_normalised_frame_does_not_depend_on_the_hands_turn_and_place(seed, 
 
 
 @given(seed=seeds, angle=angles)
-def test_the_middle_of_turned_touches_is_zero_and_so_are_lifted_fingers(seed, angle):
+def test_the_middle_of_turned_touches_is_zero_and_so_are_lifted_fingers(
+    seed: int, angle: float
+) -> None:
     rng = np.random.default_rng(seed)
     xy = rng.uniform(0, 0.2, (1, 5, 2))
     xy[0, rng.permutation(5)[: seed % 5]] = np.nan
@@ -129,7 +137,9 @@ def test_the_middle_of_turned_touches_is_zero_and_so_are_lifted_fingers(seed, an
 
 
 @given(tilt=st.tuples(st.floats(-1, 1), st.floats(-1, 1)), angle=angles, more=angles)
-def test_the_turn_of_a_pose_is_what_it_was_turned_by_whatever_its_tilt(tilt, angle, more):
+def test_the_turn_of_a_pose_is_what_it_was_turned_by_whatever_its_tilt(
+    tilt: tuple[float, float], angle: float, more: float
+) -> None:
     q = np.zeros(48)
     q[3:6] = log(exp([0.0, 0.0, angle]) @ exp([*tilt, 0.0]))
     assert yaw_of(q) == pytest.approx(angle, abs=1e-9)
@@ -168,7 +178,9 @@ def turning_hands(frames: int, seed: int) -> tuple[np.ndarray, np.ndarray]:
     return u, relative_pose(q, leftmost)
 
 
-def test_a_quadratic_law_in_the_hands_own_frame_is_found_far_better_than_by_a_plain_quadratic():
+def test_a_quadratic_law_in_the_hands_own_frame_is_found_far_better_than_by_a_plain_quadratic() -> (
+    None
+):
     u, q = turning_hands(1500, 1)
     unseen, truth = turning_hands(400, 2)
     turned = differences(YawNormalisedEncoder(1e-4, 1e-4).fit(u, q).predict(unseen), truth)
@@ -179,7 +191,7 @@ def test_a_quadratic_law_in_the_hands_own_frame_is_found_far_better_than_by_a_pl
     assert (turned < plain / 4).all()
 
 
-def test_on_takes_not_seen_the_wrist_is_nearer_than_a_plain_quadratics():
+def test_on_takes_not_seen_the_wrist_is_nearer_than_a_plain_quadratics() -> None:
     left = learned().trial % 5 == 0
     seen, unseen = learned().select(~left), learned().select(left)
 
@@ -190,17 +202,17 @@ def test_on_takes_not_seen_the_wrist_is_nearer_than_a_plain_quadratics():
     assert wrist_error(YawNormalisedEncoder()) < wrist_error(QuadraticEncoder(0.03))
 
 
-def test_the_same_training_gives_the_same_encoder_to_the_bit():
+def test_the_same_training_gives_the_same_encoder_to_the_bit() -> None:
     again = YawNormalisedEncoder().fit(learned().u, learned().relative)
     np.testing.assert_array_equal(again.coef_, turned_encoder().coef_)
     assert again.coef_.shape == (1 + len(SPREADS), 136, 48)
 
 
-def test_the_first_of_its_quadratics_is_the_plain_one():
+def test_the_first_of_its_quadratics_is_the_plain_one() -> None:
     np.testing.assert_array_equal(turned_encoder().coef_[0], plain_encoder().coef_)
 
 
-def test_training_leaves_its_data_as_they_were():
+def test_training_leaves_its_data_as_they_were() -> None:
     u, q = learned().u.copy(), learned().relative.copy()
     YawNormalisedEncoder().fit(u, q).predict(u)
     np.testing.assert_array_equal(u, learned().u)
@@ -208,7 +220,7 @@ def test_training_leaves_its_data_as_they_were():
 
 
 @given(rows=st.lists(st.deferred(lambda: st.integers(0, len(new()) - 1)), min_size=1, max_size=5))
-def test_many_at_once_are_what_one_after_the_other_is(rows):
+def test_many_at_once_are_what_one_after_the_other_is(rows: list[int]) -> None:
     together = turned_encoder().predict(new().u[rows])
     alone = np.stack([turned_encoder().predict(new().u[i]) for i in rows])
     assert together.shape == (len(rows), 48)
@@ -217,7 +229,7 @@ def test_many_at_once_are_what_one_after_the_other_is(rows):
     np.testing.assert_allclose(shaped, np.stack([together, together]), atol=1e-10)
 
 
-def test_coefficients_taken_over_predict_alike_to_the_bit():
+def test_coefficients_taken_over_predict_alike_to_the_bit() -> None:
     loaded = YawNormalisedEncoder().load(turned_encoder().coef_)
     np.testing.assert_array_equal(loaded.predict(new().u), turned_encoder().predict(new().u))
 
@@ -235,29 +247,29 @@ def test_coefficients_taken_over_predict_alike_to_the_bit():
         (np.zeros((4, 15)), np.full((4, 48), np.inf)),
     ),
 )
-def test_data_that_are_no_touches_and_poses_are_refused(u, q):
+def test_data_that_are_no_touches_and_poses_are_refused(u: ArrayLike, q: ArrayLike) -> None:
     with pytest.raises(EncoderError):
         YawNormalisedEncoder().fit(u, q)
 
 
 @pytest.mark.parametrize("shape", ((14,), (3, 16), ()))
-def test_inputs_of_another_width_are_refused(shape):
+def test_inputs_of_another_width_are_refused(shape: tuple[int, ...]) -> None:
     with pytest.raises(EncoderError, match="inputs"):
         turned_encoder().predict(np.zeros(shape))
 
 
-def test_an_encoder_says_when_it_has_learned_nothing():
+def test_an_encoder_says_when_it_has_learned_nothing() -> None:
     with pytest.raises(EncoderError, match="learned nothing"):
         YawNormalisedEncoder().predict(np.zeros(15))
 
 
 @pytest.mark.parametrize("shape", ((), (136,), (136, 48), (0, 136, 48), (3, 136, 47), (3, 816, 48)))
-def test_coefficients_of_another_shape_are_refused(shape):
+def test_coefficients_of_another_shape_are_refused(shape: tuple[int, ...]) -> None:
     with pytest.raises(EncoderError, match="coefficients"):
         YawNormalisedEncoder().load(np.zeros(shape))
 
 
 @pytest.mark.parametrize("ridges", ((-1.0, 0.1), (0.1, np.nan), (np.inf, 0.1)))
-def test_an_invalid_ridge_is_refused(ridges):
+def test_an_invalid_ridge_is_refused(ridges: tuple[float, float]) -> None:
     with pytest.raises(EncoderError, match="ridge"):
         YawNormalisedEncoder(*ridges).fit(learned().u, learned().relative)

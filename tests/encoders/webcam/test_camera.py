@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -14,7 +16,9 @@ ANGLE = st.floats(-180.0, 180.0)
 
 
 @given(st.floats(30.0, 120.0), ANGLE, ANGLE, ANGLE)
-def test_a_camera_has_three_axes_at_right_angles_and_sees_what_it_unsees(view, tilt, roll, pan):
+def test_a_camera_has_three_axes_at_right_angles_and_sees_what_it_unsees(
+    view: float, tilt: float, roll: float, pan: float
+) -> None:
     camera = Camera(view, (0.1, 0.4, 0.2), tilt, roll, pan)
     assert camera.axes @ camera.axes.T == pytest.approx(np.eye(3), abs=1e-12)
     assert np.linalg.det(camera.axes) == pytest.approx(1.0)
@@ -23,31 +27,31 @@ def test_a_camera_has_three_axes_at_right_angles_and_sees_what_it_unsees(view, t
 
 
 @given(st.floats(30.0, 120.0), st.integers(160, 2000))
-def test_rays_of_pixels_are_those_of_the_points(view, width):
+def test_rays_of_pixels_are_those_of_the_points(view: float, width: int) -> None:
     camera, size = Camera(view), (width, 480)
     points = np.array([[0.02, -0.03, 0.4], [-0.1, 0.05, 0.6]])
     rays = camera.rays(camera.pixels(points, size), size)
     assert rays == pytest.approx(points[:, :2] / points[:, 2:])
 
 
-def test_the_edges_of_the_picture_are_the_field_of_view_apart():
+def test_the_edges_of_the_picture_are_the_field_of_view_apart() -> None:
     rays = Camera(90.0).rays(np.array([[0.0, 240.0], [640.0, 240.0]]), (640, 480))
     assert rays == pytest.approx(np.array([[-1.0, 0.0], [1.0, 0.0]]))
 
 
-def test_a_camera_that_faces_the_person_sees_their_right_on_its_left():
+def test_a_camera_that_faces_the_person_sees_their_right_on_its_left() -> None:
     camera = Camera(at=(0.0, 0.45, 0.10))
     x, y, z = camera.seen(np.array([[0.1, 0.0, 0.2]]))[0]
     assert (x, y, z) == pytest.approx((-0.1, -0.1, 0.45))
 
 
-def test_a_camera_over_the_table_from_the_person_s_side_sees_as_they_do():
+def test_a_camera_over_the_table_from_the_person_s_side_sees_as_they_do() -> None:
     camera = Camera(at=(0.0, 0.0, 0.5), tilt=90.0, roll=180.0)
     x, y, z = camera.seen(np.array([[0.1, 0.2, 0.0]]))[0]
     assert (x, y, z) == pytest.approx((0.1, -0.2, 0.5))
 
 
-def test_a_camera_at_the_left_looks_to_the_right():
+def test_a_camera_at_the_left_looks_to_the_right() -> None:
     camera = Camera(at=(-0.5, 0.0, 0.0), pan=90.0)
     x, y, z = camera.seen(np.array([[0.0, 0.1, 0.0]]))[0]
     assert (x, y, z) == pytest.approx((-0.1, 0.0, 0.5))
@@ -62,6 +66,6 @@ def test_a_camera_at_the_left_looks_to_the_right():
         ({"tilt": float("inf")}, "angle"),
     ],
 )
-def test_an_impossible_camera_is_refused(values, part):
+def test_an_impossible_camera_is_refused(values: dict[str, Any], part: str) -> None:
     with pytest.raises(InputError, match=part):
         Camera(**values)

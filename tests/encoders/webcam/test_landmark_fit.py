@@ -38,12 +38,14 @@ def looked_at(q: Array, fit: LandmarkFit, size: float = 1.0) -> tuple[Array, flo
 
 @given(st.floats(0.0, 80.0), TURN, TURN, TURN, st.floats(0.35, 0.7))
 @settings(max_examples=40)
-def test_the_fitted_hand_is_seen_where_the_landmarks_are(bend, roll, pitch, yaw, away):
+def test_the_fitted_hand_is_seen_where_the_landmarks_are(
+    bend: float, roll: float, pitch: float, yaw: float, away: float
+) -> None:
     _, error = looked_at(held_up(bend, (pitch, yaw, roll), away), LandmarkFit(ADULT))
     assert error < 0.004
 
 
-def test_landmarks_of_our_own_hand_give_its_pose_back():
+def test_landmarks_of_our_own_hand_give_its_pose_back() -> None:
     rng = np.random.default_rng(7)
     points = HandPoints(ADULT)
     bent, off = [], []
@@ -57,7 +59,7 @@ def test_landmarks_of_our_own_hand_give_its_pose_back():
     assert np.median(off) < 0.005 and np.quantile(off, 0.95) < 0.02
 
 
-def test_a_trusted_picture_of_a_usual_hand_is_met_nearly_exactly():
+def test_a_trusted_picture_of_a_usual_hand_is_met_nearly_exactly() -> None:
     q = held_up(25.0, (0.3, 0.2, 0.1))
     sure = FitSettings(picture=0.0005, loose=0.0005, depth=0.002, follow=0.5)
     found, error = looked_at(q, LandmarkFit(ADULT, sure))
@@ -68,7 +70,7 @@ def test_a_trusted_picture_of_a_usual_hand_is_met_nearly_exactly():
 
 @given(st.floats(0.7, 1.4))
 @settings(max_examples=15)
-def test_a_larger_hand_is_the_same_hand_farther_away(size):
+def test_a_larger_hand_is_the_same_hand_farther_away(size: float) -> None:
     q = held_up(30.0, (0.2, 0.3, 0.0))
     scaled = q.copy()
     scaled[ROOT_POSITION] *= size
@@ -85,7 +87,7 @@ def test_a_larger_hand_is_the_same_hand_farther_away(size):
 
 @given(st.integers(0, 2**32 - 1), st.floats(0.0, 0.3))
 @settings(max_examples=40)
-def test_no_landmarks_bend_a_joint_beyond_its_range(seed, noise):
+def test_no_landmarks_bend_a_joint_beyond_its_range(seed: int, noise: float) -> None:
     rng = np.random.default_rng(seed)
     hand = seen(held_up(40.0), CAMERA)
     rays = CAMERA.rays(np.array(hand.image), SIZE)
@@ -99,20 +101,20 @@ def test_no_landmarks_bend_a_joint_beyond_its_range(seed, noise):
         assert found.pose[2] > 0.0
 
 
-def test_landmarks_that_are_one_point_raise_nothing():
+def test_landmarks_that_are_one_point_raise_nothing() -> None:
     fit = LandmarkFit(ADULT)
     found = fit.fit(np.zeros((21, 2)), np.zeros((21, 3)), 0.0)
     assert np.isfinite(found.pose).all()
 
 
-def test_the_same_landmarks_give_the_same_bits():
+def test_the_same_landmarks_give_the_same_bits() -> None:
     q = held_up(50.0, (0.1, -0.2, 0.3))
     one, _ = looked_at(q, LandmarkFit(ADULT))
     again, _ = looked_at(q, LandmarkFit(ADULT))
     assert one.tobytes() == again.tobytes()
 
 
-def test_a_hand_that_jumps_is_found_again():
+def test_a_hand_that_jumps_is_found_again() -> None:
     fit = LandmarkFit(ADULT)
     looked_at(held_up(20.0), fit)
     turned = held_up(20.0, (0.0, 0.0, 2.5), 0.6)
@@ -122,7 +124,7 @@ def test_a_hand_that_jumps_is_found_again():
     assert degrees(float(np.linalg.norm(relative))) < 15.0
 
 
-def test_an_uncertain_pose_stays_near_the_picture_before():
+def test_an_uncertain_pose_stays_near_the_picture_before() -> None:
     q = held_up(40.0)
     hand = seen(q, CAMERA)
     rays, world = CAMERA.rays(np.array(hand.image), SIZE), np.array(hand.world)
@@ -139,7 +141,7 @@ def test_an_uncertain_pose_stays_near_the_picture_before():
     assert jitter(1.0) < 0.6 * jitter(100.0)
 
 
-def test_the_derivative_of_joints_and_tips_is_that_of_finite_differences():
+def test_the_derivative_of_joints_and_tips_is_that_of_finite_differences() -> None:
     rng = np.random.default_rng(3)
     q = 0.4 * rng.standard_normal(48)
     pose = OnePose(ADULT)
@@ -161,7 +163,7 @@ def test_the_derivative_of_joints_and_tips_is_that_of_finite_differences():
         assert jacobian[:, :, i] == pytest.approx(slope, abs=1e-8)
 
 
-def test_the_derivative_of_tips_is_not_changed_by_asking_for_joints():
+def test_the_derivative_of_tips_is_not_changed_by_asking_for_joints() -> None:
     q = 0.3 * np.random.default_rng(4).standard_normal(48)
     pose = OnePose(ADULT)
     before = pose.tips_and_jacobian(q)

@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 
 from encoders.reconstruction.arrival import Phase
+from encoders.reconstruction.touch_reconstructor import Reconstruction
 from encoders.webcam.camera import Camera
 from encoders.webcam.landmark_reconstructor import LandmarkReconstructor
-from models.frames import LandmarkFrame
+from models.frames import LandmarkFrame, SeenHand
 from models.kinematics import Kinematics
 from models.pose import mirrored
 from models.skeleton import ADULT
@@ -20,7 +21,9 @@ CAMERA = Camera(at=(0.0, 0.45, 0.15))
 PERIOD = 0.016
 
 
-def watched(reconstructor, frames, seconds):
+def watched(
+    reconstructor: LandmarkReconstructor, frames: list[LandmarkFrame], seconds: float
+) -> Reconstruction:
     """The reconstruction after frames that come one after another, 30 a second."""
     last = None
     for step in range(round(seconds / PERIOD)):
@@ -30,11 +33,11 @@ def watched(reconstructor, frames, seconds):
     return last
 
 
-def still(hands, count=60):
+def still(hands: list[SeenHand], count: int = 60) -> list[LandmarkFrame]:
     return [LandmarkFrame(0.0, tuple(hands), SIZE, i / 30) for i in range(count)]
 
 
-def test_the_hand_is_in_the_world_where_the_camera_sees_it():
+def test_the_hand_is_in_the_world_where_the_camera_sees_it() -> None:
     q = held_up(25.0)
     found = watched(LandmarkReconstructor(CAMERA), still([seen(q, CAMERA)]), 1.5)
     tips = CAMERA.seen(Kinematics(ADULT).tips(found.q))
@@ -43,14 +46,14 @@ def test_the_hand_is_in_the_world_where_the_camera_sees_it():
     assert found.phase is Phase.DOWN and len(found.fingers) == 5
 
 
-def test_a_left_hand_is_the_mirror_image_of_a_right_one():
+def test_a_left_hand_is_the_mirror_image_of_a_right_one() -> None:
     hand = seen(held_up(40.0, (0.2, 0.1, 0.3)), CAMERA)
     right = watched(LandmarkReconstructor(CAMERA), still([hand]), 1.0)
     left = watched(LandmarkReconstructor(CAMERA, "left"), still([mirror(hand)]), 1.0)
     assert left.q == pytest.approx(mirrored(right.q), abs=1e-9)
 
 
-def test_each_of_two_hands_is_followed_by_its_own_side():
+def test_each_of_two_hands_is_followed_by_its_own_side() -> None:
     hand = seen(held_up(40.0), CAMERA)
     both = still([mirror(hand), hand])
     alone = watched(LandmarkReconstructor(CAMERA), still([hand]), 1.0)
@@ -58,7 +61,7 @@ def test_each_of_two_hands_is_followed_by_its_own_side():
     assert beside.q.tobytes() == alone.q.tobytes()
 
 
-def test_a_hand_whose_side_flickers_is_followed_on():
+def test_a_hand_whose_side_flickers_is_followed_on() -> None:
     hand = seen(held_up(40.0), CAMERA)
     steady = watched(LandmarkReconstructor(CAMERA), still([hand]), 1.0)
     frames = still([hand])
@@ -68,7 +71,7 @@ def test_a_hand_whose_side_flickers_is_followed_on():
     assert flickering.q.tobytes() == steady.q.tobytes()
 
 
-def test_the_other_hand_alone_is_not_taken_for_this_one():
+def test_the_other_hand_alone_is_not_taken_for_this_one() -> None:
     hand = replace(seen(held_up(40.0), CAMERA), side="left")
     reconstructor = LandmarkReconstructor(CAMERA)
     found = watched(reconstructor, still([hand]), 2.0)
@@ -76,7 +79,7 @@ def test_the_other_hand_alone_is_not_taken_for_this_one():
     assert "right hand is not seen" in reconstructor.notice
 
 
-def test_of_two_hands_of_one_side_the_one_that_was_followed_goes_on():
+def test_of_two_hands_of_one_side_the_one_that_was_followed_goes_on() -> None:
     mine = seen(held_up(40.0), CAMERA)
     other = replace(mine, image=tuple((x + 200.0, y) for x, y in mine.image), score=1.0)
     frames = still([mine], 15) + [
@@ -88,7 +91,7 @@ def test_of_two_hands_of_one_side_the_one_that_was_followed_goes_on():
     assert reconstructor.counts["several hands of one side"] > 0
 
 
-def test_a_lost_hand_stays_for_a_moment_and_then_rises_as_a_ghost():
+def test_a_lost_hand_stays_for_a_moment_and_then_rises_as_a_ghost() -> None:
     hand = seen(held_up(40.0), CAMERA)
     frames = still([hand], 30) + [LandmarkFrame(0.0, (), SIZE, i / 30) for i in range(30, 90)]
     early = watched(LandmarkReconstructor(CAMERA), frames, 1.2)
@@ -98,14 +101,14 @@ def test_a_lost_hand_stays_for_a_moment_and_then_rises_as_a_ghost():
     assert late.q[2] - early.q[2] == pytest.approx(0.08, abs=0.005)
 
 
-def test_fingertips_are_never_commanded_below_the_table():
+def test_fingertips_are_never_commanded_below_the_table() -> None:
     low = Camera(at=(0.0, 0.45, -0.30))
     found = watched(LandmarkReconstructor(low), still([seen(held_up(25.0), low)]), 1.5)
     tips = Kinematics(ADULT).tips(found.q)
     assert (tips[:, 2] - ADULT.tip_radius).min() > -1e-9
 
 
-def test_a_reset_forgets_everything():
+def test_a_reset_forgets_everything() -> None:
     hand = seen(held_up(40.0, (0.1, 0.2, 0.0)), CAMERA)
     reconstructor = LandmarkReconstructor(CAMERA)
     first = watched(reconstructor, still([hand]), 1.0)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import sys
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from encoders.person.spreads import REST, STILL, SpreadCollector
+from models.arithmetic.arrays import Array
 from models.errors import InputError
 from models.frames import Contact, TouchFrame
 from models.person import HANDS, TURNS, Person
@@ -41,7 +43,7 @@ def play(collector: SpreadCollector, *parts: tuple[float, np.ndarray, int]) -> N
             now += 0.01
 
 
-def test_each_rest_of_five_fingers_counts_once_and_at_its_place():
+def test_each_rest_of_five_fingers_counts_once_and_at_its_place() -> None:
     collector = SpreadCollector()
     play(
         collector,
@@ -66,20 +68,22 @@ def test_each_rest_of_five_fingers_counts_once_and_at_its_place():
     ],
     ids=["too short", "four fingers", "six touches", "moving", "other fingers"],
 )
-def test_what_is_no_rest_of_five_fingers_is_not_counted(parts):
+def test_what_is_no_rest_of_five_fingers_is_not_counted(
+    parts: list[tuple[float, Array, int]],
+) -> None:
     collector = SpreadCollector()
     play(collector, *parts)
     assert not collector.layouts
 
 
-def test_a_hand_that_slides_into_another_spread_without_lifting_counts_once():
+def test_a_hand_that_slides_into_another_spread_without_lifting_counts_once() -> None:
     collector = SpreadCollector()
     play(collector, (1.0, LAYOUT, 0), (1.0, LAYOUT * 1.2, 0))
     assert len(collector.layouts) == 1
 
 
 @given(jitter=st.lists(st.floats(-0.45, 0.45), min_size=10, max_size=10))
-def test_trembling_fingers_rest(jitter):
+def test_trembling_fingers_rest(jitter: list[float]) -> None:
     collector = SpreadCollector()
     shaken = LAYOUT + STILL * np.array(jitter).reshape(5, 2)
     play(collector, *[(0.01, xy, 0) for _ in range(40) for xy in (LAYOUT, shaken)])
@@ -87,7 +91,9 @@ def test_trembling_fingers_rest(jitter):
     assert np.abs(collector.layouts[0] - LAYOUT).max() < STILL
 
 
-def test_playing_with_ones_own_fingers_uses_ones_own_profile(tmp_path, monkeypatch):
+def test_playing_with_ones_own_fingers_uses_ones_own_profile(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
     monkeypatch.setattr(sys, "platform", "linux")
     assert PlayOptions(device="tuio").with_own_profile().profile is None
@@ -100,14 +106,16 @@ def test_playing_with_ones_own_fingers_uses_ones_own_profile(tmp_path, monkeypat
     assert plan(SceneOptions(profile="none")).settings.hands[0].person == Person()
 
 
-def test_what_is_asked_for_on_the_command_line_goes_before_the_profile(tmp_path):
+def test_what_is_asked_for_on_the_command_line_goes_before_the_profile(tmp_path: Path) -> None:
     path = tmp_path / "p.json"
     save_profile(Profile(Person("left", 0.9, 180), (0.8, 1.0), "tuio", False), path)
     settings = plan(SceneOptions(profile=str(path), hand_size=1.05)).settings
     assert settings.hands[0].person == Person("left", 1.05, 180)
 
 
-def test_a_recording_of_five_fingers_in_three_spreads_gives_the_size_of_the_hand_in_it(tmp_path):
+def test_a_recording_of_five_fingers_in_three_spreads_gives_the_size_of_the_hand_in_it(
+    tmp_path: Path,
+) -> None:
     recorded = tmp_path / "spreads.jsonl"
     person = Person("left", 1.12)
     run_trial(
@@ -136,14 +144,16 @@ def test_a_recording_of_five_fingers_in_three_spreads_gives_the_size_of_the_hand
         (["--device", "simulated", "--surface", "1x1in"], "spreads"),
     ],
 )
-def test_what_cannot_be_calibrated_is_one_clear_error(arguments, says, tmp_path, monkeypatch):
+def test_what_cannot_be_calibrated_is_one_clear_error(
+    arguments: list[str], says: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
     with pytest.raises(InputError, match=says):
         calibrate.main(arguments)
 
 
-def test_a_recording_with_fewer_fingers_is_refused_with_what_was_found(tmp_path):
+def test_a_recording_with_fewer_fingers_is_refused_with_what_was_found(tmp_path: Path) -> None:
     demo = Path(__file__).parents[3] / "sandbox" / "data" / "demo.jsonl"
     with pytest.raises(InputError, match="0 times, and at most 3 fingers"):
         calibrate.main(["--device", str(demo), "--out", str(tmp_path / "p.json")])
@@ -161,8 +171,16 @@ def test_a_recording_with_fewer_fingers_is_refused_with_what_was_found(tmp_path)
     spreads=st.lists(st.floats(0.8, 1.2), max_size=3),
 )
 def test_a_profile_survives_its_file(
-    tmp_path_factory, hand, size, turn, low, high, device, simulated, spreads
-):
+    tmp_path_factory: pytest.TempPathFactory,
+    hand: str,
+    size: float,
+    turn: int,
+    low: float,
+    high: float,
+    device: str,
+    simulated: bool,
+    spreads: list[float],
+) -> None:
     path = tmp_path_factory.mktemp("profile") / "p.json"
     person = Person(hand, size, turn)
     layouts = tuple(tuple(map(tuple, (LAYOUT * s).tolist())) for s in spreads)
@@ -191,7 +209,11 @@ values = st.recursive(
 
 
 @given(name=st.sampled_from(sorted(SOUND)), value=values)
-def test_a_profile_with_any_other_value_is_sound_or_one_clear_error(tmp_path_factory, name, value):
+def test_a_profile_with_any_other_value_is_sound_or_one_clear_error(
+    tmp_path_factory: pytest.TempPathFactory,
+    name: str,
+    value: list[Any] | dict[str, Any] | int | float | str,
+) -> None:
     path = tmp_path_factory.mktemp("hostile") / "p.json"
     path.write_text(json.dumps({**SOUND, name: value}))
     try:
@@ -218,13 +240,13 @@ def test_a_profile_with_any_other_value_is_sound_or_one_clear_error(tmp_path_fac
         json.dumps({**SOUND, "hand_size": 10**400}).encode(),
     ],
 )
-def test_a_file_that_is_no_profile_is_refused_with_its_name(data, tmp_path):
+def test_a_file_that_is_no_profile_is_refused_with_its_name(data: bytes, tmp_path: Path) -> None:
     path = tmp_path / "p.json"
     path.write_bytes(data)
     with pytest.raises(InputError, match=r"p\.json"):
         load_profile(path)
 
 
-def test_a_profile_that_is_not_there_is_one_clear_error(tmp_path):
+def test_a_profile_that_is_not_there_is_one_clear_error(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="calibrate"):
         find_profile(str(tmp_path / "no.json"))

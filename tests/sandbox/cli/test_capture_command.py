@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from encoders.capture import Capture
 from encoders.store import load_capture
 from models.errors import MotionError
 from models.frames import Contact, TouchFrame
@@ -21,6 +22,7 @@ from sandbox.recording.recording import RecordingWriter
 from tests.support.hand_recording import (
     RATE,
     SCALE,
+    Truth,
     markers,
     played,
     touch_log,
@@ -43,12 +45,12 @@ bottom_left = [0, -1, 0]
 
 
 @pytest.fixture(scope="module")
-def truth():
+def truth() -> Truth:
     return played(12.0, seed=3)
 
 
 @pytest.fixture(scope="module")
-def folder(truth, tmp_path_factory) -> Path:
+def folder(truth: Truth, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Files of one session, as different recorders would write them."""
     folder = tmp_path_factory.mktemp("session")
     log = touch_log(truth, AHEAD)
@@ -60,14 +62,16 @@ def folder(truth, tmp_path_factory) -> Path:
     return folder
 
 
-def converted(capsys, *args: object):
+def converted(capsys: pytest.CaptureFixture[str], *args: object) -> tuple[int, str, str]:
     """Exit status, what was printed, and what was complained about."""
     status = main(["capture", *map(str, args)])
     said = capsys.readouterr()
     return status, said.out, said.err
 
 
-def assert_as_played(path: Path, truth, degrees: float, wrist: float, ahead: float = AHEAD):
+def assert_as_played(
+    path: Path, truth: Truth, degrees: float, wrist: float, ahead: float = AHEAD
+) -> Capture:
     capture = load_capture(path)
     rows = np.clip(np.round((capture.time + ahead) * RATE).astype(int), 0, len(truth.time) - 1)
     assert len(capture) > 0.4 * (truth.down.sum(axis=1) > 1).sum()
@@ -79,7 +83,9 @@ def assert_as_played(path: Path, truth, degrees: float, wrist: float, ahead: flo
     return capture
 
 
-def test_touches_and_bvh_become_a_capture_by_taps(folder, truth, capsys, tmp_path):
+def test_touches_and_bvh_become_a_capture_by_taps(
+    folder: Path, truth: Truth, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
     status, out, err = converted(
         capsys,
         "--touches",
@@ -103,7 +109,9 @@ def test_touches_and_bvh_become_a_capture_by_taps(folder, truth, capsys, tmp_pat
     assert abs(capture.meta["conversion"]["offset_s"] - AHEAD) < 1 / RATE
 
 
-def test_touches_and_a_table_become_a_capture_by_clock(folder, truth, capsys, tmp_path):
+def test_touches_and_a_table_become_a_capture_by_clock(
+    folder: Path, truth: Truth, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
     status, _, err = converted(
         capsys,
         "--touches",
@@ -123,7 +131,9 @@ def test_touches_and_a_table_become_a_capture_by_clock(folder, truth, capsys, tm
     assert_as_played(tmp_path / "c.npz", truth, degrees=0.5, wrist=0.001)
 
 
-def test_markers_alone_become_a_capture(folder, truth, capsys, tmp_path):
+def test_markers_alone_become_a_capture(
+    folder: Path, truth: Truth, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
     status, out, err = converted(
         capsys,
         "--markers",
@@ -138,7 +148,9 @@ def test_markers_alone_become_a_capture(folder, truth, capsys, tmp_path):
     assert_as_played(tmp_path / "c.npz", truth, degrees=8.0, wrist=0.010, ahead=0.0)
 
 
-def test_a_left_hand_comes_out_as_its_mirror_image(truth, capsys, tmp_path):
+def test_a_left_hand_comes_out_as_its_mirror_image(
+    truth: Truth, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
     points = {name: p * [-1.0, 1.0, 1.0] for name, p in markers(truth).items()}
     write_tsv(tmp_path / "left.tsv", points)
     log = touch_log(truth, AHEAD)
@@ -164,7 +176,9 @@ def test_a_left_hand_comes_out_as_its_mirror_image(truth, capsys, tmp_path):
     assert (capture.meta["side"], capture.meta["recorded_side"]) == ("right", "left")
 
 
-def test_a_packet_capture_and_a_recording_say_the_same(folder, truth, capsys, tmp_path):
+def test_a_packet_capture_and_a_recording_say_the_same(
+    folder: Path, truth: Truth, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
     log = touch_log(truth, AHEAD)
     shown = [
         {int(log.ids[r]): log.xy[r] for r in np.flatnonzero(log.frame == f)}
@@ -181,12 +195,15 @@ def test_a_packet_capture_and_a_recording_say_the_same(folder, truth, capsys, tm
         writer.input(step, 0, TouchFrame(float(time), contacts), "")
     writer.close()
     captures = []
-    for touches, offset in ((tmp_path / "packets.jsonl", 0.0), (tmp_path / "run.jsonl", AHEAD)):
+    for file_of_touches, offset in (
+        (tmp_path / "packets.jsonl", 0.0),
+        (tmp_path / "run.jsonl", AHEAD),
+    ):
         # A packet capture's clock begins with its first packet.
         status, _, err = converted(
             capsys,
             "--touches",
-            touches,
+            file_of_touches,
             "--joints",
             folder / "hand.csv",
             "--offset",
@@ -197,13 +214,15 @@ def test_a_packet_capture_and_a_recording_say_the_same(folder, truth, capsys, tm
             tmp_path / "c.npz",
         )
         assert status == 0, err
-        assert ("breaks off" in err) == (touches.name == "run.jsonl")
+        assert ("breaks off" in err) == (file_of_touches.name == "run.jsonl")
         captures.append(assert_as_played(tmp_path / "c.npz", truth, 0.5, 0.001, ahead=offset))
     np.testing.assert_array_equal(captures[0].down, captures[1].down)
     np.testing.assert_allclose(captures[0].xy, captures[1].xy, atol=1e-6)
 
 
-def test_an_encoder_is_trained_on_what_was_converted(folder, capsys, tmp_path):
+def test_an_encoder_is_trained_on_what_was_converted(
+    folder: Path, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
     converted(
         capsys,
         "--touches",
@@ -225,7 +244,9 @@ def test_an_encoder_is_trained_on_what_was_converted(folder, capsys, tmp_path):
     assert out.is_file()
 
 
-def test_the_real_glove_becomes_a_capture(shared_data, capsys, tmp_path):
+def test_the_real_glove_becomes_a_capture(
+    shared_data: Path, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
     """Fingers on a pillow: a soft surface, so that 10 mm must pass for touching it."""
     status, out, err = converted(
         capsys,
@@ -245,7 +266,9 @@ def test_the_real_glove_becomes_a_capture(shared_data, capsys, tmp_path):
     assert len(capture) > 100 and len(np.unique(capture.trial)) > 5
 
 
-def test_a_hard_surface_is_not_seen_where_there_is_a_pillow(shared_data, capsys, tmp_path):
+def test_a_hard_surface_is_not_seen_where_there_is_a_pillow(
+    shared_data: Path, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
     status, _, err = converted(
         capsys,
         "--markers",
@@ -285,7 +308,9 @@ BAD = {
 
 
 @pytest.mark.parametrize("case", BAD)
-def test_what_cannot_be_converted_is_one_clear_line_and_exit_2(folder, capsys, tmp_path, case):
+def test_what_cannot_be_converted_is_one_clear_line_and_exit_2(
+    folder: Path, capsys: pytest.CaptureFixture[str], tmp_path: Path, case: str
+) -> None:
     args, message = BAD[case]
     given = [str(folder / a) if (folder / a).exists() or a.startswith("no") else a for a in args]
     out = [] if "--out" in args else ["--out", tmp_path / "c.npz"]
@@ -310,7 +335,9 @@ def test_what_cannot_be_converted_is_one_clear_line_and_exit_2(folder, capsys, t
         "= =",
     ),
 )
-def test_a_mapping_file_with_a_wrong_part_is_refused(folder, capsys, tmp_path, text):
+def test_a_mapping_file_with_a_wrong_part_is_refused(
+    folder: Path, capsys: pytest.CaptureFixture[str], tmp_path: Path, text: str
+) -> None:
     (tmp_path / "m.toml").write_text(text)
     status, _, err = converted(
         capsys,
@@ -325,7 +352,9 @@ def test_a_mapping_file_with_a_wrong_part_is_refused(folder, capsys, tmp_path, t
     assert err.count("sandbox: ") == 1
 
 
-def test_markers_on_the_corners_tell_where_the_surface_is(truth, capsys, tmp_path):
+def test_markers_on_the_corners_tell_where_the_surface_is(
+    truth: Truth, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
     places = {"c1": [0.0, 0.0, 0.0], "c2": [0.2, 0.0, 0.0], "c3": [0.0, -0.15, 0.0]}
     corners = {name: np.tile(place, (len(truth.q), 1)) for name, place in places.items()}
     # A marker at the recorder's very origin would read as one that was not seen.
@@ -348,7 +377,7 @@ def test_markers_on_the_corners_tell_where_the_surface_is(truth, capsys, tmp_pat
     assert_as_played(tmp_path / "c.npz", truth, degrees=8.0, wrist=0.010, ahead=0.0)
 
 
-def test_the_help_teaches_with_an_example(capsys):
+def test_the_help_teaches_with_an_example(capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit) as stop:
         main(["capture", "--help"])
     text = capsys.readouterr().out
@@ -366,7 +395,7 @@ def test_the_help_teaches_with_an_example(capsys):
 # --- the table of poses
 
 
-def test_a_table_of_poses_comes_back_to_the_bit_in_any_order_of_columns(tmp_path):
+def test_a_table_of_poses_comes_back_to_the_bit_in_any_order_of_columns(tmp_path: Path) -> None:
     rng = np.random.default_rng(0)
     time, q = np.array([0.0, 0.01, 0.3]), rng.normal(size=(3, 48))
     path = tmp_path / "poses.csv"
@@ -383,7 +412,7 @@ def test_a_table_of_poses_comes_back_to_the_bit_in_any_order_of_columns(tmp_path
     np.testing.assert_array_equal(read_pose_table(path)[1], q)
 
 
-def test_columns_are_named_after_the_skeleton_in_the_order_of_the_pose():
+def test_columns_are_named_after_the_skeleton_in_the_order_of_the_pose() -> None:
     assert len(COLUMNS) == 48
     assert [c[:-3] for c in COLUMNS[6::3]] == [bone.name for bone in ADULT.bones]
 
@@ -401,7 +430,7 @@ def test_columns_are_named_after_the_skeleton_in_the_order_of_the_pose():
         ("\n0.0,", "\n0.9,"),
     ),
 )
-def test_a_table_with_a_wrong_part_is_refused_and_named(tmp_path, old, new):
+def test_a_table_with_a_wrong_part_is_refused_and_named(tmp_path: Path, old: str, new: str) -> None:
     path = tmp_path / "poses.csv"
     write_pose_table(path, np.array([0.0, 0.5]), np.full((2, 48), 0.25))
     text = path.read_text()

@@ -34,7 +34,9 @@ def refused(capsys: pytest.CaptureFixture[str], *argv: str) -> str:
 
 
 @pytest.mark.parametrize("command", EVERY, ids=" ".join)
-def test_an_option_that_there_is_not_is_one_line_that_leads_on(command, capsys):
+def test_an_option_that_there_is_not_is_one_line_that_leads_on(
+    command: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
     line = refused(capsys, *command, "--no-such-option", "7")
     assert not set(line) & set("╭│╰")
     assert len(line) < 400
@@ -67,7 +69,9 @@ def test_an_option_that_there_is_not_is_one_line_that_leads_on(command, capsys):
     ],
     ids=lambda v: " ".join(v) if isinstance(v, list) else None,
 )
-def test_it_says_what_is_wrong_and_with_which_word(argv, words, capsys):
+def test_it_says_what_is_wrong_and_with_which_word(
+    argv: list[str], words: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
     line = refused(capsys, *argv)
     for word in words:
         assert word in line
@@ -75,7 +79,7 @@ def test_it_says_what_is_wrong_and_with_which_word(argv, words, capsys):
 
 
 @pytest.mark.parametrize("command", EVERY, ids=" ".join)
-def test_every_command_has_help(command, capsys):
+def test_every_command_has_help(command: list[str], capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit) as stop:
         main([*command, "--help"])
     assert stop.value.code == 0
@@ -86,7 +90,9 @@ def test_every_command_has_help(command, capsys):
 
 
 @pytest.mark.parametrize("command", EVERY, ids=" ".join)
-def test_prose_of_help_is_no_wider_than_the_terminal(command, capsys, monkeypatch):
+def test_prose_of_help_is_no_wider_than_the_terminal(
+    command: list[str], capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setenv("COLUMNS", "72")
     with pytest.raises(SystemExit):
         main([*command, "--help"])
@@ -94,7 +100,9 @@ def test_prose_of_help_is_no_wider_than_the_terminal(command, capsys, monkeypatc
     assert prose and max(map(len, prose)) <= 72
 
 
-def test_what_an_option_does_is_told_without_the_line_breaks_of_the_source(capsys, monkeypatch):
+def test_what_an_option_does_is_told_without_the_line_breaks_of_the_source(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setenv("COLUMNS", "4000")
     with pytest.raises(SystemExit):
         main(["run", "--help"])

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import sys
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -18,7 +19,7 @@ from sandbox.cli.main import main
 PICTURES = ("table-1", "table-2", "by-fingers", "pca-variance", "figure-2")
 
 
-def test_help_lists_the_options_of_both_papers(capsys):
+def test_help_lists_the_options_of_both_papers(capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit) as end:
         main(["evaluate", "--help"])
     assert end.value.code == 0
@@ -27,7 +28,7 @@ def test_help_lists_the_options_of_both_papers(capsys):
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory) -> Path:
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with a training capture and two test captures of other takes."""
     folder = tmp_path_factory.mktemp("captures")
     whole = builtin_capture()
@@ -53,7 +54,7 @@ def evaluate(folder: Path, *more: str, encoders: tuple[str, ...] = ("linear", "m
 
 
 @pytest.fixture(scope="module")
-def pictures(folder) -> tuple[Path, dict]:
+def pictures(folder: Path) -> tuple[Path, dict[str, Any]]:
     """A folder of pictures, and the report they were made from."""
     out = folder / "pictures"
     report = folder / "drawn.json"
@@ -71,7 +72,7 @@ def pictures(folder) -> tuple[Path, dict]:
     return out, json.loads(report.read_text())
 
 
-def refused(capsys, *argv: str) -> str:
+def refused(capsys: pytest.CaptureFixture[str], *argv: str) -> str:
     """The one line with which a command is refused."""
     assert main(["evaluate", *argv]) == 2
     shown = capsys.readouterr()
@@ -80,7 +81,9 @@ def refused(capsys, *argv: str) -> str:
     return shown.err
 
 
-def test_the_json_holds_what_the_terminal_shows(folder, capsys):
+def test_the_json_holds_what_the_terminal_shows(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     path = folder / "out.json"
     test = str(folder / "tests" / "one.npz")
     assert evaluate(folder, "--capture", test, "--json", str(path)) == 0
@@ -97,21 +100,23 @@ def test_the_json_holds_what_the_terminal_shows(folder, capsys):
     assert "SIMULATED" in text and "paper" in text and "ANOTHER DATA SET" in text
 
 
-def test_the_paper_stands_beside_methods_of_its_own_only(folder, capsys):
+def test_the_paper_stands_beside_methods_of_its_own_only(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     assert evaluate(folder, "--capture", str(folder / "tests"), "--no-copas") == 0
     text = capsys.readouterr().out
     assert "3.98" in text
     assert "2.55" not in text
 
 
-def test_a_folder_and_a_list_of_captures_are_the_captures_in_them(folder):
+def test_a_folder_and_a_list_of_captures_are_the_captures_in_them(folder: Path) -> None:
     one, two = folder / "tests" / "one.npz", folder / "tests" / "two.npz"
     assert capture_files(str(folder / "tests")) == [one, two]
     assert capture_files(str(folder / "list.txt")) == [two, one]
     assert capture_files(str(one)) == [one]
 
 
-def test_captures_of_a_list_are_judged_one_by_one_and_together(folder):
+def test_captures_of_a_list_are_judged_one_by_one_and_together(folder: Path) -> None:
     path = folder / "listed.json"
     tests = str(folder / "list.txt")
     assert evaluate(folder, "--capture", tests, "--no-copas", "--json", str(path)) == 0
@@ -123,7 +128,7 @@ def test_captures_of_a_list_are_judged_one_by_one_and_together(folder):
     assert np.average(each, weights=frames) == pytest.approx(together)
 
 
-def test_a_capture_can_be_split_into_takes_to_learn_from_and_takes_to_test_on(folder):
+def test_a_capture_can_be_split_into_takes_to_learn_from_and_takes_to_test_on(folder: Path) -> None:
     path, capture = folder / "split.json", str(folder / "training.npz")
     argv = ["--encoders", "mean", "--capture", capture, "--train", "split", "--no-copas"]
     assert main(["evaluate", *argv, "--json", str(path)]) == 0
@@ -135,7 +140,7 @@ def test_a_capture_can_be_split_into_takes_to_learn_from_and_takes_to_test_on(fo
     assert found["training"]["frames"] > 3 * found["tests"][0]["frames"]
 
 
-def test_a_model_from_a_file_is_evaluated_under_the_files_name(folder):
+def test_a_model_from_a_file_is_evaluated_under_the_files_name(folder: Path) -> None:
     model, path = folder / "mine.npz", folder / "mine.json"
     whole = builtin_capture()
     small = whole.select(np.arange(0, len(whole), 25))
@@ -146,7 +151,9 @@ def test_a_model_from_a_file_is_evaluated_under_the_files_name(folder):
     assert e["overfitted_joints"] is None and e["wrist_cm"]["true_labels"] > 0
 
 
-def test_nothing_is_tested_on_the_frames_it_learned_from(folder, capsys):
+def test_nothing_is_tested_on_the_frames_it_learned_from(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     training = str(folder / "training.npz")
     error = refused(
         capsys, "--encoders", "mean", "--train", training, "--capture", training, "--no-copas"
@@ -172,7 +179,13 @@ def test_nothing_is_tested_on_the_frames_it_learned_from(folder, capsys):
         (("--capture", "junk.npz"), ("junk.npz", "not a capture")),
     ],
 )
-def test_what_cannot_be_done_is_one_clear_line(argv, words, capsys, tmp_path, monkeypatch):
+def test_what_cannot_be_done_is_one_clear_line(
+    argv: tuple[str, ...],
+    words: tuple[str, ...],
+    capsys: pytest.CaptureFixture[str],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "empty").mkdir()
     (tmp_path / "list.txt").write_text("gone.npz\n")
@@ -184,26 +197,30 @@ def test_what_cannot_be_done_is_one_clear_line(argv, words, capsys, tmp_path, mo
         assert word in text
 
 
-def test_a_subject_that_there_is_not_is_refused(capsys):
+def test_a_subject_that_there_is_not_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["evaluate", "--subject", "third"]) == 2
     assert "third" in capsys.readouterr().err
 
 
 def test_without_matplotlib_the_extra_is_named_before_anything_is_computed(
-    capsys, tmp_path, monkeypatch
-):
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setitem(sys.modules, "matplotlib", None)
     text = refused(capsys, "--plots", str(tmp_path / "pictures"))
     assert "hand-sandbox[plots]" in text
     assert not (tmp_path / "pictures").exists()
 
 
-def test_pictures_that_cannot_be_written_are_refused(capsys, tmp_path):
+def test_pictures_that_cannot_be_written_are_refused(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
     (tmp_path / "file").write_text("")
     assert "--plots" in refused(capsys, "--plots", str(tmp_path / "file"))
 
 
-def test_every_picture_is_drawn_twice_and_shows_something(pictures):
+def test_every_picture_is_drawn_twice_and_shows_something(
+    pictures: tuple[Path, dict[str, Any]],
+) -> None:
     out, _ = pictures
     made = {path.name for path in out.iterdir()}
     assert made == {f"{name}.{kind}" for name in PICTURES for kind in ("png", "svg")}
@@ -214,7 +231,9 @@ def test_every_picture_is_drawn_twice_and_shows_something(pictures):
         assert (out / f"{name}.svg").read_text().rstrip().endswith("</svg>")
 
 
-def test_pictures_name_every_method_and_say_that_captures_are_simulated(pictures):
+def test_pictures_name_every_method_and_say_that_captures_are_simulated(
+    pictures: tuple[Path, dict[str, Any]],
+) -> None:
     from sandbox.figures import charts
 
     _, report = pictures
@@ -226,7 +245,9 @@ def test_pictures_name_every_method_and_say_that_captures_are_simulated(pictures
         assert any("SIMULATED" in axis.get_title() for axis in made.axes)
 
 
-def test_hands_are_drawn_as_bones_where_there_is_no_opengl(folder, monkeypatch):
+def test_hands_are_drawn_as_bones_where_there_is_no_opengl(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     from encoders.evaluation import evaluate_method
     from encoders.evaluation.measure import Tests
     from encoders.evaluation.report import report
@@ -248,7 +269,7 @@ def test_hands_are_drawn_as_bones_where_there_is_no_opengl(folder, monkeypatch):
     assert all(len(axis.lines) == 6 for axis in made.axes)
 
 
-def test_the_drawn_frames_are_of_median_error(folder):
+def test_the_drawn_frames_are_of_median_error(folder: Path) -> None:
     from encoders.evaluation import evaluate_method
     from encoders.evaluation.measure import TRUE, Tests
     from encoders.evaluation.training import Training
@@ -267,7 +288,9 @@ def test_the_drawn_frames_are_of_median_error(folder):
 
 
 @pytest.mark.full
-def test_a_simulated_day_is_evaluated_without_a_file(tmp_path, capsys):
+def test_a_simulated_day_is_evaluated_without_a_file(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     path = tmp_path / "day.json"
     argv = ["evaluate", "--encoders", "paper", "--days", "1", "--no-copas", "--json", str(path)]
     assert main(argv) == 0

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -11,20 +13,22 @@ from sandbox.cli.evaluate.asked import is_about_strangers
 from sandbox.cli.main import main
 
 
-def evaluated(capsys, *line: str) -> dict:
+def evaluated(capsys: pytest.CaptureFixture[str], *line: str) -> dict[str, Any]:
     assert main(["evaluate", *line, "--json", "-"]) == 0
     said = capsys.readouterr().out
     return json.loads(said[said.index("{") :])
 
 
-def test_the_options_say_who_is_meant():
+def test_the_options_say_who_is_meant() -> None:
     assert is_about_strangers(["--train", "population"])
     assert is_about_strangers(["--train=population"])
     assert is_about_strangers(["--hold-out=second"]) and is_about_strangers(["--people", "3"])
     assert not is_about_strangers(["--train", "own", "--encoders", "population"])
 
 
-def test_people_on_whom_nothing_was_trained_are_judged_with_and_without_a_look_at_them(capsys):
+def test_people_on_whom_nothing_was_trained_are_judged_with_and_without_a_look_at_them(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
     found = evaluated(
         capsys, "--train", "population", "--people", "16", "--no-names", "--rest", "6"
     )
@@ -37,7 +41,9 @@ def test_people_on_whom_nothing_was_trained_are_judged_with_and_without_a_look_a
     assert seen["angle_deg"] < plain["angle_deg"] and seen["wrist_cm"] < plain["wrist_cm"]
 
 
-def test_one_persons_models_are_judged_on_the_same_people(capsys):
+def test_one_persons_models_are_judged_on_the_same_people(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
     line = ("--people", "4", "--no-names")
     population = evaluated(capsys, "--train", "population", *line)["strangers"]
     own = evaluated(capsys, "--train", "own", *line)["strangers"]
@@ -45,7 +51,7 @@ def test_one_persons_models_are_judged_on_the_same_people(capsys):
     assert first["frames"] == second["frames"] and first["angle_deg"] < second["angle_deg"]
 
 
-def test_a_generator_is_held_out(capsys, tmp_path):
+def test_a_generator_is_held_out(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     groups = {"train": {"first": 24, "second": 1}}
     save_population(simulate_population("held", groups), tmp_path / "p.npz")
     file = str(tmp_path / "p.npz")
@@ -66,19 +72,21 @@ def test_a_generator_is_held_out(capsys, tmp_path):
         (["--hold-out", "second", "--population", "none.npz"], "no such file"),
     ),
 )
-def test_what_cannot_be_judged_costs_one_line(capsys, line, told):
+def test_what_cannot_be_judged_costs_one_line(
+    capsys: pytest.CaptureFixture[str], line: list[str], told: str
+) -> None:
     assert main(["evaluate", *line]) == 2
     assert told in capsys.readouterr().err
 
 
-def test_own_is_another_day_of_the_same_person(capsys):
+def test_own_is_another_day_of_the_same_person(capsys: pytest.CaptureFixture[str]) -> None:
     line = ("--encoders", "mean", "--days", "1", "--no-copas")
     found = evaluated(capsys, *line, "--train", "own")
     assert found["training"]["day"] == 0 != found["tests"][0]["day"]
     assert found["training"]["seed"] == found["tests"][0]["seed"]
 
 
-def test_help_teaches_strangers_too(capsys):
+def test_help_teaches_strangers_too(capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit):
         main(["evaluate", "--help"])
     said = capsys.readouterr().out

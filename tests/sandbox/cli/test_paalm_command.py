@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
+from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -15,17 +17,19 @@ from tests.support.leap_hands import take
 
 
 @pytest.fixture
-def recording(tmp_path):
+def recording(tmp_path: Path) -> Path:
     path = tmp_path / "hand.json"
     write_take(take(1), path, {"seed": 1})
     return path
 
 
-def shown(capsys) -> list[dict]:
+def shown(capsys: pytest.CaptureFixture[str]) -> list[dict[str, Any]]:
     return [json.loads(line) for line in capsys.readouterr().out.splitlines()]
 
 
-def test_show_says_every_frame_as_a_line_of_json(recording, capsys):
+def test_show_says_every_frame_as_a_line_of_json(
+    recording: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     assert main(["paalm", "show", str(recording), "--json"]) == 0
     lines = shown(capsys)
     assert len(lines) == len(take(1).frames)
@@ -34,7 +38,9 @@ def test_show_says_every_frame_as_a_line_of_json(recording, capsys):
     assert {f for f, i in last["ids"].items() if i is None} == set(last["held"])
 
 
-def test_a_calibration_measured_once_serves_again(recording, tmp_path, capsys):
+def test_a_calibration_measured_once_serves_again(
+    recording: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     out = tmp_path / "c.json"
     args = ["paalm", "calibrate", str(recording), "--hands", "right", "--frames", "120"]
     assert main([*args, "--out", str(out)]) == 0
@@ -45,7 +51,9 @@ def test_a_calibration_measured_once_serves_again(recording, tmp_path, capsys):
     assert 45 <= len(shown(capsys)) <= 52
 
 
-def test_a_running_service_is_shown_as_its_recording_is(recording, capsys):
+def test_a_running_service_is_shown_as_its_recording_is(
+    recording: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     server = FakeLeapd(read_leap(recording).messages, port=0, rate=400.0, loop=True)
     try:
         args = ["paalm", "show", "--device", "leap", "--address", server.address, "--json"]
@@ -55,7 +63,9 @@ def test_a_running_service_is_shown_as_its_recording_is(recording, capsys):
     assert len(shown(capsys)) > 20
 
 
-def test_a_real_recording_needs_no_average_hand(shared_data, capsys):
+def test_a_real_recording_needs_no_average_hand(
+    shared_data: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     # The first one has open hands here and there; the second one's device knows bones.
     for name, frames in (("v1-hands.json", 744), ("waiting-short.json.lz", 118)):
         path = str(shared_data / "leap" / name)
@@ -73,7 +83,9 @@ def test_a_real_recording_needs_no_average_hand(shared_data, capsys):
         capsys.readouterr()
 
 
-def test_a_hand_that_was_never_open_is_shown_as_an_average_one_and_this_is_said(tmp_path, capsys):
+def test_a_hand_that_was_never_open_is_shown_as_an_average_one_and_this_is_said(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     one, path = take(1), tmp_path / "folded.json"
     closed = [i for i, held in enumerate(one.open) if not held][::25]
     few = replace(
@@ -104,7 +116,9 @@ def test_a_hand_that_was_never_open_is_shown_as_an_average_one_and_this_is_said(
         ["evaluate", "--paalm", "simulated", "--takes", "0"],
     ),
 )
-def test_bad_input_is_one_clear_line_and_exit_status_2(args, capsys):
+def test_bad_input_is_one_clear_line_and_exit_status_2(
+    args: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
     try:
         status: object = main(args)
     except SystemExit as stop:
@@ -113,7 +127,9 @@ def test_bad_input_is_one_clear_line_and_exit_status_2(args, capsys):
     assert "Traceback" not in capsys.readouterr().err
 
 
-def test_a_folder_of_simulated_recordings_is_judged_by_the_truth_in_them(tmp_path, capsys):
+def test_a_folder_of_simulated_recordings_is_judged_by_the_truth_in_them(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     folder, out = tmp_path / "takes", tmp_path / "out.json"
     folder.mkdir()
     for seed in (1, 2):
@@ -128,8 +144,8 @@ def test_a_folder_of_simulated_recordings_is_judged_by_the_truth_in_them(tmp_pat
 
 
 def test_recordings_whose_joints_bend_alike_by_construction_are_no_truth(
-    shared_data, tmp_path, capsys
-):
+    shared_data: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     out = tmp_path / "out.json"
     assert main(["evaluate", "--paalm", str(shared_data / "leap"), "--json", str(out)]) == 0
     found = json.loads(out.read_text())
@@ -137,7 +153,9 @@ def test_recordings_whose_joints_bend_alike_by_construction_are_no_truth(
     assert found["identity_percent"]["tracked"] >= 99.5 > found["identity_percent"]["paper"]
 
 
-def test_a_capture_becomes_leap_recordings(tmp_path, capsys):
+def test_a_capture_becomes_leap_recordings(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     import numpy as np
 
     from encoders.regression.trained import builtin_capture

@@ -60,8 +60,8 @@ def usable(path: Path, **more: Any) -> tuple[PlayOptions, str]:
     ],
 )
 def test_a_profile_that_cannot_be_used_is_one_line_and_play_goes_on_without_it(
-    path, values, says, person
-):
+    path: Path, values: dict[str, Any], says: str, person: Person
+) -> None:
     path.write_text(json.dumps({**json.loads(path.read_text()), **values}))
     chosen, said = usable(path)
     assert says in said and len(said.splitlines()) == 1
@@ -72,14 +72,14 @@ def test_a_profile_that_cannot_be_used_is_one_line_and_play_goes_on_without_it(
         plan(options(path))
 
 
-def test_a_profile_cut_short_is_one_line_and_play_goes_on_without_it(path):
+def test_a_profile_cut_short_is_one_line_and_play_goes_on_without_it(path: Path) -> None:
     path.write_bytes(path.read_bytes()[:60])
     chosen, said = usable(path)
     assert len(said.splitlines()) == 1 and str(path) in said
     assert plan(chosen).settings.hands[0].person == Person()
 
 
-def test_layouts_of_the_other_hand_are_left_out_and_one_line_says_so(path):
+def test_layouts_of_the_other_hand_are_left_out_and_one_line_says_so(path: Path) -> None:
     profile = Profile(Person("right", 0.9), (0.8, 1.0), "tuio", False, (LAYOUT,))
     save_profile(profile, path)
     chosen, said = usable(path, hand="left")
@@ -90,7 +90,7 @@ def test_layouts_of_the_other_hand_are_left_out_and_one_line_says_so(path):
     assert plan(options(path)).settings.hands[0].layouts == (LAYOUT,)
 
 
-def test_a_profile_that_is_not_there_is_an_error(tmp_path):
+def test_a_profile_that_is_not_there_is_an_error(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="calibrate"):
         usable(tmp_path / "none.json")
 
@@ -119,7 +119,7 @@ def touched_with_five(path: Path, learns: bool) -> None:
         server.close()
 
 
-def test_play_leaves_a_profile_as_it_is_unless_it_is_asked_to_learn(path):
+def test_play_leaves_a_profile_as_it_is_unless_it_is_asked_to_learn(path: Path) -> None:
     before = path.read_bytes()
     touched_with_five(path, learns=False)
     assert path.read_bytes() == before
@@ -141,12 +141,14 @@ def test_play_leaves_a_profile_as_it_is_unless_it_is_asked_to_learn(path):
         ({"device": "simulated"}, "simulated"),
     ],
 )
-def test_what_cannot_teach_a_profile_is_one_clear_error(path, more, says):
-    values = {"device": "web", "labels": "population", "profile": str(path), **more}
+def test_what_cannot_teach_a_profile_is_one_clear_error(
+    path: Path, more: dict[str, str], says: str
+) -> None:
+    values: dict[str, Any] = {"device": "web", "labels": "population", "profile": str(path), **more}
     with pytest.raises(InputError, match=says):
         Learner.of(PlayOptions(**values), Console(quiet=True))
 
 
-def test_runs_that_nobody_sees_learn_nothing(path):
+def test_runs_that_nobody_sees_learn_nothing(path: Path) -> None:
     with pytest.raises(InputError, match="--learn"):
         play(["--device", "simulated", "--view", "none", "--learn", "--profile", str(path)])

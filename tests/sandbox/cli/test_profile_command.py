@@ -30,7 +30,7 @@ def with_value(path: Path, **values: Any) -> None:
     path.write_text(json.dumps({**json.loads(path.read_text()), **values}))
 
 
-def test_layouts_of_a_profile_are_used_where_names_are_those_of_the_population(path):
+def test_layouts_of_a_profile_are_used_where_names_are_those_of_the_population(path: Path) -> None:
     def layouts(**options: Any) -> object:
         return plan(SceneOptions(profile=str(path), **options)).settings.hands[0].layouts
 
@@ -41,7 +41,9 @@ def test_layouts_of_a_profile_are_used_where_names_are_those_of_the_population(p
     assert layouts(labels="population", hand_size=1.1) == (LAYOUT,)
 
 
-def test_a_profile_shows_and_forgets_its_layouts(path, capsys):
+def test_a_profile_shows_and_forgets_its_layouts(
+    path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     assert profile_command.main(["--file", str(path)]) == 0
     assert "1 layouts of five fingers" in capsys.readouterr().out.replace("\n", " ")
     assert profile_command.main(["--file", str(path), "--forget"]) == 0
@@ -60,7 +62,9 @@ def test_a_profile_shows_and_forgets_its_layouts(path, capsys):
         ([[[0, "x"]] * 5], "a number"),
     ],
 )
-def test_layouts_that_cannot_be_used_are_one_clear_line_and_can_be_forgotten(path, layouts, says):
+def test_layouts_that_cannot_be_used_are_one_clear_line_and_can_be_forgotten(
+    path: Path, layouts: list[Any], says: str
+) -> None:
     with_value(path, layouts=layouts)
     with pytest.raises(InputError, match=says) as raised:
         load_profile(path)

@@ -151,7 +151,7 @@ def test_our_base_class_is_opened_as_it_is(tmp_path: Path) -> None:
     assert isinstance(pad, TouchDevice) and pad.argument == "three"
 
 
-def test_a_touch_device_may_compute_whether_it_has_finished():
+def test_a_touch_device_may_compute_whether_it_has_finished() -> None:
     class TwoFrames(TouchDevice):
         sent = 0
 
@@ -172,7 +172,9 @@ def test_a_touch_device_may_compute_whether_it_has_finished():
     device.close()
 
 
-def test_an_unknown_device_is_refused_with_the_form_of_a_device_in_a_file(capsys):
+def test_an_unknown_device_is_refused_with_the_form_of_a_device_in_a_file(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
     for command in ("run box-to-goal", "touches show"):
         assert main([*command.split(), "--device", "nothing-like-that"]) == 2
         assert "FILE.py:CLASS[:ARGUMENT]" in capsys.readouterr().err

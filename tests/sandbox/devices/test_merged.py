@@ -75,7 +75,9 @@ def test_touches_that_were_cancelled_stay_cancelled_under_their_new_ids() -> Non
     assert {c.id for c in first.contacts} == {gone} == third.cancelled
 
 
-def touch(web: WebDevice, seq: int, *contacts: tuple[int, float, float], lift=None) -> None:
+def touch(
+    web: WebDevice, seq: int, *contacts: tuple[int, float, float], lift: float | None = None
+) -> None:
     px = [(i, 100.0 * x, 100.0 * y, 1.0, 1.0) for i, x, y in contacts]
     web.push(PageTouches(seq, 1.0, px, [], lift), SCREEN)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gzip
 import json
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, Literal
 
@@ -12,8 +13,9 @@ import pytest
 
 from encoders.capture import Capture
 from encoders.store import save_capture
+from models.arithmetic.arrays import Array
 from models.errors import InputError
-from models.motion.armature import Y_UP, Armature
+from models.motion.armature import Y_UP, Armature, Keys
 from models.motion.read.bvh import read_bvh
 from models.motion.sampling import Sampler
 from models.motion.write.bvh import BvhWriter
@@ -25,7 +27,10 @@ from sandbox.export.targets import FORMATS, Exporter, ExportSettings
 from sandbox.export.view import MotionView, simulated_poses
 from sandbox.options.scene_options import SceneOptions, plan
 from sandbox.recording.recording import RecordingWriter
+from sandbox.session.messages import Snapshot
+from sandbox.session.session import Session
 from sandbox.trial.assembly import build
+from sandbox.trial.driver import View
 from sandbox.trial.headless import run_trial
 from tests.support.motion_poses import moving
 
@@ -36,20 +41,22 @@ BOTH: dict[Literal["simulated", "commanded"], Any] = {
 
 
 @pytest.fixture(scope="module")
-def session(tmp_path_factory):
+def session(
+    tmp_path_factory: pytest.TempPathFactory,
+) -> tuple[Path, dict[str, list[Keys]], dict[float, Array]]:
     """A recorded trial; BVHs that views wrote meanwhile; and the keys somebody else collected."""
     folder = tmp_path_factory.mktemp("session")
     chosen = plan(SceneOptions(seed=3, fingers=3))
     sampler = {of: Sampler((Armature(ADULT),), 60.0) for of in BOTH}
-    keys: dict[str, list[Any]] = {of: [] for of in BOTH}
+    keys: dict[str, list[Keys]] = {of: [] for of in BOTH}
     open_views, tips = [], {}
 
-    def views(session):
+    def views(session: Session) -> Sequence[View]:
         for of in BOTH:
             open_views.append(MotionView(folder / f"{of}.bvh", session, of=of))
             open_views[-1].__enter__()
 
-        def collect(snapshot):
+        def collect(snapshot: Snapshot) -> None:
             tips[snapshot.time] = snapshot.hands[0].tips
             for of, poses in BOTH.items():
                 found = sampler[of].add(poses(snapshot))
@@ -67,7 +74,7 @@ def session(tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def two_hands(tmp_path_factory):
+def two_hands(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[Array]]:
     """A recording of two hands whose poses are known, and the poses."""
     path = tmp_path_factory.mktemp("two") / "two.jsonl"
     settings = plan(SceneOptions(task="carry-together", seed=1)).settings.as_json()
@@ -84,7 +91,9 @@ def two_hands(tmp_path_factory):
 
 
 @pytest.mark.parametrize("of", BOTH)
-def test_a_session_to_keys_to_bvh_is_the_bvh_that_was_written_directly(session, of, tmp_path):
+def test_a_session_to_keys_to_bvh_is_the_bvh_that_was_written_directly(
+    session: tuple[Path, dict[str, list[Keys]], dict[float, Array]], of: str, tmp_path: Path
+) -> None:
     folder, keys, _ = session
     with BvhWriter(tmp_path / "keys.bvh", Armature(ADULT), 60.0) as writer:
         for some in keys[of]:
@@ -92,14 +101,18 @@ def test_a_session_to_keys_to_bvh_is_the_bvh_that_was_written_directly(session, 
     assert (tmp_path / "keys.bvh").read_bytes() == (folder / f"{of}.bvh").read_bytes()
 
 
-def test_a_recording_played_again_commands_to_the_bit_what_was_commanded(session, tmp_path):
+def test_a_recording_played_again_commands_to_the_bit_what_was_commanded(
+    session: tuple[Path, dict[str, list[Keys]], dict[float, Array]], tmp_path: Path
+) -> None:
     folder, _, _ = session
     out = tmp_path / "again.bvh"
     assert main(["export", str(folder / "run.jsonl"), "--to", str(out), "--of", "commanded"]) == 0
     assert out.read_bytes() == (folder / "commanded.bvh").read_bytes()
 
 
-def test_a_recordings_own_poses_are_the_simulated_hand_to_what_it_rounds(session, tmp_path):
+def test_a_recordings_own_poses_are_the_simulated_hand_to_what_it_rounds(
+    session: tuple[Path, dict[str, list[Keys]], dict[float, Array]], tmp_path: Path
+) -> None:
     folder, _, tips = session
     out = tmp_path / "hand.bvh"
     line = ["export", str(folder / "run.jsonl"), "--to", str(out), "--rate", "62.5"]
@@ -118,7 +131,12 @@ def test_a_recordings_own_poses_are_the_simulated_hand_to_what_it_rounds(session
 
 
 @pytest.mark.parametrize("kind", FORMATS)
-def test_every_format_is_written_and_said_so(session, tmp_path, kind, capsys):
+def test_every_format_is_written_and_said_so(
+    session: tuple[Path, dict[str, list[Keys]], dict[float, Array]],
+    tmp_path: Path,
+    kind: str,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
     folder, _, _ = session
     out = tmp_path / f"hand{kind}"
     assert main(["export", str(folder / "run.jsonl"), "--to", str(out)]) == 0
@@ -130,7 +148,9 @@ def test_every_format_is_written_and_said_so(session, tmp_path, kind, capsys):
     assert {p.name for p in tmp_path.iterdir()} == wanted
 
 
-def test_two_hands_go_into_two_files_or_one(two_hands, tmp_path):
+def test_two_hands_go_into_two_files_or_one(
+    two_hands: tuple[Path, list[Array]], tmp_path: Path
+) -> None:
     path, q = two_hands
     assert main(["export", str(path), "--to", str(tmp_path / "h.bvh"), "--rate", "62.5"]) == 0
     for name, poses, skeleton in (("right", q[0], ADULT), ("left", q[1], ADULT.mirrored())):
@@ -146,13 +166,13 @@ def test_two_hands_go_into_two_files_or_one(two_hands, tmp_path):
     assert head == ["time", *(f"{name}_{axis}" for name in names for axis in "xyz")]
 
 
-def test_hands_come_before_objects_in_a_scene():
+def test_hands_come_before_objects_in_a_scene() -> None:
     chosen = plan(SceneOptions(seed=0))
     scene = build(chosen.settings, chosen.makers).scene
     assert scene.qpos_slice(0) == slice(0, HAND_JOINTS)
 
 
-def test_a_take_of_a_capture_is_its_poses(tmp_path):
+def test_a_take_of_a_capture_is_its_poses(tmp_path: Path) -> None:
     q = moving(ADULT, 90, 4, rate=30)
     time = np.r_[np.arange(40), np.arange(50)] / 30
     xy = np.zeros((90, 5, 2))
@@ -169,7 +189,9 @@ def test_a_take_of_a_capture_is_its_poses(tmp_path):
 
 
 @pytest.mark.parametrize("order", ("XYZ", "YZX"))
-def test_the_order_that_was_asked_for_is_in_the_file(session, tmp_path, order):
+def test_the_order_that_was_asked_for_is_in_the_file(
+    session: tuple[Path, dict[str, list[Keys]], dict[float, Array]], tmp_path: Path, order: str
+) -> None:
     folder, _, _ = session
     out = tmp_path / "hand.bvh"
     assert main(["export", str(folder / "run.jsonl"), "--to", str(out), "--euler", order]) == 0
@@ -178,7 +200,9 @@ def test_the_order_that_was_asked_for_is_in_the_file(session, tmp_path, order):
     assert f"CHANNELS 6 Xposition Yposition Zposition {turns}\n" in out.read_text()
 
 
-def test_a_recording_that_breaks_off_is_written_up_to_there(two_hands, tmp_path, capsys):
+def test_a_recording_that_breaks_off_is_written_up_to_there(
+    two_hands: tuple[Path, list[Array]], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     path, _ = two_hands
     text = path.read_text().splitlines()
     tracks = [i for i, line in enumerate(text) if '"kind":"track"' in line]
@@ -191,7 +215,9 @@ def test_a_recording_that_breaks_off_is_written_up_to_there(two_hands, tmp_path,
     assert 1.9 < table[-1, 0] < 2.0
 
 
-def test_a_recording_without_its_end_is_said_to_break_off(two_hands, tmp_path, capsys):
+def test_a_recording_without_its_end_is_said_to_break_off(
+    two_hands: tuple[Path, list[Array]], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     path, _ = two_hands
     text = path.read_text()
     assert main(["export", str(path), "--to", str(tmp_path / "whole.csv")]) == 0
@@ -202,7 +228,11 @@ def test_a_recording_without_its_end_is_said_to_break_off(two_hands, tmp_path, c
     assert "it breaks off before its end" in " ".join(capsys.readouterr().err.split())
 
 
-def test_a_compressed_recording_is_the_same_to_the_bit(session, tmp_path, capsys):
+def test_a_compressed_recording_is_the_same_to_the_bit(
+    session: tuple[Path, dict[str, list[Keys]], dict[float, Array]],
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
     folder, _, _ = session
     packed = tmp_path / "run.jsonl.gz"
     packed.write_bytes(gzip.compress((folder / "run.jsonl").read_bytes()))
@@ -221,7 +251,11 @@ def test_a_compressed_recording_is_the_same_to_the_bit(session, tmp_path, capsys
     assert 0.5 < table[-1, 0] < 5.0
 
 
-def test_what_cannot_be_exported_is_refused_in_one_line(session, tmp_path, capsys):
+def test_what_cannot_be_exported_is_refused_in_one_line(
+    session: tuple[Path, dict[str, list[Keys]], dict[float, Array]],
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
     folder, _, _ = session
     run = str(folder / "run.jsonl")
     (tmp_path / "notes.txt").write_text("no recording")
@@ -257,7 +291,9 @@ def test_what_cannot_be_exported_is_refused_in_one_line(session, tmp_path, capsy
     assert not Path(out).exists() and not list(tmp_path.glob("*.part"))
 
 
-def test_a_session_that_is_stopped_keeps_its_motion_and_a_broken_one_leaves_none(tmp_path):
+def test_a_session_that_is_stopped_keeps_its_motion_and_a_broken_one_leaves_none(
+    tmp_path: Path,
+) -> None:
     chosen = plan(SceneOptions(seed=3))
     for error, kept in ((KeyboardInterrupt, True), (ValueError, False)):
         path = tmp_path / f"{error.__name__}.bvh"
@@ -270,7 +306,9 @@ def test_a_session_that_is_stopped_keeps_its_motion_and_a_broken_one_leaves_none
     assert len(read_bvh(tmp_path / "KeyboardInterrupt.bvh")) == 19
 
 
-def test_settings_that_make_no_points_are_refused(session):
+def test_settings_that_make_no_points_are_refused(
+    session: tuple[Path, dict[str, list[Keys]], dict[float, Array]],
+) -> None:
     folder, _, _ = session
     source = open_source(folder / "run.jsonl")
     with pytest.raises(InputError, match="no such fingers"):

@@ -106,7 +106,7 @@ def wrist_and_tips(path: Path) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 @pytest.mark.parametrize("side", ["right", "left"])
-def test_forward_kinematics_of_the_file_gives_paalms_fingertips(side, tmp_path):
+def test_forward_kinematics_of_the_file_gives_paalms_fingertips(side: str, tmp_path: Path) -> None:
     path = write(tmp_path / "leap.json", alone(side))
     assert exported(path, tmp_path / "x.bvh", "--hand", side) == 0
     wrist, frame, tips = wrist_and_tips(tmp_path / "x.bvh")
@@ -119,7 +119,7 @@ def test_forward_kinematics_of_the_file_gives_paalms_fingertips(side, tmp_path):
 
 
 @pytest.mark.parametrize("side", ["right", "left"])
-def test_a_hand_that_rests_is_where_the_leap_saw_it(side, tmp_path):
+def test_a_hand_that_rests_is_where_the_leap_saw_it(side: str, tmp_path: Path) -> None:
     still = [replace(alone(side)[0], time=0.01 * i) for i in range(150)]
     path = write(tmp_path / "leap.json", still)
     assert exported(path, tmp_path / "x.bvh", "--hand", side) == 0
@@ -140,7 +140,7 @@ def test_a_hand_that_rests_is_where_the_leap_saw_it(side, tmp_path):
     assert np.abs(found - [x, z, -y]).max() < 1e-6
 
 
-def test_both_hands_of_a_recording_are_the_hands_of_two_recordings(tmp_path):
+def test_both_hands_of_a_recording_are_the_hands_of_two_recordings(tmp_path: Path) -> None:
     path = write(tmp_path / "both.json", together())
     assert exported(path, tmp_path / "both.bvh") == 0
     for side in ("right", "left"):
@@ -150,14 +150,14 @@ def test_both_hands_of_a_recording_are_the_hands_of_two_recordings(tmp_path):
         assert text == (tmp_path / f"one-{side}.bvh").read_bytes()
 
 
-def test_one_hand_of_two_can_be_taken(tmp_path):
+def test_one_hand_of_two_can_be_taken(tmp_path: Path) -> None:
     path = write(tmp_path / "both.json", together())
     assert exported(path, tmp_path / "both.bvh") == 0
     assert exported(path, tmp_path / "left.bvh", "--hand", "left") == 0
     assert (tmp_path / "left.bvh").read_bytes() == (tmp_path / "both-left.bvh").read_bytes()
 
 
-def test_keys_lie_at_the_recordings_own_times(tmp_path):
+def test_keys_lie_at_the_recordings_own_times(tmp_path: Path) -> None:
     rng = np.random.default_rng(1)
     some = alone("right")
     kept = [f for i, f in enumerate(some) if i < 200 or i == len(some) - 1 or rng.random() < 0.6]
@@ -173,7 +173,9 @@ def test_keys_lie_at_the_recordings_own_times(tmp_path):
         assert np.abs(found - tips_of(hand)).max() < 1e-6
 
 
-def test_a_hand_that_is_lost_keeps_its_pose_and_one_that_comes_late_waits_in_its_first(tmp_path):
+def test_a_hand_that_is_lost_keeps_its_pose_and_one_that_comes_late_waits_in_its_first(
+    tmp_path: Path,
+) -> None:
     some = alone("right")
     late = [replace(f, hands=()) if i < 50 or i >= 400 else f for i, f in enumerate(some)]
     path = write(tmp_path / "late.json", late)
@@ -187,7 +189,9 @@ def test_a_hand_that_is_lost_keeps_its_pose_and_one_that_comes_late_waits_in_its
 
 
 @pytest.mark.parametrize("kind", [".glb", ".amc", ".v", ".vsk", ".c3d", ".csv"])
-def test_every_format_takes_both_hands_of_a_leap(kind, tmp_path, capsys):
+def test_every_format_takes_both_hands_of_a_leap(
+    kind: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     path = write(tmp_path / "both.json", together())
     assert exported(path, tmp_path / f"x{kind}") == 0
     said = " ".join(capsys.readouterr().out.split())
@@ -197,7 +201,7 @@ def test_every_format_takes_both_hands_of_a_leap(kind, tmp_path, capsys):
     assert all((tmp_path / name).stat().st_size > 400 for name in names)
 
 
-def test_other_programs_find_paalms_fingertips_where_the_leap_saw_them(tmp_path):
+def test_other_programs_find_paalms_fingertips_where_the_leap_saw_them(tmp_path: Path) -> None:
     path = write(tmp_path / "leap.json", alone("left"))
     for name in ("x.c3d", "x.bvh"):
         assert exported(path, tmp_path / name, "--hand", "left") == 0
@@ -216,7 +220,9 @@ def test_other_programs_find_paalms_fingertips_where_the_leap_saw_them(tmp_path)
 
 
 @pytest.mark.parametrize("form", [*FORMS, "metadata without a rate"])
-def test_frames_that_are_read_one_by_one_are_those_of_the_whole_file(form, tmp_path):
+def test_frames_that_are_read_one_by_one_are_those_of_the_whole_file(
+    form: str, tmp_path: Path
+) -> None:
     path = tmp_path / "leap.json"
     if form in FORMS:
         path.write_bytes(small(form))
@@ -240,7 +246,7 @@ def test_frames_that_are_read_one_by_one_are_those_of_the_whole_file(form, tmp_p
     ],
 )
 @pytest.mark.parametrize("repeats", [1, 3000])
-def test_many_values_read_at_once_are_those_read_one_by_one(text, repeats):
+def test_many_values_read_at_once_are_those_read_one_by_one(text: str, repeats: int) -> None:
     text = f"{text[: text.rindex(']')]}, " * (repeats - 1) + text
     found = JsonText(StringIO(text))
     values = []
@@ -255,7 +261,7 @@ def test_many_values_read_at_once_are_those_read_one_by_one(text, repeats):
 @pytest.mark.parametrize(
     "text", ['{"a": NaN}]', '{"a": "\n"}]', '{"a": 1} {"b": 2}, {"c": 3}]', "{"]
 )
-def test_values_that_one_by_one_are_refused_are_refused_at_once(text):
+def test_values_that_one_by_one_are_refused_are_refused_at_once(text: str) -> None:
     found = JsonText(StringIO(text))
     with pytest.raises(ValueError):
         while found.sign() != "]":
@@ -267,7 +273,9 @@ def test_values_that_one_by_one_are_refused_are_refused_at_once(text):
 
 
 @pytest.mark.parametrize("share", [0.3, 0.7, 0.999])
-def test_a_list_that_is_cut_short_is_refused_and_leaves_no_file(share, tmp_path, capsys):
+def test_a_list_that_is_cut_short_is_refused_and_leaves_no_file(
+    share: float, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     path = write(tmp_path / "leap.json", alone("right"))
     text = path.read_text()
     path.write_text(text[: int(share * len(text))])
@@ -277,7 +285,9 @@ def test_a_list_that_is_cut_short_is_refused_and_leaves_no_file(share, tmp_path,
     assert [p.name for p in tmp_path.iterdir()] == ["leap.json"]
 
 
-def test_lines_are_exported_up_to_the_damage(tmp_path, capsys):
+def test_lines_are_exported_up_to_the_damage(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     messages = [leap_message(frame, i) for i, frame in enumerate(alone("right"))]
     lines = [json.dumps(m) for m in messages]
     lines[300] = lines[300][:-40]
@@ -290,7 +300,9 @@ def test_lines_are_exported_up_to_the_damage(tmp_path, capsys):
 # What is said.
 
 
-def test_a_hand_that_was_not_measured_is_said_in_one_line(tmp_path, capsys):
+def test_a_hand_that_was_not_measured_is_said_in_one_line(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     path = write(tmp_path / "leap.json", alone("right")[200:215])
     assert exported(path, tmp_path / "x.bvh", "--hand", "right") == 0
     said = capsys.readouterr().err.strip().splitlines()
@@ -298,13 +310,15 @@ def test_a_hand_that_was_not_measured_is_said_in_one_line(tmp_path, capsys):
     assert "--calibration FILE" in said[0]
 
 
-def test_twenty_frames_of_an_open_hand_are_enough(tmp_path, capsys):
+def test_twenty_frames_of_an_open_hand_are_enough(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     path = write(tmp_path / "leap.json", alone("right")[200:260])
     assert exported(path, tmp_path / "x.bvh", "--hand", "right") == 0
     assert not capsys.readouterr().err.strip()
 
 
-def test_a_measured_hand_is_taken(tmp_path, capsys):
+def test_a_measured_hand_is_taken(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = write(tmp_path / "leap.json", alone("right"))
     me = tmp_path / "me.json"
     whole = sum(len(f.hands[0].fingers) == 5 for f in alone("right"))
@@ -315,7 +329,9 @@ def test_a_measured_hand_is_taken(tmp_path, capsys):
     assert (tmp_path / "own.bvh").read_bytes() == (tmp_path / "me.bvh").read_bytes()
 
 
-def test_what_cannot_be_exported_is_refused_in_one_line(tmp_path, capsys):
+def test_what_cannot_be_exported_is_refused_in_one_line(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     right = str(write(tmp_path / "right.json", alone("right")))
     named = [
         replace(f, hands=tuple(replace(h, side="right") for h in f.hands)) for f in alone("right")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import gymnasium
 import numpy as np
@@ -13,17 +13,24 @@ import pytest
 from gymnasium.utils.env_checker import check_env
 from gymnasium.wrappers import FlattenObservation, RescaleAction
 
+from models.arithmetic.arrays import Array
 from models.errors import InputError
+from models.frames import Contact, TouchFrame
 from models.rotations import exp
 from models.skeleton import ADULT
 from sandbox.cli.main import main
 from sandbox.gym import HandSandboxEnv, register_task
-from sandbox.recording.recording import Recording, load_recording
+from sandbox.recording.recording import RecordedInput, Recording, load_recording
 from tasks.registry import TASKS, hands_of
 
 TOUCH, POSE = "hand_sandbox/BoxToGoal-v1", "hand_sandbox/BoxToGoalPose-v1"
 TWO = "sandbox.gym:hand_sandbox/CarryTogether-v1"
 MUG = str(Path(__file__).parents[3] / "examples" / "push_the_mug.py")
+
+
+def contacts_of(told: RecordedInput) -> tuple[Contact, ...]:
+    assert isinstance(told.frame, TouchFrame)
+    return told.frame.contacts
 
 
 @pytest.fixture
@@ -70,7 +77,7 @@ def hashes(steps: list[Any]) -> list[str]:
     return [step[-1]["state_hash"] for step in steps]
 
 
-def test_every_task_has_an_id_with_its_version_for_touches_and_for_poses():
+def test_every_task_has_an_id_with_its_version_for_touches_and_for_poses() -> None:
     for task in TASKS.values():
         name = "".join(part.capitalize() for part in task.name.split("-"))
         for kind in ("", "Pose"):
@@ -79,7 +86,9 @@ def test_every_task_has_an_id_with_its_version_for_touches_and_for_poses():
 
 
 @pytest.mark.parametrize("action", ["touch", "pose"])
-def test_every_task_takes_steps_and_shows_all_its_things_and_goals(action):
+def test_every_task_takes_steps_and_shows_all_its_things_and_goals(
+    action: Literal["touch", "pose"],
+) -> None:
     for name, task in TASKS.items():
         env = HandSandboxEnv(name, action)
         lifts = action == "touch" and task.lift_range > 0
@@ -93,7 +102,7 @@ def test_every_task_takes_steps_and_shows_all_its_things_and_goals(action):
 
 
 @pytest.mark.parametrize("id", [TOUCH, POSE])
-def test_gymnasium_s_own_check_finds_nothing(id):
+def test_gymnasium_s_own_check_finds_nothing(id: str) -> None:
     unwrapped: Any = gymnasium.make(f"sandbox.gym:{id}").unwrapped
     env: Any = RescaleAction(unwrapped, np.float64(-1.0), np.float64(1.0))
     with warnings.catch_warnings(record=True) as warned:
@@ -104,7 +113,9 @@ def test_gymnasium_s_own_check_finds_nothing(id):
     assert not [text for text in found if "is different from the unwrapped version" not in text]
 
 
-def test_a_recorded_run_s_touches_give_its_states_and_its_score(env, recording):
+def test_a_recorded_run_s_touches_give_its_states_and_its_score(
+    env: HandSandboxEnv, recording: Recording
+) -> None:
     assert recording.end is not None
     expected = {i.step: i.state_hash for i in recording.inputs[0]}
     slots, over = Slots(), False
@@ -112,7 +123,7 @@ def test_a_recorded_run_s_touches_give_its_states_and_its_score(env, recording):
     for recorded in recording.inputs[0]:
         assert not over
         assert info["state_hash"] == expected[env.session.step]
-        _, _, terminated, truncated, info = env.step(slots.action(recorded.frame.contacts))
+        _, _, terminated, truncated, info = env.step(slots.action(contacts_of(recorded)))
         over = terminated or truncated
     assert terminated and not truncated
     result = recording.end["result"]
@@ -120,7 +131,7 @@ def test_a_recorded_run_s_touches_give_its_states_and_its_score(env, recording):
     assert info["trial"]["success"] and info["state_hash"] == result["state_hash"]
 
 
-def test_two_hands_touches_of_a_recorded_run_give_its_states_and_its_score(tmp_path):
+def test_two_hands_touches_of_a_recorded_run_give_its_states_and_its_score(tmp_path: Path) -> None:
     path = tmp_path / "run.jsonl"
     both = ["--device", "simulated", "--device", "simulated"]
     assert main(["run", "carry-together", "--seed", "3", *both, "--record", str(path)]) == 0
@@ -134,7 +145,7 @@ def test_two_hands_touches_of_a_recorded_run_give_its_states_and_its_score(tmp_p
     for inputs in pairs:
         assert {i.state_hash for i in inputs} == {info["state_hash"]}
         action = [
-            [*hand.action(i.frame.contacts), i.frame.lift or 0.0]
+            [*hand.action(contacts_of(i)), i.frame.lift or 0.0]
             for hand, i in zip(slots, inputs, strict=True)
         ]
         seen, _, terminated, _, info = env.step(np.ravel(action))
@@ -148,7 +159,7 @@ def test_two_hands_touches_of_a_recorded_run_give_its_states_and_its_score(tmp_p
     env.close()
 
 
-def test_each_of_two_hands_does_what_its_own_half_of_an_action_says():
+def test_each_of_two_hands_does_what_its_own_half_of_an_action_says() -> None:
     env = gymnasium.make(TWO.replace("-v", "Pose-v"))
     seen, _ = env.reset(seed=1)
     action = np.concatenate([np.concatenate([pose, np.zeros(5)]) for pose in seen["pose"]])
@@ -162,7 +173,7 @@ def test_each_of_two_hands_does_what_its_own_half_of_an_action_says():
 
 
 @pytest.mark.parametrize("id", [TOUCH, POSE])
-def test_equal_seeds_and_actions_give_equal_episodes_and_others_do_not(id):
+def test_equal_seeds_and_actions_give_equal_episodes_and_others_do_not(id: str) -> None:
     env = gymnasium.make(f"sandbox.gym:{id}")
     chosen = actions(env, 30)
     first, again, other = play(env, chosen, 5), play(env, chosen, 5), play(env, chosen, 6)
@@ -173,7 +184,9 @@ def test_equal_seeds_and_actions_give_equal_episodes_and_others_do_not(id):
     env.close()
 
 
-def test_the_seed_is_the_trial_s_and_without_one_the_next_is_drawn_from_it(env):
+def test_the_seed_is_the_trial_s_and_without_one_the_next_is_drawn_from_it(
+    env: HandSandboxEnv,
+) -> None:
     assert env.reset(seed=7)[1]["seed"] == 7
     following = [env.reset()[1]["seed"] for _ in range(3)]
     assert len({7, *following}) == 4
@@ -181,19 +194,23 @@ def test_the_seed_is_the_trial_s_and_without_one_the_next_is_drawn_from_it(env):
     assert [env.reset()[1]["seed"] for _ in range(3)] == following
 
 
-def test_what_an_episode_gains_is_the_progress_made_and_success(env, recording):
+def test_what_an_episode_gains_is_the_progress_made_and_success(
+    env: HandSandboxEnv, recording: Recording
+) -> None:
     sparse = HandSandboxEnv(reward="sparse")
     totals = []
     for each in (env, sparse):
         slots = Slots()
         each.reset(seed=3)
         inputs = recording.inputs[0]
-        totals.append(sum(each.step(slots.action(i.frame.contacts))[1] for i in inputs))
+        totals.append(sum(each.step(slots.action(contacts_of(i)))[1] for i in inputs))
     # A box starts with no progress, and the trial ends with all of it.
     assert totals == pytest.approx([2.0, 1.0])
 
 
-def test_time_ends_an_episode_without_terminating_it_and_then_it_is_over(env):
+def test_time_ends_an_episode_without_terminating_it_and_then_it_is_over(
+    env: HandSandboxEnv,
+) -> None:
     env.reset(seed=0)
     nothing = np.zeros(env.action_space.shape)
     steps = 0
@@ -209,12 +226,14 @@ def test_time_ends_an_episode_without_terminating_it_and_then_it_is_over(env):
         env.step(nothing)
 
 
-def test_an_observation_is_what_the_session_knows(env, recording):
+def test_an_observation_is_what_the_session_knows(
+    env: HandSandboxEnv, recording: Recording
+) -> None:
     slots = Slots()
     env.reset(seed=3)
     labelled = 0
     for recorded in recording.inputs[0][:200]:
-        seen, *_ = env.step(slots.action(recorded.frame.contacts))
+        seen, *_ = env.step(slots.action(contacts_of(recorded)))
         session, hand = env.session, env._snapshot.hands[0]
         assert seen in env.observation_space
         assert np.array_equal(seen["tips"], hand.tips)
@@ -236,12 +255,12 @@ def test_an_observation_is_what_the_session_knows(env, recording):
     assert labelled == 3
 
 
-def test_velocities_are_what_positions_change_by(env, recording):
+def test_velocities_are_what_positions_change_by(env: HandSandboxEnv, recording: Recording) -> None:
     slots = Slots()
     env.reset(seed=3)
     states = []
     for recorded in recording.inputs[0]:
-        states.append(env.step(slots.action(recorded.frame.contacts))[0]["objects"][0])
+        states.append(env.step(slots.action(contacts_of(recorded)))[0]["objects"][0])
     rows = np.array(states)
     moved = np.diff(rows[:, :3], axis=0) / 0.016
     between = 0.5 * (rows[1:, 7:10] + rows[:-1, 7:10])
@@ -249,7 +268,7 @@ def test_velocities_are_what_positions_change_by(env, recording):
     assert np.median(np.abs(moved - between).max(axis=1)) < 0.002
 
 
-def test_later_steps_leave_earlier_observations_alone(env):
+def test_later_steps_leave_earlier_observations_alone(env: HandSandboxEnv) -> None:
     first, _ = env.reset(seed=1)
     kept = {name: values.copy() for name, values in first.items()}
     for action in actions(env, 5):
@@ -257,7 +276,9 @@ def test_later_steps_leave_earlier_observations_alone(env):
     assert all(np.array_equal(kept[name], first[name]) for name in kept)
 
 
-def test_a_hand_told_a_pose_goes_there_no_faster_than_any_and_grips_nothing_it_should_not(env):
+def test_a_hand_told_a_pose_goes_there_no_faster_than_any_and_grips_nothing_it_should_not(
+    env: HandSandboxEnv,
+) -> None:
     env = HandSandboxEnv(action="pose")
     seen, _ = env.reset(seed=2)
     start = seen["pose"]
@@ -277,7 +298,7 @@ def test_a_hand_told_a_pose_goes_there_no_faster_than_any_and_grips_nothing_it_s
     assert seen["solid"].tolist() == [1, 1, 0, 0, 0]
 
 
-def test_a_slot_that_touches_again_is_another_contact(env):
+def test_a_slot_that_touches_again_is_another_contact(env: HandSandboxEnv) -> None:
     env.reset(seed=0)
     touch = np.zeros(15)
     touch[:3] = (1.0, 0.05, 0.05)
@@ -289,7 +310,7 @@ def test_a_slot_that_touches_again_is_another_contact(env):
 
 
 @pytest.mark.parametrize("mode", ["sync", "async"])
-def test_environments_side_by_side_are_those_one_after_another(mode):
+def test_environments_side_by_side_are_those_one_after_another(mode: str) -> None:
     side: Any = gymnasium.make_vec(f"sandbox.gym:{TOUCH}", 2, mode)
     one = gymnasium.make(f"sandbox.gym:{TOUCH}")
     chosen = actions(one, 8)
@@ -304,7 +325,7 @@ def test_environments_side_by_side_are_those_one_after_another(mode):
     one.close()
 
 
-def test_a_lab_s_task_in_a_file_has_ids_and_plays():
+def test_a_lab_s_task_in_a_file_has_ids_and_plays() -> None:
     touch, pose = register_task(MUG)
     assert (touch, pose) == (
         "hand_sandbox/MyLabPushTheMug-v1",
@@ -319,7 +340,7 @@ def test_a_lab_s_task_in_a_file_has_ids_and_plays():
 
 
 @pytest.mark.needs("opengl")
-def test_a_picture_is_drawn_only_when_it_is_asked_for():
+def test_a_picture_is_drawn_only_when_it_is_asked_for() -> None:
     env: Any = gymnasium.make(f"sandbox.gym:{TOUCH}", render_mode="rgb_array", size=(64, 48))
     env.reset(seed=0)
     assert env.unwrapped._renderer is None
@@ -341,20 +362,22 @@ def test_a_picture_is_drawn_only_when_it_is_asked_for():
         {"labels": "guess"},
     ],
 )
-def test_what_cannot_be_made_is_refused_with_what_can(wrong):
+def test_what_cannot_be_made_is_refused_with_what_can(wrong: dict[str, Any]) -> None:
     with pytest.raises(InputError, match="got"):
         HandSandboxEnv(**wrong)
 
 
 @pytest.mark.parametrize("wrong", [np.zeros(14), np.full(15, np.nan), np.zeros((15, 1))])
-def test_what_is_no_action_is_refused_and_the_episode_goes_on(env, wrong):
+def test_what_is_no_action_is_refused_and_the_episode_goes_on(
+    env: HandSandboxEnv, wrong: Array
+) -> None:
     env.reset(seed=0)
     with pytest.raises(InputError, match="not an action"):
         env.step(wrong)
     env.step(np.zeros(15))
 
 
-def test_the_documentation_s_example_runs():
+def test_the_documentation_s_example_runs() -> None:
     page = (Path(__file__).parents[3] / "docs" / "gymnasium.md").read_text(encoding="utf-8")
     example = page.split("```python\n")[1].split("```")[0]
     names: dict[str, Any] = {}

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import math
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ import pytest
 from models import Contact, InputError, Kinematics, TouchFrame
 from models.objects import Box
 from models.skeleton import ADULT
+from models.surface import Surface
 from sandbox import (
     TouchDevice,
     TrialRun,
@@ -21,6 +23,8 @@ from sandbox import (
     run_trial,
 )
 from tasks import CustomTask, Goal, judge, two_places
+from tasks.sensing import Sensing
+from tasks.task import Measure
 
 
 class Still(CustomTask):
@@ -31,12 +35,12 @@ class Still(CustomTask):
     hold_time = 0.05
 
     @classmethod
-    def place(cls, rng, surface):
+    def place(cls, rng: np.random.Generator, surface: Surface) -> tuple[list[Box], list[Goal]]:
         start, end = two_places(rng, surface)
         box = Box("it", (0.02, 0.02, 0.02), 0.1, (start[0], start[1], 0.02))
         return [box], [Goal("it", (end[0], end[1], 0.02), 0.0)]
 
-    def measure(self, sensing):
+    def measure(self, sensing: Sensing) -> Measure:
         return judge(0.5, (True, "never"))
 
 
@@ -45,7 +49,7 @@ class OneFinger(TouchDevice):
 
     time = 0.0
 
-    def poll(self, now):
+    def poll(self, now: float) -> list[TouchFrame]:
         frames = []
         while self.time <= now:
             contact = Contact(7, 0.05 + 0.1 * self.time, 0.04, label=1)
@@ -60,7 +64,9 @@ def recorded(tmp_path_factory: pytest.TempPathFactory) -> tuple[TrialRun, Path]:
     return run_trial(seed=3, record=path), path
 
 
-def test_a_trial_brings_its_score_and_everything_that_moved(recorded):
+def test_a_trial_brings_its_score_and_everything_that_moved(
+    recorded: tuple[TrialRun, Path],
+) -> None:
     run, _ = recorded
     moved = run.trajectories
     T = len(moved.time)
@@ -74,7 +80,9 @@ def test_a_trial_brings_its_score_and_everything_that_moved(recorded):
     assert set(moved.touches.finger) <= {-1, 0, 1, 2, 3, 4}
 
 
-def test_the_simulated_pose_and_the_simulated_fingertips_agree(recorded):
+def test_the_simulated_pose_and_the_simulated_fingertips_agree(
+    recorded: tuple[TrialRun, Path],
+) -> None:
     hand = recorded[0].trajectories.hands[0]
     tips = Kinematics(ADULT).place(hand.q).tips
     # Bodies are one physics step older than joint positions: between the last two poses.
@@ -83,7 +91,7 @@ def test_the_simulated_pose_and_the_simulated_fingertips_agree(recorded):
     assert np.all(off < step / 2 + 1e-4) and off.max() > 0
 
 
-def test_a_replay_is_the_same_trial_to_the_bit(recorded):
+def test_a_replay_is_the_same_trial_to_the_bit(recorded: tuple[TrialRun, Path]) -> None:
     run, path = recorded
     again = replay_recording(path)
     assert again.verification.exact and again.verification.complete
@@ -92,12 +100,14 @@ def test_a_replay_is_the_same_trial_to_the_bit(recorded):
     assert np.array_equal(again.trajectories.touches.xy, run.trajectories.touches.xy)
 
 
-def test_a_recording_is_a_device_and_brings_its_task_and_seed(recorded):
+def test_a_recording_is_a_device_and_brings_its_task_and_seed(
+    recorded: tuple[TrialRun, Path],
+) -> None:
     again = run_trial(device=str(recorded[1]), trajectories=False)
     assert again.state_hash == recorded[0].state_hash and again.trajectories is None
 
 
-def test_tables_tell_what_the_arrays_tell(recorded, tmp_path):
+def test_tables_tell_what_the_arrays_tell(recorded: tuple[TrialRun, Path], tmp_path: Path) -> None:
     moved = recorded[0].trajectories
     objects, hands, touches = moved.write_csv(tmp_path / "new")
     rows = list(csv.DictReader(objects.open()))
@@ -111,13 +121,15 @@ def test_tables_tell_what_the_arrays_tell(recorded, tmp_path):
     assert sum(1 for _ in touches.open()) == len(moved.touches.time) + 1
 
 
-def test_tables_that_cannot_be_written_are_an_input_error(recorded, tmp_path):
+def test_tables_that_cannot_be_written_are_an_input_error(
+    recorded: tuple[TrialRun, Path], tmp_path: Path
+) -> None:
     (tmp_path / "file").write_text("")
     with pytest.raises(InputError, match="cannot be written"):
         recorded[0].trajectories.write_csv(tmp_path / "file")
 
 
-def test_a_device_class_is_opened_and_its_touches_come_back():
+def test_a_device_class_is_opened_and_its_touches_come_back() -> None:
     run = run_trial(Still, device=OneFinger)
     touches = run.trajectories.touches
     assert set(touches.contact) == {7} and set(touches.hand) == {0}
@@ -125,19 +137,19 @@ def test_a_device_class_is_opened_and_its_touches_come_back():
     assert run.result["device"] == "from Python" and run.score.reason == "never"
 
 
-def test_a_task_class_is_played_by_its_name_too():
+def test_a_task_class_is_played_by_its_name_too() -> None:
     run = run_trial(Still, user="idle")
     assert run.result["task"] == "test-still" and not run.success
     assert len(run.trajectories.touches.time) == 0 and run.trajectories.touches.xy.shape == (0, 2)
 
 
-def test_two_hands_have_two_trajectories():
+def test_two_hands_have_two_trajectories() -> None:
     run = run_trial("carry-together", user="idle", second_user="idle", vary="", seed=1)
     assert len(run.trajectories.hands) == 2
 
 
 @pytest.mark.needs("opengl")
-def test_pictures_come_fifteen_times_a_second_and_a_film_is_written(tmp_path):
+def test_pictures_come_fifteen_times_a_second_and_a_film_is_written(tmp_path: Path) -> None:
     run = run_trial(Still, user="idle", pictures=(160, 90), film=tmp_path / "film.gif")
     assert run.pictures.shape == (1 + math.floor(0.208 * 15), 90, 160, 3)
     assert run.pictures.dtype == np.uint8 and run.pictures.std() > 1
@@ -155,25 +167,29 @@ def test_pictures_come_fifteen_times_a_second_and_a_film_is_written(tmp_path):
         ({"fingers": 9}, "2 to 5"),
     ],
 )
-def test_what_cannot_be_played_is_refused_in_a_line(arguments, says):
+def test_what_cannot_be_played_is_refused_in_a_line(arguments: dict[str, Any], says: str) -> None:
     with pytest.raises(InputError, match=says) as error:
         run_trial(**arguments)
     assert "\n" not in str(error.value)
 
 
-def test_a_recording_is_never_overwritten(recorded):
+def test_a_recording_is_never_overwritten(recorded: tuple[TrialRun, Path]) -> None:
     with pytest.raises(InputError, match="exists already"):
         run_trial(Still, user="idle", record=recorded[1])
 
 
-def test_motion_is_exported_by_the_ending_of_the_name(recorded, tmp_path):
+def test_motion_is_exported_by_the_ending_of_the_name(
+    recorded: tuple[TrialRun, Path], tmp_path: Path
+) -> None:
     assert export_motion(recorded[1], tmp_path / "hand.bvh") == (tmp_path / "hand.bvh",)
     assert (tmp_path / "hand.bvh").read_text().startswith("HIERARCHY")
     with pytest.raises(InputError, match="cannot be written"):
         export_motion(recorded[1], tmp_path / "hand.xyz")
 
 
-def test_a_recording_that_breaks_off_is_exported_with_a_warning(recorded, tmp_path):
+def test_a_recording_that_breaks_off_is_exported_with_a_warning(
+    recorded: tuple[TrialRun, Path], tmp_path: Path
+) -> None:
     lines = recorded[1].read_bytes().splitlines(keepends=True)
     broken = tmp_path / "broken.jsonl"
     broken.write_bytes(b"".join(lines[:-1]))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -10,12 +11,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from models.arithmetic.arrays import Array
 from models.errors import FrameError, RecordingError
 from models.frames import Contact, TouchFrame
 from sandbox.recording.recorded_device import RecordedDevice
 from sandbox.recording.recorded_frames import frame_from_json, frame_to_json
 from sandbox.recording.recording import (
     DeferredLine,
+    Line,
     RecordingLines,
     RecordingWriter,
     is_recording,
@@ -56,7 +59,9 @@ def write(path: Path, written: list[TouchFrame], end: bool = True) -> None:
 
 
 @given(written=st.lists(frames, max_size=5))
-def test_every_frame_comes_back_to_the_bit(tmp_path_factory, written):
+def test_every_frame_comes_back_to_the_bit(
+    tmp_path_factory: pytest.TempPathFactory, written: list[TouchFrame]
+) -> None:
     path = tmp_path_factory.mktemp("recording") / "a.jsonl"
     write(path, written)
     recording = load_recording(path)
@@ -65,7 +70,7 @@ def test_every_frame_comes_back_to_the_bit(tmp_path_factory, written):
     assert not recording.damage
 
 
-def test_contacts_without_width_and_height_are_written_as_before_there_were_any():
+def test_contacts_without_width_and_height_are_written_as_before_there_were_any() -> None:
     contacts = (Contact(1, 0.1, 0.2, 0.01, 3), Contact(2, 0.3, 0.4, extent=(0.02, 0.03)))
     line = frame_to_json(TouchFrame(0.5, contacts))
     assert line == {
@@ -75,13 +80,13 @@ def test_contacts_without_width_and_height_are_written_as_before_there_were_any(
 
 
 @pytest.mark.parametrize("damage", [[0.02], [0.02, 0.0], [0.02, -1.0], [0.02, None], [1, 2, 3]])
-def test_a_contact_with_half_an_extent_is_damaged(damage):
+def test_a_contact_with_half_an_extent_is_damaged(damage: list[float | None]) -> None:
     line = {"time": 0.5, "contacts": [[1, 0.1, 0.2, None, None, *damage]]}
     with pytest.raises((FrameError, TypeError, ValueError)):
         frame_from_json(line)
 
 
-def test_an_existing_file_is_never_overwritten(tmp_path):
+def test_an_existing_file_is_never_overwritten(tmp_path: Path) -> None:
     path = tmp_path / "a.jsonl"
     path.write_text("precious")
     with pytest.raises(RecordingError, match="exists"):
@@ -90,7 +95,9 @@ def test_an_existing_file_is_never_overwritten(tmp_path):
 
 
 @pytest.mark.parametrize("keep", [0.2, 0.5, 0.9, 0.999])
-def test_a_truncated_recording_plays_up_to_the_damage_and_says_so(tmp_path, keep):
+def test_a_truncated_recording_plays_up_to_the_damage_and_says_so(
+    tmp_path: Path, keep: float
+) -> None:
     path = tmp_path / "a.jsonl"
     written = [TouchFrame(0.016 * i, (Contact(1, 0.01 * i, 0.02),)) for i in range(9)]
     write(path, written)
@@ -120,7 +127,7 @@ def test_a_truncated_recording_plays_up_to_the_damage_and_says_so(tmp_path, keep
         b"7",
     ],
 )
-def test_a_damaged_line_ends_the_recording_with_its_number(tmp_path, line):
+def test_a_damaged_line_ends_the_recording_with_its_number(tmp_path: Path, line: bytes) -> None:
     path = tmp_path / "a.jsonl"
     write(path, [TouchFrame(0.0, (Contact(1, 0.1, 0.2),))], end=False)
     lines = path.read_bytes().splitlines()
@@ -130,7 +137,7 @@ def test_a_damaged_line_ends_the_recording_with_its_number(tmp_path, line):
     assert f"line {len(lines) + 1}" in recording.damage
 
 
-def test_other_files_are_no_recordings(tmp_path):
+def test_other_files_are_no_recordings(tmp_path: Path) -> None:
     for text in ("", "hello", "[1]", '{"kind": "header"}', '{"t": 0, "hex": "00"}'):
         path = tmp_path / "other"
         path.write_text(text)
@@ -141,14 +148,14 @@ def test_other_files_are_no_recordings(tmp_path):
         load_recording(tmp_path / "missing")
 
 
-def test_another_versions_recording_is_refused(tmp_path):
+def test_another_versions_recording_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "a.jsonl"
     path.write_text(json.dumps({"kind": "header", "schema": 99, "settings": {}}) + "\n")
     with pytest.raises(RecordingError, match="another version"):
         load_recording(path)
 
 
-def test_a_full_disk_is_told_at_the_end_and_stalls_nobody():
+def test_a_full_disk_is_told_at_the_end_and_stalls_nobody() -> None:
     device = Path("/dev/full")
     if not device.exists():
         pytest.skip("device node absent: /dev/full")
@@ -162,7 +169,9 @@ def test_a_full_disk_is_told_at_the_end_and_stalls_nobody():
         writer.close()
 
 
-def test_what_json_does_not_know_is_told_at_the_end_and_what_was_written_before_is_sound(tmp_path):
+def test_what_json_does_not_know_is_told_at_the_end_and_what_was_written_before_is_sound(
+    tmp_path: Path,
+) -> None:
     path = tmp_path / "a.jsonl"
     writer = RecordingWriter(path, {"settings": {}})
     writer.input(0, 0, TouchFrame(0.0), "")
@@ -174,7 +183,7 @@ def test_what_json_does_not_know_is_told_at_the_end_and_what_was_written_before_
     assert [entry.step for entry in found.inputs[0]] == [0] and "breaks off" in found.damage
 
 
-def test_a_recorded_device_gives_each_frame_at_its_step(tmp_path):
+def test_a_recorded_device_gives_each_frame_at_its_step(tmp_path: Path) -> None:
     path = tmp_path / "a.jsonl"
     written = [TouchFrame(0.016 * i, (Contact(1, 0.01 * i, 0.02),)) for i in range(4)]
     write(path, written)
@@ -191,15 +200,17 @@ class Kept(RecordingLines):
         super().__init__()
         self.told: list[str] = []
 
-    def _put(self, line) -> None:
+    def _put(self, line: Line | DeferredLine) -> None:
         self.told.append(line.line()["kind"] if isinstance(line, DeferredLine) else line["kind"])
 
-    def state(self, step, state, state_hash, qpos, solid) -> None:
+    def state(
+        self, step: int, state: Array, state_hash: str, qpos: Array, solid: Sequence[frozenset[int]]
+    ) -> None:
         super().state(step, state, state_hash, qpos, solid)
         self.told.append(f"state {step}")
 
 
-def test_what_a_period_begins_with_is_recorded_before_the_pause_ahead_of_it():
+def test_what_a_period_begins_with_is_recorded_before_the_pause_ahead_of_it() -> None:
     recorder = Kept()
     session = scripted(lambda now: [Contact(1, 0.1, 0.1)], recorder, seed=1)
     assert recorder.told == []
@@ -212,7 +223,7 @@ def test_what_a_period_begins_with_is_recorded_before_the_pause_ahead_of_it():
     assert recorder.told[2:] == ["input", "state 8", "input", "state 16", "input", "state 24"]
 
 
-def test_a_trial_that_is_over_records_no_state_that_nothing_begins_with():
+def test_a_trial_that_is_over_records_no_state_that_nothing_begins_with() -> None:
     recorder = Kept()
     session = scripted(lambda now: [], recorder, seed=1)
     session.advance()

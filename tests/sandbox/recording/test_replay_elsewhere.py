@@ -12,21 +12,26 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
+from models.arithmetic.arrays import Array
 from models.errors import RecordingError
 from sandbox.cli.replay import command
 from sandbox.options.scene_options import SceneOptions, plan
 from sandbox.recording.recording import load_recording
+from sandbox.session.messages import Snapshot
 from sandbox.session.pose_track import GRAIN, PoseTrack, PoseTrackWriter, read_track_line
 from sandbox.trial.headless import run_trial
-from sandbox.trial.replay import replay
+from sandbox.trial.replay import Verification, replay
+from sandbox.trial.result import TrialResult
 
 
 @pytest.fixture(scope="module")
-def recorded(tmp_path_factory):
+def recorded(
+    tmp_path_factory: pytest.TempPathFactory,
+) -> tuple[dict[int, Snapshot], TrialResult, Path]:
     """A trial's snapshots by step, its result and its recording."""
     path = tmp_path_factory.mktemp("run") / "run.jsonl"
     chosen = plan(SceneOptions(seed=11, fingers=3))
-    seen: dict[str, Any] = {}
+    seen: dict[int, Snapshot] = {}
     result = run_trial(
         chosen.settings,
         chosen.makers,
@@ -49,15 +54,17 @@ def forged(path: Path, name: str, **settings: object) -> Path:
     return other
 
 
-def shown(path: Path):
-    seen: dict[str, Any] = {}
+def shown(path: Path) -> tuple[dict[int, Snapshot], Verification]:
+    seen: dict[int, Snapshot] = {}
     _, found = replay(
         load_recording(path), lambda s: [lambda snapshot: seen.__setitem__(snapshot.step, snapshot)]
     )
     return seen, found
 
 
-def test_elsewhere_every_recorded_pose_is_shown_though_the_simulation_differs(recorded):
+def test_elsewhere_every_recorded_pose_is_shown_though_the_simulation_differs(
+    recorded: tuple[dict[int, Snapshot], TrialResult, Path],
+) -> None:
     seen, result, path = recorded
     # A weak hand: this machine computes another trial from the same touches.
     again, found = shown(forged(path, "weak.jsonl", impulse=0.02))
@@ -78,7 +85,9 @@ def test_elsewhere_every_recorded_pose_is_shown_though_the_simulation_differs(re
     assert result.success and again[max(again)].score.status in ("held", "running")
 
 
-def test_elsewhere_the_command_says_so_and_does_not_fail(recorded, capsys):
+def test_elsewhere_the_command_says_so_and_does_not_fail(
+    recorded: tuple[dict[int, Snapshot], TrialResult, Path], capsys: pytest.CaptureFixture[str]
+) -> None:
     _, result, path = recorded
     assert command.main([str(forged(path, "other.jsonl", impulse=0.02))]) == 0
     said = " ".join(capsys.readouterr().out.split())
@@ -90,14 +99,18 @@ def test_elsewhere_the_command_says_so_and_does_not_fail(recorded, capsys):
     assert f"box-to-goal: done after {result.time_s:.1f} s" in said
 
 
-def test_elsewhere_equal_states_are_still_told_to_be_equal(recorded, capsys):
+def test_elsewhere_equal_states_are_still_told_to_be_equal(
+    recorded: tuple[dict[int, Snapshot], TrialResult, Path], capsys: pytest.CaptureFixture[str]
+) -> None:
     _, _, path = recorded
     assert command.main([str(forged(path, "equal.jsonl"))]) == 0
     said = " ".join(capsys.readouterr().out.split())
     assert "exact" in said and "the system's libm" in said and "agrees" not in said
 
 
-def test_on_the_same_machine_a_difference_still_fails(recorded):
+def test_on_the_same_machine_a_difference_still_fails(
+    recorded: tuple[dict[int, Snapshot], TrialResult, Path],
+) -> None:
     _, _, path = recorded
     lines = path.read_text().splitlines()
     header = json.loads(lines[0])
@@ -107,7 +120,9 @@ def test_on_the_same_machine_a_difference_still_fails(recorded):
     assert command.main([str(other)]) == 1
 
 
-def test_an_older_recording_without_poses_shows_what_is_simulated_and_says_so(recorded, capsys):
+def test_an_older_recording_without_poses_shows_what_is_simulated_and_says_so(
+    recorded: tuple[dict[int, Snapshot], TrialResult, Path], capsys: pytest.CaptureFixture[str]
+) -> None:
     _, _, path = recorded
     lines = forged(path, "whole.jsonl").read_text().splitlines()
     old = path.with_name("old.jsonl")
@@ -116,7 +131,9 @@ def test_an_older_recording_without_poses_shows_what_is_simulated_and_says_so(re
     assert "recorded no poses" in capsys.readouterr().out
 
 
-def test_poses_of_another_scene_are_refused_in_one_line(recorded):
+def test_poses_of_another_scene_are_refused_in_one_line(
+    recorded: tuple[dict[int, Snapshot], TrialResult, Path],
+) -> None:
     _, _, path = recorded
     lines = forged(path, "scene.jsonl").read_text().splitlines()
     lines = [t for t in lines if '"kind":"track"' not in t]
@@ -128,7 +145,9 @@ def test_poses_of_another_scene_are_refused_in_one_line(recorded):
         replay(load_recording(other))
 
 
-def test_poses_are_the_smaller_part_of_a_recording(recorded):
+def test_poses_are_the_smaller_part_of_a_recording(
+    recorded: tuple[dict[int, Snapshot], TrialResult, Path],
+) -> None:
     _, _, path = recorded
     lines = path.read_text().splitlines()
     poses = sum(len(t) for t in lines if '"kind":"track"' in t)
@@ -145,7 +164,9 @@ def test_poses_are_the_smaller_part_of_a_recording(recorded):
     stride=st.integers(1, 16),
     fingers=st.frozensets(st.integers(0, 4)),
 )
-def test_a_track_keeps_every_finite_position_to_its_grain(qpos, first, stride, fingers):
+def test_a_track_keeps_every_finite_position_to_its_grain(
+    qpos: Array, first: int, stride: int, fingers: frozenset[int]
+) -> None:
     writer, track = PoseTrackWriter(), PoseTrack()
     for i, row in enumerate(qpos):
         writer.add(first + i * stride, row, [fingers, frozenset()])
@@ -172,7 +193,9 @@ def test_a_track_keeps_every_finite_position_to_its_grain(qpos, first, stride, f
         {"poses": "***"},
     ],
 )
-def test_a_damaged_track_ends_the_recording_and_is_named(tmp_path, spoil):
+def test_a_damaged_track_ends_the_recording_and_is_named(
+    tmp_path: Path, spoil: dict[str, Any]
+) -> None:
     writer = PoseTrackWriter()
     for i in range(4):
         writer.add(8 * i, np.arange(5.0), [frozenset({1})])

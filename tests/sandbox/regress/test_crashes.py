@@ -10,7 +10,7 @@ import pytest
 
 from models.errors import InputError
 from sandbox.cli.main import main
-from sandbox.regress.execute import CRASHED, Processes, Serial
+from sandbox.regress.execute import CRASHED, Executor, Processes, Serial
 from sandbox.regress.plan import RegressionPlan, registered
 from sandbox.regression import Regression
 from tests.support.regress_tasks import Exiting, Quick, Raising
@@ -26,7 +26,9 @@ def suite(path: Path) -> ElementTree.Element:
     return ElementTree.parse(path).getroot()[0]
 
 
-def test_one_crash_among_twelve_fails_the_run_and_is_named_with_its_error(tmp_path, capsys):
+def test_one_crash_among_twelve_fails_the_run_and_is_named_with_its_error(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     out, xml = tmp_path / "out.json", tmp_path / "out.xml"
     assert regress(Raising, "--json", out, "--junit", xml) == 1
     shown = capsys.readouterr().out
@@ -45,7 +47,9 @@ def test_one_crash_among_twelve_fails_the_run_and_is_named_with_its_error(tmp_pa
     assert error is not None and "a lab's own bug" in error.get("message", "")
 
 
-def test_as_many_crashes_as_are_allowed_pass_and_the_report_says_so(tmp_path, capsys):
+def test_as_many_crashes_as_are_allowed_pass_and_the_report_says_so(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     out, xml = tmp_path / "out.json", tmp_path / "out.xml"
     assert regress(Raising, "--allow-crashes", "1", "--json", out, "--junit", xml) == 0
     shown = capsys.readouterr().out
@@ -59,7 +63,9 @@ def test_as_many_crashes_as_are_allowed_pass_and_the_report_says_so(tmp_path, ca
     assert skipped is not None and "--allow-crashes 1" in skipped.get("message", "")
 
 
-def test_a_run_without_crashes_has_none_to_tell_of(tmp_path, capsys):
+def test_a_run_without_crashes_has_none_to_tell_of(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     out, xml = tmp_path / "out.json", tmp_path / "out.xml"
     assert regress(Quick, "--allow-crashes", "3", "--json", out, "--junit", xml) == 0
     assert "--allow-crashes" not in capsys.readouterr().out
@@ -67,7 +73,9 @@ def test_a_run_without_crashes_has_none_to_tell_of(tmp_path, capsys):
     assert suite(xml).get("tests") == "1" and suite(xml).get("errors") == "0"
 
 
-def test_no_baseline_is_made_from_crashes_even_if_they_are_allowed(tmp_path, capsys):
+def test_no_baseline_is_made_from_crashes_even_if_they_are_allowed(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     base = tmp_path / "base.json"
     for allowed in ("0", "1"):
         words = ("--baseline", base, "--update-baseline", "--allow-crashes", allowed)
@@ -76,7 +84,9 @@ def test_no_baseline_is_made_from_crashes_even_if_they_are_allowed(tmp_path, cap
     assert not base.exists()
 
 
-def test_a_crash_is_no_state_of_another_machine(tmp_path, capsys):
+def test_a_crash_is_no_state_of_another_machine(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     base, out = tmp_path / "base.json", tmp_path / "out.json"
     assert regress(Quick, "--baseline", base, "--update-baseline") == 0
     base.write_text(base.read_text().replace('"quick"', '"raising"'))
@@ -88,13 +98,15 @@ def test_a_crash_is_no_state_of_another_machine(tmp_path, capsys):
 
 
 @pytest.mark.parametrize("executor", [Serial(), Processes(1)])
-def test_a_trial_that_ends_the_program_is_a_crash(executor):
+def test_a_trial_that_ends_the_program_is_a_crash(executor: Executor) -> None:
     trials = list(executor.run(RegressionPlan((Exiting,), (1, 4)).jobs()))
     assert [t["status"] == CRASHED for t in trials] == [True, False]
     assert "SystemExit" in trials[0]["reason"]
 
 
-def test_a_varied_run_fails_by_crashes_and_may_be_allowed_some(tmp_path, capsys):
+def test_a_varied_run_fails_by_crashes_and_may_be_allowed_some(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     out = tmp_path / "out.json"
     words = ("--seeds", "0:3", "--vary", "mass=2", "start=5", "--json", out)
     assert regress(Raising, *words) == 1
@@ -103,14 +115,14 @@ def test_a_varied_run_fails_by_crashes_and_may_be_allowed_some(tmp_path, capsys)
     assert regress(Raising, *words, "--allow-crashes", "3") == 0
 
 
-def test_a_lab_s_own_test_fails_by_a_crash_and_may_allow_it(tmp_path):
+def test_a_lab_s_own_test_fails_by_a_crash_and_may_allow_it(tmp_path: Path) -> None:
     regression = Regression(tmp_path, tmp_path)
     with pytest.raises(AssertionError, match=r"1 trial crashed(.|\n)*seed 1: ZeroDivisionError"):
         regression(Raising, "0:2")
     assert len(regression(Raising, "0:2", allow_crashes=1).crashes.trials) == 1
 
 
-def test_fewer_crashes_than_none_are_refused(capsys):
+def test_fewer_crashes_than_none_are_refused(capsys: pytest.CaptureFixture[str]) -> None:
     assert regress(Quick, "--allow-crashes", "-1") == 2
     assert "--allow-crashes" in capsys.readouterr().err
     with pytest.raises(InputError, match="no such option"):

@@ -5,7 +5,9 @@ from __future__ import annotations
 import json
 import shlex
 import sys
+from collections.abc import Iterable
 from pathlib import Path
+from typing import Any
 from xml.etree import ElementTree
 
 import pytest
@@ -20,7 +22,7 @@ from sandbox.cli.regress import parse_known
 from sandbox.options.scene_options import SceneOptions, plan
 from sandbox.recording.recording import load_recording
 from sandbox.recording.versions import DECISIVE
-from sandbox.regress.execute import CRASHED, Processes, Serial, run_job
+from sandbox.regress.execute import CRASHED, Executor, Processes, Serial, run_job
 from sandbox.regress.plan import (
     RegressionPlan,
     TrialJob,
@@ -36,7 +38,7 @@ from tests.support.processes import ROOT
 from tests.support.regress_tasks import Quick, Raising, Stopping, Worse
 
 
-def by_seed(trials) -> list[dict]:
+def by_seed(trials: Iterable[dict[str, Any]]) -> list[dict[str, Any]]:
     return sorted(trials, key=lambda t: t["seed"])
 
 
@@ -44,7 +46,7 @@ def regress(*words: str | Path) -> int:
     return main(["regress", *map(str, words)])
 
 
-def refused(capsys, *words: str | Path) -> str:
+def refused(capsys: pytest.CaptureFixture[str], *words: str | Path) -> str:
     """The one line with which the command is refused."""
     assert regress(*words) == 2
     shown = capsys.readouterr()
@@ -54,7 +56,7 @@ def refused(capsys, *words: str | Path) -> str:
 
 
 @pytest.fixture(scope="module")
-def quick(tmp_path_factory) -> Path:
+def quick(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A baseline of nine quick trials, six of which succeed."""
     path = tmp_path_factory.mktemp("baseline") / "base.json"
     with registered(Quick):
@@ -66,7 +68,7 @@ def quick_run(*words: str | Path, seeds: str = "0:9") -> int:
     return regress("--tasks", "quick", "--seeds", seeds, "--executor", "serial", *words)
 
 
-def test_a_trial_is_that_of_the_run_command_to_the_bit():
+def test_a_trial_is_that_of_the_run_command_to_the_bit() -> None:
     chosen = plan(SceneOptions(task="box-to-goal", seed=4, fingers=5))
     alone = run_trial(chosen.settings, chosen.makers, about=chosen.about)
     trial = run_job(TrialJob("box-to-goal", 4, {"fingers": 5}))
@@ -77,7 +79,7 @@ def test_a_trial_is_that_of_the_run_command_to_the_bit():
 
 
 @pytest.mark.parametrize("executor", [Serial(), Processes(1)])
-def test_code_that_raises_is_a_crash_of_its_seed_alone(executor):
+def test_code_that_raises_is_a_crash_of_its_seed_alone(executor: Executor) -> None:
     trials = by_seed(executor.run(RegressionPlan((Raising,), (1, 4)).jobs()))
     assert [t["status"] for t in trials] == [CRASHED, "held"]
     assert "ZeroDivisionError: a lab's own bug" in trials[0]["reason"]
@@ -85,13 +87,15 @@ def test_code_that_raises_is_a_crash_of_its_seed_alone(executor):
 
 
 @pytest.mark.parametrize("executor", [Serial(), Processes(2)])
-def test_what_cannot_be_run_at_all_ends_the_run(executor):
+def test_what_cannot_be_run_at_all_ends_the_run(executor: Executor) -> None:
     jobs = RegressionPlan((Quick,), (1, 2), {"encoder": "no-such-encoder"}).jobs()
     with pytest.raises(InputError, match="no such encoder"):
         list(executor.run(jobs))
 
 
-def test_a_run_that_is_stopped_keeps_what_is_done_and_judges_nothing(tmp_path, quick):
+def test_a_run_that_is_stopped_keeps_what_is_done_and_judges_nothing(
+    tmp_path: Path, quick: Path
+) -> None:
     path, base = tmp_path / "out.json", tmp_path / "base.json"
     with registered(Stopping):
         words = ("--tasks", "stopping", "--seeds", "0:4", "--executor", "serial")
@@ -102,7 +106,9 @@ def test_a_run_that_is_stopped_keeps_what_is_done_and_judges_nothing(tmp_path, q
     assert not base.exists()
 
 
-def test_the_json_has_every_task_and_every_trial(tmp_path, capsys):
+def test_the_json_has_every_task_and_every_trial(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     path = tmp_path / "out.json"
     with registered(Quick):
         assert quick_run("--json", path) == 0
@@ -120,7 +126,9 @@ def test_the_json_has_every_task_and_every_trial(tmp_path, capsys):
     assert "6/9" in capsys.readouterr().out
 
 
-def test_an_unchanged_program_passes_even_exactly(quick, tmp_path, capsys):
+def test_an_unchanged_program_passes_even_exactly(
+    quick: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     path = tmp_path / "out.json"
     with registered(Quick):
         assert quick_run("--baseline", quick, "--exact", "--json", path) == 0
@@ -130,7 +138,9 @@ def test_an_unchanged_program_passes_even_exactly(quick, tmp_path, capsys):
     assert "9 trials equal to the bit" in capsys.readouterr().out
 
 
-def test_a_loss_beyond_chance_fails_and_is_named(quick, tmp_path, capsys):
+def test_a_loss_beyond_chance_fails_and_is_named(
+    quick: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     path, xml = tmp_path / "out.json", tmp_path / "out.xml"
     with registered(Worse):
         assert quick_run("--baseline", quick, "--json", path, "--junit", xml) == 1
@@ -142,12 +152,14 @@ def test_a_loss_beyond_chance_fails_and_is_named(quick, tmp_path, capsys):
     assert ElementTree.parse(xml).find(".//testcase/failure") is not None
 
 
-def test_four_losses_may_be_chance(quick):
+def test_four_losses_may_be_chance(quick: Path) -> None:
     with registered(Worse):
         assert quick_run("--baseline", quick, seeds="0:6") == 0
 
 
-def test_an_update_judges_nothing_and_what_comes_next_is_judged_by_it(quick, tmp_path):
+def test_an_update_judges_nothing_and_what_comes_next_is_judged_by_it(
+    quick: Path, tmp_path: Path
+) -> None:
     path = tmp_path / "base.json"
     path.write_bytes(quick.read_bytes())
     with registered(Worse):
@@ -155,7 +167,9 @@ def test_an_update_judges_nothing_and_what_comes_next_is_judged_by_it(quick, tmp
         assert quick_run("--baseline", path, "--exact", seeds="0:2") == 0
 
 
-def test_another_encoder_or_seed_is_refused_before_anything_is_run(quick, capsys):
+def test_another_encoder_or_seed_is_refused_before_anything_is_run(
+    quick: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     with registered(Quick):
         words = ("--tasks", "quick", "--baseline", quick)
         assert "another encoder" in refused(capsys, *words, "--encoder", "cubic")
@@ -165,7 +179,9 @@ def test_another_encoder_or_seed_is_refused_before_anything_is_run(quick, capsys
     assert "none of these tasks" in refused(capsys, "--tasks", "box-to-goal", "--baseline", quick)
 
 
-def test_another_encoder_is_compared_where_that_is_the_question(quick, tmp_path):
+def test_another_encoder_is_compared_where_that_is_the_question(
+    quick: Path, tmp_path: Path
+) -> None:
     path = tmp_path / "out.json"
     with registered(Quick):
         words = ("--encoder", "cubic", "--across-encoders", "--json", path)
@@ -189,16 +205,22 @@ def test_another_encoder_is_compared_where_that_is_the_question(quick, tmp_path)
         (("--seed=3",), "not for regression runs"),
     ],
 )
-def test_what_makes_no_sense_is_refused_in_one_line(capsys, words, said):
+def test_what_makes_no_sense_is_refused_in_one_line(
+    capsys: pytest.CaptureFixture[str], words: tuple[str, ...], said: str
+) -> None:
     assert said in refused(capsys, *words)
 
 
-def test_without_ray_its_extra_is_named(capsys, monkeypatch):
+def test_without_ray_its_extra_is_named(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setitem(sys.modules, "ray", None)
     assert "hand-sandbox[ray]" in refused(capsys, "--executor", "ray")
 
 
-def test_recordings_of_failed_trials_are_kept_and_replay(tmp_path, capsys):
+def test_recordings_of_failed_trials_are_kept_and_replay(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     folder = tmp_path / "failed"
     with registered(Quick):
         assert quick_run("--record", folder, seeds="2:4") == 0
@@ -212,7 +234,9 @@ def test_recordings_of_failed_trials_are_kept_and_replay(tmp_path, capsys):
         assert "new or empty folder" in refused(capsys, "--tasks", "quick", "--record", folder)
 
 
-def test_the_line_that_runs_a_trial_again_gives_its_state(tmp_path, monkeypatch):
+def test_the_line_that_runs_a_trial_again_gives_its_state(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.chdir(tmp_path)
     with registered(Quick):
         scene = {"fingers": 5, "without": ("stitch",)}
@@ -239,30 +263,30 @@ scenes = st.fixed_dictionaries(
 
 
 @given(scenes)
-def test_a_scene_in_words_is_read_back_as_it_was(scene):
+def test_a_scene_in_words_is_read_back_as_it_was(scene: dict[str, Any]) -> None:
     words = list(options(differing(scene)))
     found = parse(SceneOptions, "test", ["box-to-goal", *words])
     assert found == SceneOptions(**{"task": "box-to-goal", **scene})
 
 
 @given(st.lists(st.tuples(st.integers(0, 50), st.integers(1, 20)), min_size=1, max_size=5))
-def test_seeds_are_ranges_as_python_counts_each_seed_once(parts):
+def test_seeds_are_ranges_as_python_counts_each_seed_once(parts: list[tuple[int, int]]) -> None:
     text = ",".join(f"{a}" if n == 1 else f"{a}:{a + n}" for a, n in parts)
     wanted = [s for a, n in parts for s in range(a, a + n)]
     assert parse_seeds(text) == tuple(dict.fromkeys(wanted))
 
 
 @pytest.mark.parametrize("text", ["", ":", "3:", "a", "5:5", "9:3", "-1:3", "1:2:3", "0:9999999"])
-def test_what_is_no_range_of_seeds_is_refused(text):
+def test_what_is_no_range_of_seeds_is_refused(text: str) -> None:
     with pytest.raises(InputError, match="seeds"):
         parse_seeds(text)
 
 
-def test_all_is_every_task_of_the_registry():
+def test_all_is_every_task_of_the_registry() -> None:
     assert find_tasks(["all"]) == tuple(TASKS)
 
 
-def test_a_task_of_ones_own_cannot_take_anothers_name():
+def test_a_task_of_ones_own_cannot_take_anothers_name() -> None:
     class Thief(Quick):
         name = "box-to-goal"
 
@@ -273,7 +297,7 @@ def test_a_task_of_ones_own_cannot_take_anothers_name():
     assert "quick" not in TASKS
 
 
-def test_the_workflow_to_copy_gives_options_that_there_are():
+def test_the_workflow_to_copy_gives_options_that_there_are() -> None:
     text = (ROOT / "examples" / "regression.yml").read_text()
     line = text[text.index("          sandbox regress") :].partition("\n      - ")[0]
     found, more = parse_known(shlex.split(line)[2:])

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Collection
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
+from typing import Any
 from xml.etree import ElementTree
 
 import pytest
@@ -25,7 +27,13 @@ PLAN = RegressionPlan((Quick,), tuple(range(10)))
 BOTH = RegressionPlan((Quick, Dying), tuple(range(10)))
 
 
-def trials(plan: RegressionPlan, failed=(), state="00", machine="here", reason="") -> list[dict]:
+def trials(
+    plan: RegressionPlan,
+    failed: Collection[int] = (),
+    state: str = "00",
+    machine: str = "here",
+    reason: str = "",
+) -> list[dict[str, Any]]:
     """What a run would give, were these seeds to fail."""
     return [
         {
@@ -46,19 +54,26 @@ def trials(plan: RegressionPlan, failed=(), state="00", machine="here", reason="
     ]
 
 
-def baseline(plan: RegressionPlan = PLAN, path: Path = Path("base.json"), **made) -> Baseline:
+def baseline(plan: RegressionPlan = PLAN, path: Path = Path("base.json"), **made: Any) -> Baseline:
     nothing = Baseline(plan.configuration(), {}, path)
     return nothing.updated(plan.configuration(), plan.versions(), trials(plan, **made))
 
 
-def judged(failed=(), before=(), exact=False, plan=PLAN, state="00", machine="here") -> Report:
+def judged(
+    failed: Collection[int] = (),
+    before: Collection[int] = (),
+    exact: bool = False,
+    plan: RegressionPlan = PLAN,
+    state: str = "00",
+    machine: str = "here",
+) -> Report:
     run = trials(plan, failed, state, machine)
     return make_report(plan, run, baseline(plan, failed=before), exact)
 
 
 @settings(deadline=None)
 @given(failed=st.sets(st.integers(0, 9)), before=st.sets(st.integers(0, 9)))
-def test_every_pair_is_counted_once_where_it_belongs(failed, before):
+def test_every_pair_is_counted_once_where_it_belongs(failed: set[int], before: set[int]) -> None:
     found = judged(failed, before).comparisons["quick"]
     assert set(found.lost) == failed - before
     assert set(found.won) == before - failed
@@ -67,20 +82,20 @@ def test_every_pair_is_counted_once_where_it_belongs(failed, before):
     assert found.progress == pytest.approx((len(before) - len(failed)) * 0.5 / 10)
 
 
-def test_the_gate_fails_from_five_losses_on_and_wins_make_up_for_losses():
+def test_the_gate_fails_from_five_losses_on_and_wins_make_up_for_losses() -> None:
     assert judged(range(4)).passed
     assert not judged(range(5)).passed
     assert judged(range(5), before=[5, 6]).passed
     assert judged(before=range(10)).passed
 
 
-def test_two_tasks_together_need_more_losses_each():
+def test_two_tasks_together_need_more_losses_each() -> None:
     """Ten lost of two tasks: both significant after Holm. Five of each: 2 / 32 is above 0.05."""
     assert judged(range(5), plan=BOTH).passed
     assert len(judged(range(6), plan=BOTH).reasons) == 2
 
 
-def test_other_states_fail_only_where_they_were_asked_for_and_are_owed():
+def test_other_states_fail_only_where_they_were_asked_for_and_are_owed() -> None:
     assert judged(state="11").passed
     found = judged(state="11", exact=True)
     assert not found.passed and "10 of 10 trials" in found.reasons[0]
@@ -94,7 +109,7 @@ def test_other_states_fail_only_where_they_were_asked_for_and_are_owed():
     assert not judged(range(5), machine="there", exact=True).passed
 
 
-def test_a_run_that_broke_off_is_not_judged():
+def test_a_run_that_broke_off_is_not_judged() -> None:
     run = trials(PLAN, failed=range(10))[:-1]
     found = make_report(PLAN, run, baseline())
     assert found.passed and not found.complete and "broke off" in found.notes[-1]
@@ -103,7 +118,9 @@ def test_a_run_that_broke_off_is_not_judged():
 
 @settings(deadline=None, max_examples=30)
 @given(failed=st.sets(st.integers(0, 9)), machine=st.text(max_size=5))
-def test_a_baseline_comes_back_from_its_file_as_it_was(tmp_path_factory, failed, machine):
+def test_a_baseline_comes_back_from_its_file_as_it_was(
+    tmp_path_factory: pytest.TempPathFactory, failed: set[int], machine: str
+) -> None:
     path = tmp_path_factory.mktemp("base") / "base.json"
     made = baseline(BOTH, path, failed=failed, machine=machine)
     made.save()
@@ -126,12 +143,12 @@ def test_a_baseline_comes_back_from_its_file_as_it_was(tmp_path_factory, failed,
         (RegressionPlan((Dying,), (1,)), "none of these tasks"),
     ],
 )
-def test_what_does_not_compare_is_refused(other, said):
+def test_what_does_not_compare_is_refused(other: RegressionPlan, said: str) -> None:
     with pytest.raises(InputError, match=said):
         baseline().check(other.configuration(), other.versions())
 
 
-def test_across_encoders_nothing_but_the_encoder_may_differ():
+def test_across_encoders_nothing_but_the_encoder_may_differ() -> None:
     linear = replace(PLAN, scene={"encoder": "linear"})
     baseline().check(linear.configuration(), PLAN.versions(), across_encoders=True)
     five = replace(PLAN, scene={"encoder": "linear", "fingers": 5})
@@ -139,7 +156,7 @@ def test_across_encoders_nothing_but_the_encoder_may_differ():
         baseline().check(five.configuration(), PLAN.versions(), across_encoders=True)
 
 
-def test_an_update_keeps_other_tasks_of_the_same_configuration_and_no_others():
+def test_an_update_keeps_other_tasks_of_the_same_configuration_and_no_others() -> None:
     both = baseline(BOTH, failed=[1])
     new = both.updated(PLAN.configuration(), PLAN.versions(), trials(PLAN))
     assert new.tasks["dying"] == both.tasks["dying"]
@@ -149,7 +166,7 @@ def test_an_update_keeps_other_tasks_of_the_same_configuration_and_no_others():
     assert set(other.tasks) == {"quick"}
 
 
-def test_no_baseline_is_made_from_a_crash():
+def test_no_baseline_is_made_from_a_crash() -> None:
     run = trials(PLAN)
     run[3]["status"] = "crashed"
     with pytest.raises(InputError, match="quick 3"):
@@ -160,7 +177,7 @@ def test_no_baseline_is_made_from_a_crash():
     "text",
     ["", "{", "[]", "null", "[" * 100_000, '{"kind": "report"}', "\x00", '{"schema": 1}'],
 )
-def test_a_file_that_is_no_baseline_is_refused(tmp_path, text):
+def test_a_file_that_is_no_baseline_is_refused(tmp_path: Path, text: str) -> None:
     path = tmp_path / "base.json"
     path.write_text(text)
     with pytest.raises(InputError, match=r"base\.json"):
@@ -168,7 +185,9 @@ def test_a_file_that_is_no_baseline_is_refused(tmp_path, text):
 
 
 @given(cut=st.integers(0, 10_000), put=st.sampled_from(["", "null", "1e999", "[]", "{}", '"x"']))
-def test_a_damaged_baseline_is_refused_or_read_and_never_a_traceback(tmp_path_factory, cut, put):
+def test_a_damaged_baseline_is_refused_or_read_and_never_a_traceback(
+    tmp_path_factory: pytest.TempPathFactory, cut: int, put: str
+) -> None:
     whole = whole_baseline()
     cut %= len(whole)
     path = tmp_path_factory.getbasetemp() / "damaged.json"
@@ -187,7 +206,7 @@ def whole_baseline() -> str:
 
 
 @given(reason=st.text(max_size=30))
-def test_junit_is_xml_whatever_a_reason_says(reason):
+def test_junit_is_xml_whatever_a_reason_says(reason: str) -> None:
     run = trials(PLAN, failed=range(6), reason=reason)
     suite = ElementTree.fromstring(junit(make_report(PLAN, run, baseline())).encode())[0]
     case = suite.find("testcase")
@@ -196,18 +215,18 @@ def test_junit_is_xml_whatever_a_reason_says(reason):
     assert "seed 5: timeout" in case.find("system-out").text
 
 
-def test_junit_of_a_sound_run_has_no_failure_and_of_a_broken_one_none_either():
+def test_junit_of_a_sound_run_has_no_failure_and_of_a_broken_one_none_either() -> None:
     for run in (trials(PLAN), trials(PLAN, failed=range(10))[:-1]):
         text = junit(make_report(PLAN, run, baseline()))
         assert ElementTree.fromstring(text.encode()).find(".//failure") is None
 
 
-def test_the_report_is_json_that_any_reader_reads():
+def test_the_report_is_json_that_any_reader_reads() -> None:
     text = json.dumps(judged(range(10)).as_json(), allow_nan=False)
     assert json.loads(text)["tasks"]["quick"]["time_s"] is None
 
 
-def test_the_fixture_asserts_that_nothing_was_lost(tmp_path):
+def test_the_fixture_asserts_that_nothing_was_lost(tmp_path: Path) -> None:
     """Made, compared with itself, and with what the task became."""
     making = Regression(tmp_path, tmp_path, update=True)
     making(Quick, "0:8", baseline="base.json")
@@ -219,7 +238,7 @@ def test_the_fixture_asserts_that_nothing_was_lost(tmp_path):
     assert "seed 1: it fails now" in str(caught.value) and "python -c" in str(caught.value)
 
 
-def test_the_fixture_asks_for_a_rate_only_beyond_chance(tmp_path):
+def test_the_fixture_asks_for_a_rate_only_beyond_chance(tmp_path: Path) -> None:
     asking = Regression(tmp_path, tmp_path)
     asking(Quick, "0:3", at_least=0.9)
     with pytest.raises(AssertionError, match="fewer than 90%"):

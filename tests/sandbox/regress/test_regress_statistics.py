@@ -27,7 +27,7 @@ p_values = st.dictionaries(st.text(max_size=3), st.floats(0.0, 1.0), max_size=8)
 
 
 @given(lost=st.integers(0, 60), won=st.integers(0, 60))
-def test_mcnemar_is_the_sign_test_of_the_pairs_that_differ(lost, won):
+def test_mcnemar_is_the_sign_test_of_the_pairs_that_differ(lost: int, won: int) -> None:
     """By scipy, and counted out: at least so many heads of fair coins."""
     pairs = lost + won
     counted = Fraction(sum(comb(pairs, k) for k in range(lost, pairs + 1)), 2**pairs)
@@ -37,13 +37,15 @@ def test_mcnemar_is_the_sign_test_of_the_pairs_that_differ(lost, won):
 
 
 @given(lost=st.integers(0, 40), won=st.integers(0, 40))
-def test_another_loss_is_worse_and_another_win_is_better(lost, won):
+def test_another_loss_is_worse_and_another_win_is_better(lost: int, won: int) -> None:
     assert mcnemar(lost + 1, won) < mcnemar(lost, won) or mcnemar(lost, won) == 1.0
     assert mcnemar(lost, won + 1) >= mcnemar(lost, won)
 
 
 @given(n=st.integers(1, 500), share=st.floats(0.0, 1.0))
-def test_the_wilson_interval_is_where_the_score_test_just_does_not_reject(n, share):
+def test_the_wilson_interval_is_where_the_score_test_just_does_not_reject(
+    n: int, share: float
+) -> None:
     """Its ends solve |k/n - p| = z sqrt(p (1 - p) / n), and scipy says the same."""
     k = round(share * n)
     low, high = wilson(k, n)
@@ -56,23 +58,23 @@ def test_the_wilson_interval_is_where_the_score_test_just_does_not_reject(n, sha
     assert (low, high) == (theirs.low, theirs.high)
 
 
-def test_of_no_trials_nothing_is_known():
+def test_of_no_trials_nothing_is_known() -> None:
     assert wilson(0, 0) == (0.0, 1.0)
     assert falls_short(0, 0, 0.9) == 1.0
 
 
 @given(p_values)
-def test_holm_keeps_the_order_and_never_makes_a_value_smaller(values):
+def test_holm_keeps_the_order_and_never_makes_a_value_smaller(values: dict[str, float]) -> None:
     adjusted = holm(values)
     assert list(adjusted) == list(values)
-    for a in values:
-        assert values[a] <= adjusted[a] <= 1.0
-        for b in values:
-            assert values[a] > values[b] or adjusted[a] <= adjusted[b]
+    for a, value in values.items():
+        assert value <= adjusted[a] <= 1.0
+        for b, other in values.items():
+            assert value > other or adjusted[a] <= adjusted[b]
 
 
 @given(p_values)
-def test_holm_rejects_what_stepping_down_rejects(values):
+def test_holm_rejects_what_stepping_down_rejects(values: dict[str, float]) -> None:
     rejected = set()
     for i, name in enumerate(sorted(values, key=values.__getitem__)):
         # Equality is left to rounding.
@@ -84,19 +86,19 @@ def test_holm_rejects_what_stepping_down_rejects(values):
     assert all(values[name] <= ALPHA for name, p in holm(values).items() if p <= ALPHA)
 
 
-def test_holm_of_a_known_example():
+def test_holm_of_a_known_example() -> None:
     """Three tests, by hand: 3 x 0.01, 2 x 0.03, and the last no less than the one before."""
     adjusted = holm({"a": 0.04, "b": 0.01, "c": 0.03})
     assert adjusted == pytest.approx({"a": 0.06, "b": 0.03, "c": 0.06})
 
 
 @pytest.mark.parametrize("tests", range(1, 7))
-def test_the_fewest_losses_are_significant_and_one_less_are_not(tests):
+def test_the_fewest_losses_are_significant_and_one_less_are_not(tests: int) -> None:
     losses = fewest_losses(tests)
     assert tests * 0.5**losses <= ALPHA < tests * 0.5 ** (losses - 1)
 
 
-def test_five_losses_are_the_fewest_of_one_task():
+def test_five_losses_are_the_fewest_of_one_task() -> None:
     assert fewest_losses() == 5
 
 
@@ -104,12 +106,16 @@ def test_five_losses_are_the_fewest_of_one_task():
     ("pairs", "loss", "win", "wanted"),
     [(66, 0.10, 0.0, 0.8), (80, 0.10, 0.0, 0.9), (96, 0.12, 0.02, 0.8), (172, 0.18, 0.08, 0.8)],
 )
-def test_power_is_what_was_computed_for_the_design(pairs, loss, win, wanted):
+def test_power_is_what_was_computed_for_the_design(
+    pairs: int, loss: float, win: float, wanted: float
+) -> None:
     assert power(pairs, loss, win) == pytest.approx(wanted, abs=0.02)
 
 
 @pytest.mark.parametrize(("pairs", "win", "tests"), [(120, 0.0, 1), (120, 0.03, 2), (40, 0.05, 1)])
-def test_the_noise_floor_is_where_simulated_runs_are_caught_four_times_in_five(pairs, win, tests):
+def test_the_noise_floor_is_where_simulated_runs_are_caught_four_times_in_five(
+    pairs: int, win: float, tests: int
+) -> None:
     drop = noticeable_drop(pairs, win, tests)
     kinds = np.random.default_rng(0).multinomial(
         pairs, [win + drop, win, 1 - 2 * win - drop], size=4000
@@ -120,23 +126,25 @@ def test_the_noise_floor_is_where_simulated_runs_are_caught_four_times_in_five(p
 
 @settings(max_examples=20, deadline=None)
 @given(rate=st.floats(0.0, 0.5), pairs=st.integers(1, 150), tests=st.integers(1, 4))
-def test_where_nothing_got_worse_a_loss_is_hardly_ever_called(rate, pairs, tests):
+def test_where_nothing_got_worse_a_loss_is_hardly_ever_called(
+    rate: float, pairs: int, tests: int
+) -> None:
     assert power(pairs, rate, rate, tests) <= ALPHA / tests + 1e-9
 
 
-def test_more_pairs_notice_less_and_churn_hides_it():
+def test_more_pairs_notice_less_and_churn_hides_it() -> None:
     floors = [noticeable_drop(n) for n in (10, 30, 120, 600)]
     assert floors == sorted(floors, reverse=True)
     assert noticeable_drop(120, 0.05) > noticeable_drop(120)
     assert noticeable_drop(120, 0.0, 5) > noticeable_drop(120)
 
 
-def test_four_pairs_notice_not_even_a_total_loss():
+def test_four_pairs_notice_not_even_a_total_loss() -> None:
     assert noticeable_drop(4) is None
     assert noticeable_drop(0) is None
     assert noticeable_drop(5) is not None
 
 
-def test_few_successes_fall_short_only_beyond_chance():
+def test_few_successes_fall_short_only_beyond_chance() -> None:
     assert falls_short(17, 20, 0.9) > ALPHA
     assert falls_short(102, 121, 0.9) <= ALPHA < falls_short(103, 121, 0.9)

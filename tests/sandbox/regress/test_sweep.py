@@ -3,23 +3,24 @@
 import json
 from dataclasses import replace
 from pathlib import Path
-from typing import ClassVar
+from typing import Any, ClassVar, Self
 from xml.etree import ElementTree
 
 import pytest
 
 from models.errors import InputError
 from models.objects import Wrench
+from models.surface import Surface
 from sandbox.cli.regress import main as regress_main
 from sandbox.figures.variation import draw, save_plot
 from sandbox.options.variations import KINDS
 from sandbox.regress.baseline import Baseline, KeptTask
 from sandbox.regress.execute import Serial
 from sandbox.regress.plan import RegressionPlan, registered
-from sandbox.regress.sweep import parse_wanted, sweep, varied
+from sandbox.regress.sweep import Runner, Sweep, parse_wanted, sweep, varied
 from tasks.box_to_goal import BoxToGoal
 from tasks.sensing import Sensing
-from tasks.task import Measure
+from tasks.task import Measure, Task
 from tasks.wrench_slide import WrenchSlide
 
 SEEDS = tuple(range(8))
@@ -52,7 +53,7 @@ class LateWrench(WrenchSlide):
     hold_time: ClassVar[float] = 0.05
 
     @classmethod
-    def draw(cls, seed, surface):
+    def draw(cls, seed: int, surface: Surface) -> Self:
         task = super().draw(seed, surface)
         return replace(task, objects=(OneSize(**vars(task.objects[0])),))
 
@@ -60,18 +61,18 @@ class LateWrench(WrenchSlide):
         return Measure(True, 1.0, "")
 
 
-def sensing_surface():
+def sensing_surface() -> Surface:
     from models.surface import Surface
     from sandbox.trial.assembly import place_surface
 
     return place_surface(Surface(), BoxToGoal)
 
 
-def run(plan):
+def run(plan: RegressionPlan) -> list[dict[str, Any]]:
     return list(Serial().run(plan.jobs()))
 
 
-def limited(plan):
+def limited(plan: RegressionPlan) -> list[dict[str, Any]]:
     """Trials that fail where masses are more than three times what was drawn; no physics."""
     trials = []
     for job in plan.jobs():
@@ -81,11 +82,13 @@ def limited(plan):
     return trials
 
 
-def found_by(task, *words, seeds=SEEDS, runner=limited):
+def found_by(
+    task: str | type[Task], *words: str, seeds: tuple[int, ...] = SEEDS, runner: Runner = limited
+) -> Sweep:
     return sweep(RegressionPlan((task,), seeds), parse_wanted(words), runner)
 
 
-def test_a_direction_ends_where_success_is_lower_beyond_chance_and_no_later():
+def test_a_direction_ends_where_success_is_lower_beyond_chance_and_no_later() -> None:
     (curve,) = found_by(Heavy, "mass").curves
     kind = KINDS["mass"]
     assert [p.value for p in curve.points] == [*sorted(kind.down), 1.0, 2.0, 4.0]
@@ -94,7 +97,7 @@ def test_a_direction_ends_where_success_is_lower_beyond_chance_and_no_later():
     assert curve.points[-1].lost == SEEDS and curve.points[-1].won == ()
 
 
-def test_values_that_are_asked_for_are_all_run_even_where_it_breaks():
+def test_values_that_are_asked_for_are_all_run_even_where_it_breaks() -> None:
     (curve,) = found_by(Heavy, "mass=8,1,0.5,4,2,2").curves
     assert [(p.value, p.breaks) for p in curve.points] == [
         (0.5, False),
@@ -106,13 +109,13 @@ def test_values_that_are_asked_for_are_all_run_even_where_it_breaks():
     assert curve.breaks_above == 4.0
 
 
-def test_four_seeds_cannot_break_anything():
+def test_four_seeds_cannot_break_anything() -> None:
     (curve,) = found_by(Heavy, "mass=4", seeds=SEEDS[:4]).curves
     assert len(curve.points[-1].lost) == 4 and not curve.points[-1].breaks
     assert curve.points[-1].p == pytest.approx(1 / 16)
 
 
-def test_what_a_task_cannot_have_is_noted_and_the_rest_is_run():
+def test_what_a_task_cannot_have_is_noted_and_the_rest_is_run() -> None:
     size, mass = found_by(LateWrench, "size", "mass=2", seeds=(1, 2), runner=run).curves
     assert [bool(p.refused) for p in size.points] == [True, False, True]
     assert "one size only" in size.points[0].refused
@@ -120,10 +123,10 @@ def test_what_a_task_cannot_have_is_noted_and_the_rest_is_run():
     assert [p.result.n for p in mass.points] == [2, 2]
 
 
-def test_a_run_that_is_broken_off_says_so_and_runs_nothing_more():
+def test_a_run_that_is_broken_off_says_so_and_runs_nothing_more() -> None:
     plans = []
 
-    def tired(plan):
+    def tired(plan: RegressionPlan) -> list[dict[str, Any]]:
         plans.append(plan)
         return limited(plan)[: 3 if len(plans) == 2 else None]
 
@@ -131,7 +134,7 @@ def test_a_run_that_is_broken_off_says_so_and_runs_nothing_more():
     assert not found.complete and len(plans) == 2 and len(found.curves) == 1
 
 
-def test_a_varied_run_is_never_compared_with_a_baseline_of_one_that_is_not():
+def test_a_varied_run_is_never_compared_with_a_baseline_of_one_that_is_not() -> None:
     plan = RegressionPlan((Heavy,), SEEDS)
     kept = Baseline(plan.configuration(), {"heavy": KeptTask(1, "", {})})
     kept.check(plan.configuration(), plan.versions())
@@ -144,14 +147,14 @@ def test_a_varied_run_is_never_compared_with_a_baseline_of_one_that_is_not():
         assert other != plan.configuration(), name
 
 
-def test_two_variations_of_a_plan_hold_together():
+def test_two_variations_of_a_plan_hold_together() -> None:
     plan = varied(RegressionPlan((Heavy,), SEEDS), KINDS["mass"], 2.0)
     both = varied(plan, KINDS["latency"], 0.1 + 0.2).jobs()[0].planned().settings.variation
     assert (both.mass, both.latency) == (2.0, pytest.approx(3e-4))
 
 
 @pytest.mark.parametrize("word", ["weight", "mass=", "mass=a", "mass=2,,3", "mass=1000", "=2", ""])
-def test_what_cannot_be_varied_is_one_clear_error(word):
+def test_what_cannot_be_varied_is_one_clear_error(word: str) -> None:
     with pytest.raises(InputError, match="--vary"):
         parse_wanted([word])
     with pytest.raises(InputError, match="twice"):
@@ -165,7 +168,9 @@ def heavy_regress(*words: str | Path) -> int:
         )
 
 
-def test_the_command_prints_a_table_writes_a_report_and_draws_a_picture(tmp_path, capsys):
+def test_the_command_prints_a_table_writes_a_report_and_draws_a_picture(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     report, plot = tmp_path / "report.json", tmp_path / "plot.svg"
     assert heavy_regress("--vary", "mass=4", "start=20", "--json", report, "--plot", plot) == 0
     printed = capsys.readouterr().out
@@ -183,7 +188,7 @@ def test_the_command_prints_a_table_writes_a_report_and_draws_a_picture(tmp_path
 
 
 @pytest.mark.parametrize("suffix", ["svg", "png"])
-def test_equal_findings_are_drawn_alike_to_the_byte(suffix, tmp_path):
+def test_equal_findings_are_drawn_alike_to_the_byte(suffix: str, tmp_path: Path) -> None:
     found = found_by(Heavy, "mass", "latency=50,100", "size=0.5,2")
     paths = [tmp_path / f"{i}.{suffix}" for i in range(2)]
     for path in paths:
@@ -203,8 +208,8 @@ def test_equal_findings_are_drawn_alike_to_the_byte(suffix, tmp_path):
     ],
 )
 def test_options_that_do_not_go_together_are_refused_before_anything_is_run(
-    words, tmp_path, monkeypatch
-):
+    words: tuple[str, ...], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.chdir(tmp_path)
     with pytest.raises(InputError):
         heavy_regress(*words)

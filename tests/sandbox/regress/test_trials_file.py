@@ -53,7 +53,7 @@ def seeds(path: Path) -> list[int]:
     return [line["trial"]["seed"] for line in lines if "trial" in line]
 
 
-def refused(capsys, *words: str | Path) -> str:
+def refused(capsys: pytest.CaptureFixture[str], *words: str | Path) -> str:
     assert regress(*words) == 2
     shown = capsys.readouterr()
     assert shown.err.startswith("sandbox: ") and shown.err.count("\n") == 1
@@ -61,8 +61,8 @@ def refused(capsys, *words: str | Path) -> str:
 
 
 def test_a_file_that_is_cut_anywhere_has_all_trials_before_the_cut_and_takes_more(
-    run, trials, tmp_path
-):
+    run: dict[str, Any], trials: list[dict[str, Any]], tmp_path: Path
+) -> None:
     path = tmp_path / "whole.trials.jsonl"
     with TrialsFile(path, run) as file:
         for trial in trials:
@@ -81,7 +81,9 @@ def test_a_file_that_is_cut_anywhere_has_all_trials_before_the_cut_and_takes_mor
         assert path.read_bytes() == data
 
 
-def test_a_file_that_is_damaged_elsewhere_is_refused_and_stays_as_it_is(run, trials, tmp_path):
+def test_a_file_that_is_damaged_elsewhere_is_refused_and_stays_as_it_is(
+    run: dict[str, Any], trials: list[dict[str, Any]], tmp_path: Path
+) -> None:
     path = tmp_path / "out.trials.jsonl"
     with TrialsFile(path, run) as file:
         for trial in trials:
@@ -98,7 +100,9 @@ def test_a_file_that_is_damaged_elsewhere_is_refused_and_stays_as_it_is(run, tri
         TrialsFile(path, run, resume=True)
 
 
-def test_a_result_stays_and_a_crash_gives_way_to_a_result(run, trials, tmp_path):
+def test_a_result_stays_and_a_crash_gives_way_to_a_result(
+    run: dict[str, Any], trials: list[dict[str, Any]], tmp_path: Path
+) -> None:
     path = tmp_path / "out.trials.jsonl"
     crash = crashed(PLAN.jobs()[1], "killed")
     with TrialsFile(path, run) as file:
@@ -113,7 +117,7 @@ def test_a_result_stays_and_a_crash_gives_way_to_a_result(run, trials, tmp_path)
         assert file.ended(PLAN) == trials[:2] and not file.crashed_before
 
 
-def test_only_one_run_at_a_time_writes_a_file(run, tmp_path):
+def test_only_one_run_at_a_time_writes_a_file(run: dict[str, Any], tmp_path: Path) -> None:
     path = tmp_path / "out.trials.jsonl"
     with TrialsFile(path, run):
         for resume in (True, False):
@@ -123,8 +127,8 @@ def test_only_one_run_at_a_time_writes_a_file(run, tmp_path):
 
 
 def test_trials_of_an_unfinished_run_are_set_aside_and_those_of_a_finished_one_replaced(
-    run, trials, tmp_path
-):
+    run: dict[str, Any], trials: list[dict[str, Any]], tmp_path: Path
+) -> None:
     path = tmp_path / "out.trials.jsonl"
     for number in (1, 2):
         with TrialsFile(path, run) as file:
@@ -138,7 +142,9 @@ def test_trials_of_an_unfinished_run_are_set_aside_and_those_of_a_finished_one_r
         assert file.set_aside is None and file.trials == {}
 
 
-def test_a_disk_that_is_full_costs_one_clear_error_and_no_trial(run, trials, tmp_path):
+def test_a_disk_that_is_full_costs_one_clear_error_and_no_trial(
+    run: dict[str, Any], trials: list[dict[str, Any]], tmp_path: Path
+) -> None:
     path = tmp_path / "out.trials.jsonl"
     soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
     with TrialsFile(path, run) as file:
@@ -155,14 +161,16 @@ def test_a_disk_that_is_full_costs_one_clear_error_and_no_trial(run, trials, tmp
         assert file.ended(PLAN) == trials[:1]
 
 
-def test_a_device_is_no_file_of_trials(run, tmp_path):
+def test_a_device_is_no_file_of_trials(run: dict[str, Any], tmp_path: Path) -> None:
     path = tmp_path / "out.trials.jsonl"
     path.symlink_to("/dev/full")
     with pytest.raises(InputError, match="no plain file"):
         TrialsFile(path, run)
 
 
-def test_a_stopped_run_that_is_resumed_gives_the_report_of_one_that_was_not(tmp_path, capsys):
+def test_a_stopped_run_that_is_resumed_gives_the_report_of_one_that_was_not(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     whole, out = tmp_path / "whole.json", tmp_path / "out.json"
     words = ("--tasks", "stopping")
     with registered(Quick):
@@ -177,7 +185,9 @@ def test_a_stopped_run_that_is_resumed_gives_the_report_of_one_that_was_not(tmp_
     assert json.dumps(table(out)).replace("stopping", "quick") == json.dumps(table(whole))
 
 
-def test_a_finished_run_that_is_resumed_runs_nothing_and_gives_the_same_report(tmp_path):
+def test_a_finished_run_that_is_resumed_runs_nothing_and_gives_the_same_report(
+    tmp_path: Path,
+) -> None:
     out = tmp_path / "out.json"
     with registered(Quick):
         assert regress("--tasks", "quick", "--json", out) == 0
@@ -186,14 +196,16 @@ def test_a_finished_run_that_is_resumed_runs_nothing_and_gives_the_same_report(t
     assert table(out) == before and seeds(out) == [0, 1, 2, 3]
 
 
-def test_resuming_where_nothing_is_begins_anew(tmp_path):
+def test_resuming_where_nothing_is_begins_anew(tmp_path: Path) -> None:
     out = tmp_path / "out.json"
     with registered(Quick):
         assert regress("--tasks", "quick", "--json", out, "--resume") == 0
     assert seeds(out) == [0, 1, 2, 3]
 
 
-def test_another_processor_or_library_that_no_state_depends_on_may_go_on(tmp_path, monkeypatch):
+def test_another_processor_or_library_that_no_state_depends_on_may_go_on(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     out = tmp_path / "out.json"
     with stopping():
         assert regress("--tasks", "stopping", "--json", out) == 130
@@ -202,7 +214,9 @@ def test_another_processor_or_library_that_no_state_depends_on_may_go_on(tmp_pat
         assert regress("--tasks", "stopping", "--json", out, "--resume") in (0, 130)
 
 
-def test_trials_of_another_run_are_refused_in_one_line_and_stay(tmp_path, capsys, monkeypatch):
+def test_trials_of_another_run_are_refused_in_one_line_and_stay(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
     out = tmp_path / "out.json"
     with stopping():
         assert regress("--tasks", "stopping", "--json", out) == 130
@@ -230,7 +244,7 @@ def test_trials_of_another_run_are_refused_in_one_line_and_stay(tmp_path, capsys
     assert "--json FILE" in refused(capsys, "--tasks", "box-to-goal", "--json", "-", "--resume")
 
 
-def test_a_resumed_run_keeps_recordings_and_makes_those_that_a_kill_cut(tmp_path):
+def test_a_resumed_run_keeps_recordings_and_makes_those_that_a_kill_cut(tmp_path: Path) -> None:
     out, folder = tmp_path / "out.json", tmp_path / "failed"
     words = ("--tasks", "stopping", "--json", out, "--record", folder)
     with stopping():
@@ -241,7 +255,7 @@ def test_a_resumed_run_keeps_recordings_and_makes_those_that_a_kill_cut(tmp_path
         assert main(["replay", str(folder / "stopping-3.jsonl")]) == 0
 
 
-def test_a_varied_run_is_resumed_too(tmp_path):
+def test_a_varied_run_is_resumed_too(tmp_path: Path) -> None:
     whole, out = tmp_path / "whole.json", tmp_path / "out.json"
     vary = ("--vary", "mass=2")
     with registered(Quick):
@@ -254,7 +268,7 @@ def test_a_varied_run_is_resumed_too(tmp_path):
     assert json.dumps(table(out)).replace("stopping", "quick") == json.dumps(table(whole))
 
 
-def test_trials_are_beside_the_first_report_that_is_a_file(tmp_path):
+def test_trials_are_beside_the_first_report_that_is_a_file(tmp_path: Path) -> None:
     with registered(Raising):
         assert regress("--tasks", "raising", "--json", "-", "--junit", tmp_path / "x.xml") == 1
     assert seeds(tmp_path / "x.xml") == [0, 1, 2, 3]

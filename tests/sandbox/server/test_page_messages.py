@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -29,7 +31,7 @@ def stage() -> Iterator[Stage]:
     server.close()
 
 
-def test_a_kept_token_is_the_same_and_for_this_user_alone(tmp_path):
+def test_a_kept_token_is_the_same_and_for_this_user_alone(tmp_path: Path) -> None:
     path = tmp_path / "new" / "page-token"
     token = kept_token(path)
     assert len(token) >= 20
@@ -44,7 +46,7 @@ def test_a_kept_token_is_the_same_and_for_this_user_alone(tmp_path):
         kept_token(path)
 
 
-def test_what_a_hand_presses_with_and_how_sure_its_labels_are_is_told(stage):
+def test_what_a_hand_presses_with_and_how_sure_its_labels_are_is_told(stage: Stage) -> None:
     with Page(stage.server.url) as page:
         page.until("scene")
         snapshot = stage.session.advance()
@@ -54,7 +56,7 @@ def test_what_a_hand_presses_with_and_how_sure_its_labels_are_is_told(stage):
         assert page.until("frame")["state"]["hands"][0]["probability"] == 0.25
 
 
-def test_a_page_gets_the_grip_of_each_finger():
+def test_a_page_gets_the_grip_of_each_finger() -> None:
     session = grip(BESIDE_IT)
     run(session, 1.0)
     felt = HandFeedback(stored=(3.0, 4.0, 0.0, 0.0, 0.0), full=frozenset({1}))
@@ -64,18 +66,18 @@ def test_a_page_gets_the_grip_of_each_finger():
 
 
 @pytest.mark.parametrize(("gap", "inside"), [(INTO_THE_BOX, True), (BESIDE_IT, False)])
-def test_a_page_knows_which_finger_is_inside_a_thing(gap, inside):
+def test_a_page_knows_which_finger_is_inside_a_thing(gap: float, inside: bool) -> None:
     session = grip(gap)
     run(session, 1.0)
     (hand,) = state_of(session.snapshot(), "").hands
     assert [c.inside for c in hand.contacts] == [inside, inside]
 
 
-def test_a_skin_comes_once_and_again_only_when_it_is_another(stage):
+def test_a_skin_comes_once_and_again_only_when_it_is_another(stage: Stage) -> None:
     skins = [pack_skin(hand) for hand in stage.session.scene.spec.hands]
     surface = stage.session.rigs[0].reconstructor.surface
 
-    def show(number, skins):
+    def show(number: int, skins: list[bytes]) -> None:
         scene, task = stage.session.scene, stage.session.task
         message = describe_scene(number, scene, task, surface, "right", "")
         stage.server.show_scene(message, scene, stage.device, skins)
@@ -96,14 +98,14 @@ def test_a_skin_comes_once_and_again_only_when_it_is_another(stage):
     assert set(names) <= set(bodies)
 
 
-def _touches(*contacts: tuple[int, float, float, float, float], **more) -> PageTouches:
+def _touches(*contacts: tuple[int, float, float, float, float], **more: Any) -> PageTouches:
     return PageTouches(1, 0.0, list(contacts), **more)
 
 
 SCREEN = PageScreen(100.0, 1000.0, 800.0, True)
 
 
-def test_a_touch_beside_the_rectangle_is_none_and_a_dragged_one_stays_at_its_border():
+def test_a_touch_beside_the_rectangle_is_none_and_a_dragged_one_stays_at_its_border() -> None:
     device = WebDevice(RunSettings().surface)
     width = device._size[0] / 0.0254 * 100
     device.push(_touches((1, -5.0, 10.0, 0.0, 0.0)), SCREEN)
@@ -117,21 +119,21 @@ def test_a_touch_beside_the_rectangle_is_none_and_a_dragged_one_stays_at_its_bor
     assert third.contacts[0].x == pytest.approx(device._size[0])
 
 
-def test_a_cancelled_finger_is_told_apart_from_a_lifted_one():
+def test_a_cancelled_finger_is_told_apart_from_a_lifted_one() -> None:
     device = WebDevice(RunSettings().surface)
     device.push(_touches((1, 50, 50, 0, 0), (2, 90, 50, 0, 0)), SCREEN)
     device.push(_touches(cancelled=[1, 99]), SCREEN)
     assert device.poll()[-1].cancelled == {1}
 
 
-def test_the_lift_control_stays_where_it_was_while_a_message_does_not_tell():
+def test_the_lift_control_stays_where_it_was_while_a_message_does_not_tell() -> None:
     device = WebDevice(RunSettings().surface)
     device.push(_touches(lift=0.4), SCREEN)
     device.push(_touches(), SCREEN)
     assert [frame.lift for frame in device.poll()] == [0.4, 0.4]
 
 
-def test_of_two_contacts_with_one_id_the_first_counts():
+def test_of_two_contacts_with_one_id_the_first_counts() -> None:
     device = WebDevice(RunSettings().surface)
     device.push(_touches((1, 50, 50, 0, 0), (1, 90, 50, 0, 0)), SCREEN)
     (frame,) = device.poll()

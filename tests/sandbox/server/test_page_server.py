@@ -8,7 +8,7 @@ import http.client
 import json
 import socket
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from urllib.parse import urlsplit
 
@@ -54,7 +54,7 @@ class Stage:
         self.server.show_scene(message, self.session.scene, self.device)
 
 
-def wait_for(truth, seconds: float = PATIENCE) -> bool:
+def wait_for(truth: Callable[[], object], seconds: float = PATIENCE) -> bool:
     end = time.monotonic() + seconds
     while not truth() and time.monotonic() < end:
         time.sleep(0.005)
@@ -103,7 +103,9 @@ def get(url: str, path: str | None = None, **headers: str) -> http.client.HTTPRe
     return connection.getresponse()
 
 
-def test_the_page_comes_with_the_token_and_may_load_nothing_from_elsewhere(server):
+def test_the_page_comes_with_the_token_and_may_load_nothing_from_elsewhere(
+    server: PageServer,
+) -> None:
     answer = get(server.url)
     assert answer.status == 200
     assert b"<title>Hand Sandbox" in answer.read()
@@ -131,7 +133,7 @@ def test_the_page_comes_with_the_token_and_may_load_nothing_from_elsewhere(serve
         "/?token=x&token=TOKEN",
     ],
 )
-def test_without_the_token_there_is_nothing(server, path):
+def test_without_the_token_there_is_nothing(server: PageServer, path: str) -> None:
     answer = get(server.url, path.replace("TOKEN", server.access.token))
     assert answer.status == 403
     assert b"<" not in answer.read()
@@ -139,7 +141,9 @@ def test_without_the_token_there_is_nothing(server, path):
 
 
 @pytest.mark.parametrize("path", ["/", "/?role=spectator"])
-def test_without_a_token_there_is_only_a_page_that_knows_nothing(server, path):
+def test_without_a_token_there_is_only_a_page_that_knows_nothing(
+    server: PageServer, path: str
+) -> None:
     before = get(server.url, path)
     body = before.read()
     assert before.status == 200
@@ -165,7 +169,9 @@ def test_without_a_token_there_is_only_a_page_that_knows_nothing(server, path):
     assert server.counters.as_dict() == {"asked without a token": 2}
 
 
-def test_what_needs_no_token_still_needs_the_right_name_and_no_foreign_page(server):
+def test_what_needs_no_token_still_needs_the_right_name_and_no_foreign_page(
+    server: PageServer,
+) -> None:
     assert get(server.url, "/", Host="evil.example:80").status == 403
     assert get(server.url, "/", Origin="http://evil.example").status == 403
     with pytest.raises(InvalidStatus), open_socket(server.url.partition("?")[0]):
@@ -173,13 +179,13 @@ def test_what_needs_no_token_still_needs_the_right_name_and_no_foreign_page(serv
     assert server.counters.as_dict() == {"wrong host": 1, "wrong origin": 1, "wrong token": 1}
 
 
-def test_with_the_token_there_is_still_nothing_outside_of_the_page(server):
+def test_with_the_token_there_is_still_nothing_outside_of_the_page(server: PageServer) -> None:
     token = urlsplit(server.url).query
     for path in ("/../server/access.py", "/%2e%2e/server/access.py", "/etc/passwd"):
         assert get(server.url, f"{path}?{token}").status == 404
 
 
-def test_a_rebound_name_and_a_foreign_page_are_refused(server):
+def test_a_rebound_name_and_a_foreign_page_are_refused(server: PageServer) -> None:
     assert get(server.url, Host="evil.example:80").status == 403
     assert server.counters["wrong host"] == 1
     for origin in ("http://evil.example", "null", None):
@@ -189,13 +195,13 @@ def test_a_rebound_name_and_a_foreign_page_are_refused(server):
     assert server.counters["wrong origin"] == 3
 
 
-def test_a_socket_with_a_wrong_token_is_refused(server):
+def test_a_socket_with_a_wrong_token_is_refused(server: PageServer) -> None:
     with pytest.raises(InvalidStatus), open_socket(server.url.replace("token=", "token=x")):
         pass
     assert server.counters["wrong token"] == 1
 
 
-def test_tokens_of_two_servers_differ(server):
+def test_tokens_of_two_servers_differ(server: PageServer) -> None:
     other = PageServer()
     try:
         assert other.access.token != server.access.token
@@ -204,7 +210,7 @@ def test_tokens_of_two_servers_differ(server):
         other.close()
 
 
-def test_a_touch_takes_effect_at_its_place_in_metres_and_the_frame_says_so(stage):
+def test_a_touch_takes_effect_at_its_place_in_metres_and_the_frame_says_so(stage: Stage) -> None:
     with Page(stage.server.url) as page:
         page.until("scene")
         assert stage.server.wait_for_player(5.0)
@@ -218,7 +224,7 @@ def test_a_touch_takes_effect_at_its_place_in_metres_and_the_frame_says_so(stage
         np.testing.assert_allclose(seen, [2.0 * 0.0254, 1.0 * 0.0254], atol=1e-9)
 
 
-def test_a_frame_has_every_body_where_the_simulation_has_it(stage):
+def test_a_frame_has_every_body_where_the_simulation_has_it(stage: Stage) -> None:
     with Page(stage.server.url) as page:
         scene = page.until("scene")
         stage.advance()
@@ -233,7 +239,7 @@ def test_a_frame_has_every_body_where_the_simulation_has_it(stage):
             np.testing.assert_allclose(frame["poses"][i][3:], data.xquat[i], atol=1e-6)
 
 
-def test_both_readings_of_a_frame_agree(stage):
+def test_both_readings_of_a_frame_agree(stage: Stage) -> None:
     with Page(stage.server.url) as page:
         page.until("scene")
         stage.advance()
@@ -244,7 +250,7 @@ def test_both_readings_of_a_frame_agree(stage):
         assert frame.time == pytest.approx(stage.session.time)
 
 
-def test_a_page_that_stops_reading_gets_no_stale_frames_afterwards(stage):
+def test_a_page_that_stops_reading_gets_no_stale_frames_afterwards(stage: Stage) -> None:
     with Page(stage.server.url) as page:
         page.until("scene")
         for _ in range(120):
@@ -262,7 +268,7 @@ def test_a_page_that_stops_reading_gets_no_stale_frames_afterwards(stage):
         assert len(got) <= CREDIT + 1
 
 
-def test_a_lost_socket_takes_the_fingers_away_without_lifting_them(stage):
+def test_a_lost_socket_takes_the_fingers_away_without_lifting_them(stage: Stage) -> None:
     page = Page(stage.server.url)
     page.until("scene")
     page.touch((1, 2.0, 2.0), (2, 3.0, 2.0))
@@ -275,7 +281,7 @@ def test_a_lost_socket_takes_the_fingers_away_without_lifting_them(stage):
     assert frames[-1].cancelled == {1, 2}
 
 
-def test_a_page_that_falls_silent_loses_its_fingers(stage):
+def test_a_page_that_falls_silent_loses_its_fingers(stage: Stage) -> None:
     with Page(stage.server.url) as page:
         page.until("scene")
         for silences in (1, 2):
@@ -287,7 +293,9 @@ def test_a_page_that_falls_silent_loses_its_fingers(stage):
             assert stage.server.counters["silent page"] == silences
 
 
-def test_the_second_page_looks_on_and_plays_once_the_first_ones_seat_is_free(stage, monkeypatch):
+def test_the_second_page_looks_on_and_plays_once_the_first_ones_seat_is_free(
+    stage: Stage, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr(audience, "SEAT_KEPT", 0.5)
     first, second = Page(stage.server.url, "first"), Page(stage.server.url, "second")
     assert first.until("welcome")["role"] == "player"
@@ -302,7 +310,7 @@ def test_the_second_page_looks_on_and_plays_once_the_first_ones_seat_is_free(sta
     second.close()
 
 
-def test_a_reloaded_page_takes_its_own_seat_back_at_once(stage):
+def test_a_reloaded_page_takes_its_own_seat_back_at_once(stage: Stage) -> None:
     old = Page(stage.server.url, "same")
     old.until("welcome", role="player")
     new = Page(stage.server.url, "same")
@@ -315,7 +323,7 @@ def test_a_reloaded_page_takes_its_own_seat_back_at_once(stage):
     new.close()
 
 
-def test_a_page_of_another_version_is_told_so(stage):
+def test_a_page_of_another_version_is_told_so(stage: Stage) -> None:
     page = Page(stage.server.url, protocol=99)
     with pytest.raises(ConnectionClosed) as closed:
         page.next()
@@ -345,7 +353,7 @@ def test_a_page_of_another_version_is_told_so(stage):
         "[" * 3000,
     ],
 )
-def test_a_malformed_message_is_counted_and_changes_nothing(stage, text):
+def test_a_malformed_message_is_counted_and_changes_nothing(stage: Stage, text: str) -> None:
     with Page(stage.server.url) as page:
         page.until("scene")
         page.socket.send(text)
@@ -356,7 +364,7 @@ def test_a_malformed_message_is_counted_and_changes_nothing(stage, text):
         assert page.until("frame", touch=seq)
 
 
-def test_an_oversized_message_ends_its_connection_and_no_other(stage):
+def test_an_oversized_message_ends_its_connection_and_no_other(stage: Stage) -> None:
     with Page(stage.server.url, "good") as page:
         page.until("scene")
         bad = Page(stage.server.url, "bad", role="spectator")
@@ -373,7 +381,7 @@ def test_an_oversized_message_ends_its_connection_and_no_other(stage):
         assert page.until("frame", touch=seq)
 
 
-def test_a_message_is_heard_in_pieces_as_it_is_whole(stage):
+def test_a_message_is_heard_in_pieces_as_it_is_whole(stage: Stage) -> None:
     whole = {"type": "touches", "seq": 2, "t": 1.0, "contacts": [[1, 300.0, 300.0, 20.0, 20.0]]}
     text = json.dumps(whole)
     with Page(stage.server.url) as page:
@@ -386,7 +394,7 @@ def test_a_message_is_heard_in_pieces_as_it_is_whole(stage):
     assert stage.server.counters.as_dict() == {}
 
 
-def test_a_text_that_is_none_ends_its_connection(stage):
+def test_a_text_that_is_none_ends_its_connection(stage: Stage) -> None:
     with Page(stage.server.url) as page:
         page.until("scene")
         page.socket.send(b'{"type":"beat","t":"\xff"}', text=True)
@@ -398,7 +406,7 @@ def test_a_text_that_is_none_ends_its_connection(stage):
     assert wait_for(lambda: stage.server.clients == 0)
 
 
-def test_a_flood_is_refused_counted_and_ended(stage):
+def test_a_flood_is_refused_counted_and_ended(stage: Stage) -> None:
     with Page(stage.server.url, "flood") as page:
         page.until("scene")
         with pytest.raises(ConnectionClosed):
@@ -410,7 +418,7 @@ def test_a_flood_is_refused_counted_and_ended(stage):
     assert wait_for(lambda: stage.server.clients == 0)
 
 
-def test_more_pages_than_there_is_room_for_are_turned_away(stage):
+def test_more_pages_than_there_is_room_for_are_turned_away(stage: Stage) -> None:
     pages = [Page(stage.server.url, str(i)) for i in range(8)]
     for page in pages:
         page.until("welcome")
@@ -423,7 +431,7 @@ def test_more_pages_than_there_is_room_for_are_turned_away(stage):
         page.close()
 
 
-def test_seven_spectators_leave_room_for_the_player_who_comes_and_comes_back(stage):
+def test_seven_spectators_leave_room_for_the_player_who_comes_and_comes_back(stage: Stage) -> None:
     pages = [Page(stage.server.url, str(i), role="spectator") for i in range(7)]
     for page in pages:
         page.until("welcome", role="spectator")
@@ -447,7 +455,9 @@ def test_seven_spectators_leave_room_for_the_player_who_comes_and_comes_back(sta
         page.close()
 
 
-def test_a_hidden_page_is_away_at_once_and_gives_up_its_seat_to_who_waits(stage, monkeypatch):
+def test_a_hidden_page_is_away_at_once_and_gives_up_its_seat_to_who_waits(
+    stage: Stage, monkeypatch: pytest.MonkeyPatch
+) -> None:
     with Page(stage.server.url, "first") as first:
         first.until("welcome", role="player")
         assert not stage.server.away
@@ -464,7 +474,9 @@ def test_a_hidden_page_is_away_at_once_and_gives_up_its_seat_to_who_waits(stage,
             assert not stage.server.away
 
 
-def test_fingers_that_rest_through_a_lost_connection_are_the_same_contacts_afterwards(stage):
+def test_fingers_that_rest_through_a_lost_connection_are_the_same_contacts_afterwards(
+    stage: Stage,
+) -> None:
     """While time stands still, the loss and the return reach the session as one frame."""
     with Page(stage.server.url, "same") as page:
         page.until("scene")
@@ -478,11 +490,12 @@ def test_fingers_that_rest_through_a_lost_connection_are_the_same_contacts_after
         assert wait_for(lambda: stage.device.touched)
         stage.advance()
         heard = stage.session.heard(0)
+        assert isinstance(heard, TouchFrame)
         assert [c.id for c in heard.contacts] == [1, 2]
         assert heard.cancelled == frozenset()
 
 
-def test_bytes_that_are_no_handshake_are_counted_and_hurt_nobody(stage):
+def test_bytes_that_are_no_handshake_are_counted_and_hurt_nobody(stage: Stage) -> None:
     for garbage in (b"\x00" * 64, b"GET / HTTP/1.1\r\n" + b"A: b\r\n" * 400 + b"\r\n", b"\r\n\r\n"):
         with socket.create_connection((stage.server.access.host, stage.server.access.port)) as raw:
             raw.sendall(garbage)
@@ -494,16 +507,16 @@ def test_bytes_that_are_no_handshake_are_counted_and_hurt_nobody(stage):
         page.until("welcome")
 
 
-def test_a_port_that_is_taken_is_one_clear_error(server):
+def test_a_port_that_is_taken_is_one_clear_error(server: PageServer) -> None:
     with pytest.raises(DeviceError, match="cannot be served"):
         PageServer(port=server.access.port)
 
 
 @pytest.mark.parametrize("text", ["0.0.0.0", "::", "tablet", "1.2.3", ""])
-def test_no_address_means_all_of_them(text):
+def test_no_address_means_all_of_them(text: str) -> None:
     with pytest.raises(DeviceError):
         checked_address(text)
 
 
-def test_the_pages_types_are_those_of_the_server():
+def test_the_pages_types_are_those_of_the_server() -> None:
     assert FILE.read_text() == typescript()

@@ -13,7 +13,7 @@ from models.arithmetic.arrays import Array
 from models.frames import FINGERS
 from models.hand import CONTACT_HAND
 from models.one_pose import OnePose
-from models.scene_hand import Link
+from models.scene_hand import Follower, Link, PoseFollower
 from models.skeleton import ADULT, Skeleton
 
 LENGTH, RADIUS = 0.03, 0.008
@@ -118,6 +118,15 @@ class PinHand:
     def controls(self, q: Array) -> Array:
         """(15,) m, each pin's upper end above the fingertip of the pose."""
         return (self.tips_of()(q) + np.array([0.0, 0.0, 2 * LENGTH])).ravel()
+
+    def assets(self) -> list[Element]:
+        return []
+
+    def follower(self) -> Follower:
+        return PoseFollower(self.controls)
+
+    def coordinates(self, qpos: Array) -> Array:
+        return qpos
 
     def joint_positions(self, q: Array) -> Array:
         return self.controls(q)

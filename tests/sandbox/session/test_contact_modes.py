@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -9,25 +11,30 @@ import pytest
 
 from models.errors import InputError
 from models.frames import Contact
+from models.surface import Surface
 from sandbox.recording.recording import load_recording
 from sandbox.session.contact_modes import SOFT_IMPULSE, SOFT_SOLREF
+from sandbox.session.messages import Snapshot
+from sandbox.session.session import Session
+from sandbox.trial.driver import View
 from sandbox.trial.headless import run_trial
 from sandbox.trial.replay import replay
 from sandbox.trial.result import TrialResult
 from sandbox.trial.settings import RunSettings
-from tests.support.scripted import Script, box_xy, pinch, run, scripted
+from tasks.task import Task
+from tests.support.scripted import Script, Touch, box_xy, pinch, run, scripted
 
 MODES = ("hard", "soft", "none")
 
 
-def squeezing(contact: str = "hard", squeeze: float = 0.008, **settings):
+def squeezing(contact: str = "hard", squeeze: float = 0.008, **settings: Any) -> Session:
     """A session in which thumb and index close on the box from 2 s on, and hold it by 3 s."""
     place: dict[str, Any] = {}
 
-    def touch(now):
+    def touch(now: float) -> Sequence[Contact]:
         return pinch(place["at"], gap, place["yaw"])(now)
 
-    def gap(now):
+    def gap(now: float) -> float:
         width = 0.050 + 2 * 0.008
         return width + 0.012 - (0.012 + 2 * squeeze) * float(np.clip((now - 2.0) / 0.8, 0.0, 1.0))
 
@@ -37,12 +44,12 @@ def squeezing(contact: str = "hard", squeeze: float = 0.008, **settings):
     return session
 
 
-def box_speed(session) -> float:
+def box_speed(session: Session) -> float:
     body = session.scene.object_bodies["box"]
     return float(np.linalg.norm(session.data.cvel[body][3:]))
 
 
-def fastest(session, seconds: float) -> float:
+def fastest(session: Session, seconds: float) -> float:
     speed = 0.0
     for _ in range(round(seconds / 0.016)):
         session.advance()
@@ -52,7 +59,9 @@ def fastest(session, seconds: float) -> float:
 
 @pytest.mark.parametrize("before", MODES)
 @pytest.mark.parametrize("after", MODES)
-def test_a_switch_changes_no_position_and_no_velocity_and_throws_nothing(before, after):
+def test_a_switch_changes_no_position_and_no_velocity_and_throws_nothing(
+    before: str, after: str
+) -> None:
     session = squeezing(before)
     assert session.solid(0) == (frozenset() if before == "none" else frozenset({0, 1}))
     old_mode, hash_before = session.contact, session.state_hash
@@ -69,7 +78,7 @@ def test_a_switch_changes_no_position_and_no_velocity_and_throws_nothing(before,
 
 
 @pytest.mark.parametrize("before", ["soft", "none"])
-def test_a_finger_inside_the_box_stays_a_ghost_when_contacts_become_hard(before):
+def test_a_finger_inside_the_box_stays_a_ghost_when_contacts_become_hard(before: str) -> None:
     """The fingers close further than the box is wide, so that they are deep inside as ghosts."""
     session = squeezing("none", squeeze=0.02)
     session.set_contact(before)
@@ -82,8 +91,8 @@ def test_a_finger_inside_the_box_stays_a_ghost_when_contacts_become_hard(before)
     np.testing.assert_allclose(box_xy(session), start, atol=1e-3)
 
 
-def test_soft_fingers_give_way_and_push_with_three_newtons_at_most():
-    def deepest(session):
+def test_soft_fingers_give_way_and_push_with_three_newtons_at_most() -> None:
+    def deepest(session: Session) -> tuple[float, float]:
         found = 0.0
         for _ in range(30):
             session.advance()
@@ -99,7 +108,7 @@ def test_soft_fingers_give_way_and_push_with_three_newtons_at_most():
     assert force <= SOFT_IMPULSE * 60 + 1e-9
 
 
-def test_hard_again_is_what_it_was_to_the_bit():
+def test_hard_again_is_what_it_was_to_the_bit() -> None:
     session = scripted(lambda now: (), seed=1)
     model = session.scene.model
     kept = [
@@ -121,12 +130,12 @@ def test_hard_again_is_what_it_was_to_the_bit():
         np.testing.assert_array_equal(a, b)
 
 
-def test_a_soft_hand_is_never_stronger_than_its_own_limit():
+def test_a_soft_hand_is_never_stronger_than_its_own_limit() -> None:
     session = scripted(lambda now: (), seed=1, impulse=0.01, contact="soft")
     assert session.scene.model.actuator_forcerange.max() <= 0.01 * 60 + 1e-12
 
 
-def test_what_is_soft_is_part_of_the_state_hash():
+def test_what_is_soft_is_part_of_the_state_hash() -> None:
     one, other = (scripted(lambda now: (), seed=1) for _ in range(2))
     assert one.state_hash == other.state_hash
     other.set_contact("soft")
@@ -138,17 +147,17 @@ def test_what_is_soft_is_part_of_the_state_hash():
 class Switching(Script):
     """Touches a box, and has the contact mode changed now and then, as a person does."""
 
-    def __init__(self, touch, times):
+    def __init__(self, touch: Touch, times: Mapping[float, str]) -> None:
         super().__init__(touch)
         self.times = dict(times)
 
-    def switches(self, now):
+    def switches(self, now: float) -> list[str]:
         due = [t for t in self.times if t <= now + 1e-9]
         return [self.times.pop(t) for t in due]
 
 
-def test_a_session_with_switches_replays_to_the_bit_with_them(tmp_path):
-    def touch(now):
+def test_a_session_with_switches_replays_to_the_bit_with_them(tmp_path: Path) -> None:
+    def touch(now: float) -> list[Contact]:
         return [
             Contact(1, 0.06 + 0.03 * np.sin(3 * now), 0.09),
             Contact(2, 0.09 + 0.03 * np.sin(3 * now), 0.06),
@@ -158,12 +167,12 @@ def test_a_session_with_switches_replays_to_the_bit_with_them(tmp_path):
     times = {1.0: "soft", 2.0: "none", 2.5: "hard", 3.0: "soft", 3.1: "hard"}
     devices = []
 
-    def device(task, surface):
+    def device(task: Task, surface: Surface) -> Switching:
         devices.append(Switching(touch, times))
         return devices[-1]
 
-    def views(session):
-        def stop(snapshot):
+    def views(session: Session) -> Sequence[View]:
+        def stop(snapshot: Snapshot) -> None:
             devices[0].finished = snapshot.time > 4.0
 
         return [stop]
@@ -177,7 +186,7 @@ def test_a_session_with_switches_replays_to_the_bit_with_them(tmp_path):
     assert session.contact == "hard"
 
 
-def test_a_mode_that_does_not_exist_is_refused():
+def test_a_mode_that_does_not_exist_is_refused() -> None:
     with pytest.raises(InputError, match="hard, soft, none"):
         RunSettings(contact="squishy")
     session = scripted(lambda now: (), seed=1)

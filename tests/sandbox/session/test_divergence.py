@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -17,6 +18,7 @@ from sandbox.recording.dump import LAST
 from sandbox.recording.recording import load_recording
 from sandbox.regress.execute import run_job
 from sandbox.regress.plan import TrialJob
+from sandbox.session.session import Session
 from sandbox.trial.headless import run_trial
 from sandbox.trial.replay import replay
 from sandbox.trial.result import TrialResult
@@ -31,18 +33,22 @@ def diverge(record: Path | None = None, dump: Path | None = None) -> TrialResult
 
 
 @pytest.fixture(scope="module")
-def recorded(tmp_path_factory):
+def recorded(tmp_path_factory: pytest.TempPathFactory) -> tuple[TrialResult, Path]:
     path = tmp_path_factory.mktemp("diverged") / "run.jsonl"
     return diverge(path), path
 
 
-def test_a_diverged_trial_is_marked_and_says_what_went_wrong(recorded):
+def test_a_diverged_trial_is_marked_and_says_what_went_wrong(
+    recorded: tuple[TrialResult, Path],
+) -> None:
     result, _ = recorded
     assert result.status == "diverged" and not result.success
     assert "box turns at" in result.diverged and result.diverged in result.reason
 
 
-def test_the_dump_beside_a_recording_replays_to_the_same_divergence_to_the_bit(recorded):
+def test_the_dump_beside_a_recording_replays_to_the_same_divergence_to_the_bit(
+    recorded: tuple[TrialResult, Path],
+) -> None:
     result, path = recorded
     dump = path.with_name("run-diverged.jsonl")
     assert result.dump == str(dump)
@@ -54,7 +60,9 @@ def test_the_dump_beside_a_recording_replays_to_the_same_divergence_to_the_bit(r
     assert session.scorer.score.status == "diverged"
 
 
-def test_a_dump_holds_the_last_hundred_control_states_the_broken_one_included(recorded):
+def test_a_dump_holds_the_last_hundred_control_states_the_broken_one_included(
+    recorded: tuple[TrialResult, Path],
+) -> None:
     result, _ = recorded
     recording = load_recording(Path(result.dump))
     end = recording.end["step"]
@@ -67,13 +75,17 @@ def test_a_dump_holds_the_last_hundred_control_states_the_broken_one_included(re
     assert set(recording.track.qpos) == set(range(0, end + 1, 8))
 
 
-def test_the_recording_itself_replays_to_the_same_end_too(recorded):
+def test_the_recording_itself_replays_to_the_same_end_too(
+    recorded: tuple[TrialResult, Path],
+) -> None:
     result, path = recorded
     _, found = replay(load_recording(path))
     assert found.exact and found.complete and found.diverged == result.diverged
 
 
-def test_without_a_recording_the_dump_goes_to_its_folder_and_overwrites_nothing(tmp_path):
+def test_without_a_recording_the_dump_goes_to_its_folder_and_overwrites_nothing(
+    tmp_path: Path,
+) -> None:
     folder = tmp_path / "new" / "folder"
     first, second = diverge(dump=folder), diverge(dump=folder)
     assert Path(first.dump).name == "diverged-absurd-7.jsonl"
@@ -82,14 +94,16 @@ def test_without_a_recording_the_dump_goes_to_its_folder_and_overwrites_nothing(
     assert first.state_hash == second.state_hash
 
 
-def test_a_dump_that_cannot_be_written_costs_no_result(tmp_path):
+def test_a_dump_that_cannot_be_written_costs_no_result(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("in the way")
     result = diverge(dump=tmp_path / "file" / "folder")
     assert result.status == "diverged"
     assert result.dump == "" and "folder" in result.dump_error
 
 
-def test_the_command_names_the_file_that_replay_opens(tmp_path, monkeypatch, capsys):
+def test_the_command_names_the_file_that_replay_opens(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     monkeypatch.chdir(tmp_path)
     assert run_command.main([ABSURD, "--seed", "2", "--json", "out.json"]) == 0
     said = capsys.readouterr().out
@@ -100,7 +114,9 @@ def test_the_command_names_the_file_that_replay_opens(tmp_path, monkeypatch, cap
     assert "exact" in said and "diverged" in said
 
 
-def test_a_regression_trial_that_diverges_tells_where_its_dump_is(tmp_path, monkeypatch):
+def test_a_regression_trial_that_diverges_tells_where_its_dump_is(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
     trial = run_job(TrialJob(ABSURD, 2))
     assert trial["status"] == "diverged" and Path(trial["dump"]).parent == tmp_path
@@ -115,7 +131,9 @@ def test_a_regression_trial_that_diverges_tells_where_its_dump_is(tmp_path, monk
         (lambda s: s.data.qvel.__setitem__(slice(-6, -3), [0.0, 0.0, 400.0]), "box moves at"),
     ],
 )
-def test_numbers_without_meaning_are_caught_in_the_step_that_meets_them(spoil, words):
+def test_numbers_without_meaning_are_caught_in_the_step_that_meets_them(
+    spoil: Callable[[Session], object], words: str
+) -> None:
     session = scripted(lambda now: (), seed=1)
     run(session, 0.1)
     spoil(session)
@@ -125,7 +143,9 @@ def test_numbers_without_meaning_are_caught_in_the_step_that_meets_them(spoil, w
     assert words in session.diverged
 
 
-def test_a_commanded_pose_that_is_not_finite_is_caught_before_the_hand_follows_it(monkeypatch):
+def test_a_commanded_pose_that_is_not_finite_is_caught_before_the_hand_follows_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     session = scripted(lambda now: (), seed=1)
     run(session, 0.1)
     before = session.data.qpos.copy()

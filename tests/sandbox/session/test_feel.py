@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import permutations
 from typing import Any
 
@@ -14,14 +15,17 @@ from encoders.correction import PAD_HEIGHT
 from models.frames import Contact
 from models.hand import IMPULSE_PROFILES, SERVOS
 from sandbox.session.contact_modes import ContactMode
+from sandbox.session.session import Session
 from tasks.registry import TASKS, hands_of
-from tests.support.scripted import box_xy, scripted
+from tests.support.scripted import Touch, box_xy, scripted
 
 
 @pytest.mark.parametrize("servo", SERVOS)
 @pytest.mark.parametrize("profile", IMPULSE_PROFILES)
 @pytest.mark.parametrize("fingers", [2, 3])
-def test_a_lifted_box_neither_creeps_nor_trembles_while_the_pose_stays(servo, profile, fingers):
+def test_a_lifted_box_neither_creeps_nor_trembles_while_the_pose_stays(
+    servo: str, profile: str, fingers: int
+) -> None:
     found = hold(boxes(1)[0], fingers, servo, IMPULSE_PROFILES[profile])
     assert HOLD == 5.0 and found.held
     assert found.creep < CREEP == 0.2e-3
@@ -30,17 +34,17 @@ def test_a_lifted_box_neither_creeps_nor_trembles_while_the_pose_stays(servo, pr
 
 @pytest.mark.parametrize("box", [0, 2, 5])
 @pytest.mark.parametrize("fingers", [2, 3])
-def test_a_soft_grasp_holds_a_box_just_as_still(box, fingers):
+def test_a_soft_grasp_holds_a_box_just_as_still(box: int, fingers: int) -> None:
     """Two of these boxes rocked in a pinch, because the solver stopped too early."""
     found = hold(boxes(6)[box], fingers, SERVOS[0], IMPULSE_PROFILES["safe"], ContactMode.SOFT)
     assert found.good
 
 
-def box_speed(session) -> float:
+def box_speed(session: Session) -> float:
     return float(np.linalg.norm(session.data.cvel[session.scene.object_bodies["box"]][3:]))
 
 
-def around(session, ids=(1, 2, 3)) -> list[Contact]:
+def around(session: Session, ids: Sequence[int] = (1, 2, 3)) -> list[Contact]:
     """Touches of thumb, index and middle finger around the box, beside its faces."""
     x, y = box_xy(session)
     return [
@@ -50,7 +54,7 @@ def around(session, ids=(1, 2, 3)) -> list[Contact]:
     ]
 
 
-def fastest(touch, start, **settings) -> float:
+def fastest(touch: Touch, start: dict[str, Any], **settings: Any) -> float:
     """m/s, of the box in 4 s of these touches."""
     session = scripted(touch, seed=4, **settings)
     start["contacts"], start["box"] = around(session), box_xy(session)
@@ -64,10 +68,12 @@ def fastest(touch, start, **settings) -> float:
 
 @pytest.mark.parametrize("servo", SERVOS)
 @pytest.mark.parametrize("impulse", IMPULSE_PROFILES.values(), ids=IMPULSE_PROFILES)
-def test_touches_that_go_and_come_back_inside_of_the_box_do_not_move_it(servo, impulse):
+def test_touches_that_go_and_come_back_inside_of_the_box_do_not_move_it(
+    servo: str, impulse: float
+) -> None:
     start: dict[str, Any] = {}
 
-    def touch(now):
+    def touch(now: float) -> Sequence[Contact]:
         if now < 1.2:
             return start["contacts"]
         if now < 1.3 or 1.6 < now < 2.4:
@@ -81,13 +87,13 @@ def test_touches_that_go_and_come_back_inside_of_the_box_do_not_move_it(servo, i
 
 
 @pytest.mark.parametrize("impulse", IMPULSE_PROFILES.values(), ids=IMPULSE_PROFILES)
-def test_ids_that_are_swapped_under_a_hand_wring_it_and_throw_nothing(impulse):
+def test_ids_that_are_swapped_under_a_hand_wring_it_and_throw_nothing(impulse: float) -> None:
     """A swap asks the fingers to go through each other with the box between them. The box is
     pushed about as fast as the commanded hand may go, and not thrown as by a spring."""
     start: dict[str, Any] = {}
     orders = list(permutations((1, 2, 3)))
 
-    def touch(now):
+    def touch(now: float) -> Sequence[Contact]:
         order = orders[int((now - 1.2) / 0.25) % 6] if now > 1.2 else (1, 2, 3)
         return [Contact(i, c.x, c.y) for i, c in zip(order, start["contacts"], strict=True)]
 
@@ -95,7 +101,7 @@ def test_ids_that_are_swapped_under_a_hand_wring_it_and_throw_nothing(impulse):
     assert 0.05 < speed < 1.5
 
 
-def test_a_hand_told_to_stay_in_a_closing_gap_pushes_the_table_with_nothing():
+def test_a_hand_told_to_stay_in_a_closing_gap_pushes_the_table_with_nothing() -> None:
     """Fingertips are told to be a fingertip above the touch surface, whatever the touches do, and
     hand and table pass through each other: the hand has nothing to fight."""
     session = scripted(lambda now: list(where["contacts"]), seed=4)
@@ -123,7 +129,7 @@ def test_a_hand_told_to_stay_in_a_closing_gap_pushes_the_table_with_nothing():
 @pytest.mark.full
 @pytest.mark.parametrize("task", [name for name, t in TASKS.items() if hands_of(t) == 1])
 @pytest.mark.parametrize("profile", IMPULSE_PROFILES)
-def test_violent_touches_break_nothing_and_lose_nothing(task, profile):
+def test_violent_touches_break_nothing_and_lose_nothing(task: str, profile: str) -> None:
     found = soak(task, 120.0, first_seed=100, impulse=IMPULSE_PROFILES[profile])
     assert not found.diverged and not found.lost and not found.hand_table
     assert found.steps == 60_000 and found.depth["hand-object"]
@@ -131,7 +137,7 @@ def test_violent_touches_break_nothing_and_lose_nothing(task, profile):
         assert found.deepest("hand-object") < DEEPEST
 
 
-def test_a_few_seconds_of_violent_touches_break_nothing_either():
+def test_a_few_seconds_of_violent_touches_break_nothing_either() -> None:
     found = soak("box-to-goal", 8.0, first_seed=1, impulse=IMPULSE_PROFILES["safe"])
     assert not found.diverged and not found.lost and not found.hand_table
     assert found.steps == 4000 and found.depth["hand-object"]

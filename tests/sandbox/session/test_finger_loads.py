@@ -9,7 +9,6 @@ import pytest
 from models.frames import Contact
 from models.hand import SERVOS, Hand
 from models.scene import Scene, SceneSpec
-from sandbox.server.protocol.contact_forces import full_fingers
 from sandbox.session.finger_loads import FingerLoad, FingerLoads, HandLoad
 from tests.sandbox.session.test_collision_gating import BESIDE_IT, grip
 from tests.support.scripted import box_xy, run, scripted
@@ -83,7 +82,14 @@ def test_a_finger_that_pushes_alone_stores_nothing() -> None:
 def test_the_limit_is_told_at_fingers_that_touch_something(share: float, full: bool) -> None:
     touching, idle = FingerLoad(force=3.0, used=share), FingerLoad(used=1.0)
     load = HandLoad((touching, *[idle] * 4), 0.0)
-    assert full_fingers(load) == ({0} if full else set())
-    assert full_fingers(HandLoad((touching, *[FingerLoad()] * 4), share)) == (
-        {0} if full else set()
-    )
+    assert load.full == ({0} if full else set())
+    assert HandLoad((touching, *[FingerLoad()] * 4), share).full == ({0} if full else set())
+
+
+def test_forces_are_those_that_mujoco_reads_from_its_contacts() -> None:
+    scene, data, _ = pinched()
+    assert data.ncon
+    force = np.zeros(6)
+    for contact in range(data.ncon):
+        mujoco.mj_contactForce(scene.model, data, contact, force)
+        np.testing.assert_array_equal(FingerLoads(scene).keep(data).force(contact), force[:3])

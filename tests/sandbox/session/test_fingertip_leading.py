@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -39,7 +41,12 @@ def half_width(session: Session) -> float:
     return box.half_size[0]
 
 
-def pinched(beside: float, squeeze=lambda now: 0.0, face: int = 0, **settings) -> Session:
+def pinched(
+    beside: float,
+    squeeze: Callable[[float], float] = lambda now: 0.0,
+    face: int = 0,
+    **settings: Any,
+) -> Session:
     """Thumb and index at two faces of the box, their touches so far outside of them, m.
 
     Args:
@@ -226,7 +233,9 @@ class RidgedBlock(OneThing):
     name = "ridged-block"
 
     @classmethod
-    def _thing(cls, rng, middle, axis, fingers):
+    def _thing(
+        cls, rng: np.random.Generator, middle: Array, axis: float, fingers: int
+    ) -> MjcfObject:
         return MjcfObject.on_table("thing", MESH, 0.1, middle, axis)
 
     def _half_width(self) -> float:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -12,6 +13,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from encoders.reconstruction.touch_reconstructor import Reconstruction
+from models.arithmetic.arrays import Array
 from models.errors import InputError
 from models.frames import Contact, TouchFrame
 from models.hand import Hand
@@ -44,7 +47,7 @@ people = st.builds(Person, st.sampled_from(HANDS), st.floats(0.6, 1.6), st.sampl
 places = st.tuples(st.floats(0.0, 1.0), st.floats(0.0, 1.0))
 
 
-def trial(record: Path | None = None, **options) -> TrialResult:
+def trial(record: Path | None = None, **options: Any) -> TrialResult:
     chosen = plan(SceneOptions(**options))
     return run_trial(chosen.settings, chosen.makers, record=record, about=chosen.about)
 
@@ -61,7 +64,9 @@ def grasp(now: float) -> list[Contact]:
     ]
 
 
-def reconstructed(touch, **about):
+def reconstructed(
+    touch: Callable[[float], Iterable[Contact]], **about: Any
+) -> tuple[Surface, list[Reconstruction]]:
     """Reconstructions of 2 s of touches, by the default settings."""
     session = build(RunSettings(**about), (lambda task, surface: Script(lambda now: []),))
     reconstructor: Any = session.rigs[0].reconstructor
@@ -69,11 +74,11 @@ def reconstructed(touch, **about):
     return reconstructor.surface, [reconstructor.step(f) for f in frames]
 
 
-def test_mirrored_touches_give_the_mirrored_left_hand():
+def test_mirrored_touches_give_the_mirrored_left_hand() -> None:
     surface, right = reconstructed(grasp)
     width = float(surface.size[0])
 
-    def other_side(now):
+    def other_side(now: float) -> list[Contact]:
         return [replace(c, x=width - c.x) for c in grasp(now)]
 
     _, left = reconstructed(other_side, hands=(HandSettings("left"),))
@@ -89,7 +94,9 @@ def test_mirrored_touches_give_the_mirrored_left_hand():
 
 
 @pytest.mark.parametrize(("turn", "hand"), [(90, "right"), (180, "left"), (270, "left")])
-def test_a_person_at_another_side_gets_the_same_hand_turned_about_the_screens_middle(turn, hand):
+def test_a_person_at_another_side_gets_the_same_hand_turned_about_the_screens_middle(
+    turn: int, hand: str
+) -> None:
     # On a square screen the same person may sit anywhere.
     square = (6.0, 6.0)
     _, here = reconstructed(grasp, hands=(HandSettings(hand),), surface_in=square)
@@ -98,7 +105,7 @@ def test_a_person_at_another_side_gets_the_same_hand_turned_about_the_screens_mi
     # Counterclockwise seen from above, in a frame whose y points down.
     down = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
 
-    def there(now):
+    def there(now: float) -> Iterator[Contact]:
         for c in grasp(now):
             x, y = middle + down @ (np.array([c.x, c.y]) - middle)
             yield replace(c, x=float(x), y=float(y))
@@ -113,7 +120,9 @@ def test_a_person_at_another_side_gets_the_same_hand_turned_about_the_screens_mi
 
 
 @given(person=people, shares=st.lists(places, min_size=1, max_size=5))
-def test_the_screen_and_all_on_it_come_back_from_a_persons_frame(person, shares):
+def test_the_screen_and_all_on_it_come_back_from_a_persons_frame(
+    person: Person, shares: list[tuple[float, float]]
+) -> None:
     frame = PersonFrame(person, SCREEN)
     xy = np.array(shares) * SCREEN.size
     inside = frame.inwards(xy)
@@ -127,7 +136,7 @@ def test_the_screen_and_all_on_it_come_back_from_a_persons_frame(person, shares)
     )
 
 
-def test_a_person_at_the_right_edge_has_their_right_at_the_screens_upper_edge():
+def test_a_person_at_the_right_edge_has_their_right_at_the_screens_upper_edge() -> None:
     frame = PersonFrame(Person(turn=90), SCREEN)
     width, height = SCREEN.size
     # A point near the middle of the right edge is near the middle of the person's lower edge.
@@ -136,7 +145,9 @@ def test_a_person_at_the_right_edge_has_their_right_at_the_screens_upper_edge():
 
 
 @given(person=people, q=legal_poses)
-def test_fingertips_of_the_pose_that_comes_back_are_where_their_points_come_back_to(person, q):
+def test_fingertips_of_the_pose_that_comes_back_are_where_their_points_come_back_to(
+    person: Person, q: Array
+) -> None:
     frame = PersonFrame(person, SCREEN)
     inside = Kinematics(ADULT).tips(q)
     tips = Kinematics(person.skeleton(ADULT)).tips(frame.outward_pose(q))
@@ -147,7 +158,7 @@ def test_fingertips_of_the_pose_that_comes_back_are_where_their_points_come_back
 
 @given(q=legal_poses)
 @settings(max_examples=30)
-def test_the_left_skeleton_is_the_right_one_in_a_mirror_and_mujoco_agrees(q):
+def test_the_left_skeleton_is_the_right_one_in_a_mirror_and_mujoco_agrees(q: Array) -> None:
     left = ADULT.mirrored()
     assert left.side == "left" and left.mirrored().side == "right"
     right = Kinematics(ADULT).place(q)
@@ -174,7 +185,7 @@ def left_scene() -> tuple[Scene, mujoco.MjData]:
     return _ONCE[0]
 
 
-def test_both_hands_weigh_and_look_the_same():
+def test_both_hands_weigh_and_look_the_same() -> None:
     left, right = left_scene()[0].model, Scene(SceneSpec((Hand(),))).model
     np.testing.assert_allclose(left.body_mass, right.body_mass, rtol=1e-9)
     np.testing.assert_allclose(left.body_inertia, right.body_inertia, rtol=1e-6)
@@ -182,7 +193,7 @@ def test_both_hands_weigh_and_look_the_same():
     np.testing.assert_allclose(left.body_pos, right.body_pos @ MIRROR, atol=1e-9)
 
 
-def test_a_mirror_twice_gives_the_same_skeleton_to_the_bit():
+def test_a_mirror_twice_gives_the_same_skeleton_to_the_bit() -> None:
     again = ADULT.mirrored().mirrored()
     for a, b in zip(again.bones, ADULT.bones, strict=True):
         assert a.anchor == b.anchor
@@ -191,18 +202,22 @@ def test_a_mirror_twice_gives_the_same_skeleton_to_the_bit():
 
 
 @pytest.fixture(scope="module")
-def left_run(tmp_path_factory):
+def left_run(tmp_path_factory: pytest.TempPathFactory) -> tuple[TrialResult, Path]:
     path = tmp_path_factory.mktemp("left") / "run.jsonl"
     return trial(path, seed=5, fingers=3, hand="left"), path
 
 
-def test_the_left_handed_simulated_user_brings_the_box_to_its_goal(left_run):
+def test_the_left_handed_simulated_user_brings_the_box_to_its_goal(
+    left_run: tuple[TrialResult, Path],
+) -> None:
     result, _ = left_run
     assert result.success, result.reason
     assert result.settings["hand"] == "left"
 
 
-def test_a_left_handed_recording_replays_to_the_same_hashes(left_run):
+def test_a_left_handed_recording_replays_to_the_same_hashes(
+    left_run: tuple[TrialResult, Path],
+) -> None:
     result, path = left_run
     session, found = replay(load_recording(path))
     assert found.exact and found.complete and found.compared > 100
@@ -210,13 +225,15 @@ def test_a_left_handed_recording_replays_to_the_same_hashes(left_run):
     assert session.scene.spec.hands[0].skeleton.side == "left"
 
 
-def test_a_left_handed_recording_as_a_device_keeps_its_hand_unless_asked_otherwise(left_run):
+def test_a_left_handed_recording_as_a_device_keeps_its_hand_unless_asked_otherwise(
+    left_run: tuple[TrialResult, Path],
+) -> None:
     result, path = left_run
     assert trial(device=str(path)).state_hash == result.state_hash
     assert plan(SceneOptions(device=str(path), hand="right")).settings.hands[0].side == "right"
 
 
-def test_the_keys_of_the_mouse_put_down_a_left_hand_and_a_turned_one():
+def test_the_keys_of_the_mouse_put_down_a_left_hand_and_a_turned_one() -> None:
     def touches(person: Person) -> np.ndarray:
         mouse = MouseDevice(SCREEN, person)
         mouse.hand(3, SCREEN.size / 2)
@@ -231,13 +248,15 @@ def test_the_keys_of_the_mouse_put_down_a_left_hand_and_a_turned_one():
 
 
 @pytest.mark.parametrize("turn", [90, 180, 270])
-def test_the_simulated_user_succeeds_from_every_side_of_the_screen(turn):
+def test_the_simulated_user_succeeds_from_every_side_of_the_screen(turn: int) -> None:
     result = trial(seed=5, fingers=3, turn=turn)
     assert result.success, result.reason
 
 
 @given(x=st.floats(-0.1, 0.1), y=st.floats(-0.1, 0.1), yaw=st.floats(-3.0, 3.0), person=people)
-def test_a_seated_users_sight_keeps_distances_heights_and_what_is_at_its_goal(x, y, yaw, person):
+def test_a_seated_users_sight_keeps_distances_heights_and_what_is_at_its_goal(
+    x: float, y: float, yaw: float, person: Person
+) -> None:
     screen = SCREEN.centred_at((0.0, 0.0, 0.02))
     seat = Seat(person, screen)
     c, s = np.cos(yaw), np.sin(yaw)
@@ -270,7 +289,7 @@ def test_a_seated_users_sight_keeps_distances_heights_and_what_is_at_its_goal(x,
 @pytest.mark.parametrize(
     "wrong", [("middle", 1.0, 0), ("right", 1.0, 45), ("right", 0.0, 0), ("left", float("nan"), 0)]
 )
-def test_a_person_that_cannot_be_is_one_clear_error(wrong):
+def test_a_person_that_cannot_be_is_one_clear_error(wrong: tuple[str, float, int]) -> None:
     with pytest.raises(InputError, match="expected"):
         Person(*wrong)
     with pytest.raises(InputError, match="expected"):

@@ -72,12 +72,14 @@ def touched(
 
 
 @pytest.mark.parametrize("fingers", [(0, 1), (1, 3), (0, 1, 2), (2, 3, 4), (0, 1, 2, 3)])
-def test_names_of_fewer_than_five_fingers_teach_nothing_however_sure_they_are(fingers):
+def test_names_of_fewer_than_five_fingers_teach_nothing_however_sure_they_are(
+    fingers: tuple[int, ...],
+) -> None:
     assert touched(fingers).learned == {}
 
 
 @pytest.mark.parametrize(("side", "size"), [("right", 1.0), ("left", 0.8), ("left", 1.2)])
-def test_five_fingers_teach_their_layout_in_the_persons_own_size(side, size):
+def test_five_fingers_teach_their_layout_in_the_persons_own_size(side: str, size: float) -> None:
     settings = replace(SETTINGS, hands=(HandSettings(side, size),))
     after = touched((0, 1, 2, 3, 4), settings)
     (hand,) = settings.knowing(after.learned).hands
@@ -88,7 +90,7 @@ def test_five_fingers_teach_their_layout_in_the_persons_own_size(side, size):
     np.testing.assert_allclose(again.layouts, after.own.layouts, atol=2e-3)
 
 
-def test_every_trial_begins_with_the_settings_alone_so_that_their_order_does_not_matter():
+def test_every_trial_begins_with_the_settings_alone_so_that_their_order_does_not_matter() -> None:
     trials = [(0, 1, 2, 3, 4), INDEX_AND_RING, (2, 3, 4)]
 
     def hashes(order: list[int]) -> dict[int, str]:
@@ -101,13 +103,15 @@ def test_every_trial_begins_with_the_settings_alone_so_that_their_order_does_not
     assert touched(INDEX_AND_RING, taught).state_hash != forwards[1]
 
 
-def test_layouts_of_five_fingers_mend_names_of_two():
+def test_layouts_of_five_fingers_mend_names_of_two() -> None:
     taught = SETTINGS.knowing(touched((0, 1, 2, 3, 4)).learned)
     assert touched(INDEX_AND_RING).labels == {1: 0, 3: 1}
     assert touched(INDEX_AND_RING, taught).labels == {1: 1, 3: 3}
 
 
-def test_a_recording_holds_the_layouts_that_were_used_and_replays_without_a_profile(tmp_path):
+def test_a_recording_holds_the_layouts_that_were_used_and_replays_without_a_profile(
+    tmp_path: Path,
+) -> None:
     taught = SETTINGS.knowing(touched((0, 1, 2, 3, 4)).learned)
     path = tmp_path / "known.jsonl"
     played = touched(INDEX_AND_RING, taught, path)
@@ -118,7 +122,7 @@ def test_a_recording_holds_the_layouts_that_were_used_and_replays_without_a_prof
     assert played.learned == {}
 
 
-def test_what_was_known_at_the_beginning_stays_and_the_new_comes_last():
+def test_what_was_known_at_the_beginning_stays_and_the_new_comes_last() -> None:
     (after,) = touched((0, 1, 2, 3, 4), SETTINGS.knowing({"right": KNOWN})).learned.values()
     assert len(after) == len(KNOWN) + 1
     for kept, known in zip(after, KNOWN, strict=False):
@@ -127,7 +131,7 @@ def test_what_was_known_at_the_beginning_stays_and_the_new_comes_last():
         np.testing.assert_allclose(shift - shift[0], 0.0, atol=5e-5)
 
 
-def test_layouts_are_for_names_by_the_population_and_for_the_same_side():
+def test_layouts_are_for_names_by_the_population_and_for_the_same_side() -> None:
     other = replace(SETTINGS, labels="history")
     assert other.knowing({"right": KNOWN}) == other
     assert SETTINGS.knowing({"left": KNOWN}) == SETTINGS

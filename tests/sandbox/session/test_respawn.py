@@ -3,34 +3,42 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
 import mujoco
 import numpy as np
 import pytest
 
+from models.arithmetic.arrays import Array
 from models.frames import Contact
+from models.objects import Box
 from models.scene import CONTROL_PERIOD
 from models.surface import Surface
 from sandbox.recording.recording import load_recording
+from sandbox.session.messages import Snapshot
 from sandbox.session.respawn import AWAY, Respawn
+from sandbox.session.session import Session
+from sandbox.trial.driver import View
 from sandbox.trial.headless import run_trial
 from sandbox.trial.replay import replay
 from sandbox.trial.result import TrialResult
 from sandbox.trial.settings import RunSettings
+from tasks.task import Task
 from tests.support.scripted import Script, run, scripted
 
 
-def idle(task: str = "box-to-goal", seed: int = 1):
+def idle(task: str = "box-to-goal", seed: int = 1) -> Session:
     return scripted(lambda now: (), task=task, seed=seed)
 
 
-def joint(session, name: str) -> tuple[int, int]:
+def joint(session: Session, name: str) -> tuple[int, int]:
     found = session.scene.model.joint(name)
     return int(found.qposadr[0]), int(found.dofadr[0])
 
 
-def place(session, name: str) -> np.ndarray:
+def place(session: Session, name: str) -> np.ndarray:
     return session.scene.object_pose(session.data, name)[0]
 
 
@@ -39,7 +47,9 @@ def place(session, name: str) -> np.ndarray:
     "away",
     [(0.6, 0.0, 0.03), (-0.05, 3.0, 0.4), (0.0, 0.0, -0.2), (0.0, 0.0, 40.0)],
 )
-def test_an_object_out_of_reach_comes_back_to_its_start_at_rest_and_is_counted(task, away):
+def test_an_object_out_of_reach_comes_back_to_its_start_at_rest_and_is_counted(
+    task: str, away: tuple[float, float, float]
+) -> None:
     session = idle(task)
     thing = session.task.objects[0]
     q, v = joint(session, thing.name)
@@ -57,7 +67,7 @@ def test_an_object_out_of_reach_comes_back_to_its_start_at_rest_and_is_counted(t
     assert session.respawned == 1 and not session.snapshot().notice
 
 
-def test_an_object_flung_over_the_border_comes_back():
+def test_an_object_flung_over_the_border_comes_back() -> None:
     session = idle()
     _, v = joint(session, "box")
     session.data.qvel[v : v + 3] = [3.0, 0.5, 1.0]
@@ -66,7 +76,7 @@ def test_an_object_flung_over_the_border_comes_back():
     np.testing.assert_allclose(place(session, "box"), session.task.objects[0].position, atol=1e-3)
 
 
-def test_an_object_that_fingers_can_still_reach_is_left_where_it_is():
+def test_an_object_that_fingers_can_still_reach_is_left_where_it_is() -> None:
     session = idle()
     q, _ = joint(session, "box")
     surface = session.rigs[0].reconstructor.surface
@@ -78,7 +88,7 @@ def test_an_object_that_fingers_can_still_reach_is_left_where_it_is():
     np.testing.assert_allclose(place(session, "box")[:2], xy, atol=1e-3)
 
 
-def test_where_a_finger_is_in_the_way_the_nearest_free_place_is_taken():
+def test_where_a_finger_is_in_the_way_the_nearest_free_place_is_taken() -> None:
     where: dict[str, Any] = {}
     session = scripted(
         lambda now: [Contact(1, where["start"][0], where["start"][1], label=1)], seed=1
@@ -102,10 +112,11 @@ def test_where_a_finger_is_in_the_way_the_nearest_free_place_is_taken():
 
 
 @pytest.mark.parametrize("both", [False, True])
-def test_an_object_comes_back_beside_what_stands_in_its_place(both):
+def test_an_object_comes_back_beside_what_stands_in_its_place(both: bool) -> None:
     """The first one's place is taken by the second, which is away itself where both are."""
     session = idle("stack")
     first, second = session.task.objects[:2]
+    assert isinstance(first, Box) and isinstance(second, Box)
     (a, _), (b, _) = joint(session, first.name), joint(session, second.name)
     session.data.qpos[a : a + 3] = (0.8, 0.8, 0.025)
     session.data.qpos[b : b + 3] = (0.8, -0.8, 0.025) if both else first.position
@@ -121,7 +132,7 @@ def test_an_object_comes_back_beside_what_stands_in_its_place(both):
     assert both or np.linalg.norm(at - other) > reach
 
 
-def test_an_object_hinged_to_the_table_never_moves():
+def test_an_object_hinged_to_the_table_never_moves() -> None:
     session = idle("wrench-turn")
     run(session, 1.0)
     assert session.respawned == 0 and not session._respawn._objects
@@ -130,27 +141,27 @@ def test_an_object_hinged_to_the_table_never_moves():
 class Flinging(Script):
     """Pinches the box so that it slips, again and again."""
 
-    def __init__(self, at):
+    def __init__(self, at: Array) -> None:
         super().__init__(self.wipe)
         self.at = at
 
-    def wipe(self, now):
+    def wipe(self, now: float) -> list[Contact]:
         # From beside the box quickly through it and on over the border.
         way = np.clip((now % 2.0 - 0.8) / 0.2, 0.0, 1.0)
         x, y = self.at[0] - 0.045 + 0.20 * way, self.at[1]
         return [Contact(int(now // 2), x, y)] if now % 2.0 < 1.6 else []
 
 
-def test_a_trial_in_which_things_come_back_replays_to_the_bit(tmp_path):
+def test_a_trial_in_which_things_come_back_replays_to_the_bit(tmp_path: Path) -> None:
     path = tmp_path / "flung.jsonl"
     devices = []
 
-    def device(task, surface):
+    def device(task: Task, surface: Surface) -> Flinging:
         devices.append(Flinging(surface.to_surface(task.objects[0].position)))
         return devices[-1]
 
-    def views(session):
-        def stop(snapshot):
+    def views(session: Session) -> Sequence[View]:
+        def stop(snapshot: Snapshot) -> None:
             devices[0].finished = session.respawned > 0 or snapshot.time > 15.0
 
         return [stop]
@@ -165,7 +176,9 @@ def test_a_trial_in_which_things_come_back_replays_to_the_bit(tmp_path):
     assert json.dumps(result.as_json())
 
 
-def test_an_object_for_which_there_is_no_room_holds_nobody_up(monkeypatch):
+def test_an_object_for_which_there_is_no_room_holds_nobody_up(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     """Thousands of places were looked at in every step, a tenth of a second each time."""
     session = idle()
     thing, surface = session.task.objects[0], session.rigs[0].reconstructor.surface

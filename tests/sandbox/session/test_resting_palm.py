@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 
@@ -35,7 +36,7 @@ def played(session: Session, seconds: float = 2.0) -> str:
     return session.state_hash
 
 
-def test_a_palm_changes_nothing_of_what_its_hand_does():
+def test_a_palm_changes_nothing_of_what_its_hand_does() -> None:
     with_palm, without = (
         scripted(touched, seed=3),
         scripted(lambda t: touched(t, palm=False), seed=3),
@@ -57,7 +58,7 @@ class Ending(Script):
         return super().poll(now)
 
 
-def test_a_trial_with_a_palm_replays_to_the_bit(tmp_path):
+def test_a_trial_with_a_palm_replays_to_the_bit(tmp_path: Path) -> None:
     path = tmp_path / "palm.jsonl"
     result = run_trial(RunSettings(seed=3), (lambda task, surface: Ending(touched),), record=path)
     recording = load_recording(path)

@@ -25,19 +25,19 @@ from sandbox.trial.settings import RunSettings
 from tests.support.scripted import Script
 
 
-def trial(record: Path | None = None, **options) -> TrialResult:
+def trial(record: Path | None = None, **options: Any) -> TrialResult:
     chosen = plan(SceneOptions(**options))
     return run_trial(chosen.settings, chosen.makers, record=record, about=chosen.about)
 
 
 @pytest.fixture(scope="module")
-def recorded(tmp_path_factory):
+def recorded(tmp_path_factory: pytest.TempPathFactory) -> tuple[TrialResult, Path]:
     path = tmp_path_factory.mktemp("run") / "run.jsonl"
     return trial(path, seed=11, fingers=3), path
 
 
 @pytest.mark.parametrize("fingers", [2, 3, 5])
-def test_the_simulated_user_brings_the_box_to_its_goal(fingers):
+def test_the_simulated_user_brings_the_box_to_its_goal(fingers: int) -> None:
     result = trial(seed=5, fingers=fingers)
     assert result.success, result.reason
     assert result.status == "held"
@@ -45,19 +45,23 @@ def test_the_simulated_user_brings_the_box_to_its_goal(fingers):
 
 
 @pytest.mark.parametrize("user", ["idle", "random"])
-def test_control_arms_do_not_succeed(user):
+def test_control_arms_do_not_succeed(user: str) -> None:
     results = [trial(seed=seed, user=user) for seed in range(3)]
     assert not any(r.success for r in results)
     assert all(r.status == "timeout" and r.reason for r in results)
 
 
-def test_the_same_seed_gives_the_same_states_and_another_seed_others(recorded):
+def test_the_same_seed_gives_the_same_states_and_another_seed_others(
+    recorded: tuple[TrialResult, Path],
+) -> None:
     result, _ = recorded
     assert trial(seed=11, fingers=3).state_hash == result.state_hash
     assert trial(seed=12, fingers=3).state_hash != result.state_hash
 
 
-def test_a_recording_replays_to_the_same_hash_at_every_input(recorded):
+def test_a_recording_replays_to_the_same_hash_at_every_input(
+    recorded: tuple[TrialResult, Path],
+) -> None:
     result, path = recorded
     session, found = replay(load_recording(path))
     assert found.exact and found.complete and found.same_machine
@@ -65,7 +69,9 @@ def test_a_recording_replays_to_the_same_hash_at_every_input(recorded):
     assert found.compared > 100
 
 
-def test_a_stored_state_is_taken_back_to_the_bit_and_steps_on_alike(recorded):
+def test_a_stored_state_is_taken_back_to_the_bit_and_steps_on_alike(
+    recorded: tuple[TrialResult, Path],
+) -> None:
     _, path = recorded
     recording = load_recording(path)
     session = build(
@@ -89,7 +95,7 @@ def test_a_stored_state_is_taken_back_to_the_bit_and_steps_on_alike(recorded):
         assert ends[0] == ends[1]
 
 
-def test_without_touches_nothing_is_touched():
+def test_without_touches_nothing_is_touched() -> None:
     session = build(RunSettings(), (lambda task, surface: Script(lambda now: []),))
     before = session.data.qpos.copy()
     box = session.scene.model.joint("box").qposadr[0]
@@ -100,11 +106,11 @@ def test_without_touches_nothing_is_touched():
     assert np.abs(session.data.qpos - before).max() < 0.01
 
 
-def test_a_hand_put_down_inside_the_box_stays_a_ghost_until_its_fingers_are_out():
+def test_a_hand_put_down_inside_the_box_stays_a_ghost_until_its_fingers_are_out() -> None:
     settings = RunSettings(seed=4)
     place: dict[str, Any] = {}
 
-    def touch(now):
+    def touch(now: float) -> list[Contact]:
         # Two fingers, both in the middle of the box at first, then moved apart and out of it.
         apart = 0.01 + 0.05 * np.clip((now - 2.0) / 0.5, 0.0, 1.0)
         x, y = place["box"]
@@ -128,7 +134,7 @@ def test_a_hand_put_down_inside_the_box_stays_a_ghost_until_its_fingers_are_out(
     assert np.linalg.norm(snapshot.objects["box"].position - start) < 1e-3
 
 
-def test_fingertips_are_within_a_millimetre_of_resting_touches():
+def test_fingertips_are_within_a_millimetre_of_resting_touches() -> None:
     places = [(0.03, 0.10), (0.05, 0.06), (0.07, 0.05), (0.09, 0.06), (0.11, 0.07)]
     contacts = [Contact(i, x, y) for i, (x, y) in enumerate(places)]
     # Beside a thing, a fingertip is led off its touch: far from the box, none is.
@@ -146,8 +152,8 @@ def test_fingertips_are_within_a_millimetre_of_resting_touches():
         assert np.linalg.norm(off) < 1e-3
 
 
-def test_the_labels_of_a_hand_that_is_down_never_change_and_a_new_finger_gets_a_free_one():
-    def touch(now):
+def test_the_labels_of_a_hand_that_is_down_never_change_and_a_new_finger_gets_a_free_one() -> None:
+    def touch(now: float) -> list[Contact]:
         contacts = [Contact(1, 0.06, 0.10), Contact(2, 0.09, 0.05)]
         return [*contacts, Contact(3, 0.11, 0.055)] if now > 1.5 else contacts
 
@@ -162,8 +168,8 @@ def test_the_labels_of_a_hand_that_is_down_never_change_and_a_new_finger_gets_a_
     assert len(named) == 3 and len(set(named.values())) == 3
 
 
-def test_a_contact_lost_for_a_moment_keeps_its_finger():
-    def touch(now):
+def test_a_contact_lost_for_a_moment_keeps_its_finger() -> None:
+    def touch(now: float) -> list[Contact]:
         both = [Contact(1, 0.06, 0.10), Contact(2, 0.09, 0.05)]
         if 1.5 <= now < 1.6:
             return both[:1]
@@ -180,8 +186,8 @@ def test_a_contact_lost_for_a_moment_keeps_its_finger():
     assert all(r.down and len(r.fingers) == 2 for r in seen[80:])
 
 
-def test_a_jump_of_all_touches_moves_the_hand_no_faster_than_allowed():
-    def touch(now):
+def test_a_jump_of_all_touches_moves_the_hand_no_faster_than_allowed() -> None:
+    def touch(now: float) -> list[Contact]:
         x = 0.05 if now < 1.5 else 0.15
         return [Contact(1, x, 0.10), Contact(2, x + 0.02, 0.05)]
 
@@ -195,7 +201,7 @@ def test_a_jump_of_all_touches_moves_the_hand_no_faster_than_allowed():
     assert speed.max() > 0.9
 
 
-def test_the_session_plays_a_closed_device_to_its_end():
+def test_the_session_plays_a_closed_device_to_its_end() -> None:
     device = Script(lambda now: [])
     device.finished = True
     session = build(RunSettings(), (lambda task, surface: device,))
@@ -203,7 +209,7 @@ def test_the_session_plays_a_closed_device_to_its_end():
     assert session.scorer.score.status == "input_ended" and session.scorer.score.reason
 
 
-def test_a_scene_holds_two_rigs_that_do_not_disturb_each_other():
+def test_a_scene_holds_two_rigs_that_do_not_disturb_each_other() -> None:
     settings = RunSettings(seed=1)
     lone = build(settings, (lambda task, surface: Script(lambda now: []),))
     one = build(settings, (lambda task, surface: Script(lambda now: [Contact(1, 0.05, 0.10)]),))
@@ -224,13 +230,13 @@ def test_a_scene_holds_two_rigs_that_do_not_disturb_each_other():
     assert both.scene.model.nu == 2 * 48
 
 
-def test_a_screen_that_loses_touches_changes_ids_only_and_costs_no_success():
+def test_a_screen_that_loses_touches_changes_ids_only_and_costs_no_success() -> None:
     lossy = trial(seed=5, fingers=3, drop_outs=1.0)
     assert lossy.success, lossy.reason
     assert lossy.state_hash != trial(seed=5, fingers=3).state_hash
 
 
-def test_lost_touches_come_back_after_a_moment_under_an_id_of_their_own():
+def test_lost_touches_come_back_after_a_moment_under_an_id_of_their_own() -> None:
     screen = DropOuts(2.0, seed=0)
     own = {1: Contact(1, 0.05, 0.06), 2: Contact(2, 0.07, 0.08)}
     seen: dict[int, set[int]] = {1: set(), 2: set()}

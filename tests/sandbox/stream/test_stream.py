@@ -6,6 +6,8 @@ import json
 import socket
 import threading
 import time
+from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -15,12 +17,15 @@ from hypothesis import strategies as st
 from models.errors import InputError
 from models.motion.armature import Y_UP, Armature, Keys
 from models.motion.read.bvh import read_bvh
+from models.motion.sampling import Poses
 from models.rotations import quaternion_to_matrix
 from models.skeleton import ADULT
 from sandbox.cli.main import main
 from sandbox.export.motion_source import MotionSource, poses_of
 from sandbox.stream.guest_line import Line
 from sandbox.stream.guest_math import (
+    Quaternion,
+    Vector,
     angles_of,
     between,
     inverse,
@@ -30,7 +35,7 @@ from sandbox.stream.guest_math import (
     rotated,
     rows_of,
 )
-from sandbox.stream.lines import BLENDER, LIMIT, MAYA, MAYA_MEL, HandLines
+from sandbox.stream.lines import BLENDER, LIMIT, MAYA, MAYA_MEL, HandLines, StreamTarget
 from sandbox.stream.player import StreamPace, StreamPlayer
 from sandbox.stream.script import script
 from sandbox.stream.sender import Sender, parse_address
@@ -57,7 +62,7 @@ def inside(command: str) -> str:
 @pytest.mark.parametrize("hand", HANDS)
 @settings(max_examples=15)
 @given(seed=st.integers(0, 2**32 - 1))
-def test_a_line_says_where_fingers_reach_and_how_joints_are_turned(hand, seed):
+def test_a_line_says_where_fingers_reach_and_how_joints_are_turned(hand: str, seed: int) -> None:
     armature = Armature(HANDS[hand])
     keys = armature.keys(legal(HANDS[hand], 1, seed))
     (command,) = HandLines(armature, "right", BLENDER).lines(1.25, keys)
@@ -76,7 +81,9 @@ def test_a_line_says_where_fingers_reach_and_how_joints_are_turned(hand, seed):
 @pytest.mark.parametrize("target", [MAYA, MAYA_MEL, BLENDER])
 @given(limit=st.integers(330, LIMIT))
 @settings(max_examples=25)
-def test_a_moment_too_long_for_one_command_is_split_and_nothing_is_lost(target, limit):
+def test_a_moment_too_long_for_one_command_is_split_and_nothing_is_lost(
+    target: StreamTarget, limit: int
+) -> None:
     armature = Armature(ADULT)
     keys = armature.keys(legal(ADULT, 1, 5))
     whole = Line(inside(HandLines(armature, "right", target, run="r").lines(0.0, keys)[0]))
@@ -88,13 +95,13 @@ def test_a_moment_too_long_for_one_command_is_split_and_nothing_is_lost(target, 
     assert {k: v for x in lines for k, v in x.turns.items()} == whole.turns
 
 
-def test_a_command_that_cannot_be_made_short_enough_is_refused():
+def test_a_command_that_cannot_be_made_short_enough_is_refused() -> None:
     keys = Armature(ADULT).keys(legal(ADULT, 1, 5))
     with pytest.raises(InputError, match="too long"):
         HandLines(Armature(ADULT), "right", MAYA, 120).lines(0.0, keys)
 
 
-def test_times_and_names_never_make_a_command_of_a_two_hour_stream_too_long():
+def test_times_and_names_never_make_a_command_of_a_two_hour_stream_too_long() -> None:
     hand = HandLines(Armature(ADULT), "right_too", BLENDER)
     keys = Armature(ADULT).keys(legal(ADULT, 1, 5))
     assert max(len(c) for c in hand.lines(7200.0, keys)) + 1 < LIMIT
@@ -111,8 +118,11 @@ unit_vectors = st.tuples(*[st.floats(-1, 1)] * 4).filter(lambda q: 0.1 < np.lina
 @example((1.0, 0.0, 1.0, 0.0), (30.0, 0.0, 200.0))
 @example((1.0, 0.0, -1.0, 0.0), (30.0, 0.0, 200.0))
 @example((1.0, 1.0, 1.0, 1.0), (0.0, 0.0, 0.0))
-def test_turns_survive_matrices_and_angles_however_many_times_round(q, before):
-    q = tuple((np.array(q) / np.linalg.norm(q)).tolist())
+def test_turns_survive_matrices_and_angles_however_many_times_round(
+    q: Quaternion, before: Vector
+) -> None:
+    w, x, y, z = (np.array(q) / np.linalg.norm(q)).tolist()
+    q = (w, x, y, z)
     again = product(quaternion_of(rows_of(q)), inverse(q))
     assert abs(abs(again[0]) - 1) < 1e-9
     angles = angles_of(q, before)
@@ -133,7 +143,9 @@ def test_turns_survive_matrices_and_angles_however_many_times_round(q, before):
     st.tuples(*[st.floats(-1000, 1000)] * 3),
 )
 @example((20.0, 50.0), 1e-7, 1, (30.0, 0.0, 200.0))
-def test_angles_give_back_the_turn_at_and_near_the_pole(outer, off, sign, before):
+def test_angles_give_back_the_turn_at_and_near_the_pole(
+    outer: tuple[float, float], off: float, sign: int, before: Vector
+) -> None:
     x, z = outer
     half = np.deg2rad([x, sign * 90.0, z]) / 2 - [0.0, off / 2, 0.0]
     (sx, sy, sz), (cx, cy, cz) = np.sin(half), np.cos(half)
@@ -142,15 +154,20 @@ def test_angles_give_back_the_turn_at_and_near_the_pole(outer, off, sign, before
 
 
 @given(unit_vectors, unit_vectors)
-def test_the_turn_between_two_directions_brings_one_to_the_other(a, b):
-    a, b = np.array(a[:3]) + 1e-3, np.array(b[:3]) - 1e-3
-    for other in (b, -a, a):
-        found = np.array(rotated(between(a, other), a)) / np.linalg.norm(a)
+def test_the_turn_between_two_directions_brings_one_to_the_other(
+    a: Quaternion, b: Quaternion
+) -> None:
+    one, two = np.array(a[:3]) + 1e-3, np.array(b[:3]) - 1e-3
+    for other in (two, -one, one):
+        turn = between(one.tolist(), other.tolist())
+        found = np.array(rotated(turn, one.tolist())) / np.linalg.norm(one)
         assert np.allclose(found, other / np.linalg.norm(other), atol=2e-3)
 
 
 @given(unit_vectors, st.tuples(*[st.floats(-1, 1)] * 3))
-def test_the_palm_of_a_left_rig_is_that_of_the_right_one_in_the_mirror(q, at):
+def test_the_palm_of_a_left_rig_is_that_of_the_right_one_in_the_mirror(
+    q: Quaternion, at: Vector
+) -> None:
     skeleton = ADULT
     joints, tips = Armature(skeleton).place(Armature(skeleton).keys(moving(skeleton, 1, 5)))
     turn = np.array(rows_of(tuple((np.array(q) / np.linalg.norm(q)).tolist())))
@@ -183,7 +200,7 @@ BAD = {
 
 
 @pytest.mark.parametrize("how", BAD)
-def test_the_last_moment_and_the_order_to_stop_reach_a_port_that(how):
+def test_the_last_moment_and_the_order_to_stop_reach_a_port_that(how: str) -> None:
     heard: list[str] = []
     port = CommandPort(heard.append, BAD[how])
     sender = Sender("127.0.0.1", port.port, ["greeting"])
@@ -211,7 +228,7 @@ def test_the_last_moment_and_the_order_to_stop_reach_a_port_that(how):
     assert counts["moments sent"] + counts.get("moments dropped", 0) >= 80
 
 
-def test_a_program_that_is_started_late_and_again_is_found_and_greeted_each_time():
+def test_a_program_that_is_started_late_and_again_is_found_and_greeted_each_time() -> None:
     with socket.create_server(("127.0.0.1", 0)) as probe:
         number = probe.getsockname()[1]
     sender = Sender("127.0.0.1", number, ["hello"])
@@ -231,7 +248,7 @@ def test_a_program_that_is_started_late_and_again_is_found_and_greeted_each_time
         assert set(some[1:-1]) <= {f"moment {turn}", f"newer {turn}"}
 
 
-def test_whoever_hands_over_moments_never_waits_for_a_port_that_takes_nothing_in():
+def test_whoever_hands_over_moments_never_waits_for_a_port_that_takes_nothing_in() -> None:
     with socket.create_server(("127.0.0.1", 0)) as server:
         sender = Sender("127.0.0.1", server.getsockname()[1])
         made = []
@@ -243,12 +260,12 @@ def test_whoever_hands_over_moments_never_waits_for_a_port_that_takes_nothing_in
 
 
 @pytest.mark.parametrize("text", ["", "host", "7002:x", ":0", ":70000", "a:-1", "a:1.5", "a:٣"])
-def test_what_is_no_address_is_refused(text):
+def test_what_is_no_address_is_refused(text: str) -> None:
     with pytest.raises(InputError, match="not an address"):
         parse_address(text)
 
 
-def test_addresses_may_leave_out_the_host():
+def test_addresses_may_leave_out_the_host() -> None:
     assert parse_address(":7002") == parse_address("7002") == ("127.0.0.1", 7002)
     assert parse_address("[::1]:7002") == ("::1", 7002)
 
@@ -257,14 +274,16 @@ def test_addresses_may_leave_out_the_host():
 
 
 @pytest.mark.parametrize("how", ["answers", "dies of every answer", "reads a few bytes at a time"])
-def test_keys_of_a_recorded_hand_all_reach_a_scene_over_a_port_that(how, monkeypatch):
+def test_keys_of_a_recorded_hand_all_reach_a_scene_over_a_port_that(
+    how: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
     # On a busy machine this scene takes its time to answer, and to hang up.
     monkeypatch.setattr("sandbox.stream.sender.FIRST_PATIENCE", PATIENT)
     monkeypatch.setattr("sandbox.stream.sender.LINGER", 1.0)
     q = moving(ADULT, 30, 7)
     scene = FakeMaya()
 
-    def play(take):
+    def play(take: Callable[[Poses], None]) -> str:
         take(poses_of(np.arange(30) / 60.0, q))
         return ""
 
@@ -294,7 +313,7 @@ def test_keys_of_a_recorded_hand_all_reach_a_scene_over_a_port_that(how, monkeyp
 
 
 @pytest.fixture(scope="module")
-def recording(tmp_path_factory):
+def recording(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("stream") / "run.jsonl"
     assert (
         main(["run", "box-to-goal", "--device", "simulated", "--seed", "3", "--record", str(path)])
@@ -309,7 +328,9 @@ def moments(out: str) -> list[Line]:
     return lines[1:-1]
 
 
-def test_a_recording_is_streamed_as_it_is_exported(recording, tmp_path, capsys):
+def test_a_recording_is_streamed_as_it_is_exported(
+    recording: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     main(["export", str(recording), "--to", str(tmp_path / "a.bvh")])
     capsys.readouterr()
     assert main(["stream", str(recording), "--print", "--blender", ":1", "--speed", "100"]) == 0
@@ -320,8 +341,8 @@ def test_a_recording_is_streamed_as_it_is_exported(recording, tmp_path, capsys):
 
 
 def test_a_recording_that_breaks_off_is_printed_so_far_and_that_is_said(
-    recording, tmp_path, capsys
-):
+    recording: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     broken = tmp_path / "broken.jsonl"
     broken.write_bytes(b"".join(recording.read_bytes().splitlines(keepends=True)[:-1]))
     assert main(["stream", str(broken), "--print", "--speed", "100"]) == 0
@@ -330,7 +351,9 @@ def test_a_recording_that_breaks_off_is_printed_so_far_and_that_is_said(
 
 
 @pytest.mark.parametrize("side", ["right", "left"])
-def test_a_hand_over_a_leap_is_streamed_without_a_scene(side, tmp_path, capsys):
+def test_a_hand_over_a_leap_is_streamed_without_a_scene(
+    side: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     path = tmp_path / "hand.json"
     main(["leap", "simulate", "--out", str(path), "--hand", side, "--dialect", "v3"])
     text = json.loads(path.read_text())
@@ -349,8 +372,8 @@ def test_a_hand_over_a_leap_is_streamed_without_a_scene(side, tmp_path, capsys):
 
 
 def test_a_stream_to_nobody_ends_with_the_recording_and_says_that_nobody_was_told(
-    recording, capsys, monkeypatch
-):
+    recording: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr("sandbox.cli.stream.STOP_TIMEOUT", 0.2)
     monkeypatch.setattr("sandbox.cli.stream.KEY_PATIENCE", 0.0)
     with socket.create_server(("127.0.0.1", 0)) as probe:
@@ -374,14 +397,16 @@ def test_a_stream_to_nobody_ends_with_the_recording_and_says_that_nobody_was_tol
         (["--maya", ":7002", "--device", "tuio", "--json", "/no/such/x.json"], "no such folder"),
     ],
 )
-def test_options_that_make_no_sense_are_one_clear_line(words, said, capsys):
+def test_options_that_make_no_sense_are_one_clear_line(
+    words: list[str], said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
     assert main(["stream", *words]) == 2
     told = capsys.readouterr().err
     assert said in told and told.count("\n") == 1
 
 
 @pytest.mark.parametrize("program", ["maya", "blender"])
-def test_scripts_are_printed_whole(program, capsys):
+def test_scripts_are_printed_whole(program: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["stream", "--script", program]) == 0
     text = capsys.readouterr().out
     compile(text, program, "exec")

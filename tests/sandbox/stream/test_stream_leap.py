@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import threading
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ import pytest
 from encoders.paalm import Paalm
 from encoders.paalm.recorded import calibrate_on_recording
 from models.motion.armature import Y_UP
+from models.motion.sampling import Poses
 from models.pose import ROOT_POSITION
 from models.rotations import quaternion_to_matrix
 from sandbox.cli.main import main
@@ -30,7 +32,9 @@ def moments(text: str) -> list[Line]:
     return [line for line in lines if line.kind == "moment"]
 
 
-def test_a_recording_of_a_leap_is_streamed_where_the_device_saw_it(tmp_path, capsys):
+def test_a_recording_of_a_leap_is_streamed_where_the_device_saw_it(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     path = write(tmp_path / "leap.json", alone("right")[:200])
     line = ["stream", str(path), "--hand", "right", "--print", "--rate", "100", "--speed", "100"]
     assert main(line) == 0
@@ -44,7 +48,9 @@ def test_a_recording_of_a_leap_is_streamed_where_the_device_saw_it(tmp_path, cap
         assert np.allclose(one.place, Y_UP @ wrist, atol=2e-6)
 
 
-def test_both_hands_are_streamed_each_as_its_own(tmp_path, capsys):
+def test_both_hands_are_streamed_each_as_its_own(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     path = write(tmp_path / "both.json", together()[:150])
     assert main(["stream", str(path), "--print", "--speed", "100"]) == 0
     told = moments(capsys.readouterr().out)
@@ -53,14 +59,14 @@ def test_both_hands_are_streamed_each_as_its_own(tmp_path, capsys):
 
 
 @pytest.mark.parametrize("sides", [("right",), ("left",), ("right", "left")])
-def test_hands_over_a_live_leap_are_where_the_device_sees_them(sides):
+def test_hands_over_a_live_leap_are_where_the_device_sees_them(sides: tuple[str, ...]) -> None:
     still = together() if len(sides) == 2 else alone(sides[0])
     still = [replace(still[0], time=0.01 * i) for i in range(100)]
     messages = [leap_message(frame, i) for i, frame in enumerate(still)]
     server = FakeLeapd(messages, port=0, rate=100.0, loop=True)
     device, stop, seen = LeapDevice(server.address), threading.Event(), []
 
-    def take(poses):
+    def take(poses: Poses) -> None:
         seen.append(poses)
         if len(seen) == 150:
             stop.set()
@@ -93,7 +99,9 @@ def test_hands_over_a_live_leap_are_where_the_device_sees_them(sides):
         (["{none}"], "no hand is seen"),
     ],
 )
-def test_what_cannot_be_streamed_is_refused_in_one_line(words, said, tmp_path, capsys):
+def test_what_cannot_be_streamed_is_refused_in_one_line(
+    words: list[str], said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     leap = write(tmp_path / "leap.json", alone("right")[:60])
     none = tmp_path / "none.json"
     none.write_text(json.dumps([{"timestamp": i, "hands": [], "pointables": []} for i in range(9)]))

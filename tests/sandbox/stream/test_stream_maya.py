@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import re
+from collections.abc import Iterable, Sequence
 from functools import cache
 
 import numpy as np
@@ -14,6 +15,7 @@ from hypothesis import strategies as st
 from encoders.paalm import TWO_THIRDS
 from encoders.paalm.hand_pose import hand_pose
 from encoders.paalm.palm import Palm
+from models.arithmetic.arrays import Array
 from models.motion.armature import Y_UP, Armature
 from models.person import Person
 from models.skeleton import ADULT
@@ -30,7 +32,9 @@ def maya_script() -> str:
     return script("maya")
 
 
-def commands(q, side="right", run="r1"):
+def commands(
+    q: Array, side: str = "right", run: str = "r1"
+) -> tuple[HandLines, list[str], tuple[Array, Array]]:
     """The rig's command, and those of poses at 60 Hz."""
     armature = Armature(Person(side).skeleton(ADULT))
     hand = HandLines(armature, side, MAYA, run=run)
@@ -42,20 +46,24 @@ def commands(q, side="right", run="r1"):
     return hand, [line for lines in moments for line in lines], armature.place(keys)
 
 
-def chain(scene, name, places, parent=None):
+def chain(
+    scene: FakeMaya, name: str, places: Iterable[Sequence[float]], parent: str | None = None
+) -> list[str]:
     """Joints of an animator's own rig."""
     scene.select(*([parent] if parent else []), clear=not parent)
     names = [scene.joint(name=f"{name}{i}", position=place) for i, place in enumerate(places)]
     return names
 
 
-def where(scene, name):
+def where(scene: FakeMaya, name: str) -> Array:
     return np.array(scene.xform(name, query=True, worldSpace=True, translation=True))
 
 
 @pytest.mark.parametrize("side", ["right", "left"])
 @pytest.mark.parametrize("up", ["y", "z"])
-def test_a_hand_made_in_maya_has_its_fingertips_where_the_streamed_one_has(side, up):
+def test_a_hand_made_in_maya_has_its_fingertips_where_the_streamed_one_has(
+    side: str, up: str
+) -> None:
     scene, q = FakeMaya(up=up), moving(ADULT, 60, 4)[::6]
     hand, lines, (joints, tips) = commands(q, side)
     with maya_with(maya_script(), scene) as (names, run):
@@ -79,7 +87,9 @@ def test_a_hand_made_in_maya_has_its_fingertips_where_the_streamed_one_has(side,
 @pytest.mark.parametrize(
     ("chains", "joints"), [(1, 4), (1, 2), (2, 3), (3, 6), (4, 2), (5, 3), (5, 4)]
 )
-def test_any_chains_that_are_selected_reach_as_far_and_point_as_the_fingers_do(chains, joints):
+def test_any_chains_that_are_selected_reach_as_far_and_point_as_the_fingers_do(
+    chains: int, joints: int
+) -> None:
     scene = FakeMaya()
     q = moving(ADULT, 60, 1)[::15]
     _, lines, (places, tips) = commands(q)
@@ -111,7 +121,7 @@ def test_any_chains_that_are_selected_reach_as_far_and_point_as_the_fingers_do(c
     assert armature.names[0] == "wrist"
 
 
-def test_keys_are_whole_frames_and_baking_leaves_the_joints_as_they_were_seen():
+def test_keys_are_whole_frames_and_baking_leaves_the_joints_as_they_were_seen() -> None:
     scene, q = FakeMaya("film"), moving(ADULT, 30, 2)
     hand, lines, _ = commands(q)
     with maya_with(maya_script(), scene) as (names, run):
@@ -138,7 +148,7 @@ def test_keys_are_whole_frames_and_baking_leaves_the_joints_as_they_were_seen():
     assert not scene.warnings
 
 
-def test_a_thousand_moments_leave_the_undo_queue_as_it_was():
+def test_a_thousand_moments_leave_the_undo_queue_as_it_was() -> None:
     scene, q = FakeMaya(), moving(ADULT, 100, 3)
     hand, lines, _ = commands(q)
     row = [chain(scene, f"f{c}_", [(c, 0, 3 * i) for i in range(4)])[0] for c in range(2)]
@@ -154,7 +164,7 @@ def test_a_thousand_moments_leave_the_undo_queue_as_it_was():
     assert scene.undoInfo(query=True, state=True)
 
 
-def test_a_rig_goes_on_from_where_it_stands_unless_it_is_to_be_where_the_hand_is():
+def test_a_rig_goes_on_from_where_it_stands_unless_it_is_to_be_where_the_hand_is() -> None:
     scene, q = FakeMaya(), moving(ADULT, 10, 5)
     _, lines, (places, _) = commands(q)
     palm = chain(scene, "palm", [(50.0, 20.0, 10.0)])[0]
@@ -171,7 +181,7 @@ def test_a_rig_goes_on_from_where_it_stands_unless_it_is_to_be_where_the_hand_is
             assert np.allclose(where(scene, palm), np.add([50, 20, 10], moved), atol=2e-3)
 
 
-def test_a_palm_that_is_to_stay_stays_while_the_fingers_move():
+def test_a_palm_that_is_to_stay_stays_while_the_fingers_move() -> None:
     scene, q = FakeMaya(), moving(ADULT, 10, 5)
     _, lines, _ = commands(q)
     palm = chain(scene, "palm", [(0.0, 0.0, 0.0)])[0]
@@ -195,7 +205,9 @@ def test_a_palm_that_is_to_stay_stays_while_the_fingers_move():
         (["still0"], "in one place"),
     ],
 )
-def test_chains_that_cannot_follow_a_hand_are_refused_in_words_and_leave_nothing(select, said):
+def test_chains_that_cannot_follow_a_hand_are_refused_in_words_and_leave_nothing(
+    select: list[str], said: str
+) -> None:
     scene = FakeMaya()
     for name in "abcdeg":
         chain(scene, name, [(ord(name), 0, 3 * i) for i in range(4)])
@@ -209,7 +221,7 @@ def test_chains_that_cannot_follow_a_hand_are_refused_in_words_and_leave_nothing
     assert said in scene.warnings[0]
 
 
-def test_fingers_may_be_named_but_each_once_and_for_every_chain():
+def test_fingers_may_be_named_but_each_once_and_for_every_chain() -> None:
     scene, q = FakeMaya(), moving(ADULT, 2, 0)
     _, lines, _ = commands(q)
     row = [chain(scene, f"f{c}_", [(c, 0, 3 * i) for i in range(4)])[0] for c in range(2)]
@@ -223,7 +235,7 @@ def test_fingers_may_be_named_but_each_once_and_for_every_chain():
         assert set(names["hands"]) == {"right"}
 
 
-def test_targets_that_somebody_deletes_end_the_hand_with_a_word_and_nothing_else():
+def test_targets_that_somebody_deletes_end_the_hand_with_a_word_and_nothing_else() -> None:
     scene, q = FakeMaya(), moving(ADULT, 3, 0)
     hand, lines, _ = commands(q)
     scene.select(chain(scene, "f", [(0, 0, 3 * i) for i in range(4)])[0])
@@ -243,7 +255,7 @@ good = "hs1 r1 right 0 0.0000 p 0 0 0 1 0 0 0 c 1 0 0.5 0 0 0 1 0.1"
 
 
 @given(st.one_of(st.text(max_size=200), st.integers(0, len(good)).map(lambda n: good[:n])))
-def test_nothing_that_is_written_to_the_port_reaches_maya_as_an_error(text):
+def test_nothing_that_is_written_to_the_port_reaches_maya_as_an_error(text: str) -> None:
     scene = FakeMaya()
     scene.select(chain(scene, "f", [(0, 0, 3 * i) for i in range(4)])[0])
     with maya_with(maya_script(), scene) as (names, _):
@@ -276,14 +288,14 @@ def test_nothing_that_is_written_to_the_port_reaches_maya_as_an_error(text):
         "hs1 r1 right rig b a -1 0 0 0 1 0 0 0 e 3 0 0 0",
     ],
 )
-def test_a_line_that_is_not_exactly_as_it_should_be_is_refused(line):
+def test_a_line_that_is_not_exactly_as_it_should_be_is_refused(line: str) -> None:
     scene = FakeMaya()
     with maya_with(maya_script(), scene) as (names, _):
         names["hand_sandbox"](line)
         assert names["counts"] == {"lines": 0, "lines refused": 1}
 
 
-def test_the_script_is_one_file_for_pythons_from_3_7_that_needs_nothing_of_ours():
+def test_the_script_is_one_file_for_pythons_from_3_7_that_needs_nothing_of_ours() -> None:
     tree = ast.parse(maya_script(), feature_version=(3, 7))
     wanted = {
         (node.module if isinstance(node, ast.ImportFrom) else node.names[0].name)
@@ -294,7 +306,7 @@ def test_the_script_is_one_file_for_pythons_from_3_7_that_needs_nothing_of_ours(
     assert "NEVER RUN IN A REAL MAYA" in (ast.get_docstring(tree) or "")
 
 
-def test_every_command_is_shorter_than_the_port_takes_and_holds_nothing_to_be_quoted():
+def test_every_command_is_shorter_than_the_port_takes_and_holds_nothing_to_be_quoted() -> None:
     hand, lines, _ = commands(moving(ADULT, 20, 0))
     for command in [hand.rig, hand.stop, *lines]:
         assert len(command.encode()) + 1 < LIMIT
@@ -305,7 +317,7 @@ def test_every_command_is_shorter_than_the_port_takes_and_holds_nothing_to_be_qu
 
 
 @pytest.mark.parametrize("up", ["y", "z"])
-def test_inner_joints_bend_as_paalm_couples_them(up):
+def test_inner_joints_bend_as_paalm_couples_them(up: str) -> None:
     """With its share of the preferred angle, a solver finds PAALM's angles by itself."""
     scene = FakeMaya(up=up)
     angles = np.zeros((40, 5, 4))
@@ -328,7 +340,7 @@ def test_inner_joints_bend_as_paalm_couples_them(up):
         assert names["counts"]["lines refused"] == 0
 
 
-def test_the_joints_of_the_made_hand_look_along_their_bones():
+def test_the_joints_of_the_made_hand_look_along_their_bones() -> None:
     scene, q = FakeMaya(), moving(ADULT, 2, 3)
     hand, _, _ = commands(q)
     with maya_with(maya_script(), scene) as (names, run):
@@ -344,7 +356,7 @@ def test_the_joints_of_the_made_hand_look_along_their_bones():
 
 
 @pytest.mark.parametrize("side", ["right", "left"])
-def test_a_scene_in_radians_has_the_same_motion(side):
+def test_a_scene_in_radians_has_the_same_motion(side: str) -> None:
     found = []
     for angle in ("deg", "rad"):
         scene, q = FakeMaya(angle=angle), moving(ADULT, 20, 6)
@@ -362,7 +374,7 @@ def test_a_scene_in_radians_has_the_same_motion(side):
     ("unit", "frames"),
     [("film", 24), ("29.97df", 30), ("23.976fps", 24), ("120fps", 120), ("sec", 1), ("pal", 25)],
 )
-def test_a_second_of_the_stream_is_a_second_of_the_scene(unit, frames):
+def test_a_second_of_the_stream_is_a_second_of_the_scene(unit: str, frames: int) -> None:
     scene, q = FakeMaya(unit), moving(ADULT, 61, 2)
     hand, lines, _ = commands(q)
     with maya_with(maya_script(), scene) as (names, run):
@@ -374,14 +386,14 @@ def test_a_second_of_the_stream_is_a_second_of_the_scene(unit, frames):
         assert names["counts"]["lines refused"] == 0
 
 
-def test_a_unit_of_time_that_is_not_known_is_refused_at_the_start():
+def test_a_unit_of_time_that_is_not_known_is_refused_at_the_start() -> None:
     scene = FakeMaya("fortnight")
     with maya_with(maya_script(), scene) as (names, _):
         names["start"]()
         assert not names["waiting"] and "fortnight" in scene.warnings[0]
 
 
-def test_the_time_slider_is_extended_to_the_keys_and_never_shortened():
+def test_the_time_slider_is_extended_to_the_keys_and_never_shortened() -> None:
     scene, q = FakeMaya(), moving(ADULT, 250, 2)
     hand, lines, _ = commands(q)
     with maya_with(maya_script(), scene) as (names, run):
@@ -402,7 +414,7 @@ def test_the_time_slider_is_extended_to_the_keys_and_never_shortened():
         assert scene.range["maxTime"] == 201.0 and scene.range["minTime"] == 1.0
 
 
-def test_another_rig_with_the_same_names_disturbs_nothing():
+def test_another_rig_with_the_same_names_disturbs_nothing() -> None:
     scene, q = FakeMaya(), moving(ADULT, 20, 1)
     other = scene.group(empty=True, name="other")
     hand, lines, (_, tips) = commands(q)
@@ -419,7 +431,7 @@ def test_another_rig_with_the_same_names_disturbs_nothing():
         assert names["counts"]["lines refused"] == 0 and not scene.objExists("hand_sandbox_right")
 
 
-def test_fingers_under_metacarpals_move_with_the_hand_above_them():
+def test_fingers_under_metacarpals_move_with_the_hand_above_them() -> None:
     scene, q = FakeMaya(), moving(ADULT, 10, 5)
     _, lines, (places, _) = commands(q)
     palm = chain(scene, "hand", [(0.0, 0.0, 0.0)])[0]
@@ -437,7 +449,7 @@ def test_fingers_under_metacarpals_move_with_the_hand_above_them():
     assert not scene.warnings
 
 
-def test_chains_with_nothing_above_them_are_told_that_no_palm_moves():
+def test_chains_with_nothing_above_them_are_told_that_no_palm_moves() -> None:
     scene = FakeMaya()
     scene.select(*[chain(scene, f"f{c}_", [(-c, 0, 3 * i) for i in range(4)])[0] for c in range(2)])
     with maya_with(maya_script(), scene) as (names, _):
@@ -456,8 +468,8 @@ def test_chains_with_nothing_above_them_are_told_that_no_palm_moves():
     ],
 )
 def test_channels_that_could_not_be_baked_are_refused_before_anything_is_played(
-    node, attribute, driver, said
-):
+    node: str, attribute: str, driver: str, said: str
+) -> None:
     scene = FakeMaya()
     scene.group(empty=True, name="drive")
     palm = chain(scene, "hand", [(0.0, 0.0, 0.0)])[0]

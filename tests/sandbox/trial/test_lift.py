@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -12,6 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from encoders.reconstruction.lift import Lift, LiftSettings
+from encoders.reconstruction.touch_reconstructor import Reconstruction
 from models.errors import InputError
 from models.frames import Contact, TouchFrame
 from models.kinematics import Kinematics
@@ -37,7 +39,12 @@ def touches(now: float) -> tuple[Contact, ...]:
     return (Contact(1, 0.08, 0.13, label=0), Contact(2, 0.12, 0.13, label=1))
 
 
-def poses(control, seconds: float = 1.2, task: str = "stack", **settings) -> list:
+def poses(
+    control: Callable[[float], float | None],
+    seconds: float = 1.2,
+    task: str = "stack",
+    **settings: Any,
+) -> list[Reconstruction]:
     """What is reconstructed with a lift control that is time -> its position."""
     options = RunSettings(task=task, seed=1, **settings)
     made = build(options, (lambda task, surface: Still(),))
@@ -46,13 +53,18 @@ def poses(control, seconds: float = 1.2, task: str = "stack", **settings) -> lis
     return [reconstructor.step(TouchFrame(t, touches(t), control(t))) for t in times]
 
 
-def test_without_a_lift_control_the_hand_is_where_it_is_with_one_at_rest():
+def held(position: float) -> Callable[[float], float]:
+    """A lift control that never moves."""
+    return lambda t: position
+
+
+def test_without_a_lift_control_the_hand_is_where_it_is_with_one_at_rest() -> None:
     for a, b in zip(poses(lambda t: None), poses(lambda t: 0.0), strict=True):
         np.testing.assert_array_equal(a.q, b.q)
         assert a.phase == b.phase
 
 
-def test_tasks_without_a_lift_take_no_notice_of_it():
+def test_tasks_without_a_lift_take_no_notice_of_it() -> None:
     still = poses(lambda t: None, task="box-to-goal")
     moved = poses(lambda t: 0.7, task="box-to-goal")
     for a, b in zip(still, moved, strict=True):
@@ -62,15 +74,17 @@ def test_tasks_without_a_lift_take_no_notice_of_it():
 @pytest.mark.parametrize(
     "hand", [HandSettings(), HandSettings(size=1.2), HandSettings("left", turn=90)]
 )
-def test_every_hand_rises_by_the_tasks_range_and_keeps_its_place_otherwise(hand):
-    low, high = (poses(lambda t, x=x: x, seconds=3.0, hands=(hand,))[-1] for x in (0.0, 0.5))
+def test_every_hand_rises_by_the_tasks_range_and_keeps_its_place_otherwise(
+    hand: HandSettings,
+) -> None:
+    low, high = (poses(held(x), seconds=3.0, hands=(hand,))[-1] for x in (0.0, 0.5))
     assert low.down and high.down and low.fingers == high.fingers
     rise = high.q - low.q
     assert rise[2] == pytest.approx(0.5 * Stack.lift_range, abs=1e-4)
     np.testing.assert_allclose(np.delete(rise, 2), 0.0, atol=1e-9)
 
 
-def test_a_hand_that_is_lifted_while_it_is_down_stays_down_and_keeps_its_fingers():
+def test_a_hand_that_is_lifted_while_it_is_down_stays_down_and_keeps_its_fingers() -> None:
     found = poses(lambda t: 0.0 if t < 1.2 else 1.0, seconds=3.0)
     first = next(i for i, r in enumerate(found) if r.down)
     assert first * PERIOD < 1.2
@@ -78,8 +92,8 @@ def test_a_hand_that_is_lifted_while_it_is_down_stays_down_and_keeps_its_fingers
     assert found[-1].q[2] - found[first].q[2] > 0.9 * Stack.lift_range
 
 
-def test_a_hand_that_comes_while_the_lift_is_up_comes_down_to_its_height():
-    low, high = (poses(lambda t, x=x: x, seconds=3.0) for x in (0.0, 0.8))
+def test_a_hand_that_comes_while_the_lift_is_up_comes_down_to_its_height() -> None:
+    low, high = (poses(held(x), seconds=3.0) for x in (0.0, 0.8))
     when = [next(i for i, r in enumerate(found) if r.down) for found in (low, high)]
     assert when[0] == when[1]
     tips = Kinematics(build(RunSettings(), (lambda t, s: None,)).rigs[0].hand.skeleton).tips
@@ -87,7 +101,7 @@ def test_a_hand_that_comes_while_the_lift_is_up_comes_down_to_its_height():
     np.testing.assert_allclose(rise, 0.8 * Stack.lift_range, atol=1e-4)
 
 
-def test_a_noisy_slider_hardly_shakes_the_hand():
+def test_a_noisy_slider_hardly_shakes_the_hand() -> None:
     rng = np.random.default_rng(3)
     lift = Lift(LiftSettings(reach=0.18))
     heights, wanted = [], []
@@ -101,7 +115,9 @@ def test_a_noisy_slider_hardly_shakes_the_hand():
 
 
 @given(st.lists(st.floats(0.0, 1.0) | st.none(), min_size=1, max_size=60), st.floats(0.0, 0.3))
-def test_no_lift_control_moves_the_hand_faster_than_it_may_or_out_of_its_range(controls, reach):
+def test_no_lift_control_moves_the_hand_faster_than_it_may_or_out_of_its_range(
+    controls: list[float], reach: float
+) -> None:
     settings = LiftSettings(reach=reach)
     lift = Lift(settings)
     before = 0.0
@@ -114,7 +130,7 @@ def test_no_lift_control_moves_the_hand_faster_than_it_may_or_out_of_its_range(c
     assert lift.height == 0.0
 
 
-def test_recordings_keep_the_lift(tmp_path: Path):
+def test_recordings_keep_the_lift(tmp_path: Path) -> None:
     path = tmp_path / "lift.jsonl"
     writer = RecordingWriter(path, {"settings": {}, "versions": {}})
     frames = [TouchFrame(0.0, (), lift) for lift in (None, 0.0, 1 / 3, 1.0)]
@@ -126,7 +142,7 @@ def test_recordings_keep_the_lift(tmp_path: Path):
 
 
 @pytest.mark.parametrize("lift", ["1.5", "-0.1", '"high"', "[]", "true0"])
-def test_a_recording_with_an_impossible_lift_is_read_up_to_it(tmp_path: Path, lift: str):
+def test_a_recording_with_an_impossible_lift_is_read_up_to_it(tmp_path: Path, lift: str) -> None:
     path = tmp_path / "bad.jsonl"
     line = '{"kind":"input","step":0,"hand":0,"time":0.0,"contacts":[],"hash":""'
     head = '{"kind":"header","schema":2,"settings":{}}'
@@ -159,7 +175,7 @@ def polled(keys: LiftKeys, begin: float, seconds: float) -> list[TouchFrame]:
     return [frame for t in times for frame in keys.poll(float(t))]
 
 
-def test_a_key_that_is_held_lifts_and_a_key_let_go_holds_still():
+def test_a_key_that_is_held_lifts_and_a_key_let_go_holds_still() -> None:
     keys = LiftKeys(Still())
     (first,) = keys.poll(0.0)
     assert first.lift == 0.0
@@ -176,7 +192,7 @@ def test_a_key_that_is_held_lifts_and_a_key_let_go_holds_still():
     assert polled(keys, 4.1, 5.0)[-1].lift == 1.0
 
 
-def test_a_key_tapped_between_two_polls_does_something():
+def test_a_key_tapped_between_two_polls_does_something() -> None:
     keys = LiftKeys(Still())
     keys.poll(0.0)
     keys.hold(1.0)
@@ -186,7 +202,7 @@ def test_a_key_tapped_between_two_polls_does_something():
 
 
 @pytest.mark.parametrize("keys", [True, False])
-def test_a_task_that_needs_a_lift_control_gets_one_or_says_so(keys):
+def test_a_task_that_needs_a_lift_control_gets_one_or_says_so(keys: bool) -> None:
     device = Still()
     (make,) = with_lift((lambda task, surface: device,), keys)
     surface = RunSettings().surface
@@ -202,7 +218,7 @@ def test_a_task_that_needs_a_lift_control_gets_one_or_says_so(keys):
     assert device.closed
 
 
-def test_a_run_with_lift_replays_to_the_bit(tmp_path: Path):
+def test_a_run_with_lift_replays_to_the_bit(tmp_path: Path) -> None:
     path = tmp_path / "stack.jsonl"
     chosen = plan(SceneOptions(task="stack", seed=3))
     result = run_trial(chosen.settings, chosen.makers, record=path, about=chosen.about)

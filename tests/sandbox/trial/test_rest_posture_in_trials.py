@@ -1,11 +1,13 @@
 """A rest posture in trials: options, profile, recording and replay."""
 
 import json
+from pathlib import Path
+from typing import Any
 
 import pytest
 
 from encoders.captures.subject import FROZEN, SEED, simulate
-from encoders.person.rest_posture import looks_of, save_rest
+from encoders.person.rest_posture import Looks, looks_of, save_rest
 from models.errors import InputError
 from models.person import Person
 from sandbox.cli.main import main
@@ -14,23 +16,25 @@ from sandbox.options.scene_options import SceneOptions, plan
 
 
 @pytest.fixture(scope="module")
-def looks():
+def looks() -> Looks:
     return looks_of(simulate(FROZEN, SEED, 1), 3)
 
 
 @pytest.fixture
-def rest(tmp_path, looks):
+def rest(tmp_path: Path, looks: Looks) -> Path:
     save_rest(looks, tmp_path / "rest.json", "right", simulated=True)
     return tmp_path / "rest.json"
 
 
-def test_a_profile_keeps_a_rest_posture_for_the_encoder_of_any_person(tmp_path, looks):
+def test_a_profile_keeps_a_rest_posture_for_the_encoder_of_any_person(
+    tmp_path: Path, looks: Looks
+) -> None:
     path = tmp_path / "me.json"
     profile = Profile(Person(), (0.9, 1.1), "tuio", True, (), looks)
     save_profile(profile, path)
     assert load_profile(path) == profile and "3 looks" in profile.line
 
-    def used(**options):
+    def used(**options: Any) -> Looks:
         return plan(SceneOptions(profile=str(path), **options)).settings.hands[0].rest
 
     assert used(encoder="population") == looks
@@ -38,7 +42,7 @@ def test_a_profile_keeps_a_rest_posture_for_the_encoder_of_any_person(tmp_path, 
     assert used(encoder="best") == () == used(encoder="population", hand="left")
 
 
-def test_a_damaged_rest_posture_of_a_profile_is_told(tmp_path, looks):
+def test_a_damaged_rest_posture_of_a_profile_is_told(tmp_path: Path, looks: Looks) -> None:
     path = tmp_path / "me.json"
     save_profile(Profile(Person(), (0.9, 1.1), "tuio", True, (), looks), path)
     values = json.loads(path.read_text())
@@ -48,7 +52,9 @@ def test_a_damaged_rest_posture_of_a_profile_is_told(tmp_path, looks):
         load_profile(path)
 
 
-def test_a_trial_with_a_rest_posture_replays_without_its_file(tmp_path, rest, capsys):
+def test_a_trial_with_a_rest_posture_replays_without_its_file(
+    tmp_path: Path, rest: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     line = ["run", "box-to-goal", "--encoder", "population", "--seed", "3", "--json", "-"]
     recording = tmp_path / "run.jsonl"
     assert main([*line, "--rest", str(rest), "--record", str(recording)]) == 0
@@ -60,12 +66,14 @@ def test_a_trial_with_a_rest_posture_replays_without_its_file(tmp_path, rest, ca
     assert json.loads(capsys.readouterr().out)["state_hash"] != seen["state_hash"]
 
 
-def test_a_rest_posture_needs_an_encoder_of_any_person(rest, capsys):
+def test_a_rest_posture_needs_an_encoder_of_any_person(
+    rest: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     assert main(["run", "box-to-goal", "--encoder", "best", "--rest", str(rest)]) == 2
     assert "cannot use a rest posture" in capsys.readouterr().err
 
 
-def test_calibrate_keeps_a_rest_posture(tmp_path, rest, looks):
+def test_calibrate_keeps_a_rest_posture(tmp_path: Path, rest: Path, looks: Looks) -> None:
     out = tmp_path / "me.json"
     line = ["calibrate", "--device", "simulated", "--rest", str(rest), "--out", str(out)]
     assert main(line) == 0

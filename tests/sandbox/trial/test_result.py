@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -30,21 +32,21 @@ RESULT = TrialResult(
 )
 
 
-def test_every_field_has_a_meaning_and_every_record_keeps_some():
+def test_every_field_has_a_meaning_and_every_record_keeps_some() -> None:
     assert set(fields()) == set(TrialResult.__struct_fields__)
     assert all(field.meaning for field in fields().values())
     assert all(kept_fields(record) for record in KeptIn)
     assert kept_fields(KeptIn.BASELINE) == tuple(Kept.__annotations__)
 
 
-def test_a_result_comes_back_from_json_with_the_keys_that_a_caller_added():
+def test_a_result_comes_back_from_json_with_the_keys_that_a_caller_added() -> None:
     values = json.loads(json.dumps(RESULT.as_json()))
     assert values["lab"] == "room 2" and values["status"] == "held"
     assert "encoder" not in values and "extra" not in values
     assert TrialResult.from_json(values, "here") == RESULT
 
 
-def test_the_part_that_a_journal_keeps_is_a_result_itself():
+def test_the_part_that_a_journal_keeps_is_a_result_itself() -> None:
     part = RESULT.kept_in(KeptIn.JOURNAL)
     again = TrialResult.from_json(part, "here")
     assert (again.score, again.settings) == (RESULT.score, None)
@@ -55,13 +57,15 @@ def test_the_part_that_a_journal_keeps_is_a_result_itself():
     ("change", "said"),
     [({"time_s": "soon"}, "time_s"), ({"status": "won"}, "won"), ({"seed": None}, "seed")],
 )
-def test_json_that_is_not_a_result_is_refused_with_its_place(change, said):
+def test_json_that_is_not_a_result_is_refused_with_its_place(
+    change: dict[str, Any], said: str
+) -> None:
     with pytest.raises(RecordingError, match=said) as refused:
         TrialResult.from_json(RESULT.as_json() | change, "T001.jsonl")
     assert "T001.jsonl" in str(refused.value)
 
 
-def test_the_result_of_a_run_is_the_one_that_its_recording_ends_with(tmp_path):
+def test_the_result_of_a_run_is_the_one_that_its_recording_ends_with(tmp_path: Path) -> None:
     chosen = plan(SceneOptions(task="tests/support/regress_tasks.py:Quick", seed=2))
     path = tmp_path / "trial.jsonl"
     result = run_trial(chosen.settings, chosen.makers, record=path, about=chosen.about)

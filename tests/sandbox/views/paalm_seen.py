@@ -9,12 +9,14 @@ import numpy as np
 from PIL import Image
 
 from encoders.paalm import Paalm
+from encoders.paalm.paalm import PaalmFrame
+from models.frames import HandFrame
 from sandbox.views.palette import FINGER_COLOURS
 from tests.support.leap_hands import take
 
 
 @cache
-def seen(side: Literal["right", "left"] = "right"):
+def seen(side: Literal["right", "left"] = "right") -> tuple[HandFrame, PaalmFrame]:
     """A frame with five fingers, and what a calibrated PAALM made of it."""
     frames = take(0, side=side).frames
     paalm = Paalm()

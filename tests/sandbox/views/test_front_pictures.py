@@ -5,16 +5,19 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from models.arithmetic.arrays import Array
 from models.scene import TABLE
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
 from sandbox.views.cameras import camera_above, film_camera, window_camera
+from sandbox.views.drawing import Drawing
+from sandbox.views.lens import Lens
 from tests.support.scripted import scripted
 
 SIZE = (480, 270)
 
 
-def seen(name: str, session: Session, snapshot: Snapshot):
+def seen(name: str, session: Session, snapshot: Snapshot) -> tuple[Lens | None, Array, Drawing]:
     """A picture's lens, its pixels and its drawing list's model."""
     from sandbox.views.renderer import Renderer
 
@@ -37,7 +40,9 @@ def scene() -> tuple[Session, Snapshot]:
 
 @pytest.mark.needs("opengl")
 @pytest.mark.parametrize("name", ["film", "window", "straight"])
-def test_the_whole_surface_is_in_the_picture_and_up_is_up(scene, name):
+def test_the_whole_surface_is_in_the_picture_and_up_is_up(
+    scene: tuple[Session, Snapshot], name: str
+) -> None:
     session, snapshot = scene
     surface = session.rigs[0].reconstructor.surface
     lens, _, _ = seen(name, session, snapshot)
@@ -56,7 +61,9 @@ def test_the_whole_surface_is_in_the_picture_and_up_is_up(scene, name):
 
 
 @pytest.mark.needs("opengl")
-def test_a_shelf_is_drawn_in_place_of_the_endless_table_which_stays_solid(scene):
+def test_a_shelf_is_drawn_in_place_of_the_endless_table_which_stays_solid(
+    scene: tuple[Session, Snapshot],
+) -> None:
     session, snapshot = scene
     model = session.scene.model
     before = model.geom_group.copy(), model.geom_contype.copy()

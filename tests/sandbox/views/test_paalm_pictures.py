@@ -24,14 +24,14 @@ from tests.support.leap_hands import take
 SIZE = (800, 800)
 
 
-def test_every_finger_that_is_seen_has_its_colour():
+def test_every_finger_that_is_seen_has_its_colour() -> None:
     frame, result = seen()
     assert len(frame.hands[0].fingers) == 5
     hands = HandMemory().look(frame, result.hands)
     assert colours(diagram(hands, SIZE, 62.0, -38.0)) == {0, 1, 2, 3, 4}
 
 
-def test_a_finger_that_vanishes_stays_in_the_palm_and_is_dimmed():
+def test_a_finger_that_vanishes_stays_in_the_palm_and_is_dimmed() -> None:
     frame, result = seen()
     memory = HandMemory()
     before = memory.look(frame, result.hands)[0].fingers
@@ -43,7 +43,7 @@ def test_a_finger_that_vanishes_stays_in_the_palm_and_is_dimmed():
     assert colours(diagram(after, SIZE, 62.0, -38.0)) == {0, 1, 2, 4}
 
 
-def test_vectors_are_direction_times_length():
+def test_vectors_are_direction_times_length() -> None:
     frame, result = seen()
     hand = HandMemory().look(frame, result.hands)[0]
     ids = result.hands["right"].ids
@@ -53,7 +53,7 @@ def test_vectors_are_direction_times_length():
         assert np.allclose(vector, finger.length * np.array(finger.direction), atol=1e-9)
 
 
-def test_the_ball_goes_through_palm_and_fingertips():
+def test_the_ball_goes_through_palm_and_fingertips() -> None:
     rng = np.random.default_rng(0)
     around = rng.normal(size=(4, 3))
     tips = 0.05 * around / np.linalg.norm(around, axis=1, keepdims=True)
@@ -64,7 +64,7 @@ def test_the_ball_goes_through_palm_and_fingertips():
 
 @pytest.mark.needs("opengl")
 @pytest.mark.parametrize("side", ["right", "left"])
-def test_the_whole_picture_has_the_size_and_both_halves(side):
+def test_the_whole_picture_has_the_size_and_both_halves(side: str) -> None:
     frame, result = seen(side)
     with PaalmPicture((side,)) as picture:
         drawn = picture.draw(frame, result)
@@ -76,7 +76,7 @@ def test_the_whole_picture_has_the_size_and_both_halves(side):
         assert picture.draw(frame, result).size == (500, 400)
 
 
-def test_a_page_shows_the_newest_picture_to_this_machine_only():
+def test_a_page_shows_the_newest_picture_to_this_machine_only() -> None:
     with PicturePage("a hand") as page:
         page.show(Image.new("RGB", (40, 30), (255, 0, 0)))
         assert b"<img" in urllib.request.urlopen(page.url, timeout=5).read()
@@ -96,14 +96,14 @@ def test_a_page_shows_the_newest_picture_to_this_machine_only():
 
 
 @pytest.fixture(scope="module")
-def file(tmp_path_factory) -> Path:
+def file(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("paalm") / "hand.json"
     write_take(take(0), path, {"seed": 0})
     return path
 
 
 @pytest.mark.needs("opengl")
-def test_the_command_writes_a_picture(file, tmp_path):
+def test_the_command_writes_a_picture(file: Path, tmp_path: Path) -> None:
     out = tmp_path / "hand.png"
     assert main(["paalm", "show", str(file), "--picture", str(out), "--seconds", "0.3"]) == 0
     assert Image.open(out).size == (1100, 620)
@@ -117,7 +117,9 @@ def test_the_command_writes_a_picture(file, tmp_path):
         (["--view", "web", "--json"], "as JSON"),
     ],
 )
-def test_what_cannot_be_shown_is_one_line(file, capsys, options, expected):
+def test_what_cannot_be_shown_is_one_line(
+    file: Path, capsys: pytest.CaptureFixture[str], options: list[str], expected: str
+) -> None:
     assert main(["paalm", "show", str(file), *options]) == 2
     said = capsys.readouterr().err
     assert expected in said and said.count("\n") == 1

@@ -120,7 +120,7 @@ def picture(device: WebcamDevice, accept: Callable[[LandmarkFrame], bool]) -> La
     return taken[0]
 
 
-def test_landmarks_come_as_they_were_found(tab, device):
+def test_landmarks_come_as_they_were_found(tab: Tab, device: WebcamDevice) -> None:
     tab.evaluate(found("right"))
     tab.wait(f"{LINE} === 'Your hand is followed.'")
     frame = picture(device, lambda f: bool(f.hands))
@@ -134,11 +134,11 @@ def test_landmarks_come_as_they_were_found(tab, device):
     assert tab.evaluate("globalThis.asked") == 3
 
 
-def test_the_camera_is_shown_as_on(tab):
+def test_the_camera_is_shown_as_on(tab: Tab) -> None:
     assert tab.evaluate("!document.getElementById('on').hidden")
 
 
-def test_a_mirrored_picture_is_turned_back(tab, device):
+def test_a_mirrored_picture_is_turned_back(tab: Tab, device: WebcamDevice) -> None:
     tab.evaluate(found("left"))
     tab.evaluate("document.getElementById('mirrored').click(); true")
     frame = picture(device, lambda f: bool(f.hands) and f.hands[0].side == "right")
@@ -148,18 +148,20 @@ def test_a_mirrored_picture_is_turned_back(tab, device):
     assert frame.hands[0].world[8][0] == pytest.approx(-hand_before().world[8][0], abs=1e-5)
 
 
-def test_the_other_hand_is_told_with_what_it_may_mean(tab):
+def test_the_other_hand_is_told_with_what_it_may_mean(tab: Tab) -> None:
     tab.evaluate(found("left"))
     line = tab.wait(f"{LINE}.includes('asked for') && {LINE}")
     assert "A left hand is seen" in line and "mirrors" in line
 
 
-def test_a_second_person_is_told(tab):
+def test_a_second_person_is_told(tab: Tab) -> None:
     tab.evaluate(found("right", "left", "right"))
     assert "One person at a time" in tab.wait(f"{LINE}.startsWith('3 hands') && {LINE}")
 
 
-def test_the_page_says_when_the_session_is_over_and_its_camera_goes_off(tab, device):
+def test_the_page_says_when_the_session_is_over_and_its_camera_goes_off(
+    tab: Tab, device: WebcamDevice
+) -> None:
     device.close()
     tab.wait(f"{LINE} === {ENDED!r}")
     states = "document.getElementById('video').srcObject.getTracks().map(t => t.readyState)"
@@ -167,7 +169,9 @@ def test_the_page_says_when_the_session_is_over_and_its_camera_goes_off(tab, dev
     assert tab.evaluate("document.getElementById('on').hidden")
 
 
-def test_a_second_page_takes_over_and_the_first_says_so(tab, browser, device):
+def test_a_second_page_takes_over_and_the_first_says_so(
+    tab: Tab, browser: Browser, device: WebcamDevice
+) -> None:
     second = browser.open(device.address)
     tab.wait(f"{LINE} === {REPLACED!r}")
     second.wait(f"{LINE}.startsWith('No hand')")
@@ -175,14 +179,14 @@ def test_a_second_page_takes_over_and_the_first_says_so(tab, browser, device):
     soon(lambda: device.notice == CLOSED)
 
 
-def test_a_page_that_is_loaded_again_goes_on(tab, device):
+def test_a_page_that_is_loaded_again_goes_on(tab: Tab, device: WebcamDevice) -> None:
     tab.call("Page.reload")
     soon(lambda: device.counts["pages closed"] == 1)
     tab.wait(f"{LINE}.startsWith('No hand')")
     soon(lambda: device.notice == "")
 
 
-def test_an_engine_that_does_not_start_is_told(browser, device):
+def test_an_engine_that_does_not_start_is_told(browser: Browser, device: WebcamDevice) -> None:
     tab = browser.open("about:blank")
     tab.call("Page.addScriptToEvaluateOnNewDocument", source="globalThis.broken = true")
     tab.go(device.address)
@@ -191,7 +195,9 @@ def test_an_engine_that_does_not_start_is_told(browser, device):
     tab.close()
 
 
-def test_no_other_host_is_asked_for_anything(tab, browser, device):
+def test_no_other_host_is_asked_for_anything(
+    tab: Tab, browser: Browser, device: WebcamDevice
+) -> None:
     tab.evaluate(found("right"))
     tab.wait(f"{LINE} === 'Your hand is followed.'")
     asked = {e["request"]["url"] for e in tab.events("Network.requestWillBeSent")}
@@ -215,7 +221,9 @@ def test_no_other_host_is_asked_for_anything(tab, browser, device):
         (REFUSED, "does not let this page", "refused"),
     ],
 )
-def test_why_there_is_no_picture_is_told(tmp_path, device, flags, said, notice):
+def test_why_there_is_no_picture_is_told(
+    tmp_path: Path, device: WebcamDevice, flags: tuple[str, ...], said: str, notice: str
+) -> None:
     browser = Browser(tmp_path, flags)
     try:
         tab = browser.open(device.address)
@@ -228,7 +236,9 @@ def test_why_there_is_no_picture_is_told(tmp_path, device, flags, said, notice):
 
 @pytest.mark.full
 @pytest.mark.needs("opengl")
-def test_the_fetched_engine_finds_our_rendered_hand_and_asks_no_other_host(tmp_path, monkeypatch):
+def test_the_fetched_engine_finds_our_rendered_hand_and_asks_no_other_host(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path))
     engine = install(lambda line: None)
     assert engine.is_relative_to(tmp_path) and installed_engine() == engine

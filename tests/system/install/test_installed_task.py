@@ -85,7 +85,9 @@ def sandbox(site: Path | None, *arguments: str) -> subprocess.CompletedProcess[s
     )
 
 
-def test_an_installed_package_s_task_is_listed_run_recorded_and_replayed(installed, tmp_path):
+def test_an_installed_package_s_task_is_listed_run_recorded_and_replayed(
+    installed: Path, tmp_path: Path
+) -> None:
     record = str(tmp_path / "run.jsonl")
     listed = sandbox(installed).stdout
     assert "  tiny-lab-timed\n" in listed
@@ -102,7 +104,7 @@ def test_an_installed_package_s_task_is_listed_run_recorded_and_replayed(install
     assert "pip install 'tiny-lab==0.3'" in without.stderr and without.stderr.count("\n") == 1
 
 
-def test_an_installed_task_that_is_broken_is_refused_alone(installed, tmp_path):
+def test_an_installed_task_that_is_broken_is_refused_alone(installed: Path, tmp_path: Path) -> None:
     out = tmp_path / "out.json"
     ran = sandbox(
         installed, "regress", "--tasks", "tiny-lab-timed", "--seeds", "0:2", "--json", str(out)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shutil
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -139,3 +140,61 @@ def test_an_innocent_folder_is_left_alone(tmp_path: Path) -> None:
     for args in (("-c", "import sandbox"), ("-m", "sandbox.cli.main")):
         result = python(*args, cwd=tmp_path)
         assert (result.returncode, result.stderr) == (0, "")
+
+
+@pytest.fixture
+def site_packages(tmp_path: Path) -> Path:
+    """Our packages as pip installs them from a wheel, with its list of files."""
+    place = tmp_path / "site-packages"
+    for name in PACKAGES:
+        shutil.copytree(
+            ROOT / name,
+            place / name,
+            ignore=shutil.ignore_patterns("__pycache__", "node_modules", "page"),
+        )
+    lines = [
+        f"{path.relative_to(place).as_posix()},sha256=unread,{path.stat().st_size}"
+        for path in sorted(place.rglob("*"))
+        if path.is_file()
+    ]
+    listed = place / "hand_sandbox-0.2.0.dist-info" / "RECORD"
+    listed.parent.mkdir()
+    lines.append("hand_sandbox-0.2.0.dist-info/RECORD,,")
+    listed.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    return place
+
+
+def test_an_installed_package_that_is_whole_says_nothing(site_packages: Path) -> None:
+    answer = python("-c", "import sandbox", cwd=site_packages.parent, path=(site_packages,))
+    assert (answer.returncode, answer.stderr) == (0, "")
+
+
+@pytest.mark.parametrize("file", ["models/user.py", "tasks/celery/__init__.py"])
+def test_another_package_s_files_among_ours_are_told_in_one_line(
+    site_packages: Path, file: str
+) -> None:
+    stranger = site_packages / file
+    stranger.parent.mkdir(exist_ok=True)
+    stranger.write_text("name = 'somebody else'\n", encoding="utf-8")
+    package, name = file.split("/")[:2]
+    call: dict[str, Any] = {"cwd": site_packages.parent, "path": (site_packages,)}
+    answer = python("-c", "import sandbox; print(sandbox.RunSettings().task)", **call)
+    assert (answer.returncode, answer.stdout) == (0, "box-to-goal\n")
+    assert f"`{package}` ({name!r}" in answer.stderr
+    command = python("-m", "sandbox", "--version", **call)
+    (line,) = command.stderr.splitlines()
+    assert command.returncode == 0
+    assert line.startswith("sandbox: another package") and "environment of its own" in line
+
+
+@pytest.mark.parametrize("file", ["models/__init__.py", "tasks/task.py"])
+def test_a_file_of_ours_that_another_package_replaced_is_refused_in_one_line(
+    site_packages: Path, file: str
+) -> None:
+    (site_packages / file).write_text("raise SystemExit('somebody else ran')\n", encoding="utf-8")
+    call: dict[str, Any] = {"cwd": site_packages.parent, "path": (site_packages,)}
+    refused = python("-m", "sandbox", "--version", **call)
+    assert refused.returncode == 2
+    (line,) = refused.stderr.splitlines()
+    assert repr(file.split("/")[1]) in line and "--force-reinstall" in line
+    assert "ShadowedPackageError" in python("-c", "import sandbox", **call).stderr

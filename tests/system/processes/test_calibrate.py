@@ -31,7 +31,9 @@ def command(*arguments: str, home: Path) -> subprocess.CompletedProcess:
 
 
 @pytest.fixture(scope="module")
-def calibrated(tmp_path_factory):
+def calibrated(
+    tmp_path_factory: pytest.TempPathFactory,
+) -> tuple[subprocess.CompletedProcess[str], Path]:
     home = tmp_path_factory.mktemp("home")
     done = command(
         "calibrate",
@@ -48,7 +50,9 @@ def calibrated(tmp_path_factory):
     return done, home
 
 
-def test_calibrating_a_simulated_person_tells_their_size_and_writes_the_users_profile(calibrated):
+def test_calibrating_a_simulated_person_tells_their_size_and_writes_the_users_profile(
+    calibrated: tuple[subprocess.CompletedProcess[str], Path],
+) -> None:
     done, home = calibrated
     assert done.returncode == 0, done.stderr
     assert "SIMULATED" in done.stdout
@@ -58,7 +62,9 @@ def test_calibrating_a_simulated_person_tells_their_size_and_writes_the_users_pr
     assert profile.simulated
 
 
-def test_a_run_uses_the_profile_only_when_it_is_named(calibrated):
+def test_a_run_uses_the_profile_only_when_it_is_named(
+    calibrated: tuple[subprocess.CompletedProcess[str], Path],
+) -> None:
     _, home = calibrated
     plain = command("run", "--seed", "5", "--json", "-", home=home)
     asked = command("run", "--seed", "5", "--json", "-", "--profile", "default", home=home)

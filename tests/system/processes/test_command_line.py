@@ -10,7 +10,7 @@ from pathlib import Path
 SCRIPT = "sandbox.cli.main"
 
 
-def test_the_program_is_a_module_too_and_tells_its_version():
+def test_the_program_is_a_module_too_and_tells_its_version() -> None:
     found = [
         subprocess.run([*program, "--version"], capture_output=True, text=True, check=True).stdout
         for program in ([sys.executable, "-m", "sandbox"], [sys.executable, "-m", SCRIPT])
@@ -19,7 +19,7 @@ def test_the_program_is_a_module_too_and_tells_its_version():
     assert re.fullmatch(r"hand-sandbox \S+, mujoco \S+, python \S+\n", found[0])
 
 
-def test_the_command_line_knows_the_hand(tmp_path):
+def test_the_command_line_knows_the_hand(tmp_path: Path) -> None:
     done = subprocess.run(
         [sys.executable, "-m", "sandbox.cli.main", "run", "--hand", "left", "--hand-size", "9"],
         cwd=tmp_path,

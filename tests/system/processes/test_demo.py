@@ -28,7 +28,7 @@ def demo(folder: Path, *options: str, **environment: str) -> subprocess.Complete
 
 
 @pytest.mark.needs("opengl")
-def test_the_demo_succeeds_and_leaves_a_film_and_a_picture(tmp_path):
+def test_the_demo_succeeds_and_leaves_a_film_and_a_picture(tmp_path: Path) -> None:
     done = demo(tmp_path)
     assert done.returncode == 0, done.stderr
     assert "box-to-goal: done" in done.stdout
@@ -44,14 +44,14 @@ def test_the_demo_succeeds_and_leaves_a_film_and_a_picture(tmp_path):
         assert len(picture.convert("RGB").getcolors(10**6)) > 1000
 
 
-def test_without_opengl_the_demo_plays_and_scores_and_says_what_is_missing(tmp_path):
+def test_without_opengl_the_demo_plays_and_scores_and_says_what_is_missing(tmp_path: Path) -> None:
     done = demo(tmp_path, MUJOCO_GL="disabled")
     assert done.returncode == 0, done.stderr
     assert "box-to-goal: done" in done.stdout
     assert "no film" in done.stdout and "MUJOCO_GL" in done.stdout
 
 
-def test_a_folder_that_cannot_be_written_costs_the_film_only(tmp_path):
+def test_a_folder_that_cannot_be_written_costs_the_film_only(tmp_path: Path) -> None:
     (tmp_path / "sandbox-demo").write_text("a file is in the way")
     done = demo(tmp_path)
     assert done.returncode == 0, done.stderr

@@ -159,7 +159,9 @@ def weathered(stage: Stage, live: LiveTrial, count: int) -> Weathered:
 
 @needs_proc
 @pytest.mark.parametrize("count", [1_000, pytest.param(10_000, marks=pytest.mark.full)])
-def test_a_thousand_strangers_a_second_are_counted_and_the_session_goes_on(stage, live, count):
+def test_a_thousand_strangers_a_second_are_counted_and_the_session_goes_on(
+    stage: Stage, live: LiveTrial, count: int
+) -> None:
     left = weathered(stage, live, count)
     assert left.counted == count, "each of them once"
     assert left.answered > count / 200, "the player's touches are answered all the while"
@@ -180,7 +182,7 @@ def asks_and_never_listens(url: str) -> socket.socket:
     return link
 
 
-def test_pages_that_do_not_read_cost_the_others_nothing(stage, live):
+def test_pages_that_do_not_read_cost_the_others_nothing(stage: Stage, live: LiveTrial) -> None:
     """They say hello, take no frame, and ask for echoes that they do not read."""
     sluggards = [Page(stage.server.url, f"slow {n}", role="spectator") for n in range(4)]
     with Page(stage.server.url, "quick") as page:
@@ -240,7 +242,9 @@ def test_a_skin_that_a_page_has_is_not_sent_again() -> None:
     assert wire.sent == [b"right", b"left", b"right"]
 
 
-def test_files_that_are_fetched_and_not_read_take_no_more_than_their_place(stage, live):
+def test_files_that_are_fetched_and_not_read_take_no_more_than_their_place(
+    stage: Stage, live: LiveTrial
+) -> None:
     links = [asks_and_never_listens(stage.server.url) for _ in range(4 * MOST_AUTHENTICATED)]
     assert wait_for(lambda: stage.server.counters["too many clients"] > 0)
     for link in links:

@@ -54,7 +54,7 @@ class Touching(threading.Thread):
 
 def test_live_touches_and_a_live_leap_become_a_capture_of_the_same_fingers(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
-):
+) -> None:
     s = simulate_paired(3, 1, "first", "v3", "right", QUICK)
     write_simulated(s, tmp_path / "day", "P1")
     messages = read_leap(tmp_path / "day" / HANDS).messages

@@ -44,7 +44,7 @@ def alive(pid: int) -> bool:
 
 
 @pytest.fixture(scope="module")
-def uninterrupted(tmp_path_factory) -> dict[str, Any]:
+def uninterrupted(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     folder = tmp_path_factory.mktemp("uninterrupted")
     out = folder / "out.json"
     assert main(["regress", *WORDS, "--executor", "serial", "--json", str(out)]) == 0
@@ -93,7 +93,7 @@ class Run:
 
 
 @pytest.fixture(params=EXECUTORS)
-def run(tmp_path, request) -> Iterator[Run]:
+def run(tmp_path: Path, request: pytest.FixtureRequest) -> Iterator[Run]:
     run = Run(tmp_path, request.param)
     yield run
     run.hold.unlink(missing_ok=True)
@@ -102,7 +102,9 @@ def run(tmp_path, request) -> Iterator[Run]:
         run.started.communicate()
 
 
-def test_a_killed_worker_fails_the_run_and_its_trial_is_run_when_it_is_resumed(run, uninterrupted):
+def test_a_killed_worker_fails_the_run_and_its_trial_is_run_when_it_is_resumed(
+    run: Run, uninterrupted: dict[str, Any]
+) -> None:
     os.kill(run.workers()[0], signal.SIGKILL)
     until(lambda: len(lines(run.folder)) == 6)
     run.hold.unlink()
@@ -123,11 +125,15 @@ def test_a_killed_worker_fails_the_run_and_its_trial_is_run_when_it_is_resumed(r
     assert lines(run.folder)[: len(before)] == before and len(lines(run.folder)) == len(before) + 2
 
 
-def test_sigterm_keeps_what_is_done_and_the_rest_is_run_when_it_is_resumed(run, uninterrupted):
+def test_sigterm_keeps_what_is_done_and_the_rest_is_run_when_it_is_resumed(
+    run: Run, uninterrupted: dict[str, Any]
+) -> None:
     check_sigterm(run, uninterrupted, os.kill)
 
 
-def test_sigterm_to_all_processes_kills_no_worker_before_its_trial_is_given_up(run, uninterrupted):
+def test_sigterm_to_all_processes_kills_no_worker_before_its_trial_is_given_up(
+    run: Run, uninterrupted: dict[str, Any]
+) -> None:
     """Some schedulers send it to all; Ray's own processes must not end by it."""
     check_sigterm(run, uninterrupted, os.killpg)
 
@@ -150,7 +156,9 @@ def check_sigterm(
     assert table(run.folder) == uninterrupted
 
 
-def test_a_run_whose_main_process_is_killed_is_resumed_with_every_seed_once(run, uninterrupted):
+def test_a_run_whose_main_process_is_killed_is_resumed_with_every_seed_once(
+    run: Run, uninterrupted: dict[str, Any]
+) -> None:
     workers = run.workers()
     run.started.kill()
     run.started.wait()
@@ -169,7 +177,7 @@ def test_a_run_whose_main_process_is_killed_is_resumed_with_every_seed_once(run,
     assert lines(run.folder)[:5] == before
 
 
-def test_two_runs_never_write_the_same_file_of_trials(run):
+def test_two_runs_never_write_the_same_file_of_trials(run: Run) -> None:
     before = lines(run.folder)
     other = Run.__new__(Run)
     other.folder, other.executor, other.more = run.folder, "serial", ()
@@ -181,7 +189,9 @@ def test_two_runs_never_write_the_same_file_of_trials(run):
 
 if HAS_RAY:
 
-    def test_trials_of_a_lost_node_crash_and_are_run_when_it_is_resumed(tmp_path, uninterrupted):
+    def test_trials_of_a_lost_node_crash_and_are_run_when_it_is_resumed(
+        tmp_path: Path, uninterrupted: dict[str, Any]
+    ) -> None:
         from ray.cluster_utils import Cluster
 
         os.environ[HELD] = str(tmp_path)

@@ -9,6 +9,7 @@ import shlex
 import signal
 import subprocess
 import sys
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -23,11 +24,11 @@ from tests.support.processes import PATIENCE, ROOT, until
 from tests.support.regress_tasks import Dying, Quick
 
 
-def by_seed(trials) -> list[dict]:
+def by_seed(trials: Iterable[dict[str, Any]]) -> list[dict[str, Any]]:
     return sorted(trials, key=lambda t: t["seed"])
 
 
-def test_trials_in_processes_are_those_in_series_to_the_bit():
+def test_trials_in_processes_are_those_in_series_to_the_bit() -> None:
     jobs = RegressionPlan((Quick,), (3, 4, 5, 6)).jobs()
     one, two = list(Serial().run(jobs)), by_seed(Processes(2).run(jobs))
     assert one == two
@@ -35,7 +36,7 @@ def test_trials_in_processes_are_those_in_series_to_the_bit():
     assert [t["success"] for t in one] == [False, True, True, False]
 
 
-def test_a_worker_that_dies_is_reported_with_its_seed_and_the_others_are_run():
+def test_a_worker_that_dies_is_reported_with_its_seed_and_the_others_are_run() -> None:
     trials = by_seed(Processes(2).run(RegressionPlan((Dying,), tuple(range(6))).jobs()))
     assert [t["seed"] for t in trials] == list(range(6))
     assert [t["status"] == CRASHED for t in trials] == [False, True, True, False, False, False]
@@ -43,7 +44,7 @@ def test_a_worker_that_dies_is_reported_with_its_seed_and_the_others_are_run():
     assert not any(t["success"] for t in trials[1:4]) and trials[4]["success"]
 
 
-def test_whoever_stops_asking_leaves_no_process_behind():
+def test_whoever_stops_asking_leaves_no_process_behind() -> None:
     before = set(multiprocessing.active_children())
     trials: Any = Processes(2).run(RegressionPlan((Quick,), tuple(range(50))).jobs())
     next(trials)
@@ -52,7 +53,7 @@ def test_whoever_stops_asking_leaves_no_process_behind():
     assert set(multiprocessing.active_children()) <= before
 
 
-def test_ctrl_c_in_a_terminal_keeps_what_is_done(tmp_path):
+def test_ctrl_c_in_a_terminal_keeps_what_is_done(tmp_path: Path) -> None:
     """All processes of a terminal get the signal, workers too; and they leave it to the first."""
     path, record = tmp_path / "out.json", tmp_path / "failed"
     command = [sys.executable, "-m", "sandbox.cli.main", "regress", "--tasks", "box-to-goal"]
@@ -80,7 +81,7 @@ def test_ctrl_c_in_a_terminal_keeps_what_is_done(tmp_path):
     assert [t["seed"] for t in json.loads(path.read_text())["trials"]] == [0, 1]
 
 
-def test_the_line_of_a_task_of_ones_own_runs_in_python():
+def test_the_line_of_a_task_of_ones_own_runs_in_python() -> None:
     run = RegressionPlan((Quick,), (4,), {"fingers": 2})
     _, *words = shlex.split(run.command("quick", 4))
     answer = subprocess.run(
@@ -110,7 +111,7 @@ def test_ours(regression):
 """
 
 
-def test_the_plugin_makes_a_baseline_and_then_compares_in_processes(tmp_path):
+def test_the_plugin_makes_a_baseline_and_then_compares_in_processes(tmp_path: Path) -> None:
     (tmp_path / "test_ours.py").write_text(PLUGIN_TEST)
     for more in (["--sandbox-update-baseline"], ["--sandbox-workers", "2"]):
         assert not failures(tmp_path, *more)
@@ -118,7 +119,7 @@ def test_the_plugin_makes_a_baseline_and_then_compares_in_processes(tmp_path):
 
 
 @pytest.mark.full
-def test_the_example_for_a_lab_makes_its_baseline_and_passes_it(tmp_path):
+def test_the_example_for_a_lab_makes_its_baseline_and_passes_it(tmp_path: Path) -> None:
     source = (ROOT / "examples" / "test_my_lab.py").read_text()
     (tmp_path / "test_my_lab.py").write_text(source)
     assert not failures(tmp_path, "--sandbox-update-baseline")

@@ -6,6 +6,7 @@ import json
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -16,7 +17,7 @@ from sandbox.trial.replay import replay
 from sandbox.trial.result import TrialResult
 
 
-def trial(record: Path | None = None, **options) -> TrialResult:
+def trial(record: Path | None = None, **options: Any) -> TrialResult:
     chosen = plan(SceneOptions(**options))
     return run_trial(chosen.settings, chosen.makers, record=record, about=chosen.about)
 
@@ -34,12 +35,14 @@ def command(*arguments: str, cwd: Path) -> subprocess.CompletedProcess:
 
 
 @pytest.fixture(scope="module")
-def recorded(tmp_path_factory):
+def recorded(tmp_path_factory: pytest.TempPathFactory) -> tuple[TrialResult, Path]:
     path = tmp_path_factory.mktemp("run") / "run.jsonl"
     return trial(path, seed=11, fingers=3), path
 
 
-def test_a_recording_as_a_device_of_another_process_gives_the_same_hash(recorded, tmp_path):
+def test_a_recording_as_a_device_of_another_process_gives_the_same_hash(
+    recorded: tuple[TrialResult, Path], tmp_path: Path
+) -> None:
     result, path = recorded
     done = command("run", "--device", str(path), "--json", "-", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
@@ -48,7 +51,9 @@ def test_a_recording_as_a_device_of_another_process_gives_the_same_hash(recorded
     assert again["seed"] == 11 and again["success"] == result.success
 
 
-def test_a_changed_touch_is_noticed_by_the_replay(recorded, tmp_path):
+def test_a_changed_touch_is_noticed_by_the_replay(
+    recorded: tuple[TrialResult, Path], tmp_path: Path
+) -> None:
     _, path = recorded
     lines = path.read_text().splitlines()
     where = next(i for i, t in enumerate(lines) if len(json.loads(t).get("contacts", [])) == 3)
@@ -75,13 +80,15 @@ def test_a_changed_touch_is_noticed_by_the_replay(recorded, tmp_path):
         ("replay", "no-such-file"),
     ],
 )
-def test_bad_input_is_one_clear_line_and_exit_status_2(arguments, tmp_path):
+def test_bad_input_is_one_clear_line_and_exit_status_2(
+    arguments: tuple[str, ...], tmp_path: Path
+) -> None:
     done = command(*arguments, cwd=tmp_path)
     assert done.returncode == 2
     assert len(done.stderr.splitlines()) == 1 and "Traceback" not in done.stderr
 
 
-def test_a_session_can_be_driven_by_it_and_another_process_finds_the_same_model():
+def test_a_session_can_be_driven_by_it_and_another_process_finds_the_same_model() -> None:
     from sandbox.trial.assembly import load_encoder
 
     model = load_encoder("pca-ik")

@@ -36,7 +36,7 @@ pytestmark = pytest.mark.full
 
 
 @pytest.fixture(scope="session")
-def python(tmp_path_factory) -> str:
+def python(tmp_path_factory: pytest.TempPathFactory) -> str:
     """A Python that has bpy."""
     if there := os.environ.get("HAND_SANDBOX_BPY"):
         return there
@@ -79,7 +79,9 @@ def streamed(python: str, folder: Path, hand: HandLines, keys: Keys, *words: str
 
 
 @pytest.mark.parametrize("side", ["right", "left"])
-def test_what_blender_keys_and_exports_is_what_we_export(python, tmp_path, side):
+def test_what_blender_keys_and_exports_is_what_we_export(
+    python: str, tmp_path: Path, side: str
+) -> None:
     armature = Armature(Person(side).skeleton(ADULT))
     keys = armature.keys(moving(ADULT, 120, 3))
     hand = HandLines(armature, side, BLENDER)
@@ -117,7 +119,9 @@ bpy.ops.wm.save_as_mainfile(filepath="rig.blend")
 """
 
 
-def test_chains_of_any_number_of_bones_reach_as_far_and_point_as_the_fingers_do(python, tmp_path):
+def test_chains_of_any_number_of_bones_reach_as_far_and_point_as_the_fingers_do(
+    python: str, tmp_path: Path
+) -> None:
     (tmp_path / "rig.py").write_text(RIG)
     subprocess.run([python, "rig.py"], cwd=tmp_path, check=True, capture_output=True)
     armature = Armature(ADULT)
@@ -156,7 +160,7 @@ def test_chains_of_any_number_of_bones_reach_as_far_and_point_as_the_fingers_do(
         assert np.abs(found - way).max() < 1e-3, c
 
 
-def test_a_port_in_blender_outlives_whatever_is_written_to_it(python, tmp_path):
+def test_a_port_in_blender_outlives_whatever_is_written_to_it(python: str, tmp_path: Path) -> None:
     (tmp_path / "side.py").write_text(script("blender"))
     side = subprocess.Popen(
         [python, "side.py", "--port", "0"], cwd=tmp_path, stdout=subprocess.PIPE, text=True

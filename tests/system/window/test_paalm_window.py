@@ -15,7 +15,7 @@ from tests.support.screen import screen
 
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="needs an X server in memory")
-def test_a_window_shows_the_same_and_closes_with_escape():
+def test_a_window_shows_the_same_and_closes_with_escape() -> None:
     frame, result = seen()
     with screen() as display:
         with PaalmWindow(("right",)) as window:

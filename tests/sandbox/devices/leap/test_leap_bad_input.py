@@ -79,7 +79,7 @@ def test_what_cannot_be_used_is_counted_and_the_session_goes_on(
     sound: dict[str, Any],
     tmp_path: Path,
     capsys: pytest.CaptureFixture[str],
-):
+) -> None:
     recording = json.loads(json.dumps(sound))
     spoil(recording["frames"][150:170])
     path = tmp_path / "spoiled.json"
@@ -93,7 +93,7 @@ def test_what_cannot_be_used_is_counted_and_the_session_goes_on(
 
 def test_hands_that_swap_their_ids_all_the_time_do_not_stop_a_session(
     sound: dict[str, Any], tmp_path: Path
-):
+) -> None:
     recording = json.loads(json.dumps(sound))
     for i, frame in enumerate(recording["frames"]):
         (hand,), fingers = frame["hands"], frame["pointables"]
@@ -131,7 +131,7 @@ def test_hands_that_swap_their_ids_all_the_time_do_not_stop_a_session(
 )
 def test_a_file_that_is_no_recording_is_one_line(
     content: bytes, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-):
+) -> None:
     path = tmp_path / "other.json"
     path.write_bytes(content)
     assert played(path) == 2
@@ -141,7 +141,7 @@ def test_a_file_that_is_no_recording_is_one_line(
 
 def test_a_recording_cut_short_anywhere_is_one_line(
     sound: dict[str, Any], tmp_path: Path, capsys: pytest.CaptureFixture[str]
-):
+) -> None:
     text = json.dumps(sound)
     for share in (0.001, 0.3, 0.999):
         path = tmp_path / "cut.json"
@@ -152,7 +152,7 @@ def test_a_recording_cut_short_anywhere_is_one_line(
 
 def test_lines_of_a_service_are_played_up_to_the_damage(
     sound: dict[str, Any], tmp_path: Path, capsys: pytest.CaptureFixture[str]
-):
+) -> None:
     path = tmp_path / "lines.json"
     lines = [json.dumps(frame) for frame in sound["frames"]]
     path.write_text("\n".join([*lines, '{"id": 5, "hands": [']))
@@ -162,7 +162,7 @@ def test_lines_of_a_service_are_played_up_to_the_damage(
 
 def test_a_profile_may_be_a_measured_hand_and_is_refused_for_touches(
     sound: dict[str, Any], tmp_path: Path, capsys: pytest.CaptureFixture[str]
-):
+) -> None:
     path, hand = tmp_path / "hand.json", tmp_path / "me.json"
     path.write_text(json.dumps(sound))
     paalm = ["paalm", "calibrate", str(path), "--hands", "right", "--frames", "40"]

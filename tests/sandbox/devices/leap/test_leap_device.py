@@ -40,7 +40,7 @@ def free_port() -> int:
         return taken.getsockname()[1]
 
 
-def test_at_290_frames_a_second_every_frame_arrives_once_and_in_order():
+def test_at_290_frames_a_second_every_frame_arrives_once_and_in_order() -> None:
     server = FakeLeapd(messages(), port=0, rate=290.0)
     device = LeapDevice(server.address)
     frames: list[Any] = []
@@ -55,7 +55,7 @@ def test_at_290_frames_a_second_every_frame_arrives_once_and_in_order():
     assert device.counts["frames nobody fetched"] == 0
 
 
-def test_frames_that_nobody_fetches_are_dropped_oldest_first_and_counted():
+def test_frames_that_nobody_fetches_are_dropped_oldest_first_and_counted() -> None:
     server = FakeLeapd(messages(), port=0, rate=5000.0, loop=True)
     device = LeapDevice(server.address)
     try:
@@ -68,7 +68,7 @@ def test_frames_that_nobody_fetches_are_dropped_oldest_first_and_counted():
     assert all(a.time < b.time for a, b in pairwise(kept))
 
 
-def test_a_service_that_is_started_anew_is_found_again_and_time_goes_on():
+def test_a_service_that_is_started_anew_is_found_again_and_time_goes_on() -> None:
     port = free_port()
     device = LeapDevice(f"ws://127.0.0.1:{port}/v6.json")
     frames: list[Any] = []
@@ -87,7 +87,7 @@ def test_a_service_that_is_started_anew_is_found_again_and_time_goes_on():
     assert all(a.time < b.time for a, b in pairwise(frames))
 
 
-def test_damaged_messages_are_counted_and_the_connection_stays():
+def test_damaged_messages_are_counted_and_the_connection_stays() -> None:
     junk: list[Any] = [
         {"hands": 3, "pointables": 4},
         {"weather": 1},
@@ -105,7 +105,7 @@ def test_damaged_messages_are_counted_and_the_connection_stays():
         server.close()
 
 
-def test_the_fake_service_turns_other_paths_away_as_the_bridge_does():
+def test_the_fake_service_turns_other_paths_away_as_the_bridge_does() -> None:
     server = FakeLeapd(messages()[:3], port=0)
     try:
         with pytest.raises(InvalidStatus):
@@ -114,7 +114,7 @@ def test_the_fake_service_turns_other_paths_away_as_the_bridge_does():
         server.close()
 
 
-def test_a_taken_port_and_an_address_that_is_none_are_refused():
+def test_a_taken_port_and_an_address_that_is_none_are_refused() -> None:
     server = FakeLeapd(messages()[:3], port=0)
     try:
         with pytest.raises(DeviceError, match="cannot listen"):

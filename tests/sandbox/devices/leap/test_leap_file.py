@@ -7,6 +7,7 @@ import json
 import math
 from collections.abc import Callable
 from functools import cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -40,7 +41,7 @@ VECTORS = {
 }
 
 
-def packed(messages: list[dict]) -> list:
+def packed(messages: list[dict[str, Any]]) -> list[Any]:
     """The messages as LeapJS packs them: keys once, then rows."""
     hand, finger = list(messages[0]["hands"][0]), list(messages[0]["pointables"][0])
     rows = [
@@ -71,23 +72,23 @@ def small(form: str) -> bytes:
 
 
 @pytest.mark.parametrize("text", VECTORS)
-def test_lz_string_decodes_what_its_reference_implementation_encoded(text):
+def test_lz_string_decodes_what_its_reference_implementation_encoded(text: str) -> None:
     assert decompress_base64(text) == VECTORS[text]
 
 
 @given(st.text(alphabet="ABCDEFabcdef0123+/=", max_size=80))
-def test_no_text_makes_the_lz_decoder_do_anything_but_decode_or_refuse(text):
+def test_no_text_makes_the_lz_decoder_do_anything_but_decode_or_refuse(text: str) -> None:
     with contextlib.suppress(RecordingError):
         assert isinstance(decompress_base64(text, limit=10_000), str)
 
 
-def test_a_small_text_cannot_ask_for_more_memory_than_allowed():
+def test_a_small_text_cannot_ask_for_more_memory_than_allowed() -> None:
     with pytest.raises(RecordingError, match="too large"):
         decompress_base64("IY18ZXTt/DFOS1b0c17Pd/wYUcSaWeRZVdTbXTEA", limit=999)
 
 
 @pytest.mark.parametrize("form", FORMS)
-def test_every_form_of_a_file_holds_the_same_frames(form, tmp_path):
+def test_every_form_of_a_file_holds_the_same_frames(form: str, tmp_path: Path) -> None:
     path = tmp_path / "no-telling-name"
     path.write_text(FORMS[form]())
     recording = read_leap(path)
@@ -98,7 +99,7 @@ def test_every_form_of_a_file_holds_the_same_frames(form, tmp_path):
     assert recording.damage is None
 
 
-def test_lines_are_good_up_to_the_damage(tmp_path):
+def test_lines_are_good_up_to_the_damage(tmp_path: Path) -> None:
     path = tmp_path / "torn"
     path.write_text(FORMS["lines"]()[:-200])
     recording = read_leap(path)
@@ -125,7 +126,9 @@ def test_lines_are_good_up_to_the_damage(tmp_path):
         b"N4IgZgTghgtgpgZxALgNqgMYFcITgOwBcAxaeAJSkLhQEZaAGAOgBYAmAdgBoQBzRQjkQpUA",
     ),
 )
-def test_a_file_that_is_no_recording_is_refused_with_its_name(content, tmp_path):
+def test_a_file_that_is_no_recording_is_refused_with_its_name(
+    content: bytes, tmp_path: Path
+) -> None:
     path = tmp_path / "foreign.json"
     path.write_bytes(content)
     with pytest.raises(RecordingError, match=r"foreign\.json"):
@@ -134,15 +137,17 @@ def test_a_file_that_is_no_recording_is_refused_with_its_name(content, tmp_path)
 
 @pytest.mark.parametrize("form", FORMS)
 @pytest.mark.parametrize("name", ["hand.ldj", "hand.jsonl", "hand.txt", "hand"])
-def test_a_recording_is_a_device_in_every_form_whatever_its_name(form, name, tmp_path):
+def test_a_recording_is_a_device_in_every_form_whatever_its_name(
+    form: str, name: str, tmp_path: Path
+) -> None:
     path = tmp_path / name
     path.write_text(FORMS[form]())
     assert is_leap(str(path))
 
 
 def test_compressed_recordings_are_recognised_and_files_of_other_programs_are_not(
-    shared_data, tmp_path
-):
+    shared_data: Path, tmp_path: Path
+) -> None:
     for path in (shared_data / "leap").iterdir():
         bare = tmp_path / path.name.partition(".")[0]
         bare.write_bytes(path.read_bytes())
@@ -158,7 +163,7 @@ def test_compressed_recordings_are_recognised_and_files_of_other_programs_are_no
     assert not is_leap(str(run))
 
 
-def test_two_lists_of_frames_in_one_file_are_refused(tmp_path):
+def test_two_lists_of_frames_in_one_file_are_refused(tmp_path: Path) -> None:
     path = tmp_path / "two.json"
     path.write_text(json.dumps({"a": messages()[:2], "b": messages()[:2]}))
     with pytest.raises(RecordingError, match=r"two\.json: two lists"):
@@ -172,8 +177,8 @@ def test_two_lists_of_frames_in_one_file_are_refused(tmp_path):
     cut=st.floats(0.05, 1.0),
 )
 def test_bytes_that_changed_are_refused_or_counted_and_raise_nothing_else(
-    form, damage, cut, tmp_path_factory
-):
+    form: str, damage: list[tuple[float, int]], cut: float, tmp_path_factory: pytest.TempPathFactory
+) -> None:
     content = bytearray(small(form))
     for place, byte in damage:
         content[int(place * (len(content) - 1))] = byte
@@ -183,12 +188,12 @@ def test_bytes_that_changed_are_refused_or_counted_and_raise_nothing_else(
         assert read_leap(path).frames
 
 
-def test_a_missing_file_is_refused(tmp_path):
+def test_a_missing_file_is_refused(tmp_path: Path) -> None:
     with pytest.raises(RecordingError, match="cannot be read"):
         read_leap(tmp_path / "none.json")
 
 
-def test_a_recording_plays_every_frame_when_it_is_due(tmp_path):
+def test_a_recording_plays_every_frame_when_it_is_due(tmp_path: Path) -> None:
     path = tmp_path / "hand"
     path.write_text(FORMS["list"]())
     recording = read_leap(path)
@@ -202,7 +207,7 @@ def test_a_recording_plays_every_frame_when_it_is_due(tmp_path):
     assert tuple(played) == recording.frames and device.finished
 
 
-def test_a_simulated_recording_brings_its_truth_along(tmp_path):
+def test_a_simulated_recording_brings_its_truth_along(tmp_path: Path) -> None:
     known, path = take(2), tmp_path / "hand.json"
     write_take(known, path, {"seed": 2})
     found = take_with_truth(read_leap(path), str(path))
@@ -216,7 +221,7 @@ def test_a_simulated_recording_brings_its_truth_along(tmp_path):
         take_with_truth(read_leap(path), str(path))
 
 
-def test_recordings_made_by_other_programs_are_read_whole(shared_data):
+def test_recordings_made_by_other_programs_are_read_whole(shared_data: Path) -> None:
     expected = {
         "v1-hands.json": ("v1", 744),
         "HandSplay-110fps.json.lz": ("v2", 288),

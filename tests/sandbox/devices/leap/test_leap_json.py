@@ -52,7 +52,7 @@ def spoiled(part: str, **changes: Any) -> dict[str, Any]:
     return whole
 
 
-def test_up_from_the_device_is_up_and_towards_the_person_is_backwards():
+def test_up_from_the_device_is_up_and_towards_the_person_is_backwards() -> None:
     frame = LeapDecoder().feed(message())
     assert frame is not None
     (hand,) = frame.hands
@@ -65,7 +65,7 @@ def test_up_from_the_device_is_up_and_towards_the_person_is_backwards():
 
 
 @pytest.mark.parametrize("dialect", ("v1", "v3"))
-def test_what_a_service_would_send_of_a_frame_is_read_back_as_that_frame(dialect):
+def test_what_a_service_would_send_of_a_frame_is_read_back_as_that_frame(dialect: str) -> None:
     decoder = LeapDecoder()
     for number, frame in enumerate(take(3, dialect).frames[:40]):
         read = decoder.feed(json.loads(json.dumps(leap_message(frame, number))))
@@ -93,7 +93,7 @@ def test_what_a_service_would_send_of_a_frame_is_read_back_as_that_frame(dialect
         (("bases", "stabilizedTipPosition"), "v2"),
     ),
 )
-def test_the_fields_of_a_finger_tell_who_is_speaking(more, dialect):
+def test_the_fields_of_a_finger_tell_who_is_speaking(more: tuple[str, ...], dialect: str) -> None:
     sent = leap_message(replace(take(0, "v3").frames[0], dialect=None), 1)
     for pointable in sent["pointables"]:
         pointable |= dict.fromkeys(more, 0)
@@ -102,7 +102,7 @@ def test_the_fields_of_a_finger_tell_who_is_speaking(more, dialect):
     assert decoder.dialect == dialect
 
 
-def test_a_length_that_is_a_width_by_mistake_does_not_matter_where_joints_are_known():
+def test_a_length_that_is_a_width_by_mistake_does_not_matter_where_joints_are_known() -> None:
     sent = leap_message(take(0, "v3").frames[0], 1)
     right = LeapDecoder().feed(sent)
     for pointable in sent["pointables"]:
@@ -110,7 +110,7 @@ def test_a_length_that_is_a_width_by_mistake_does_not_matter_where_joints_are_kn
     assert LeapDecoder().feed(sent) == right
 
 
-def test_the_last_bone_ends_where_the_device_says_and_at_the_tip_where_it_says_nothing():
+def test_the_last_bone_ends_where_the_device_says_and_at_the_tip_where_it_says_nothing() -> None:
     frame = take(0, "v3").frames[0]
     sent = leap_message(frame, 1)
     apart = [
@@ -146,7 +146,9 @@ def test_the_last_bone_ends_where_the_device_says_and_at_the_tip_where_it_says_n
         ("pointables", {"tipPosition": [1e9, 0.0, 0.0]}),
     ),
 )
-def test_a_damaged_finger_is_counted_and_its_neighbour_kept(part, changes):
+def test_a_damaged_finger_is_counted_and_its_neighbour_kept(
+    part: str, changes: dict[str, Any]
+) -> None:
     decoder = LeapDecoder()
     frame = decoder.feed(spoiled(part, **changes))
     assert frame is not None and [f.id for f in frame.hands[0].fingers] == [5]
@@ -166,20 +168,22 @@ def test_a_damaged_finger_is_counted_and_its_neighbour_kept(part, changes):
         {k: v for k, v in message().items() if k != "hands"} | {"hands": [{}]},
     ),
 )
-def test_a_damaged_frame_is_counted_and_the_next_one_is_as_good_as_ever(damaged):
+def test_a_damaged_frame_is_counted_and_the_next_one_is_as_good_as_ever(
+    damaged: dict[str, Any],
+) -> None:
     decoder = LeapDecoder()
     assert decoder.feed(damaged) is None
     assert sum(n for why, n in decoder.counts.items() if why.startswith("frames refused")) == 1
     assert decoder.feed(message()) == LeapDecoder().feed(message())
 
 
-def test_two_pointables_with_one_id_do_not_become_two_fingers():
+def test_two_pointables_with_one_id_do_not_become_two_fingers() -> None:
     decoder = LeapDecoder()
     assert decoder.feed(spoiled("pointables", id=5)) is None
     assert decoder.counts["frames"] == 0
 
 
-def test_a_late_frame_is_left_out_and_a_new_clock_goes_on_from_the_old_one():
+def test_a_late_frame_is_left_out_and_a_new_clock_goes_on_from_the_old_one() -> None:
     decoder = LeapDecoder()
     times = [decoder.feed(message(t)) for t in (50_000_000, 50_010_000, 50_005_000, 50_010_000)]
     assert [f is not None for f in times] == [True, True, False, False]
@@ -190,7 +194,7 @@ def test_a_late_frame_is_left_out_and_a_new_clock_goes_on_from_the_old_one():
     assert restarted[1].time - restarted[0].time == pytest.approx(0.01)
 
 
-def test_handshakes_events_and_foreign_messages_are_no_frames():
+def test_handshakes_events_and_foreign_messages_are_no_frames() -> None:
     decoder = LeapDecoder()
     said: Any = (
         {"version": 6, "serviceVersion": "2.3.1"},
@@ -205,7 +209,7 @@ def test_handshakes_events_and_foreign_messages_are_no_frames():
     assert decoder.counts["messages that are not JSON objects"] == 2
 
 
-def test_tools_and_fingers_without_a_hand_are_counted_and_left_out():
+def test_tools_and_fingers_without_a_hand_are_counted_and_left_out() -> None:
     decoder = LeapDecoder()
     frame = decoder.feed(spoiled("pointables", tool=True))
     assert frame is not None and len(frame.hands[0].fingers) == 1
@@ -223,7 +227,7 @@ JSON = st.recursive(
 
 @settings(max_examples=60)
 @given(data=st.data())
-def test_nothing_that_json_can_say_stops_the_decoder(data):
+def test_nothing_that_json_can_say_stops_the_decoder(data: st.DataObject) -> None:
     sent = leap_message(take(0, data.draw(st.sampled_from(("v1", "v3")))).frames[0], 1)
     for _ in range(data.draw(st.integers(1, 3))):
         target: Any = data.draw(
@@ -239,7 +243,7 @@ def test_nothing_that_json_can_say_stops_the_decoder(data):
     assert decoder.feed(message(10**15)) is not None or decoder.counts
 
 
-def test_hand_frames_refuse_what_no_hand_can_be():
+def test_hand_frames_refuse_what_no_hand_can_be() -> None:
     finger = TrackedFinger(1, (0.0, 0.1, 0.2), (0.0, 1.0, 0.0), 0.05)
     hand = TrackedHand(1, (0.0, 0.0, 0.2), (0.0, 0.0, -1.0), (0.0, 1.0, 0.0), (finger,))
     wrong = (

@@ -47,7 +47,7 @@ def said(settings: RunSettings, makers: object, until: float) -> dict[float, tup
 
 
 @pytest.mark.parametrize("task", ["box-to-goal", "carry-together"])
-def test_hands_above_each_other_are_said_to_be_until_a_moment_after_they_are_not(task: str):
+def test_hands_above_each_other_are_said_to_be_until_a_moment_after_they_are_not(task: str) -> None:
     frames, two = stacked_for_a_while(), task == "carry-together"
     sides = ("right", "left") if two else ("right",)
     hands = tuple(HandSettings(side, in_air=HandInput()) for side in sides)
@@ -63,7 +63,7 @@ def test_hands_above_each_other_are_said_to_be_until_a_moment_after_they_are_not
     assert all(words.count(STACKED) <= 1 for words in told.values())
 
 
-def test_a_hand_that_stays_away_is_missed_and_one_that_is_lost_for_a_moment_is_not():
+def test_a_hand_that_stays_away_is_missed_and_one_that_is_lost_for_a_moment_is_not() -> None:
     frames = [replace(f, hands=f.hands if not 1.0 <= f.time < 4.0 else ()) for f in take(1).frames]
     blink = [replace(f, hands=() if 0.4 <= f.time < 0.9 else f.hands) for f in frames]
     settings = RunSettings(hands=(HandSettings(in_air=HandInput()),))
@@ -75,7 +75,7 @@ def test_a_hand_that_stays_away_is_missed_and_one_that_is_lost_for_a_moment_is_n
 
 def test_run_says_it_once_and_writes_it_into_the_events(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
-):
+) -> None:
     one = take(3)
     gone = tuple(replace(f, hands=() if f.time > 1.5 else f.hands) for f in one.frames)
     path, events = tmp_path / "hand.json", tmp_path / "events.jsonl"

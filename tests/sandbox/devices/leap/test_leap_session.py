@@ -4,7 +4,7 @@ import json
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import mujoco
 import numpy as np
@@ -40,6 +40,7 @@ from sandbox.session.device import Device
 from sandbox.session.latest_frame import SILENCE, LatestFrame
 from sandbox.session.messages import Snapshot
 from sandbox.trial.assembly import build
+from sandbox.trial.device_makers import DeviceMaker
 from sandbox.trial.hand_input import UNDER, HandInput
 from sandbox.trial.headless import run_trial
 from sandbox.trial.replay import replay
@@ -90,11 +91,22 @@ def settings(**changes: Any) -> RunSettings:
     return replace(RunSettings(hands=(HandSettings(in_air=HandInput()),)), **changes)
 
 
-def device(of: RunSettings, kind: str = "skilled", dialect: str = "v3", hand: int = 0):
+def device(
+    of: RunSettings, kind: str = "skilled", dialect: str = "v3", hand: int = 0
+) -> DeviceMaker:
     whose = of.hands[hand]
     assert whose.in_air is not None
-    return lambda task, surface: SimulatedLeap(
-        task, UserConfiguration(kind=kind), of.seed, whose.in_air.at, dialect, whose.person, hand
+    return lambda task, surface: cast(
+        Device,
+        SimulatedLeap(
+            task,
+            UserConfiguration(kind=kind),
+            of.seed,
+            whose.in_air.at,
+            dialect,
+            whose.person,
+            hand,
+        ),
     )
 
 
@@ -114,13 +126,13 @@ def recording(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @given(frames())
-def test_a_hand_frame_is_stored_to_the_bit(frame: HandFrame):
+def test_a_hand_frame_is_stored_to_the_bit(frame: HandFrame) -> None:
     back = frame_from_json(json.loads(json.dumps(frame_to_json(frame))))
     # The text of a float tells all of it, and that of -0.0 is not that of 0.0.
     assert back == frame and repr(back) == repr(frame)
 
 
-def test_a_box_carried_through_the_air_replays_to_the_bit(recording: Path):
+def test_a_box_carried_through_the_air_replays_to_the_bit(recording: Path) -> None:
     read = load_recording(recording)
     lifted = max(qpos[-5] for qpos in read.track.qpos.values())
     assert lifted > 0.035, "the box was lifted, not pushed"
@@ -130,7 +142,7 @@ def test_a_box_carried_through_the_air_replays_to_the_bit(recording: Path):
 
 def test_a_recording_that_breaks_off_replays_exactly_as_far_as_it_goes(
     recording: Path, tmp_path: Path
-):
+) -> None:
     cut = tmp_path / "cut.jsonl"
     data = recording.read_bytes()
     cut.write_bytes(data[: int(0.4 * len(data))])
@@ -141,7 +153,7 @@ def test_a_recording_that_breaks_off_replays_exactly_as_far_as_it_goes(
     assert 100 < verification.compared < len(load_recording(recording).hashes)
 
 
-def test_one_changed_digit_of_a_hand_frame_is_another_run(recording: Path, tmp_path: Path):
+def test_one_changed_digit_of_a_hand_frame_is_another_run(recording: Path, tmp_path: Path) -> None:
     lines = recording.read_text().split("\n")
     at = next(i for i, t in enumerate(lines) if '"input"' in t and i > 150)
     line = json.loads(lines[at])
@@ -153,7 +165,7 @@ def test_one_changed_digit_of_a_hand_frame_is_another_run(recording: Path, tmp_p
     assert not verification.exact
 
 
-def test_a_recording_is_the_device_of_another_hand_in_another_scene(recording: Path):
+def test_a_recording_is_the_device_of_another_hand_in_another_scene(recording: Path) -> None:
     read = load_recording(recording)
     of = settings(
         task="stack",
@@ -173,12 +185,12 @@ def test_a_recording_is_the_device_of_another_hand_in_another_scene(recording: P
     assert session.reconstructions[1].down and own[0] > 0.2 > other[0]
 
 
-def test_a_recording_of_a_hand_in_the_air_has_no_touches(recording: Path):
+def test_a_recording_of_a_hand_in_the_air_has_no_touches(recording: Path) -> None:
     with pytest.raises(RecordingError, match="no touches"):
         load_recording(recording).touches()
 
 
-def test_settings_with_a_calibration_are_read_back_as_they_were(tmp_path: Path):
+def test_settings_with_a_calibration_are_read_back_as_they_were(tmp_path: Path) -> None:
     paalm = calibrated(take(3))
     write_calibration(paalm.calibration, tmp_path / "me.json")
     mine = read_calibration(tmp_path / "me.json")["right"]
@@ -194,14 +206,14 @@ def test_settings_with_a_calibration_are_read_back_as_they_were(tmp_path: Path):
     assert "in_air" not in RunSettings().as_json()["hands"][0]
 
 
-def test_a_header_from_before_couplings_were_learned_replays_without_learning():
+def test_a_header_from_before_couplings_were_learned_replays_without_learning() -> None:
     values = settings(hands=(HandSettings(in_air=HandInput()),)).as_json()
     assert RunSettings.from_json(values).hands[0].in_air == HandInput()
     del values["hands"][0]["in_air"]["learns"]
     assert RunSettings.from_json(values).hands[0].in_air == HandInput(learns=False)
 
 
-def test_a_header_from_before_fingers_were_solved_by_tips_replays_by_lengths():
+def test_a_header_from_before_fingers_were_solved_by_tips_replays_by_lengths() -> None:
     values = settings(hands=(HandSettings(in_air=HandInput()),)).as_json()
     del values["hands"][0]["in_air"]["by_tips"]
     before = RunSettings.from_json(values).hands[0].in_air
@@ -220,13 +232,13 @@ def test_a_header_from_before_fingers_were_solved_by_tips_replays_by_lengths():
 
 
 @pytest.mark.parametrize("values", [{}, {"at": [0, 0], "calibration": None}, {"at": "here"}, 3])
-def test_settings_that_are_none_are_refused(values: object):
+def test_settings_that_are_none_are_refused(values: object) -> None:
     with pytest.raises(InputError):
         values = {**RunSettings().as_json()["hands"][0], "in_air": values}
         RunSettings.from_json({**RunSettings().as_json(), "hands": [values]})
 
 
-def test_where_the_device_is_moves_the_hand_and_changes_nothing_else():
+def test_where_the_device_is_moves_the_hand_and_changes_nothing_else() -> None:
     poses = []
     for at in (UNDER, (0.1, -0.2, 0.3)):
         found = HandInput(at).reconstructor(Person(), Surface(), RateLimit())
@@ -237,7 +249,7 @@ def test_where_the_device_is_moves_the_hand_and_changes_nothing_else():
     np.testing.assert_array_equal(np.array(poses[1])[:, 3:], np.array(poses[0])[:, 3:])
 
 
-def test_no_fingertip_is_commanded_below_the_table():
+def test_no_fingertip_is_commanded_below_the_table() -> None:
     low = HandInput((0.0, 0.0, -0.25)).reconstructor(Person(), Surface(), RateLimit(1e9, 1e9))
     kinematics = Kinematics(ADULT)
     for frame in take(4).frames[:200]:
@@ -245,7 +257,9 @@ def test_no_fingertip_is_commanded_below_the_table():
         assert (tips[:, 2] - ADULT.tip_radius).min() > -1e-9
 
 
-def test_a_hand_that_is_lost_stays_solid_for_a_moment_then_rises_as_a_ghost_and_comes_back():
+def test_a_hand_that_is_lost_stays_solid_for_a_moment_then_rises_as_a_ghost_and_comes_back() -> (
+    None
+):
     followed = HandInput().reconstructor(Person(), Surface(), RateLimit())
     s, seen = followed.settings, take(1).frames
     for frame in seen[:50]:
@@ -279,7 +293,7 @@ def _moved(hand: TrackedHand, x: float) -> TrackedHand:
     return replace(hand, palm=(a + x, b, c))
 
 
-def test_a_device_that_falls_silent_sees_no_hand():
+def test_a_device_that_falls_silent_sees_no_hand() -> None:
     newest: Any = LatestFrame(HandReconstructor.empty)
     frame = take(0).frames[0]
     assert newest.take([frame], 1.0) and newest.frame.hands == frame.hands
@@ -292,7 +306,7 @@ def test_a_device_that_falls_silent_sees_no_hand():
     assert touches.frame == TouchFrame(9.0, lift=0.5)
 
 
-def test_who_was_not_measured_is_assumed_and_assumed_anew_after_a_reset():
+def test_who_was_not_measured_is_assumed_and_assumed_anew_after_a_reset() -> None:
     followed = HandReconstructor(Paalm(), assume=True)
     empty = followed.step(HandFrame(0.0))
     assert not empty.down and not followed.paalm.calibration
@@ -303,7 +317,7 @@ def test_who_was_not_measured_is_assumed_and_assumed_anew_after_a_reset():
     np.testing.assert_array_equal([followed.step(f).q for f in take(5, "v3").frames[:30]], first)
 
 
-def test_a_hand_in_the_air_stays_at_the_lower_edge_of_a_flat_table():
+def test_a_hand_in_the_air_stays_at_the_lower_edge_of_a_flat_table() -> None:
     of = settings(task="stack-vertical")
     with pytest.raises(InputError, match="flat table"):
         run_trial(of, (device(of),))
@@ -312,7 +326,7 @@ def test_a_hand_in_the_air_stays_at_the_lower_edge_of_a_flat_table():
 
 
 @pytest.mark.parametrize("side", ["right", "left"])
-def test_the_simulated_device_says_where_joints_are_and_of_which_side(side: str):
+def test_the_simulated_device_says_where_joints_are_and_of_which_side(side: str) -> None:
     eye = LeapEye(3, side)
     joints = np.random.default_rng(0).normal(0.0, 0.05, (5, 4, 3))
     mirror = np.diag([-1.0 if side == "left" else 1.0, 1.0, 1.0])
@@ -324,7 +338,7 @@ def test_the_simulated_device_says_where_joints_are_and_of_which_side(side: str)
 
 
 @pytest.mark.parametrize("apart", [0.006, 0.020])
-def test_the_first_devices_see_two_fingertips_as_one_where_they_are_too_near(apart: float):
+def test_the_first_devices_see_two_fingertips_as_one_where_they_are_too_near(apart: float) -> None:
     eye = LeapEye(3, dialect="v1", configuration=replace(FROZEN_LEAP, lost_rate=0.0))
     joints = np.zeros((5, 4, 3))
     joints[:, :, 1] = [0.03, 0.07, 0.10, 0.12]
@@ -341,7 +355,9 @@ def test_the_first_devices_see_two_fingertips_as_one_where_they_are_too_near(apa
 
 
 @pytest.mark.parametrize("links", [1, 2])
-def test_a_finger_whose_middle_link_is_in_a_thing_is_solid_only_where_that_link_is_not(links: int):
+def test_a_finger_whose_middle_link_is_in_a_thing_is_solid_only_where_that_link_is_not(
+    links: int,
+) -> None:
     q = np.zeros(48)
     q[2] = 0.3
     placed = Kinematics(ADULT).place(q)
@@ -361,7 +377,7 @@ def test_a_finger_whose_middle_link_is_in_a_thing_is_solid_only_where_that_link_
 
 
 @pytest.mark.parametrize("seed", [16, 33])
-def test_a_wrench_is_held_so_low_that_no_fingertip_rides_over_its_handle(seed: int):
+def test_a_wrench_is_held_so_low_that_no_fingertip_rides_over_its_handle(seed: int) -> None:
     of = settings(task="wrench-turn", seed=seed)
     made: list[SimulatedLeap] = []
     over: list[bool] = []

@@ -19,7 +19,7 @@ from sandbox.devices.leap.shared_leap import SharedLeap
 from sandbox.devices.simulated.leap_disturbance import LeapDisturbance, parse_simulated
 from sandbox.devices.simulated.leap_user import SimulatedLeap
 from sandbox.options.leap_devices import hand_input, is_leap
-from sandbox.options.scene_options import SceneOptions, plan
+from sandbox.options.scene_options import Plan, SceneOptions, plan
 from sandbox.recording.recorded_device import RecordedDevice
 from sandbox.recording.recording import load_recording
 from sandbox.server.page_server import PageServer
@@ -36,7 +36,7 @@ from tests.support.page_client import Page
 from tests.support.scripted import PlayedHands
 
 
-def test_each_hand_gets_the_frames_of_its_own_side_and_no_other():
+def test_each_hand_gets_the_frames_of_its_own_side_and_no_other() -> None:
     both = side_by_side(take(1), take(2, side="left"))[:50]
     right, left = SharedLeap(PlayedHands(both), ("right", "left")).parts
     for now in (0.1, 0.2, 0.5):
@@ -50,7 +50,7 @@ def test_each_hand_gets_the_frames_of_its_own_side_and_no_other():
     assert right.finished and left.finished
 
 
-def test_a_hand_over_the_other_hides_both():
+def test_a_hand_over_the_other_hides_both() -> None:
     both = []
     for frame in side_by_side(take(1), take(2, side="left"))[:5]:
         left, right = frame.hands
@@ -62,11 +62,11 @@ def test_a_hand_over_the_other_hides_both():
     assert shared.counts["one hand above the other"] == 5
 
 
-def chosen(task: str, **options: Any):
+def chosen(task: str, **options: Any) -> Plan:
     return plan(replace(SceneOptions(task=task), **options))
 
 
-def test_two_hands_over_one_leap_carry_a_tray_and_replay_to_the_bit(tmp_path: Path):
+def test_two_hands_over_one_leap_carry_a_tray_and_replay_to_the_bit(tmp_path: Path) -> None:
     made = chosen("carry-together", device="leap-simulated:v1", seed=1)
     assert [hand.in_air is not None for hand in made.settings.hands] == [True, True]
     path = tmp_path / "two.jsonl"
@@ -82,28 +82,30 @@ def test_two_hands_over_one_leap_carry_a_tray_and_replay_to_the_bit(tmp_path: Pa
     assert frames and all(h.side == "left" for f in frames for h in f.hands)
 
 
-def test_a_hand_in_the_air_and_one_on_a_screen_are_in_one_scene():
+def test_a_hand_in_the_air_and_one_on_a_screen_are_in_one_scene() -> None:
     made = chosen("carry-together", device="leap-simulated", second_device="simulated")
     assert [hand.in_air is not None for hand in made.settings.hands] == [True, False]
 
 
-def test_two_right_hands_over_one_leap_are_refused():
+def test_two_right_hands_over_one_leap_are_refused() -> None:
     with pytest.raises(InputError, match="two hands over one Leap"):
         chosen("carry-together", device="leap-simulated", second_hand="right")
 
 
-def test_what_spoils_touches_does_not_spoil_hands_in_the_air():
+def test_what_spoils_touches_does_not_spoil_hands_in_the_air() -> None:
     with pytest.raises(InputError, match="--vary"):
         chosen("stack", device="leap-simulated", vary="latency=50")
 
 
 @pytest.mark.parametrize("at", ["", "1,2", "a,b,c", "0,0,9", "nan,0,0"])
-def test_a_device_that_is_nowhere_is_refused(at: str):
+def test_a_device_that_is_nowhere_is_refused(at: str) -> None:
     with pytest.raises(InputError, match="--leap-at"):
         hand_input(SceneOptions(leap_at=at), "leap", "right")
 
 
-def test_a_leap_recording_drives_the_hand_with_its_own_calibration(tmp_path: Path, capsys: Any):
+def test_a_leap_recording_drives_the_hand_with_its_own_calibration(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     path = tmp_path / "hand.json"
     write_take(take(1), path, {})
     assert is_leap(str(path)) and not is_leap(str(tmp_path / "missing.json"))
@@ -120,20 +122,20 @@ def test_a_leap_recording_drives_the_hand_with_its_own_calibration(tmp_path: Pat
     assert result["settings"]["in_air"]["at"] == [0.0, 0.0, -0.1]
 
 
-def test_a_recording_without_the_wanted_hand_says_which_it_has(tmp_path: Path):
+def test_a_recording_without_the_wanted_hand_says_which_it_has(tmp_path: Path) -> None:
     path = tmp_path / "left.json"
     write_take(take(1, "v3", side="left"), path, {})
     with pytest.raises(InputError, match="--hand left"):
         chosen("box-to-goal", device=str(path))
 
 
-def test_a_service_that_is_not_there_is_one_line(capsys: pytest.CaptureFixture[str]):
+def test_a_service_that_is_not_there_is_one_line(capsys: pytest.CaptureFixture[str]) -> None:
     nobody = ["--device", "leap", "--leap", "ws://127.0.0.1:1/v6.json"]
     assert command(["run", "stack", *nobody]) == 2
     assert "is silent" in capsys.readouterr().err
 
 
-def test_a_simulated_leap_is_as_noisy_and_forgetful_as_it_is_asked_to_be():
+def test_a_simulated_leap_is_as_noisy_and_forgetful_as_it_is_asked_to_be() -> None:
     assert parse_simulated("") == ("v3", LeapDisturbance())
     assert parse_simulated("v1,noise=2,lose=1.5") == ("v1", LeapDisturbance(2.0, 1.5))
     assert LeapDisturbance().applied(FROZEN_LEAP) is FROZEN_LEAP
@@ -157,12 +159,12 @@ def test_a_simulated_leap_is_as_noisy_and_forgetful_as_it_is_asked_to_be():
 
 
 @pytest.mark.parametrize("wrong", ["v9", "noise", "noise=loud", "noise=nan", "lose=-1", "v1=2"])
-def test_a_simulated_leap_that_is_none_is_refused(wrong: str):
+def test_a_simulated_leap_that_is_none_is_refused(wrong: str) -> None:
     with pytest.raises(InputError):
         chosen("stack", device=f"leap-simulated:{wrong}")
 
 
-def test_a_hand_that_is_lost_while_it_carries_a_box_takes_it_up_again(tmp_path: Path):
+def test_a_hand_that_is_lost_while_it_carries_a_box_takes_it_up_again(tmp_path: Path) -> None:
     made = chosen("box-to-goal", device="leap-simulated:lose=1")
     path = tmp_path / "lost.jsonl"
     assert run_trial(made.settings, made.makers, record=path).success
@@ -179,7 +181,7 @@ def test_a_hand_that_is_lost_while_it_carries_a_box_takes_it_up_again(tmp_path: 
     assert before and after and not before & after, "it is another hand to the device"
 
 
-def test_the_hand_that_a_simulated_person_moves_is_theirs_alone():
+def test_the_hand_that_a_simulated_person_moves_is_theirs_alone() -> None:
     first, again, other = (
         chosen("stack", device="leap-simulated", seed=seed) for seed in (1, 1, 2)
     )
@@ -194,7 +196,7 @@ def test_the_hand_that_a_simulated_person_moves_is_theirs_alone():
 
 
 @pytest.mark.parametrize("device", ["leap-simulated", "simulated"])
-def test_who_looks_at_a_hand_in_the_air_on_the_page_has_no_lift_control(device: str):
+def test_who_looks_at_a_hand_in_the_air_on_the_page_has_no_lift_control(device: str) -> None:
     made = chosen("stack", device=device)
     session = build(made.settings, made.makers)
     server = PageServer()
@@ -209,7 +211,7 @@ def test_who_looks_at_a_hand_in_the_air_on_the_page_has_no_lift_control(device: 
     assert (told["lift"] == 0.0) == (device == "leap-simulated")
 
 
-def test_a_study_compares_touch_and_air():
+def test_a_study_compares_touch_and_air() -> None:
     touch, air = (
         run_settings({"task": "stack", "device": device}, 3, "left", 0.9)
         for device in ("touch", "leap")

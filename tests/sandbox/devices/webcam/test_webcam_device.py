@@ -57,7 +57,7 @@ def soon(condition: Callable[[], object]) -> None:
         time.sleep(0.01)
 
 
-def test_a_page_is_told_what_is_wanted_and_its_pictures_come(device):
+def test_a_page_is_told_what_is_wanted_and_its_pictures_come(device: WebcamDevice) -> None:
     assert device.notice == WAITING
     with page(device) as socket:
         wanted = json.loads(socket.recv(timeout=5))
@@ -76,7 +76,7 @@ def test_a_page_is_told_what_is_wanted_and_its_pictures_come(device):
 
 
 @pytest.mark.parametrize("trouble", sorted(NOTICES))
-def test_a_trouble_of_the_page_is_told_at_the_session(device, trouble):
+def test_a_trouble_of_the_page_is_told_at_the_session(device: WebcamDevice, trouble: str) -> None:
     with page(device) as socket:
         socket.send(json.dumps({"trouble": trouble}))
         soon(lambda: device.notice == NOTICES[trouble])
@@ -84,7 +84,7 @@ def test_a_trouble_of_the_page_is_told_at_the_session(device, trouble):
         soon(lambda: device.notice == "")
 
 
-def test_a_page_that_is_closed_is_told_and_may_come_back(device):
+def test_a_page_that_is_closed_is_told_and_may_come_back(device: WebcamDevice) -> None:
     with page(device):
         pass
     soon(lambda: device.notice == CLOSED)
@@ -94,7 +94,7 @@ def test_a_page_that_is_closed_is_told_and_may_come_back(device):
     assert not device.finished
 
 
-def test_a_second_page_takes_the_place_of_the_first(device):
+def test_a_second_page_takes_the_place_of_the_first(device: WebcamDevice) -> None:
     with page(device) as first, page(device) as second:
         first.recv(timeout=5)
         assert json.loads(first.recv(timeout=5)) == {"what": "bye", "why": REPLACED}
@@ -103,7 +103,7 @@ def test_a_second_page_takes_the_place_of_the_first(device):
     soon(lambda: device.counts["pages closed"] == 1)
 
 
-def test_the_page_is_told_when_the_session_is_over(device):
+def test_the_page_is_told_when_the_session_is_over(device: WebcamDevice) -> None:
     with page(device) as socket:
         socket.recv(timeout=5)
         device.close()
@@ -112,7 +112,9 @@ def test_the_page_is_told_when_the_session_is_over(device):
             socket.recv(timeout=5)
 
 
-def test_what_is_no_picture_is_counted_and_too_much_of_it_ends_the_page(device):
+def test_what_is_no_picture_is_counted_and_too_much_of_it_ends_the_page(
+    device: WebcamDevice,
+) -> None:
     with page(device) as socket:
         socket.recv(timeout=5)
         socket.send("nonsense")
@@ -125,7 +127,9 @@ def test_what_is_no_picture_is_counted_and_too_much_of_it_ends_the_page(device):
     assert device.server.counters["malformed message"] == PATIENCE + 1
 
 
-def test_pictures_that_nobody_fetches_are_dropped_and_counted(device, monkeypatch):
+def test_pictures_that_nobody_fetches_are_dropped_and_counted(
+    device: WebcamDevice, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr("sandbox.devices.webcam.webcam.KEPT", 3)
     with page(device) as socket:
         for i in range(5):
@@ -138,7 +142,7 @@ def test_pictures_that_nobody_fetches_are_dropped_and_counted(device, monkeypatc
 @pytest.mark.parametrize(
     "headers", [{"Origin": "http://evil.example"}, {"Host": "evil.example:80"}]
 )
-def test_a_foreign_page_is_refused(device, headers):
+def test_a_foreign_page_is_refused(device: WebcamDevice, headers: dict[str, str]) -> None:
     with pytest.raises(InvalidStatus):
         page(device, **headers).close()
 
@@ -150,7 +154,9 @@ def get(device: WebcamDevice, path: str, token: bool = True) -> tuple[bytes, dic
         return answer.read(), dict(answer.headers)
 
 
-def test_the_page_and_the_engine_are_served_and_may_load_nothing_from_elsewhere(device):
+def test_the_page_and_the_engine_are_served_and_may_load_nothing_from_elsewhere(
+    device: WebcamDevice,
+) -> None:
     body, headers = get(device, "/")
     assert device.server.access.token.encode() in body and b"{{" not in body
     policy = headers["Content-Security-Policy"]
@@ -170,7 +176,7 @@ def test_the_page_and_the_engine_are_served_and_may_load_nothing_from_elsewhere(
         ("/../webcam.py", True, 404),
     ],
 )
-def test_nothing_else_is_served(device, path, token, status):
+def test_nothing_else_is_served(device: WebcamDevice, path: str, token: bool, status: int) -> None:
     with pytest.raises(HTTPError) as refused:
         get(device, path, token)
     assert refused.value.code == status

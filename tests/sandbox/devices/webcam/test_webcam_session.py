@@ -39,7 +39,9 @@ def hand_file(path: Path, both: bool = False) -> Path:
     return path
 
 
-def test_a_trial_by_a_file_of_landmarks_is_recorded_and_replays_to_the_bit(tmp_path, capsys):
+def test_a_trial_by_a_file_of_landmarks_is_recorded_and_replays_to_the_bit(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     file, recording = hand_file(tmp_path / "hand.jsonl"), tmp_path / "trial.jsonl"
     assert main(["run", "box-to-goal", "--device", str(file), "--record", str(recording)]) == 0
     assert main(["replay", str(recording)]) == 0
@@ -49,7 +51,7 @@ def test_a_trial_by_a_file_of_landmarks_is_recorded_and_replays_to_the_bit(tmp_p
     assert all(isinstance(entry.frame, LandmarkFrame) for entry in inputs)
 
 
-def test_the_recording_keeps_the_camera_and_not_the_poses(tmp_path):
+def test_the_recording_keeps_the_camera_and_not_the_poses(tmp_path: Path) -> None:
     file, recording = hand_file(tmp_path / "hand.jsonl"), tmp_path / "trial.jsonl"
     options = ["--webcam", "tilt=5,at=0/0.5/0.2", "--hand-size", "1.1"]
     main(["run", "box-to-goal", "--device", str(file), "--record", str(recording), *options])
@@ -60,21 +62,23 @@ def test_the_recording_keeps_the_camera_and_not_the_poses(tmp_path):
     assert hand.size == 1.1
 
 
-def test_a_leap_s_header_says_nothing_of_a_camera():
+def test_a_leap_s_header_says_nothing_of_a_camera() -> None:
     settings = plan(SceneOptions(device="leap-simulated")).settings
     (hand,) = settings.as_json()["hands"]
     assert "camera" not in hand["in_air"]
     assert RunSettings.from_json(settings.as_json()) == settings
 
 
-def test_two_hands_before_one_camera_are_each_their_own_side(tmp_path):
+def test_two_hands_before_one_camera_are_each_their_own_side(tmp_path: Path) -> None:
     file = hand_file(tmp_path / "hands.jsonl", both=True)
     chosen = plan(SceneOptions(device=str(file), task="carry-together", second_device=str(file)))
     assert [hand.side for hand in chosen.settings.hands] == ["right", "left"]
     assert all(hand.in_air and hand.in_air.camera for hand in chosen.settings.hands)
 
 
-def test_two_hands_carry_together_and_replay_to_the_bit(tmp_path, capsys):
+def test_two_hands_carry_together_and_replay_to_the_bit(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     file, recording = hand_file(tmp_path / "hands.jsonl", both=True), tmp_path / "two.jsonl"
     options = ["--device", str(file), "--device", str(file), "--record", str(recording)]
     assert main(["run", "carry-together", *options]) == 0
@@ -84,13 +88,13 @@ def test_two_hands_carry_together_and_replay_to_the_bit(tmp_path, capsys):
     assert len(right) == len(left) == 60
 
 
-def test_two_right_hands_before_one_camera_are_refused(tmp_path):
+def test_two_right_hands_before_one_camera_are_refused(tmp_path: Path) -> None:
     file = str(hand_file(tmp_path / "hands.jsonl", both=True))
     with pytest.raises(InputError, match="a right and a left hand"):
         plan(SceneOptions(device=file, second_device=file, hand="right", second_hand="right"))
 
 
-def test_a_recording_of_landmarks_is_exported_as_it_is(tmp_path):
+def test_a_recording_of_landmarks_is_exported_as_it_is(tmp_path: Path) -> None:
     file, out = hand_file(tmp_path / "hand.jsonl"), tmp_path / "hand.bvh"
     assert main(["export", str(file), "--to", str(out)]) == 0
     assert "MOTION" in out.read_text()
@@ -103,32 +107,32 @@ def test_a_recording_of_landmarks_is_exported_as_it_is(tmp_path):
     assert np.linalg.norm(root[30:] - wrist, axis=1).max() < 0.03
 
 
-def test_both_hands_of_a_recording_of_landmarks_are_exported(tmp_path):
+def test_both_hands_of_a_recording_of_landmarks_are_exported(tmp_path: Path) -> None:
     assert open_source(hand_file(tmp_path / "two.jsonl", both=True)).names == ("right", "left")
     with pytest.raises(InputError, match="not in the recording"):
         open_source(hand_file(tmp_path / "one.jsonl"), hand="left")
 
 
 @pytest.mark.parametrize("text", ["fov", "fov=wide", "zoom=2", "at=1/2", "mirrored=yes", "fov=5"])
-def test_a_camera_that_cannot_be_is_one_line(text):
+def test_a_camera_that_cannot_be_is_one_line(text: str) -> None:
     with pytest.raises(InputError):
         webcam_choice(text)
 
 
-def test_the_option_says_what_the_camera_is():
+def test_the_option_says_what_the_camera_is() -> None:
     choice = webcam_choice("fov=70,at=0.1/0.5/0.3,tilt=30,roll=180,pan=-10,mirrored,quiet")
     assert choice.camera == Camera(70.0, (0.1, 0.5, 0.3), 30.0, 180.0, -10.0)
     assert choice.mirrored and choice.quiet
     assert webcam_choice("tilt=1", CAMERA).camera.view == CAMERA.view
 
 
-def test_touches_alone_can_be_degraded(tmp_path):
+def test_touches_alone_can_be_degraded(tmp_path: Path) -> None:
     file = str(hand_file(tmp_path / "hand.jsonl"))
     with pytest.raises(InputError, match="in the air"):
         plan(SceneOptions(device=file, vary="noise=0.001"))
 
 
-def test_a_camera_that_falls_silent_sees_no_hand():
+def test_a_camera_that_falls_silent_sees_no_hand() -> None:
     latest = LatestFrame(LandmarkFrame(0.0))
     frame = film([held_up()], CAMERA)[0]
     latest.take([frame], 1.0)

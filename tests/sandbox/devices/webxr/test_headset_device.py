@@ -90,7 +90,7 @@ def soon(condition: Callable[[], object]) -> None:
         time.sleep(0.01)
 
 
-def test_both_hands_of_a_page_come_with_all_joints(headset):
+def test_both_hands_of_a_page_come_with_all_joints(headset: Headset) -> None:
     with headset.page() as page:
         send(page, 1, joints(1), joints(2, "left"))
         frame = headset.frame(lambda f: len(f.hands) == 2)
@@ -103,7 +103,7 @@ def test_both_hands_of_a_page_come_with_all_joints(headset):
     assert headset.device.applied == 1
 
 
-def test_a_hand_is_seen_until_its_page_closes(headset):
+def test_a_hand_is_seen_until_its_page_closes(headset: Headset) -> None:
     with headset.page() as page:
         assert not headset.device.touched
         send(page, 1, joints())
@@ -114,7 +114,7 @@ def test_a_hand_is_seen_until_its_page_closes(headset):
     soon(lambda: headset.server.away)
 
 
-def test_a_headset_that_is_taken_off_is_away_and_back(headset):
+def test_a_headset_that_is_taken_off_is_away_and_back(headset: Headset) -> None:
     with headset.page() as page:
         send(page, 1, joints())
         page.send(json.dumps({"type": "presence", "here": False}))
@@ -123,7 +123,9 @@ def test_a_headset_that_is_taken_off_is_away_and_back(headset):
         soon(lambda: not headset.server.away)
 
 
-def test_a_hand_without_a_finger_keeps_the_others_and_one_without_a_palm_is_left_out(headset):
+def test_a_hand_without_a_finger_keeps_the_others_and_one_without_a_palm_is_left_out(
+    headset: Headset,
+) -> None:
     fingerless, without_wrist = joints(1), joints(2, "left")
     assert isinstance(fingerless["joints"], list) and isinstance(without_wrist["joints"], list)
     fingerless["joints"][9] = None
@@ -136,7 +138,7 @@ def test_a_hand_without_a_finger_keeps_the_others_and_one_without_a_palm_is_left
     assert counts["hands without a palm"] == counts["hands without a finger"] == 1
 
 
-def test_what_is_no_hand_is_refused_and_the_next_one_comes(headset):
+def test_what_is_no_hand_is_refused_and_the_next_one_comes(headset: Headset) -> None:
     flat: dict[str, object] = {"side": "right", "joints": [[0.0, 0.0, 0.0]] * 25}
     with headset.page() as page:
         send(page, 1, {"side": "right", "joints": [[0.0, 0.0, 0.0]] * 24})
@@ -148,7 +150,7 @@ def test_what_is_no_hand_is_refused_and_the_next_one_comes(headset):
     assert headset.device.counts["the joints of a hand lie on each other"] == 1
 
 
-def test_touches_are_no_message_for_a_headset(headset):
+def test_touches_are_no_message_for_a_headset(headset: Headset) -> None:
     with headset.page() as page:
         page.send(json.dumps({"type": "touches", "seq": 1, "t": 0.0, "contacts": []}))
         send(page, 2, joints())
@@ -156,7 +158,7 @@ def test_touches_are_no_message_for_a_headset(headset):
     assert headset.server.counters["another device's message"] == 1
 
 
-def test_a_controller_is_a_hand_that_pinches(headset):
+def test_a_controller_is_a_hand_that_pinches(headset: Headset) -> None:
     held: dict[str, object] = {
         "side": "right",
         "position": [0.1, 0.0, 0.2],
@@ -172,19 +174,19 @@ def test_a_controller_is_a_hand_that_pinches(headset):
     assert gaps[0] > 0.08 and gaps[1] < 0.016
 
 
-def test_a_controller_without_a_turn_is_refused():
+def test_a_controller_without_a_turn_is_refused() -> None:
     with pytest.raises(FrameError, match="quaternion"):
         held_hand(HeldController("right", (0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0), 0.0))
 
 
 @pytest.mark.parametrize("side", ["right", "left"])
-def test_the_palm_of_a_flat_hand_faces_down(side):
+def test_the_palm_of_a_flat_hand_faces_down(side: str) -> None:
     at = points(np.zeros(48)) * ([-1.0, 1.0, 1.0] if side == "left" else [1.0, 1.0, 1.0])
     hand = seen(at, side)
     assert hand.normal[2] < -0.95 and hand.direction[1] > 0.95
 
 
-def test_the_size_of_the_person_s_hand_is_known_after_a_moment(headset):
+def test_the_size_of_the_person_s_hand_is_known_after_a_moment(headset: Headset) -> None:
     assert headset.device.hand_size is None
     with headset.page() as page:
         send(page, 1, joints(3, size=1.1))
@@ -192,7 +194,7 @@ def test_the_size_of_the_person_s_hand_is_known_after_a_moment(headset):
     assert headset.device.hand_size == pytest.approx(1.1, abs=1e-3)
 
 
-def test_the_address_shows_the_headset_s_page_and_needs_its_token(headset):
+def test_the_address_shows_the_headset_s_page_and_needs_its_token(headset: Headset) -> None:
     body = urlopen(headset.server.url, timeout=5).read().decode()
     assert "headset.js" in body and "app.js" not in body and "{{" not in body
     base = headset.server.url.partition("/?")[0]
@@ -201,14 +203,14 @@ def test_the_address_shows_the_headset_s_page_and_needs_its_token(headset):
     assert refused.value.code == 403
 
 
-def test_a_touch_device_takes_no_hands():
+def test_a_touch_device_takes_no_hands() -> None:
     chosen = plan(SceneOptions(device="web"))
     session = build(chosen.settings, chosen.makers)
     ((_, device),) = touched_pages(session)
     assert not device.hear(PageHands(1, 0.0, []), PageScreen(110.0, 800.0, 600.0, False))
 
 
-def test_a_hand_whose_knuckles_are_unknown_is_none():
+def test_a_hand_whose_knuckles_are_unknown_is_none() -> None:
     places: list[tuple[float, float, float] | None] = [(0.01 * i, 0.0, 0.0) for i in range(25)]
     places[11] = None
     assert seen_hand(SeenJoints("right", places)) is None

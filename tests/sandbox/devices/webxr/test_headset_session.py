@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+from typing import Literal
+
 import pytest
 
 from models.errors import InputError
@@ -15,7 +18,9 @@ from sandbox.trial.headless import run_trial
 from sandbox.trial.settings import RunSettings
 
 
-def test_a_trial_in_a_simulated_headset_is_recorded_and_replays_to_the_bit(tmp_path, capsys):
+def test_a_trial_in_a_simulated_headset_is_recorded_and_replays_to_the_bit(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     file = tmp_path / "trial.jsonl"
     assert main(["run", "box-to-goal", "--device", "webxr-simulated", "--record", str(file)]) == 0
     assert main(["replay", str(file)]) == 0
@@ -31,20 +36,20 @@ def test_a_trial_in_a_simulated_headset_is_recorded_and_replays_to_the_bit(tmp_p
 
 
 @pytest.mark.parametrize(("task", "hand"), [("box-to-goal", "left"), ("stack", "right")])
-def test_the_simulated_person_succeeds(task, hand):
+def test_the_simulated_person_succeeds(task: str, hand: Literal["left", "right"]) -> None:
     chosen = plan(SceneOptions(task=task, device="webxr-simulated", hand=hand))
     result = run_trial(chosen.settings, chosen.makers)
     assert result.success, result.reason
 
 
-def test_a_leap_s_header_says_nothing_of_joints():
+def test_a_leap_s_header_says_nothing_of_joints() -> None:
     settings = plan(SceneOptions(device="leap-simulated")).settings
     (hand,) = settings.as_json()["hands"]
     assert "joints" not in hand["in_air"]
     assert RunSettings.from_json(settings.as_json()) == settings
 
 
-def test_two_hands_in_one_headset_see_the_same_frames():
+def test_two_hands_in_one_headset_see_the_same_frames() -> None:
     chosen = plan(SceneOptions(device="webxr", task="carry-together"))
     assert [hand.side for hand in chosen.settings.hands] == ["right", "left"]
     assert all(hand.in_air and hand.in_air.joints for hand in chosen.settings.hands)
@@ -54,27 +59,27 @@ def test_two_hands_in_one_headset_see_the_same_frames():
     assert headset.second in [d for d in second if isinstance(d, SecondHand)]
 
 
-def test_two_right_hands_in_one_headset_are_refused():
+def test_two_right_hands_in_one_headset_are_refused() -> None:
     with pytest.raises(InputError, match="a right and a left hand"):
         plan(SceneOptions(device="webxr", second_device="webxr", hand="right", second_hand="right"))
 
 
-def test_a_headset_is_the_first_device():
+def test_a_headset_is_the_first_device() -> None:
     with pytest.raises(InputError, match="comes first"):
         plan(SceneOptions(device="tuio", second_device="webxr"))
 
 
-def test_touches_alone_can_be_degraded():
+def test_touches_alone_can_be_degraded() -> None:
     with pytest.raises(InputError, match="in the air"):
         plan(SceneOptions(device="webxr", vary="noise=0.001"))
 
 
 @pytest.mark.parametrize("view", ["window", "none"])
-def test_a_headset_has_no_other_view(view, capsys):
+def test_a_headset_has_no_other_view(view: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["play", "box-to-goal", "--device", "webxr", "--view", view]) == 2
     assert "a headset's own page shows the scene" in capsys.readouterr().err
 
 
-def test_run_serves_no_page(capsys):
+def test_run_serves_no_page(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["run", "box-to-goal", "--device", "webxr"]) == 2
     assert "sandbox play box-to-goal --device webxr" in capsys.readouterr().err

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from itertools import pairwise
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -93,7 +94,9 @@ def learned(tmp_path_factory: pytest.TempPathFactory) -> StudyFolder:
     return study
 
 
-def test_every_trial_begins_without_layouts_unless_the_design_says_otherwise(tmp_path):
+def test_every_trial_begins_without_layouts_unless_the_design_says_otherwise(
+    tmp_path: Path,
+) -> None:
     text = DESIGN.replace('learning = "session"\n', "")
     study = StudyFolder(tmp_path, design(text), SIMULATED)
     assert play(study) is SessionOutcome.COMPLETE
@@ -101,7 +104,9 @@ def test_every_trial_begins_without_layouts_unless_the_design_says_otherwise(tmp
     assert study.design.learning == "trial"
 
 
-def test_a_session_that_learns_begins_each_trial_with_what_the_trials_before_it_found(learned):
+def test_a_session_that_learns_begins_each_trial_with_what_the_trials_before_it_found(
+    learned: StudyFolder,
+) -> None:
     layouts = known(learned)
     assert [len(known) for known in layouts] == [0, 1, 2, 3]
     for before, after in pairwise(layouts):
@@ -111,7 +116,9 @@ def test_a_session_that_learns_begins_each_trial_with_what_the_trials_before_it_
     assert verification.exact and verification.complete
 
 
-def test_a_session_that_was_stopped_goes_on_with_what_it_had_learned(tmp_path, learned):
+def test_a_session_that_was_stopped_goes_on_with_what_it_had_learned(
+    tmp_path: Path, learned: StudyFolder
+) -> None:
     study = StudyFolder(tmp_path, design(DESIGN), SIMULATED)
     controls = Controls(quiet)
     left = [2]
@@ -126,7 +133,9 @@ def test_a_session_that_was_stopped_goes_on_with_what_it_had_learned(tmp_path, l
     assert known(study)[-1] == known(learned)[-1]
 
 
-def test_an_anonymous_copy_tells_no_layouts_unless_hands_are_kept(tmp_path, learned):
+def test_an_anonymous_copy_tells_no_layouts_unless_hands_are_kept(
+    tmp_path: Path, learned: StudyFolder
+) -> None:
     folder = session_path(learned.path, learned.participants()[0].ppid)
     state = SessionState.of(read_journal(folder / "journal.jsonl"))
     assert state.learned and "learned" in (folder / "journal.jsonl").read_text()
@@ -138,7 +147,7 @@ def test_an_anonymous_copy_tells_no_layouts_unless_hands_are_kept(tmp_path, lear
         assert "learned" not in json.dumps(read_journal(path))
 
 
-def test_a_design_that_learns_with_names_that_never_learn_has_a_mistake():
+def test_a_design_that_learns_with_names_that_never_learn_has_a_mistake() -> None:
     with pytest.raises(DesignError, match="labels"):
         design(DESIGN.replace('labels = "population"', 'labels = "history"'))
     level = '{ name = "LEVEL", settings = { labels = "history", contact = "LEVEL" } }'

@@ -1,0 +1,1 @@
+"""Models that earlier releases shipped, as they were."""

@@ -1,0 +1,1 @@
+"""Hands of robots in the place of ours: their models, mappings, and retargeting."""

@@ -1,0 +1,46 @@
+"""Robots' hands by name, or by file."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from models.errors import InputError
+from models.robot.mapping import RobotMapping, load_mapping
+
+ROBOTS = ("shadow", "adroit")
+"""Hands that are known by name, both of the package gymnasium-robotics, the extra `robots`: the
+Shadow Dexterous Hand, and Adroit, which is a Shadow Hand on an arm with other limits."""
+
+
+def find_robot(name: str) -> RobotMapping:
+    """The mapping of a robot's hand.
+
+    Args:
+        name: One of `ROBOTS`, or a file: a mapping (`.toml`), or a model (`.xml`) with a mapping of
+            the same name beside it.
+
+    Raises:
+        InputError: There is no such hand, or its mapping cannot be used.
+    """
+    if name in ROBOTS:
+        return load_mapping(Path(__file__).parent / f"{name}.toml")
+    path = Path(name)
+    if path.suffix not in (".xml", ".toml"):
+        raise InputError(
+            "no such robot",
+            where="--robot",
+            got=name,
+            expected=", ".join(ROBOTS) + ", FILE.xml or FILE.toml",
+        )
+    if not path.is_file():
+        raise InputError("no such file", where="--robot", got=name)
+    mapping = path.with_suffix(".toml")
+    if not mapping.is_file():
+        raise InputError(
+            "this model has no mapping to a person's hand beside it",
+            where="--robot",
+            got=name,
+            expected=str(mapping),
+            remedy=f"`sandbox robot fit {name} --tips ...` writes it",
+        )
+    return load_mapping(mapping)

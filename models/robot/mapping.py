@@ -1,0 +1,184 @@
+"""A mapping: how a robot's hand stands in for a person's, as a small TOML file.
+
+    model = "my_hand.xml"
+    side = "right"
+    palm = "palm"
+    tips = ["th_tip", "ff_tip", "mf_tip", "rf_tip", "lf_tip"]
+    radii = [0.009, 0.007, 0.007, 0.007, 0.007]
+    scales = [1.1, 1.05, 1.05, 1.05, 1.1]
+    offset = [0.0, 0.0, 0.0]
+    turn = [1.0, 0.0, 0.0, 0.0]
+
+    [coupled]
+    ff_dip = ["ff_pip", 1.0]
+
+`sandbox robot fit` writes one.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import tomllib
+from dataclasses import dataclass, field
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+import msgspec
+
+from models.errors import InputError
+from models.frames import FINGERS
+from models.person import HANDS
+
+EXTRA = "pip install 'hand-sandbox[robots]'"
+"""Installs the packages with the hands that this project knows by name."""
+
+
+@dataclass(frozen=True)
+class RobotMapping:
+    """What a mapping file says; frames, lengths in m.
+
+    Attributes:
+        model: MJCF file of the robot: a path relative to the mapping file, or `package:path` for a
+            file inside an installed package.
+        side: `right` or `left`.
+        palm: Name of the body that carries all fingers.
+        tips: Names of the sites or bodies at the middle of the fingertips, thumb first.
+        radii: (5,) m of the fingertips.
+        scales: (5,) length of each finger relative to that of a person's.
+        offset: (3,) m, origin of the robot's palm in the frame of a person's hand of trained size.
+        turn: (4,) quaternion (w, x, y, z): a person's hand from the robot's palm.
+        coupled: Joints that follow others: name -> name of the other, and the ratio of angles.
+        file: Where it was read from.
+    """
+
+    model: str
+    side: str
+    palm: str
+    tips: tuple[str, ...]
+    radii: tuple[float, ...]
+    scales: tuple[float, ...]
+    offset: tuple[float, float, float]
+    turn: tuple[float, float, float, float]
+    coupled: dict[str, tuple[str, float]] = field(default_factory=dict)
+    file: str = ""
+
+    def __post_init__(self) -> None:
+        for what, values in (("tips", self.tips), ("radii", self.radii), ("scales", self.scales)):
+            if len(values) != len(FINGERS):
+                raise InputError(
+                    f"a hand needs five {what}, thumb to little finger",
+                    where=self.file or "mapping",
+                    got=len(values),
+                    expected=str(len(FINGERS)),
+                )
+        for what, numbers in (("radii", self.radii), ("scales", self.scales)):
+            if not all(0.0 < number < 10.0 for number in numbers):
+                raise InputError(
+                    f"the {what} must be between 0 and 10",
+                    where=self.file or "mapping",
+                    got=str(list(numbers)),
+                )
+        if self.side not in HANDS:
+            raise InputError(
+                "no such side", where=self.file, got=self.side, expected=" or ".join(HANDS)
+            )
+        square = sum(part * part for part in self.turn)
+        if not 0.99 < square < 1.01:
+            raise InputError(
+                "the turn is not a unit quaternion",
+                where=self.file or "mapping",
+                got=str(list(self.turn)),
+                expected="w, x, y, z of length 1",
+            )
+
+    @property
+    def path(self) -> Path:
+        """The MJCF file.
+
+        Raises:
+            InputError: The package is not installed, or there is no such file.
+        """
+        return located(self.model, Path(self.file).parent)
+
+    def as_toml(self) -> str:
+        """The text of a mapping file."""
+        lines = [
+            f"model = {_quoted(self.model)}",
+            f'side = "{self.side}"',
+            f"palm = {_quoted(self.palm)}",
+            f"tips = [{', '.join(map(_quoted, self.tips))}]",
+            f"radii = {_numbers(self.radii)}",
+            f"scales = {_numbers(self.scales)}",
+            f"offset = {_numbers(self.offset)}",
+            f"turn = {_numbers(self.turn)}",
+        ]
+        if self.coupled:
+            lines += ["", "[coupled]"]
+            lines += [
+                f"{_quoted(joint)} = [{_quoted(other)}, {ratio:.9g}]"
+                for joint, (other, ratio) in self.coupled.items()
+            ]
+        return "\n".join(lines) + "\n"
+
+
+def located(model: str, folder: Path) -> Path:
+    """The file of a model.
+
+    Args:
+        model: Its path, or `package:path` for a file inside an installed package.
+        folder: Folder that paths start from.
+
+    Raises:
+        InputError: The package is not installed, or there is no such file.
+    """
+    package, _, inside = model.partition(":")
+    path = folder / model
+    if inside and len(package) > 1:
+        spec = find_spec(package)
+        if spec is None or not spec.submodule_search_locations:
+            raise InputError(
+                f"the package with this hand is not installed: {package}",
+                where="--robot",
+                remedy=EXTRA,
+            )
+        path = Path(next(iter(spec.submodule_search_locations))) / inside
+    if not path.is_file():
+        raise InputError("this robot's model is not there", where="--robot", got=str(path))
+    return path
+
+
+def load_mapping(path: Path) -> RobotMapping:
+    """Reads a mapping file.
+
+    Raises:
+        InputError: The file cannot be read, or is not a mapping.
+    """
+    try:
+        values: dict[str, Any] = tomllib.loads(path.read_text(encoding="utf-8"))
+        return msgspec.convert({**values, "file": str(path)}, RobotMapping)
+    except OSError as error:
+        raise InputError("no such mapping", where=str(path), got=error.strerror) from None
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError, msgspec.ValidationError) as error:
+        raise InputError(
+            "this is not a mapping of a robot's hand",
+            where=str(path),
+            got=str(error),
+            remedy="`sandbox robot fit FILE.xml` writes one; docs/robots.md shows it",
+        ) from None
+
+
+def digest(*parts: bytes) -> str:
+    """Digest of a hand, of the bytes of its parts."""
+    whole = hashlib.blake2b(digest_size=16)
+    for part in parts:
+        whole.update(len(part).to_bytes(8, "little") + part)
+    return whole.hexdigest()
+
+
+def _quoted(text: str) -> str:
+    return '"' + text.replace("\\", "\\\\").replace('"', '\\"') + '"'
+
+
+def _numbers(values: tuple[float, ...]) -> str:
+    return "[" + ", ".join(f"{value:.9g}" for value in values) + "]"

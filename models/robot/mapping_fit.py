@@ -1,0 +1,283 @@
+"""Fit of a mapping: how a robot's hand stands for a person's, from its model and tips' names.
+
+The robot's palm is laid over the person's by the places of knuckles and fingertips. Then it is
+moved to where the robot's fingers meet the person's fingertips in many poses with their joints near
+the middle of their ranges.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import mujoco
+import numpy as np
+
+from models.arithmetic.arrays import Array
+from models.errors import InputError
+from models.frames import FINGERS
+from models.one_pose import OnePose
+from models.pose import JOINTS, POSE_SIZE
+from models.robot.mapping import RobotMapping
+from models.robot.retargeting import Retargeter
+from models.robot.robot_hand import RobotHand
+from models.robot.robot_model import RobotModel, compiled
+from models.rotations import matrix_to_quaternion, quaternion_to_matrix
+from models.skeleton import ADULT, Skeleton
+
+_GEOM = mujoco.mjtGeom
+
+RADIUS = 0.008
+"""m, of a fingertip whose shape has no radius of its own."""
+POSES, SPREAD = 16, 0.35
+"""Number of poses of the fit, and how far they are from the middle of each joint's range, in
+halves of the range."""
+ROUNDS = 5
+"""Times that all poses are met and the palm is moved to the mean of its places."""
+READY = 1e-2, 1e-1
+"""m2 and rad2, how readily the palm moves while it is looked for."""
+HELD = 1e-9, 1e-8
+"""m2 and rad2, of a palm that is held while errors are measured."""
+_NARROW = 0.01
+"""m or rad, width of a tendon's range below which its two joints are coupled."""
+_BENT = (0.1, 0.4, 0.7)
+"""Shares of the range of flexion at which hands are laid over each other."""
+_MOST_LINKS = 3
+"""Links of a finger that count for its length; one before them is within the palm."""
+
+
+@dataclass(frozen=True)
+class MappingFit:
+    """A fitted mapping.
+
+    Attributes:
+        mapping: The mapping.
+        errors: (poses, 5) m, distance of each fingertip from the person's, the palm held.
+        shape: m, root mean square distance of knuckles and fingertips of the hands, laid over each
+            other and bent alike.
+        mirrored: m, the same for the person's other hand.
+    """
+
+    mapping: RobotMapping
+    errors: Array
+    shape: float
+    mirrored: float
+
+
+def fit_mapping(path: Path, tips: Sequence[str], palm: str = "", model: str = "") -> MappingFit:
+    """Fits a mapping to a model.
+
+    Args:
+        path: MJCF file of the robot.
+        tips: Names of the sites or bodies at the middle of the fingertips, thumb first.
+        palm: Name of the body that carries all fingers; empty finds it.
+        model: The model's place as the mapping will have it; empty takes the file's name.
+
+    Raises:
+        InputError: The model cannot be used.
+    """
+    if len(tips) != len(FINGERS):
+        raise InputError(
+            "a hand needs five fingertips, thumb to little finger",
+            where="--tips",
+            got=len(tips),
+            expected=str(len(FINGERS)),
+        )
+    palm = palm or _carrier(path, tips)
+    robot = RobotModel(path, palm, tips)
+    people = {"right": ADULT, "left": ADULT.mirrored()}
+    laid = {side: _laid_over(robot, person) for side, person in people.items()}
+    side, other = sorted(laid, key=lambda name: laid[name].error)
+    start = RobotMapping(
+        model or path.name,
+        side,
+        palm,
+        tuple(tips),
+        _radii(robot),
+        _scales(robot, people[side]),
+        _three(laid[side].offset),
+        _four(laid[side].turn),
+        _coupled(robot),
+        str(path.with_suffix(".toml")),
+    )
+    mapping, errors = _moved(start, people[side])
+    return MappingFit(mapping, errors, laid[side].error, laid[other].error)
+
+
+class _Laid(NamedTuple):
+    """A robot's palm laid over a person's.
+
+    Attributes:
+        turn: (4,) quaternion, person from robot.
+        offset: (3,) m, origin of the robot's palm in the person's.
+        error: m, root mean square distance of knuckles and fingertips.
+    """
+
+    turn: Array
+    offset: Array
+    error: float
+
+
+def _moved(mapping: RobotMapping, person: Skeleton) -> tuple[RobotMapping, Array]:
+    """The mapping with its palm where it is best, and errors (poses, 5) m with the palm held."""
+    poses = _poses(person)
+    for _ in range(ROUNDS):
+        follow = _retargeter(mapping, person, READY)
+        places, turns = [], []
+        for q in poses:
+            follow.reset()
+            qpos = follow.follow(q)
+            places.append(qpos[:3])
+            turns.append(qpos[3:7])
+        # The scales move the palm away from the fingertips; the offset is what is left.
+        scales = np.array(mapping.scales)[:, None]
+        tips = [OnePose(person).tips(q) for q in poses]
+        rest = [p - np.mean((1.0 - scales) * t, axis=0) for p, t in zip(places, tips, strict=True)]
+        offset = np.mean(rest, axis=0) / np.mean(scales)
+        turn = _mean_turn(np.array(turns))
+        mapping = replace(mapping, offset=_three(offset), turn=_four(turn))
+    follow = _retargeter(mapping, person, HELD)
+    errors = []
+    for q in poses:
+        follow.reset()
+        follow.follow(q)
+        errors.append(follow.off)
+    return mapping, np.array(errors)
+
+
+def _retargeter(mapping: RobotMapping, person: Skeleton, palm: tuple[float, float]) -> Retargeter:
+    return RobotHand("fit", mapping, person).retargeter(palm)
+
+
+def _poses(person: Skeleton) -> list[Array]:
+    """Poses (48,) of a hand at the origin: the middle one, and others around it."""
+    rng = np.random.default_rng(0)
+    middle, half = 0.5 * (person.lower + person.upper), 0.5 * (person.upper - person.lower)
+    out = []
+    for i in range(POSES):
+        q = np.zeros(POSE_SIZE)
+        if i:
+            q[JOINTS] = middle + half * rng.uniform(-SPREAD, SPREAD, len(half))
+        out.append(q)
+    return out
+
+
+def _laid_over(robot: RobotModel, person: Skeleton) -> _Laid:
+    """The robot's hand laid over the person's, by knuckles and fingertips of bent hands."""
+    knuckles = np.array([person.bones[i].anchor for i in person.first_bone])
+    theirs, own = [], []
+    for share in _BENT:
+        q = np.zeros(POSE_SIZE)
+        # Flexion of a bone is a negative turn about its x axis.
+        q[JOINTS][::3] = (person.upper + share * (person.lower - person.upper))[::3]
+        # Thumbs have joints of other kinds in every hand: where they begin says enough.
+        bases, tips = robot.bent(share)
+        theirs += [knuckles, OnePose(person).tips(q)[1:]]
+        own += [bases, tips[1:]]
+    there, here = np.concatenate(theirs), np.concatenate(own)
+    centre, middle = there.mean(axis=0), here.mean(axis=0)
+    u, _, v = np.linalg.svd((there - centre).T @ (here - middle))
+    turn = u @ np.diag([1.0, 1.0, np.linalg.det(u @ v)]) @ v
+    offset = centre - turn @ middle
+    apart = there - offset - here @ turn.T
+    error = float(np.sqrt(np.mean(np.sum(apart * apart, axis=1))))
+    return _Laid(matrix_to_quaternion(turn), offset, error)
+
+
+def _carrier(path: Path, tips: Sequence[str]) -> str:
+    """Name of the last body that is above all fingertips."""
+    model = compiled(path)
+    above: list[int] | None = None
+    for name in tips:
+        site = int(mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_SITE, name))
+        body = (
+            int(model.site_bodyid[site])
+            if site >= 0
+            else int(mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, name))
+        )
+        if body < 0:
+            sites = ", ".join(model.site(s).name for s in range(model.nsite))
+            raise InputError(
+                "this robot has no site or body of this name for a fingertip",
+                where="--tips",
+                got=name,
+                expected=f"one of {sites[:400]}" if sites else "names of bodies",
+            )
+        way = []
+        while body > 0:
+            way.append(body)
+            body = int(model.body_parentid[body])
+        above = way if above is None else [b for b in above if b in way]
+    if not above:
+        raise InputError(
+            "these fingertips are not on one hand", where="--tips", got=", ".join(tips)
+        )
+    return str(model.body(above[0]).name)
+
+
+def _coupled(robot: RobotModel) -> dict[str, tuple[str, float]]:
+    """Joints that equalities or narrow tendons couple to others."""
+    model, names = robot.model, set(robot.joint_names())
+    driven = {
+        model.joint(int(model.actuator_trnid[a, 0])).name
+        for a in range(model.nu)
+        if int(model.actuator_trntype[a]) == int(mujoco.mjtTrn.mjTRN_JOINT)
+    }
+    pairs: list[tuple[str, str, float]] = []
+    for e in range(model.neq):
+        if int(model.eq_type[e]) == int(mujoco.mjtEq.mjEQ_JOINT) and model.eq_obj2id[e] >= 0:
+            both = [model.joint(int(j[e])).name for j in (model.eq_obj1id, model.eq_obj2id)]
+            pairs.append((both[0], both[1], float(model.eq_data[e, 1])))
+    for t in range(model.ntendon):
+        start, count = int(model.tendon_adr[t]), int(model.tendon_num[t])
+        kinds = model.wrap_type[start : start + count]
+        narrow = float(np.ptp(model.tendon_range[t])) < _NARROW and model.tendon_limited[t]
+        if count == 2 and narrow and all(int(k) == int(mujoco.mjtWrap.mjWRAP_JOINT) for k in kinds):
+            first, second = (model.joint(int(j)).name for j in model.wrap_objid[start : start + 2])
+            one, two = (float(c) for c in model.wrap_prm[start : start + 2])
+            if one and two:
+                pairs.append((first, second, -two / one))
+    out: dict[str, tuple[str, float]] = {}
+    for first, second, ratio in pairs:
+        if first in driven and second not in driven:
+            first, second, ratio = second, first, 1.0 / ratio
+        if {first, second} <= names and ratio:
+            out[first] = second, ratio
+    return out
+
+
+def _radii(robot: RobotModel) -> tuple[float, ...]:
+    """m, of the rounded shapes at the fingertips."""
+    model, round_ = robot.model, [int(_GEOM.mjGEOM_CAPSULE), int(_GEOM.mjGEOM_SPHERE)]
+    out = []
+    for body, _ in robot.tips:
+        own = [g for g in range(model.ngeom) if int(model.geom_bodyid[g]) == body]
+        sizes = [float(model.geom_size[g, 0]) for g in own if int(model.geom_type[g]) in round_]
+        out.append(round(max(sizes), 5) if sizes else RADIUS)
+    return tuple(out)
+
+
+def _scales(robot: RobotModel, person: Skeleton) -> tuple[float, ...]:
+    """Length of each finger, relative to the person's."""
+    out = []
+    for finger in range(len(FINGERS)):
+        theirs = sum(bone.length for bone in person.bones if bone.finger == finger)
+        out.append(round(robot.reach(finger, _MOST_LINKS) / theirs, 4))
+    return tuple(out)
+
+
+def _mean_turn(turns: Array) -> Array:
+    """Mean (4,) of nearby quaternions (n, 4)."""
+    turns = turns * np.where(turns @ turns[0] < 0, -1.0, 1.0)[:, None]
+    mean = turns.mean(axis=0)
+    return matrix_to_quaternion(quaternion_to_matrix(mean / np.linalg.norm(mean)))
+
+
+def _three(v: Array) -> tuple[float, float, float]:
+    return round(float(v[0]), 5), round(float(v[1]), 5), round(float(v[2]), 5)
+
+
+def _four(v: Any) -> tuple[float, float, float, float]:
+    return float(v[0]), float(v[1]), float(v[2]), float(v[3])

@@ -1,0 +1,227 @@
+"""Retargeting: a robot's hand takes the pose of a person's hand, fingertip on fingertip.
+
+Each step solves a damped least-squares problem: fingertips go to their places, joints stay within
+their ranges and near the middle of them, and the palm stays near the place that the person's palm
+has. The palm's place is that of the person's, farther from every fingertip by the finger's scale.
+Fingers that touch weigh more than those in the air.
+
+MuJoCo places and differentiates the fingertips, and all products are in fixed order, so the result
+depends on MuJoCo's version and the system's libm alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from typing import Any
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from models.arithmetic.arrays import Array
+from models.arithmetic.products import (
+    matrix_product,
+    matrix_vector,
+    solve_positive,
+    squared_lengths,
+    stacked_applied,
+    times_transposed,
+    vector_matrix,
+)
+from models.frames import FINGERS
+from models.one_pose import OnePose
+from models.pose import ROOT_POSITION, ROOT_ROTATION
+from models.rotations import exp, quaternion_exp
+from models.skeleton import Skeleton
+
+ROOT = 6
+"""Degrees of freedom of the palm."""
+ROOT_PLACE = 7
+"""Numbers of the palm's place in `qpos`."""
+
+PALM_MOVES, PALM_TURNS = 2e-4, 5e-3
+"""m2 and rad2, how readily the palm leaves its place, relative to 1 rad2 of a finger's joint: a
+fingertip is moved by its finger, and by the palm only as far as the finger cannot."""
+TOUCHING, IN_THE_AIR = 2e-6, 2e-4
+"""m2, damping of a fingertip that touches, and of others."""
+HOMING = 0.15
+"""Share of the way to the middle of its range, or to the palm's place, that a joint goes in a
+step as far as fingertips allow it."""
+LONGEST_STEP = 0.35
+"""rad or m, largest change of a joint in a step: the derivative is good within it."""
+STEPS, FIRST_STEPS = 6, 60
+"""Steps for the next pose of a movement, and for a pose from nowhere."""
+CLOSE = 5e-5
+"""m, distance of fingertips that touch from their places at which no more steps are needed."""
+REACHED = 0.005
+"""m from its touch, within which a fingertip counts as there."""
+_PASSES = 3
+"""Times that joints at their limits are left out and the step is solved again."""
+
+
+class Retargeter:
+    """Follows poses of one person's hand with a robot's hand.
+
+    It starts from its last result, so it serves one movement at a time.
+
+    Args:
+        model: MuJoCo's model of the robot's hand alone: a palm on three slides and a ball joint,
+            hinges, and sites at the fingertips, with their fingers' names.
+        skeleton: The person's hand.
+        scales: (5,) length of each finger relative to that of the person.
+        offset: (3,) m, origin of the robot's palm in the frame of the person's hand.
+        turn: (4,) quaternion, person's hand from robot's palm.
+        followers: Joints that follow others: (n,) number of the other, or its own; and the ratio.
+        palm: m2 and rad2, how readily the palm leaves its place.
+
+    Attributes:
+        off: (5,) m, distance of each fingertip from its place after the last step.
+    """
+
+    def __init__(
+        self,
+        model: Any,
+        skeleton: Skeleton,
+        scales: Array,
+        offset: Array,
+        turn: Array,
+        followers: tuple[NDArray[np.int64], Array],
+        palm: tuple[float, float] = (PALM_MOVES, PALM_TURNS),
+    ) -> None:
+        self._model, self._data = model, mujoco.MjData(model)
+        self._tips = OnePose(skeleton).tips
+        self._scales, self._offset, self._turn = scales, offset, turn
+        count = model.nv
+        self._master, self._ratio = followers
+        low, high = model.jnt_range[4:].T.copy()
+        # A joint that is followed stays where its followers are within their ranges too.
+        for joint, (master, ratio) in enumerate(zip(*followers, strict=True)):
+            if master != joint:
+                ends = np.sort([low[joint] / ratio, high[joint] / ratio])
+                low[master], high[master] = max(low[master], ends[0]), min(high[master], ends[1])
+        self._low, self._high = low, high
+        self._middle = 0.5 * (low + high)
+        # From the joints that are chosen to all joints: followers go along.
+        self._free = np.array([m == j for j, m in enumerate(self._master)])
+        self._spread = np.zeros((count, count))
+        self._spread[:ROOT, :ROOT] = np.eye(ROOT)
+        for joint, (master, ratio) in enumerate(zip(*followers, strict=True)):
+            self._spread[ROOT + joint, ROOT + master] = ratio
+        self._coupled = not self._free.all()
+        self._weights = np.concatenate(
+            [np.full(3, palm[0]), np.full(3, palm[1]), np.where(self._free, 1.0, 0.0)]
+        )
+        self._raw = np.zeros((3 * len(FINGERS), count))
+        self._sites = [int(model.site(name).id) for name in FINGERS]
+        self._rows = [(self._raw[3 * f : 3 * f + 3], s) for f, s in enumerate(self._sites)]
+        self.off = np.zeros(len(FINGERS))
+        self._last: Array | None = None
+        self._touching: tuple[int, ...] = ()
+
+    @property
+    def missed(self) -> frozenset[int]:
+        """Labels of the fingers that touch and could not be where they should be."""
+        return frozenset(f for f in self._touching if self.off[f] > REACHED)
+
+    def reset(self) -> None:
+        """Forgets the last result; the next pose is met from nowhere."""
+        self._last = None
+
+    def follow(self, q: Array, fingers: Collection[int] = range(len(FINGERS))) -> Array:
+        """Joint positions (7 + n,) of the robot's hand for a pose (48,) of the person's.
+
+        Args:
+            q: The pose.
+            fingers: Labels of the fingers that touch: theirs are the tips that matter.
+        """
+        targets = self._tips(q)
+        place, turn = self._palm(q, targets)
+        damping = np.full(3 * len(FINGERS), IN_THE_AIR)
+        for finger in fingers:
+            damping[3 * finger : 3 * finger + 3] = TOUCHING
+        qpos = self._data.qpos
+        steps = STEPS
+        if self._last is None:
+            qpos[ROOT_PLACE:] = self._all(self._middle)
+            qpos[:3], qpos[3:ROOT_PLACE] = place, turn
+            steps = FIRST_STEPS
+        else:
+            # The palm moves along, as far away from its place as it was.
+            before, before_turn, now = self._last[:3], self._last[3:7], self._last[7:]
+            away = np.empty(4)
+            back = before_turn * np.array([1.0, -1.0, -1.0, -1.0])
+            mujoco.mju_mulQuat(away, back, now[3:7])
+            qpos[:] = now
+            qpos[:3] = place + (now[:3] - before)
+            mujoco.mju_mulQuat(qpos[3:7], turn, away)
+        self._touching = touching = tuple(sorted(fingers))
+        for _ in range(steps):
+            errors = self._errors(targets)
+            if self._last is not None and touching and self._worst(touching) < CLOSE:
+                break
+            self._step(errors, place, turn, damping)
+        self._errors(targets)
+        self._last = np.concatenate([place, turn, qpos])
+        return np.array(qpos)
+
+    def _worst(self, fingers: Collection[int]) -> float:
+        return max(self.off[finger] for finger in fingers)
+
+    def _palm(self, q: Array, targets: Array) -> tuple[Array, Array]:
+        """Place (3,) m and quaternion (4,) that the robot's palm should have."""
+        rotation = exp(q[ROOT_ROTATION])
+        palm = q[ROOT_POSITION] + stacked_applied(rotation, self._offset)
+        wanted = targets + self._scales[:, None] * (palm - targets)
+        place = wanted[0]
+        for row in wanted[1:]:
+            place = place + row
+        turn = np.empty(4)
+        mujoco.mju_mulQuat(turn, quaternion_exp(q[ROOT_ROTATION]), self._turn)
+        return place / len(FINGERS), turn
+
+    def _errors(self, targets: Array) -> Array:
+        """(15,) m, ways of the fingertips to their places."""
+        mujoco.mj_kinematics(self._model, self._data)
+        errors = targets - self._data.site_xpos.take(self._sites, 0)
+        self.off = np.sqrt(squared_lengths(errors))
+        return np.asarray(errors).ravel()
+
+    def _step(self, errors: Array, place: Array, turn: Array, damping: Array) -> None:
+        model, data = self._model, self._data
+        mujoco.mj_comPos(model, data)
+        for rows, site in self._rows:
+            mujoco.mj_jacSite(model, data, rows, None, site)
+        jacobian = matrix_product(self._raw, self._spread) if self._coupled else self._raw
+        home = np.empty(model.nv)
+        home[:3] = place - data.qpos[:3]
+        # What turns the palm back, in its own frame.
+        mujoco.mju_subQuat(home[3:ROOT], turn, data.qpos[3:ROOT_PLACE])
+        angles = data.qpos[ROOT_PLACE:]
+        home[ROOT:] = self._middle - angles
+        home *= HOMING
+        least, most = self._low - angles, self._high - angles
+        weights = self._weights.copy()
+        fixed = np.zeros(model.nv)
+        for _ in range(_PASSES):
+            wanted = np.where(weights > 0.0, home, fixed)
+            weighted = jacobian * weights
+            normal = times_transposed(weighted, jacobian)
+            normal.flat[:: len(normal) + 1] += damping
+            pull = solve_positive(normal, errors - matrix_vector(jacobian, wanted))
+            step = wanted + weights * vector_matrix(pull, jacobian)
+            joints = step[ROOT:]
+            over = ((joints < least) | (joints > most)) & (weights[ROOT:] > 0.0)
+            if not over.any():
+                break
+            fixed[ROOT:] = np.where(over, np.clip(joints, least, most), fixed[ROOT:])
+            weights[ROOT:][over] = 0.0
+        step = np.clip(step, -LONGEST_STEP, LONGEST_STEP)
+        whole = step.copy()
+        whole[ROOT:] = 0.0
+        mujoco.mj_integratePos(model, data.qpos, whole, 1.0)
+        new = np.clip(angles + step[ROOT:], self._low, self._high)
+        data.qpos[ROOT_PLACE:] = self._all(new)
+
+    def _all(self, angles: Array) -> Array:
+        """Angles (n,) of all joints: followers take theirs from the others."""
+        return angles[self._master] * self._ratio

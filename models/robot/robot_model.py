@@ -1,0 +1,394 @@
+"""A robot's hand as MuJoCo compiles it, cut off at its palm.
+
+MuJoCo compiles the whole description on its own, with its defaults, meshes and includes. What is
+below the palm goes into our scene as plain MJCF, so neither names nor settings can clash.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from pathlib import Path
+from typing import Any
+from xml.etree.ElementTree import Element, SubElement
+
+import mujoco
+import numpy as np
+
+from models.arithmetic.arrays import Array
+from models.arithmetic.products import length, stacked_applied
+from models.errors import InputError
+from models.frames import FINGERS
+from models.objects import mjcf_text
+from models.robot.mapping import RobotMapping
+from models.rotations import matrix_to_quaternion
+
+_GEOM = mujoco.mjtGeom
+_TYPES = {
+    int(_GEOM.mjGEOM_SPHERE): ("sphere", 1),
+    int(_GEOM.mjGEOM_CAPSULE): ("capsule", 2),
+    int(_GEOM.mjGEOM_ELLIPSOID): ("ellipsoid", 3),
+    int(_GEOM.mjGEOM_CYLINDER): ("cylinder", 2),
+    int(_GEOM.mjGEOM_BOX): ("box", 3),
+    int(_GEOM.mjGEOM_MESH): ("mesh", 0),
+}
+"""MuJoCo's type of a geom -> its name in MJCF, and its number of sizes."""
+_JOINTS = (int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE))
+_SEEN_GROUPS = 3
+"""MuJoCo's viewer shows the geoms of groups 0 to 2."""
+LEAST_LINK = 0.004
+"""m, shortest link of a finger: shorter ones are the parts of one joint."""
+
+
+@dataclass(frozen=True)
+class RobotLink:
+    """A link of a finger.
+
+    Attributes:
+        finger: Label of its finger.
+        body: Number of its body in the robot's own model.
+        end: (3,) m, its end in the frame of its body, which begins at its joint.
+    """
+
+    finger: int
+    body: int
+    end: tuple[float, float, float]
+
+
+class RobotModel:
+    """A robot's hand.
+
+    Args:
+        path: Its MJCF file.
+        palm: Name of the body that carries all fingers.
+        tips: Names of the sites or bodies at the middle of the fingertips, thumb first.
+
+    Attributes:
+        model: MuJoCo's model of the whole description.
+        joints: Numbers of the hinges below the palm, in MuJoCo's order.
+        links: Links with a length of their own, finger by finger, from the palm outwards.
+
+    Raises:
+        InputError: MuJoCo cannot compile the description, or it has no such palm or tips.
+    """
+
+    def __init__(self, path: Path, palm: str, tips: Iterable[str]) -> None:
+        self._where = str(path)
+        self.model = model = compiled(path)
+        self.palm = self._named(mujoco.mjtObj.mjOBJ_BODY, palm, "palm")
+        self.bodies = [b for b in range(model.nbody) if self._below(b)]
+        inside = set(self.bodies) - {self.palm}
+        self.joints = [j for j in range(model.njnt) if int(model.jnt_bodyid[j]) in inside]
+        wrong = [model.joint(j).name for j in self.joints if int(model.jnt_type[j]) not in _JOINTS]
+        if wrong or not self.joints:
+            raise InputError(
+                "the fingers of a robot's hand must have hinges or slides",
+                where=self._where,
+                got=", ".join(wrong) or f"no joints below the body {palm}",
+            )
+        self.tips = [self._tip(name) for name in tips]
+        self.links = tuple(link for finger in range(len(self.tips)) for link in self._links(finger))
+
+    def joint_names(self) -> list[str]:
+        """Names of the joints below the palm."""
+        return [self.model.joint(j).name for j in self.joints]
+
+    def limits(self) -> Array:
+        """(n, 2) rad, least and greatest angle of every joint."""
+        model = self.model
+        limited = model.jnt_limited[self.joints].astype(bool)[:, None]
+        return np.where(limited, model.jnt_range[self.joints], [[-np.pi, np.pi]])
+
+    def force_limits(self) -> Array:
+        """(n,) N m, greatest torque of the actuators of every joint; infinite where none says."""
+        model = self.model
+        out = np.full(len(self.joints), np.inf)
+        for a in range(model.nu):
+            if int(model.actuator_trntype[a]) == int(mujoco.mjtTrn.mjTRN_JOINT):
+                joint = int(model.actuator_trnid[a, 0])
+                if joint in self.joints and model.actuator_forcelimited[a]:
+                    out[self.joints.index(joint)] = float(model.actuator_forcerange[a, 1])
+        return out
+
+    def bent(self, share: float) -> tuple[Array, Array]:
+        """Where fingers begin, and fingertips, (5, 3) m each in the palm's frame.
+
+        Args:
+            share: How far joints are bent that bend one way only, of their range; the others are
+                in the middle of theirs.
+        """
+        model, data = self.model, mujoco.MjData(self.model)
+        low, high = self.limits().T
+        one_way = np.abs(low + high) > 0.5 * (high - low)
+        straight = np.where(np.abs(low) < np.abs(high), low, high)
+        angles = np.where(one_way, straight + share * (low + high - 2 * straight), (low + high) / 2)
+        data.qpos[model.jnt_qposadr[self.joints]] = angles
+        mujoco.mj_kinematics(model, data)
+        turn = data.xmat[self.palm].reshape(3, 3).T
+
+        def in_palm(body: int, place: Array) -> Array:
+            here = data.xpos[body] + stacked_applied(data.xmat[body].reshape(3, 3), place)
+            return stacked_applied(turn, here - data.xpos[self.palm])
+
+        first = {link.finger: link.body for link in reversed(self.links)}
+        bases = [in_palm(first[finger], np.zeros(3)) for finger in range(len(self.tips))]
+        return np.array(bases), np.array([in_palm(b, np.array(p)) for b, p in self.tips])
+
+    def reach(self, finger: int, most: int) -> float:
+        """m, length of a finger's last links, of `most` of them."""
+        own = [link for link in self.links if link.finger == finger]
+        return float(sum(length(np.array(link.end)) for link in own[-most:]))
+
+    def fill(self, parent: Element, body: int, prefix: str) -> dict[int, Element]:
+        """Adds what is in and below a body to an element of MJCF.
+
+        Args:
+            parent: Element of the body.
+            body: Number of the body.
+            prefix: Beginning of all names.
+
+        Returns:
+            The elements by the number of their body.
+        """
+        model, elements = self.model, {body: parent}
+        for joint in range(model.njnt):
+            if int(model.jnt_bodyid[joint]) == body and joint in self.joints:
+                parent.append(self._joint(joint, prefix))
+        if model.body_mass[body] > 0.0:
+            SubElement(
+                parent,
+                "inertial",
+                {
+                    "pos": mjcf_text(model.body_ipos[body]),
+                    "quat": mjcf_text(model.body_iquat[body]),
+                    "mass": f"{model.body_mass[body]:.9g}",
+                    "diaginertia": mjcf_text(model.body_inertia[body]),
+                },
+            )
+        for geom in self._seen(body):
+            parent.append(self._geom(geom, prefix))
+        for child in self.bodies:
+            if child != body and int(model.body_parentid[child]) == body:
+                element = SubElement(
+                    parent,
+                    "body",
+                    {
+                        "name": f"{prefix}{self._name(child)}",
+                        "pos": mjcf_text(model.body_pos[child]),
+                        "quat": mjcf_text(model.body_quat[child]),
+                        "gravcomp": "1",
+                    },
+                )
+                elements |= self.fill(element, child, prefix)
+        return elements
+
+    def assets(self, prefix: str) -> list[Element]:
+        """MJCF assets of its meshes, with their points written out."""
+        model, out = self.model, []
+        seen = [g for body in self.bodies for g in self._seen(body)]
+        for mesh in sorted({int(model.geom_dataid[g]) for g in seen} - {-1}):
+            points = model.mesh_vert[_part(model.mesh_vertadr, model.mesh_vertnum, mesh)]
+            faces = model.mesh_face[_part(model.mesh_faceadr, model.mesh_facenum, mesh)]
+            out.append(
+                Element(
+                    "mesh",
+                    {
+                        "name": f"{prefix}mesh{mesh}",
+                        "inertia": "shell",
+                        "vertex": " ".join(f"{x:.7g}" for x in points.ravel().tolist()),
+                        "face": " ".join(map(str, faces.ravel().tolist())),
+                    },
+                )
+            )
+        return out
+
+    @cached_property
+    def identity(self) -> bytes:
+        """What its motion depends on, as bytes."""
+        model, joints, bodies = self.model, self.joints, self.bodies
+        arrays: list[Any] = [
+            model.body_parentid[bodies], model.body_pos[bodies], model.body_quat[bodies],
+            model.body_mass[bodies], model.body_ipos[bodies], model.body_iquat[bodies],
+            model.body_inertia[bodies], model.jnt_bodyid[joints], model.jnt_type[joints],
+            model.jnt_axis[joints], model.jnt_pos[joints], self.limits(), self.force_limits(),
+            self._damping("dof_damping"), self._damping("dof_armature"),
+            self._damping("dof_frictionloss"),
+        ]  # fmt: skip
+        parts = [np.ascontiguousarray(a).tobytes() for a in arrays]
+        return b"|".join([*parts, repr(self.tips).encode()])
+
+    def _damping(self, what: str) -> Array:
+        values = {
+            "dof_damping": self.model.dof_damping,
+            "dof_armature": self.model.dof_armature,
+            "dof_frictionloss": self.model.dof_frictionloss,
+        }[what]
+        return np.asarray(values)[self.model.jnt_dofadr[self.joints]]
+
+    def _name(self, body: int) -> str:
+        name: str = self.model.body(body).name
+        return name or f"body{body}"
+
+    def _below(self, body: int) -> bool:
+        while body > 0:
+            if body == self.palm:
+                return True
+            body = int(self.model.body_parentid[body])
+        return False
+
+    def _named(self, kind: Any, name: str, what: str) -> int:
+        number = int(mujoco.mj_name2id(self.model, kind, name))
+        if number < 0:
+            names = [self.model.body(b).name for b in range(1, self.model.nbody)]
+            raise InputError(
+                f"this robot has no body of this name for its {what}",
+                where=self._where,
+                got=name,
+                expected="one of " + ", ".join(filter(None, names))[:400],
+            )
+        return number
+
+    def _tip(self, name: str) -> tuple[int, tuple[float, float, float]]:
+        """Body of a fingertip, and its place in the body's frame."""
+        model = self.model
+        site = int(mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_SITE, name))
+        if site >= 0:
+            body, place = int(model.site_bodyid[site]), model.site_pos[site]
+        else:
+            body = int(mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, name))
+            place = np.zeros(3)
+        if body < 0:
+            sites = [model.site(s).name for s in range(model.nsite)]
+            raise InputError(
+                "this robot has no site or body of this name for a fingertip",
+                where=self._where,
+                got=name,
+                expected="one of " + (", ".join(filter(None, sites))[:400] or "its bodies"),
+            )
+        if body == self.palm or not self._below(body):
+            raise InputError("this fingertip is not below the palm", where=self._where, got=name)
+        return body, (float(place[0]), float(place[1]), float(place[2]))
+
+    def _links(self, finger: int) -> list[RobotLink]:
+        """Links of a finger that have a length, from the palm outwards: two or more."""
+        model, (body, end) = self.model, self.tips[finger]
+        links: list[RobotLink] = []
+        while body != self.palm:
+            if length(np.array(end)) > LEAST_LINK and model.body_jntnum[body] > 0:
+                links.insert(0, RobotLink(finger, body, end))
+                end = _tuple(model.body_pos[body])
+            else:
+                turn = np.empty(9)
+                mujoco.mju_quat2Mat(turn, model.body_quat[body])
+                end = _tuple(
+                    model.body_pos[body] + stacked_applied(turn.reshape(3, 3), np.array(end))
+                )
+            body = int(model.body_parentid[body])
+        if len(links) < 2:
+            raise InputError(
+                f"the {FINGERS[finger]} of a robot's hand must have two links or more",
+                where=self._where,
+                got=len(links),
+            )
+        return links
+
+    def _seen(self, body: int) -> list[int]:
+        """Geoms that show a body: those of the visible groups, or all where it has none."""
+        model = self.model
+        own = [g for g in range(model.ngeom) if int(model.geom_bodyid[g]) == body]
+        own = [g for g in own if int(model.geom_type[g]) in _TYPES]
+        return [g for g in own if model.geom_group[g] < _SEEN_GROUPS] or own
+
+    def _joint(self, joint: int, prefix: str) -> Element:
+        model, dof = self.model, int(self.model.jnt_dofadr[joint])
+        slides = int(model.jnt_type[joint]) == int(mujoco.mjtJoint.mjJNT_SLIDE)
+        low, high = self.limits()[self.joints.index(joint)]
+        spread = (low, high) if slides else np.rad2deg([low, high])
+        return Element(
+            "joint",
+            {
+                "name": f"{prefix}{model.joint(joint).name or f'joint{joint}'}",
+                "type": "slide" if slides else "hinge",
+                "pos": mjcf_text(model.jnt_pos[joint]),
+                "axis": mjcf_text(model.jnt_axis[joint]),
+                "limited": "true",
+                "range": mjcf_text(spread),
+                "damping": f"{model.dof_damping[dof]:.9g}",
+                "armature": f"{max(float(model.dof_armature[dof]), LEAST_ARMATURE):.9g}",
+                "frictionloss": f"{model.dof_frictionloss[dof]:.9g}",
+            },
+        )
+
+    def _geom(self, geom: int, prefix: str) -> Element:
+        model = self.model
+        kind, sizes = _TYPES[int(model.geom_type[geom])]
+        material = int(model.geom_matid[geom])
+        rgba = model.geom_rgba[geom] if material < 0 else model.mat_rgba[material]
+        element = Element(
+            "geom",
+            {
+                "type": kind,
+                "rgba": mjcf_text(rgba),
+                "pos": mjcf_text(model.geom_pos[geom]),
+                "quat": mjcf_text(model.geom_quat[geom]),
+                "contype": "0",
+                "conaffinity": "0",
+                "mass": "0",
+                "group": "1",
+            },
+        )
+        if sizes:
+            element.set("size", mjcf_text(model.geom_size[geom, :sizes]))
+        else:
+            element.set("mesh", f"{prefix}mesh{int(model.geom_dataid[geom])}")
+        return element
+
+
+LEAST_ARMATURE = 2e-4
+"""kg m2, armature below which a servo on links of a few grams is unstable."""
+
+
+def of_mapping(mapping: RobotMapping) -> RobotModel:
+    """The hand that a mapping names."""
+    path = mapping.path
+    return _of_file(path, path.stat().st_mtime_ns, mapping.palm, mapping.tips)
+
+
+@lru_cache(maxsize=8)
+def _of_file(path: Path, changed: int, palm: str, tips: tuple[str, ...]) -> RobotModel:
+    return RobotModel(path, palm, tips)
+
+
+def compiled(path: Path) -> Any:
+    """MuJoCo's model of a file.
+
+    Raises:
+        InputError: MuJoCo cannot compile it.
+    """
+    try:
+        return mujoco.MjSpec.from_file(str(path)).compile()
+    except (ValueError, OSError) as error:
+        raise InputError(
+            "MuJoCo cannot read this robot",
+            where=str(path),
+            got=" ".join(str(error).split())[:300],
+            remedy="Open it in MuJoCo's viewer (python -m mujoco.viewer) to see what it says",
+        ) from None
+
+
+def link_turn(end: tuple[float, float, float]) -> Array:
+    """Quaternion (4,) of a frame whose y axis points along a link, in the frame of its body."""
+    y = np.array(end) / length(np.array(end))
+    other = np.array([1.0, 0.0, 0.0]) if abs(y[0]) < 0.9 else np.array([0.0, 0.0, 1.0])
+    z = np.cross(other, y)
+    z /= length(z)
+    return matrix_to_quaternion(np.stack([np.cross(y, z), y, z], axis=1))
+
+
+def _tuple(v: Array) -> tuple[float, float, float]:
+    return float(v[0]), float(v[1]), float(v[2])
+
+
+def _part(starts: Any, counts: Any, i: int) -> slice:
+    return slice(int(starts[i]), int(starts[i]) + int(counts[i]))

@@ -1,0 +1,94 @@
+"""`sandbox robot`: robots' hands in the place of ours."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Annotated
+
+import numpy as np
+import tyro
+
+from models.errors import InputError
+from models.robot.known import ROBOTS, find_robot
+from models.robot.mapping import located
+from models.robot.mapping_fit import fit_mapping
+from models.robot.robot_hand import RobotHand
+from sandbox.cli.common.parse import subcommand
+
+
+def main(argv: list[str]) -> int:
+    """Runs `sandbox robot ...`; returns the exit status."""
+    commands: dict[str, Callable[..., int]] = {"fit": fit, "show": show}
+    return subcommand(commands, "sandbox robot", "Robots' hands in the place of ours.", argv)
+
+
+def fit(
+    model: Annotated[str, tyro.conf.Positional, tyro.conf.arg(metavar="FILE.xml")],
+    /,
+    tips: str,
+    palm: str = "",
+    out: Annotated[Path | None, tyro.conf.arg(metavar="FILE.toml")] = None,
+    picture: Annotated[Path | None, tyro.conf.arg(metavar="FILE.png")] = None,
+) -> int:
+    """Fits a mapping from a person's hand to a robot's, for --robot of other commands.
+
+    Reads an MJCF model, lays its palm over a person's, and finds the lengths of its fingers, its
+    side and its coupled joints (docs/robots.md). It says how far fingertips are off in many
+    poses, and how alike the hands are, and how alike the person's other hand is.
+
+    Args:
+        model: MJCF file of the robot, or PACKAGE:PATH inside an installed package.
+        tips: Names of five sites or bodies in the middle of the fingertips, thumb to little finger,
+            with commas between.
+        palm: Name of the body that carries all fingers. Default: the last above all fingertips.
+        out: File for the mapping; an existing one is replaced. Default: beside the model.
+        picture: File for a picture of both hands in three poses; needs OpenGL.
+    """
+    path = located(model, Path())
+    inside = ":" in model
+    if out is None and inside:
+        raise InputError("a mapping of a package's model needs a file", where="--out")
+    out = out or path.with_suffix(".toml")
+    near = path.resolve().parent == out.resolve().parent
+    name = model if inside else path.name if near else str(path.resolve())
+    fitted = fit_mapping(path, [tip.strip() for tip in tips.split(",")], palm, name)
+    mapping = fitted.mapping
+    try:
+        text = f"# Fitted by `sandbox robot fit {model}`.\n{mapping.as_toml()}"
+        out.write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise InputError("it cannot be written", where=str(out), got=error.strerror) from None
+    print(f"{out}: a {mapping.side} hand, palm {mapping.palm}")
+    print(f"coupled joints: {', '.join(mapping.coupled) or 'none'}")
+    middle, most = np.percentile(fitted.errors, (50, 95)) * 1e3
+    print(f"fingertips off, the palm held: median {middle:.2f} mm, 95 % below {most:.2f} mm")
+    print(
+        f"knuckles and fingertips of bent hands, laid over each other: {fitted.shape * 1e3:.0f} mm "
+        f"apart; with the other hand {fitted.mirrored * 1e3:.0f} mm"
+    )
+    if picture is not None:
+        _draw(out, picture)
+        print(f"picture: {picture}")
+    return 0
+
+
+def show() -> int:
+    """Lists the robots' hands that are known by name, and whether they are installed."""
+    for name in ROBOTS:
+        mapping = find_robot(name)
+        try:
+            hand = RobotHand(name, mapping)
+            joints = len(hand.robot.joints)
+            print(f"{name}: {joints} joints, {mapping.path}")
+        except InputError as error:
+            print(f"{name}: {error}")
+    return 0
+
+
+def _draw(mapping: Path, picture: Path) -> None:
+    """A picture of the person's hand and the robot's, side by side, in three poses."""
+    # Drawing loads OpenGL, which fitting does without.
+    from sandbox.views.two_hands import draw_beside
+
+    draw_beside(find_robot(str(mapping)), picture)

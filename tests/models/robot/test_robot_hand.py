@@ -1,0 +1,251 @@
+"""A robot's hand puts its fingertips where a person's are, within its limits, with equal bits."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pytest
+
+from encoders import builtin_capture
+from models.arithmetic.arrays import Array
+from models.errors import InputError
+from models.frames import FINGERS
+from models.hand import Hand
+from models.pose import POSE_SIZE
+from models.robot.known import ROBOTS, find_robot
+from models.robot.mapping import RobotMapping, load_mapping
+from models.robot.mapping_fit import fit_mapping
+from models.robot.robot_hand import RobotHand
+from models.scene import Scene, SceneSpec
+from models.scene_hand import SceneHand
+from models.skeleton import ADULT
+from tests.models.robot.hinge_hand import TIPS, hinge_hand
+from tests.support.simulation import no_warning
+
+
+@pytest.fixture(scope="module")
+def mapping(tmp_path_factory: pytest.TempPathFactory) -> RobotMapping:
+    path = hinge_hand(tmp_path_factory.mktemp("robot"))
+    fitted = fit_mapping(path, TIPS, model=path.name).mapping
+    path.with_suffix(".toml").write_text(fitted.as_toml())
+    return find_robot(str(path))
+
+
+def people_s_poses(count: int) -> Array:
+    """(count, 48) poses of the simulated subject, far from each other."""
+    q = builtin_capture().q
+    return q[:: len(q) // count][:count]
+
+
+def held_tips(hand: RobotHand, q: Array) -> Array:
+    """(5, 3) m, fingertips of the hand in a scene, by the bodies and lengths of its links."""
+    scene = Scene(SceneSpec((hand,)))
+    data = mujoco.MjData(scene.model)
+    data.qpos[:] = scene.pose_to_qpos(0, q)
+    mujoco.mj_forward(scene.model, data)
+    last = {link.finger: link for link in hand.links}
+    ends = [
+        data.body(link.body).xpos + link.length * data.body(link.body).xmat[1::3]
+        for link in last.values()
+    ]
+    return np.array(ends)
+
+
+def test_its_fingertips_in_a_scene_are_where_the_retargeter_says(mapping: RobotMapping) -> None:
+    hand = RobotHand("right", mapping)
+    retargeter = hand.retargeter()
+    for q in people_s_poses(10):
+        retargeter.reset()
+        retargeter.follow(q)
+        off = np.linalg.norm(held_tips(hand, q) - hand.tips_of()(q), axis=1)
+        assert np.allclose(off, retargeter.off, atol=1e-6)
+
+
+def test_most_fingertips_are_within_a_millimetre_of_the_person_s(mapping: RobotMapping) -> None:
+    retargeter, off = RobotHand("right", mapping).retargeter(), []
+    for q in people_s_poses(40):
+        retargeter.reset()
+        retargeter.follow(q)
+        off.append(retargeter.off)
+    assert np.percentile(np.array(off), 90) < 1e-3
+
+
+@pytest.mark.needs("robots")
+@pytest.mark.parametrize("robot", ROBOTS)
+def test_tips_of_hands_known_by_name_are_within_5_mm(robot: str) -> None:
+    hand = RobotHand("right", find_robot(robot))
+    retargeter, off = hand.retargeter(), []
+    for q in people_s_poses(300):
+        retargeter.reset()
+        retargeter.follow(q)
+        off.append(retargeter.off)
+    assert np.percentile(np.array(off), 95) < 0.005
+
+
+def test_joints_keep_within_their_ranges_and_coupled_ones_together(tmp_path: Path) -> None:
+    coupling = """<tendon><fixed name="both" limited="true" range="-.001 .001">
+        <joint joint="index_dip" coef="1"/><joint joint="index_pip" coef="-.8"/>
+      </fixed></tendon>"""
+    path = hinge_hand(tmp_path, extra=coupling)
+    mapping = fit_mapping(path, TIPS, model=path.name).mapping
+    assert mapping.coupled == {"index_dip": ("index_pip", pytest.approx(0.8))}
+    hand = RobotHand("right", mapping)
+    names, limits = hand.robot.joint_names(), hand.robot.limits()
+    retargeter = hand.retargeter()
+    for q in people_s_poses(40):
+        angles = retargeter.follow(q)[7:]
+        assert np.all(angles >= limits[:, 0] - 1e-9) and np.all(angles <= limits[:, 1] + 1e-9)
+        dip, pip = names.index("index_dip"), names.index("index_pip")
+        assert angles[dip] == pytest.approx(0.8 * angles[pip], abs=1e-12)
+
+
+def test_a_finger_that_cannot_reach_its_touch_is_named(mapping: RobotMapping) -> None:
+    giant = RobotHand("right", mapping, ADULT.scaled(3.0), 1.0)
+    retargeter = giant.retargeter()
+    retargeter.follow(np.zeros(POSE_SIZE), {1, 4})
+    assert retargeter.missed and retargeter.missed <= {1, 4}
+    own = RobotHand("right", mapping).retargeter()
+    own.follow(np.zeros(POSE_SIZE), {1, 4})
+    assert own.missed == frozenset()
+
+
+def test_a_movement_gives_the_same_bits_whatever_else_is_followed(mapping: RobotMapping) -> None:
+    poses = people_s_poses(20)
+    hand, other = RobotHand("right", mapping), RobotHand("right", mapping)
+    follow, again, disturbing = hand.follower(), other.follower(), hand.follower()
+    for i, q in enumerate(poses):
+        one = follow(q, {0, 1})
+        disturbing(poses[-1 - i], {2, 3})
+        hand.joint_positions(poses[0])
+        assert one.tobytes() == again(q, {0, 1}).tobytes()
+
+
+def test_a_hand_that_moves_as_a_whole_keeps_its_fingers(mapping: RobotMapping) -> None:
+    hand = RobotHand("right", mapping)
+    q = np.zeros(POSE_SIZE)
+    moved = q.copy()
+    moved[:3] = 0.1, -0.05, 0.2
+    here, there = hand.joint_positions(q), hand.joint_positions(moved)
+    assert np.allclose(there[:3] - here[:3], moved[:3], atol=1e-6)
+    assert np.allclose(here[3:], there[3:], atol=1e-6)
+
+
+def test_servos_give_no_more_than_the_robot_s_own(mapping: RobotMapping) -> None:
+    hand = RobotHand("right", mapping)
+    scene = Scene(SceneSpec((hand,)))
+    assert scene.model.actuator("right_index_pip").forcerange.tolist() == [-0.7, 0.7]
+    weak = Scene(SceneSpec((replace(hand, impulse=0.005),)))
+    assert weak.model.actuator("right_index_pip").forcerange[1] == pytest.approx(0.3)
+
+
+def test_it_stands_in_a_scene_beside_ours_and_weighs_nothing(mapping: RobotMapping) -> None:
+    hands: tuple[SceneHand, ...] = (RobotHand("robot", mapping), Hand("right"))
+    scene = Scene(SceneSpec(hands))
+    data = mujoco.MjData(scene.model)
+    q = np.zeros(POSE_SIZE)
+    q[2] = 0.2
+    for i, hand in enumerate(hands):
+        data.qpos[scene.qpos_slice(i)] = scene.pose_to_qpos(i, q)
+        data.ctrl[scene.control_slice(i)] = hand.controls(q)
+    mujoco.mj_forward(scene.model, data)
+    still = data.qpos.copy()
+    mujoco.mj_step(scene.model, data, 200)
+    no_warning(data)
+    assert np.allclose(data.qpos, still, atol=2e-3)
+
+
+def test_links_lie_between_joints_and_end_at_the_tips(mapping: RobotMapping) -> None:
+    hand = RobotHand("right", mapping)
+    for finger in range(len(FINGERS)):
+        lengths = [link.length for link in hand.links if link.finger == finger]
+        assert lengths == pytest.approx([0.045, 0.028, 0.022])
+
+
+def test_a_mirrored_hand_is_found_out(tmp_path: Path) -> None:
+    for side in ("right", "left"):
+        fitted = fit_mapping(hinge_hand(tmp_path, side), TIPS)
+        assert fitted.mapping.side == side
+        assert fitted.mirrored > 2 * fitted.shape
+
+
+def test_a_mapping_is_read_as_it_was_written(mapping: RobotMapping, tmp_path: Path) -> None:
+    file = tmp_path / "again.toml"
+    file.write_text(mapping.as_toml())
+    again = load_mapping(file)
+    assert replace(again, file=mapping.file).as_toml() == mapping.as_toml()
+
+
+@pytest.mark.needs("robots")
+@pytest.mark.parametrize("robot", ROBOTS)
+def test_the_mappings_that_ship_are_those_of_the_fit(robot: str) -> None:
+    ships = find_robot(robot)
+    fitted = fit_mapping(ships.path, ships.tips, model=ships.model).mapping
+    assert np.allclose(fitted.offset, ships.offset, atol=1e-4)
+    assert np.allclose(fitted.turn, ships.turn, atol=1e-3)
+    assert (fitted.scales, fitted.radii, fitted.side) == (ships.scales, ships.radii, ships.side)
+    assert fitted.coupled == {
+        name: (other, pytest.approx(ratio)) for name, (other, ratio) in ships.coupled.items()
+    }
+
+
+def test_another_model_or_mapping_has_another_digest(mapping: RobotMapping, tmp_path: Path) -> None:
+    hand = RobotHand("right", mapping)
+    assert hand.digest == RobotHand("left too", mapping).digest
+    longer = replace(mapping, scales=(1.5, *mapping.scales[1:]))
+    assert RobotHand("right", longer).digest != hand.digest
+    path = hinge_hand(tmp_path)
+    path.write_text(path.read_text().replace('range="0 95"', 'range="0 94"', 1))
+    other = replace(mapping, file=str(path.with_suffix(".toml")))
+    assert RobotHand("right", other).digest != hand.digest
+
+
+def bad_mappings() -> dict[str, tuple[str, str, str]]:
+    """What is wrong -> text in the mapping, its replacement, and what the error says."""
+    return {
+        "too few tips": ('"thumb_tip", ', "", "five tips"),
+        "no such palm": ('palm = "palm"', 'palm = "fist"', "no body of this name for its palm"),
+        "no such tip": ("index_tip", "index_top", "no site or body of this name"),
+        "no such side": ('side = "right"', 'side = "upper"', "no such side"),
+        "not TOML": ("tips = [", "tips = ", "not a mapping"),
+        "a word for a number": ("scales = [", 'scales = ["long", ', "not a mapping"),
+        "no model": ("right_hinges.xml", "wrong_hinges.xml", "is not there"),
+        "a scale of nothing": ("radii = [", "radii = [-1, ", "five radii"),
+    }
+
+
+@pytest.mark.parametrize("wrong", bad_mappings())
+def test_a_wrong_mapping_is_one_clear_error(wrong: str, tmp_path: Path) -> None:
+    old, new, says = bad_mappings()[wrong]
+    path = hinge_hand(tmp_path)
+    text = fit_mapping(path, TIPS, model=path.name).mapping.as_toml()
+    assert old in text
+    file = path.with_suffix(".toml")
+    file.write_text(text.replace(old, new, 1))
+    with pytest.raises(InputError, match=says) as error:
+        _ = RobotHand("right", find_robot(str(file))).robot
+    assert "\n" not in str(error.value)
+
+
+def test_models_that_are_no_hands_are_refused(tmp_path: Path) -> None:
+    path = hinge_hand(tmp_path, tips=4)
+    with pytest.raises(InputError, match="no site or body"):
+        fit_mapping(path, TIPS)
+    with pytest.raises(InputError, match="five fingertips"):
+        fit_mapping(path, TIPS[:4])
+    path.write_text("<mujoco><worldbody>")
+    with pytest.raises(InputError, match="MuJoCo cannot read"):
+        fit_mapping(path, TIPS)
+    lost = tmp_path / "lost.xml"
+    lost.write_text(
+        '<mujoco><asset><mesh name="m" file="nowhere.stl"/></asset><worldbody>'
+        '<geom type="mesh" mesh="m"/></worldbody></mujoco>'
+    )
+    with pytest.raises(InputError, match="MuJoCo cannot read"):
+        fit_mapping(lost, TIPS)
+    with pytest.raises(InputError, match="no such robot"):
+        find_robot("gripper")
+    with pytest.raises(InputError, match="no mapping"):
+        find_robot(str(lost))

@@ -1,0 +1,1 @@
+"""What a release promises: its recordings, and the models that they name, kept."""
