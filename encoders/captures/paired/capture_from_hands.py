@@ -126,8 +126,8 @@ def capture_from_hands(
     # PAALM only guesses the place of an unseen finger; the touch is more accurate.
     near = rules if calibration.bones is not None else replace(rules, reach=np.inf)
     capture = assemble(labelled, here, clock.offset, near, report, meta)
-    capture = _whole(capture, tracks, labelled, report)
-    return capture if correct == "none" else _corrected(capture, here, clock.offset, rules, correct)
+    capture = whole_frames(capture, tracks, labelled, report)
+    return capture if correct == "none" else corrected(capture, here, clock.offset, rules, correct)
 
 
 def _overlap(
@@ -198,7 +198,7 @@ def _pairs(
     return np.concatenate(touches), np.concatenate(fingertips)
 
 
-def _whole(
+def whole_frames(
     capture: Capture,
     tracks: list[ContactTrack],
     labelled: list[LabelledTrack],
@@ -206,6 +206,12 @@ def _whole(
 ) -> Capture:
     """Selects the frames in which every touch is labelled: a missing touch would be a wrong
     training example.
+
+    Args:
+        capture: The capture.
+        tracks: All contacts.
+        labelled: Those with a name.
+        report: Receives the counts.
 
     Raises:
         CaptureError: No frame is left.
@@ -223,17 +229,30 @@ def _whole(
     return replace(kept, meta={**capture.meta, "conversion": report.as_json()})
 
 
-def _corrected(
-    capture: Capture, track: HandTrack, offset: float, rules: ConversionRules, which: Correct
+def corrected(
+    capture: Capture,
+    track: HandTrack,
+    offset: float,
+    rules: ConversionRules,
+    which: Correct,
+    error: tuple[float, float, float] = POSE_ERROR,
 ) -> Capture:
     """Corrects poses so that touching fingertips are at their touches.
 
     With `unseen`, only fingertips that the device does not see are corrected.
+
+    Args:
+        capture: The capture.
+        track: The hand, in the frame of the surface.
+        offset: s, the hand's clock minus the touches' clock.
+        rules: `gap`.
+        which: Selection of touching fingertips.
+        error: m, rad, rad: standard deviation of a pose in position, rotation and joints.
     """
     tips, _ = track.seen_at(capture.time + offset, rules.gap)
     unseen = np.isnan(tips[..., 0])
     covariance = np.empty(POSE_SIZE)
-    covariance[ROOT_POSITION], covariance[ROOT_ROTATION], covariance[JOINTS] = POSE_ERROR
+    covariance[ROOT_POSITION], covariance[ROOT_ROTATION], covariance[JOINTS] = error
     correction = FingertipCorrection(track.skeleton, np.diag(covariance**2))
     targets = tip_targets(capture.xy)
     q = capture.q.copy()

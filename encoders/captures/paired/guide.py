@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from itertools import combinations
 
 from encoders.captures.paired.capture_from_hands import OPEN_FRAMES
-from models.frames import FINGERS, HandFrame, TouchFrame
+from models.frames import FINGERS, HandFrame, LandmarkFrame, TouchFrame
 
 TAPS = 3
 APART = 0.15
@@ -22,6 +22,9 @@ SETS: tuple[tuple[int, ...], ...] = tuple(
     chosen for size in range(5, 1, -1) for chosen in combinations(range(len(FINGERS)), size)
 )
 """The 26 sets, those with many fingers first, which locate the device best."""
+
+PICTURES = 20
+"""Pictures with the hand before the taps, where a camera sees it: it needs no measuring."""
 
 _MOST_STEP = 0.1
 """s that one frame adds at most, so that a paused device adds nothing."""
@@ -42,15 +45,21 @@ class Guide:
         side: The hand, left or right.
         each: s for which every set is to be played.
         sets: The finger sets; by default all 26.
+        camera: True if a camera sees the hand, in place of a Leap.
 
     Attributes:
         done: True once all steps are done.
     """
 
     def __init__(
-        self, side: str, each: float = 6.0, sets: tuple[tuple[int, ...], ...] = SETS
+        self,
+        side: str,
+        each: float = 6.0,
+        sets: tuple[tuple[int, ...], ...] = SETS,
+        camera: bool = False,
     ) -> None:
-        self._side, self._each, self._sets = side, each, sets
+        self._side, self._each, self._sets, self._camera = side, each, sets, camera
+        self._wanted = PICTURES if camera else OPEN_FRAMES
         self._open = self._taps = self._set = 0
         self._played = 0.0
         self._touched: float | None = None
@@ -60,9 +69,11 @@ class Guide:
     @property
     def step(self) -> GuideStep:
         """The current instruction."""
-        if self._open < OPEN_FRAMES:
+        if self._open < self._wanted:
             text = f"Hold your {self._side} hand open over the surface, palm down, fingers spread"
-            return GuideStep(text, self._open / OPEN_FRAMES)
+            if self._camera:
+                text += ", all of it in the picture"
+            return GuideStep(text, self._open / self._wanted)
         if self._taps < TAPS:
             return GuideStep("Tap with all five fingers, three times, unevenly", self._taps / TAPS)
         if self.done:
@@ -75,18 +86,30 @@ class Guide:
     def share(self) -> float:
         """Share of the whole session that is done, 0 to 1."""
         whole = 2.0 + len(self._sets)
-        begun = min(1.0, self._open / OPEN_FRAMES) + min(1.0, self._taps / TAPS)
+        begun = min(1.0, self._open / self._wanted) + min(1.0, self._taps / TAPS)
         part = 0.0 if self.done else min(1.0, self._played / self._each)
         return (begun + self._set + part) / whole
 
     def hand(self, frame: HandFrame) -> None:
         """Processes a frame of the Leap."""
-        if self._open < OPEN_FRAMES and any(len(h.fingers) == len(FINGERS) for h in frame.hands):
+        if self._open < self._wanted and any(len(h.fingers) == len(FINGERS) for h in frame.hands):
             self._open += 1
+
+    def picture(self, frame: LandmarkFrame) -> None:
+        """Processes a picture of the camera."""
+        if self._open < self._wanted and any(h.side == self._side for h in frame.hands):
+            self._open += 1
+
+    @property
+    def asked(self) -> tuple[int, ...] | None:
+        """The fingers that are asked for now; None outside the sets."""
+        if self._open < self._wanted or self._taps < TAPS or self.done:
+            return None
+        return self._sets[self._set]
 
     def touch(self, frame: TouchFrame, now: float) -> None:
         """Processes a frame of the touch device that came at `now`, s."""
-        if self._open < OPEN_FRAMES or self.done:
+        if self._open < self._wanted or self.done:
             return
         gone = self._touched is None or now - self._touched > APART
         if frame.contacts:

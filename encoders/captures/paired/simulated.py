@@ -29,7 +29,7 @@ from models.frames import FINGERS, Contact, TouchFrame
 from models.kinematics import Kinematics
 from models.pose import ROOT_POSITION, ROOT_ROTATION
 from models.rotations import exp, unwrapped
-from models.skeleton import ADULT
+from models.skeleton import ADULT, Skeleton
 from models.surface import Surface
 
 
@@ -44,6 +44,7 @@ class PairedConfiguration:
         open_seconds: Seconds of the open hand at the beginning.
         taps: s from the end of one tap to the next touch-down, uneven on purpose.
         tap: s that a tap lasts.
+        every: 1 to keep all takes, n to keep every n-th of them, of other sets of fingers.
         pause: s, least and greatest between takes.
         lift: Height of the hand's path between takes.
         size, bone, knuckle: The first subject's bones: spread of size and of every bone as shares,
@@ -62,6 +63,7 @@ class PairedConfiguration:
     open_seconds: float = 4.0
     taps: tuple[float, ...] = (0.55, 0.9, 0.4)
     tap: float = 0.15
+    every: int = 1
     pause: tuple[float, float] = (0.7, 1.6)
     lift: float = 0.035
     size: float = 0.05
@@ -100,6 +102,9 @@ class PairedSession:
         touch_delay, leap_delay: s, mean delay from event to arrival.
         rotation, shift: The Leap's frame in the surface's frame.
         side: The hand, left or right.
+        motion: The hand's true motion as of a right one: knots (n,) s and poses (n, 48) in the
+            surface frame, between which it moves smoothly.
+        skeleton: The person's bones; None of the second subject, whose hand is of another kind.
     """
 
     touches: tuple[TouchFrame, ...]
@@ -114,6 +119,12 @@ class PairedSession:
     rotation: Array
     shift: Array
     side: str
+    motion: tuple[Array, Array]
+    skeleton: Skeleton | None
+
+    def poses_at(self, times: Array) -> Array:
+        """True poses (m, 48) in the surface frame, as of a right hand."""
+        return _at(times, *self.motion)
 
     @property
     def offset(self) -> float:
@@ -143,7 +154,9 @@ def simulate_paired(
     """
     c = configuration
     rng = np.random.default_rng([seed, day, 0x70C3])
-    truth, joints_of, centre = _person(seed, day, who, c, progress)
+    truth, joints_of, centre, skeleton = _person(seed, day, who, c, progress)
+    if c.every > 1:
+        truth = truth.select(np.isin(truth.trial, np.unique(truth.trial)[:: c.every]))
     time, q, starts = _motion(rng, truth, c)
     surface = Surface()
     width = float(surface.size[0])
@@ -178,6 +191,8 @@ def simulate_paired(
         rotation,
         shift,
         side,
+        (time, q),
+        skeleton,
     )
 
 
@@ -190,13 +205,13 @@ def _person(
     who: str,
     c: PairedConfiguration,
     progress: Callable[[float], None] | None,
-) -> tuple[Capture, JointsOf, Array]:
+) -> tuple[Capture, JointsOf, Array, Skeleton | None]:
     """The subject's day without errors of measurement, and the parts of its hand that a device
     sees.
 
     Returns:
         The day; joints (n, 5, 4, 3) by pose; the palm's centre (3,) m in the hand's frame, scaled
-        from an average palm.
+        from an average palm; the bones.
     """
     if who == "second":
         plain2 = second_subject.FROZEN
@@ -218,7 +233,7 @@ def _person(
 
         middle = FINGERS.index("middle")
         longer = hand.knuckle[middle, 1] / ADULT.bones[ADULT.first_bone[middle]].anchor[1]
-        return capture, slender, longer * np.array(PALM_CENTRE)
+        return capture, slender, longer * np.array(PALM_CENTRE), None
     plain = subject.FROZEN
     clean = replace(
         plain,
@@ -241,7 +256,7 @@ def _person(
         placement = kinematics.place(q)
         return _by_finger(placement.joints, placement.tips)
 
-    return capture, placed, size * np.array(PALM_CENTRE)
+    return capture, placed, size * np.array(PALM_CENTRE), skeleton
 
 
 def _frames(paper: tuple[int, ...], total: float) -> tuple[int, int, int, int]:

@@ -30,6 +30,8 @@ from models.surface import Surface, parse_surface
 from sandbox.cli.capture.hand_files import read_hand, read_mapping
 from sandbox.cli.capture.touch_files import read_touch_log
 from sandbox.cli.common.parse import parse
+from sandbox.devices.files.paired_capture import HANDS
+from sandbox.devices.webcam.landmark_file import is_landmark_file
 
 
 @dataclass(frozen=True)
@@ -65,10 +67,11 @@ class CaptureOptions:
     fingertip within 25 mm, and contacts that are nearer to another finger for a fifth of their
     time. docs/captures.md explains how to record.
 
-    With a Leap instead of motion capture (docs/own-hand.md): --recorded FOLDER, a folder by
-    `sandbox capture record`, which guides you, or by `sandbox capture simulate`. The offset of the
-    clocks is estimated from taps and the position of the Leap from touches; --joints and --mapping
-    are not needed.
+    With a Leap instead of motion capture (docs/own-hand.md), or with a camera over the surface
+    (docs/camera-over-tablet.md): --recorded FOLDER, a folder by `sandbox capture record`, which
+    guides you, or by `sandbox capture simulate`. The offset of the clocks is estimated from taps
+    and the device's position from touches; --joints and --mapping are not needed.
+    `sandbox capture report FOLDER` tells what a camera saw.
 
     Try it with a simulated session, then with recordings of your own:
 
@@ -98,7 +101,8 @@ class CaptureOptions:
     """Recording of markers on the hand, in place of --joints."""
 
     recorded: Annotated[Path | None, tyro.conf.arg(metavar="FOLDER")] = None
-    """Folder by `sandbox capture record`, with touches and hand of a session with a Leap."""
+    """Folder by `sandbox capture record`, with touches and hand of a session with a Leap or a
+    camera."""
 
     hands: Annotated[Path | None, tyro.conf.arg(metavar="FILE.json|.jsonl")] = None
     """Recording of the hand by a Leap, with --touches recorded at the same time."""
@@ -158,6 +162,10 @@ def main(argv: list[str]) -> int:
         from sandbox.cli.capture.record import main as record
 
         return record(argv[1:])
+    if argv[:1] == ["report"]:
+        from sandbox.cli.capture.camera_report import main as camera_report
+
+        return camera_report(argv[1:])
     if argv[:1] == ["simulate"]:
         from sandbox.cli.capture.simulate import main as simulate
 
@@ -208,14 +216,17 @@ def main(argv: list[str]) -> int:
 
 
 def _capture_from_leap(options: CaptureOptions) -> int:
-    """Makes a capture from the hand of a Leap."""
+    """Makes a capture from the hand of a Leap, or from a camera's pictures."""
     from sandbox.cli.capture.hands import capture_of_hands
+    from sandbox.cli.capture.pictures import capture_of_pictures
 
+    camera = options.recorded is not None and is_landmark_file(options.recorded / HANDS)
+    convert = capture_of_pictures if camera else capture_of_hands
     report, rules = ConversionReport(), ConversionRules(rate=options.rate)
     surface = parse_surface(options.surface) if options.surface else None
     errors = Console(stderr=True)
-    with errors.status("poses, clocks, the device's position"):
-        capture, damage = capture_of_hands(options, surface, rules, report)
+    with errors.status("poses, clocks, the device's place"):
+        capture, damage = convert(options, surface, rules, report)
     _write(options, capture)
     for text in damage:
         errors.print(text, soft_wrap=True, markup=False)

@@ -1,20 +1,25 @@
-"""`sandbox capture record`: records touches and a Leap together, by one clock."""
+"""`sandbox capture record`: records touches and the hand, by a Leap or a camera, by one clock."""
 
 from __future__ import annotations
 
 import math
 import time
+import webbrowser
+from collections.abc import Sequence
+from contextlib import nullcontext
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 import tyro
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn
+from rich.text import Text
 
 from encoders.captures.paired.guide import Guide
 from models.errors import InputError, RecordingError
-from models.frames import TouchFrame
+from models.frames import HandFrame, TouchFrame
+from sandbox.cli.capture.live_naming import LiveNaming
 from sandbox.cli.common.parse import parse
 from sandbox.cli.common.touch_opening import open_touches_or_page
 from sandbox.devices.files.paired_capture import (
@@ -28,10 +33,23 @@ from sandbox.devices.leap.leap import DEFAULT_ADDRESS, LeapDevice, LeapFileDevic
 from sandbox.devices.leap.leap_fake import FAKE
 from sandbox.devices.leap.leap_file import read_leap
 from sandbox.devices.tuio.tuio import DEFAULT_PORT, LOOPBACK
+from sandbox.devices.webcam.installed import installed_engine
+from sandbox.devices.webcam.landmark_file import (
+    LandmarkFileDevice,
+    header_record,
+    read_landmarks,
+)
+from sandbox.devices.webcam.landmarks_json import message_of
+from sandbox.devices.webcam.webcam import WebcamDevice
 from sandbox.options.leap_devices import LIVE, open_leap
 from sandbox.options.metavars import TOUCH_DEVICE_CHOICES
 from sandbox.options.touch_devices import Opened, TouchOptions
-from sandbox.session.device import Device, HandDevice
+from sandbox.options.webcam_devices import LIVE as CAMERA
+from sandbox.options.webcam_devices import is_webcam, webcam_choice
+from sandbox.session.device import Device, HandDevice, LandmarkDevice
+
+Hands = HandDevice | LandmarkDevice
+"""What sees the hand."""
 
 _POLL_PERIOD = 0.002
 """s between two polls of the devices, by which a time of arrival may be late."""
@@ -48,6 +66,10 @@ class RecordOptions:
     fingers for some seconds. Ctrl-C stops earlier and keeps the recording. Record again on another
     day for a test set. docs/own-hand.md explains where to place the Leap.
 
+    With --hands webcam, a camera over the tablet sees the fingers and names each touch by the
+    fingertip that is nearest (docs/camera-over-tablet.md, ten minutes). Landmarks of the hand are
+    kept, pictures never.
+
     Try it without devices:
 
         sandbox capture simulate --out day
@@ -56,6 +78,7 @@ class RecordOptions:
     With them:
 
         sandbox capture record --touches tuio --bind 0.0.0.0 --surface ipad2 --out monday
+        sandbox capture record --touches web --tablet --hands webcam --out tuesday
         sandbox capture --recorded monday --out mine.npz
     """
 
@@ -65,8 +88,18 @@ class RecordOptions:
     touches: Annotated[str, tyro.conf.arg(metavar=TOUCH_DEVICE_CHOICES)] = "tuio"
     """Touch device, as --device of `sandbox touches show`."""
 
-    hands: Annotated[str, tyro.conf.arg(metavar="{leap,FILE}")] = LIVE
-    """Device that sees the hand: a running Leap service, or a recording of a Leap."""
+    hands: Annotated[str, tyro.conf.arg(metavar="{leap,webcam,FILE}")] = LIVE
+    """Device that sees the hand: a running Leap service, a camera over the surface, or a recording
+    of one of them."""
+
+    webcam: Annotated[str, tyro.conf.arg(metavar="KEY=VALUE,...")] = ""
+    """With --hands webcam: fov=DEGREES across the picture, if known; mirrored, if the camera's
+    picture is a mirror's; quiet, to open no browser."""
+
+    corners: Annotated[str | None, tyro.conf.arg(metavar="X/Y,X/Y,X/Y,X/Y")] = None
+    """With --hands webcam: the surface's corners in pixels of the picture: top left, top right,
+    bottom right, bottom left, as you call them before it. They can be marked in the camera's page
+    instead. Without them, the touches tell where the surface is."""
 
     side: Literal["right", "left"] = "right"
     """Which hand."""
@@ -120,8 +153,8 @@ def main(argv: list[str]) -> int:
         hands.close()
 
 
-def _record(options: RecordOptions, opened: Opened, hands: HandDevice) -> int:
-    about = {
+def _record(options: RecordOptions, opened: Opened, hands: Hands) -> int:
+    about: dict[str, Any] = {
         "side": options.side,
         "subject": options.subject,
         "simulated": (isinstance(hands, LeapDevice) and hands.version == FAKE)
@@ -131,10 +164,23 @@ def _record(options: RecordOptions, opened: Opened, hands: HandDevice) -> int:
     }
     if opened.surface.calibrated is False:
         Console(stderr=True).print("the surface's size is a guess: give --surface", style="yellow")
-    guide = None if options.free else Guide(options.side, options.each)
-    with PairedCaptureWriter(options.out, opened.surface, about) as writer:
+    camera, first = isinstance(hands, LandmarkDevice), None
+    naming: LiveNaming | None = None
+    if camera:
+        first = header_record(webcam_choice(options.webcam).camera)
+        naming = LiveNaming(opened.surface, options.side)
+        if "fov=" in options.webcam:
+            about["fov"] = webcam_choice(options.webcam).camera.view
+        if options.corners is not None:
+            about["corners"] = parsed_corners(options.corners)
+            naming.corners(about["corners"], _WIDTH)
+    guide = None if options.free else Guide(options.side, options.each, camera=camera)
+    with (
+        PairedCaptureWriter(options.out, opened.surface, about, first) as writer,
+        naming or nullcontext(),
+    ):
         try:
-            ended = _follow(options, opened.device, hands, writer, guide)
+            ended = _follow(options, opened.device, hands, writer, guide, naming)
         except KeyboardInterrupt:
             ended = "stopped"
     console = Console(stderr=True)
@@ -143,24 +189,35 @@ def _record(options: RecordOptions, opened: Opened, hands: HandDevice) -> int:
         soft_wrap=True,
         markup=False,
     )
-    for count, what in ((writer.touches, "touches"), (writer.hands, "hand")):
+    if naming is not None:
+        console.print(naming.text, markup=False)
+    for count, what in ((writer.touches, "touches"), (writer.hands, _seer(hands))):
         if not count:
-            raise RecordingError(f"no {what} arrived", where=str(options.out), remedy=_REMEDY[what])
+            name = "hand" if what == "camera" else what
+            raise RecordingError(f"no {name} arrived", where=str(options.out), remedy=_REMEDY[what])
     return 0
 
 
 _REMEDY = {
     "touches": "`sandbox touches show` gives hints on what to check",
     "hand": "`sandbox paalm show --device leap` shows what the Leap sees",
+    "camera": "The camera's page says in its one line what is missing",
 }
+_WIDTH = 640
+"""px of the picture that the page asks the camera for."""
+
+
+def _seer(hands: Hands) -> str:
+    return "camera" if isinstance(hands, LandmarkDevice) else "hand"
 
 
 def _follow(
     options: RecordOptions,
     touched: Device,
-    hands: HandDevice,
+    hands: Hands,
     writer: PairedCaptureWriter,
     guide: Guide | None,
+    naming: LiveNaming | None,
 ) -> str:
     """Writes touches and hands until the end; returns the reason for the end."""
     console = Console(stderr=True)
@@ -177,7 +234,10 @@ def _follow(
     with bar as progress:
         now_doing = progress.add_task("recording; Ctrl-C ends", total=1.0 if guide else None)
         session = progress.add_task("the whole session", total=1.0, visible=guide is not None)
-        shown, quiet = -1.0, set[str]()
+        named = progress.add_task("", total=None, visible=naming is not None)
+        shown, quiet, told = -1.0, set[str](), ""
+        asked: tuple[int, ...] | None = None
+        marked: Sequence[tuple[float, float]] = ()
         while True:
             now = time.monotonic() - begin
             for frame in touched.poll(now - late_touches):
@@ -185,10 +245,31 @@ def _follow(
                 writer.touch(frame, now)
                 if guide is not None:
                     guide.touch(frame, now)
+                if naming is not None:
+                    naming.touch(frame, now)
             for seen in hands.poll(now - late_hands):
-                writer.hand(seen, now)
+                if isinstance(seen, HandFrame):
+                    writer.hand(seen, now)
+                    if guide is not None:
+                        guide.hand(seen)
+                    continue
+                writer.picture(message_of(seen), now)
                 if guide is not None:
-                    guide.hand(seen)
+                    guide.picture(seen)
+                if naming is not None:
+                    naming.picture(seen, now)
+            if naming is not None and guide is not None and guide.asked != asked:
+                asked = guide.asked
+                writer.asked(asked or (), now)
+            if isinstance(hands, WebcamDevice):
+                if hands.corners != marked:
+                    marked = hands.corners
+                    writer.tell(corners=marked)
+                    if naming is not None:
+                        naming.corners(marked, _WIDTH)
+                if hands.notice != told:
+                    told = hands.notice
+                    progress.console.print(told or "the camera sees", markup=False)
             if guide is not None and last is not None:
                 guide.pass_time(now, len(last.contacts))
             if now - shown > 0.1:
@@ -197,7 +278,9 @@ def _follow(
                     step = guide.step
                     progress.update(now_doing, description=step.text, completed=step.share)
                     progress.update(session, completed=guide.share)
-                for what, count in (("touches", writer.touches), ("hand", writer.hands)):
+                if naming is not None:
+                    progress.update(named, description=naming.text)
+                for what, count in (("touches", writer.touches), (_seer(hands), writer.hands)):
                     if not count and now > SILENT and what not in quiet:
                         quiet.add(what)
                         progress.console.print(f"no {what} yet; {_REMEDY[what]}")
@@ -228,7 +311,43 @@ def _simulated(path: Path) -> bool:
     return read_about(path.parent).simulated
 
 
-def _hands(options: RecordOptions) -> HandDevice:
+def parsed_corners(text: str) -> list[tuple[float, float]]:
+    """Corners (4) px of `--corners`.
+
+    Raises:
+        InputError: They are not four points.
+    """
+    try:
+        points = [tuple(map(float, part.split("/"))) for part in text.split(",")]
+        corners = [(x, y) for x, y in points]
+        if len(corners) != 4:
+            raise ValueError
+    except ValueError:
+        raise InputError(
+            "these are not four corners",
+            where="--corners",
+            got=text,
+            expected="X/Y,X/Y,X/Y,X/Y in pixels: top left, top right, bottom right, bottom left",
+        ) from None
+    return corners
+
+
+def _hands(options: RecordOptions) -> Hands:
+    camera = is_webcam(options.hands)
+    for name, given in (("--webcam", options.webcam), ("--corners", options.corners)):
+        if given and not camera:
+            raise InputError(f"{name} needs a camera", where=name, expected="--hands webcam")
+    if options.corners is not None:
+        parsed_corners(options.corners)
+    if options.hands == CAMERA:
+        choice = webcam_choice(options.webcam)
+        device = WebcamDevice(installed_engine(), (options.side,), choice.mirrored, marks=True)
+        Console(stderr=True).print(Text(f"the camera's page: {device.address}"))
+        if not choice.quiet:
+            webbrowser.open(device.address)
+        return device
+    if camera:
+        return LandmarkFileDevice(read_landmarks(Path(options.hands)))
     if options.hands == LIVE:
         return open_leap(options.leap)
     path = Path(options.hands)
@@ -237,7 +356,7 @@ def _hands(options: RecordOptions) -> HandDevice:
             "no such device or file",
             where="--hands",
             got=options.hands,
-            expected=f"{LIVE}, or a recording of a Leap",
+            expected=f"{LIVE}, {CAMERA}, or a recording of one of them",
         )
     return LeapFileDevice(read_leap(path))
 

@@ -5,18 +5,21 @@ from __future__ import annotations
 import json
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 import tyro
 from rich.console import Console
 from rich.progress import Progress
 from rich.text import Text
 
+from encoders.captures.overhead.simulated import OverheadPictures, simulate_overhead
 from encoders.captures.paired.simulated import PairedSession, simulate_paired
 from encoders.store import save_capture
 from models.errors import InputError
 from sandbox.cli.common.parse import parse
 from sandbox.devices.files.paired_capture import PairedCaptureWriter, check_new
+from sandbox.devices.webcam.landmark_file import header_record
+from sandbox.devices.webcam.landmarks_json import message_of
 
 TRUTH, DEVICES = "truth.npz", "truth.json"
 
@@ -55,6 +58,13 @@ class SimulateOptions:
     hand: Literal["right", "left"] = "right"
     """Side of the hand; a left hand is the mirror image."""
 
+    hands: Literal["leap", "webcam"] = "leap"
+    """What sees the hand: a Leap, or a camera over the tablet, as landmarks with errors (first
+    subject only). The truth then has the tablet's corners in place of the Leap's position."""
+
+    corners: tyro.conf.FlagCreatePairsOff[bool] = False
+    """With --hands webcam: as if the tablet's corners had been marked."""
+
 
 def main(argv: list[str]) -> int:
     """Runs `sandbox capture simulate ...`."""
@@ -74,11 +84,18 @@ def main(argv: list[str]) -> int:
             progress=lambda share: progress.update(bar, completed=share),
         )
         progress.update(bar, description="writing")
-        write_simulated(session, options.out, f"simulated {options.subject} {options.seed}")
+        name = f"simulated {options.subject} {options.seed}"
+        if options.hands == "webcam":
+            pictures = simulate_overhead(session, options.seed + 1000 * options.day)
+            write_simulated_camera(session, pictures, options.out, name, options.corners)
+            what, frames = "camera", len(pictures.frames)
+        else:
+            write_simulated(session, options.out, name)
+            what, frames = options.dialect, len(session.leap.frames)
     bars.print(
         Text(
-            f"SIMULATED session ({options.dialect}, {session.leap_arrived[-1]:.0f} s, "
-            f"{len(session.touches):,} touch frames, {len(session.leap.frames):,} hand frames): "
+            f"SIMULATED session ({what}, {session.leap_arrived[-1]:.0f} s, "
+            f"{len(session.touches):,} touch frames, {frames:,} hand frames): "
             f"{options.out}"
         ),
         soft_wrap=True,
@@ -106,6 +123,50 @@ def write_simulated(session: PairedSession, folder: Path, subject: str) -> None:
         "touch_delay_s": session.touch_delay,
         "device_axes": session.rotation.tolist(),
         "device_at_m": session.shift.tolist(),
+    }
+    save_capture(session.truth, folder / TRUTH)
+    (folder / DEVICES).write_text(json.dumps(truth, indent=1) + "\n", encoding="utf-8")
+
+
+def write_simulated_camera(
+    session: PairedSession,
+    pictures: OverheadPictures,
+    folder: Path,
+    subject: str,
+    corners: bool = False,
+) -> None:
+    """Writes a session under a camera and its ground truth.
+
+    Args:
+        session: The person.
+        pictures: What the camera's page said.
+        folder: Folder to create.
+        subject: Pseudonym.
+        corners: True if the tablet's corners were marked.
+    """
+    camera = pictures.configuration.camera
+    about: dict[str, Any] = {
+        "side": session.side,
+        "subject": subject,
+        "simulated": True,
+        "touches": "simulated tablet",
+        "hands": "simulated camera",
+        "fov": camera.view,
+    }
+    marked = pictures.corners.round(2).tolist()
+    if corners:
+        about["corners"] = marked
+    with PairedCaptureWriter(folder, session.surface, about, header_record(camera)) as writer:
+        for frame, host in zip(session.touches, session.touch_arrived.tolist(), strict=True):
+            writer.touch(frame, round(host, 6))
+        for seen, host in zip(pictures.frames, pictures.arrived.tolist(), strict=True):
+            writer.picture(message_of(seen), round(host, 6))
+    truth = {
+        "simulated": True,
+        "offset_s": pictures.configuration.latency - session.touch_delay,
+        "touch_delay_s": session.touch_delay,
+        "corners_px": marked,
+        "fingers": {str(id_): finger for id_, finger in session.labels.items()},
     }
     save_capture(session.truth, folder / TRUTH)
     (folder / DEVICES).write_text(json.dumps(truth, indent=1) + "\n", encoding="utf-8")

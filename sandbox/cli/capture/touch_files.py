@@ -56,6 +56,17 @@ def read_touch_log(path: Path, surface: Surface | None) -> tuple[TouchLog, str]:
     )
 
 
+def touch_surface(path: Path) -> Surface | None:
+    """The surface that a file of `touches show` or `capture record` names; None if it names none.
+
+    Raises:
+        InputError: Its first line is damaged.
+    """
+    for number, line in numbered_lines(path, LONGEST_LINE):
+        return frame_surface(line, f"{path}, line {number}")
+    return None
+
+
 def _log(frames: Iterable[TouchFrame], path: Path) -> TouchLog:
     seen = list(frames)
     rows = [(f, c.id, c.x, c.y) for f, frame in enumerate(seen) for c in frame.contacts]

@@ -1,7 +1,8 @@
 """Paired captures: a folder of touches and hand frames that were recorded together.
 
     touches.jsonl   as `sandbox touches record` writes it, every line with "host"
-    hands.jsonl     Leap messages, one per line, each with "host"
+    hands.jsonl     Leap messages, or pictures of a camera as landmarks, one per line with "host"
+    asked.jsonl     fingers that the guide asked for, from "host" on; only with a camera
     about.json      the hand, the surface and the devices
 
 "host" is the arrival time of the frame, s on the clock of the machine that wrote both files. Each
@@ -12,6 +13,7 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from itertools import islice
@@ -33,7 +35,7 @@ from sandbox.devices.leap.leap_json import LeapDecoder
 from sandbox.devices.leap.leap_write import leap_message
 from sandbox.session.closeable import Closeable
 
-TOUCHES, HANDS, ABOUT = "touches.jsonl", "hands.jsonl", "about.json"
+TOUCHES, HANDS, ASKED, ABOUT = "touches.jsonl", "hands.jsonl", "asked.jsonl", "about.json"
 
 
 class About(Struct):
@@ -43,11 +45,16 @@ class About(Struct):
         side: Side of the recorded hand.
         subject: Pseudonym of the recorded person; None if it is not given.
         simulated: The recording is of a simulated person.
+        corners: px, the surface's corners in the camera's picture: top left, top right, bottom
+            right, bottom left; None where nobody marked them.
+        fov: Degrees across the camera's picture, where somebody said it.
     """
 
     side: Literal["right", "left"]
     subject: str | None = None
     simulated: bool = False
+    corners: list[tuple[float, float]] | None = None
+    fov: float | None = None
 
 
 class _Arrival(Struct):
@@ -76,6 +83,7 @@ class PairedCaptureWriter(Closeable):
         folder: Folder that is made; it must not hold a session already.
         surface: Surface of the touch device.
         about: Contents of `about.json`: `side`, `subject`, `simulated` and others; JSON values.
+        camera: First line of the file of hands, where they are landmarks; None with a Leap.
 
     Attributes:
         touches: Number of touch frames written.
@@ -85,8 +93,16 @@ class PairedCaptureWriter(Closeable):
         RecordingError: The folder cannot be written to, or holds a session.
     """
 
-    def __init__(self, folder: Path, surface: Surface, about: dict[str, Any]) -> None:
+    def __init__(
+        self,
+        folder: Path,
+        surface: Surface,
+        about: dict[str, Any],
+        camera: dict[str, Any] | None = None,
+    ) -> None:
         self.touches = self.hands = 0
+        self._folder, self._about = folder, about
+        self._asked: LineFile | None = None
         check_new(folder)
         try:
             folder.mkdir(parents=True, exist_ok=True)
@@ -95,6 +111,8 @@ class PairedCaptureWriter(Closeable):
             raise RecordingError("cannot be written", where=str(folder), got=str(error)) from None
         self._touches, self._hands = LineFile(folder / TOUCHES), LineFile(folder / HANDS)
         self._touches.write(header_record(surface, str(about.get("touches", "touches"))))
+        if camera is not None:
+            self._hands.write(camera)
 
     def touch(self, frame: TouchFrame, host: float) -> None:
         """Writes a frame of the touch device that arrived at `host`, s.
@@ -114,10 +132,46 @@ class PairedCaptureWriter(Closeable):
         self._hands.write(leap_message(frame, self.hands + 1) | {"host": host})
         self.hands += 1
 
+    def picture(self, message: dict[str, Any], host: float) -> None:
+        """Writes the landmarks of a picture that arrived at `host`, s.
+
+        Raises:
+            RecordingError: The picture cannot be written; those before it are on disk.
+        """
+        self._hands.write(message | {"host": host})
+        self.hands += 1
+
+    def asked(self, fingers: Sequence[int], host: float) -> None:
+        """Writes which fingers the guide asks for from `host` on, s.
+
+        Raises:
+            RecordingError: It cannot be written.
+        """
+        if self._asked is None:
+            self._asked = LineFile(self._folder / ASKED)
+        self._asked.write({"host": host, "asked": list(fingers)})
+
+    def tell(self, **more: Any) -> None:
+        """Adds to `about.json` what became known during the session; JSON values.
+
+        Raises:
+            RecordingError: It cannot be written.
+        """
+        self._about = self._about | more
+        text = json.dumps(self._about, indent=1) + "\n"
+        try:
+            (self._folder / ABOUT).write_text(text, encoding="utf-8")
+        except OSError as error:
+            raise RecordingError(
+                "cannot be written", where=str(self._folder), got=str(error)
+            ) from None
+
     def close(self) -> None:
-        """Closes both files; may be called twice."""
+        """Closes the files; may be called twice."""
         self._touches.close()
         self._hands.close()
+        if self._asked is not None:
+            self._asked.close()
 
 
 @dataclass(frozen=True)
@@ -170,6 +224,41 @@ def arrivals(path: Path, count: int) -> Array | None:
                 host.append(math.nan if arrival.host is None else arrival.host)
     times = np.array(host[:count])
     return times if len(times) == count and np.isfinite(times).all() else None
+
+
+def picture_arrivals(path: Path, count: int) -> Array | None:
+    """(count,) s, arrival times of the pictures in a file of landmarks; None if it lacks them."""
+    host: list[float] = []
+    with suppress(RecordingError):
+        for number, line in islice(numbered_lines(path, LONGEST_LINE), 1, count + 1):
+            arrived = _arrival(line, f"{path}, line {number}").host
+            host.append(math.nan if arrived is None else arrived)
+    times = np.array(host)
+    return times if len(times) == count and np.isfinite(times).all() else None
+
+
+class Asked(Struct):
+    """A line of `asked.jsonl`: fingers, thumb 0 to little 4, that are asked for from `host` on."""
+
+    host: float
+    asked: list[int]
+
+
+def read_asked(folder: Path) -> tuple[Asked, ...]:
+    """What the guide asked for, in order; nothing where it did not guide.
+
+    Raises:
+        RecordingError: A line is damaged.
+    """
+    path = folder / ASKED
+    if not path.is_file():
+        return ()
+    return tuple(
+        decoded(
+            line, Asked, RecordingError, what="the line is damaged", where=f"{path}, line {number}"
+        )
+        for number, line in numbered_lines(path, LONGEST_LINE)
+    )
 
 
 def first_line_with_host(path: Path) -> float | None:

@@ -40,6 +40,8 @@ class PictureMessage(msgspec.Struct):
         size: Width and height of the picture in pixels.
         seen: Hands in the picture.
         trouble: Why there is no picture; None with one.
+        corners: px, a surface's corners that the person marked: top left, top right, bottom right,
+            bottom left; None in other messages.
     """
 
     time: float | None = None
@@ -47,6 +49,7 @@ class PictureMessage(msgspec.Struct):
     size: tuple[int, int] = (640, 480)
     seen: list[HandMessage] = []
     trouble: Trouble | None = None
+    corners: tuple[Point, Point, Point, Point] | None = None
 
 
 def picture_message(text: bytes | str, where: str = SOURCE) -> PictureMessage:
@@ -63,7 +66,7 @@ def picture_message(text: bytes | str, where: str = SOURCE) -> PictureMessage:
         where=where,
         expected='{"time": s, "size": [px, px], "seen": [...]}',
     )
-    if message.time is None and message.trouble is None:
+    if message.time is None and message.trouble is None and message.corners is None:
         raise DeviceError("the picture has no time", where=where)
     return message
 

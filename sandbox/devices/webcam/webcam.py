@@ -38,6 +38,7 @@ class WebcamDevice(LandmarkDevice):
         sides: Sides of the hands that the session follows.
         mirrored: True if the camera's picture is a mirror's; the page then turns it back.
         port: TCP port of the page; 0 uses a free one.
+        marks: True if the page lets the person mark the corners of a surface.
 
     Raises:
         DeviceError: The port is not available.
@@ -45,6 +46,8 @@ class WebcamDevice(LandmarkDevice):
     Attributes:
         server: The page's server.
         counts: Numbers of pictures, and of what could not be used, by kind.
+        corners: (4, 2) px, the corners that the person marked last: top left, top right, bottom
+            right, bottom left, of the picture that is not mirrored; empty before.
     """
 
     name = "webcam"
@@ -57,8 +60,10 @@ class WebcamDevice(LandmarkDevice):
         sides: Sequence[str] = ("right",),
         mirrored: bool = False,
         port: int = 0,
+        marks: bool = False,
     ) -> None:
         self.counts: Counter[str] = Counter()
+        self.corners: tuple[tuple[float, float], ...] = ()
         self._frames: deque[LandmarkFrame] = deque()
         self._lock = threading.Lock()
         self._came = threading.Condition(self._lock)
@@ -68,6 +73,7 @@ class WebcamDevice(LandmarkDevice):
             "most": 2,
             "hands": HANDS,
             "mirrored": mirrored,
+            "marks": marks,
         }
         self.server = LandmarkServer(engine, wanted, self._take, self._gone, port)
 
@@ -105,6 +111,10 @@ class WebcamDevice(LandmarkDevice):
 
     def _take(self, message: PictureMessage) -> None:
         """Takes in a message; called in the server's thread."""
+        if message.corners is not None:
+            with self._lock:
+                self.corners = message.corners
+            return
         if message.trouble is not None:
             with self._lock:
                 self._notice = NOTICES[message.trouble]

@@ -9,6 +9,7 @@ const canvas = document.getElementById("marks");
 const mirroredBox = document.getElementById("mirrored");
 const again = document.getElementById("again");
 const speed = document.getElementById("speed");
+const marker = document.getElementById("marks-corners");
 
 /** Shows the one line that the person reads; `well` if hands are followed. */
 function tell(text, well = false) {
@@ -33,6 +34,8 @@ let socket = null;
 let landmarker = null;
 let wrongSince = null;
 let over = false;
+let marking = null; // corners that were marked so far
+let corners = [];
 const took = [];
 
 function connect() {
@@ -43,6 +46,9 @@ function connect() {
       if (said.what === "wanted") {
         wanted = said;
         mirroredBox.checked = said.mirrored;
+        marker.hidden = !said.marks;
+        // A camera over a tablet does not face the person: no mirror is expected.
+        document.body.classList.toggle("over", said.marks === true);
         resolve();
       } else if (said.what === "bye") {
         end(said.why);
@@ -165,10 +171,46 @@ function draw(found) {
       for (const i of finger) pen.lineTo(points[i].x * width, points[i].y * height);
       pen.stroke();
     }
+  const marks = marking ?? corners;
+  pen.strokeStyle = "#f2b84b";
+  pen.beginPath();
+  for (const [x, y] of marks) pen.lineTo(x, y);
+  if (marks.length === 4) pen.closePath();
+  pen.stroke();
+  for (const [x, y] of marks) pen.strokeRect(x - 4, y - 4, 8, 8);
 }
+
+const CORNERS = ["top left", "top right", "bottom right", "bottom left"];
+
+/** Asks for the next corner of the tablet, as the person who sits at it calls it. */
+function askCorner() {
+  tell(`Click the tablet's ${CORNERS[marking.length]} corner, as you see it when you sit before it.`);
+}
+
+marker.onclick = () => {
+  marking = [];
+  askCorner();
+};
+
+canvas.onclick = (event) => {
+  if (marking === null) return;
+  const box = canvas.getBoundingClientRect();
+  const x = ((event.clientX - box.left) / box.width) * canvas.width;
+  const y = ((event.clientY - box.top) / box.height) * canvas.height;
+  marking.push([round(x, 1), round(y, 1)]);
+  if (marking.length < CORNERS.length) return askCorner();
+  [corners, marking] = [marking, null];
+  const unmirrored = corners.map(([a, b]) => [
+    round(mirroredBox.checked ? canvas.width - a : a, 1),
+    b,
+  ]);
+  send({ corners: unmirrored });
+  tell("The corners are marked.", true);
+};
 
 /** The one line about what is in the picture. */
 function judge(hands, now) {
+  if (marking !== null) return;
   const sides = hands.map((h) => h.side);
   const followed = wanted.sides.filter((side) => sides.includes(side));
   if (hands.length && !followed.length) wrongSince ??= now;

@@ -1,0 +1,12 @@
+"""A camera over a touch surface names touches: each gets the finger whose tip is nearest to it in
+the picture, or no name where two fingers are about as near.
+
+    picture_track         landmarks of one hand over time
+    tablet_plane          where on the surface a point of the picture is, by corners or by touches
+    lifts                 common clock of touches and pictures, from taps
+    names                 belief over the fingers of all contacts, from picture to picture
+    live_names            the same while a person touches
+    camera_place          where the camera is, and its field of view, from the surface in its picture
+    capture_from_camera   conversion of touches and pictures to a capture
+    simulated             pictures of a simulated person, with the truth
+"""

@@ -1,0 +1,118 @@
+"""Landmarks of one hand over time, as of a right hand."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from models.arithmetic.arrays import Array
+from models.errors import CaptureError
+from models.frames import LandmarkFrame, SeenHand
+
+TIPS = (4, 8, 12, 16, 20)
+LAST_JOINTS = (3, 7, 11, 15, 19)
+"""Landmarks of the ends of the fingers, thumb first, and of the joints before them."""
+
+LONGEST_GAP = 0.25
+"""s between two pictures that is bridged by a straight line."""
+_LEAST_SHARE = 0.05
+_LONGEST_FOLLOWED = 0.5
+"""s for which a hand that the engine calls the other one is still taken for this one."""
+
+
+@dataclass(frozen=True)
+class PictureTrack:
+    """One hand in a film; a left one as a mirror shows it.
+
+    Attributes:
+        time: (J,) s at which the pictures were taken, increasing.
+        image: (J, 21, 2) px.
+        world: (J, 21, 3) m, the engine's guess in space, in the camera's axes.
+        size: Width and height of the pictures in px.
+    """
+
+    time: Array
+    image: Array
+    world: Array
+    size: tuple[int, int]
+
+    def pads(self, share: float) -> Array:
+        """(J, 5, 2) px where fingers touch: a share of the last bone before its end."""
+        tips, joints = self.image[:, TIPS], self.image[:, LAST_JOINTS]
+        return np.asarray(tips + share * (joints - tips))
+
+    def between(self, values: Array, times: Array) -> tuple[Array, NDArray[np.bool_]]:
+        """Values (J, ...) of the pictures at times (m,) between them, and where they are known."""
+        after = np.searchsorted(self.time, times, side="right")
+        before = np.clip(after - 1, 0, len(self.time) - 2)
+        span = self.time[before + 1] - self.time[before]
+        share = (times - self.time[before]) / span
+        known = (share >= 0.0) & (share <= 1.0) & (span <= LONGEST_GAP)
+        share = np.clip(share, 0.0, 1.0).reshape(-1, *[1] * (values.ndim - 1))
+        return values[before] + share * (values[before + 1] - values[before]), known
+
+
+def picture_track(
+    frames: Sequence[LandmarkFrame], time: Array, side: str
+) -> tuple[PictureTrack, float]:
+    """Follows one hand through the pictures.
+
+    Args:
+        frames: All pictures.
+        time: (F,) s at which they were taken, on the wanted clock.
+        side: `right` or `left`.
+
+    Returns:
+        The track, and the share of pictures that show the hand.
+
+    Raises:
+        CaptureError: The hand is hardly seen.
+    """
+    rows, image, world = [], [], []
+    before: tuple[float, Array] | None = None
+    for row, frame in enumerate(frames):
+        hand = _chosen(frame, side, before, float(time[row]))
+        if hand is None or (rows and time[row] <= time[rows[-1]]):
+            continue
+        rows.append(row)
+        image.append(hand.image)
+        world.append(hand.world)
+        before = float(time[row]), np.array(hand.image).mean(axis=0)
+    if len(rows) < 2 or len(rows) < _LEAST_SHARE * len(frames):
+        raise CaptureError(
+            f"the {side} hand is hardly seen in the pictures",
+            got=f"{len(rows)} of {len(frames)} pictures",
+            remedy="Check --side and the light, and that the whole hand is in the picture",
+        )
+    points, space = np.array(image), np.array(world)
+    width, height = frames[rows[0]].size
+    if side == "left":
+        points = points * [-1.0, 1.0] + [float(width), 0.0]
+        space = space * [-1.0, 1.0, 1.0]
+    share = len(rows) / len(frames)
+    return PictureTrack(time[rows], points, space, (width, height)), share
+
+
+def _chosen(
+    frame: LandmarkFrame, side: str, before: tuple[float, Array] | None, now: float
+) -> SeenHand | None:
+    """The hand of a side; a single one of the other side where this one just was: from above, the
+    engine mistakes the side of a hand for moments."""
+    own = [h for h in frame.hands if h.side == side]
+    if before is not None and now - before[0] <= _LONGEST_FOLLOWED:
+        place = before[1]
+
+        def off(hand: SeenHand) -> float:
+            return float(np.abs(np.array(hand.image).mean(axis=0) - place).max())
+
+        if own:
+            return min(own, key=off)
+        if len(frame.hands) == 1:
+            (other,) = frame.hands
+            if off(other) < float(np.ptp(np.array(other.image), axis=0).max()) / 2.0:
+                return other
+        return None
+    return max(own, key=lambda h: h.score) if own else None

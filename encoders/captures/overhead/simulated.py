@@ -1,0 +1,141 @@
+"""SIMULATED pictures of a camera over a tablet: landmarks of a simulated person's hand, projected.
+
+Nothing is drawn and no engine looks: landmarks are those of our own hand with errors that last a
+moment. It tries the conversion, and says nothing of how well a camera sees hands; films of the drawn
+hand do (`benchmarks.camera_touches`).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import atan, exp, hypot, sqrt
+
+import numpy as np
+
+from encoders.captures.paired.simulated import PairedSession
+from encoders.webcam.camera import Camera
+from encoders.webcam.landmarks import OF_POINTS, HandPoints
+from models.arithmetic.arrays import Array
+from models.errors import InputError
+from models.frames import LANDMARKS, LandmarkFrame, SeenHand
+from models.rotations import exp as turned
+
+SIZE = (640, 480)
+
+
+@dataclass(frozen=True)
+class OverheadConfiguration:
+    """The camera and its errors.
+
+    Attributes:
+        camera: The camera, in the world in whose middle the surface lies.
+        rate: Hz of pictures.
+        bias: px, standard deviation of a landmark's constant error.
+        noise: px, of its error that changes.
+        lasts: s, time constant of that.
+        latency: s from the picture to its stamp, which nobody can tell.
+        works: s, mean time in which the page finds the hand.
+        jitter: s, mean of its part that differs (exponential).
+        zero: s, the page's clock at the host's zero.
+    """
+
+    camera: Camera = Camera(60.0, (0.0, -0.24, 0.48), 67.0, 180.0, 0.0)
+    rate: float = 12.5
+    bias: float = 1.5
+    noise: float = 2.0
+    lasts: float = 0.3
+    latency: float = 0.04
+    works: float = 0.09
+    jitter: float = 0.008
+    zero: float = 250.0
+
+
+FROZEN_OVERHEAD = OverheadConfiguration()
+
+
+@dataclass(frozen=True)
+class OverheadPictures:
+    """What the camera's page said.
+
+    Attributes:
+        frames: On the page's clock; `time` when the hand was found, `taken` when the browser had
+            the picture.
+        arrived: (n,) s, arrival times on the host's clock.
+        corners: (4, 2) px, the surface's corners: top left, top right, bottom right, bottom left.
+        configuration: The camera.
+    """
+
+    frames: tuple[LandmarkFrame, ...]
+    arrived: Array
+    corners: Array
+    configuration: OverheadConfiguration
+
+
+def simulate_overhead(
+    session: PairedSession,
+    seed: int,
+    configuration: OverheadConfiguration = FROZEN_OVERHEAD,
+) -> OverheadPictures:
+    """Pictures of a simulated person's whole session.
+
+    Args:
+        session: The person's touches and motion.
+        seed: Seed of the errors.
+        configuration: The camera.
+
+    Raises:
+        InputError: The person is of the second kind, whose hand has no such skeleton.
+    """
+    c = configuration
+    if session.skeleton is None:
+        raise InputError(
+            "the second subject's hand has no landmarks", where="--subject", expected="first"
+        )
+    rng = np.random.default_rng([seed, 0xCA3E])
+    end = float(session.motion[0][-1])
+    times = np.arange(0.0, end, 1.0 / c.rate)
+    surface = session.surface.centred_at((0.0, 0.0, 0.0))
+    hand = HandPoints(session.skeleton)
+    keep = exp(-1.0 / c.rate / c.lasts)
+    bias = rng.normal(0.0, c.bias, (LANDMARKS, 2))
+    error = rng.normal(0.0, c.noise, (LANDMARKS, 2))
+    frames, arrived, left = [], [], session.side == "left"
+    for time, q in zip(times.tolist(), session.poses_at(times), strict=True):
+        points = np.zeros((LANDMARKS, 3))
+        points[list(OF_POINTS)] = hand.points(q)
+        points[3] = 0.5 * (points[2] + points[4])
+        world = points + surface.corner
+        if left:
+            # The session's left hand is the mirror image about the surface's middle.
+            world = world * [-1.0, 1.0, 1.0]
+        seen = c.camera.seen(world)
+        error = keep * error + sqrt(1.0 - keep * keep) * rng.normal(0.0, c.noise, error.shape)
+        image = c.camera.pixels(seen, SIZE) + bias + error
+        works = c.works + float(rng.exponential(c.jitter))
+        taken = time + c.latency
+        frames.append(
+            LandmarkFrame(
+                round(c.zero + taken + works, 5),
+                (_seen(session.side, image, seen, c.camera),),
+                SIZE,
+                round(c.zero + taken, 5),
+                "simulated camera",
+            )
+        )
+        arrived.append(taken + works + float(rng.exponential(0.001)))
+    w, h = surface.size.tolist()
+    corners = surface.to_world(np.array([[0.0, 0.0], [w, 0.0], [w, h], [0.0, h]]))
+    return OverheadPictures(
+        tuple(frames), np.array(arrived), c.camera.pixels(c.camera.seen(corners), SIZE), c
+    )
+
+
+def _seen(side: str, image: Array, points: Array, camera: Camera) -> SeenHand:
+    """The hand as the engine tells it: in space as if it were in the picture's middle."""
+    x, y = camera.rays(image, SIZE).mean(axis=0).tolist()
+    across = max(hypot(x, y), 1e-9)
+    axis = atan(across) / across * np.array([-y, x, 0.0])
+    space = (points - points.mean(axis=0)) @ turned(axis)
+    pixels = tuple((x, y) for x, y in image.round(2).tolist())
+    metres = tuple((x, y, z) for x, y, z in space.round(5).tolist())
+    return SeenHand(side, 0.95, pixels, metres)

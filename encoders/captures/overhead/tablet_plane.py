@@ -1,0 +1,319 @@
+"""Where on the surface a point of the picture is.
+
+A camera without distortion sees a plane by a homography, eight numbers. Four corners in the picture
+tell them. So do the touches: of five that are down together, only one assignment to the five
+fingertips in the picture is nearly a rotation with a scale; then touches and tips are paired all
+over the surface, in turn with the numbers that fit them best.
+
+A finger touches with its pad, which is a share of its last bone before the tip in the picture; the
+share is found with them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import permutations
+from typing import NamedTuple
+
+import numpy as np
+
+from models.arithmetic.arrays import Array
+from models.errors import CaptureError, InputError
+from models.frames import FINGERS
+
+MOST_MISS = 0.012
+"""m, largest median distance of touches from their fingers' pads: half the distance of neighbouring
+fingers."""
+MIRRORED = 0.6
+"""A picture whose mirror image fits touches this much better, as a share of the miss, is a
+mirror's."""
+
+_SHARES = tuple(np.linspace(-0.2, 0.8, 11).tolist())
+_FIRST_SHARE = 0.3
+_LEAST_LOOKS, _MOST_LOOKS = 20, 400
+_SEEDS = 12
+_ROUNDS = 8
+_AFFINE_ROUNDS = 3
+_NEAR = 0.004
+"""m of a miss from which on a pair counts less (Cauchy's weights)."""
+
+
+class Moment(NamedTuple):
+    """A look at hand and touches at once.
+
+    Attributes:
+        tips: (5, 2) px, ends of the fingers.
+        joints: (5, 2) px, the joints before them.
+        touches: (n, 2) m, x right and y down.
+    """
+
+    tips: Array
+    joints: Array
+    touches: Array
+
+    def pads(self, share: float) -> Array:
+        """(5, 2) px where fingers touch."""
+        return self.tips + share * (self.joints - self.tips)
+
+
+@dataclass(frozen=True)
+class TabletPlane:
+    """The surface in a camera's picture.
+
+    Attributes:
+        matrix: (3, 3) homography from pixels to m on the surface, x right and y down.
+        share: Share of the last bone by which pads are before tips.
+        miss: m, median distance between touches and pads; NaN before there was a touch.
+        pairs: Number of touches that it was found by.
+    """
+
+    matrix: Array
+    share: float = _FIRST_SHARE
+    miss: float = float("nan")
+    pairs: int = 0
+
+    def on_surface(self, pixels: Array) -> Array:
+        """Points (..., 2) m of the surface that are seen at (..., 2) px."""
+        return applied(self.matrix, pixels)
+
+    def pads(self, tips: Array, joints: Array) -> Array:
+        """(..., 5, 2) m where fingers touch, of landmarks (..., 5, 2) px."""
+        return self.on_surface(tips + self.share * (joints - tips))
+
+
+def applied(matrix: Array, points: Array) -> Array:
+    """Points (..., 2) by a homography (3, 3)."""
+    flat = points @ matrix[:2, :2].T + matrix[:2, 2]
+    return np.asarray(flat / (points @ matrix[2, :2] + matrix[2, 2])[..., None])
+
+
+def homography(here: Array, there: Array, weight: Array | None = None) -> Array:
+    """The (3, 3) that brings points (n, 2) to points (n, 2), n at least 4; least squares.
+
+    Hartley and Zisserman, Multiple View Geometry (2004), algorithm 4.2: both are scaled first.
+    """
+    a, b = _scaling(here), _scaling(there)
+    x, y = applied(a, here).T
+    u, v = applied(b, there).T
+    one, zero = np.ones_like(x), np.zeros_like(x)
+    w = np.sqrt(np.ones_like(x) if weight is None else weight)
+    rows = np.concatenate(
+        [
+            np.stack([x, y, one, zero, zero, zero, -u * x, -u * y, -u], axis=1) * w[:, None],
+            np.stack([zero, zero, zero, x, y, one, -v * x, -v * y, -v], axis=1) * w[:, None],
+        ]
+    )
+    least = np.linalg.eigh(rows.T @ rows)[1][:, 0].reshape(3, 3)
+    found = np.linalg.inv(b) @ least @ a
+    return np.asarray(found / found[2, 2])
+
+
+def _scaling(points: Array) -> Array:
+    middle = points.mean(axis=0)
+    scale = np.sqrt(2.0) / max(float(np.linalg.norm(points - middle, axis=1).mean()), 1e-12)
+    return np.array([[scale, 0.0, -scale * middle[0]], [0.0, scale, -scale * middle[1]], [0, 0, 1]])
+
+
+def plane_of_corners(corners: Array, size: Array) -> TabletPlane:
+    """The surface whose corners (4, 2) px are seen: top left, top right, bottom right, bottom left,
+    as the person at it calls them.
+
+    Args:
+        corners: (4, 2) px.
+        size: (2,) m, width and height of the surface.
+
+    Raises:
+        InputError: No camera sees a rectangle so.
+    """
+    width, height = size.tolist()
+    there = np.array([[0.0, 0.0], [width, 0.0], [width, height], [0.0, height]])
+    sides = np.roll(corners, -1, axis=0) - corners
+    following = np.roll(sides, -1, axis=0)
+    turns = sides[:, 0] * following[:, 1] - sides[:, 1] * following[:, 0]
+    area = 0.5 * abs(float(turns[0] + turns[2]))
+    if not np.isfinite(corners).all() or not ((turns > 0).all() or (turns < 0).all()) or area < 100:
+        raise InputError(
+            "these are not the corners of a rectangle in a picture",
+            where="--corners",
+            got="; ".join(f"{x:g}/{y:g}" for x, y in corners.tolist()),
+            expected="top left, top right, bottom right, bottom left, in pixels",
+        )
+    if (turns < 0).all():
+        raise InputError(
+            "the corners run the other way round: the camera's picture is a mirror's, or two are "
+            "swapped",
+            where="--corners",
+            remedy="Tick in the camera's page that it mirrors its picture, or mark them again",
+        )
+    return TabletPlane(homography(corners, there))
+
+
+def plane_of_touches(moments: Sequence[Moment], start: TabletPlane | None = None) -> TabletPlane:
+    """The surface on which fingers in the picture touch.
+
+    Args:
+        moments: Looks at hand and touches.
+        start: The surface by its corners: then only its place by some mm and the pads' share are
+            found, since tips are seen above the glass. None finds all by the touches.
+
+    Raises:
+        CaptureError: Touches and fingers do not match, or there are too few.
+    """
+    used = _some([m for m in moments if len(m.touches) >= 2 or start is not None])
+    if len(used) < _LEAST_LOOKS:
+        raise CaptureError(
+            "too few touches to find the surface in the picture",
+            got=f"{len(used)} moments with a hand in the picture and two fingers down",
+            expected=f"{_LEAST_LOOKS}, of them some with all five",
+            remedy="Touch all over the surface, with several fingers at a time",
+        )
+    if start is not None:
+        plane = _refined(used, start, fixed=True)
+    else:
+        plane = _refined(used, _first(used), fixed=False)
+    if not plane.miss <= MOST_MISS:
+        raise CaptureError(
+            "touches and fingers in the picture do not match",
+            got=f"{1000 * plane.miss:.0f} mm between them (median)",
+            expected=f"under {1000 * MOST_MISS:g} mm",
+            remedy="Check --side, --surface and that neither camera nor tablet was moved",
+        )
+    return plane
+
+
+def _some(moments: list[Moment]) -> list[Moment]:
+    if len(moments) <= _MOST_LOOKS:
+        return moments
+    return [moments[i] for i in np.linspace(0, len(moments) - 1, _MOST_LOOKS).astype(int)]
+
+
+def _first(moments: list[Moment]) -> TabletPlane:
+    """A rotation, scale and shift, found by the moments with most touches.
+
+    Raises:
+        CaptureError: The picture is a mirror's, or there are never three fingers down.
+    """
+    most = sorted(range(len(moments)), key=lambda i: -len(moments[i].touches))
+    many = [i for i in most if len(moments[i].touches) >= 3]
+    if not many:
+        raise CaptureError(
+            "three fingers are never down together, so that the surface is not found in the picture",
+            remedy="Tap with all five fingers first, or mark the tablet's corners",
+        )
+    top = [i for i in many if len(moments[i].touches) == len(moments[many[0]].touches)]
+    seeds = [top[i] for i in np.unique(np.linspace(0, len(top) - 1, _SEEDS).astype(int))]
+    best: dict[bool, tuple[float, Array]] = {}
+    for mirrored in (False, True):
+        for seed in seeds:
+            matrix = _similarity(moments[seed], mirrored)
+            miss = float(np.median(_misses(moments, matrix)))
+            if mirrored not in best or miss < best[mirrored][0]:
+                best[mirrored] = miss, matrix
+    if best[True][0] < MIRRORED * best[False][0]:
+        raise CaptureError(
+            "the camera's picture is a mirror's",
+            got=f"mirrored, touches are {1000 * best[True][0]:.0f} mm from fingers, otherwise "
+            f"{1000 * best[False][0]:.0f}",
+            remedy="Tick in the camera's page that it mirrors its picture, or add --webcam "
+            "mirrored; check --side",
+        )
+    return TabletPlane(best[False][1])
+
+
+def _similarity(moment: Moment, mirrored: bool) -> Array:
+    """The (3, 3) rotation, scale and shift by which fingers are nearest to touches, whichever they
+    are."""
+    count = len(moment.touches)
+    orders = np.array(list(permutations(range(len(FINGERS)), count)))
+    pads = moment.pads(_FIRST_SHARE) * ([-1.0, 1.0] if mirrored else [1.0, 1.0])
+    here = pads[orders] @ np.array([1.0, 1j])
+    there = moment.touches @ np.array([1.0, 1j])
+    a = here - here.mean(axis=1, keepdims=True)
+    b = there - there.mean()
+    turn = (a.conj() * b).sum(axis=1) / (np.abs(a) ** 2).sum(axis=1)
+    miss = (np.abs(b - turn[:, None] * a) ** 2).sum(axis=1)
+    i = int(miss.argmin())
+    shift = there.mean() - turn[i] * here[i].mean()
+    c, s = turn[i].real, turn[i].imag
+    matrix = np.array([[c, -s, shift.real], [s, c, shift.imag], [0.0, 0.0, 1.0]])
+    return matrix @ np.diag([-1.0 if mirrored else 1.0, 1.0, 1.0])
+
+
+def _misses(moments: list[Moment], matrix: Array) -> Array:
+    """(R,) m between each touch and its finger."""
+    return np.concatenate([_paired(m, TabletPlane(matrix))[1] for m in moments])
+
+
+def _paired(moment: Moment, plane: TabletPlane) -> tuple[Array, Array]:
+    """Fingers (n,) of touches, all different, and their distances (n,) m; the least sum."""
+    pads = plane.pads(moment.tips, moment.joints)
+    off = np.linalg.norm(moment.touches[:, None] - pads, axis=2)
+    count = min(len(off), len(FINGERS))
+    orders = _ORDERS[count]
+    sums = off[np.arange(count), orders].sum(axis=1)
+    fingers = orders[int(sums.argmin())]
+    return fingers, off[np.arange(count), fingers]
+
+
+_ORDERS = {
+    n: np.array(list(permutations(range(len(FINGERS)), n))) for n in range(1, len(FINGERS) + 1)
+}
+
+
+def _refined(moments: list[Moment], plane: TabletPlane, fixed: bool) -> TabletPlane:
+    """Pairs touches with fingers, and fits plane and share, in turn."""
+    for turn in range(_ROUNDS):
+        tips, joints, touches = [], [], []
+        for moment in moments:
+            fingers, _ = _paired(moment, plane)
+            tips.append(moment.tips[fingers])
+            joints.append(moment.joints[fingers])
+            touches.append(moment.touches[: len(fingers)])
+        pairs = np.concatenate(tips), np.concatenate(joints), np.concatenate(touches)
+        kind = "shift" if fixed else "affine" if turn < _AFFINE_ROUNDS else "all"
+        plane = min((_fitted(*pairs, plane, share, kind) for share in _SHARES), key=_cost)
+    return plane
+
+
+def _cost(plane: TabletPlane) -> float:
+    return plane.miss
+
+
+def _fitted(
+    tips: Array, joints: Array, touches: Array, plane: TabletPlane, share: float, kind: str
+) -> TabletPlane:
+    pads = tips + share * (joints - tips)
+    matrix = plane.matrix
+    miss = np.linalg.norm(applied(matrix, pads) - touches, axis=1)
+    for _ in range(3):
+        weight = 1.0 / (1.0 + (miss / _NEAR) ** 2)
+        if kind == "all":
+            matrix = homography(pads, touches, weight)
+        elif kind == "affine":
+            matrix = _affine(pads, touches, weight)
+        else:
+            off = touches - applied(matrix, pads)
+            moved = np.eye(3)
+            moved[:2, 2] = (weight[:, None] * off).sum(axis=0) / weight.sum()
+            matrix = moved @ matrix
+        miss = np.linalg.norm(applied(matrix, pads) - touches, axis=1)
+    return replace(
+        plane, matrix=matrix, share=share, miss=float(np.median(miss)), pairs=len(touches)
+    )
+
+
+def _affine(here: Array, there: Array, weight: Array) -> Array:
+    root = np.sqrt(weight)[:, None]
+    rows = np.column_stack([here, np.ones(len(here))])
+    found = np.linalg.lstsq(rows * root, there * root, rcond=None)[0]
+    matrix = np.eye(3)
+    matrix[:2] = found.T
+    return matrix
+
+
+def mirrored_plane(plane: TabletPlane, width: int) -> TabletPlane:
+    """The plane of a mirrored picture of a width in px, with x of the surface of other sign."""
+    picture = np.array([[-1.0, 0.0, float(width)], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
+    matrix = np.diag([-1.0, 1.0, 1.0]) @ plane.matrix @ picture
+    return replace(plane, matrix=matrix / matrix[2, 2])

@@ -1,0 +1,180 @@
+"""Captures from a camera over the surface: `sandbox capture --recorded` of such a session."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from encoders.capture import Capture
+from encoders.captures.conversion import ConversionReport, ConversionRules, TouchLog
+from encoders.captures.overhead.capture_from_camera import (
+    NamedTouches,
+    capture_from_camera,
+    name_touches,
+)
+from encoders.captures.overhead.tablet_plane import TabletPlane, mirrored_plane, plane_of_corners
+from encoders.captures.paired.clocks import HostClock, host_clock
+from encoders.webcam.camera import Camera
+from models.arithmetic.arrays import Array
+from models.errors import InputError, RecordingError
+from models.frames import LandmarkFrame
+from models.surface import Surface
+from sandbox.cli.capture.touch_files import read_touch_log, touch_surface
+from sandbox.devices.files.paired_capture import (
+    HANDS,
+    TOUCHES,
+    About,
+    arrivals,
+    picture_arrivals,
+    read_about,
+)
+from sandbox.devices.webcam.landmark_file import read_landmarks
+
+
+@dataclass(frozen=True)
+class CameraSession:
+    """A recorded session under a camera, on the host's clock, as of a right hand.
+
+    Attributes:
+        about: Description of the session.
+        log: The touches.
+        frames: The camera's pictures.
+        taken: (F,) s at which they were taken.
+        corners: The surface by its corners; None where nobody marked them.
+        camera: The field of view, where it was told; None otherwise.
+        clocks: Those of touches and pictures.
+        damage: Descriptions of damage at the end of the files.
+    """
+
+    about: About
+    log: TouchLog
+    frames: tuple[LandmarkFrame, ...]
+    taken: Array
+    corners: TabletPlane | None
+    camera: Camera | None
+    clocks: tuple[HostClock, HostClock]
+    damage: tuple[str, ...]
+
+    def names(self, rules: ConversionRules, report: ConversionReport) -> NamedTouches:
+        """What the camera says of the touches."""
+        return name_touches(
+            self.log,
+            self.frames,
+            self.taken,
+            self.about.side,
+            rules,
+            report,
+            corners=self.corners,
+        )
+
+
+def read_session(folder: Path, surface: Surface | None = None) -> CameraSession:
+    """Reads a session by `sandbox capture record --hands webcam`.
+
+    Raises:
+        InputError: The recordings are unusable, or are not of the same session.
+    """
+    about, touches, hands = read_about(folder), folder / TOUCHES, folder / HANDS
+    log, damage = read_touch_log(touches, surface)
+    recording = read_landmarks(hands)
+    touched = arrivals(touches, len(log.time))
+    seen = picture_arrivals(hands, len(recording.frames))
+    if touched is None or seen is None:
+        raise RecordingError(
+            "the files do not say when touches and pictures arrived",
+            where=str(folder),
+            remedy="Record both with `sandbox capture record`",
+        )
+    tablet = host_clock(log.time, touched, str(touches))
+    camera = host_clock(np.array([f.time for f in recording.frames]), seen, str(hands))
+    log = replace(log, time=tablet.host(log.time))
+    taken = camera.host(np.array([f.taken for f in recording.frames]))
+    plane = _plane(about, touches, surface, recording.frames[0].size[0])
+    if about.side == "left":
+        log = replace(log, xy=log.xy * [-1.0, 1.0])
+    tails = ((touches, damage), (hands, str(recording.damage) if recording.damage else ""))
+    return CameraSession(
+        about,
+        log,
+        recording.frames,
+        taken,
+        plane,
+        None if about.fov is None else Camera(view=about.fov),
+        (tablet, camera),
+        tuple(f"{path}: {text}" for path, text in tails if text),
+    )
+
+
+def capture_of_pictures(
+    options: Any, surface: Surface | None, rules: ConversionRules, report: ConversionReport
+) -> tuple[Capture, list[str]]:
+    """Makes a capture; also returns descriptions of damage at the end of the files.
+
+    Args:
+        options: `CaptureOptions` with `recorded`.
+        surface: Touch surface of --surface, or None.
+        rules: Rules for dropping frames and contacts.
+        report: Collects counts of what was dropped.
+
+    Raises:
+        InputError: The recordings are unusable, or are not of the same session.
+    """
+    folder: Path = options.recorded
+    session = read_session(folder, surface)
+    about = session.about
+    if options.side not in (None, about.side):
+        raise InputError(
+            "the recording is of the other hand",
+            where=f"--side {options.side}",
+            got=about.side,
+            remedy="Leave out --side",
+        )
+    report.notes["clock_drift_ppm"] = [round(1e6 * c.drift, 1) for c in session.clocks]
+    report.notes["arrival_jitter_ms"] = [round(1e3 * c.jitter, 2) for c in session.clocks]
+    meta: dict[str, Any] = {
+        "simulated": options.simulated or about.simulated,
+        "subject": options.subject if about.subject is None else about.subject,
+        "side": "right",
+        "recorded_side": about.side,
+        "skeleton": "average, scaled",
+        "hand_file": HANDS,
+        "touch_file": TOUCHES,
+        "named_by": "camera",
+    }
+    if surface is not None:
+        meta["surface_in"] = [surface.width_in, surface.height_in]
+    capture, _ = capture_from_camera(
+        session.log,
+        session.frames,
+        session.taken,
+        about.side,
+        rules,
+        report,
+        meta,
+        camera=session.camera,
+        corners=session.corners,
+        offset=options.offset if options.sync == "clock" else None,
+    )
+    return capture, list(session.damage)
+
+
+def _plane(about: About, touches: Path, surface: Surface | None, width: int) -> TabletPlane | None:
+    """The surface by the corners that were marked, for touches of a right hand."""
+    if about.corners is None:
+        return None
+    corners = np.array(about.corners, float)
+    if corners.shape != (4, 2) or not all(math.isfinite(c) for c in corners.ravel()):
+        raise RecordingError("the corners are damaged", where=str(touches.parent))
+    known = surface or touch_surface(touches)
+    if known is None:
+        raise InputError(
+            "the recording does not say how large the surface is",
+            where=str(touches),
+            remedy="Add --surface",
+        )
+    plane = plane_of_corners(corners, known.size)
+    return mirrored_plane(plane, width) if about.side == "left" else plane
