@@ -1,4 +1,4 @@
-"""Pictures as a stream into the camera's page: one after another, each as soon as the page is ready.
+"""Pictures as a stream into the camera's page, each as soon as the page is ready for it.
 
 Chromium's page asks for a camera and gets a canvas, on which pictures are drawn. The real engine
 finds hands in them as it does for a person. Time is stretched: a picture waits until the one before
@@ -38,7 +38,10 @@ _CAMERA = """
   };
   const send = WebSocket.prototype.send;
   WebSocket.prototype.send = function (text) {
-    if (text.includes('"seen"')) { count++; if (count > wanted && seen) { seen(text); seen = null; } }
+    if (text.includes('"seen"')) {
+      count++;
+      if (count > wanted && seen) { seen(text); seen = null; }
+    }
     send.call(this, text);
   };
   window.lookedAt = () => count;

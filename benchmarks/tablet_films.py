@@ -42,10 +42,11 @@ def overhead(tilt: float, distance: float, view: float, pan: float = 0.0) -> Cam
 
 
 CAMERAS = {
-    "straight above": overhead(90.0, 0.50, 60.0),
-    "leaning, 25 degrees": overhead(65.0, 0.55, 60.0),
-    "leaning, turned": overhead(72.0, 0.45, 70.0, 25.0),
+    "above": overhead(90.0, 0.50, 60.0),
+    "leaning": overhead(65.0, 0.55, 60.0),
+    "turned": overhead(72.0, 0.45, 70.0, 25.0),
 }
+"""Straight above; leaning by 25 degrees; leaning by 18 degrees, and turned by 25."""
 
 
 class Drawer:

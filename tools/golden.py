@@ -31,7 +31,7 @@ SUBCOMMANDS = {
     "leap": "fake simulate formats",
     "robot": "fit show",
     "webcam": "install status record",
-    "capture": "record simulate",
+    "capture": "record report simulate",
 }
 """Commands that have commands of their own, and these."""
 

@@ -6,7 +6,7 @@ the picture, or no name where two fingers are about as near.
     lifts                 common clock of touches and pictures, from taps
     names                 belief over the fingers of all contacts, from picture to picture
     live_names            the same while a person touches
-    camera_place          where the camera is, and its field of view, from the surface in its picture
+    camera_place          camera's place and field of view, from the surface in its picture
     capture_from_camera   conversion of touches and pictures to a capture
     simulated             pictures of a simulated person, with the truth
 """

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from encoders.capture import Capture
 from encoders.captures.conversion.assemble import assemble
@@ -193,7 +194,9 @@ def _pads(pictures: PictureTrack, plane: TabletPlane) -> Array:
     return seen
 
 
-def _posed(named: NamedTouches, place: CameraPlace, size: float, rows: Array) -> HandTrack:
+def _posed(
+    named: NamedTouches, place: CameraPlace, size: float, rows: NDArray[np.intp]
+) -> HandTrack:
     """Poses of pictures in the surface frame, with the pads as seen."""
     pictures = named.pictures
     skeleton = _skeleton(size)

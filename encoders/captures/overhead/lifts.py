@@ -1,9 +1,9 @@
 """Common clock of touches and pictures, from taps and lifts.
 
-From above, a picture does not show when a fingertip lands. But a hand that is lifted comes nearer to
-the camera, and its palm is larger in the picture. Touches are gone at the same moments: the offset
-at which both agree best is the difference of the clocks, to some hundredths of a second, which the
-motion of touches and fingers then refines.
+From above, a picture does not show when a fingertip lands. But a hand that is lifted comes nearer
+to the camera, and its palm is larger in the picture. Touches are gone at the same moments: the
+offset at which both agree best is the difference of the clocks, to some hundredths of a second,
+which the motion of touches and fingers then refines.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ _WINDOW = 4.0
 _LEAST = 0.25
 """Least correlation of lifts in the picture with those of touches."""
 _RIVAL, _APART = 0.9, 0.25
-"""Another offset, so many s away, that correlates by such a share as well leaves the clocks open."""
+"""Another offset, so many s away, that correlates so well, as a share, leaves the clocks open."""
 _PALM = (0, 5, 9, 13, 17)
 
 

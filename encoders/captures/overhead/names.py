@@ -176,7 +176,7 @@ def _shares(now: _Belief) -> dict[int, Array]:
     share = np.exp(now.weight - now.weight.max())
     share = share / share.sum()
     return {
-        contact: np.bincount(now.fingers[:, column], share, len(FINGERS))
+        contact: np.bincount(now.fingers[:, column], share, len(FINGERS)).astype(float)
         for column, contact in enumerate(now.contacts)
     }
 

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from encoders.captures.conversion.fingers import LabelledTrack
 from encoders.captures.conversion.touch_log import ContactTrack
@@ -123,7 +124,9 @@ def _judged(
     return NamedContact(track, share, finger, near, "")
 
 
-def _pads(pictures: PictureTrack, plane: TabletPlane, times: Array) -> tuple[Array, Array]:
+def _pads(
+    pictures: PictureTrack, plane: TabletPlane, times: Array
+) -> tuple[Array, NDArray[np.bool_]]:
     image, known = pictures.between(pictures.image, times)
     return plane.pads(image[:, TIPS], image[:, LAST_JOINTS]), known
 

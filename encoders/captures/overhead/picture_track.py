@@ -71,7 +71,8 @@ def picture_track(
     Raises:
         CaptureError: The hand is hardly seen.
     """
-    rows, image, world = [], [], []
+    rows: list[int] = []
+    image, world = [], []
     before: tuple[float, Array] | None = None
     for row, frame in enumerate(frames):
         hand = _chosen(frame, side, before, float(time[row]))

@@ -1,13 +1,13 @@
 """SIMULATED pictures of a camera over a tablet: landmarks of a simulated person's hand, projected.
 
 Nothing is drawn and no engine looks: landmarks are those of our own hand with errors that last a
-moment. It tries the conversion, and says nothing of how well a camera sees hands; films of the drawn
-hand do (`benchmarks.camera_touches`).
+moment. It tries the conversion, and says nothing of how well a camera sees hands; films of the
+drawn hand do (`benchmarks.camera_touches`).
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from math import atan, exp, hypot, sqrt
 
 import numpy as np
@@ -39,7 +39,7 @@ class OverheadConfiguration:
         zero: s, the page's clock at the host's zero.
     """
 
-    camera: Camera = Camera(60.0, (0.0, -0.24, 0.48), 67.0, 180.0, 0.0)
+    camera: Camera = field(default_factory=lambda: Camera(60.0, (0.0, -0.24, 0.48), 67.0, 180.0))
     rate: float = 12.5
     bias: float = 1.5
     noise: float = 2.0

@@ -198,7 +198,7 @@ def _first(moments: list[Moment]) -> TabletPlane:
     many = [i for i in most if len(moments[i].touches) >= 3]
     if not many:
         raise CaptureError(
-            "three fingers are never down together, so that the surface is not found in the picture",
+            "three fingers are never down together: the surface is not found in the picture",
             remedy="Tap with all five fingers first, or mark the tablet's corners",
         )
     top = [i for i in many if len(moments[i].touches) == len(moments[many[0]].touches)]

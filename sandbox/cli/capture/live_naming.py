@@ -31,7 +31,7 @@ from sandbox.session.closeable import Closeable
 USUAL_DELAY = 0.05
 """s by which pictures are usually later than touches, until a recording is complete."""
 _ENOUGH, _MOST, _AGAIN = 40, 300, 100
-"""Looks at touches before the surface is looked for, kept for it, and until it is looked for anew."""
+"""Looks at touches before a search for the surface, kept for it, and before the next search."""
 
 
 class LiveNaming(Closeable):

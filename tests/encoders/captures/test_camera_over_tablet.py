@@ -23,7 +23,7 @@ from encoders.captures.overhead.simulated import (
     OverheadPictures,
     simulate_overhead,
 )
-from encoders.captures.overhead.tablet_plane import mirrored_plane, plane_of_corners
+from encoders.captures.overhead.tablet_plane import TabletPlane, mirrored_plane, plane_of_corners
 from encoders.captures.paired.simulated import FROZEN_PAIRED, PairedSession, simulate_paired
 from encoders.webcam.camera import Camera
 from models.errors import CaptureError, InputError
@@ -54,17 +54,15 @@ def taken(pictures: OverheadPictures) -> np.ndarray:
     return np.array([f.taken for f in pictures.frames]) - pictures.configuration.zero
 
 
-def names(side: str = "right", **more: object) -> NamedTouches:
+def named_by(side: str, corners: TabletPlane | None = None) -> NamedTouches:
     person, pictures = session(side)
-    return name_touches(
-        log_of(person),
-        pictures.frames,
-        taken(pictures),
-        side,
-        ConversionRules(),
-        ConversionReport(),
-        **more,  # type: ignore[arg-type]
-    )
+    log, rules, report = log_of(person), ConversionRules(), ConversionReport()
+    return name_touches(log, pictures.frames, taken(pictures), side, rules, report, corners=corners)
+
+
+@cache
+def names(side: str = "right") -> NamedTouches:
+    return named_by(side)
 
 
 @pytest.mark.parametrize("side", ["right", "left"])
@@ -89,7 +87,7 @@ def test_the_surface_by_its_corners_is_that_by_the_touches() -> None:
     middle = pictures.corners.mean(axis=0)
     off = corners.on_surface(middle) - names().plane.on_surface(middle)
     assert np.abs(off).max() < 0.015
-    by_corners = names(corners=corners)
+    by_corners = named_by("right", corners)
     assert [c.finger for c in by_corners.contacts] == [c.finger for c in names().contacts]
 
 

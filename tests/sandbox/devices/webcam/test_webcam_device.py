@@ -67,12 +67,27 @@ def test_a_page_is_told_what_is_wanted_and_its_pictures_come(device: WebcamDevic
             "most": 2,
             "hands": 3,
             "mirrored": True,
+            "marks": False,
         }
         socket.send(json.dumps(picture()))
         assert device.wait(5.0)
         (frame,) = device.poll(0.0)
         assert message_of(frame) == picture()
         assert device.poll(0.0) == () and device.notice == ""
+
+
+def test_corners_that_are_marked_in_the_page_are_kept(engine: Path) -> None:
+    device = WebcamDevice(engine, marks=True)
+    try:
+        with page(device) as socket:
+            assert json.loads(socket.recv(timeout=5))["marks"] is True
+            marked = [[100.0, 80.0], [500.0, 90.0], [510.0, 400.0], [90.0, 390.0]]
+            socket.send(json.dumps({"corners": marked}))
+            soon(lambda: device.corners)
+            assert [list(c) for c in device.corners] == marked
+            assert device.poll(0.0) == ()
+    finally:
+        device.close()
 
 
 @pytest.mark.parametrize("trouble", sorted(NOTICES))
