@@ -188,8 +188,8 @@ def main() -> None:
     parser.add_argument("--keep", type=Path)
     options = parser.parse_args()
     print(f"load {os.getloadavg()[0]:.1f} on {os.cpu_count()} processors; time is stretched\n")
-    head = ("camera", "seed", "touches", "named", "right", "first name live", "right")
-    head += (f"in {SOON:g} s", "median, s", "page, ms", "clocks off by")
+    head = ["camera", "seed", "touches", "named", "right", "first name live", "right"]
+    head += [f"in {SOON:g} s", "median, s", "page, ms", "clocks off by"]
     print(_line(head) + "\n" + _line(["---"] * len(head)), flush=True)
     total, refused = Counts(), 0
     for place in options.cameras:
