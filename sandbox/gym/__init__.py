@@ -7,6 +7,10 @@
 Importing this module registers two ids for every task, ours and those of installed packages:
 `hand_sandbox/BoxToGoal-v1`, whose actions are touches, and `hand_sandbox/BoxToGoalPose-v1`, whose
 actions are poses of the hand. The version is the task's. One agent moves all hands of a task.
+
+Two more ids of every task are for learning: `hand_sandbox/BoxToGoalLearn-v1`, with a slot for every
+finger and observations that can be chosen, and `hand_sandbox/BoxToGoalHindsight-v1`, with goal
+dictionaries.
 """
 
 from __future__ import annotations
@@ -26,10 +30,14 @@ except ImportError:
 
 from sandbox.gym.environment import HandSandboxEnv
 from tasks.registry import find_task, task_names
+from tasks.task import Task
 
-__all__ = ["NAMESPACE", "HandSandboxEnv", "register_task"]
+__all__ = ["NAMESPACE", "HandSandboxEnv", "learning_id", "register_task"]
 
 NAMESPACE = "hand_sandbox"
+
+_FOR_LEARNING = {"Learn": "environment:LearningEnv", "Hindsight": "hindsight:make"}
+"""What follows a task's name in an id -> where its environment is made."""
 
 
 def register_task(task: str) -> tuple[str, str]:
@@ -45,10 +53,13 @@ def register_task(task: str) -> tuple[str, str]:
         InputError: The task is unknown, or cannot be used.
     """
     kind = find_task(task)
-    name = "".join(word.capitalize() for word in kind.name.split("-"))
+    for suffix, place in _FOR_LEARNING.items():
+        id = _id(kind, suffix)
+        if id not in gymnasium.registry:
+            gymnasium.register(id, f"sandbox.gym.learning.{place}", kwargs={"task": task})
     ids = []
     for suffix, action in (("", "touch"), ("Pose", "pose")):
-        ids.append(f"{NAMESPACE}/{name}{suffix}-v{kind.version}")
+        ids.append(_id(kind, suffix))
         if ids[-1] not in gymnasium.registry:
             gymnasium.register(
                 ids[-1],
@@ -56,6 +67,21 @@ def register_task(task: str) -> tuple[str, str]:
                 kwargs={"task": task, "action": action},
             )
     return ids[0], ids[1]
+
+
+def learning_id(task: str) -> str:
+    """The id of a task's environment for learning, which is registered if it was not.
+
+    Raises:
+        InputError: The task is unknown, or cannot be used.
+    """
+    register_task(task)
+    return _id(find_task(task), "Learn")
+
+
+def _id(kind: type[Task], suffix: str) -> str:
+    name = "".join(word.capitalize() for word in kind.name.split("-"))
+    return f"{NAMESPACE}/{name}{suffix}-v{kind.version}"
 
 
 for _name in task_names():

@@ -63,7 +63,7 @@ def observe(
     observation = {
         # One hand is seen by itself, two have a row each.
         **(hands[0] if len(hands) == 1 else {n: np.stack([h[n] for h in hands]) for n in hands[0]}),
-        "objects": np.array([_object(session, t.name) for t in session.task.objects]),
+        "objects": np.array([object_state(session, t.name) for t in session.task.objects]),
         "time": np.array([snapshot.time]),
     }
     if snapshot.goals:
@@ -98,7 +98,7 @@ def _within(values: Array, space: spaces.Space[Any]) -> Array:
     return np.clip(values, space.low, space.high)
 
 
-def _object(session: Session, name: str) -> Array:
+def object_state(session: Session, name: str) -> Array:
     """(13,) position, quaternion with w >= 0, speed, and speed of turning, all in the world."""
     model, data = session.scene.model, session.data
     body = session.scene.object_bodies[name]

@@ -170,6 +170,7 @@ def build(
     makers: DeviceMakers,
     recorder: Recorder | None = None,
     wrap_reconstructor: Callable[[Reconstructor], Reconstructor] | None = None,
+    change_task: Callable[[Task], Task] | None = None,
 ) -> Session:
     """Builds a session that is ready for its first step.
 
@@ -178,11 +179,13 @@ def build(
         makers: Functions that open the devices, one for each of the settings' hands.
         recorder: Records inputs and states; None records nothing.
         wrap_reconstructor: Replaces or wraps each reconstructor of touches; None changes nothing.
+        change_task: Changes the drawn trial; None changes nothing.
     """
     task_type = find_task(settings.task)
     placed = place_surface(settings.surface, task_type)
     whole, surfaces = place_all(placed, settings, task_type)
     task = vary(draw_task(task_type, settings.seed, whole), settings.variation, whole)
+    task = change_task(task) if change_task else task
     turns = [hand.turn for hand in settings.hands]
     if placed.upright and any(turns):
         raise InputError(

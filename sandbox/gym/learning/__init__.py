@@ -1,0 +1,1 @@
+"""Environments of Gymnasium that can be learned from (docs/gymnasium.md)."""

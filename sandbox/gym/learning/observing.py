@@ -1,0 +1,246 @@
+"""What an agent sees: parts of an observation, each with its bounds and the way it is read."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import mujoco
+import numpy as np
+from gymnasium import spaces
+from numpy.typing import NDArray
+
+from encoders.reconstruction.arrival import Phase
+from models.arithmetic.arrays import Array
+from models.frames import FINGERS
+from models.pose import POSE_SIZE
+from sandbox.gym.actions import Hands
+from sandbox.gym.observation import FAR, FAST, SPINNING, object_state
+from sandbox.session.messages import Snapshot
+from sandbox.session.session import Session
+
+STRONG, HEAVY = 1e4, 1e3
+"""N and kg: bounds of what is seen."""
+PHASES = tuple(Phase)
+"""In the order of the observation `phase`."""
+LATE = 3600.0
+"""s, longer than any trial."""
+_STATE = np.repeat([FAR, 1.0, FAST, SPINNING], [3, 4, 3, 3])
+
+
+@dataclass(frozen=True)
+class Moment:
+    """One moment of a session.
+
+    Attributes:
+        session: The session.
+        snapshot: Its current snapshot.
+        hands: The agent's devices, hand by hand.
+        places: (5, 2) m on the surface of each hand, where its fingers touch or would touch.
+    """
+
+    session: Session
+    snapshot: Snapshot
+    hands: Sequence[Hands]
+    places: Sequence[Array]
+
+    @cached_property
+    def forces(self) -> list[Array]:
+        """(5, 2) of every hand: N that a finger gives to things, and share of its servos' limit."""
+        return [
+            np.array([(finger.force, finger.used) for finger in load.fingers])
+            for load in self.session.loads()
+        ]
+
+
+@dataclass(frozen=True)
+class Part:
+    """A part of an observation.
+
+    Attributes:
+        bounds: Pair of arrays, least and largest values in a session; of a part of each hand, for
+            one hand.
+        read: Reads it; of a part of each hand, for one hand.
+    """
+
+    bounds: Callable[[Session, int], tuple[Array, Array]]
+    read: Callable[[Moment, int], Array]
+
+
+def _even(most: Array) -> tuple[Array, Array]:
+    return -most, most
+
+
+def _pose_bounds(session: Session, i: int) -> tuple[Array, Array]:
+    width = len(_pose_of(session, i))
+    # Joints of a robot's hand have angles, or are slides.
+    turn = np.pi if width == POSE_SIZE else 2.0 * np.pi
+    return _even(np.concatenate([np.full(3, FAR), np.full(width - 3, turn)]))
+
+
+def _pose_of(session: Session, i: int) -> Array:
+    qpos = session.data.qpos[session.scene.qpos_slice(i)]
+    return session.scene.spec.hands[i].coordinates(qpos)
+
+
+def _dofs(session: Session, i: int) -> NDArray[np.int64]:
+    """Degrees of freedom of a hand."""
+    model = session.scene.model
+    palm = model.body(session.scene.spec.hands[i].palm).id
+    return np.flatnonzero(model.body_rootid[model.dof_bodyid] == palm)
+
+
+def _fingers(moment: Moment, i: int) -> Array:
+    return np.array([moment.snapshot.hands[i].tips[f] for f in range(len(FINGERS))])
+
+
+def _solid(moment: Moment, i: int) -> Array:
+    solid = np.zeros(len(FINGERS))
+    solid[sorted(moment.snapshot.hands[i].solid)] = 1.0
+    return solid
+
+
+def _touches(moment: Moment, i: int) -> Array:
+    down = np.array([[float(id is not None)] for id in moment.hands[i].touch_ids])
+    return np.concatenate([down, down * moment.places[i]], axis=1)
+
+
+def _touch_bounds(session: Session, i: int) -> tuple[Array, Array]:
+    most = np.array([1.0, *session.rigs[i].reconstructor.surface.size])
+    return np.zeros((len(FINGERS), 3)), np.tile(most, (len(FINGERS), 1))
+
+
+def _names(moment: Moment, i: int) -> Array:
+    known = {c.id: c.label for c in moment.snapshot.hands[i].contacts}
+    labels = [None if id is None else known.get(id) for id in moment.hands[i].touch_ids]
+    return np.array([-1.0 if label is None else float(label) for label in labels])
+
+
+def _phase(moment: Moment, i: int) -> Array:
+    now = moment.snapshot.hands[i].phase
+    return np.array([float(now == phase.value) for phase in PHASES])
+
+
+_HANDS: dict[str, Part] = {
+    "pose": Part(_pose_bounds, lambda m, i: _pose_of(m.session, i)),
+    "tips": Part(lambda s, i: _even(np.full((5, 3), FAR)), _fingers),
+    "solid": Part(lambda s, i: (np.zeros(5), np.ones(5)), _solid),
+    "touches": Part(_touch_bounds, _touches),
+    "names": Part(lambda s, i: (np.full(5, -1.0), np.full(5, 4.0)), _names),
+    "velocities": Part(
+        lambda s, i: _even(np.full(len(_dofs(s, i)), SPINNING)),
+        lambda m, i: m.session.data.qvel[_dofs(m.session, i)],
+    ),
+    "commanded": Part(
+        lambda s, i: _even(np.repeat([FAR, np.pi], [3, POSE_SIZE - 3])),
+        lambda m, i: m.snapshot.hands[i].target,
+    ),
+    "phase": Part(lambda s, i: (np.zeros(len(PHASES)), np.ones(len(PHASES))), _phase),
+    "contact": Part(
+        lambda s, i: (np.zeros((5, 2)), np.tile([STRONG, 1.0], (5, 1))),
+        lambda m, i: m.forces[i],
+    ),
+}  # fmt: skip
+"""Parts of each hand; of two hands, a part has a row for each."""
+
+
+def _things(session: Session) -> Array:
+    """(n, 4) of every object its mass, kg, and half its edges, m."""
+    return np.array([_thing(session, name) for name in session.scene.object_bodies])
+
+
+def _thing(session: Session, name: str) -> Array:
+    model, body = session.scene.model, session.scene.object_bodies[name]
+    corners = []
+    for geom in np.flatnonzero(model.geom_bodyid == body):
+        centre, half = model.geom_aabb[geom, :3], model.geom_aabb[geom, 3:]
+        turn = np.empty(9)
+        mujoco.mju_quat2Mat(turn, model.geom_quat[geom])
+        middle = model.geom_pos[geom] + turn.reshape(3, 3) @ centre
+        reach = np.abs(turn.reshape(3, 3)) @ half
+        corners += [middle - reach, middle + reach]
+    extent = np.max(corners, axis=0) - np.min(corners, axis=0)
+    return np.array([model.body_mass[body], *(0.5 * extent)])
+
+
+def _goals(moment: Moment) -> Array:
+    rows = [
+        [*g.position, float(np.arctan2(np.sin(g.yaw), np.cos(g.yaw)))]
+        for g in moment.snapshot.goals
+    ]
+    return np.array(rows, float)
+
+
+_SCENE: dict[str, Part] = {
+    "objects": Part(
+        lambda s, _: _even(np.tile(_STATE, (len(s.task.objects), 1))),
+        lambda m, _: np.array([object_state(m.session, t.name) for t in m.session.task.objects]),
+    ),
+    "goals": Part(
+        lambda s, _: _even(np.tile([FAR, FAR, FAR, np.pi], (len(s.task.goals), 1))),
+        lambda m, _: _goals(m),
+    ),
+    "things": Part(
+        lambda s, _: (
+            np.zeros((len(s.task.objects), 4)),
+            np.tile([HEAVY, FAR, FAR, FAR], (len(s.task.objects), 1)),
+        ),
+        lambda m, _: _things(m.session),
+    ),
+    "time": Part(
+        lambda s, _: (np.zeros(1), np.full(1, LATE)), lambda m, _: np.array([m.snapshot.time])
+    ),
+}
+"""Parts of the whole scene."""
+
+ALWAYS = ("pose", "tips", "solid", "objects", "goals", "time")
+"""Parts that are always seen; `goals` only in tasks that have some."""
+
+
+class Observing:
+    """Reads the observations of an environment.
+
+    Args:
+        session: Any session of the environment.
+        observe: Parts to see besides `ALWAYS`.
+
+    Attributes:
+        space: The space of observations, float64.
+    """
+
+    def __init__(self, session: Session, observe: Sequence[str]) -> None:
+        self._names = [
+            name for name in (*ALWAYS, *observe) if name != "goals" or session.task.goals
+        ]
+        count = len(session.rigs)
+        boxes: dict[str, spaces.Space] = {}
+        for name in self._names:
+            if name in _HANDS:
+                pairs = [_HANDS[name].bounds(session, i) for i in range(count)]
+                low, high = (_together([pair[end] for pair in pairs]) for end in (0, 1))
+            else:
+                low, high = _SCENE[name].bounds(session, 0)
+            boxes[name] = spaces.Box(low, high, dtype=np.float64)
+        self.space = spaces.Dict(boxes)
+        self._bounds: Mapping[str, spaces.Box] = {
+            name: box for name, box in boxes.items() if isinstance(box, spaces.Box)
+        }
+
+    def read(self, moment: Moment) -> dict[str, Array]:
+        """The observation of a moment, as new arrays; what is out of bounds is shown at them."""
+        seen = {}
+        for name in self._names:
+            if name in _HANDS:
+                count = len(moment.hands)
+                values = _together([_HANDS[name].read(moment, i) for i in range(count)])
+            else:
+                values = _SCENE[name].read(moment, 0)
+            bounds = self._bounds[name]
+            seen[name] = np.clip(values, bounds.low, bounds.high)
+        return seen
+
+
+def _together(each: Sequence[Array]) -> Array:
+    """One hand's values by themselves, those of two in rows."""
+    return each[0] if len(each) == 1 else np.stack(each)
