@@ -46,9 +46,10 @@ it."""
 ROOT_STIFFNESS, ROOT_TURN_STIFFNESS = 8000.0, 40.0
 """N/m and N m/rad of the root's servos, at servo stiffness 1."""
 
-CONTACT_HAND, CONTACT_OBJECT, CONTACT_TABLE = 1, 2, 4
-"""Collision bits. The hand collides with objects only, neither with itself nor with the table: at
-an upright surface, the wrist may have to be below the table."""
+CONTACT_HAND, CONTACT_OBJECT, CONTACT_TABLE, CONTACT_HANDS = 1, 2, 4, 8
+"""Collision bits. The hand collides with objects, and with the other hand where hands are solid all
+over; neither with itself nor with the table: at an upright surface, the wrist may have to be below
+the table."""
 
 FLESH_DENSITY = 1100.0
 """kg/m3."""
@@ -70,6 +71,7 @@ class Hand:
         finger_armature: Factor on the armature of the finger joints; see `finger_armature()`.
         solid_end: m, length of the part of a last link that collides, measured from the middle of
             the fingertip, where only fingertips are solid; None makes the whole link collide.
+        solid_palm: The palm can collide as well; otherwise objects pass through it.
     """
 
     name: str = "right"
@@ -79,6 +81,7 @@ class Hand:
     stiffness: float = 2.0
     finger_armature: float = 1.0
     solid_end: float | None = None
+    solid_palm: bool = False
 
     def __post_init__(self) -> None:
         if self.servo not in SERVOS:
@@ -367,6 +370,7 @@ def _palm_geoms(palm: Element, hand: Hand) -> None:
                 "fromto": _text(*start, *end),
                 "size": _text(size),
                 "group": "3",
+                **({"contype": str(CONTACT_HAND)} if hand.solid_palm else {}),
             },
         )
     _palm_look(palm, knuckles, radius)

@@ -99,6 +99,20 @@ class OnePose:
         mujoco.mju_mulMatMat(jacobian, self._raw, self._right)
         return tips, jacobian.reshape(-1, 3, POSE_SIZE)
 
+    def joint_positions(self) -> Array:
+        """Joint positions (63,) of the pose that was placed last, three slides and 15 quaternions;
+        as MuJoCo's `qpos` of `models.hand.Hand`."""
+        return self._qpos.copy()
+
+    def by_pose(self, by_turns: Array) -> Array:
+        """Derivatives (n, 48) by the pose, from those by turns in the bones' own frames.
+
+        The pose is the one that `tips_and_jacobian` was called with last.
+        """
+        by_pose = np.empty(by_turns.shape)
+        mujoco.mju_mulMatMat(by_pose, by_turns, self._right)
+        return by_pose
+
     def joints_and_tips(self, q: Array) -> tuple[Array, Array]:
         """Joints (14, 3) m, in the order of the skeleton's bones, and fingertips (k, 3)."""
         tips = self.tips(q)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import NamedTuple, Protocol
@@ -13,7 +14,7 @@ import numpy as np
 from models.arithmetic.arrays import Array
 from models.arithmetic.products import squared_lengths
 from models.errors import SceneError
-from models.hand import CONTACT_HAND, CONTACT_TABLE
+from models.hand import CONTACT_HAND, CONTACT_HANDS, CONTACT_TABLE
 from models.mjcf_object import MjcfObject
 from models.objects import SceneObject
 from models.pose import POSE_SIZE
@@ -34,12 +35,14 @@ class SceneSpec:
         objects: Objects on the table.
         table_friction: Coulomb coefficient between the table and the objects on it.
         timestep: s; a whole number of them makes one control period.
+        hands_collide: Two hands collide with each other, where they are solid.
     """
 
     hands: tuple[SceneHand, ...]
     objects: tuple[SceneObject, ...] = ()
     table_friction: float = 0.5
     timestep: float = 0.002
+    hands_collide: bool = False
 
 
 class BodyPoses(Protocol):
@@ -98,6 +101,11 @@ class Scene:
         self._geoms = [{link.geom: geom(link.geom).id for link in h.links} for h in spec.hands]
         # The dictionary keeps the last link of every finger.
         self._ends = [{link.finger: geom(link.tip_geom).id for link in h.links} for h in spec.hands]
+        self._palms = [self._palm_geoms(h) for h in spec.hands]
+        # Of solid parts: the hand's own bits, and those that it lets others meet.
+        self._bits = [(CONTACT_HAND, 0) for _ in spec.hands]
+        if spec.hands_collide and len(spec.hands) > 1:
+            self._let_hands_collide()
         at_rest = np.zeros(POSE_SIZE)
         ends = np.cumsum([0, *(len(h.controls(at_rest)) for h in spec.hands)])
         self._controls = [slice(int(a), int(b)) for a, b in pairwise(ends)]
@@ -130,8 +138,40 @@ class Scene:
             for finger in fingers:
                 own = [k.geom for k in self.spec.hands[hand].links if k.finger == finger]
                 solid |= {self._geoms[hand][name] for name in own[-links:-1]}
-        for geom in {*geoms, *ends.values()}:
-            self.model.geom_contype[geom] = CONTACT_HAND if geom in solid else 0
+        self.set_solid_geoms(hand, solid)
+
+    def set_solid_geoms(self, hand: int, solid: Collection[int]) -> None:
+        """Chooses the parts of a hand that collide, of those that `parts` lists.
+
+        Args:
+            hand: Index into `spec.hands`.
+            solid: Indices of geoms; the others are ghosts.
+        """
+        mine, others = self._bits[hand]
+        for geom in self.parts(hand):
+            self.model.geom_contype[geom] = mine if geom in solid else 0
+            self.model.geom_conaffinity[geom] = others if geom in solid else 0
+
+    def parts(self, hand: int) -> list[int]:
+        """Indices of all geoms of a hand that can be solid, in the order of the model."""
+        links, ends = self._geoms[hand].values(), self._ends[hand].values()
+        return sorted({*links, *ends, *self._palms[hand]})
+
+    def _palm_geoms(self, hand: SceneHand) -> list[int]:
+        """Geoms of a hand's palm that can be solid."""
+        of_palm = self.model.geom_bodyid == self.model.body(hand.palm).id
+        return [int(g) for g in np.flatnonzero(of_palm & (self.model.geom_contype > 0))]
+
+    def _let_hands_collide(self) -> None:
+        """Two hands meet each other, and neither meets itself: the second has a bit of its own that
+        only the first lets meet."""
+        self._bits = [(CONTACT_HAND, CONTACT_HANDS), (CONTACT_HAND | CONTACT_HANDS, 0)]
+        model = self.model
+        for hand, (mine, others) in enumerate(self._bits):
+            # MuJoCo keeps the bits of all geoms of a body as the body's.
+            for body in np.unique(model.geom_bodyid[self.parts(hand)]):
+                model.body_contype[body] |= mine
+                model.body_conaffinity[body] |= others
 
     def object_pose(self, data: BodyPoses, name: str) -> tuple[Array, Array]:
         """Position (3,) and rotation (3, 3) of an object in the world."""

@@ -125,6 +125,12 @@ class Reconstruction(LazyFields):
         """True if the hand is at its place, so that its fingers may touch objects."""
         return self.phase is Phase.DOWN
 
+    def with_pose(self, q: Array) -> Reconstruction:
+        """The same with another commanded pose (48,); fields that nobody asked for stay so."""
+        other = Reconstruction.__new__(Reconstruction)
+        other.__dict__.update(self.__dict__, q=q)
+        return other
+
 
 class TouchReconstructor:
     """Reconstructs one hand with its labeller, encoder, filter, correction and arrival.

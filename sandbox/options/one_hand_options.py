@@ -70,6 +70,11 @@ class OneHandOptions:
     """Contact between hand and objects. soft: the hand yields and pushes with 3 N at most. none: it
     passes through everything. Key c in the window switches."""
 
+    solid: Literal["fingertips", "hand"] | None = None
+    """What of the hand collides. fingertips: the last links of touching fingers. hand: the palm and
+    all links of all fingers, with objects and the other hand; fingers that do not touch keep clear
+    of things. Default: that of the recording, else fingertips."""
+
     servo: Literal["orientation", "position"] = "orientation"
     """orientation: one servo on the rotation of each ball joint. position: three servos, one on
     each component."""

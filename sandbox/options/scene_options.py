@@ -287,6 +287,8 @@ def _settings(options: SceneOptions, recording: Recording | None) -> RunSettings
         "contact": options.contact,
         "robot": options.robot,
     }
+    if options.solid is not None:
+        values["solid"] = options.solid
     if options.labels is not None:
         values["labels"] = options.labels
     if options.encoder == "paper" or options.bare:
@@ -338,6 +340,7 @@ def _keeps_recorded_settings(options: SceneOptions) -> bool:
         "contact",
         "servo",
         "robot",
+        "solid",
         "surface",
         "tell_labels",
     )

@@ -18,7 +18,9 @@ from models.arithmetic.products import squared_lengths
 from models.frames import FINGERS
 from models.messages.message import Message
 from models.scene import CONTROL_PERIOD, BodyPoses, Scene
+from sandbox.clearing.solid_links import SolidLinks
 from sandbox.session.messages import MOVE_APART
+from sandbox.session.pose_track import bits
 
 CLEARANCE = 0.0005
 """m, least distance of a fingertip's surface from an object when it becomes solid."""
@@ -49,6 +51,8 @@ class CollisionGatingRules:
         together: All fingers of a hand become solid in the same step; otherwise each by itself.
         lead: Fingertips beside things are led off their touches, out of them, and keep the width
             of their grip until they spread.
+        all_over: Palm and all links of all fingers are solid once the touching fingertips are,
+            each part as soon as it is clear; replaces `distal_only` and `links`.
     """
 
     ghost_until_clear: bool = True
@@ -56,6 +60,7 @@ class CollisionGatingRules:
     links: int = 1
     together: bool = True
     lead: bool = False
+    all_over: bool = False
 
 
 class CollisionGate:
@@ -65,14 +70,22 @@ class CollisionGate:
         scene: The scene.
         hand: Index of the hand.
         rules: Rules of collision gating.
+        parts: Chooses the other solid parts of a hand that is solid all over; None otherwise.
 
     Attributes:
-        fingers: Labels of the fingers that are solid now.
+        fingers: Labels of the touching fingers that are solid now.
         inside: Labels of the fingers that cannot become solid, as they are inside an object.
     """
 
-    def __init__(self, scene: Scene, hand: int, rules: CollisionGatingRules) -> None:
+    def __init__(
+        self,
+        scene: Scene,
+        hand: int,
+        rules: CollisionGatingRules,
+        parts: SolidLinks | None = None,
+    ) -> None:
         self._scene, self._hand, self._rules = scene, hand, rules
+        self._parts = parts
         links = scene.spec.hands[hand].links
         body = scene.model.body
         fingers = [[link for link in links if link.finger == f] for f in range(len(FINGERS))]
@@ -97,6 +110,17 @@ class CollisionGate:
     def notice(self) -> str:
         """Message for the person whose hand stays a ghost; empty otherwise."""
         return STUCK if self.inside and not self.fingers else ""
+
+    @property
+    def solid(self) -> frozenset[int]:
+        """Labels of all fingers that are solid now, whether they touch or not."""
+        return self.fingers if self._parts is None else self._parts.fingers
+
+    @property
+    def signature(self) -> bytes:
+        """What is solid: state outside MuJoCo's that affects the next step."""
+        mine = bytes([bits(self.fingers)])
+        return mine if self._parts is None else mine + self._parts.signature
 
     def tips(self, data: BodyPoses) -> Array:
         """(5, 3) m, fingertips of the simulated hand."""
@@ -147,7 +171,10 @@ class CollisionGate:
         self.inside = frozenset(
             f for f, steps in stuck.items() if steps * CONTROL_PERIOD > STUCK_TIME
         )
-        if staying != self.fingers:
+        if self._parts is not None:
+            self._parts.update(data, staying, wanted)
+            self.fingers = staying
+        elif staying != self.fingers:
             rules = self._rules
             self._scene.set_solid(
                 self._hand, staying, whole=not rules.distal_only, links=rules.links

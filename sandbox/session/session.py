@@ -26,6 +26,9 @@ from models.messages.message import Message
 from models.scene import Scene, SceneSpec, StillPoses
 from models.scene_hand import SceneHand
 from models.surface import Surface, enclosing
+from sandbox.clearing.clearing import Clearing
+from sandbox.clearing.hand_distances import HandDistances
+from sandbox.clearing.solid_links import SolidLinks
 from sandbox.session.collision_gating import CollisionGate, CollisionGatingRules
 from sandbox.session.contact_modes import ContactMode, ContactModes, contact_mode
 from sandbox.session.device import AnyDevice
@@ -34,7 +37,6 @@ from sandbox.session.finger_loads import FingerLoads, HandLoad
 from sandbox.session.fingertip_leading import FingertipLeading
 from sandbox.session.latest_frame import LatestFrame
 from sandbox.session.messages import ContactView, HandView, ObjectView, Snapshot
-from sandbox.session.pose_track import bits
 from sandbox.session.respawn import Respawn
 from tasks.checks import measure
 from tasks.goals import place
@@ -127,11 +129,29 @@ class Session:
         self.task, self.rigs = task, tuple(rigs)
         rules = rules or CollisionGatingRules()
         hands = tuple(rig.hand for rig in rigs)
-        self.scene = Scene(SceneSpec(hands, task.objects, task.table_friction, timestep))
+        all_over = [(rig.rules or rules).all_over for rig in rigs]
+        self.scene = Scene(
+            SceneSpec(hands, task.objects, task.table_friction, timestep, all(all_over))
+        )
         self.scene.model.geom_friction[:, 0] *= friction
         self.data = mujoco.MjData(self.scene.model)
-        self._gates = [CollisionGate(self.scene, i, r.rules or rules) for i, r in enumerate(rigs)]
         surfaces = [rig.reconstructor.surface for rig in rigs]
+        distances = [
+            HandDistances(self.scene, i) if whole else None for i, whole in enumerate(all_over)
+        ]
+        self._gates = [
+            CollisionGate(
+                self.scene, i, r.rules or rules, SolidLinks(self.scene, i, d) if d else None
+            )
+            for i, (r, d) in enumerate(zip(rigs, distances, strict=True))
+        ]
+        # A hand in the air is where it is seen; only touches leave open where the rest of it is.
+        self._clearing = [
+            Clearing(self.scene, i, skeleton, surface, d)
+            if d and rig.lead and (skeleton := rig.hand.skeleton)
+            else None
+            for i, (rig, surface, d) in enumerate(zip(rigs, surfaces, distances, strict=True))
+        ]
         self._leading = [
             FingertipLeading(self.scene, i, surface, gate)
             if rig.lead and (rig.rules or rules).lead
@@ -210,7 +230,7 @@ class Session:
 
     def solid(self, hand: int) -> frozenset[int]:
         """Labels of a hand's fingers that can collide now."""
-        return self._gates[hand].fingers
+        return self._gates[hand].solid
 
     def heard(self, hand: int) -> Frame:
         """The latest frame of a hand's device, stamped with session time."""
@@ -284,7 +304,7 @@ class Session:
         # keep MuJoCo's memory after the trial.
         scene, task, hands = self.scene, self.task, self._hands
         reconstructions = tuple(self.reconstructions)
-        fingers = [(gate.fingers, gate.inside) for gate in self._gates]
+        fingers = [(gate.solid, gate.inside) for gate in self._gates]
 
         def compute() -> dict[str, Any]:
             objects = {
@@ -329,7 +349,7 @@ class Session:
 
     def _record_state(self) -> None:
         if self._recorder:
-            solid = [s.fingers for s in self._gates]
+            solid = [s.solid for s in self._gates]
             self._recorder.state(self.step, self._state, self.state_hash, self.data.qpos, solid)
 
     def _switch(self) -> None:
@@ -375,6 +395,10 @@ class Session:
         rig = self.rigs[i]
         frame = self._latest(i)
         reconstruction = rig.reconstructor.step(frame)
+        clearing = self._clearing[i]
+        if clearing:
+            tips = self._gates[i].tips(self.data)
+            reconstruction = clearing.step(self.data, reconstruction, tips)
         if rig.yaw:
             rig.yaw.step(self.time, reconstruction.u)
         follower = self._followers[i]
@@ -401,7 +425,7 @@ class Session:
     def _chain(self) -> None:
         mujoco.mj_getState(self.scene.model, self.data, self._state, STATE)
         # MuJoCo's state does not contain which fingers collide, which affects the next step too.
-        solid = bytes([bits(s.fingers) for s in self._gates])
+        solid = b"".join([s.signature for s in self._gates])
         chained = blake2b(self._hash, digest_size=16)
         chained.update(self._state.data)
         chained.update(solid + self._contact.signature)

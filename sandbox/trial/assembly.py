@@ -38,7 +38,7 @@ from sandbox.session.collision_gating import CollisionGatingRules
 from sandbox.session.own_layouts import known_layouts
 from sandbox.session.session import Recorder, Rig, Session
 from sandbox.trial.device_makers import DeviceMakers, check_count
-from sandbox.trial.settings import HandSettings, RunSettings
+from sandbox.trial.settings import SOLID, HandSettings, RunSettings
 from sandbox.trial.surfaces import place_all
 from tasks.registry import draw_task, find_task
 from tasks.task import Task
@@ -229,6 +229,7 @@ def build(
         # Tips that are not at their touches cannot be led; nor is there a need where a hand
         # becomes solid within things.
         lead=settings.rules > 1 and settings.correction and settings.ghost_until_clear,
+        all_over=settings.solid == SOLID[1],
     )
     air_rules = replace(rules, lead=False, **IN_AIR)
     friction = settings.variation.friction
@@ -270,13 +271,7 @@ def _hands(settings: RunSettings, task_type: type[Task]) -> list[SceneHand]:
 def _hand(settings: RunSettings, name: str, hand: HandSettings, task_type: type[Task]) -> SceneHand:
     """One simulated hand: ours, or a robot's."""
     skeleton = hand.person.skeleton(ADULT)
-    solid_end = (
-        UPRIGHT_END
-        if task_type.plane == "front"
-        else TIP_END
-        if settings.rules > 1 and hand.in_air is None
-        else None
-    )
+    solid_end = _solid_end(settings, hand, task_type)
     if not settings.robot:
         return Hand(
             name,
@@ -285,6 +280,7 @@ def _hand(settings: RunSettings, name: str, hand: HandSettings, task_type: type[
             impulse=settings.impulse,
             finger_armature=finger_armature(settings.impulse),
             solid_end=solid_end,
+            solid_palm=settings.solid == SOLID[1],
         )
     mapping = find_robot(settings.robot)
     if mapping.side != hand.side:
@@ -295,6 +291,15 @@ def _hand(settings: RunSettings, name: str, hand: HandSettings, task_type: type[
             remedy=f"Use --hand {mapping.side}",
         )
     return RobotHand(name, mapping, skeleton, hand.size, settings.impulse, solid_end=solid_end)
+
+
+def _solid_end(settings: RunSettings, hand: HandSettings, task_type: type[Task]) -> float | None:
+    """Solid length in m of the last links where only fingertips are solid; see `Hand`."""
+    if settings.solid == SOLID[1]:
+        return None if hand.in_air is not None else TIP_END
+    if task_type.plane == "front":
+        return UPRIGHT_END
+    return TIP_END if settings.rules > 1 and hand.in_air is None else None
 
 
 def _yaw_watch(model: TrainedModel) -> YawMonitor | None:

@@ -32,10 +32,13 @@ RULES = (1, 2)
 """Rules of fingers near things, by number: 1 is what was in force before there were others; 2 leads
 fingertips out of things beside their touches, and lets fingers that spread let go at once."""
 
+SOLID = ("fingertips", "hand")
+"""What of a hand collides: the last links of touching fingers, or palm and all links."""
+
 MOST_HANDS = 2
 """Largest number of hands in a scene."""
 
-_OPTIONAL = {"variation", "rules", "surface_scale", "scored", "kept_names", "robot"}
+_OPTIONAL = {"variation", "rules", "surface_scale", "scored", "kept_names", "robot", "solid"}
 """Settings that a header may lack."""
 
 _IN_RESULTS = {
@@ -127,6 +130,7 @@ class RunSettings:
             those that ship (see `encoders.kept`).
         robot: The robot whose hand is in the place of the person's (see `models.robot.known`);
             empty for our own hand.
+        solid: One of `SOLID`; a header without it has the first.
     """
 
     task: str = "box-to-goal"
@@ -154,6 +158,7 @@ class RunSettings:
     scored: bool = True
     kept_names: str = ""
     robot: str = ""
+    solid: str = SOLID[0]
 
     def __post_init__(self) -> None:
         if self.rules not in RULES:
@@ -163,6 +168,21 @@ class RunSettings:
         if self.labels not in LABELS:
             raise InputError(
                 "no such labels", where="labels", got=self.labels, expected=", ".join(LABELS)
+            )
+        if self.solid not in SOLID:
+            raise InputError(
+                "no such solid part of a hand",
+                where="--solid",
+                got=self.solid,
+                expected=", ".join(SOLID),
+            )
+        if self.robot and self.solid != SOLID[0]:
+            raise InputError(
+                "of a robot's hand only fingertips are solid",
+                where="--solid",
+                got=self.solid,
+                expected=SOLID[0],
+                remedy=f"Leave out --robot, or use --solid {SOLID[0]}",
             )
         if not 1 <= len(self.hands) <= MOST_HANDS:
             raise InputError(
@@ -202,7 +222,8 @@ class RunSettings:
 
     def as_json(self) -> dict[str, Any]:
         """Values for a recording's header, without a neutral variation, the first rules, true
-        size, names that ship, an `in_air` or a camera of None, missing joints, or empty layouts
+        size, solid fingertips, names that ship, an `in_air` or a camera of None, missing joints, or
+        empty layouts
         and looks."""
         values = asdict(self)
         if self.rules == RULES[0]:
@@ -217,6 +238,8 @@ class RunSettings:
             del values["kept_names"]
         if not self.robot:
             del values["robot"]
+        if self.solid == SOLID[0]:
+            del values["solid"]
         values["hands"] = [_without_defaults(hand) for hand in values["hands"]]
         return values
 

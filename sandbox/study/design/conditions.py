@@ -32,6 +32,7 @@ SETTINGS: dict[str, type | tuple[type, ...]] = {
     "impulse": (str, int, float),
     "contact": str,
     "servo": str,
+    "solid": str,
     "surface": str,
     "turn": int,
     "tell_labels": bool,
@@ -47,6 +48,7 @@ CHOICES = {
     "contact": ("hard", "soft", "none"),
     "labels": ("history", "population"),
     "servo": ("orientation", "position"),
+    "solid": ("fingertips", "hand"),
     "turn": (0, 90, 180, 270),
 }
 

@@ -30,6 +30,7 @@ COMPUTES = (
     "encoders/webcam",
     "tasks",
     "tasks/simulated_user",
+    "sandbox/clearing",
     "sandbox/devices",
     "sandbox/devices/evdev",
     "sandbox/devices/files",

@@ -1,0 +1,207 @@
+"""A hand that is solid all over keeps its free parts clear of things, and pushes none of them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any, Literal
+
+import mujoco
+import numpy as np
+import pytest
+
+from models.arithmetic.arrays import Array
+from models.errors import InputError
+from models.frames import Contact
+from models.hand import Hand
+from models.objects import Box
+from models.one_pose import OnePose
+from models.scene import Scene, SceneSpec
+from models.skeleton import ADULT
+from sandbox.clearing.hand_distances import REACH, HandDistances
+from sandbox.options.scene_options import SceneOptions, plan
+from sandbox.recording.recording import load_recording
+from sandbox.session.session import Session
+from sandbox.trial.headless import run_trial
+from sandbox.trial.replay import replay, settings_of
+from sandbox.trial.settings import RunSettings
+from tests.support.scripted import box_xy, run, scripted
+from tests.support.simulation import put
+
+
+def beside_box(solid: Literal["fingertips", "hand"], far: float = 0.0) -> Session:
+    """Thumb and index touch before the box, so that free fingers would be inside of it.
+
+    Args:
+        solid: What collides.
+        far: m farther from the box, to the left and towards the person, of the touches.
+    """
+    empty = scripted(lambda now: (), seed=1)
+    x, y = box_xy(empty)
+    empty.close()
+
+    def touch(now: float) -> list[Contact]:
+        at = [(x - 0.075 - far, y + 0.015 + far), (x - 0.045 - far, y - 0.015 + far)]
+        return [Contact(i, float(a), float(b), label=i) for i, (a, b) in enumerate(at)]
+
+    return scripted(touch, seed=1, labels="device", solid=solid)
+
+
+def near_parts(session: Session) -> dict[str, float]:
+    """m from things, of the parts of the hand that are near, by the names of their geoms."""
+    model = session.scene.model
+    parts, distances, _ = HandDistances(fresh(session), 0).near(session.data)
+    names = [model.geom(part).name for part in parts]
+    return {
+        name: min(d for n, d in zip(names, distances, strict=True) if n == name) for name in names
+    }
+
+
+def fresh(session: Session) -> Scene:
+    """The scene as it was compiled."""
+    return Scene(session.scene.spec)
+
+
+def free_parts(near: dict[str, float], free: str) -> list[float]:
+    return [far for name, far in near.items() if free in name]
+
+
+def test_without_clearing_a_free_finger_is_inside_the_box() -> None:
+    """The scene of the next tests asks something of them."""
+    session = beside_box("fingertips")
+    run(session, 1.0)
+    assert min(free_parts(near_parts(session), "ring")) < -0.001
+    session.close()
+
+
+def test_a_free_finger_keeps_its_distance_and_the_touching_tips_stay() -> None:
+    session = beside_box("hand")
+    before = session.scene.object_pose(session.data, "box")[0]
+    run(session, 1.0)
+    near = near_parts(session)
+    assert min([*free_parts(near, "ring"), REACH]) > 0.001
+    after = session.scene.object_pose(session.data, "box")[0]
+    assert np.abs(after - before).max() < 0.0005
+    hand = session.snapshot().hands[0]
+    touches = np.array([c.position[:2] for c in hand.contacts])
+    assert np.abs(hand.tips[:2, :2] - touches).max() < 0.003
+    session.close()
+
+
+def test_the_whole_hand_is_solid_where_only_tips_were() -> None:
+    whole, tips = beside_box("hand", far=0.12), beside_box("fingertips", far=0.12)
+    for session in (whole, tips):
+        run(session, 1.0)
+    assert whole.solid(0) == set(range(5))
+    assert tips.solid(0) == {0, 1}
+    ghosts = [g for g in whole.scene.parts(0) if not whole.scene.model.geom_contype[g]]
+    names = {whole.scene.model.geom(g).name for g in ghosts}
+    # A whole last link takes the place of its end, which is the same geom twice.
+    assert names <= {link.tip_geom for link in whole.scene.spec.hands[0].links}
+    for session in (whole, tips):
+        session.close()
+
+
+def test_the_correction_is_none_where_nothing_is_near() -> None:
+    whole, tips = beside_box("hand", far=0.12), beside_box("fingertips", far=0.12)
+    for session in (whole, tips):
+        run(session, 1.0)
+    assert np.array_equal(whole.reconstructions[0].q, tips.reconstructions[0].q)
+    assert whole.solid(0) > tips.solid(0)
+    for session in (whole, tips):
+        session.close()
+
+
+SHARES = np.linspace(-1.0, 1.0, 41)
+
+
+def fresh_scene() -> Scene:
+    """A hand, and a box below its fingers."""
+    box = Box("box", (0.03, 0.03, 0.03), 0.1, (0.0, 0.1, 0.03), 0.3)
+    return Scene(SceneSpec((Hand(solid_end=0.012, solid_palm=True),), (box,)))
+
+
+def hand_by_box() -> tuple[HandDistances, mujoco.MjData]:
+    """A hand whose fingers are over a box."""
+    scene = fresh_scene()
+    data = mujoco.MjData(scene.model)
+    mujoco.mj_forward(scene.model, data)
+    return HandDistances(scene, 0), data
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_the_derivatives_of_distances_are_finite_differences(seed: int) -> None:
+    distances, data = hand_by_box()
+    rng = np.random.default_rng(seed)
+    middle = 0.5 * (ADULT.lower + ADULT.upper)
+    joints = middle + 0.2 * rng.uniform(-1.0, 1.0, 42) * (ADULT.upper - middle)
+    q = np.concatenate([[0.0, 0.0, 0.11], 0.1 * rng.uniform(-1.0, 1.0, 3), joints])
+    kinematics = OnePose(ADULT, (0,))
+    kinematics.tips_and_jacobian(q)
+
+    def near(pose: Array) -> dict[int, tuple[float, int]]:
+        """The nearest point of each part: its distance, and its place in the list."""
+        kinematics.tips(pose)
+        parts, found, _ = distances.near(data, kinematics.joint_positions())
+        rows = range(len(parts))
+        return {p: min((found[k], k) for k in rows if parts[k] == p) for p in parts}
+
+    here = near(q)
+    clear = [part for part, (far, _) in here.items() if far > 0.0005]
+    assert len(clear) >= 2
+    kinematics.tips_and_jacobian(q)
+    ours = kinematics.by_pose(distances.gradients([here[part][1] for part in clear]))
+    step = 1e-6
+    for i in range(48):
+        forward, back = q.copy(), q.copy()
+        forward[i] += step
+        back[i] -= step
+        up, down = near(forward), near(back)
+        change = np.array([up[part][0] - down[part][0] for part in clear])
+        assert change / (2 * step) == pytest.approx(ours[:, i], abs=2e-4)
+
+
+@pytest.mark.parametrize("height", [0.075, 0.09, 0.1])
+def test_every_part_within_reach_of_a_thing_is_measured(height: float) -> None:
+    """The box's own distances are the independent reader."""
+    distances, data = hand_by_box()
+    scene = fresh_scene()
+    put(scene, data, np.concatenate([[0.0, 0.02, height], np.zeros(45)]))
+    mujoco.mj_forward(scene.model, data)
+    parts, found, _ = distances.near(data)
+    box = scene.spec.objects[0]
+    checked = 0
+    for link in scene.spec.hands[0].links:
+        geom = scene.model.geom(link.tip_geom).id
+        half = np.array([[0.0, 0.0, s * scene.model.geom_size[geom, 1]] for s in SHARES])
+        points = data.geom_xpos[geom] + half @ data.geom_xmat[geom].reshape(3, 3).T
+        clear = box.clearance(points, *scene.object_pose(data, "box")).min() - link.radius
+        if 0.0 < clear < REACH - 0.001:
+            measured = min([d for p, d in zip(parts, found, strict=True) if p == geom], default=1.0)
+            assert measured == pytest.approx(clear, abs=5e-4)
+            checked += 1
+    assert checked >= 3
+
+
+def test_a_trial_of_a_solid_hand_replays_to_the_bit(tmp_path: Path) -> None:
+    recording = tmp_path / "trial.jsonl"
+    chosen = plan(SceneOptions(task="box-to-goal", seed=2, solid="hand"))
+    result = run_trial(chosen.settings, chosen.makers, record=recording, about=chosen.about)
+    assert result.success
+    loaded = load_recording(recording)
+    assert loaded.header["settings"]["solid"] == "hand"
+    assert settings_of(loaded).solid == "hand"
+    _, verification = replay(loaded)
+    assert verification.exact
+    assert verification.complete
+
+
+def test_a_header_without_it_has_solid_fingertips() -> None:
+    values = RunSettings().as_json()
+    assert "solid" not in values
+    assert RunSettings.from_json(values).solid == "fingertips"
+
+
+@pytest.mark.parametrize("settings", [{"solid": "palm"}, {"solid": "hand", "robot": "shadow"}])
+def test_a_hand_that_cannot_be_solid_so_is_refused(settings: dict[str, Any]) -> None:
+    with pytest.raises(InputError, match="solid"):
+        RunSettings(**settings)
