@@ -64,6 +64,16 @@ def _site() -> str:
     return "" if (SITE / "index.html").is_file() else "no site (python -m tools.docs.site)"
 
 
+def _firefox() -> str:
+    there = shutil.which("firefox-esr") or shutil.which("firefox")
+    return _screen() if there else "no Firefox (Debian's firefox-esr)"
+
+
+def _webkit() -> str:
+    there = shutil.which("WebKitWebDriver")
+    return _screen() if there else "no WebKit (Debian's webkit2gtk-driver)"
+
+
 def _iwer() -> str:
     return "" if IWER.is_file() else "no iwer (npm ci in sandbox/views/page)"
 
@@ -76,6 +86,8 @@ _WHAT_LACKS: dict[str, Callable[[], str]] = {
     "axe": _axe,
     "site": _site,
     "iwer": _iwer,
+    "firefox": _firefox,
+    "webkit": _webkit,
     "robots": lambda: _package("gymnasium_robotics", "robots"),
 }
 """Need -> what is missing for it on this machine; empty: nothing."""

@@ -2,20 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import time
+from collections.abc import Callable, Sequence
+from typing import Any, Protocol
 from urllib.parse import urlsplit
 
 from models.frames import TouchFrame
 from models.surface import METRES_PER_INCH
+from sandbox.devices.simulated.simulated import SimulatedDevice
 from sandbox.server.page_server import PageServer
+from sandbox.server.protocol.contact_forces import hand_feedback
 from sandbox.server.protocol.describe import describe_scene
 from sandbox.server.protocol.protocol import LIFT_STRIP_PX, TaskName
 from sandbox.server.protocol.skins import pack_skin
 from sandbox.server.web import WebDevice
 from sandbox.trial.assembly import build
 from sandbox.trial.settings import RunSettings
+from tasks.user import UserConfiguration
 from tests.sandbox.server.test_page_server import Stage, wait_for
 from tests.support.chromium import Tab
+from tests.support.processes import PATIENCE
 
 PPI = 64.0
 WIDTH, HEIGHT = 640, 480
@@ -97,3 +103,53 @@ def nobody_else_was_asked(tab: Tab, server: PageServer) -> bool:
     # Nor was anything asked for that is not there, or without the token.
     assert not server.counters.as_dict()
     return True
+
+
+class Glass(Protocol):
+    """A page in any browser, and fingers on it."""
+
+    def evaluate(self, script: str) -> Any: ...
+
+    def touch(self, fingers: Sequence[tuple[int, float, float]], /) -> None: ...
+
+
+def until(glass: Glass, script: str) -> None:
+    """Waits until an expression is true in the page."""
+    asked = f"(() => {{ try {{ return !!({script}) }} catch {{ return false }} }})()"
+    end = time.monotonic() + PATIENCE
+    while not glass.evaluate(asked):
+        said = glass.evaluate("document.body ? document.body.innerText : ''")
+        assert time.monotonic() < end, f"never came true: {script}; {said[:600]}"
+        time.sleep(0.02)
+
+
+def play_through(stage: Stage, glass: Glass, corner: tuple[float, float], fingers: int) -> int:
+    """Plays the stage's trial to its end by touches on the page.
+
+    Args:
+        stage: A session whose touches come from the page.
+        glass: The page.
+        corner: CSS pixels of the touch rectangle's left upper corner.
+        fingers: How many the simulated user uses.
+
+    Returns:
+        The most fingers that were down at once.
+    """
+    session, surface = stage.session, stage.session.rigs[0].reconstructor.surface
+    user = SimulatedDevice(session.task, UserConfiguration(fingers=fingers), surface, 0)
+    last: list[tuple[int, float, float]] = []
+    most = 0
+    while not session.over:
+        snapshot = session.advance()
+        user.show(snapshot)
+        stage.server.publish(snapshot, feedback=hand_feedback(session))
+        # In step with the browser, however slow it is today: what the user's fingers do in this
+        # period has arrived before the next one begins. Moves go out twenty times a second.
+        wanted = px(user.poll(snapshot.time)[-1], *corner)
+        other = [i for i, _, _ in wanted] != [i for i, _, _ in last]
+        if other or (wanted != last and session.step % (3 * session.scene.substeps) == 0):
+            glass.touch(wanted)
+            assert wait_for(stage.device.news.is_set)
+            last, most = wanted, max(most, len(wanted))
+    stage.server.publish(session.snapshot())
+    return most

@@ -8,24 +8,21 @@ import time
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 
 from models.frames import Contact
 from models.surface import METRES_PER_INCH
-from sandbox.devices.simulated.simulated import SimulatedDevice
 from sandbox.server import audience
 from sandbox.server.audience import SILENCE
 from sandbox.server.page_server import PageServer
-from sandbox.server.protocol.contact_forces import HandFeedback, hand_feedback
+from sandbox.server.protocol.contact_forces import HandFeedback
 from sandbox.server.protocol.describe import describe_scene
 from sandbox.server.protocol.protocol import LIFT_STRIP_PX
 from sandbox.server.protocol.rectangle import rectangle
 from sandbox.session.messages import ContactView
 from sandbox.words.words import words_in
-from tasks.user import UserConfiguration
 from tests.sandbox.server.staged_page import (
     BESIDE_LIFT,
     HEIGHT,
@@ -37,6 +34,7 @@ from tests.sandbox.server.staged_page import (
     WIDTH,
     frames,
     nobody_else_was_asked,
+    play_through,
     px,
     staged,
 )
@@ -91,30 +89,12 @@ def test_fingers_on_the_page_bring_the_box_to_its_goal(
     # Buttons are as large as on a tablet, the rest is half as large: they lie beside the rectangle.
     stage = staged(server, surface_in=(9.0, 6.0))
     corner = (WIDTH - 9.0 * PPI) / 2, (HEIGHT - 6.0 * PPI) / 2
-    session, task = stage.session, stage.session.task
-    surface = session.rigs[0].reconstructor.surface
-    user = SimulatedDevice(task, UserConfiguration(fingers=fingers), surface, 0)
     tab.wait(READY)
     assert wait_for(lambda: stage.server.wait_for_player(0.0))
     stage.advance()
     tab.wait("document.querySelector('.reason').textContent.includes('mm from the goal')")
-    last: list[Any] = []
-    most = 0
-    while not session.over:
-        snapshot = session.advance()
-        user.show(snapshot)
-        stage.server.publish(snapshot, feedback=hand_feedback(session))
-        # In step with the browser, however slow it is today: what the user's fingers do in this
-        # period has arrived before the next one begins. Moves go out twenty times a second.
-        wanted = px(user.poll(snapshot.time)[-1], *corner)
-        other = [i for i, _, _ in wanted] != [i for i, _, _ in last]
-        if other or (wanted != last and session.step % (3 * session.scene.substeps) == 0):
-            tab.touch(wanted)
-            assert wait_for(stage.device.news.is_set)
-            last, most = wanted, max(most, len(wanted))
-    assert most == fingers
-    assert session.scorer.score.success, session.scorer.score
-    stage.server.publish(session.snapshot())
+    assert play_through(stage, tab, corner, fingers) == fingers
+    assert stage.session.scorer.score.success, stage.session.scorer.score
     tab.wait("document.querySelector('.end-words').textContent.startsWith('Done in')")
     (tmp_path / "success.png").write_bytes(tab.picture())
     assert (tmp_path / "success.png").stat().st_size > 10_000

@@ -15,6 +15,7 @@ import {
 import { BACKGROUND } from "./colours";
 import { Connection } from "./connection";
 import { make, show, write } from "./dom";
+import { canDraw } from "./drawing";
 import type { Frame } from "./frame";
 import { Hands, type Seen } from "./headset-hands";
 import { Lens } from "./lens";
@@ -264,4 +265,4 @@ class HeadsetPage {
   }
 }
 
-new HeadsetPage();
+if (canDraw()) new HeadsetPage();

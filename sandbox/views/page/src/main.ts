@@ -5,6 +5,7 @@ import { forColourBlind, standardColours, toggleColours } from "./colours";
 import { Connection } from "./connection";
 import { make, show, write } from "./dom";
 import { Doubt } from "./doubt";
+import { canDraw } from "./drawing";
 import { type Change, type Finger, Fingers } from "./fingers";
 import type { Frame } from "./frame";
 import { FullScreen } from "./full";
@@ -580,4 +581,4 @@ class Page {
   }
 }
 
-new Page();
+if (canDraw()) new Page();
