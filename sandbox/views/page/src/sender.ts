@@ -13,6 +13,8 @@ export class Sender {
   private fingers: Finger[] = [];
   private unsent: number[] = [];
   private lift: number | null = null;
+  /** The lift of the last message. */
+  private told: number | null = null;
   /** Time of the lift control's last unsent move; null without one. */
   private lifted: number | null = null;
   private readonly times = new Map<number, number>();
@@ -37,7 +39,8 @@ export class Sender {
   /** The lift control, 0 to 1; null if the task has none. */
   setLift(lift: number | null): void {
     this.lift = lift;
-    if (lift !== null) this.lifted ??= performance.now();
+    if (lift === null) this.told = null;
+    else this.lifted ??= performance.now();
   }
 
   /** Sends a move of the lift control. Called before each picture, after the moves of the fingers, so
@@ -62,8 +65,12 @@ export class Sender {
     if (this.fingers.length && performance.now() - this.last >= REPEAT_MS) this.send(null);
   }
 
+  /** @param at ms, time of the event; null repeats the last message, of one moment, as it was. */
   private send(at: number | null): void {
-    this.lifted = null;
+    if (at !== null) {
+      this.lifted = null;
+      this.told = this.lift;
+    }
     if (!this.active) return;
     this.seq += 1;
     const sent = this.connection.say({
@@ -78,7 +85,7 @@ export class Sender {
         round(f.height),
       ]),
       cancelled: this.unsent.slice(0, 20),
-      lift: this.lift,
+      lift: this.told,
     });
     if (!sent) return;
     this.unsent = [];
