@@ -115,7 +115,8 @@ def _smaller(film: bytes) -> bytes:
     """A film for the page: smaller, and with fewer frames."""
     from PIL import Image, ImageSequence
 
-    frames, times = [], []
+    frames = []
+    times: list[int] = []
     with Image.open(io.BytesIO(film)) as opened:
         height = round(opened.height * FILM_WIDTH / opened.width)
         for i, frame in enumerate(ImageSequence.Iterator(opened)):
