@@ -1,4 +1,5 @@
-"""`sandbox export`: writes the motion of hands to files for other programs."""
+"""`sandbox export`: writes the motion of hands, and data sets of demonstrations, for other
+programs."""
 
 from __future__ import annotations
 
@@ -16,9 +17,11 @@ from models.frames import FINGERS
 from models.motion.sampling import Poses
 from models.motion.write.bvh import BvhWriter
 from sandbox.cli.common.parse import parse
+from sandbox.datasets.export import MINARI, export_data_set, is_data_set
 from sandbox.export.leap_source import Hand
 from sandbox.export.sources import Of, open_source
 from sandbox.export.targets import Exporter, ExportSettings, format_of
+from sandbox.recording.recording import is_recording
 from sandbox.study.record.trial_files import find_recordings
 
 Finger = Literal["thumb", "index", "middle", "ring", "little"]
@@ -27,7 +30,8 @@ Order = Literal["XYZ", "XZY", "YXZ", "YZX", "ZXY", "ZYX"]
 
 @dataclass(frozen=True)
 class ExportOptions:
-    """Writes the motion of recorded hands for other programs, as keys at a constant rate.
+    """Writes the motion of recorded hands for other programs, as keys at a constant rate; or
+    recordings as one data set of demonstrations.
 
     A recording of a Leap needs no task: PAALM turns it into the motion of a hand in the frame of
     the device (docs/paalm.md). Recordings of sessions, trials and captures have poses already.
@@ -46,6 +50,9 @@ class ExportOptions:
     written to one .glb, .c3d or .csv, but to two files in other formats: out-right.bvh,
     out-left.bvh. `sandbox run --motion FILE` writes the same during a run.
 
+    Data sets hold what an agent would have seen, done and earned (docs/data-sets.md): --to minari,
+    with a --name, is a data set of Minari, and --to FILE.npz a file of NumPy's.
+
     Try:
 
         sandbox leap simulate --out leap.json
@@ -57,14 +64,26 @@ class ExportOptions:
         sandbox export run.jsonl --to commanded.bvh --of commanded --rate 120
         sandbox export run.jsonl --to tips.csv --fingers thumb index
         sandbox export NAME/3B5G5T/S001/T007 --to trial.glb
+        sandbox regress --tasks box-to-goal --seeds 0:20 --record trials --record-all
+        sandbox export trials --to demonstrations.npz
+        sandbox export trials --to minari --name hand_sandbox/box-to-goal-v0
     """
 
-    file: Annotated[str, tyro.conf.Positional, tyro.conf.arg(metavar="RECORDING|TRIAL|CAPTURE")]
+    file: Annotated[
+        tuple[str, ...], tyro.conf.Positional, tyro.conf.arg(metavar="RECORDING|TRIAL|CAPTURE")
+    ]
     """A recording (--record), a trial of a study (NAME/PARTICIPANT/S001/T007, as for `sandbox
-    replay`), a capture (.npz), or a recording of a Leap (`sandbox leap formats` lists them)."""
+    replay`), a capture (.npz), or a recording of a Leap (`sandbox leap formats` lists them). A data
+    set takes several recordings, folders of recordings, and all trials of a study."""
 
-    to: Annotated[Path, tyro.conf.arg(metavar="FILE")]
-    """File to write; an existing file is replaced."""
+    to: Annotated[Path, tyro.conf.arg(metavar="FILE|minari")]
+    """File to write; an existing file is replaced. Or `minari`."""
+
+    name: str = ""
+    """Name of a data set of Minari, such as hand_sandbox/box-to-goal/mine-v0."""
+
+    successes: tyro.conf.FlagCreatePairsOff[bool] = False
+    """Only successful trials become demonstrations of a data set."""
 
     rate: Annotated[float, tyro.conf.arg(metavar="HZ")] = 60.0
     """Keys per second. Sessions have 62.5 poses per second, a Leap has its own times; between
@@ -103,6 +122,15 @@ def main(argv: list[str]) -> int:
     """Runs `sandbox export ...`."""
     options = parse(ExportOptions, "sandbox export", argv, append=False)
     console, errors = Console(), Console(stderr=True)
+    if is_data_set(options.to):
+        return _data_set(options, console, errors)
+    if options.name or options.successes:
+        raise InputError(
+            "this option is for data sets",
+            where="--name" if options.name else "--successes",
+            got=f"--to {options.to}",
+            expected="--to minari or --to FILE.npz",
+        )
     settings = _settings(options)
     format_of(options.to)
     file = _input_file(options)
@@ -143,13 +171,63 @@ def main(argv: list[str]) -> int:
     return 0
 
 
+def _data_set(options: ExportOptions, console: Console, errors: Console) -> int:
+    """Writes a data set."""
+    if (options.name != "") != (str(options.to) == MINARI):
+        raise InputError(
+            "a data set of Minari has a name" if not options.name else "a file needs no other name",
+            where="--name",
+            got=options.name or "nothing",
+            expected="such as hand_sandbox/box-to-goal/mine-v0"
+            if not options.name
+            else "no --name",
+        )
+    files = [file for name in options.file for file in _recordings(name, options.out)]
+    with Progress(console=errors, transient=True, disable=not errors.is_terminal) as progress:
+        bar = progress.add_task("playing recordings", total=len(files))
+        found = export_data_set(
+            files,
+            options.to,
+            options.name,
+            options.successes,
+            done=lambda count: progress.update(bar, completed=count),
+        )
+    if found.differing:
+        errors.print(
+            f"{found.differing[0]}: its states are not those that were recorded (in "
+            f"{len(found.differing)} of {found.episodes}); the data set has the environment's",
+            soft_wrap=True,
+            markup=False,
+            style="yellow",
+        )
+    console.print(
+        f"{found.where}: {found.episodes:,} demonstrations of {found.steps:,} steps, "
+        f"{found.successes:,} successful, {found.simulated:,} by a simulated user",
+        soft_wrap=True,
+        markup=False,
+    )
+    return 0
+
+
+def _recordings(name: str, out: Path) -> list[Path]:
+    """Recordings that a word names: a folder of them, or what `sandbox replay` takes."""
+    folder = Path(name)
+    if folder.is_dir():
+        files = [file for file in sorted(folder.glob("*.jsonl*")) if is_recording(file)]
+        if files:
+            return files
+    return find_recordings(name, out)
+
+
 def _input_file(options: ExportOptions) -> Path:
     """Returns the file that the options name."""
-    files = find_recordings(options.file, options.out)
+    files = [file for name in options.file for file in find_recordings(name, options.out)]
+    if not files:
+        raise InputError("no recording is named", expected="a file, or a trial of a study")
     if len(files) > 1:
         raise InputError(
             "only one recording can be exported at a time",
-            where=options.file,
+            where=" ".join(options.file),
             got=f"{len(files)} recordings",
             remedy=f"Name one of them, such as {files[0].stem}",
         )

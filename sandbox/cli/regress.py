@@ -107,6 +107,9 @@ class RegressOptions:
     record: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
     """Keeps a recording of every trial that fails in a new or empty folder."""
 
+    record_all: tyro.conf.FlagCreatePairsOff[bool] = False
+    """Keeps those of successful trials, too, which `sandbox export` makes data sets of."""
+
     resume: tyro.conf.FlagCreatePairsOff[bool] = False
     """Continues from the trials of a run that was stopped or killed: only seeds that are missing or
     crashed are run. Give the same command again; other settings, seeds or versions are refused."""
@@ -127,7 +130,11 @@ def main(argv: list[str]) -> int:
     from sandbox.regress.show import show
 
     plan = RegressionPlan(
-        find_tasks(options.tasks), parse_seeds(options.seeds), _scene(options, more), options.record
+        find_tasks(options.tasks),
+        parse_seeds(options.seeds),
+        _scene(options, more),
+        options.record,
+        options.record_all,
     )
     quiet = str(options.json) == "-"
     console = Console(stderr=quiet)
@@ -213,6 +220,8 @@ def _check(options: RegressOptions) -> None:
         raise InputError(
             "fewer than none", where="--allow-crashes", got=options.allow_crashes, expected="0 ..."
         )
+    if options.record_all and options.record is None:
+        raise InputError("no folder is given", where="--record-all", remedy="Add --record DIR")
     if options.baseline is None:
         for name in ("update_baseline", "exact", "across_encoders"):
             if getattr(options, name):
@@ -379,7 +388,15 @@ def _update(
     return True
 
 
-WITHOUT = ("baseline", "junit", "record", "update_baseline", "exact", "across_encoders")
+WITHOUT = (
+    "baseline",
+    "junit",
+    "record",
+    "record_all",
+    "update_baseline",
+    "exact",
+    "across_encoders",
+)
 """Options that mean nothing where trials are varied."""
 
 

@@ -82,7 +82,7 @@ def run_job(job: TrialJob) -> Trial:
             about=planned.about,
             dump=Path(gettempdir()),
         )
-    if recording is not None and result.success:
+    if recording is not None and result.success and not job.record_all:
         recording.unlink(missing_ok=True)
     return {
         **result.kept_in(KeptIn.REGRESS),

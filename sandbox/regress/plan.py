@@ -33,6 +33,7 @@ class TrialJob:
         scene: Options of `sandbox run` that differ from its defaults.
         record: Folder for a recording, which is kept if the trial fails; None does not record.
         own_task: The task's class if the registry does not know it.
+        record_all: The recording is kept if the trial succeeds, too.
     """
 
     task: str
@@ -40,6 +41,7 @@ class TrialJob:
     scene: Mapping[str, Any] = field(default_factory=dict)
     record: Path | None = None
     own_task: type[Task] | None = None
+    record_all: bool = False
 
     def planned(self) -> Plan:
         """The trial's settings and device; call it where the task is registered."""
@@ -47,7 +49,7 @@ class TrialJob:
 
     @property
     def recording(self) -> Path | None:
-        """Path of the recording of a failed trial."""
+        """Path of the recording, of a failed trial or of any."""
         return None if self.record is None else self.record / f"{self.name}-{self.seed}.jsonl"
 
     @property
@@ -65,12 +67,14 @@ class RegressionPlan:
         seeds: Seeds of every task.
         scene: Options of `sandbox run` that differ from its defaults.
         record: Folder for recordings of failed trials.
+        record_all: Recordings of successful trials are kept there, too.
     """
 
     tasks: tuple[str | type[Task], ...]
     seeds: tuple[int, ...]
     scene: Mapping[str, Any] = field(default_factory=dict)
     record: Path | None = None
+    record_all: bool = False
 
     def __post_init__(self) -> None:
         unknown = set(self.scene) - {f.name for f in fields(SceneOptions)} | (
@@ -96,6 +100,7 @@ class RegressionPlan:
                 self.scene,
                 self.record,
                 None if isinstance(task, str) else task,
+                self.record_all,
             )
             for seed in self.seeds
             for task in self.tasks

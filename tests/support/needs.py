@@ -88,6 +88,7 @@ _WHAT_LACKS: dict[str, Callable[[], str]] = {
     "iwer": _iwer,
     "firefox": _firefox,
     "webkit": _webkit,
+    "datasets": lambda: _package("minari", "datasets") or _package("h5py", "datasets"),
     "robots": lambda: _package("gymnasium_robotics", "robots"),
 }
 """Need -> what is missing for it on this machine; empty: nothing."""

@@ -180,6 +180,14 @@ class LearningEnv(gymnasium.Env[dict[str, Array], Array]):
             self.session.close()
             self.session = None
 
+    def names(self) -> list[list[int | None]]:
+        """For every hand and slot the finger that its touch is taken for now; None for none."""
+        known = [{c.id: c.label for c in hand.contacts} for hand in self._snapshot.hands]
+        return [
+            [None if id is None else names.get(id) for id in hand.touch_ids]
+            for hand, names in zip(self._hands, known, strict=True)
+        ]
+
     def _make_hands(self) -> tuple[tuple[Hands, ...], tuple[FingerTouches, ...]]:
         if self.options.action == "pose":
             people = [hand.person for hand in self.settings.hands]

@@ -37,7 +37,7 @@ class Moment:
         session: The session.
         snapshot: Its current snapshot.
         hands: The agent's devices, hand by hand.
-        places: (5, 2) m on the surface of each hand, where its fingers touch or would touch.
+        places: (5, 2) m on the surface of each hand, see `FingerTouches`.
     """
 
     session: Session

@@ -38,7 +38,8 @@ class FingerTouches(Hands):
         options: The contract.
 
     Attributes:
-        places: (5, 2) m on the surface, where each finger touches, or would touch.
+        places: (5, 2) m on the surface, where each finger touches, or last did; with steps, where a
+            lifted one would.
     """
 
     def __init__(self, surface: Surface, lifts: bool, options: LearningOptions) -> None:
@@ -58,6 +59,8 @@ class FingerTouches(Hands):
 
     def see(self, hand: HandView) -> None:
         """Takes in where the hand is; steps begin there."""
+        if self._options.action == "touch":
+            return
         lifted = [finger for finger, id in enumerate(self.touch_ids) if id is None]
         self.places[lifted] = self._within(self._surface.to_surface(hand.tips[lifted]))
         ahead = AHEAD * exp(hand.target[ROOT_ROTATION])[:, 1]

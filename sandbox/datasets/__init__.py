@@ -1,0 +1,1 @@
+"""Data sets of demonstrations, for those who train on them (docs/data-sets.md)."""

@@ -1,0 +1,264 @@
+"""A demonstration: a recorded trial, played through the environment that others learn in."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from gymnasium import spaces
+
+from models.arithmetic.arrays import Array
+from models.errors import InputError, RecordingError
+from models.frames import Contact, TouchFrame
+from models.scene import CONTROL_PERIOD
+from sandbox.datasets.slots import Touch, actions_of, named, slots_of, touches_of
+from sandbox.gym.learning.environment import LearningEnv
+from sandbox.recording.recording import Recording, load_recording
+from sandbox.trial.replay import settings_of
+from tasks.registry import find_task
+
+
+@dataclass(frozen=True)
+class Demonstration:
+    """One episode; T steps of 16 ms.
+
+    Attributes:
+        seed: Seed of the trial.
+        observations: Name -> (T + 1, ...) observations, the first before the first step.
+        actions: (T, n) actions.
+        rewards: (T,) rewards.
+        terminated, truncated: Whether the task ended the episode, or something else did.
+        hashes: (T + 1) hashes of the states.
+        about: What is known of it; JSON values (see docs/data-sets.md).
+    """
+
+    seed: int
+    observations: dict[str, Array]
+    actions: Array
+    rewards: Array
+    terminated: bool
+    truncated: bool
+    hashes: tuple[str, ...]
+    about: dict[str, Any]
+
+    @property
+    def success(self) -> bool:
+        """True if the goal was held."""
+        return bool(self.about["success"])
+
+
+def open_demonstration(path: Path) -> Recording:
+    """Reads a recording that can become a demonstration.
+
+    Raises:
+        RecordingError: It breaks off, is damaged, or is of a hand in the air.
+    """
+    recording = load_recording(path)
+    if recording.damage or recording.end is None:
+        raise RecordingError(
+            "a demonstration needs a whole recording",
+            where=str(path),
+            got=recording.damage or "it has no end",
+            remedy="Leave it out",
+        )
+    for hand in recording.inputs:
+        recording.touches(hand)
+    return recording
+
+
+def environment_options(recording: Recording, observe: Sequence[str]) -> dict[str, Any]:
+    """Options of the environment that plays a recording; JSON values.
+
+    Recordings with equal options are of one data set.
+
+    Args:
+        recording: The recording.
+        observe: Parts of observations, or `all` alone.
+
+    Raises:
+        RecordingError: Its task, encoder or robot is not on this machine.
+    """
+    settings = settings_of(recording).as_json()
+    task = settings.pop("task")
+    del settings["seed"]
+    if settings.get("variation"):
+        disturbed = ("noise", "dropped", "ghosts", "latency")
+        # The recorded touches are what the screen made of the fingers.
+        settings["variation"] = {
+            name: value for name, value in settings["variation"].items() if name not in disturbed
+        }
+    contacts = _contacts(recording)
+    told = bool(contacts) and all(contact.label is not None for contact in contacts)
+    return {
+        "task": task,
+        "action": "touch",
+        "names": "told" if told else "found",
+        "observe": "all" if tuple(observe) == ("all",) else list(observe),
+        "reward": "progress",
+        "settings": settings,
+    }
+
+
+def demonstrate(recording: Recording, env: LearningEnv) -> Demonstration:
+    """Plays a recording's touches through an environment with its options.
+
+    Touches take slots in the order of their beginning, and those of their fingers in the actions
+    that are returned. States do not depend on slots, so these actions give the same states.
+
+    Raises:
+        RecordingError: The recording has no touches of every hand.
+    """
+    assert recording.end is not None
+    hands = len(env.settings.hands)
+    period = round(CONTROL_PERIOD / env.settings.timestep)
+    periods = int(recording.end["step"]) // period
+    frames = [_frames(recording, hand, periods, period) for hand in range(hands)]
+    lifted = find_task(env.settings.task).lift_range > 0
+    lifts = [[f.lift or 0.0 for f in own] if lifted else None for own in frames]
+    touches = [touches_of([f.contacts for f in own]) for own in frames]
+    slots = [_slots_of_arrival(own) for own in touches]
+    space = env.action_space
+    assert isinstance(space, spaces.Box)
+    first = np.clip(_actions(touches, slots, lifts, periods), space.low, space.high)
+    seed = int(recording.header["settings"]["seed"])
+    seen, info = env.reset(seed=seed)
+    observed, rewards, hashes = [seen], [], [info["state_hash"]]
+    found: list[dict[int, int]] = [{} for _ in range(hands)]
+    terminated = truncated = False
+    same = recording.hashes.get(0, info["state_hash"]) == info["state_hash"]
+    for k, action in enumerate(first):
+        seen, reward, terminated, truncated, info = env.step(action)
+        observed.append(seen)
+        rewards.append(reward)
+        hashes.append(info["state_hash"])
+        same &= recording.hashes.get((k + 1) * period, hashes[-1]) == hashes[-1]
+        _note_names(env, touches, slots, k, found)
+        if terminated or truncated:
+            break
+    taken = len(rewards)
+    by_finger = [named(own, names) for own, names in zip(touches, found, strict=True)]
+    moved = [slots_of(own) for own in by_finger]
+    actions = np.clip(_actions(by_finger, moved, lifts, taken), space.low, space.high)
+    shown = {name: np.array([each[name] for each in observed]) for name in seen}
+    for name in {"touches", "names"} & shown.keys():
+        shown[name] = _in_slots(shown[name], touches, slots, moved)
+    return Demonstration(
+        seed,
+        shown,
+        actions,
+        np.array(rewards),
+        terminated,
+        # The recording ended first: a person gave up, or the input ended.
+        truncated or not terminated,
+        tuple(hashes),
+        _about(recording, bool(info["success"]), same and taken == periods),
+    )
+
+
+def _frames(recording: Recording, hand: int, periods: int, period: int) -> list[TouchFrame]:
+    """The frame of a hand in every control period."""
+    frames, last = [], TouchFrame(0.0)
+    inputs = iter(recording.inputs.get(hand, ()))
+    coming = next(inputs, None)
+    for k in range(periods):
+        while coming is not None and coming.step <= k * period:
+            assert isinstance(coming.frame, TouchFrame)
+            last, coming = coming.frame, next(inputs, None)
+        frames.append(last)
+    return frames
+
+
+def _contacts(recording: Recording) -> list[Contact]:
+    return [c for hand in recording.inputs for f in recording.touches(hand) for c in f.contacts]
+
+
+def _slots_of_arrival(touches: Sequence[Touch]) -> list[int]:
+    nameless = [Touch(t.number, t.first, t.places) for t in touches]
+    fingers = [t.finger for t in touches]
+    return slots_of(touches if None not in fingers else nameless)
+
+
+def _actions(
+    touches: Sequence[Sequence[Touch]],
+    slots: Sequence[Sequence[int]],
+    lifts: Sequence[Sequence[float] | None],
+    periods: int,
+) -> Array:
+    """Actions of all hands, side by side."""
+    each = zip(touches, slots, lifts, strict=True)
+    return np.concatenate([actions_of(*own, periods) for own in each], axis=1)
+
+
+def _in_slots(
+    values: Array,
+    touches: Sequence[Sequence[Touch]],
+    before: Sequence[Sequence[int]],
+    after: Sequence[Sequence[int]],
+) -> Array:
+    """Observations (T + 1, 5, ...), or (T + 1, hands, 5, ...), with touches in other slots."""
+    hands = len(touches)
+    old = values if hands > 1 else values[:, None]
+    # An empty slot shows what it did before the first step.
+    new = np.repeat(old[:1], len(old), axis=0)
+    for hand in range(hands):
+        for touch, a, b in zip(touches[hand], before[hand], after[hand], strict=True):
+            # The touch of a step is seen after it.
+            seen = slice(touch.first + 1, touch.end + 1)
+            new[seen, hand, b] = old[seen, hand, a]
+    return new if hands > 1 else new[:, 0]
+
+
+def _note_names(
+    env: LearningEnv,
+    touches: Sequence[Sequence[Touch]],
+    slots: Sequence[Sequence[int]],
+    k: int,
+    found: Sequence[dict[int, int]],
+) -> None:
+    """Notes the fingers that the touches of a control period were taken for."""
+    for hand, names in enumerate(env.names()):
+        for touch, slot in zip(touches[hand], slots[hand], strict=True):
+            if touch.first <= k < touch.end and names[slot] is not None:
+                found[hand][touch.number] = names[slot]
+
+
+def _about(recording: Recording, success: bool, same: bool) -> dict[str, Any]:
+    header, end = recording.header, recording.end
+    assert end is not None
+    return {
+        "source": recording.path.name,
+        "success": success,
+        "simulated": header.get("user") is not None,
+        "device": str(header.get("device", "")),
+        "user": header.get("user"),
+        "same_states_as_recorded": same,
+        "recorded_success": bool(end["result"]["success"]),
+        "recorded_state_hash": str(end["hash"]),
+        "versions": header["versions"],
+        "digests": header.get("digests", {}),
+    }
+
+
+def check_equal(first: dict[str, Any], other: dict[str, Any], where: str) -> None:
+    """Checks that two recordings are of one environment.
+
+    Raises:
+        InputError: Options differ.
+    """
+    for name, value in _flat(first).items():
+        if (got := _flat(other).get(name)) != value:
+            raise InputError(
+                "a data set is of one environment, and this recording is of another one",
+                where=where,
+                got=f"{name} {got}",
+                expected=str(value),
+                remedy="Export it by itself",
+            )
+
+
+def _flat(options: dict[str, Any]) -> dict[str, Any]:
+    settings = {f"settings.{name}": value for name, value in options["settings"].items()}
+    return {**options, **settings, "settings": sorted(options["settings"])}

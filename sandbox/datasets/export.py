@@ -1,0 +1,141 @@
+"""Export of recordings as one data set."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from models.errors import InputError
+from sandbox.datasets.demonstration import (
+    Demonstration,
+    check_equal,
+    demonstrate,
+    environment_options,
+    open_demonstration,
+)
+from sandbox.datasets.npz_file import write_npz
+
+MINARI, NPZ = "minari", ".npz"
+"""Words after --to that stand for data sets."""
+
+
+@dataclass
+class Exported:
+    """What was exported.
+
+    Attributes:
+        where: Places of the data set, for people.
+        episodes, steps, successes, simulated: Counts.
+        differing: Recordings whose states are not those of the environment.
+    """
+
+    where: str = ""
+    episodes: int = 0
+    steps: int = 0
+    successes: int = 0
+    simulated: int = 0
+    differing: list[str] = field(default_factory=list)
+
+
+def is_data_set(to: Path) -> bool:
+    """True if a word after --to stands for a data set.
+
+    Raises:
+        InputError: It is that of a data set, and lacks a part.
+    """
+    if str(to) in ("npz", "lerobot"):
+        raise InputError(
+            "name the file" if str(to) == "npz" else "this kind of data set cannot be written yet",
+            where=f"--to {to}",
+            expected="FILE.npz or minari",
+        )
+    return str(to) == MINARI or to.suffix.lower() == NPZ
+
+
+def export_data_set(
+    files: Sequence[Path],
+    to: Path,
+    name: str = "",
+    successes_only: bool = False,
+    observe: Sequence[str] = ("all",),
+    done: Callable[[int], None] = lambda count: None,
+) -> Exported:
+    """Plays recordings through their environment and writes what it showed.
+
+    Args:
+        files: The recordings.
+        to: `minari`, or a file `.npz`.
+        name: Name of a data set of Minari.
+        successes_only: Leaves out what did not succeed.
+        observe: Parts of observations.
+        done: Called with the number of recordings that were played.
+
+    Raises:
+        InputError: A recording cannot be a demonstration, recordings are of several environments,
+            none is left, or the data set cannot be written.
+    """
+    try:
+        from sandbox.gym import learning_id
+        from sandbox.gym.learning.environment import LearningEnv
+    except ImportError:
+        raise InputError(
+            "Gymnasium is not installed",
+            where=f"--to {to}",
+            remedy="pip install 'hand-sandbox[gym]'",
+        ) from None
+    import gymnasium
+
+    if str(to) == MINARI:
+        from sandbox.datasets.minari_file import check_name
+
+        check_name(name)
+    # Bad recordings are told before the first is played.
+    options = [environment_options(open_demonstration(file), observe) for file in files]
+    for file, other in zip(files, options, strict=True):
+        check_equal(options[0], other, str(file))
+    id = learning_id(options[0]["task"])
+    env: Any = gymnasium.make(id, **{k: v for k, v in options[0].items() if k != "task"})
+    found = Exported()
+
+    def played() -> Iterator[Demonstration]:
+        learning = env.unwrapped
+        assert isinstance(learning, LearningEnv)
+        for number, file in enumerate(files, start=1):
+            one = demonstrate(open_demonstration(file), learning)
+            done(number)
+            if successes_only and not one.success:
+                continue
+            found.episodes += 1
+            found.steps += len(one.rewards)
+            found.successes += one.success
+            found.simulated += bool(one.about["simulated"])
+            if not one.about["same_states_as_recorded"]:
+                found.differing.append(str(file))
+            yield one
+
+    some = _not_empty(played(), files)
+    if str(to) == MINARI:
+        from sandbox.datasets.minari_file import write_minari
+
+        spaces = (env.observation_space, env.action_space)
+        *_, size, folder = write_minari(name, env.spec, spaces, some)
+        found.where = f"{name}, {size:.1f} MB in {folder}"
+    else:
+        write_npz(to, {"id": id, **options[0]}, some)
+        found.where = f"{to}, {to.stat().st_size / 1e6:.1f} MB"
+    env.close()
+    return found
+
+
+def _not_empty(episodes: Iterator[Demonstration], files: Sequence[Path]) -> Iterator[Demonstration]:
+    """The same episodes, of which there must be one."""
+    any_left = False
+    for episode in episodes:
+        any_left = True
+        yield episode
+    if not any_left:
+        raise InputError(
+            "no demonstration is left", got=f"{len(files)} recordings, none of a success"
+        )

@@ -1,0 +1,140 @@
+"""Data sets of Minari, the extra `datasets`."""
+
+from __future__ import annotations
+
+import re
+import warnings
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+import numpy as np
+
+from models.errors import InputError
+from sandbox.datasets.demonstration import Demonstration
+from sandbox.recording.versions import versions
+
+_NAME = re.compile(r"([\w-]+/)*[\w-]+-v\d+")
+
+
+def need_minari() -> Any:
+    """The module `minari`.
+
+    Raises:
+        InputError: It, or what it reads files with, is not installed.
+    """
+    try:
+        import h5py  # noqa: F401
+        import minari
+    except ImportError:
+        raise InputError(
+            "Minari is not installed",
+            where="--to minari",
+            remedy="pip install 'hand-sandbox[datasets]'",
+        ) from None
+    return minari
+
+
+def check_name(name: str) -> None:
+    """Checks the name of a data set that is to be written.
+
+    Raises:
+        InputError: It is not one of Minari's names, or there is such a data set.
+    """
+    if not _NAME.fullmatch(name):
+        raise InputError(
+            "not a name of a data set of Minari",
+            where="--name",
+            got=name or "nothing",
+            expected="such as hand_sandbox/box-to-goal/mine-v0",
+        )
+    if name in need_minari().list_local_datasets():
+        raise InputError(
+            "there is a data set of this name",
+            where="--name",
+            got=name,
+            remedy=f"Choose another name, or `minari delete {name}`",
+        )
+
+
+def write_minari(
+    name: str, spec: Any, spaces: tuple[Any, Any], episodes: Iterable[Demonstration]
+) -> tuple[int, int, float, str]:
+    """Writes a data set where Minari keeps its own, an episode at a time.
+
+    Every step's `infos` have `state_hash` and `seed`; an episode's metadata say the rest.
+
+    Args:
+        name: Its name.
+        spec: Gymnasium's specification of the environment.
+        spaces: Spaces of observations and actions.
+        episodes: The demonstrations, one or more.
+
+    Returns:
+        Number of episodes and steps, size in MB, and the folder.
+
+    Raises:
+        InputError: It cannot be written.
+    """
+    check_name(name)
+    minari = need_minari()
+    from minari.data_collector import EpisodeBuffer
+
+    about: list[dict[str, Any]] = []
+    data: Any = None
+    for episode in episodes:
+        count = len(episode.rewards)
+        last = np.arange(count) == count - 1
+        buffer = EpisodeBuffer(
+            seed=episode.seed,
+            observations=dict(episode.observations),
+            actions=episode.actions,
+            rewards=episode.rewards.tolist(),
+            terminations=(last & episode.terminated).tolist(),
+            truncations=(last & episode.truncated).tolist(),
+            infos={
+                "state_hash": list(episode.hashes),
+                "seed": np.full(count + 1, episode.seed),
+            },
+        )
+        about.append(_attributes(episode.about))
+        if data is None:
+            with warnings.catch_warnings():
+                # It asks for authors and an address, which whoever publishes the set adds.
+                warnings.simplefilter("ignore")
+                data = minari.create_dataset_from_buffers(
+                    name,
+                    [buffer],
+                    env=spec,
+                    observation_space=spaces[0],
+                    action_space=spaces[1],
+                    description="Demonstrations of touches, by Hand Sandbox.",
+                    requirements=_requirements(),
+                )
+        else:
+            data.storage.update_episodes([buffer])
+    data.storage.update_episode_metadata(about)
+    simulated = sum(each["simulated"] for each in about)
+    data.storage.update_metadata(
+        {
+            "algorithm_name": "simulated user" if simulated == len(about) else "people",
+            "simulated_episodes": int(simulated),
+            "hand_sandbox_versions": versions(),
+        }
+    )
+    storage = data.storage
+    return len(about), storage.total_steps, float(storage.get_size()), str(storage.data_path)
+
+
+def _attributes(about: Mapping[str, Any]) -> dict[str, Any]:
+    """What is known of an episode, as HDF5's attributes: texts, numbers and truths."""
+    import json
+
+    return {
+        key: value if isinstance(value, bool | int | float | str) else json.dumps(value)
+        for key, value in about.items()
+    }
+
+
+def _requirements() -> list[str]:
+    here = versions()
+    return [f"hand-sandbox=={here['hand-sandbox']}", f"mujoco=={here['mujoco']}"]

@@ -1,0 +1,136 @@
+"""Data sets as one file of NumPy's, .npz, which needs no other library."""
+
+from __future__ import annotations
+
+import json
+import zipfile
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from models.arithmetic.arrays import Array
+from models.errors import InputError
+from sandbox.datasets.demonstration import Demonstration
+
+KIND, SCHEMA = "hand sandbox demonstrations", 1
+OBSERVATION = "observation."
+"""Prefix of the arrays of observations."""
+
+
+@dataclass(frozen=True)
+class NpzDataSet:
+    """A data set that was read.
+
+    Attributes:
+        environment: Id and options of its environment.
+        episodes: The demonstrations.
+    """
+
+    environment: dict[str, Any]
+    episodes: tuple[Demonstration, ...]
+
+
+def write_npz(
+    path: Path, environment: Mapping[str, Any], episodes: Iterable[Demonstration]
+) -> None:
+    """Writes a data set; an existing file is replaced, once all is written.
+
+    `observation.NAME` and `state_hash` have a row more than `action`, `reward`, `terminated` and
+    `truncated` in every episode: those of the beginning. `steps` has the number of steps of each
+    episode; `about` is JSON text.
+
+    Args:
+        path: The file.
+        environment: Id and options of the environment.
+        episodes: The demonstrations, one or more.
+
+    Raises:
+        InputError: The file cannot be written.
+    """
+    whole = list(episodes)
+    arrays: dict[str, Any] = {
+        f"{OBSERVATION}{name}": np.concatenate([e.observations[name] for e in whole])
+        for name in whole[0].observations
+    }
+    ends = [np.arange(len(e.rewards)) == len(e.rewards) - 1 for e in whole]
+    arrays |= {
+        "action": np.concatenate([e.actions for e in whole]),
+        "reward": np.concatenate([e.rewards for e in whole]),
+        "terminated": np.concatenate(
+            [at & e.terminated for at, e in zip(ends, whole, strict=True)]
+        ),
+        "truncated": np.concatenate([at & e.truncated for at, e in zip(ends, whole, strict=True)]),
+        "state_hash": np.array([hash for e in whole for hash in e.hashes]),
+        "steps": np.array([len(e.rewards) for e in whole]),
+        "seed": np.array([e.seed for e in whole]),
+        "about": np.array(
+            json.dumps(
+                {
+                    "kind": KIND,
+                    "schema": SCHEMA,
+                    "environment": dict(environment),
+                    "episodes": [e.about for e in whole],
+                }
+            )
+        ),
+    }
+    beside = path.with_name(f".{path.name}.part")
+    try:
+        with beside.open("wb") as file:
+            np.savez_compressed(file, **arrays)
+        beside.replace(path)
+    except OSError as error:
+        beside.unlink(missing_ok=True)
+        raise InputError("it cannot be written", where=str(path), got=error.strerror) from None
+
+
+def read_npz(path: Path) -> NpzDataSet:
+    """Reads a data set.
+
+    Raises:
+        InputError: The file cannot be read, is cut short, or is no data set.
+    """
+    try:
+        with np.load(path, allow_pickle=False) as file:
+            arrays = {name: file[name] for name in file.files}
+        about = json.loads(str(arrays.pop("about")))
+        if about["kind"] != KIND or about["schema"] != SCHEMA:
+            raise ValueError(f"{about['kind']}, schema {about['schema']}")
+        return NpzDataSet(about["environment"], tuple(_episodes(arrays, about["episodes"])))
+    except OSError as error:
+        raise InputError("cannot be read", where=str(path), got=error.strerror) from None
+    except (ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile) as error:
+        raise InputError(
+            "this is not a whole data set",
+            where=str(path),
+            got=str(error),
+            remedy="`sandbox export RECORDING --to FILE.npz` writes one",
+        ) from None
+
+
+def _episodes(arrays: Mapping[str, Array], about: list[Any]) -> Iterator[Demonstration]:
+    steps = [int(count) for count in arrays["steps"]]
+    after = [sum(steps[:i]) for i in range(len(steps) + 1)]
+    if len(arrays["action"]) != after[-1] or len(arrays["state_hash"]) != after[-1] + len(steps):
+        raise ValueError("its arrays have other lengths than its episodes")
+    for i, (count, known) in enumerate(zip(steps, about, strict=True)):
+        of = slice(after[i], after[i] + count)
+        # Observations have a row more in each episode.
+        seen = slice(after[i] + i, after[i] + i + count + 1)
+        yield Demonstration(
+            int(arrays["seed"][i]),
+            {
+                name.removeprefix(OBSERVATION): values[seen]
+                for name, values in arrays.items()
+                if name.startswith(OBSERVATION)
+            },
+            arrays["action"][of],
+            arrays["reward"][of],
+            bool(arrays["terminated"][of].any()),
+            bool(arrays["truncated"][of].any()),
+            tuple(arrays["state_hash"][seen].tolist()),
+            known,
+        )

@@ -1,0 +1,229 @@
+"""Recordings become data sets that give the same states when they are played back."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import gymnasium
+import numpy as np
+import pytest
+
+from models.errors import InputError
+from models.frames import Contact
+from sandbox import run_trial
+from sandbox.cli.main import main
+from sandbox.datasets.export import export_data_set, is_data_set
+from sandbox.datasets.npz_file import NpzDataSet, read_npz
+from sandbox.datasets.playback import first_difference
+from sandbox.datasets.slots import actions_of, slots_of, touches_of
+from tests.support.needs import require
+
+SEEDS = (6000, 6001)
+
+
+@pytest.fixture(scope="module")
+def recordings(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Two recorded trials of training seeds."""
+    folder = tmp_path_factory.mktemp("recordings")
+    for seed in SEEDS:
+        run_trial("box-to-goal", seed, record=folder / f"{seed}.jsonl", trajectories=False)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def npz(recordings: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    file = tmp_path_factory.mktemp("sets") / "demonstrations.npz"
+    assert main(["export", str(recordings), "--to", str(file)]) == 0
+    return file
+
+
+@pytest.fixture(scope="module")
+def data(npz: Path) -> NpzDataSet:
+    return read_npz(npz)
+
+
+def made(data: NpzDataSet) -> Any:
+    """The environment of a data set."""
+    options = {k: v for k, v in data.environment.items() if k not in ("id", "task")}
+    return gymnasium.make(f"sandbox.gym:{data.environment['id']}", **options).unwrapped
+
+
+def test_every_recording_is_a_demonstration_with_its_own_states(
+    data: NpzDataSet, recordings: Path
+) -> None:
+    assert [episode.seed for episode in data.episodes] == list(SEEDS)
+    for episode in data.episodes:
+        about = episode.about
+        assert episode.success and episode.terminated and not episode.truncated
+        assert about["simulated"] and about["user"]["kind"] == "skilled"
+        assert about["same_states_as_recorded"]
+        lines = (recordings / about["source"]).read_text(encoding="utf-8").splitlines()
+        assert json.loads(lines[-1])["hash"] == about["recorded_state_hash"] == episode.hashes[-1]
+        assert json.loads(lines[0])["versions"] == about["versions"]
+        assert episode.rewards.sum() == pytest.approx(2.0)
+
+
+def test_playing_it_back_gives_the_same_hashes_and_a_changed_action_does_not(
+    data: NpzDataSet,
+) -> None:
+    env, episode = made(data), data.episodes[0]
+    assert first_difference(env, episode.seed, episode.actions, episode.hashes) is None
+    changed = episode.actions.copy()
+    down = int(np.flatnonzero(changed[:, 0] > 0.5)[5])
+    changed[down, 1] += 1e-6
+    first = first_difference(env, episode.seed, changed, episode.hashes)
+    assert first is not None and first > down
+    env.close()
+
+
+def test_observations_are_the_environment_s_and_the_hand_s_own_pose_is_among_them(
+    data: NpzDataSet,
+) -> None:
+    env, episode = made(data), data.episodes[1]
+    seen, _ = env.reset(seed=episode.seed)
+    for step in range(120):
+        for name, values in seen.items():
+            assert np.array_equal(values, episode.observations[name][step])
+        seen, *_ = env.step(episode.actions[step])
+    assert len(episode.observations["commanded"]) == len(episode.actions) + 1
+    assert episode.observations["time"][50, 0] == pytest.approx(0.8)
+    env.close()
+
+
+def test_a_touch_is_in_the_slot_of_its_finger(data: NpzDataSet) -> None:
+    for episode in data.episodes:
+        down = episode.observations["touches"][:, :, 0] > 0.5
+        names = episode.observations["names"]
+        known = down & (names >= 0)
+        assert known.sum() > 100
+        assert np.array_equal(names[known], np.broadcast_to(np.arange(5.0), names.shape)[known])
+
+
+@pytest.mark.needs("datasets")
+def test_minari_recovers_the_environment_and_playing_back_gives_the_same_hashes(
+    recordings: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    import minari
+
+    monkeypatch.setenv("MINARI_DATASETS_PATH", str(tmp_path))
+    name = "hand_sandbox/test/box-to-goal-v0"
+    assert main(["export", str(recordings), "--to", "minari", "--name", name]) == 0
+    data = minari.load_dataset(name)
+    assert data.total_episodes == len(SEEDS)
+    env = data.recover_environment()
+    for episode, about in zip(
+        data.iterate_episodes(), data.storage.get_episode_metadata([0, 1]), strict=True
+    ):
+        hashes = [text.decode() for text in episode.infos["state_hash"]]
+        assert first_difference(env, int(about["seed"]), episode.actions, hashes) is None
+        assert about["success"] and about["simulated"]
+        assert json.loads(about["versions"])["mujoco"]
+        assert set(episode.observations) == set(env.observation_space.spaces)
+    env.close()
+    with pytest.raises(InputError, match="there is a data set of this name"):
+        export_data_set(sorted(recordings.glob("*.jsonl")), Path("minari"), name)
+
+
+@pytest.mark.needs("robots")
+def test_a_robot_s_demonstration_has_the_person_s_hand_beside_its_own(tmp_path: Path) -> None:
+    require("robots")
+    file = tmp_path / "shadow.jsonl"
+    run_trial("box-to-goal", 3, record=file, robot="shadow", trajectories=False)
+    export_data_set([file], tmp_path / "set.npz", observe=("commanded",))
+    (episode,) = read_npz(tmp_path / "set.npz").episodes
+    assert episode.success and episode.about["same_states_as_recorded"]
+    assert episode.observations["commanded"].shape[1] == 48
+    assert episode.observations["pose"].shape[1] == 28
+
+
+def test_six_touches_keep_five_slots_and_a_slot_is_empty_between_two_touches() -> None:
+    six = [Contact(i, 0.01 * i, 0.05) for i in range(6)]
+    frames = [six[:5], six, six[1:], six[1:], six[2:], []]
+    touches = touches_of(frames)
+    # The sixth begins once a slot has been empty for a period.
+    assert [touch.first for touch in touches] == [0, 0, 0, 0, 0, 3]
+    slots = slots_of(touches)
+    actions = actions_of(touches, slots, None, len(frames)).reshape(6, 5, 3)
+    assert slots[5] == slots[0] and actions[2, slots[0], 0] == 0.0
+    assert actions[3, slots[5], 1] == pytest.approx(0.05)
+    assert actions[5].sum() == 0.0
+
+
+def test_a_finger_s_slot_that_is_taken_leaves_another_one() -> None:
+    frames = [[Contact(0, 0.1, 0.1, label=1)], [Contact(1, 0.1, 0.1, label=1)]]
+    first, second = slots_of(touches_of(frames))
+    assert first == 1 != second
+
+
+def bad_inputs() -> dict[str, tuple[str, str, str]]:
+    """What is wrong -> the file's name, --to, and what is said."""
+    return {
+        "cut short": ("cut.jsonl", "set.npz", "needs a whole recording"),
+        "another task": ("other.jsonl", "set.npz", "of another one"),
+        "no success": ("idle.jsonl", "set.npz", "none of a success"),
+        "no such file": ("nothing.jsonl", "set.npz", "no such recording"),
+        "not a recording": ("text.jsonl", "set.npz", "not a recording"),
+        "no folder": ("6000.jsonl", "nowhere/set.npz", "cannot be written"),
+        "no name of a file": ("6000.jsonl", "npz", "name the file"),
+        "another format": ("6000.jsonl", "lerobot", "cannot be written yet"),
+        "no name": ("6000.jsonl", "minari", "has a name"),
+    }
+
+
+@pytest.mark.parametrize("wrong", bad_inputs())
+def test_what_cannot_be_exported_is_one_line(
+    wrong: str, recordings: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file, to, says = bad_inputs()[wrong]
+    text = (recordings / "6000.jsonl").read_text(encoding="utf-8")
+    (tmp_path / "6000.jsonl").write_text(text, encoding="utf-8")
+    header, _, rest = text.partition("\n")
+    (tmp_path / "cut.jsonl").write_text(text[: len(text) // 2], encoding="utf-8")
+    other = json.loads(header)
+    other["settings"]["impulse"] = 0.5
+    (tmp_path / "other.jsonl").write_text(f"{json.dumps(other)}\n{rest}", encoding="utf-8")
+    (tmp_path / "text.jsonl").write_text("nothing\n", encoding="utf-8")
+    if file == "idle.jsonl":
+        # The goal is not reached in a trial that was left early.
+        lines = [line for line in text.splitlines() if '"step":0,' in line or '"header"' in line]
+        end = json.loads(text.splitlines()[-1]) | {"step": 80}
+        (tmp_path / file).write_text("\n".join([*lines, json.dumps(end)]) + "\n", encoding="utf-8")
+    to = to if to in ("npz", "lerobot", "minari") else str(tmp_path / to)
+    files = [str(tmp_path / file)] if wrong != "another task" else []
+    if wrong == "another task":
+        files = [str(tmp_path / "6000.jsonl"), str(tmp_path / file)]
+    assert main(["export", *files, "--to", to, "--successes"]) == 2
+    said = capsys.readouterr().err.strip()
+    assert says in said and "Traceback" not in said and len(said.splitlines()) == 1
+
+
+def test_a_file_that_is_cut_short_is_said_to_be(npz: Path, tmp_path: Path) -> None:
+    data = npz.read_bytes()
+    for wrong in (data[: len(data) // 2], b"nothing"):
+        (tmp_path / "cut.npz").write_bytes(wrong)
+        with pytest.raises(InputError, match="not a whole data set") as error:
+            read_npz(tmp_path / "cut.npz")
+        assert "\n" not in str(error.value)
+    with pytest.raises(InputError, match="cannot be read"):
+        read_npz(tmp_path / "nothing.npz")
+
+
+def test_words_for_data_sets_are_told_from_files_of_motion() -> None:
+    assert is_data_set(Path("minari")) and is_data_set(Path("a.npz"))
+    assert not is_data_set(Path("hand.bvh"))
+
+
+def test_states_that_are_not_the_recording_s_are_said_to_be_so(
+    recordings: Path, tmp_path: Path
+) -> None:
+    file = tmp_path / "6000.jsonl"
+    lines = (recordings / file.name).read_text(encoding="utf-8").splitlines()
+    end = json.loads(lines[-1])
+    end["hash"] = "0" * 32
+    file.write_text("\n".join([*lines[:-1], json.dumps(end)]) + "\n", encoding="utf-8")
+    found = export_data_set([file], tmp_path / "set.npz", observe=())
+    assert found.differing == [str(file)]
+    (episode,) = read_npz(tmp_path / "set.npz").episodes
+    assert not episode.about["same_states_as_recorded"]
