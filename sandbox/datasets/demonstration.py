@@ -221,8 +221,9 @@ def _note_names(
     """Notes the fingers that the touches of a control period were taken for."""
     for hand, names in enumerate(env.names()):
         for touch, slot in zip(touches[hand], slots[hand], strict=True):
-            if touch.first <= k < touch.end and names[slot] is not None:
-                found[hand][touch.number] = names[slot]
+            finger = names[slot]
+            if touch.first <= k < touch.end and finger is not None:
+                found[hand][touch.number] = finger
 
 
 def _about(recording: Recording, success: bool, same: bool) -> dict[str, Any]:
