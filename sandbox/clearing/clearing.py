@@ -11,6 +11,7 @@ from math import expm1
 
 import mujoco
 import numpy as np
+from numpy.typing import NDArray
 
 from encoders.reconstruction.touch_reconstructor import Reconstruction
 from models.arithmetic.arrays import Array
@@ -61,7 +62,10 @@ SPEED = 6.0
 """rad/s (and a tenth of it, m/s), largest speed of the correction."""
 
 _SLACK = 1e-6
+_SHORT = 1e-4
+"""m, by which a margin that was dropped may be broken."""
 _ROUNDS = 12
+"""Rounds in which joints may be held at the ends of their ranges."""
 _STILL = 1e-5
 """rad (and m), below which a correction that is not needed has gone."""
 
@@ -88,6 +92,8 @@ class Clearing:
         self._distances = distances
         self._skeleton, self._surface = skeleton, surface
         self._kinematics: dict[tuple[int, ...], OnePose] = {}
+        self._held: dict[tuple[int, ...], NDArray[np.int64]] = {}
+        self._own = scene.qpos_slice(hand)
         self._variance = _variance()
         self._up = surface.rotation[:, 2].copy()
         self._low, self._high = skeleton.lower, skeleton.upper
@@ -110,18 +116,15 @@ class Clearing:
         self._led: frozenset[int] = frozenset()
         self._before: tuple[tuple[int, ...], Array] | None = None
 
-    def step(
-        self, data: mujoco.MjData, reconstruction: Reconstruction, tips: Array
-    ) -> Reconstruction:
+    def step(self, data: mujoco.MjData, reconstruction: Reconstruction) -> Reconstruction:
         """The reconstruction with the pose to command instead.
 
         Args:
             data: Current state of the simulation.
             reconstruction: Current reconstruction from touches.
-            tips: (5, 3) m, fingertips of the simulated hand.
         """
         fingers = tuple(sorted(reconstruction.touches))
-        wanted = self._wanted(data, reconstruction, fingers, tips) if fingers else None
+        wanted = self._wanted(data, reconstruction, fingers) if fingers else None
         if not fingers:
             self._before = None
         if wanted is None:
@@ -150,12 +153,12 @@ class Clearing:
         data: mujoco.MjData,
         reconstruction: Reconstruction,
         fingers: tuple[int, ...],
-        tips: Array,
     ) -> Array | None:
         """The likeliest correction (48,) at which the hand is clear; None without one."""
         kinematics = self._kinematics.get(fingers)
         if kinematics is None:
             kinematics = self._kinematics[fingers] = OnePose(self._skeleton, fingers)
+            self._held[fingers] = _joints_of(self._skeleton, fingers)
         q0 = reconstruction.q
         at = kinematics.tips(q0)
         offset = self.offset
@@ -163,9 +166,14 @@ class Clearing:
         if offset is not None:
             q = q0 + offset
             reached = kinematics.tips(q)
-        # The hand is seen where it will be once it is down, or where it is.
         qpos = kinematics.joint_positions()
-        qpos[ROOT_POSITION] += self._landing(reconstruction, fingers, at, tips)
+        if reconstruction.down:
+            # What presses is held back: the palm and touching fingers are seen where they are.
+            held = self._held[fingers]
+            qpos[held] = data.qpos[self._own][held]
+        else:
+            # The hand is seen where it will be once it is down.
+            qpos[ROOT_POSITION] += self._landing(reconstruction, fingers, at)
         velocity = self._velocity(reconstruction, fingers, at)
         near = self._distances.near(data, qpos)
         rows, lacking = self._lacking(near, fingers)
@@ -212,12 +220,9 @@ class Clearing:
         return velocity
 
     def _landing(
-        self, reconstruction: Reconstruction, fingers: tuple[int, ...], at: Array, tips: Array
+        self, reconstruction: Reconstruction, fingers: tuple[int, ...], at: Array
     ) -> Array:
-        """(3,) m from the commanded hand to where it is looked at."""
-        if reconstruction.down:
-            down: Array = (tips.take(fingers, 0) - at).mean(axis=0)
-            return down
+        """(3,) m from the commanded hand above the surface to where it comes down."""
         heights = (at - self._surface.corner) * self._up
         high = float(heights.sum()) / len(fingers) - reconstruction.tip_height
         return -high * self._up
@@ -251,8 +256,9 @@ class Clearing:
         """The likeliest correction (48,) whose tips stay, and whose margins are kept; and the
         margins that lead it, by their places behind the tips' rows.
 
-        An active-set search: a margin that would draw a part towards a thing is dropped, a joint
-        that would leave its range is held at its end.
+        An active-set search: a margin that would draw a part towards a thing is dropped, the
+        one of those dropped that the rest keeps least comes back, and a joint that would leave
+        its range is held at its end.
 
         Args:
             A: (exact + n, 48) derivatives of tips and distances.
@@ -265,7 +271,8 @@ class Clearing:
         low, high = self._low - q0[JOINTS], self._high - q0[JOINTS]
         keep = list(range(len(r)))
         offset = held
-        for _ in range(_ROUNDS):
+        dropped: list[int] = []
+        for _ in range(3 * (len(r) - exact) + _ROUNDS):
             B = A.take(keep, 0)
             BV = B * variance
             S = times_transposed(BV, B)
@@ -274,9 +281,14 @@ class Clearing:
             weights = solve_positive(S, r.take(keep) - matrix_vector(B, held))
             pulls = weights[exact:]
             if len(pulls) and (worst := int(pulls.argmin())) >= 0 and pulls[worst] < 0.0:
-                del keep[exact + worst]
+                dropped.append(keep.pop(exact + worst))
                 continue
             offset = vector_matrix(weights, BV) + held
+            if dropped:
+                short = r.take(dropped) - matrix_vector(A.take(dropped, 0), offset)
+                if short[least := int(short.argmax())] > _SHORT:
+                    keep.append(dropped.pop(least))
+                    continue
             joints = offset[JOINTS]
             legal = np.minimum(np.maximum(joints, low), high)
             beyond = np.abs(joints - legal) > _SLACK
@@ -290,6 +302,19 @@ class Clearing:
 
 
 _SHARE = -expm1(-CONTROL_PERIOD / TAU)
+
+
+def _joints_of(skeleton: Skeleton, fingers: tuple[int, ...]) -> NDArray[np.int64]:
+    """Indices of the palm and of some fingers into a hand's joint positions (63,)."""
+    at = [*range(_PALM)]
+    for i, bone in enumerate(skeleton.bones):
+        if bone.finger in fingers:
+            at += range(_PALM + 4 * i, _PALM + 4 * (i + 1))
+    return np.array(at)
+
+
+_PALM = 7
+"""Joint positions of the palm: three slides and a quaternion. Those of bones follow, 4 each."""
 
 
 def _variance() -> Array:

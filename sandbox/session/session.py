@@ -397,8 +397,7 @@ class Session:
         reconstruction = rig.reconstructor.step(frame)
         clearing = self._clearing[i]
         if clearing:
-            tips = self._gates[i].tips(self.data)
-            reconstruction = clearing.step(self.data, reconstruction, tips)
+            reconstruction = clearing.step(self.data, reconstruction)
         if rig.yaw:
             rig.yaw.step(self.time, reconstruction.u)
         follower = self._followers[i]

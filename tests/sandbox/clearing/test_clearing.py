@@ -160,6 +160,28 @@ def test_the_derivatives_of_distances_are_finite_differences(seed: int) -> None:
         assert change / (2 * step) == pytest.approx(ours[:, i], abs=2e-4)
 
 
+@pytest.mark.parametrize("seed", range(20))
+def test_the_likeliest_correction_keeps_every_margin_however_many_there_are(seed: int) -> None:
+    """Margins that can be kept are, and the fingertips stay."""
+    session = beside_box("hand")
+    clearing = session._clearing[0]
+    assert clearing is not None
+    rng = np.random.default_rng(seed)
+    tips, margins = rng.normal(size=(9, 48)), rng.normal(size=(24, 48))
+    # All margins can be kept by one correction, which does not move the tips.
+    null = np.eye(48) - np.linalg.pinv(tips) @ tips
+    one = null @ rng.normal(size=48) * 0.01
+    lacking = margins @ one - rng.uniform(0.0, 0.01, 24)
+    A = np.concatenate([tips, margins])
+    r = np.concatenate([np.zeros(9), lacking])
+    q0 = np.concatenate([np.zeros(6), 0.5 * (ADULT.lower + ADULT.upper)])
+    offset, led = clearing._likeliest(A, r, 9, q0)
+    assert np.abs(tips @ offset).max() < 0.001
+    assert (margins @ offset - lacking).min() > -0.002
+    assert 0 < len(led) < 24
+    session.close()
+
+
 @pytest.mark.parametrize("height", [0.075, 0.09, 0.1])
 def test_every_part_within_reach_of_a_thing_is_measured(height: float) -> None:
     """The box's own distances are the independent reader."""
