@@ -5,12 +5,12 @@ from __future__ import annotations
 import os
 import tomllib
 from datetime import date
-from importlib.metadata import version as installed
 from pathlib import Path
 from typing import Any
 
 _HERE = Path(os.environ["HAND_SANDBOX_SITE"])
 _SETTINGS = tomllib.loads((_HERE / "settings.toml").read_text(encoding="utf-8"))
+_PROJECT = tomllib.loads((_HERE.parent / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 
 
 def _known(name: str) -> str:
@@ -21,7 +21,7 @@ def _known(name: str) -> str:
 
 project = _SETTINGS["title"]
 author = _known("authors")
-release = version = installed("hand-sandbox")
+release = version = str(_PROJECT["version"])
 copyright = f"{date.today().year} {author}".strip()
 
 extensions = [
@@ -29,8 +29,12 @@ extensions = [
     "sphinx.ext.autodoc",
     "sphinx.ext.napoleon",
     "sphinx_copybutton",
+    "sphinx_design",
 ]
-exclude_patterns = ["examples/**/*.md"]
+templates_path = ["templates"]
+html_static_path = ["static"]
+html_css_files = ["site.css"]
+exclude_patterns = ["examples/**/*.md", "paper/*.md"]
 myst_heading_anchors = 4
 myst_enable_extensions = ["colon_fence"]
 # Docstrings of this project write code in single backticks.
@@ -47,6 +51,22 @@ html_theme = "furo"
 html_title = project
 html_copy_source = False
 html_show_sourcelink = False
+# Those of Furo, with the versions below the pages.
+html_sidebars = {
+    "**": [
+        "sidebar/brand.html",
+        "sidebar/search.html",
+        "sidebar/scroll-start.html",
+        "sidebar/navigation.html",
+        "versions.html",
+        "sidebar/scroll-end.html",
+    ]
+}
+# Where the site of the newest state is, seen from this one, and the released ones in folders of it.
+html_context = {
+    "newest": os.environ.get("HAND_SANDBOX_NEWEST", ""),
+    "released": os.environ.get("HAND_SANDBOX_VERSIONS", "").split(),
+}
 html_theme_options = {"source_repository": _known("repository")} if _known("repository") else {}
 
 

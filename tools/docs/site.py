@@ -2,11 +2,13 @@
 
     pip install -e ".[site]"
     python -m tools.docs.site                  # writes out/site/index.html
+    python -m tools.docs.site --released       # also the sites of released versions, by tags
     python -m tools.docs.site --check          # lists what the owner of the project has to fill in
 
 Pages are copied to a folder where each has its place as in the repository, so that links between
-them, and to examples and sources, hold on the site as they do here. A link that leads nowhere, a
-page that the menu lacks, or a docstring that cannot be read, is an error.
+them, and to examples and sources, hold on the site as they do here. Pages of tasks and of public
+names are made from the program itself. A link that leads nowhere, a page that the menu lacks, or a
+docstring that cannot be read, is an error.
 """
 
 from __future__ import annotations
@@ -23,6 +25,9 @@ from importlib.util import find_spec
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+from tools.docs.owner import settings, to_fill_in
+from tools.docs.versions import build_released, released
+
 ROOT = Path(__file__).resolve().parents[2]
 SITE = ROOT / "site"
 PACKAGES = ("models", "encoders", "tasks", "sandbox")
@@ -33,6 +38,9 @@ TOP = ("README.md", "CHANGELOG.md", "CONTRIBUTING.md", "LICENSE", "CITATION.cff"
 
 LINK = re.compile(r"\]\(((?:\.\./)+(?:models|encoders|tasks|sandbox|tools|benchmarks)/[^)#\s]+)")
 """Links to sources, relative to the page."""
+
+NEEDED = ("sphinx", "furo", "myst_parser", "sphinx_copybutton", "sphinx_design", "gymnasium")
+"""What the extra `site` brings."""
 
 FIRST = """# {title}
 
@@ -48,12 +56,6 @@ user's; no person took part.*
 """
 
 
-def to_fill_in() -> list[str]:
-    """Names of the settings that still have their placeholder."""
-    settings = tomllib.loads((SITE / "settings.toml").read_text(encoding="utf-8"))
-    return [name for name, value in settings.items() if str(value).startswith("<")]
-
-
 def stage(folder: Path) -> None:
     """Copies all pages and what they link to into a folder, and writes the menu and the reference.
 
@@ -62,7 +64,7 @@ def stage(folder: Path) -> None:
     """
     for name in TOP:
         shutil.copy(ROOT / name, folder / name)
-    for name in ("docs", "examples"):
+    for name in ("docs", "examples", "paper"):
         shutil.copytree(ROOT / name, folder / name, ignore=shutil.ignore_patterns("__pycache__"))
     for page in sorted((folder / "docs").rglob("*.md")):
         for link in LINK.findall(page.read_text(encoding="utf-8")):
@@ -72,29 +74,40 @@ def stage(folder: Path) -> None:
     (folder / "api").mkdir()
     for package in PACKAGES:
         (folder / "api" / f"{package}.rst").write_text(reference(package), encoding="utf-8")
-    (folder / "index.md").write_text(first_page(folder), encoding="utf-8")
+    # The environments of the tasks are an extra, which --check does without.
+    from tools.docs.task_pages import write_pages
+
+    (folder / "index.md").write_text(first_page(folder, write_pages(folder)), encoding="utf-8")
     (folder / "docs" / "index.md").unlink()
     for name in ("README.md", "CONTRIBUTING.md"):
         page = folder / name
         text = page.read_text(encoding="utf-8").replace("](docs/index.md)", "](index.md)")
         page.write_text(text, encoding="utf-8")
     shutil.copy(SITE / "conf.py", folder / "conf.py")
+    shutil.copytree(SITE / "templates", folder / "templates")
+    shutil.copytree(SITE / "static", folder / "static")
 
 
-def first_page(folder: Path) -> str:
-    """The first page: what people want to do, as docs/index.md has it, and the menu."""
+def first_page(folder: Path, tasks: list[str]) -> str:
+    """The first page: what people want to do, as docs/index.md has it, and the menu.
+
+    Args:
+        folder: Folder of the pages.
+        tasks: Names of the pages of tasks.
+    """
     wishes = (folder / "docs" / "index.md").read_text(encoding="utf-8")
     wishes = re.sub(r"\]\((?!https?:|\.\./|#)", "](docs/", wishes).replace("](../", "](")
     # Titles of pages in the place of their files' names.
     wishes = re.sub(r"\[[\w-]+\.md\]\(", "[](", wishes)
     wishes = wishes.replace("# I want to ...", "## I want to ...", 1).replace("\n## ", "\n### ")
-    title = tomllib.loads((SITE / "settings.toml").read_text(encoding="utf-8"))["title"]
-    return FIRST.format(title=title) + wishes.replace("### I want", "## I want", 1) + "\n" + menu()
+    first = FIRST.format(title=settings()["title"])
+    return first + wishes.replace("### I want", "## I want", 1) + "\n" + menu(tasks)
 
 
-def menu() -> str:
-    """Sphinx's trees of pages, one a section."""
+def menu(tasks: list[str]) -> str:
+    """Sphinx's trees of pages, one a section; the tasks come after the first."""
     sections = tomllib.loads((SITE / "navigation.toml").read_text(encoding="utf-8"))["section"]
+    sections.insert(1, {"title": "Tasks", "pages": tasks})
     trees = []
     for section in sections:
         pages = "\n".join(section["pages"])
@@ -120,11 +133,13 @@ def heading(text: str, line: str) -> list[str]:
     return [text, line * len(text), ""]
 
 
-def build(out: Path) -> int:
+def build(out: Path, versions: list[str], newest: str = "") -> int:
     """Builds the site; returns the exit status of Sphinx.
 
     Args:
         out: Folder of the site, which is written anew.
+        versions: Released versions that the menu leads to.
+        newest: Path from this site to that of the newest state; empty if it is this one.
     """
     shutil.rmtree(out, ignore_errors=True)
     with TemporaryDirectory() as made:
@@ -133,7 +148,13 @@ def build(out: Path) -> int:
         asked = [sys.executable, "-m", "sphinx", "-W", "--keep-going", "-q", "-b", "html"]
         answer = subprocess.run(
             [*asked, str(pages), str(out)],
-            env={**os.environ, "HAND_SANDBOX_SITE": str(SITE), "PYTHONPATH": str(ROOT)},
+            env={
+                **os.environ,
+                "HAND_SANDBOX_SITE": str(SITE),
+                "HAND_SANDBOX_VERSIONS": " ".join(versions),
+                "HAND_SANDBOX_NEWEST": newest,
+                "PYTHONPATH": str(ROOT),
+            },
             check=False,
         )
     return answer.returncode
@@ -145,16 +166,22 @@ def main() -> int:
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--out", type=Path, default=Path("out/site"), help="folder of the site")
-    parser.add_argument("--check", action="store_true", help="list settings to be filled in")
+    parser.add_argument("--released", action="store_true", help="also build released versions")
+    parser.add_argument("--versions", nargs="*", default=[], help="versions that the menu leads to")
+    parser.add_argument("--newest", default="", help="path to the site of the newest state")
+    parser.add_argument("--check", action="store_true", help="list what is to be filled in")
     options = parser.parse_args()
     if options.check:
-        for name in to_fill_in():
-            print(f"site/settings.toml: {name} is to be filled in")
+        for line in to_fill_in():
+            print(line)
         return 0
-    if find_spec("sphinx") is None:
-        print('Sphinx is missing: pip install -e ".[site]"', file=sys.stderr)
+    if missing := [name for name in NEEDED if find_spec(name) is None]:
+        print(f'missing {", ".join(missing)}: pip install -e ".[site]"', file=sys.stderr)
         return 2
-    status = build(options.out)
+    versions = released() if options.released else options.versions
+    status = build(options.out, versions, options.newest)
+    if options.released:
+        status = status or build_released(options.out, versions)
     if not status:
         print(f"{options.out / 'index.html'} is the first page")
     return status

@@ -6,7 +6,7 @@ import re
 import tomllib
 from pathlib import Path
 
-from tools.docs.site import to_fill_in
+from tools.docs.owner import to_fill_in
 from tools.release.keep import missing
 from tools.release.plan import not_covered
 from tools.release.released import releases
@@ -33,7 +33,7 @@ def to_do(root: Path = ROOT) -> list[str]:
         left.append(f"CHANGELOG.md: no section of {version}")
     elif heading[1] == "unreleased":
         left.append(f"CHANGELOG.md: the date of {version} is to be filled in")
-    left += [f"site/settings.toml: {name} is to be filled in" for name in to_fill_in()]
+    left += to_fill_in()
     kept = {release.version: release for release in releases()}
     if version not in kept:
         left.append(f"no recordings: python -m tools.release record {version}")

@@ -1,0 +1,80 @@
+"""Pages of the site that are made from the program: tasks, measured tables, versions."""
+
+from __future__ import annotations
+
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from tasks.registry import TASKS
+from tools.docs.measured_tables import MeasuredTable, tables_of
+from tools.docs.task_films import FILMS, film_of
+from tools.docs.versions import released
+
+ROOT = Path(__file__).parents[1]
+
+pytest.importorskip("gymnasium")
+
+
+def measured() -> list[MeasuredTable]:
+    return [
+        t for page in sorted((ROOT / "docs" / "measured").glob("*.md")) for t in tables_of(page)
+    ]
+
+
+def test_a_task_that_is_a_column_gives_its_rows_and_their_names(tmp_path: Path) -> None:
+    page = tmp_path / "page.md"
+    page.write_text(
+        "# Title\n\n## Part\n\n| | a | b |\n| --- | --- | --- |\n| x | 1 | 2 |\n", "utf-8"
+    )
+    [table] = tables_of(page)
+    part = table.of_task("b")
+    assert part is not None
+    assert (part.heading, part.columns, part.rows) == ("Part", ("", "b"), (("x", "2"),))
+    assert table.of_task("c") is None
+
+
+def test_a_task_in_cells_gives_its_rows_without_its_name(tmp_path: Path) -> None:
+    page = tmp_path / "page.md"
+    page.write_text(
+        "| robot | task | n |\n| --- | --- | --- |\n| r | a | 1 |\n| r | b | 2 |\n", "utf-8"
+    )
+    [table] = tables_of(page)
+    part = table.of_task("b")
+    assert part is not None
+    assert (part.columns, part.rows) == (("robot", "n"), (("r", "2"),))
+
+
+@pytest.mark.parametrize("name", TASKS)
+def test_the_page_of_a_task_has_its_contract_its_spaces_and_what_was_measured(name: str) -> None:
+    from tools.docs.task_pages import described, page_of
+
+    kind, tables = TASKS[name], measured()
+    page = page_of(kind, tables)
+    told = described(kind)
+    assert all(text[1:] in page for text in (told.first, told.more, *told.parts.values()))
+    words_told = sum(len(text.split()) for text in (told.first, told.more, *told.parts.values()))
+    assert words_told + len(told.parts) == len((kind.__doc__ or "").split())
+    words = "".join(word.capitalize() for word in name.split("-"))
+    assert f"`hand_sandbox/{words}-v{kind.version}`" in page
+    assert f"| Time limit | {kind.time_limit:g} s |" in page
+    rows = [row for table in tables if (part := table.of_task(name)) for row in part.rows]
+    assert all(f"| {' | '.join(row)} |" in page for row in rows)
+
+
+def test_every_film_is_of_a_task_and_one_a_task() -> None:
+    films = [film for name in TASKS if (film := film_of(name))]
+    assert sorted(film.path for film in films) == sorted(FILMS.glob("*.webp"))
+
+
+def test_released_versions_are_the_tags_newest_first(tmp_path: Path) -> None:
+    def git(*words: str) -> None:
+        named = ("-c", "user.name=a", "-c", "user.email=a@b.c")
+        subprocess.run(["git", *named, *words], cwd=tmp_path, check=True, capture_output=True)
+
+    git("init")
+    git("commit", "--allow-empty", "-m", "one")
+    for tag in ("v0.9.0", "v0.10.0", "v0.2.0", "vwrong", "v1.0.0-draft"):
+        git("tag", tag)
+    assert released(tmp_path) == ["0.10.0", "0.9.0", "0.2.0"]

@@ -1,0 +1,32 @@
+"""What only the owner of the project knows, and has not filled in yet.
+
+A value in <angle brackets> is a placeholder.
+"""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+SETTINGS = ROOT / "site" / "settings.toml"
+PAPER = ROOT / "paper" / "paper.md"
+_PLACEHOLDER = re.compile(r"<([^<>\n]+)>")
+
+
+def settings() -> dict[str, str]:
+    """Settings of the site; empty where the owner has not filled them in."""
+    values = tomllib.loads(SETTINGS.read_text(encoding="utf-8"))
+    return {n: "" if _PLACEHOLDER.fullmatch(str(v)) else str(v) for n, v in values.items()}
+
+
+def to_fill_in() -> list[str]:
+    """A line for each placeholder, with the file that has it."""
+    empty = [name for name, value in settings().items() if not value]
+    left = [f"site/settings.toml: {name} is to be filled in" for name in empty]
+    for placeholder in _PLACEHOLDER.findall(PAPER.read_text(encoding="utf-8")):
+        left.append(f"paper/paper.md: {placeholder} is to be filled in")
+    if "Hand Sandbox developers" in (ROOT / "CITATION.cff").read_text(encoding="utf-8"):
+        left.append("CITATION.cff: authors are to be filled in")
+    return left

@@ -1,0 +1,197 @@
+"""Pages of the tasks for the site: film, contract, spaces, score and what was measured.
+
+All of it follows from the registry of tasks, their docstrings, the environments of Gymnasium and
+the tables of `docs/measured`, so that a new task has its page as soon as it is registered.
+"""
+
+from __future__ import annotations
+
+import inspect
+import re
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import gymnasium
+
+from sandbox.gym import register_task
+from sandbox.trial.assembly import place_surface
+from sandbox.trial.settings import HandSettings, RunSettings
+from sandbox.trial.surfaces import place_all
+from tasks.registry import TASKS, draw_task
+from tasks.task import Task
+from tools.docs.markdown_table import markdown_table
+from tools.docs.measured_tables import MeasuredTable, tables_of
+from tools.docs.task_films import FILMS, TaskFilm, film_of
+
+ROOT = Path(__file__).resolve().parents[2]
+MEASURED = ROOT / "docs" / "measured"
+FOLDER = "tasks"
+"""Folder of the pages on the site."""
+
+PARTS = ("Scene", "Goal", "Success", "Start", "Size", "History")
+"""Parts of a task's docstring, each of which begins with its name and a colon."""
+
+PLANES = {"table": "flat over the table", "front": "upright, in front of the person"}
+"""Places of the touch surface."""
+
+
+OVERVIEW = """# Tasks
+
+Every task is played by touch, by the simulated user in CI, in studies, and by agents. The films
+show the simulated user; no person took part.
+
+::::{grid} 1 1 2 2
+:gutter: 3
+
+"""
+
+
+def write_pages(folder: Path) -> list[str]:
+    """Writes a page for every task, and one that lists them.
+
+    Args:
+        folder: Folder of the site's pages.
+
+    Returns:
+        Names of the pages, for the menu.
+    """
+    out = folder / FOLDER
+    out.mkdir()
+    tables = [table for page in sorted(MEASURED.glob("*.md")) for table in tables_of(page)]
+    for name, kind in TASKS.items():
+        (out / f"{name}.md").write_text(page_of(kind, tables), encoding="utf-8")
+    (out / "index.md").write_text(overview(), encoding="utf-8")
+    return [f"{FOLDER}/index", *(f"{FOLDER}/{name}" for name in TASKS)]
+
+
+def overview() -> str:
+    """The page that lists all tasks, with their films."""
+    cards = []
+    for name, kind in TASKS.items():
+        film = film_of(name)
+        shown = f":img-top: {_film_path(film)}\n:img-alt: A film of {name}\n" if film else ""
+        head = f":::{{grid-item-card}} {name}\n:link: {name}\n:link-type: doc\n{shown}"
+        cards.append(f"{head}\n{described(kind).first}\n:::")
+    return OVERVIEW + "\n\n".join(cards) + "\n::::\n"
+
+
+@dataclass(frozen=True)
+class Described:
+    """A task's docstring.
+
+    Attributes:
+        first: Its first sentence.
+        more: Text between that and the first part; empty if there is none.
+        parts: Name of a part -> its text.
+    """
+
+    first: str
+    more: str
+    parts: dict[str, str]
+
+
+def described(kind: type[Task]) -> Described:
+    """The docstring of a task, cut into its parts."""
+    first, _, rest = inspect.cleandoc(kind.__doc__ or "").partition("\n\n")
+    # A part begins at the start of a line or of a sentence.
+    more, *pieces = re.split(rf"(?:^|(?<=[.)]) |\n)({'|'.join(PARTS)}): ", f"\n{rest}")
+    texts = [" ".join(piece.split()) for piece in (first, more, *pieces[1::2])]
+    return Described(texts[0], texts[1], dict(zip(pieces[::2], texts[2:], strict=True)))
+
+
+def page_of(kind: type[Task], tables: list[MeasuredTable]) -> str:
+    """The page of one task, in MyST Markdown."""
+    told = described(kind)
+    parts = [f"**{name}.** {text[:1].upper()}{text[1:]}" for name, text in told.parts.items()]
+    blocks = [
+        f"# {kind.name}",
+        told.first,
+        *_film(kind.name),
+        _facts(kind),
+        "## What has to be done",
+        *([told.more] if told.more else []),
+        *parts,
+        "## Spaces",
+        _spaces(kind),
+        "## Score",
+        _score(kind),
+        "## How difficult it is",
+        *_measured(kind.name, tables),
+    ]
+    return "\n\n".join(blocks) + "\n"
+
+
+def _film_path(film: TaskFilm) -> str:
+    return f"../docs/pictures/{FILMS.name}/{film.path.name}"
+
+
+def _film(name: str) -> list[str]:
+    film = film_of(name)
+    if film is None:
+        return []
+    return [
+        f"![The simulated user plays {name}]({_film_path(film)})",
+        f"*The simulated user plays: `{film.command}`. No person took part.*",
+    ]
+
+
+def _facts(kind: type[Task]) -> str:
+    hand = HandSettings()
+    settings = RunSettings(task=kind.name, hands=(hand, hand.other)[: kind.hands])
+    whole, _ = place_all(place_surface(settings.surface, kind), settings, kind)
+    task = draw_task(kind, 0, whole)
+    lift = f"up to {100 * kind.lift_range:.0f} cm" if kind.lift_range else "not used"
+    rows = [
+        ("Play it", f"`sandbox play {kind.name}`"),
+        ("Test it in CI", f"`sandbox regress --tasks {kind.name} --seeds 0:120`"),
+        ("Version", kind.version),
+        ("Hands", kind.hands),
+        ("Objects", ", ".join(f"`{thing.name}`" for thing in task.objects)),
+        ("Touch surface", PLANES[kind.plane]),
+        ("Lift control", lift),
+        ("Time limit", f"{kind.time_limit:g} s"),
+        ("Hold time", f"{kind.hold_time:g} s"),
+    ]
+    return markdown_table(("Property", "Value"), [(name, str(value)) for name, value in rows])
+
+
+def _spaces(kind: type[Task]) -> str:
+    rows = []
+    for id in register_task(kind.name):
+        environment = gymnasium.make(id)
+        try:
+            seen: Any = environment.observation_space
+            shapes = ", ".join(f"`{name}` {space.shape}" for name, space in seen.items())
+            rows.append((f"`{id}`", f"{environment.action_space.shape}", shapes))
+        finally:
+            environment.close()
+    learn = rows[0][0].strip("`").replace("-v", "Learn-v")
+    return (
+        markdown_table(("Gymnasium id", "action", "observation"), rows)
+        + "\n\n[Gymnasium](../docs/gymnasium.md) says what each number is. "
+        f"`{learn}` is the same task to train on."
+    )
+
+
+def _score(kind: type[Task]) -> str:
+    return (
+        f"A trial is a success if everything above holds for {kind.hold_time:g} s without a break, "
+        f"within {kind.time_limit:g} s; 1 s later the state at the end is noted. Besides, it has a "
+        "progress from 0 (as at the start) to 1, a reason in words for what is missing, and the "
+        "[measures](../docs/measures.md) of studies."
+    )
+
+
+def _measured(name: str, tables: list[MeasuredTable]) -> list[str]:
+    parts = []
+    for table in tables:
+        part = table.of_task(name)
+        if part is None:
+            continue
+        link = f"../docs/measured/{table.page.name}"
+        parts.append(f"[{table.heading}]({link}):\n\n{markdown_table(part.columns, part.rows)}")
+    if not parts:
+        return ["Nothing has been measured yet."]
+    note = "All of the simulated user, with the commands on the linked pages; no person took part."
+    return [note, *parts]
