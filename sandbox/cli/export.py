@@ -17,7 +17,7 @@ from models.frames import FINGERS
 from models.motion.sampling import Poses
 from models.motion.write.bvh import BvhWriter
 from sandbox.cli.common.parse import parse
-from sandbox.datasets.export import MINARI, export_data_set, is_data_set
+from sandbox.datasets.export import NAMED, export_data_set, is_data_set
 from sandbox.export.leap_source import Hand
 from sandbox.export.sources import Of, open_source
 from sandbox.export.targets import Exporter, ExportSettings, format_of
@@ -50,8 +50,9 @@ class ExportOptions:
     written to one .glb, .c3d or .csv, but to two files in other formats: out-right.bvh,
     out-left.bvh. `sandbox run --motion FILE` writes the same during a run.
 
-    Data sets hold what an agent would have seen, done and earned (docs/data-sets.md): --to minari,
-    with a --name, is a data set of Minari, and --to FILE.npz a file of NumPy's.
+    Data sets hold what an agent would have seen, done and earned (docs/data-sets.md): --to minari
+    and --to lerobot, with a --name, are data sets of Minari and of LeRobot (LeRobotDataset v3.0),
+    and --to FILE.npz a file of NumPy's.
 
     Try:
 
@@ -67,6 +68,7 @@ class ExportOptions:
         sandbox regress --tasks box-to-goal --seeds 0:20 --record trials --record-all
         sandbox export trials --to demonstrations.npz
         sandbox export trials --to minari --name hand_sandbox/box-to-goal-v0
+        sandbox export trials --to lerobot --name me/box-to-goal
     """
 
     file: Annotated[
@@ -76,11 +78,12 @@ class ExportOptions:
     replay`), a capture (.npz), or a recording of a Leap (`sandbox leap formats` lists them). A data
     set takes several recordings, folders of recordings, and all trials of a study."""
 
-    to: Annotated[Path, tyro.conf.arg(metavar="FILE|minari")]
-    """File to write; an existing file is replaced. Or `minari`."""
+    to: Annotated[Path, tyro.conf.arg(metavar="FILE|minari|lerobot")]
+    """File to write; an existing file is replaced. Or `minari`, or `lerobot`."""
 
     name: str = ""
-    """Name of a data set of Minari, such as hand_sandbox/box-to-goal/mine-v0."""
+    """Name of a data set of Minari, such as hand_sandbox/box-to-goal/mine-v0, or of LeRobot, such
+    as me/box-to-goal."""
 
     successes: tyro.conf.FlagCreatePairsOff[bool] = False
     """Only successful trials become demonstrations of a data set."""
@@ -129,7 +132,7 @@ def main(argv: list[str]) -> int:
             "this option is for data sets",
             where="--name" if options.name else "--successes",
             got=f"--to {options.to}",
-            expected="--to minari or --to FILE.npz",
+            expected="--to minari, --to lerobot or --to FILE.npz",
         )
     settings = _settings(options)
     format_of(options.to)
@@ -173,14 +176,13 @@ def main(argv: list[str]) -> int:
 
 def _data_set(options: ExportOptions, console: Console, errors: Console) -> int:
     """Writes a data set."""
-    if (options.name != "") != (str(options.to) == MINARI):
+    such = NAMED.get(str(options.to), "")
+    if (options.name != "") != (such != ""):
         raise InputError(
-            "a data set of Minari has a name" if not options.name else "a file needs no other name",
+            f"a data set of {options.to} has a name" if such else "a file needs no other name",
             where="--name",
             got=options.name or "nothing",
-            expected="such as hand_sandbox/box-to-goal/mine-v0"
-            if not options.name
-            else "no --name",
+            expected=f"such as {such}" if such else "no --name",
         )
     files = [file for name in options.file for file in _recordings(name, options.out)]
     with Progress(console=errors, transient=True, disable=not errors.is_terminal) as progress:

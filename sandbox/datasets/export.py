@@ -16,9 +16,12 @@ from sandbox.datasets.demonstration import (
     open_demonstration,
 )
 from sandbox.datasets.npz_file import write_npz
+from tasks.registry import find_task
 
-MINARI, NPZ = "minari", ".npz"
-"""Words after --to that stand for data sets."""
+MINARI, LEROBOT, NPZ = "minari", "lerobot", ".npz"
+"""Words after --to that stand for data sets, and the ending of a file that is one."""
+NAMED = {MINARI: "hand_sandbox/box-to-goal/mine-v0", LEROBOT: "me/box-to-goal"}
+"""Word of a kind whose data sets have names -> such a name."""
 
 
 @dataclass
@@ -45,13 +48,9 @@ def is_data_set(to: Path) -> bool:
     Raises:
         InputError: It is that of a data set, and lacks a part.
     """
-    if str(to) in ("npz", "lerobot"):
-        raise InputError(
-            "name the file" if str(to) == "npz" else "this kind of data set cannot be written yet",
-            where=f"--to {to}",
-            expected="FILE.npz or minari",
-        )
-    return str(to) == MINARI or to.suffix.lower() == NPZ
+    if str(to) == "npz":
+        raise InputError("name the file", where=f"--to {to}", expected="FILE.npz")
+    return str(to) in NAMED or to.suffix.lower() == NPZ
 
 
 def export_data_set(
@@ -66,8 +65,8 @@ def export_data_set(
 
     Args:
         files: The recordings.
-        to: `minari`, or a file `.npz`.
-        name: Name of a data set of Minari.
+        to: `minari`, `lerobot`, or a file `.npz`.
+        name: Name of a data set of Minari or LeRobot.
         successes_only: Leaves out what did not succeed.
         observe: Parts of observations.
         done: Called with the number of recordings that were played.
@@ -91,6 +90,10 @@ def export_data_set(
         from sandbox.datasets.minari_file import check_name
 
         check_name(name)
+    elif str(to) == LEROBOT:
+        from sandbox.datasets.lerobot_folder import check_folder
+
+        folder = check_folder(name)
     # Bad recordings are told before the first is played.
     options = [environment_options(open_demonstration(file), observe) for file in files]
     for file, other in zip(files, options, strict=True):
@@ -120,8 +123,16 @@ def export_data_set(
         from sandbox.datasets.minari_file import write_minari
 
         spaces = (env.observation_space, env.action_space)
-        *_, size, folder = write_minari(name, env.spec, spaces, some)
-        found.where = f"{name}, {size:.1f} MB in {folder}"
+        *_, size, place = write_minari(name, env.spec, spaces, some)
+        found.where = f"{name}, {size:.1f} MB in {place}"
+    elif str(to) == LEROBOT:
+        from sandbox.datasets.lerobot_folder import write_lerobot
+
+        task = find_task(options[0]["task"])
+        (words, *_) = (task.__doc__ or task.name).strip().splitlines()
+        write_lerobot(folder, words, {"id": id, **options[0]}, some)
+        whole = sum(file.stat().st_size for file in folder.rglob("*") if file.is_file())
+        found.where = f"{name}, {whole / 1e6:.1f} MB in {folder}"
     else:
         write_npz(to, {"id": id, **options[0]}, some)
         found.where = f"{to}, {to.stat().st_size / 1e6:.1f} MB"

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import zipfile
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -13,24 +12,12 @@ import numpy as np
 
 from models.arithmetic.arrays import Array
 from models.errors import InputError
+from sandbox.datasets.data_set import DataSet
 from sandbox.datasets.demonstration import Demonstration
 
 KIND, SCHEMA = "hand sandbox demonstrations", 1
 OBSERVATION = "observation."
 """Prefix of the arrays of observations."""
-
-
-@dataclass(frozen=True)
-class NpzDataSet:
-    """A data set that was read.
-
-    Attributes:
-        environment: Id and options of its environment.
-        episodes: The demonstrations.
-    """
-
-    environment: dict[str, Any]
-    episodes: tuple[Demonstration, ...]
 
 
 def write_npz(
@@ -87,7 +74,7 @@ def write_npz(
         raise InputError("it cannot be written", where=str(path), got=error.strerror) from None
 
 
-def read_npz(path: Path) -> NpzDataSet:
+def read_npz(path: Path) -> DataSet:
     """Reads a data set.
 
     Raises:
@@ -99,7 +86,7 @@ def read_npz(path: Path) -> NpzDataSet:
         about = json.loads(str(arrays.pop("about")))
         if about["kind"] != KIND or about["schema"] != SCHEMA:
             raise ValueError(f"{about['kind']}, schema {about['schema']}")
-        return NpzDataSet(about["environment"], tuple(_episodes(arrays, about["episodes"])))
+        return DataSet(about["environment"], tuple(_episodes(arrays, about["episodes"])))
     except OSError as error:
         raise InputError("cannot be read", where=str(path), got=error.strerror) from None
     except (ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile) as error:

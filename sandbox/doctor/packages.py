@@ -22,7 +22,7 @@ USES = {
     "skin": "regenerating the hand's skin",
     "ray": "regression runs on a cluster",
     "gym": "tasks as Gymnasium environments",
-    "datasets": "data sets of demonstrations for Minari",
+    "datasets": "data sets of demonstrations for Minari and LeRobot",
     "robots": "hands of robots in the place of ours: Shadow, Adroit",
     "bullet": "comparison with Bullet",
     "evdev": "Linux touch screens and trackpads",

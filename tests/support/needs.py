@@ -39,6 +39,10 @@ def _package(name: str, extra: str) -> str:
     return "" if find_spec(name) else f"no {name} (the extra {extra})"
 
 
+def _packages(extra: str, *names: str) -> str:
+    return next(filter(None, (_package(name, extra) for name in names)), "")
+
+
 def _screen() -> str:
     missing = [name for name in ("Xvfb", "xdotool") if shutil.which(name) is None]
     return f"no {' and no '.join(missing)}" if missing else _library("libGL.so.1", "libgl1")
@@ -88,7 +92,7 @@ _WHAT_LACKS: dict[str, Callable[[], str]] = {
     "iwer": _iwer,
     "firefox": _firefox,
     "webkit": _webkit,
-    "datasets": lambda: _package("minari", "datasets") or _package("h5py", "datasets"),
+    "datasets": lambda: _packages("datasets", "minari", "h5py", "pyarrow", "pandas"),
     "robots": lambda: _package("gymnasium_robotics", "robots"),
 }
 """Need -> what is missing for it on this machine; empty: nothing."""

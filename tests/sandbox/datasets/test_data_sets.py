@@ -14,8 +14,9 @@ from models.errors import InputError
 from models.frames import Contact
 from sandbox import run_trial
 from sandbox.cli.main import main
+from sandbox.datasets.data_set import DataSet
 from sandbox.datasets.export import export_data_set, is_data_set
-from sandbox.datasets.npz_file import NpzDataSet, read_npz
+from sandbox.datasets.npz_file import read_npz
 from sandbox.datasets.playback import first_difference
 from sandbox.datasets.slots import actions_of, slots_of, touches_of
 from tests.support.needs import require
@@ -40,18 +41,18 @@ def npz(recordings: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def data(npz: Path) -> NpzDataSet:
+def data(npz: Path) -> DataSet:
     return read_npz(npz)
 
 
-def made(data: NpzDataSet) -> Any:
+def made(data: DataSet) -> Any:
     """The environment of a data set."""
     options = {k: v for k, v in data.environment.items() if k not in ("id", "task")}
     return gymnasium.make(f"sandbox.gym:{data.environment['id']}", **options).unwrapped
 
 
 def test_every_recording_is_a_demonstration_with_its_own_states(
-    data: NpzDataSet, recordings: Path
+    data: DataSet, recordings: Path
 ) -> None:
     assert [episode.seed for episode in data.episodes] == list(SEEDS)
     for episode in data.episodes:
@@ -66,7 +67,7 @@ def test_every_recording_is_a_demonstration_with_its_own_states(
 
 
 def test_playing_it_back_gives_the_same_hashes_and_a_changed_action_does_not(
-    data: NpzDataSet,
+    data: DataSet,
 ) -> None:
     env, episode = made(data), data.episodes[0]
     assert first_difference(env, episode.seed, episode.actions, episode.hashes) is None
@@ -79,7 +80,7 @@ def test_playing_it_back_gives_the_same_hashes_and_a_changed_action_does_not(
 
 
 def test_observations_are_the_environment_s_and_the_hand_s_own_pose_is_among_them(
-    data: NpzDataSet,
+    data: DataSet,
 ) -> None:
     env, episode = made(data), data.episodes[1]
     seen, _ = env.reset(seed=episode.seed)
@@ -92,7 +93,7 @@ def test_observations_are_the_environment_s_and_the_hand_s_own_pose_is_among_the
     env.close()
 
 
-def test_a_touch_is_in_the_slot_of_its_finger(data: NpzDataSet) -> None:
+def test_a_touch_is_in_the_slot_of_its_finger(data: DataSet) -> None:
     for episode in data.episodes:
         down = episode.observations["touches"][:, :, 0] > 0.5
         names = episode.observations["names"]
@@ -167,7 +168,7 @@ def bad_inputs() -> dict[str, tuple[str, str, str]]:
         "not a recording": ("text.jsonl", "set.npz", "not a recording"),
         "no folder": ("6000.jsonl", "nowhere/set.npz", "cannot be written"),
         "no name of a file": ("6000.jsonl", "npz", "name the file"),
-        "another format": ("6000.jsonl", "lerobot", "cannot be written yet"),
+        "no name for LeRobot": ("6000.jsonl", "lerobot", "has a name"),
         "no name": ("6000.jsonl", "minari", "has a name"),
     }
 
@@ -211,7 +212,7 @@ def test_a_file_that_is_cut_short_is_said_to_be(npz: Path, tmp_path: Path) -> No
 
 
 def test_words_for_data_sets_are_told_from_files_of_motion() -> None:
-    assert is_data_set(Path("minari")) and is_data_set(Path("a.npz"))
+    assert all(map(is_data_set, map(Path, ("minari", "lerobot", "a.npz"))))
     assert not is_data_set(Path("hand.bvh"))
 
 

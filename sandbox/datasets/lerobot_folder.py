@@ -1,0 +1,306 @@
+"""Data sets of LeRobot: folders in the form LeRobotDataset v3.0, the extra `datasets`.
+
+Source: the format as lerobot 0.4.4 writes and reads it.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import shutil
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from models.errors import InputError
+from sandbox.datasets.data_set import DataSet
+from sandbox.datasets.demonstration import Demonstration
+from sandbox.datasets.lerobot_columns import RATE, Columns, Feature, features_of
+from sandbox.datasets.statistics import Statistics, combined, statistics_of
+from sandbox.recording.versions import versions
+
+VERSION = "v3.0"
+"""Of LeRobot's format."""
+FILE_SIZE = 100
+"""MB after which a new file of frames begins, as LeRobot has it."""
+FILES = 1000
+"""Files in one folder, as LeRobot has it."""
+OURS = "meta/hand_sandbox.json"
+"""File with what LeRobot's own files have no place for: the environment, and versions."""
+KIND, SCHEMA = "hand sandbox demonstrations", 1
+
+_NAME = re.compile(r"[A-Za-z0-9][\w.-]*/[A-Za-z0-9][\w.-]*")
+_FILE = "chunk-{chunk_index:03d}/file-{file_index:03d}"
+_DATA, _EPISODES = f"data/{_FILE}.parquet", f"meta/episodes/{_FILE}.parquet"
+
+
+def need_parquet() -> Any:
+    """The module `pyarrow`, with `pyarrow.parquet` in it.
+
+    Raises:
+        InputError: It, or pandas, is not installed.
+    """
+    try:
+        import pandas  # noqa: F401
+        import pyarrow
+        import pyarrow.parquet
+    except ImportError:
+        raise InputError(
+            "pyarrow and pandas are not installed",
+            where="--to lerobot",
+            remedy="pip install 'hand-sandbox[datasets]'",
+        ) from None
+    return pyarrow
+
+
+def lerobot_folder(name: str) -> Path:
+    """The folder in which LeRobot looks for a data set of its own.
+
+    Args:
+        name: Name of the data set, `OWNER/NAME`.
+
+    Raises:
+        InputError: It is not such a name.
+    """
+    if not _NAME.fullmatch(name):
+        raise InputError(
+            "not a name of a data set of LeRobot",
+            where="--name",
+            got=name or "nothing",
+            expected="OWNER/NAME, such as me/box-to-goal",
+        )
+    caches = Path(os.environ.get("XDG_CACHE_HOME") or "~/.cache")
+    home = Path(os.environ.get("HF_HOME") or caches / "huggingface")
+    return Path(os.environ.get("HF_LEROBOT_HOME") or home / "lerobot").expanduser() / name
+
+
+def check_folder(name: str) -> Path:
+    """The folder of a data set that is to be written.
+
+    Raises:
+        InputError: The name cannot be used, something is there already, or pyarrow is missing.
+    """
+    folder = lerobot_folder(name)
+    if folder.exists():
+        raise InputError(
+            "there is a data set of this name",
+            where="--name",
+            got=f"{name}, in {folder}",
+            remedy="Choose another name, or delete the folder",
+        )
+    need_parquet()
+    return folder
+
+
+def write_lerobot(
+    folder: Path, task: str, environment: Mapping[str, Any], episodes: Iterable[Demonstration]
+) -> None:
+    """Writes a data set, an episode at a time; the folder appears once all is written.
+
+    Args:
+        folder: The folder, which is not there yet.
+        task: The task in words, as LeRobot's policies are told it.
+        environment: Id and options of the environment.
+        episodes: The demonstrations, one or more.
+
+    Raises:
+        InputError: The folder cannot be written.
+    """
+    beside = folder.with_name(f".{folder.name}.part")
+    try:
+        shutil.rmtree(beside, ignore_errors=True)
+        (beside / "meta").mkdir(parents=True)
+        _write(beside, task, environment, episodes)
+        beside.rename(folder)
+    except OSError as error:
+        raise InputError("it cannot be written", where=str(folder), got=error.strerror) from None
+    finally:
+        shutil.rmtree(beside, ignore_errors=True)
+
+
+def _write(
+    folder: Path, task: str, environment: Mapping[str, Any], episodes: Iterable[Demonstration]
+) -> None:
+    arrow = need_parquet()
+    features: dict[str, Feature] = {}
+    rows: list[dict[str, Any]] = []
+    statistics: list[dict[str, Statistics]] = []
+    with _Frames(folder) as frames:
+        for number, episode in enumerate(episodes):
+            features = features or features_of(episode, environment)
+            columns = Columns(episode, number, frames.count)
+            own = {name: statistics_of(values) for name, values in columns.numbers.items()}
+            statistics.append(own)
+            first, file = frames.count, frames.write(columns.table(features))
+            rows.append(
+                {
+                    "episode_index": number,
+                    "tasks": [task],
+                    "length": len(columns),
+                    "dataset_from_index": first,
+                    "dataset_to_index": frames.count,
+                    "data/chunk_index": file // FILES,
+                    "data/file_index": file % FILES,
+                    "meta/episodes/chunk_index": 0,
+                    "meta/episodes/file_index": 0,
+                    **_known(episode),
+                    **_listed(own),
+                }
+            )
+    path = _path(folder, _EPISODES, 0)
+    path.parent.mkdir(parents=True)
+    arrow.parquet.write_table(arrow.Table.from_pylist(rows), path)
+    _write_tasks(folder, task)
+    whole = {name: combined([own[name] for own in statistics]) for name in statistics[0]}
+    stats = {name: {k: v.tolist() for k, v in own.items()} for name, own in whole.items()}
+    _write_json(folder / "meta/stats.json", stats)
+    robot = environment["settings"].get("robot") or "hand_sandbox"
+    _write_json(folder / "meta/info.json", _info(features, robot, len(rows), frames.count))
+    ours = {"kind": KIND, "schema": SCHEMA, "environment": dict(environment)}
+    _write_json(folder / OURS, {**ours, "versions": versions()})
+
+
+class _Frames:
+    """The files of frames; a new one begins once one is full.
+
+    Args:
+        folder: Folder of the data set.
+
+    Attributes:
+        count: Number of frames so far.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self._folder, self._file = folder, 0
+        self._writer: Any = None
+        self.count = 0
+
+    def __enter__(self) -> _Frames:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self._close()
+
+    def write(self, table: Any) -> int:
+        """Writes the frames of an episode; returns the number of their file."""
+        path = _path(self._folder, _DATA, self._file)
+        if self._writer is not None and path.stat().st_size >= FILE_SIZE * 2**20:
+            self._close()
+            self._file += 1
+            path = _path(self._folder, _DATA, self._file)
+        if self._writer is None:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            self._writer = need_parquet().parquet.ParquetWriter(path, table.schema)
+        self._writer.write_table(table)
+        self.count += len(table)
+        return self._file
+
+    def _close(self) -> None:
+        if self._writer is not None:
+            self._writer.close()
+            self._writer = None
+
+
+def _known(episode: Demonstration) -> dict[str, Any]:
+    """Our own columns of an episode."""
+    return {
+        "seed": episode.seed,
+        "success": episode.success,
+        "terminated": episode.terminated,
+        "simulated": bool(episode.about["simulated"]),
+        "first_state_hash": episode.hashes[0],
+        "about": json.dumps(episode.about),
+    }
+
+
+def _listed(own: Mapping[str, Statistics]) -> dict[str, Any]:
+    """Statistics of an episode, as columns."""
+    return {
+        f"stats/{name}/{what}": value.tolist()
+        for name, each in own.items()
+        for what, value in each.items()
+    }
+
+
+def _info(
+    features: Mapping[str, Feature], robot: str, episodes: int, frames: int
+) -> dict[str, Any]:
+    """Content of `meta/info.json`."""
+    return {
+        "codebase_version": VERSION,
+        "robot_type": robot,
+        "total_episodes": episodes,
+        "total_frames": frames,
+        "total_tasks": 1,
+        "chunks_size": FILES,
+        "data_files_size_in_mb": FILE_SIZE,
+        "video_files_size_in_mb": 2 * FILE_SIZE,
+        "fps": RATE,
+        "splits": {"train": f"0:{episodes}"},
+        "data_path": _DATA,
+        "video_path": None,
+        "features": {name: feature.as_json() for name, feature in features.items()},
+    }
+
+
+def _write_tasks(folder: Path, task: str) -> None:
+    """The table of tasks, in which LeRobot looks tasks up by their words."""
+    import pandas
+
+    words = pandas.Index([task], dtype=object)
+    pandas.DataFrame({"task_index": [0]}, index=words).to_parquet(folder / "meta/tasks.parquet")
+
+
+def read_lerobot(folder: Path) -> DataSet:
+    """Reads a data set that `write_lerobot` wrote, as far as it takes to play it back.
+
+    Observations are those of LeRobot: `observation.state` and `observation.environment_state`,
+    float32 and without the last one of an episode.
+
+    Raises:
+        InputError: The folder cannot be read, is cut short, or is of another program.
+    """
+    arrow = need_parquet()
+    try:
+        ours = json.loads((folder / OURS).read_text(encoding="utf-8"))
+        info = json.loads((folder / "meta/info.json").read_text(encoding="utf-8"))
+        if (ours["kind"], ours["schema"], info["codebase_version"]) != (KIND, SCHEMA, VERSION):
+            raise ValueError(f"{ours['kind']}, schema {ours['schema']}, {info['codebase_version']}")
+        rows = arrow.parquet.read_table(
+            _path(folder, _EPISODES, 0),
+            columns=["seed", "about", "terminated", "first_state_hash", "length"],
+        ).to_pylist()
+        files = sorted(folder.glob("data/*/*.parquet"))
+        tables = [arrow.parquet.read_table(file) for file in files]
+        frames = arrow.concat_tables(tables)
+        lengths = [row["length"] for row in rows]
+        if len(frames) != sum(lengths) or len(rows) != info["total_episodes"]:
+            raise ValueError(f"{len(frames)} frames of {sum(lengths)}")
+        starts = np.cumsum([0, *lengths])
+        episodes = [
+            Columns.read(frames.slice(start, row["length"]), row)
+            for start, row in zip(starts, rows, strict=False)
+        ]
+        return DataSet(ours["environment"], tuple(episodes))
+    except OSError as error:
+        raise InputError(
+            "cannot be read as a data set of LeRobot", where=str(folder), got=str(error)
+        ) from None
+    except (ValueError, KeyError, TypeError) as error:
+        raise InputError(
+            "this is not a whole data set",
+            where=str(folder),
+            got=" ".join(str(error).split()),
+            remedy="`sandbox export RECORDING --to lerobot --name OWNER/NAME` writes one",
+        ) from None
+
+
+def _path(folder: Path, pattern: str, file: int) -> Path:
+    return folder / pattern.format(chunk_index=file // FILES, file_index=file % FILES)
+
+
+def _write_json(path: Path, values: Mapping[str, Any]) -> None:
+    path.write_text(json.dumps(values, indent=4, ensure_ascii=False), encoding="utf-8")
