@@ -105,8 +105,8 @@ class FingerChain:
 
     def dip(self, pip: float) -> float:
         """Angle of the last joint, degrees."""
-        low, high = self.limits.dip
-        return min(max(self.coupling.slope * pip + self.coupling.offset, low), high)
+        dip, (low, high) = self.coupling.slope * pip + self.coupling.offset, self.limits.dip
+        return low if dip < low else high if dip > high else dip
 
     def solve(self, target: Vector) -> Bend:
         """Computes angles that bring the tip to a target, m, from the base in the finger's zero
@@ -123,12 +123,14 @@ class FingerChain:
         along, below = self._plane(pip)
         # Straight below the knuckle, spread has no effect and is kept.
         spread = asin(min(max(-x / along, -1.0), 1.0)) if abs(along) > _NOTHING else 0.0
-        flexion = atan2(-z, y) - atan2(below, along * cos(spread))
+        flexion = degrees(atan2(-z, y) - atan2(below, along * cos(spread)))
+        spread = degrees(spread)
         low, high = self.limits.flexion
         left, right = self.limits.spread
-        held_flexion = min(max(degrees(flexion), low), high)
-        held_spread = min(max(degrees(spread), left), right)
-        if held_flexion != degrees(flexion) or held_spread != degrees(spread):
+        held_flexion, held_spread = flexion, spread
+        if not (low <= flexion <= high and left <= spread <= right):
+            held_flexion = min(max(flexion, low), high)
+            held_spread = min(max(spread, left), right)
             pip = self._closest(radians(held_flexion), radians(held_spread), (x, y, z))
             along, below = self._plane(pip)
         tx, ty, tz = self._tip(radians(held_flexion), radians(held_spread), along, below)
@@ -163,7 +165,8 @@ class FingerChain:
         # What `_plane` and `dip` say, and how far the last bone turns with the middle one.
         for _ in range(_STEPS):
             free = slope * degrees(pip) + offset
-            bend = pip + radians(min(max(free, low), high))
+            dip = low if free < low else high if free > high else free
+            bend = pip + radians(dip)
             cos_pip, sin_pip, cos_bend, sin_bend = cos(pip), sin(pip), cos(bend), sin(bend)
             along = seen + second * cos_pip + third * cos_bend
             below = second * sin_pip + third * sin_bend

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -20,6 +22,8 @@ PALM_CENTRE = (0.0, 0.055, -0.005)
 """m, palm centre of the average hand in its own frame: between wrist and knuckles, on the palm's
 side. Devices do not document the exact place of a palm's centre."""
 
+_HALF = 0.5 * np.deg2rad(1.0)
+"""rad in half a degree: quaternions hold half the angle."""
 _COLUMNS = (0, 2, 3)
 """Columns of a table of angles that bend a finger's first, second and third bone."""
 
@@ -46,54 +50,59 @@ class HandPoser:
             # Behind the table is an angle 0, the spread of all bones but the first.
             spread.append(4 * last + 1 if first else 4 * len(FINGERS))
             between.append(stacked_product(bone.rest.T, FRAMES[last]) if first else bone.rest.T)
-        self._which = np.array([flexion, spread])
-        self._half = np.deg2rad(np.array([[-0.5], [0.5]]))
-        self._angles = np.zeros(4 * len(FINGERS) + 1)
+        self._flexion, self._spread = np.array(flexion), np.array(spread)
         # (n, 4, 4): the product with the constant quaternion from the left.
         w, x, y, z = matrix_to_quaternion(np.array(between)).T
         self._between = np.array(
             [[w, -x, -y, -z], [x, w, -z, y], [y, z, w, -x], [z, -y, x, w]]
         ).transpose(2, 0, 1)
-        self._turn = np.empty((len(flexion), 4))
 
     def __call__(
         self,
-        table: ArrayLike,
-        palm: Palm,
+        tables: ArrayLike,
+        palms: Sequence[Palm],
         side: str = "right",
         device: Vector = (0.0, 0.0, 0.0),
         size: float = 1.0,
     ) -> Array:
-        """The pose (48,); arguments are those of `hand_pose`."""
-        self._angles[:-1] = np.asarray(table, float).ravel()
-        half = self._angles.take(self._which) * self._half
-        (bent, spread), (bent_s, spread_s) = functions.cos(half), functions.sin(half)
-        turn = self._turn
+        """Poses (n, 48) of tables (n, 5, 4) and n palms; see `hand_pose`."""
+        angles = np.zeros((len(palms), 4 * len(FINGERS) + 1))
+        angles[:, :-1] = np.asarray(tables, float).reshape(-1, 4 * len(FINGERS))
+        half = _HALF * angles
+        cosines, sines = functions.cos(half), functions.sin(half)
+        bent, spread = cosines[:, self._flexion], cosines[:, self._spread]
+        bent_s, spread_s = -sines[:, self._flexion], sines[:, self._spread]
         # (bent + bent_s i) (spread + spread_s k)
-        np.multiply(bent, spread, turn[:, 0])
-        np.multiply(bent_s, spread, turn[:, 1])
-        np.multiply(-bent_s, spread_s, turn[:, 2])
-        np.multiply(bent, spread_s, turn[:, 3])
-        q = np.empty(POSE_SIZE)
-        q[JOINTS] = quaternion_log(stacked_applied(self._between, turn)).ravel()
-        # A left hand's pose is the mirror image of a right one's.
-        flip = -1.0 if side == "left" else 1.0
-        a, f, d = palm.across, palm.forward, palm.dorsal
-        across, forward, dorsal = (
-            (flip * a[0], a[1], a[2]),
-            (flip * f[0], f[1], f[2]),
-            (flip * d[0], d[1], d[2]),
+        turn = np.stack(
+            [bent * spread, bent_s * spread, -bent_s * spread_s, bent * spread_s], axis=-1
         )
-        q[ROOT_ROTATION] = log_of_axes(across, forward, dorsal)
-        u, v, w = (size * c for c in PALM_CENTRE)
-        ox, oy, oz = (o + at for o, at in zip(palm.origin, device, strict=True))
-        q[ROOT_POSITION] = (
-            flip * ox - (across[0] * u + forward[0] * v + dorsal[0] * w),
-            oy - (across[1] * u + forward[1] * v + dorsal[1] * w),
-            oz - (across[2] * u + forward[2] * v + dorsal[2] * w),
-        )
+        q = np.empty((len(palms), POSE_SIZE))
+        vectors = quaternion_log(stacked_applied(self._between, turn))
+        q[:, JOINTS] = vectors.reshape(len(palms), POSE_SIZE - JOINTS.start)
+        for pose, palm in zip(q, palms, strict=True):
+            pose[ROOT_POSITION], pose[ROOT_ROTATION] = _root(palm, side, device, size)
         q = within_limits(q, self._skeleton)
         return mirrored(q) if side == "left" else q
+
+
+def _root(palm: Palm, side: str, device: Vector, size: float) -> tuple[Vector, Vector]:
+    """Position in m and rotation vector of the root of a palm, as of a right hand."""
+    # A left hand's pose is the mirror image of a right one's.
+    flip = -1.0 if side == "left" else 1.0
+    a, f, d = palm.across, palm.forward, palm.dorsal
+    across, forward, dorsal = (
+        (flip * a[0], a[1], a[2]),
+        (flip * f[0], f[1], f[2]),
+        (flip * d[0], d[1], d[2]),
+    )
+    u, v, w = (size * c for c in PALM_CENTRE)
+    ox, oy, oz = (o + at for o, at in zip(palm.origin, device, strict=True))
+    position = (
+        flip * ox - (across[0] * u + forward[0] * v + dorsal[0] * w),
+        oy - (across[1] * u + forward[1] * v + dorsal[1] * w),
+        oz - (across[2] * u + forward[2] * v + dorsal[2] * w),
+    )
+    return position, log_of_axes(across, forward, dorsal)
 
 
 _ADULT = HandPoser(ADULT)
@@ -120,5 +129,17 @@ def hand_pose(
         skeleton: A right hand.
         size: Length of the posed hand relative to the skeleton.
     """
+    return hand_poses([table], [palm], side, device, skeleton, size)[0]
+
+
+def hand_poses(
+    tables: ArrayLike,
+    palms: Sequence[Palm],
+    side: str = "right",
+    device: Vector = (0.0, 0.0, 0.0),
+    skeleton: Skeleton = ADULT,
+    size: float = 1.0,
+) -> Array:
+    """Poses (n, 48) of tables (n, 5, 4) and n palms, each as `hand_pose` makes it, to the bit."""
     make = _ADULT if skeleton is ADULT else HandPoser(skeleton)
-    return make(table, palm, side, device, size)
+    return make(tables, palms, side, device, size)

@@ -14,7 +14,7 @@ from itertools import permutations
 from math import exp, perm
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from encoders.paalm.calibration import HandCalibration
 from encoders.paalm.palm import Palm
@@ -28,6 +28,12 @@ _ASSIGNMENTS = [
     for k in range(_FIVE + 1)
 ]
 """All labellings of k fingers, at most 120: trying them all is quicker than a solver."""
+_BACKWARDS = [
+    ((ways[:, :, None] < ways[:, None]) & (ways[:, :, None] > 0)).reshape(len(ways), -1)
+    for ways in _ASSIGNMENTS
+]
+"""(n, k * k) booleans: true for two of k fingers whose labels are in the order of the hand, the
+thumb left out."""
 
 _SIDEWAYS, _IN_PLANE, _THUMB = 0.004, 0.010, 0.020
 """m, spread of the distance of a finger's line from its own knuckle: sideways, within its plane of
@@ -109,7 +115,7 @@ class TrackedIdentity:
         cost = self._costs(fingers, tips, palm, time)
         ways = _ASSIGNMENTS[len(fingers)]
         total = cost[np.arange(len(fingers)), ways].sum(axis=1)
-        total += _crossed(tips[:, 0], ways)
+        total += _crossed(tips[:, 0])
         best = ways[int(np.argmin(total))].tolist()
         for i, name in enumerate(best):
             self._tips[name] = tips[i]
@@ -170,15 +176,13 @@ class TrackedIdentity:
         return np.asarray(missed)
 
 
-def _crossed(across: Array, ways: NDArray[np.intp]) -> Array:
-    """Weights (n,) of assignments (n, k) whose fingers change places.
+def _crossed(across: Array) -> Array:
+    """Weights (n,) of all assignments of k fingers in which fingers change places.
 
     The tips of the four fingers are in the order of the fingers; the thumb may pass under the palm.
 
     Args:
         across: (k,) m, the tips' places across the palm.
-        ways: (n, k) labels.
     """
     beyond = across[:, None] - across > _ABREAST
-    wrong = (ways[:, :, None] < ways[:, None]) & (ways[:, :, None] > 0)
-    return np.asarray(_CROSSED * (beyond & wrong).sum(axis=(1, 2)))
+    return np.asarray(_CROSSED * (_BACKWARDS[len(across)] & beyond.ravel()).sum(axis=1))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections import Counter
+from collections import Counter, deque
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from itertools import islice
@@ -29,6 +29,7 @@ from sandbox.export.leap_hands import (
     straight_reconstructors,
 )
 from sandbox.export.motion_source import MotionSource, PoseCallback, poses_of, together
+from sandbox.export.recorded_hand import RecordedHand
 
 FEW = 0.01
 """Share of the frames with a hand below which a hand of another side is the device's mistake."""
@@ -121,26 +122,48 @@ def open_leap(
     )
 
 
-@dataclass(frozen=True)
 class _SplitRecording:
     """Frames of a recording, split by side.
 
-    Attributes:
+    Args:
         frames: All frames.
         sides: Sides of the wanted hands.
         pairs: True if frames show two hands.
     """
 
-    frames: LeapFrames
-    sides: tuple[str, ...]
-    pairs: bool
+    def __init__(self, frames: LeapFrames, sides: tuple[str, ...], pairs: bool) -> None:
+        self.sides = sides
+        self._frames, self._pairs = frames, pairs
+        self._kept: list[tuple[HandFrame, ...]] = []
+        self._rest: Iterator[tuple[HandFrame, ...]] = iter(())
+        self._begun = False
 
     def __iter__(self) -> Iterator[tuple[HandFrame, ...]]:
-        return map(HandSplitter(self.sides, self.pairs), self.frames)
+        kept = deque(self._kept)
+        rest = self._rest if self._begun else self._anew()
+        self._kept, self._begun = [], False
+        while kept:
+            yield kept.popleft()
+        yield from rest
+
+    def beginning(self) -> Iterator[tuple[HandFrame, ...]]:
+        """Yields the frames; the first `_MEASURED_FRAMES` are kept for whoever reads them next."""
+        if not self._begun:
+            self._kept, self._rest, self._begun = [], self._anew(), True
+        for number in range(_MEASURED_FRAMES):
+            if number == len(self._kept):
+                self._kept += islice(self._rest, 1)
+            if number == len(self._kept):
+                return
+            yield self._kept[number]
+        yield from islice(self._anew(), _MEASURED_FRAMES, None)
 
     def of_hand(self, index: int) -> Iterator[HandFrame]:
         """The frames of one hand."""
-        return (parts[index] for parts in self)
+        return (parts[index] for parts in self.beginning())
+
+    def _anew(self) -> Iterator[tuple[HandFrame, ...]]:
+        return map(HandSplitter(self.sides, self._pairs), self._frames)
 
 
 def _sides(
@@ -222,7 +245,7 @@ def _first_poses(
     """The pose (48,) of each hand when it is first seen."""
     hands = straight_reconstructors(recording.sides, calibrations)
     first: list[Array | None] = [None] * len(hands)
-    for parts in recording:
+    for parts in recording.beginning():
         for i, part in enumerate(parts):
             if first[i] is None:
                 step = hands[i].step(part)
@@ -242,21 +265,19 @@ def _poses(
     recording: _SplitRecording, calibrations: dict[str, HandCalibration], first: list[Array]
 ) -> Iterator[tuple[Array, Array]]:
     """Times (n,) s from the first frame, and poses (n, H, 48), in batches."""
-    hands = straight_reconstructors(recording.sides, calibrations)
+    hands = [
+        RecordedHand(side, calibrations[side], q)
+        for side, q in zip(recording.sides, first, strict=True)
+    ]
     times: list[float] = []
-    poses: list[list[Array]] = []
     begin: float | None = None
-    latest = list(first)
     for parts in recording:
         begin = parts[0].time if begin is None else begin
-        for i, (hand, part) in enumerate(zip(hands, parts, strict=True)):
-            step = hand.step(part)
-            if step.phase is Phase.DOWN:
-                latest[i] = step.q
+        for hand, part in zip(hands, parts, strict=True):
+            hand.add(part)
         times.append(parts[0].time - begin)
-        poses.append(list(latest))
         if len(times) == CHUNK:
-            yield np.array(times), np.array(poses)
-            times, poses = [], []
+            yield np.array(times), np.stack([hand.poses() for hand in hands], axis=1)
+            times = []
     if times:
-        yield np.array(times), np.array(poses)
+        yield np.array(times), np.stack([hand.poses() for hand in hands], axis=1)
