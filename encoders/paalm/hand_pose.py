@@ -129,7 +129,7 @@ def hand_pose(
         skeleton: A right hand.
         size: Length of the posed hand relative to the skeleton.
     """
-    return hand_poses([table], [palm], side, device, skeleton, size)[0]
+    return hand_poses(np.asarray(table, float)[None], [palm], side, device, skeleton, size)[0]
 
 
 def hand_poses(

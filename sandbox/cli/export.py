@@ -17,7 +17,7 @@ from models.frames import FINGERS
 from models.motion.sampling import Poses
 from models.motion.write.bvh import BvhWriter
 from sandbox.cli.common.parse import parse
-from sandbox.datasets.export import NAMED, export_data_set, is_data_set
+from sandbox.datasets.kind import NAMED, is_data_set
 from sandbox.export.leap_source import Hand
 from sandbox.export.sources import Of, open_source
 from sandbox.export.targets import Exporter, ExportSettings, format_of
@@ -184,6 +184,8 @@ def _data_set(options: ExportOptions, console: Console, errors: Console) -> int:
             got=options.name or "nothing",
             expected=f"such as {such}" if such else "no --name",
         )
+    from sandbox.datasets.export import export_data_set
+
     files = [file for name in options.file for file in _recordings(name, options.out)]
     with Progress(console=errors, transient=True, disable=not errors.is_terminal) as progress:
         bar = progress.add_task("playing recordings", total=len(files))

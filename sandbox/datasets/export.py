@@ -15,13 +15,9 @@ from sandbox.datasets.demonstration import (
     environment_options,
     open_demonstration,
 )
+from sandbox.datasets.kind import LEROBOT, MINARI
 from sandbox.datasets.npz_file import write_npz
 from tasks.registry import find_task
-
-MINARI, LEROBOT, NPZ = "minari", "lerobot", ".npz"
-"""Words after --to that stand for data sets, and the ending of a file that is one."""
-NAMED = {MINARI: "hand_sandbox/box-to-goal/mine-v0", LEROBOT: "me/box-to-goal"}
-"""Word of a kind whose data sets have names -> such a name."""
 
 
 @dataclass
@@ -40,17 +36,6 @@ class Exported:
     successes: int = 0
     simulated: int = 0
     differing: list[str] = field(default_factory=list)
-
-
-def is_data_set(to: Path) -> bool:
-    """True if a word after --to stands for a data set.
-
-    Raises:
-        InputError: It is that of a data set, and lacks a part.
-    """
-    if str(to) == "npz":
-        raise InputError("name the file", where=f"--to {to}", expected="FILE.npz")
-    return str(to) in NAMED or to.suffix.lower() == NPZ
 
 
 def export_data_set(

@@ -15,7 +15,8 @@ from models.frames import Contact
 from sandbox import run_trial
 from sandbox.cli.main import main
 from sandbox.datasets.data_set import DataSet
-from sandbox.datasets.export import export_data_set, is_data_set
+from sandbox.datasets.export import export_data_set
+from sandbox.datasets.kind import is_data_set
 from sandbox.datasets.npz_file import read_npz
 from sandbox.datasets.playback import first_difference
 from sandbox.datasets.slots import actions_of, slots_of, touches_of
