@@ -7,6 +7,7 @@ import time
 import webbrowser
 from collections.abc import Callable, Iterable
 from contextlib import ExitStack
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from rich.console import Console
@@ -27,6 +28,7 @@ from sandbox.cli.study.run_options import (
 from sandbox.views.display import has_display
 
 if TYPE_CHECKING:
+    from sandbox.cli.common.page_options import PageOptions
     from sandbox.study.design.meaning.findings import Finding
     from sandbox.study.record.folder import StudyFolder
     from sandbox.study.record.session_folder import SessionFolder
@@ -103,9 +105,35 @@ def _agreed(terminal: Terminal) -> bool:
 def _open_page(
     options: StudyRunOptions, session: SessionFolder, console: Console, closing: ExitStack
 ) -> StudyPage | None:
-    """Serves the participant's page, and prints how to open it; None without a page."""
+    """Serves the participant's page, and that of the second hand beside it where it is wanted, and
+    prints how to open them; None without a page."""
     if not options.has_page:
         return None
+    where = page_options(options)
+    two = options.second_device == "web"
+    if two:
+        console.print("for the participant:")
+    page = _serve_page(options, where, session, console, closing)
+    if two:
+        console.print("for the second hand:")
+        next_port = replace(where, page_port=where.page_port and where.page_port + 1)
+        whose = "the second hand's page"
+        page.beside = _serve_page(options, next_port, session, console, closing, whose)
+    beside = options.touches != "web" and options.view == "window"
+    if beside and has_display() and not options.no_browser:
+        webbrowser.open(page.server.url)
+    return page
+
+
+def _serve_page(
+    options: StudyRunOptions,
+    where: PageOptions,
+    session: SessionFolder,
+    console: Console,
+    closing: ExitStack,
+    whose: str = "the participant's page",
+) -> StudyPage:
+    """Serves one page, and prints how to open it."""
     from models.surface import parse_surface
     from sandbox.cli.common.page_options import open_page
     from sandbox.cli.common.page_view import show_address
@@ -114,21 +142,17 @@ def _open_page(
     from sandbox.study.run.study_page import StudyPage, study_view
     from sandbox.trial.events import EventLog
 
-    where = page_options(options)
     language, settings = session.person.language, session.study.design.page
     server = open_page(where, study_view(settings, language))
     closing.callback(lambda: print_refusals(server, console))
     closing.callback(server.close)
-    page = StudyPage(server, language, sayer(console), settings.words.get(language))
+    page = StudyPage(server, language, sayer(console), settings.words.get(language), whose)
     surface = session.study.design.settings.get("surface")
     if surface is not None and options.touches == "web":
         designed = parse_surface(surface)
         page.needed_in = designed.width_in, designed.height_in
         page.needed_lifts = any_lifts(session.study.design)
     show_address(server, where, EventLog(None), console)
-    beside = options.touches != "web" and options.view == "window"
-    if beside and has_display() and not options.no_browser:
-        webbrowser.open(server.url)
     return page
 
 
@@ -176,7 +200,8 @@ def _play(
     try:
         outcome = runner.run()
         if page is not None and outcome != "stopped":
-            page.show_sheet("end", text=page.texts["end"])
+            for each in page.pages:
+                each.show_sheet("end", text=each.texts["end"])
             time.sleep(FAREWELL)
         return str(outcome)
     finally:

@@ -20,8 +20,6 @@ if TYPE_CHECKING:
     from sandbox.study.design.design import Design
 
 DEVICES_OF_STUDIES = tuple(name for name, entry in DEVICES.items() if not entry.in_air)
-SECOND_DEVICES = tuple(name for name in DEVICES_OF_STUDIES if name != "web")
-
 NOT_REPEATED = (
     "file",
     "participant",
@@ -63,10 +61,10 @@ class StudyRunOptions:
     """Source of touches. web: the page, also chosen by --tablet. evdev, evdev:NODE: a touch screen
     of this machine. simulated: a simulated user, in a pilot only."""
 
-    second_device: Annotated[str | None, tyro.conf.arg(metavar=choices(*SECOND_DEVICES))] = None
-    """Device of the second hand, in tasks for two hands. tuio, evdev: as for --device. simulated: a
-    simulated user. Not needed if both hands are on one surface (one_surface in the design) or over
-    one Leap."""
+    second_device: Annotated[str | None, tyro.conf.arg(metavar=choices(*DEVICES_OF_STUDIES))] = None
+    """Device of the second hand, in tasks for two hands. web: a page of its own, where the first
+    hand has one. tuio, evdev: as for --device. simulated: a simulated user. Not needed if both
+    hands are on one surface (one_surface in the design) or over one Leap."""
 
     view: Literal["window", "none"] = "window"
     """none: trials without a window, for example if another program shows them. With --device web,
@@ -247,7 +245,7 @@ def check_second_device(options: StudyRunOptions, design: Design) -> None:
             raise InputError(
                 "the design has trials for two hands, and there is a device for only one",
                 where="--second-device",
-                expected="mouse, tuio, evdev, evdev:NODE or simulated",
+                expected="web, mouse, tuio, evdev, evdev:NODE or simulated",
                 remedy="Or write one_surface = true or second_device = 'simulated' "
                 "under [settings] of the design",
             )
@@ -259,12 +257,21 @@ def check_second_device(options: StudyRunOptions, design: Design) -> None:
             got=name,
             remedy="Leave it out",
         )
+    if name == "web":
+        if options.touches != "web":
+            raise InputError(
+                "a page cannot be the second one beside another device",
+                where="--second-device web",
+                got=f"--device {options.device}",
+                remedy="Use --tablet or --device web for the first hand",
+            )
+        return
     if name not in ("mouse", "tuio", PARTNER) and not is_evdev(name):
         raise InputError(
             "this device cannot be the second one in a study",
             where="--second-device",
             got=name,
-            expected="mouse, tuio, evdev, evdev:NODE or simulated",
+            expected="web, mouse, tuio, evdev, evdev:NODE or simulated",
         )
     if name == options.device and name not in ("tuio", PARTNER):
         raise InputError(
@@ -277,7 +284,7 @@ def check_second_device(options: StudyRunOptions, design: Design) -> None:
         raise InputError(
             "the mouse needs a window",
             where="--second-device mouse",
-            remedy="Use tuio, evdev or simulated",
+            remedy="Use web, tuio, evdev or simulated",
         )
     asked = second_touch_options(options)
     maker = live_maker(asked) if asked and name not in ("mouse", PARTNER) else None

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
 from dataclasses import replace
 
 import msgspec
@@ -11,10 +12,11 @@ from models.errors import StudyError
 from models.surface import Surface
 from sandbox.server.protocol.describe import describe_scene
 from sandbox.server.protocol.protocol import Pause
-from sandbox.server.protocol.rectangle import rectangle
+from sandbox.server.protocol.rectangle import common, rectangle
 from sandbox.server.protocol.skins import pack_skin
 from sandbox.server.publishing import publish
 from sandbox.server.web import WebDevice
+from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
 from sandbox.study.design.page_settings import PageSettings
 from sandbox.study.run.players import PlayedAttempt, RunningAttempt, TrialRequest
@@ -34,7 +36,7 @@ class PagePlayer:
     """Runs trials on the page in real time; implements `sandbox.study.run.players.TrialPlayer`.
 
     Args:
-        page: The participant's page.
+        page: The participant's page, which may have one of the second hand beside it.
         options: Settings of trials on the page.
         language: Language of the participant.
     """
@@ -43,15 +45,19 @@ class PagePlayer:
         self._page, self._options, self._language = page, options, language
 
     def play(self, request: TrialRequest) -> PlayedAttempt:
-        self._page.server.latency.reset()
-        self._page.device = None  # trials over a Leap have none
+        for page in self._page.pages:
+            page.server.latency.reset()
+            page.device = None  # trials over a Leap have none
         attempt = RunningAttempt(request)
         try:
             with attempt.open(self._views) as trial:
-                session = trial.session
-                device = self._page.device
-                live = LiveTrial(trial, news=device.news if device else None)
-                clock = _PageClock(self._page, device, self._options)
+                session, pages = trial.session, self._shown
+                devices = [page.device for page in pages if page.device]
+                for device in devices:
+                    # A touch on any page triggers the next step at once.
+                    device.news = devices[0].news
+                live = LiveTrial(trial, news=devices[0].news if devices else None)
+                clock = _PageClock(pages, self._options)
                 live.pause(True)
                 self._show(session, request)
                 live.start()
@@ -60,31 +66,46 @@ class PagePlayer:
                         pause = clock.pause(attempt, session.scorer.score.held)
                         live.pause(bool(pause))
                         if pause:
-                            self._page.server.publish(session.snapshot(), pause)
+                            self._publish(session.snapshot(), pause)
                         time.sleep(TICK)
                 finally:
                     live.stop()
                 if live.failure:
                     raise live.failure
                 played = attempt.end(trial, live.lost, clock.measures())
-            self._page.server.publish(session.snapshot())
+            self._publish(session.snapshot())
             if not played.broken:
                 time.sleep(AFTER)
             return played
         finally:
-            self._page.wait()
+            for page in self._page.pages:
+                page.wait()
 
     def close(self) -> None:
         """Does nothing: the page stays open for forms."""
 
+    @property
+    def _shown(self) -> list[StudyPage]:
+        """The pages that show this trial: the participant's, and another one that is touched."""
+        return [page for page in self._page.pages if page is self._page or page.device]
+
+    def _publish(self, snapshot: Snapshot, pause: Pause = "") -> None:
+        for page in self._shown:
+            page.server.publish(snapshot, pause)
+
     def _show(self, session: Session, request: TrialRequest) -> None:
-        server, scene = self._page.server, session.scene
-        # The page has the surface of the first hand, or of both hands if they share it.
-        surface = session.first_rig.reconstructor.surface
-        side = request.settings.hands[0].side
+        for hand, page in enumerate(self._shown):
+            self._show_on(page, session, request, hand)
+
+    def _show_on(self, page: StudyPage, session: Session, request: TrialRequest, hand: int) -> None:
+        """Shows the trial on the page of a hand."""
+        server, scene = page.server, session.scene
+        # A page has the surface of its hand, or of both hands if they share it.
+        surface = session.rigs[hand].reconstructor.surface
+        side = request.settings.hands[hand].side
         message = describe_scene(server.next_scene(), scene, session.task, surface, side, "")
         options, name = self._options, request.settings.task
-        words = self._page.texts
+        words = page.texts
         goal = words.get(f"goal_{message.task}", message.goal)
         goal = options.goals.get(name, {}).get(self._language, goal)
         title = words.get(f"task_{message.task}", _readable(message.task))
@@ -92,24 +113,30 @@ class PagePlayer:
         message = msgspec.structs.replace(message, task=title, goal=goal)
         apart = len(session.rigs) > 1 and not request.settings.one_surface
         skins = [pack_skin(hand) for hand in scene.spec.hands]
-        server.show_scene(message, scene, self._page.device, skins, 0 if apart else None)
-        self._page.hide_sheet()
+        server.show_scene(message, scene, page.device, skins, hand if apart else None)
+        page.hide_sheet()
 
     def _views(self, session: Session) -> list[View]:
-        return [lambda snapshot: publish(self._page.server, session, snapshot)]
+        def on_pages(snapshot: Snapshot) -> None:
+            for page in pages:
+                publish(page.server, session, snapshot)
+
+        pages = self._shown
+        return [on_pages]
 
 
 class _PageClock:
-    """Decides when simulated time stops, and measures how long the page was away.
+    """Decides when simulated time stops, and measures how long a page was away.
 
-    Time stops before the first touch, during a pause, and while the page is gone, as the settings
-    of the page say.
+    Time stops before the first touch, during a pause, and while a page is gone, as the settings of
+    the page say. A page that was gone has to be touched before time goes on; after a pause, any.
     """
 
-    def __init__(self, page: StudyPage, device: WebDevice | None, options: PageSettings) -> None:
-        self._page, self._device, self._options = page, device, options
+    def __init__(self, pages: Sequence[StudyPage], options: PageSettings) -> None:
+        self._pages, self._options = pages, options
         self._shown = time.monotonic()
-        self._waiting = device is not None and options.starts == "touch"
+        self._waiting = any(page.device for page in pages) and options.starts == "touch"
+        self._awaited: set[StudyPage] = set()
         self._waited: float | None = None if self._waiting else 0.0
         self._away = 0.0
         self._last, self._times = self._shown, 0
@@ -118,30 +145,34 @@ class _PageClock:
     def pause(self, attempt: RunningAttempt, held: bool) -> Pause:
         """Why simulated time must stand still now; empty if it may run. May break the attempt
         off; not for a page that leaves once the goal is held."""
-        self._page.check_connection()
+        for page in self._pages:
+            page.check_connection()
         self._follow_pause(attempt.check_pause())
         now = time.monotonic()
         self._add_silence(now)
-        if self._page.gone and self._options.when_gone == "repeat" and self._waited is not None:
+        gone = any(page.gone for page in self._pages)
+        if gone and self._options.when_gone == "repeat" and self._waited is not None:
             attempt.broken = attempt.broken or "the participant's page was gone"
-        if self._page.server.away:
-            if self._options.when_gone == "pause" and not held:
-                self._waiting = True
-        elif self._waiting and not self._paused and (not self._device or self._device.touched):
+        away = {page for page in self._pages if page.server.away}
+        if self._options.when_gone == "pause" and not held and self._waited is not None:
+            self._awaited |= away
+        if self._paused:
+            return "menu"
+        touched = {p for p in self._pages if not p.device or p.device.touched} - away
+        self._awaited -= touched
+        if self._waiting and touched:
             self._waiting = False
             if self._waited is None:
                 self._waited = now - self._shown
-        if self._paused:
-            return "menu"
-        if not self._waiting:
-            return ""
         if self._waited is None:
             return "start"
-        return "away" if self._page.server.away else "back"
+        if not (self._waiting or self._awaited):
+            return ""
+        return "away" if away else "back"
 
     def _add_silence(self, now: float) -> None:
-        """Adds up the time and the gaps without a message from the page."""
-        silent = self._page.server.silence
+        """Adds up the time and the gaps without a message from some page."""
+        silent = max(page.server.silence for page in self._pages)
         was, self._silent = self._silent, silent > SILENCE
         if self._silent:
             # The first `SILENCE` seconds of a gap count as well.
@@ -154,11 +185,12 @@ class _PageClock:
         if paused == self._paused:
             return
         self._paused = paused
-        if paused:
-            self._waiting = True
-            self._page.wait("paused")
-        else:
-            self._page.hide_sheet()
+        self._waiting = self._waiting or paused
+        for page in self._pages:
+            if paused:
+                page.wait("paused")
+            else:
+                page.hide_sheet()
 
     def measures(self) -> dict[str, float | int | None]:
         """Measures `waited_s`, `away_s` and `away`; see docs/measures.md."""
@@ -201,6 +233,15 @@ def settings_for_screen(page: StudyPage, settings: RunSettings, designed: bool) 
             "design; the session resumes at this trial",
         )
     return replace(settings, surface_calibrated=screen.calibrated)
+
+
+def on_both_screens(settings: RunSettings, other: RunSettings) -> RunSettings:
+    """The settings with a touch rectangle that fits on two screens, each with its own settings."""
+    sizes = [
+        {"surface_in": s.surface_in, "surface_calibrated": s.surface_calibrated}
+        for s in (settings, other)
+    ]
+    return replace(settings, **common(sizes))
 
 
 def page_device(page: StudyPage, surface: Surface) -> WebDevice:

@@ -24,7 +24,7 @@ from sandbox.study.design.conditions import PARTNER
 from sandbox.study.design.plan import TrialStep
 from sandbox.study.record.folder import Participant
 from sandbox.study.run.forms import Poll
-from sandbox.study.run.page_player import page_device, settings_for_screen
+from sandbox.study.run.page_player import on_both_screens, page_device, settings_for_screen
 from sandbox.study.run.runner import FitSettings, OpenDevices
 from sandbox.study.run.simulate import simulated_devices, simulated_hand
 from sandbox.study.run.study_page import StudyPage
@@ -50,9 +50,9 @@ def person_devices(
     Args:
         options: Device `mouse`, `web`, `tuio`, `evdev`, `evdev:NODE` or `simulated`.
         person: The participant, who touches, or moves a hand over a Leap if the design says so.
-        page: Page of device `web`.
+        page: Page of device `web`; the second hand's is beside it.
         leap: Address of the Leap service.
-        second: Device of a second hand, not `web`; None if no trial needs one.
+        second: Device of a second hand; None if no trial needs one.
     """
     if options.device == "simulated":
         return simulated_devices(person)
@@ -69,11 +69,9 @@ def person_devices(
             if settings.hands[hand].in_air is not None:
                 # The design decides: this trial uses a Leap, and starts with the scene, not with a
                 # touch of the page.
-                if page is not None:
-                    page.device = None
                 return cast(Device, open_leap(leap))
             if page is not None and name == "web":
-                device = page_device(page, surface)
+                device = page_device(page.pages[hand], surface)
             elif name == "mouse":
                 from sandbox.devices.mouse import MouseDevice
 
@@ -134,14 +132,19 @@ def settings_fitter(name: str, page: StudyPage | None = None, second: str = "") 
 
     Args:
         name: Touch device of the first hand.
-        page: Page of device `web`.
+        page: Page of device `web`; the second hand's is beside it.
         second: Touch device of the second hand; empty if there is none.
     """
 
     def fit(trial: TrialStep, settings: RunSettings, poll: Poll) -> RunSettings:
         fitted = fit_first(trial, settings, poll)
-        if needs_second_device(trial.values, settings):
-            check_size(second, fitted, "the surface of the second hand has another size")
+        if not needs_second_device(trial.values, settings):
+            return fitted
+        if page is not None and page.beside is not None and second == "web":
+            page.beside.wait_until_open(poll)
+            other = settings_for_screen(page.beside, settings, "surface" in trial.values)
+            return on_both_screens(fitted, other)
+        check_size(second, fitted, "the surface of the second hand has another size")
         return fitted
 
     def check_size(device: str, settings: RunSettings, what: str) -> None:

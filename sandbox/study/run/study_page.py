@@ -43,10 +43,13 @@ class StudyPage:
         language: Language of the participant.
         say: Prints a line for the experimenter.
         own: The design's own words in this language, by key.
+        whose: Name of the page in lines for the experimenter.
 
     Attributes:
         server: Server of the page.
         texts: Texts of the page in the participant's language, by name.
+        beside: Page of the second hand, for trials with two hands; None without one. It has no
+            forms.
         device: Device of the running trial; None if it does not use the page.
         needed_in: Size of the touch rectangle that trials need, inches; None for any size.
         needed_lifts: True if a trial needs the lift control beside the touch rectangle, too.
@@ -58,10 +61,12 @@ class StudyPage:
         language: str,
         say: Callable[[str], object] = lambda text: None,
         own: dict[str, str] | None = None,
+        whose: str = "the participant's page",
     ) -> None:
-        self.server, self.say = server, say
+        self.server, self.say, self._whose = server, say, whose
         self.texts = words_in(language, own)
         self.device: WebDevice | None = None
+        self.beside: StudyPage | None = None
         self.needed_in: tuple[float, float] | None = None
         self.needed_lifts = False
         self._screen: PageScreen | None = None
@@ -69,6 +74,11 @@ class StudyPage:
         self._gone = False
         self._came = False
         self.wait()
+
+    @property
+    def pages(self) -> tuple[StudyPage, ...]:
+        """This page, and that of the second hand if there is one."""
+        return (self,) if self.beside is None else (self, self.beside)
 
     def show_sheet(
         self,
@@ -141,13 +151,15 @@ class StudyPage:
         if (silent > GONE) != self._gone:
             self._gone = silent > GONE
             if self._came and self._gone:
-                self.say("the participant's page is gone; reload it, or open it again")
+                self.say(f"{self._whose} is gone; reload it, or open it again")
             elif self._came:
-                self.say("the participant's page is back")
+                self.say(f"{self._whose} is back")
         if silent <= GONE and not self._came:
             self._came = True
-            self.say("the participant's page is open")
+            self.say(f"{self._whose} is open")
         self._look_at_screen()
+        if self.beside is not None:
+            self.beside.check_connection()
 
     def _look_at_screen(self) -> None:
         """Warns before the first trial if the screen is too small for the trials."""
@@ -158,9 +170,9 @@ class StudyPage:
         if is_too_small(screen, wanted, self.needed_lifts):
             known = "" if screen.calibrated else " (a guess, since it was not measured)"
             self.say(
-                f"this screen is too small for the trials: it has {inches(screen)}{known}, and the "
-                f"design's touch rectangle {wanted[0]:g} x {wanted[1]:g} in"
-                f"{beside_lift(self.needed_lifts)}. "
+                f"the screen of {self._whose} is too small for the trials: it has "
+                f"{inches(screen)}{known}, and the design's touch rectangle "
+                f"{wanted[0]:g} x {wanted[1]:g} in{beside_lift(self.needed_lifts)}. "
                 "Rotate it, or use a larger one"
             )
 
@@ -173,7 +185,7 @@ class StudyPage:
             if not self._gone:
                 return
             if not announced:
-                self.say("waiting for the participant's page")
+                self.say(f"waiting for {self._whose}")
                 announced = True
             time.sleep(TICK)
 

@@ -122,7 +122,13 @@ class OnPage:
         played: The last session whose end was seen.
     """
 
-    def __init__(self, study: StudyFolder, person: Participant, server: PageServer) -> None:
+    def __init__(
+        self,
+        study: StudyFolder,
+        person: Participant,
+        server: PageServer,
+        second: PageServer | None = None,
+    ) -> None:
         self.study, self.person, self.server = study, person, server
         self.said: list[str] = []
         self.played: Session | None = None
@@ -133,6 +139,8 @@ class OnPage:
         self.page = StudyPage(
             server, language, self.said.append, study.design.page.words.get(language)
         )
+        if second is not None:
+            self.page.beside = StudyPage(second, language, self.said.append, whose="the second")
         self.player = Watched(self.page, study.design.page, person.language)
         self._thread = threading.Thread(target=self._run, daemon=True)
         self._thread.start()
@@ -168,17 +176,19 @@ class OnPage:
 
     def _run(self) -> None:
         touch = TouchOptions(device="web")
+        two = self.page.beside is not None
         try:
             with SessionFolder(self.study, self.person) as session:
                 self.outcome = SessionRunner(
                     session,
                     self.player,
-                    person_devices(touch, self.person, self.page),
+                    person_devices(touch, self.person, self.page, second=touch if two else None),
                     PageForms(self.page, lambda: self.controls.paused),
                     self.controls,
                     self.said.append,
                     "web",
-                    settings_fitter("web", self.page),
+                    settings_fitter("web", self.page, "web" if two else ""),
+                    second_device="web" if two else "simulated",
                 ).run()
             self.page.show_sheet("end", text=self.page.texts["end"])
         except BaseException as error:
@@ -190,16 +200,17 @@ def study_in(out: Path, text: str = SMALL) -> StudyFolder:
 
 
 @contextmanager
-def on_page(study: StudyFolder, person: Participant) -> Iterator[OnPage]:
-    """A session with a page of its own."""
-    language = person.language
-    server = PageServer(study=study_view(study.design.page, language))
-    session = OnPage(study, person, server)
+def on_page(study: StudyFolder, person: Participant, pages: int = 1) -> Iterator[OnPage]:
+    """A session with a page of its own, or with one more for the second hand."""
+    view = study_view(study.design.page, person.language)
+    servers = [PageServer(study=view) for _ in range(pages)]
+    session = OnPage(study, person, *servers)
     try:
         yield session
     finally:
         session.stop()
-        server.close()
+        for server in servers:
+            server.close()
 
 
 def play(running: OnPage, tab: Any, enough: Callable[[Snapshot], bool] = lambda s: False) -> None:
