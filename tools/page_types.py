@@ -18,6 +18,9 @@ from sandbox.server.protocol.skins import SKIN_KIND
 
 FILE = Path(__file__).resolve().parents[1] / "sandbox" / "views" / "page" / "src" / "protocol.ts"
 
+_NUMBERS = ("LIFT_STRIP_PX", "LIFT_NOTCH", "LIFT_KEY", "LIFT_PAGE", "NOTCH_PX")
+"""Numbers of the protocol that the page uses as well."""
+
 _SIMPLE: dict[type, str] = {
     inspect.IntType: "number",
     inspect.FloatType: "number",
@@ -36,7 +39,7 @@ def typescript() -> str:
         f"export const FRAME_KIND = {KIND};",
         f"export const POSE_BYTES = {POSE_BYTES};",
         f"export const SKIN_KIND = {SKIN_KIND};",
-        f"export const LIFT_STRIP_PX = {protocol.LIFT_STRIP_PX:g};",
+        *(f"export const {name} = {getattr(protocol, name):g};" for name in _NUMBERS),
     ]
     for struct in vars(protocol).values():
         if isinstance(struct, type) and issubclass(struct, Struct) and struct is not Struct:

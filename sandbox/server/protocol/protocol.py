@@ -38,6 +38,11 @@ Pause = Literal["", "start", "menu", "away", "back"]
 
 LIFT_STRIP_PX = 90.0
 """CSS pixels beside the touch rectangle that the lift control takes in tasks that lift."""
+LIFT_NOTCH, LIFT_KEY, LIFT_PAGE = 0.12, 0.05, 0.20
+"""Shares of the lift control's way: of a notch of a mouse's wheel, of the keys up and down, and of
+page up and page down."""
+NOTCH_PX = 100.0
+"""CSS pixels that browsers report for a notch."""
 
 
 class PageScreen(Struct, forbid_unknown_fields=True, frozen=True):

@@ -42,8 +42,8 @@ SMALLER = {**SCREEN, "width_px": 1000.0}
 
 
 def opened(running: OnPage, hand: int, screen: dict[str, Any] = SCREEN) -> Page:
-    server = (running.page, running.page.beside)[hand].server
-    return Page(server.url, name=f"tablet {hand}", screen=dict(screen), beats=True)
+    url = running.page.pages[hand].server.url
+    return Page(url, name=f"tablet {hand}", screen=dict(screen), beats=True)
 
 
 def together(*pages: Callable[[], object]) -> list[Any]:

@@ -23,6 +23,7 @@ from tests.sandbox.server.played_page import played
 from tests.sandbox.server.staged_page import READY
 from tests.sandbox.server.test_page_server import wait_for
 from tests.support.chromium import BINARY, Browser, Tab
+from tools.docs.page_languages import in_study
 
 pytestmark = pytest.mark.skipif(not os.path.exists(BINARY), reason="Debian's chromium is missing")
 
@@ -216,3 +217,28 @@ def test_published_sizes_agree_with_the_diagonals_in_the_names() -> None:
         # Makers round to a tenth of an inch, and to whole pixels an inch.
         sizes = [float(size) for size in re.findall(r'([\d.]+)"', device["name"])]
         assert any(abs(inches - size) < 0.15 for size in sizes), device["name"]
+
+
+def test_on_a_large_monitor_forms_are_larger_and_a_line_is_marked_where_it_is_touched(
+    browser: Browser,
+) -> None:
+    def box(selector: str, side: str) -> float:
+        inside = f"document.querySelector({selector!r}).getBoundingClientRect()"
+        return float(tab.evaluate(f"{inside}.{side}"))
+
+    heights = []
+    for size in ("1280x800", "3840x2160"):
+        for name, tab in in_study(browser, "en", size):
+            if name != "study_form":
+                continue
+            heights.append(box(".option", "height"))
+            if size == "1280x800":
+                continue
+            left, width = box(".track", "left"), box(".track", "width")
+            y = (box(".track", "top") + box(".track", "bottom")) / 2
+            tab.touch([(1, left + 0.75 * width, y)])
+            tab.touch([])
+            middle = (box(".mark", "left") + box(".mark", "right")) / 2
+            assert middle == pytest.approx(left + 0.75 * width, abs=0.01 * width)
+            assert box(".item:last-child", "bottom") <= box(".foot", "top")
+    assert heights[1] == pytest.approx(2 * heights[0])

@@ -4,17 +4,15 @@
 import { claim, make } from "./dom";
 import type { Rectangle } from "./lens";
 import { recallHere, rememberHere } from "./memory";
-import { LIFT_STRIP_PX } from "./protocol";
+import { LIFT_KEY, LIFT_NOTCH, LIFT_PAGE, LIFT_STRIP_PX, NOTCH_PX } from "./protocol";
 import { say } from "./words";
 
-const WHEEL = 0.0012;
-const KEY_STEP = 0.05;
 /** Change of the control by each key; with a mouse as the only finger, one hand is at the keys. */
 const KEYS: Record<string, number> = {
-  ArrowUp: KEY_STEP,
-  ArrowDown: -KEY_STEP,
-  PageUp: 4 * KEY_STEP,
-  PageDown: -4 * KEY_STEP,
+  ArrowUp: LIFT_KEY,
+  ArrowDown: -LIFT_KEY,
+  PageUp: LIFT_PAGE,
+  PageDown: -LIFT_PAGE,
 };
 const KEPT = "lift";
 
@@ -54,7 +52,8 @@ export class Lift {
       window.addEventListener(end, (e) => {
         if (e.pointerId === this.pointer) this.pointer = null;
       });
-    window.addEventListener("wheel", (e) => this.set(this.value - e.deltaY * WHEEL), {
+    const perPixel = LIFT_NOTCH / NOTCH_PX;
+    window.addEventListener("wheel", (e) => this.set(this.value - e.deltaY * perPixel), {
       passive: true,
     });
     window.addEventListener("keydown", (e) => {

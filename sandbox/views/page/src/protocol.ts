@@ -5,6 +5,10 @@ export const FRAME_KIND = 1;
 export const POSE_BYTES = 28;
 export const SKIN_KIND = 2;
 export const LIFT_STRIP_PX = 90;
+export const LIFT_NOTCH = 0.12;
+export const LIFT_KEY = 0.05;
+export const LIFT_PAGE = 0.2;
+export const NOTCH_PX = 100;
 
 /** Size of the page: CSS pixels per inch, and pixels. The encoder needs inches; `calibrated` is true if the person has measured them. `fit` says why the table fills the page, whatever its inches: a `mouse`, for which size means nothing, or a `phone`, which is too small for a hand; it is empty for a table of true size. */
 export interface PageScreen {

@@ -135,7 +135,8 @@ export class Study {
   private divide(list: HTMLElement): void {
     list.append(...this.fields.map((f) => f.root));
     const foot = this.root.querySelector<HTMLElement>(".foot")!;
-    const room = window.innerHeight - list.offsetTop - foot.offsetHeight;
+    // Of this element, and not of the window: on a large monitor it is zoomed.
+    const room = this.root.clientHeight - list.offsetTop - foot.offsetHeight;
     this.pages = [];
     let height = Infinity;
     for (const field of this.fields) {
