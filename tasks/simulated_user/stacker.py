@@ -80,13 +80,16 @@ class Stacker(SkilledUser):
         surface: The tablet.
         seed: Seed of the user's randomness.
         reach: m by which the hand rises over the slider's full travel.
+
+    Attributes:
+        slider: The other hand, and the control that it moves.
     """
 
     def __init__(
         self, configuration: UserConfiguration, surface: Surface, seed: int, reach: float
     ) -> None:
         super().__init__(configuration, surface, seed)
-        self._slider = Slider(reach, np.random.default_rng([seed, 7_005]))
+        self.slider = Slider(reach, np.random.default_rng([seed, 7_005]))
         self._boxes = StackHandling(surface)
         self._handling = self._boxes
         self._name: str | None = None
@@ -96,7 +99,7 @@ class Stacker(SkilledUser):
     def touch(self, now: float) -> TouchFrame:
         """Touches of the fingers and position of the slider at the time now, s."""
         frame = super().touch(now)
-        return TouchFrame(now, frame.contacts, self._slider.control(now), source=frame.source)
+        return TouchFrame(now, frame.contacts, self.slider.control(now), source=frame.source)
 
     def _act(self, sight: Sight, now: float) -> None:
         # A cube is gripped and turned in the same way on any of its faces.
@@ -120,8 +123,8 @@ class Stacker(SkilledUser):
     def _reach(self, sight: Sight, box: SeenObject, now: float) -> None:
         """Moves the slider to the height of the box, then puts the fingers down around it."""
         height = _bottom(box) if _bottom(box) > _RESTS else 0.0
-        if abs(height - self._slider.height(now)) > _RESTS:
-            self._wait(self._slider.move(height, now) - now + _FOLLOWS, now)
+        if abs(height - self.slider.height(now)) > _RESTS:
+            self._wait(self.slider.move(height, now) - now + _FOLLOWS, now)
             return
         self._stage = _Stage.GRASPED
         super()._reach(sight, box, now)
@@ -132,7 +135,7 @@ class Stacker(SkilledUser):
         Every look is followed by one movement. A box that does not follow, or a hand that turns
         into a ghost, ends the drag.
         """
-        rise = self._slider.height(now) - self._from
+        rise = self.slider.height(now) - self._from
         lost = self._stage is not _Stage.GRASPED and _bottom(box) - self._stood < rise - _FALLEN
         if lost or not sight.solid:
             self._let_go(now)
@@ -144,7 +147,7 @@ class Stacker(SkilledUser):
             self._lower(sight.goals[0], box, now)
 
     def _raise(self, box: SeenObject, now: float) -> None:
-        self._from, self._stood = self._slider.height(now), _bottom(box)
+        self._from, self._stood = self.slider.height(now), _bottom(box)
         self._stage = _Stage.RAISED
         self._slide(self._from + max(self._highest() + _OVER - self._stood, 0.0), now)
 
@@ -158,7 +161,7 @@ class Stacker(SkilledUser):
             # The box is tilted or has slipped a little: lowered like this, it would push the others
             # over.
             self._tries += 1
-            self._slide(self._slider.height(now) + low + _OVER - _HARDLY_OVER, now)
+            self._slide(self.slider.height(now) + low + _OVER - _HARDLY_OVER, now)
             return
         off, turn = self._missing(sight, box)
         near = length(off) < _IN_PLACE and abs(turn) < _STRAIGHT
@@ -176,11 +179,11 @@ class Stacker(SkilledUser):
             self._let_go(now)
             return
         self._tries += 1
-        self._slide(self._slider.height(now) - above - _PRESS, now)
+        self._slide(self.slider.height(now) - above - _PRESS, now)
 
     def _slide(self, height: float, now: float) -> None:
         """Moves the slider, and acts again when its effect has been seen."""
-        self._watch(self._slider.move(height, now) + _FOLLOWS)
+        self._watch(self.slider.move(height, now) + _FOLLOWS)
 
 
 def _stands(seen: SeenObject, goal: Goal) -> bool:

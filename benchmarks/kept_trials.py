@@ -1,0 +1,74 @@
+"""Trials of a benchmark that are kept as they end, so that a run can be stopped, resumed and split.
+
+Every trial is a line of JSON: its job and its outcome. Several files make one table, as those of
+ranges of trials that were played at several times or on several machines.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Generic, NamedTuple, TypeVar
+
+from rich.console import Console
+from rich.progress import Progress
+
+if TYPE_CHECKING:
+    from _typeshed import DataclassInstance
+
+Job = TypeVar("Job", bound=NamedTuple)
+Outcome = TypeVar("Outcome", bound="DataclassInstance")
+
+
+class KeptTrials(Generic[Job, Outcome]):
+    """Trials that have been played, in files of JSON lines.
+
+    Args:
+        job: Class of jobs, tuples with names.
+        outcome: Class of outcomes, dataclasses of plain values.
+        files: Files with trials, which need not exist. The first one takes what is played.
+
+    Attributes:
+        done: Outcome of every job that has one.
+    """
+
+    def __init__(self, job: type[Job], outcome: type[Outcome], files: Sequence[Path]) -> None:
+        self._file = files[0]
+        self.done: dict[Job, Outcome] = {}
+        for file in files:
+            for kept in _lines(file):
+                self.done[job(*kept["job"])] = outcome(**kept["outcome"])
+
+    def play(self, trial: Callable[[Job], Outcome], jobs: Iterable[Job], workers: int) -> None:
+        """Plays the jobs without an outcome, and keeps each as soon as it and those before it have
+        ended."""
+        missing = [job for job in jobs if job not in self.done]
+        if not missing:
+            return
+        # One thread a process: the machine's cores are the processes' already.
+        os.environ["OMP_NUM_THREADS"] = "1"
+        self._file.parent.mkdir(parents=True, exist_ok=True)
+        bars = Progress(console=Console(stderr=True))
+        with self._file.open("ab") as file, bars, ProcessPoolExecutor(workers) as pool:
+            file.truncate(_whole(self._file))
+            played = zip(missing, pool.map(trial, missing), strict=True)
+            for job, outcome in bars.track(played, total=len(missing)):
+                self.done[job] = outcome
+                line = {"job": list(job), "outcome": asdict(outcome)}
+                file.write(json.dumps(line).encode() + b"\n")
+                file.flush()
+
+
+def _whole(file: Path) -> int:
+    """Bytes of a file up to the end of its last whole line: a program that was killed may have torn
+    the one after it."""
+    return file.read_bytes().rfind(b"\n") + 1
+
+
+def _lines(file: Path) -> Iterator[dict[str, Any]]:
+    if file.exists():
+        yield from map(json.loads, file.read_bytes()[: _whole(file)].splitlines())
