@@ -31,7 +31,14 @@ MAY_IMPORT = {
     "sandbox": set(PACKAGES),
 }
 """The arrows. Folders that are not listed (tests, benchmarks, examples) are judged below."""
-MAY_RUN_THE_PROGRAM = {"sandbox", "tests", "benchmarks", "examples", "tools"}
+MAY_RUN_THE_PROGRAM = {
+    "sandbox",
+    "tests",
+    "benchmarks",
+    "examples",
+    "tools",
+    "lerobot_teleoperator",
+}
 SHOWS_OR_SERVES = (
     "OpenGL",
     "glfw",

@@ -13,6 +13,7 @@ import numpy as np
 
 from encoders.paalm.calibration import HandCalibration
 from encoders.reconstruction.reconstructor import AirReconstructor, Reconstructor
+from models.arithmetic.arrays import Array
 from models.motion.armature import Armature
 from models.motion.sampling import Poses
 from models.scene import CONTROL_PERIOD
@@ -92,11 +93,18 @@ def _with_physics(session: Session, stop: threading.Event, of: str, take: PoseCa
     return f"the simulation diverged: {session.diverged}" if session.diverged else ""
 
 
-def _without_physics(
+def follow(
     hands: Sequence[tuple[AnyDevice, Reconstructor | AirReconstructor]],
     stop: threading.Event,
-    take: PoseCallback,
-) -> str:
+    show: Callable[[float, Sequence[Array]], None],
+) -> None:
+    """Computes commanded poses in real time and without physics, until all devices are finished.
+
+    Args:
+        hands: Device and reconstructor of each hand.
+        stop: Ends it early.
+        show: Called every control period with its time, s, and the pose (48,) of each hand.
+    """
     newest = [LatestFrame(reconstructor.empty) for _, reconstructor in hands]
     clock, ticks = RealTime(), 0
     while not (stop.is_set() or all(device.finished for device, _ in hands)):
@@ -104,9 +112,19 @@ def _without_physics(
         poses = []
         for (device, reconstructor), heard in zip(hands, newest, strict=True):
             heard.take(device.poll(now), now)
-            reconstruction = reconstructor.step(heard.frame)  # type: ignore[arg-type]
-            poses.append(poses_of(np.array([now]), reconstruction.q[None]))
-        take(together(poses))
+            poses.append(reconstructor.step(heard.frame).q)  # type: ignore[arg-type]
+        show(now, poses)
         ticks += 1
         clock.wait(ticks * CONTROL_PERIOD)
+
+
+def _without_physics(
+    hands: Sequence[tuple[AnyDevice, Reconstructor | AirReconstructor]],
+    stop: threading.Event,
+    take: PoseCallback,
+) -> str:
+    def show(time: float, poses: Sequence[Array]) -> None:
+        take(together([poses_of(np.array([time]), q[None]) for q in poses]))
+
+    follow(hands, stop, show)
     return ""

@@ -10,6 +10,9 @@ import subprocess
 import sys
 from pathlib import Path
 
+ROOT = Path(__file__).resolve().parents[3]
+"""The repository."""
+
 TORCH = ("torch==2.13.0", "numpy>=2,<2.4")
 LEROBOT = ("lerobot==0.4.4", "torchvision==0.28.0")
 """The newest LeRobot for Python 3.11. It asks for an older torch, and for cameras, motors, learners
@@ -34,17 +37,20 @@ if not torch.version.cuda:
 
 
 def lerobot_python(folder: Path) -> str:
-    """A Python that has LeRobot, installed into a folder unless there is one already."""
+    """A Python with LeRobot and this program, installed into a folder unless there is one."""
     if there := os.environ.get("HAND_SANDBOX_LEROBOT"):
         return there
     subprocess.run([sys.executable, "-m", "venv", str(folder)], check=True)
     own = str(folder / "bin" / "python")
-    for words in (TORCH, ("--no-deps", *LEROBOT), NEEDED):
+    ours = ("-e", f"{ROOT}[robots]")
+    for words in (TORCH, ("--no-deps", *LEROBOT), NEEDED, ours):
         subprocess.run([own, "-m", "pip", "install", "-q", *words], check=True)
     return own
 
 
-def run_with_lerobot(python: str, script: str, home: Path, *words: str) -> str:
+def run_with_lerobot(
+    python: str, script: str, home: Path, *words: str, path: Path | None = None
+) -> str:
     """Runs a script in LeRobot's environment without a network; what it printed.
 
     Args:
@@ -52,11 +58,14 @@ def run_with_lerobot(python: str, script: str, home: Path, *words: str) -> str:
         script: Its text.
         home: Folder of LeRobot's data sets.
         words: Its arguments.
+        path: A folder to import from besides.
     """
+    own = {"HF_LEROBOT_HOME": str(home), "HF_HOME": str(home), "HF_HUB_OFFLINE": "1"}
+    if path is not None:
+        own["PYTHONPATH"] = str(path)
     done = subprocess.run(
         [python, "-c", WITHOUT_OPERATORS + script, *words],
-        env=os.environ
-        | {"HF_LEROBOT_HOME": str(home), "HF_HOME": str(home), "HF_HUB_OFFLINE": "1"},
+        env=os.environ | own,
         capture_output=True,
         text=True,
         check=False,

@@ -17,7 +17,7 @@ from sandbox import run_trial
 from sandbox.cli.main import main
 from sandbox.datasets.lerobot_folder import read_lerobot
 from sandbox.datasets.playback import first_difference
-from tests.system.lerobot.environment import lerobot_python, run_with_lerobot
+from tests.system.lerobot.environment import run_with_lerobot
 
 pytestmark = [pytest.mark.full, pytest.mark.needs("datasets")]
 
@@ -53,21 +53,15 @@ print(json.dumps({
 """
 
 
-@pytest.fixture(scope="session")
-def python(tmp_path_factory: pytest.TempPathFactory) -> str:
-    """A Python that has LeRobot."""
-    return lerobot_python(tmp_path_factory.mktemp("environment"))
-
-
 def test_lerobot_opens_it_and_its_actions_give_the_same_hashes(
-    python: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    lerobot: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("HF_LEROBOT_HOME", str(tmp_path))
     files = [str(tmp_path / f"{seed}.jsonl") for seed in SEEDS]
     for seed, file in zip(SEEDS, files, strict=True):
         run_trial("box-to-goal", seed, record=file, trajectories=False)
     assert main(["export", *files, "--to", "lerobot", "--name", NAME]) == 0
-    seen = json.loads(run_with_lerobot(python, READER, tmp_path, NAME).splitlines()[-1])
+    seen = json.loads(run_with_lerobot(lerobot, READER, tmp_path, NAME).splitlines()[-1])
     assert seen["episodes"] == len(SEEDS) and seen["seeds"] == list(SEEDS)
     assert seen["rate"] == 62.5 and seen["chunk"] == [8, 3, 15]
     assert seen["task"].startswith("Bring a 5 cm box")

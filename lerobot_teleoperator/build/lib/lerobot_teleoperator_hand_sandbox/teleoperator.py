@@ -1,0 +1,114 @@
+"""The teleoperator: a person's hand, live, as actions of a robot's hand."""
+
+from dataclasses import replace
+from typing import Any
+
+from lerobot.teleoperators.teleoperator import Teleoperator
+from lerobot.utils.errors import DeviceAlreadyConnectedError, DeviceNotConnectedError
+from rich.console import Console
+
+from models.errors import InputError
+from sandbox.cli.common.touch_page import open_page_touches
+from sandbox.options.scene_options import SceneOptions, plan
+from sandbox.options.touch_devices import TouchOptions
+from sandbox.stream.live_hand import LiveHand
+from sandbox.trial.assembly import build
+
+from .actions import HandActions
+from .config_hand_sandbox import HandSandboxConfig
+
+PAGES = {"tablet": True, "page": False}
+"""Device that is a page in a browser -> whether other machines can open it."""
+
+
+class HandSandbox(Teleoperator):
+    """A hand on a tablet, before a webcam or in a recording.
+
+    Args:
+        config: Its options.
+
+    Raises:
+        InputError: There is no such robot's hand.
+    """
+
+    config_class = HandSandboxConfig
+    name = "hand_sandbox"
+
+    def __init__(self, config: HandSandboxConfig) -> None:
+        super().__init__(config)
+        self.config = config
+        self._actions = HandActions(config.robot)
+        self._hand: LiveHand | None = None
+
+    @property
+    def action_features(self) -> dict[str, type]:
+        """Name -> type of an action's numbers."""
+        return dict.fromkeys(self._actions.names, float)
+
+    @property
+    def feedback_features(self) -> dict[str, type]:
+        """Empty: a screen gives no force back."""
+        return {}
+
+    @property
+    def is_connected(self) -> bool:
+        """True between `connect` and `disconnect`."""
+        return self._hand is not None
+
+    @property
+    def is_calibrated(self) -> bool:
+        """True: touches have a size of their own."""
+        return True
+
+    @property
+    def over(self) -> bool:
+        """True when the device has nothing more to say, as at the end of a recording."""
+        return self._hand is not None and self._hand.over
+
+    def connect(self, calibrate: bool = True) -> None:
+        """Opens the device; a page is waited for.
+
+        Raises:
+            InputError: The device or the task cannot be used, or nobody opened the page.
+        """
+        if self._hand is not None:
+            raise DeviceAlreadyConnectedError(f"{self} is connected already")
+        page = self.config.device in PAGES
+        device = "web" if page else self.config.device
+        chosen = plan(SceneOptions(task=self.config.task, device=device))
+        settings, makers = chosen.settings, chosen.makers
+        if page:
+            asked = TouchOptions(device="web", tablet=PAGES[self.config.device])
+            touches = open_page_touches(asked, Console(), self.config.patience)
+            if touches is None:
+                raise InputError("nobody opened the page", where="teleop.device")
+            size = touches.surface.width_in, touches.surface.height_in
+            settings, makers = replace(settings, surface_in=size), (lambda *_: touches,)
+        self._hand = LiveHand(build(settings, makers))
+
+    def calibrate(self) -> None:
+        """Does nothing."""
+
+    def configure(self) -> None:
+        """Does nothing."""
+
+    def get_action(self) -> dict[str, float]:
+        """The newest pose as an action.
+
+        Raises:
+            DeviceNotConnectedError: It is not connected.
+            DeviceError: The device failed.
+        """
+        if self._hand is None:
+            raise DeviceNotConnectedError(f"{self} is not connected")
+        return self._actions.action(self._hand.pose())
+
+    def send_feedback(self, feedback: dict[str, Any]) -> None:
+        """Does nothing."""
+
+    def disconnect(self) -> None:
+        """Closes the device."""
+        if self._hand is None:
+            raise DeviceNotConnectedError(f"{self} is not connected")
+        self._hand.close()
+        self._hand = None

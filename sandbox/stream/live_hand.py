@@ -1,0 +1,68 @@
+"""The hand that a device commands, live, for programs that ask where it is now."""
+
+from __future__ import annotations
+
+import threading
+
+from models.arithmetic.arrays import Array
+from models.errors import DeviceError
+from sandbox.session.closeable import Closeable
+from sandbox.session.session import Session
+from sandbox.stream.motion import follow
+from sandbox.trial.driver import Trial
+from sandbox.trial.pacing import Pace
+
+
+class LiveHand(Closeable):
+    """Follows the first hand of a session in real time.
+
+    Physics runs only for a device that has to see the scene, such as a simulated person.
+
+    Args:
+        session: Ready for its first step; it is closed with this.
+    """
+
+    def __init__(self, session: Session) -> None:
+        self._session = session
+        self._pose = session.rigs[0].reconstructor.commanded
+        self._stop, self._lock = threading.Event(), threading.Lock()
+        self._failure: Exception | None = None
+        self._thread = threading.Thread(target=self._run, name="live hand", daemon=True)
+        self._thread.start()
+
+    @property
+    def over(self) -> bool:
+        """True when the device has nothing more to say, as at the end of a recording."""
+        return not self._thread.is_alive()
+
+    def pose(self) -> Array:
+        """The newest commanded pose (48,), in the world; after the end, the last one.
+
+        Raises:
+            DeviceError: The device failed.
+        """
+        if self._failure is not None:
+            raise DeviceError("the hand is lost", got=str(self._failure)) from self._failure
+        with self._lock:
+            return self._pose.copy()
+
+    def close(self) -> None:
+        """Stops the thread and closes the session; may be called twice."""
+        self._stop.set()
+        self._thread.join()
+        self._session.close()
+
+    def _take(self, pose: Array) -> None:
+        with self._lock:
+            self._pose = pose
+
+    def _run(self) -> None:
+        try:
+            if any(rig.device.looks for rig in self._session.rigs):
+                views = [lambda snapshot: self._take(snapshot.hands[0].target)]
+                Trial(self._session, views).run(Pace(), stop=self._stop.is_set)
+            else:
+                hands = [(rig.device, rig.reconstructor) for rig in self._session.rigs]
+                follow(hands, self._stop, lambda time, poses: self._take(poses[0]))
+        except Exception as error:
+            self._failure = error
