@@ -71,13 +71,20 @@ def tip_rows(frames: int) -> Iterator[str]:
 
 
 def other_hand_rows() -> Iterator[str]:
-    yield "| hand | as it is, mm | as the other hand, mm | ratio |"
-    yield "| --- | --- | --- | --- |"
+    yield (
+        "| hand | as it is, mm | as the other hand, mm | ratio | volume, from that of a person's "
+        "hand | from the other | ratio |"
+    )
+    yield "| --- | --- | --- | --- | --- | --- | --- |"
     for robot in ROBOTS:
         mapping = find_robot(robot)
         fit = fit_mapping(mapping.path, mapping.tips, model=mapping.model)
         ratio = fit.mirrored / fit.shape
-        yield f"| {robot} | {fit.shape * 1e3:.1f} | {fit.mirrored * 1e3:.1f} | {ratio:.1f} |"
+        sides = f"{fit.side:.3f} | {fit.other_side:.3f} | {fit.other_side / fit.side:.1f}"
+        yield (
+            f"| {robot} | {fit.shape * 1e3:.1f} | {fit.mirrored * 1e3:.1f} | {ratio:.1f} | "
+            f"{sides} |"
+        )
 
 
 def trial_rows(seeds: range) -> Iterator[str]:

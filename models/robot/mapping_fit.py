@@ -1,8 +1,8 @@
 """Fit of a mapping: how a robot's hand stands for a person's, from its model and tips' names.
 
-The robot's palm is laid over the person's by the places of knuckles and fingertips. Then it is
-moved to where the robot's fingers meet the person's fingertips in many poses with their joints near
-the middle of their ranges.
+The side of the hand is that whose fingers span a like volume. The robot's palm is laid over the
+person's by the places of knuckles and fingertips. Then it is moved to where the robot's fingers
+meet the person's fingertips in many poses with their joints near the middle of their ranges.
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ from models.errors import InputError
 from models.frames import FINGERS
 from models.one_pose import OnePose
 from models.pose import JOINTS, POSE_SIZE
+from models.robot.handedness import flexed, person_volume, robot_volume
 from models.robot.mapping import RobotMapping
 from models.robot.retargeting import Retargeter
 from models.robot.robot_hand import RobotHand
@@ -58,12 +59,16 @@ class MappingFit:
         shape: m, root mean square distance of knuckles and fingertips of the hands, laid over each
             other and bent alike.
         mirrored: m, the same for the person's other hand.
+        side: Difference between the volumes of both hands (`models.robot.handedness`).
+        other_side: The same for the person's other hand.
     """
 
     mapping: RobotMapping
     errors: Array
     shape: float
     mirrored: float
+    side: float
+    other_side: float
 
 
 def fit_mapping(path: Path, tips: Sequence[str], palm: str = "", model: str = "") -> MappingFit:
@@ -88,8 +93,10 @@ def fit_mapping(path: Path, tips: Sequence[str], palm: str = "", model: str = ""
     palm = palm or _carrier(path, tips)
     robot = RobotModel(path, palm, tips)
     people = {"right": ADULT, "left": ADULT.mirrored()}
-    laid = {side: _laid_over(robot, person) for side, person in people.items()}
-    side, other = sorted(laid, key=lambda name: laid[name].error)
+    own = robot_volume(robot)
+    apart = {side: abs(own - person_volume(person)) for side, person in people.items()}
+    side, other = sorted(apart, key=lambda name: apart[name])
+    laid = {name: _laid_over(robot, person) for name, person in people.items()}
     start = RobotMapping(
         model or path.name,
         side,
@@ -103,7 +110,9 @@ def fit_mapping(path: Path, tips: Sequence[str], palm: str = "", model: str = ""
         str(path.with_suffix(".toml")),
     )
     mapping, errors = _moved(start, people[side])
-    return MappingFit(mapping, errors, laid[side].error, laid[other].error)
+    return MappingFit(
+        mapping, errors, laid[side].error, laid[other].error, apart[side], apart[other]
+    )
 
 
 class _Laid(NamedTuple):
@@ -169,12 +178,9 @@ def _laid_over(robot: RobotModel, person: Skeleton) -> _Laid:
     knuckles = np.array([person.bones[i].anchor for i in person.first_bone])
     theirs, own = [], []
     for share in _BENT:
-        q = np.zeros(POSE_SIZE)
-        # Flexion of a bone is a negative turn about its x axis.
-        q[JOINTS][::3] = (person.upper + share * (person.lower - person.upper))[::3]
         # Thumbs have joints of other kinds in every hand: where they begin says enough.
         bases, tips = robot.bent(share)
-        theirs += [knuckles, OnePose(person).tips(q)[1:]]
+        theirs += [knuckles, OnePose(person).tips(flexed(person, share))[1:]]
         own += [bases, tips[1:]]
     there, here = np.concatenate(theirs), np.concatenate(own)
     centre, middle = there.mean(axis=0), here.mean(axis=0)

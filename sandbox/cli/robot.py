@@ -67,6 +67,10 @@ def fit(
         f"knuckles and fingertips of bent hands, laid over each other: {fitted.shape * 1e3:.0f} mm "
         f"apart; with the other hand {fitted.mirrored * 1e3:.0f} mm"
     )
+    print(
+        f"volume spanned by the fingers: {fitted.side:.2f} from that of a person's {mapping.side} "
+        f"hand, {fitted.other_side:.2f} from that of the other"
+    )
     if picture is not None:
         _draw(out, picture)
         print(f"picture: {picture}")

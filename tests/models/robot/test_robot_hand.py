@@ -169,6 +169,7 @@ def test_a_mirrored_hand_is_found_out(tmp_path: Path) -> None:
         fitted = fit_mapping(hinge_hand(tmp_path, side), TIPS)
         assert fitted.mapping.side == side
         assert fitted.mirrored > 2 * fitted.shape
+        assert fitted.other_side > 5 * fitted.side
 
 
 def test_a_mapping_is_read_as_it_was_written(mapping: RobotMapping, tmp_path: Path) -> None:
@@ -182,7 +183,9 @@ def test_a_mapping_is_read_as_it_was_written(mapping: RobotMapping, tmp_path: Pa
 @pytest.mark.parametrize("robot", ROBOTS)
 def test_the_mappings_that_ship_are_those_of_the_fit(robot: str) -> None:
     ships = find_robot(robot)
-    fitted = fit_mapping(ships.path, ships.tips, model=ships.model).mapping
+    fit = fit_mapping(ships.path, ships.tips, model=ships.model)
+    assert fit.other_side > 5 * fit.side
+    fitted = fit.mapping
     assert np.allclose(fitted.offset, ships.offset, atol=1e-4)
     assert np.allclose(fitted.turn, ships.turn, atol=1e-3)
     assert (fitted.scales, fitted.radii, fitted.side) == (ships.scales, ships.radii, ships.side)
