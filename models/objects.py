@@ -1,10 +1,10 @@
-"""Objects to manipulate: boxes, wrenches and a tray."""
+"""Objects to manipulate: boxes, cylinders, wrenches and a tray."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from math import cos, sin
-from typing import Protocol
+from typing import ClassVar, Protocol
 from xml.etree.ElementTree import Element, SubElement
 
 import numpy as np
@@ -99,6 +99,76 @@ class Box:
         """
         away = np.asarray(points, float) - position
         return _box_clearance(matrix_product(away, rotation), self.half_size)
+
+
+@dataclass(frozen=True)
+class Cylinder:
+    """A solid cylinder that stands on its end, free to move.
+
+    Attributes:
+        name: Name of its body.
+        radius: m.
+        half_height: m, half its height.
+        mass: kg.
+        position: (3,) m, centre at the start.
+        yaw: rad about the vertical at the start, which nobody sees.
+        rgb: Colour, 0 to 1.
+        symmetry: Number of equivalent angles in one full turn; 0: all.
+    """
+
+    name: str
+    radius: float
+    half_height: float
+    mass: float
+    position: tuple[float, float, float]
+    yaw: float = 0.0
+    rgb: tuple[float, float, float] = RED
+    symmetry: ClassVar[int] = 0
+
+    def scaled(self, size: float) -> Cylinder:
+        """The same cylinder in another size, with the same mass and place."""
+        x, y, z = self.position
+        raised = (size - 1.0) * self.half_height
+        return replace(
+            self,
+            radius=size * self.radius,
+            half_height=size * self.half_height,
+            position=(x, y, z + raised),
+        )
+
+    def body(self) -> Element:
+        """MJCF of the cylinder."""
+        quat = (cos(self.yaw / 2), 0.0, 0.0, sin(self.yaw / 2))
+        body = Element(
+            "body",
+            {"name": self.name, "pos": mjcf_text(self.position), "quat": mjcf_text(quat)},
+        )
+        SubElement(body, "freejoint", {"name": self.name})
+        SubElement(
+            body,
+            "geom",
+            {
+                "name": self.name,
+                "type": "cylinder",
+                "size": mjcf_text((self.radius, self.half_height)),
+                **_solid(self.mass, self.rgb),
+            },
+        )
+        return body
+
+    def clearance(self, points: ArrayLike, position: Array, rotation: Array) -> Array:
+        """Signed distances (n,) m of world points (n, 3) to the cylinder, negative inside.
+
+        Args:
+            points: World points.
+            position: (3,) m, current position of the cylinder.
+            rotation: (3, 3) current rotation.
+        """
+        local = matrix_product(np.asarray(points, float) - position, rotation)
+        aside = np.sqrt(squared_lengths(local[:, :2]))
+        # In the plane of axis and point a cylinder is a rectangle.
+        flat = np.column_stack([aside, local[:, 2]])
+        return _box_clearance(flat, (self.radius, self.half_height))
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from models.errors import SurfaceTooSmallError
 from models.messages.message import Message
 from models.objects import Box
 from models.surface import Surface
-from tasks.sensing import Sensing
+from tasks.sensing import ObjectState, Sensing
 from tasks.task import Goal, Measure, TaskDefaults
 
 EDGE = 0.050
@@ -96,33 +96,43 @@ class BoxToGoal(TaskDefaults):
         box, goal = sensing.object("box"), self.goals[0]
         target = goal.position
         off = distance(box.position.tolist(), target)
-        # Seen from above, a cube repeats every 90 degrees.
-        quarter = np.pi / 2
-        turn = abs((box.yaw - goal.yaw + quarter / 2) % quarter - quarter / 2)
-        reason: str = ""
-        if off > POSITION_TOLERANCE:
-            reason = Message(
-                "box_from_goal", "the box is {mm} mm from the goal", mm=f"{1000 * off:.0f}"
-            )
-        elif box.tilt > TILT_TOLERANCE:
-            degrees = f"{np.rad2deg(box.tilt):.0f}"
-            reason = Message(
-                "box_tilted", "the box is tilted by {degrees} degrees", degrees=degrees
-            )
-        elif turn > YAW_TOLERANCE:
-            reason = Message(
-                "box_turned",
-                "the box is turned by {degrees} degrees against the goal",
-                degrees=f"{np.rad2deg(turn):.0f}",
-            )
-        elif not box.on_table:
-            reason = Message("box_off_table", "the box does not stand on the table")
-        elif box.held:
-            reason = Message("box_touched", "a hand still touches the box")
-        elif box.speed > SPEED_TOLERANCE:
-            reason = Message("box_moves", "the box is still moving")
+        reason = missing(box, goal)
         way = max(distance(target, self.objects[0].position) - POSITION_TOLERANCE, 1e-9)
         travelled = 1.0 - max(off - POSITION_TOLERANCE, 0.0) / way
         # Only success is 1: a box on its way, tilted or still held stays below.
         progress = 1.0 if not reason else min(max(travelled, 0.0), 0.99)
         return Measure(not reason, progress, reason)
+
+
+def missing(box: ObjectState, goal: Goal) -> str:
+    """Text of the first condition that a box lacks at its goal; empty if it lacks none.
+
+    Args:
+        box: The box, a cube.
+        goal: Its goal on the table.
+    """
+    off = distance(box.position.tolist(), goal.position)
+    # Seen from above, a cube repeats every 90 degrees.
+    quarter = np.pi / 2
+    turn = abs((box.yaw - goal.yaw + quarter / 2) % quarter - quarter / 2)
+    reason: str = ""
+    if off > POSITION_TOLERANCE:
+        reason = Message(
+            "box_from_goal", "the box is {mm} mm from the goal", mm=f"{1000 * off:.0f}"
+        )
+    elif box.tilt > TILT_TOLERANCE:
+        degrees = f"{np.rad2deg(box.tilt):.0f}"
+        reason = Message("box_tilted", "the box is tilted by {degrees} degrees", degrees=degrees)
+    elif turn > YAW_TOLERANCE:
+        reason = Message(
+            "box_turned",
+            "the box is turned by {degrees} degrees against the goal",
+            degrees=f"{np.rad2deg(turn):.0f}",
+        )
+    elif not box.on_table:
+        reason = Message("box_off_table", "the box does not stand on the table")
+    elif box.held:
+        reason = Message("box_touched", "a hand still touches the box")
+    elif box.speed > SPEED_TOLERANCE:
+        reason = Message("box_moves", "the box is still moving")
+    return reason

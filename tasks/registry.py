@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from importlib import import_module
 from typing import Any
 
 from models.errors import HandSandboxError, InputError
@@ -17,6 +18,9 @@ from tasks.task import Task
 from tasks.wrench_slide import WrenchSlide
 from tasks.wrench_turn import WrenchTurn
 
+IN_ROOMS = (("tasks.clutter.slalom", "Slalom"),)
+"""Module and class of built-in tasks in rooms of their own, which build upon this room."""
+
 TASKS: dict[str, type[Task]] = {
     task.name: task
     for task in (
@@ -27,6 +31,7 @@ TASKS: dict[str, type[Task]] = {
         StackThree,
         StackVertical,
         CarryTogether,
+        *(getattr(import_module(module), member) for module, member in IN_ROOMS),
     )
 }
 

@@ -6,6 +6,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar, Protocol
 
+from models.errors import InputError
 from models.objects import SceneObject
 from models.surface import Surface
 from tasks.goals import Goal
@@ -42,6 +43,21 @@ class TaskDefaults(Protocol):
 
     hands: ClassVar[int] = 1
     user: ClassVar[UserMaker | None] = None
+
+    def with_room(self, factor: float) -> Task:
+        """The same trial with so much more or less room between its things.
+
+        Args:
+            factor: Factor on what the task calls its room: the width of a gate, a clearance.
+
+        Raises:
+            InputError: The task leaves no room that could be varied, as by default.
+        """
+        raise InputError(
+            "this task leaves no room that can be varied",
+            where="room",
+            remedy="Vary something else",
+        )
 
 
 class Task(TaskDefaults, Protocol):

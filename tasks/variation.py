@@ -34,6 +34,8 @@ class Variation:
         friction: Factor on every coefficient of sliding friction: table, objects and hands.
         start: m by which every object's start is shifted, in a direction that follows from the
             seed.
+        room: Factor on the room that the task leaves between its things, such as the width of a
+            gate; see `Task.with_room`.
         noise: m, standard deviation of white noise on each coordinate of every touch in every
             frame.
         dropped: Times per second that the screen loses a touch for a moment.
@@ -48,6 +50,7 @@ class Variation:
     mass: float = 1.0
     friction: float = 1.0
     start: float = 0.0
+    room: float = 1.0
     noise: float = 0.0
     dropped: float = 0.0
     ghosts: float = 0.0
@@ -84,6 +87,7 @@ RANGES = {
     "mass": (0.01, 100.0),
     "friction": (0.01, 10.0),
     "start": (0.0, 0.2),
+    "room": (0.05, 10.0),
     "noise": (0.0, 0.05),
     "dropped": (0.0, 10.0),
     "ghosts": (0.0, 20.0),
@@ -115,6 +119,9 @@ def vary(task: Task, variation: Variation, surface: Surface) -> Task:
         return task
     if not is_dataclass(task):
         raise InputError("only tasks that are dataclasses can be varied", where=task.name)
+    if variation.room != 1.0:
+        task = task.with_room(variation.room)
+        assert is_dataclass(task)
     objects = tuple(_changed(obj, variation, task.name) for obj in task.objects)
     steps = {t.name: _step(u, t) for t, u in zip(objects, task.objects, strict=True)}
     if variation.start:

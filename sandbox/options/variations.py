@@ -78,6 +78,13 @@ KINDS = {
             up=(10.0, 20.0, 30.0, 40.0),
         ),
         Kind(
+            "room",
+            "room between the things",
+            1.0,
+            down=(0.95, 0.9, 0.85, 0.8, 0.5, 0.25),
+            up=(1.05, 1.1, 1.2, 1.5, 2.0),
+        ),
+        Kind(
             HAND_SIZE,
             "hand, against the one that touches",
             1.0,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from math import cos, sin
 
@@ -49,6 +49,7 @@ def roomiest_grasp(
     hand: Hand,
     around: Surroundings,
     failed: Grasp | None = None,
+    lacking: Callable[[Grasp], float] | None = None,
 ) -> Grasp:
     """Chooses faces and thumb side with the best compromise between room and comfort.
 
@@ -58,6 +59,7 @@ def roomiest_grasp(
         hand: The hand of the user whose comfort counts.
         around: Objects that may be in the way, and the surface.
         failed: A grasp that has just failed.
+        lacking: Returns room in m that a grasp lacks elsewhere, such as on the way to the goal.
     """
     assert isinstance(box.shape, Box)
     half = box.shape.half_size
@@ -70,6 +72,8 @@ def roomiest_grasp(
         grasp = grasp_across(axis, 2 * width, 2 * face, hand)
         cost = max(abs(wrapped(start)), abs(wrapped(end)))
         cost += _CROWDED * _missing_room(grasp, turn, box, hand, around)
+        if lacking is not None:
+            cost += _CROWDED * lacking(grasp)
         if failed and abs(wrapped(axis - failed.axis)) < np.pi / 4:
             cost += _AGAIN
         options.append((cost, quarter, grasp))

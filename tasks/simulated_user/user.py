@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from enum import Enum, auto
+from typing import ClassVar
 
 import numpy as np
 
@@ -22,8 +23,6 @@ from tasks.user import SeenObject, Sight, UserConfiguration
 
 _IN_PLACE = 0.004
 """m, error of the fingers' positions within which the user closes them."""
-_DRAGS = 7
-"""Corrected movements of one grasp before the user lets go and starts again."""
 _SLIPPED = 0.015
 """m by which the box may lag behind the fingers before it counts as slipped."""
 _HARDLY = 0.001
@@ -50,7 +49,12 @@ class SkilledUser:
         configuration: Settings of the simulated user.
         surface: The tablet.
         seed: Seed of the user's randomness.
+
+    Attributes:
+        drags: Corrected movements of one grasp before the user lets go and starts again.
     """
+
+    drags: ClassVar[int] = 7
 
     def __init__(self, configuration: UserConfiguration, surface: Surface, seed: int) -> None:
         self.configuration, self.surface = configuration, surface
@@ -183,11 +187,16 @@ class SkilledUser:
         # The part that this grasp allows; a wrist at its limit needs a new grasp.
         good = length(off) < near and abs(now_turn) < straight
         slipped = self._tries > 0 and lag > _SLIPPED
-        if good or slipped or self._tries >= _DRAGS or not sight.solid:
+        if good or slipped or self._tries >= self.drags or not sight.solid:
             self._let_go(now)
             return
         self._tries += 1
-        self._watch(self._fingers.carry(off, now_turn, self._handling.pivot(box), now))
+        shift, turn = self._leg(sight, box, off, now_turn)
+        self._watch(self._fingers.carry(shift, turn, self._handling.pivot(box), now))
+
+    def _leg(self, sight: Sight, box: SeenObject, off: Array, turn: float) -> tuple[Array, float]:
+        """Shift (2,) m and turn rad of the next movement of a held object: all that is missing."""
+        return off, turn
 
     def _let_go(self, now: float) -> None:
         self._fingers.lift(now)
