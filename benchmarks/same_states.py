@@ -25,12 +25,11 @@ from rich.progress import track
 
 from benchmarks.in_air import Depth
 from benchmarks.in_air import play as play_in_air
-from benchmarks.judged import judged_seeds
+from benchmarks.judged import JUDGED, judged_seeds
 from benchmarks.judged_air import air_seeds
 from benchmarks.success import load, trial
 from sandbox.devices.simulated.leap_disturbance import LeapDisturbance
 from sandbox.recording.versions import versions
-from tasks.registry import TASKS
 
 STATES = Path(__file__).with_name("judged_states.json")
 """Commit, fingerprint, and 12 digits of each trial's state hash, by task (and dialect)."""
@@ -76,7 +75,7 @@ def write(judged: Path, air: int, workers: int) -> None:
     """
     done = load(judged)
     touch = {}
-    for task in TASKS:
+    for task in JUDGED:
         jobs = [(task, "shipped", 3, seed) for seed in judged_seeds(MOST, task)]
         touch[task] = [done[j]["state_hash"][:DIGITS] for j in takewhile(done.__contains__, jobs)]
     keys = [f"{task} {dialect}" for task in IN_AIR for dialect in ("v3", "v1")]

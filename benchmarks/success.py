@@ -26,10 +26,9 @@ from rich.console import Console
 from rich.progress import Progress
 from scipy.stats import binomtest
 
-from benchmarks.judged import judged_seeds
+from benchmarks.judged import JUDGED, judged_seeds
 from benchmarks.lanes import in_lanes
 from benchmarks.one_line import run
-from tasks.registry import TASKS
 
 ENCODERS: dict[str, dict[str, Any]] = {
     "shipped": {},
@@ -163,9 +162,9 @@ def main() -> None:
     parser.add_argument("--out", type=Path, default=Path("out/success.jsonl"))
     parser.add_argument("--table", action="store_true", help="only print what is there")
     args = parser.parse_args()
-    tasks = list(TASKS) if args.tasks == ["all"] else args.tasks
+    tasks = list(JUDGED) if args.tasks == ["all"] else args.tasks
     rows = chosen_rows(args.rows)
-    for given, known in ((tasks, TASKS), (rows, ROWS)):
+    for given, known in ((tasks, JUDGED), (rows, ROWS)):
         if unknown := [name for name in given if name not in known]:
             parser.error(f"there is no {', '.join(unknown)}; there are {', '.join(known)}")
     seeds = {task: judged_seeds(args.seeds, task) for task in tasks}

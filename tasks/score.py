@@ -58,6 +58,23 @@ class Score:
         return self.held
 
 
+def points(success: bool, progress: float, seconds: float, limit: float) -> float:
+    """One number for a trial, 0 to 100: 50 for success and the more the sooner, less without.
+
+    It follows from objects and time alone: a trial that was held has 50 points and up to 50 more
+    for the time that was left; any other has 50 times the progress at its end.
+
+    Args:
+        success: The goal was held.
+        progress: 0 to 1, at the end.
+        seconds: s until it was held, or until the trial ended.
+        limit: s, the task's time limit.
+    """
+    if not success:
+        return 50.0 * progress
+    return 50.0 + 50.0 * max(1.0 - seconds / limit, 0.0)
+
+
 class Scorer:
     """Scores one trial, one measure after another."""
 

@@ -43,6 +43,7 @@ TASKS = (
     "stack-three",
     "stack-vertical",
     "carry-together",
+    "slalom",
 )
 ENCODERS = ("linear", "quadratic", "cubic", "pca-ik", "paper")
 RUNS = [

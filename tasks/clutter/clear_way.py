@@ -8,12 +8,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from heapq import heappop, heappush
-from math import hypot
+from math import sqrt
 
 import numpy as np
 
 from models.arithmetic.arrays import Array
-from models.arithmetic.products import squared_lengths
+from models.arithmetic.products import length, squared_lengths
 from models.surface import Surface
 from tasks.simulated_user.screen import EDGE
 from tasks.user import SeenObject
@@ -67,7 +67,7 @@ def clear_leg(
     room = [_room(place[None], footprint, things)[0] for place in way]
     for last in range(len(way) - 1, 0, -1):
         least = min(*room[1 : last + 1], EASY) - _LOSES
-        many = max(int(hypot(*(way[last] - start)) / GRID) * 2, 2)
+        many = max(int(length(way[last] - start) / GRID) * 2, 2)
         line = start + np.linspace(0.0, 1.0, many)[1:, None] * (way[last] - start)
         if last == 1 or float(_room(line, footprint, things).min()) >= least:
             return np.asarray(way[last] - start)
@@ -126,11 +126,11 @@ def _way(
         if cost > costs[at]:
             continue
         row, column = divmod(at, columns)
-        for down, right in _NEIGHBOURS:
+        for down, right, step in _NEIGHBOURS:
             if not (0 <= row + down < rows and 0 <= column + right < columns):
                 continue
             to = at + down * columns + right
-            new = cost + hypot(down, right) * 0.5 * (prices[at] + prices[to])
+            new = cost + step * 0.5 * (prices[at] + prices[to])
             if new < costs[to]:
                 costs[to], before[to] = new, at
                 heappush(edge, (new, to))
@@ -142,7 +142,8 @@ def _way(
     return [start, *reversed(way)]
 
 
-_NEIGHBOURS = [(a, b) for a in (-1, 0, 1) for b in (-1, 0, 1) if a or b]
+_NEIGHBOURS = [(a, b, sqrt(a * a + b * b)) for a in (-1, 0, 1) for b in (-1, 0, 1) if a or b]
+"""Rows and columns to the next places of the grid, and the distance."""
 
 
 def _room(places: Array, footprint: Footprint, things: Sequence[SeenObject]) -> Array:

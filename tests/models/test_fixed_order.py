@@ -23,6 +23,7 @@ ROOMS = (
     "encoders/webcam/*.py",
     "tasks/*.py",
     "tasks/simulated_user/*.py",
+    "tasks/clutter/*.py",
     "sandbox/clearing/*.py",
     "sandbox/devices/*.py",
     "sandbox/devices/simulated/*.py",

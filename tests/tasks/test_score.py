@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from models.scene import CONTROL_PERIOD
 from models.surface import Surface
 from tasks.box_to_goal import BoxToGoal
-from tasks.score import AFTERMATH, Score, Scorer, Status
+from tasks.score import AFTERMATH, Score, Scorer, Status, points
 from tasks.task import Measure
 
 TASK = BoxToGoal.draw(0, Surface())
@@ -171,3 +171,13 @@ def test_nothing_changes_a_trial_that_is_over(
 def test_a_trial_that_is_aborted_before_it_begins_has_no_success() -> None:
     score = Scorer(TASK).abort(Status.DIVERGED, "it diverged at once")
     assert score == replace(Score(), status=Status.DIVERGED, reason="it diverged at once")
+
+
+@given(st.floats(0.0, 1.0), st.floats(0.0, 60.0), st.floats(0.0, 60.0))
+def test_every_success_has_more_points_than_any_failure_and_sooner_is_better(
+    progress: float, one: float, other: float
+) -> None:
+    sooner, later = sorted((one, other))
+    assert 100.0 >= points(True, 1.0, sooner, 60.0) >= points(True, 1.0, later, 60.0) >= 50.0
+    assert 50.0 >= points(False, progress, one, 60.0) >= 0.0
+    assert points(False, progress, one, 60.0) >= points(False, progress / 2, other, 60.0)

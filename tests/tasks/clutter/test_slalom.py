@@ -1,0 +1,180 @@
+"""Slalom: every trial is a fair one, pins that fall end it, and a person with eyes can do it."""
+
+from __future__ import annotations
+
+import mujoco
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from models.arithmetic.arrays import Array
+from models.errors import InputError, SurfaceTooSmallError
+from models.hand import Hand
+from models.objects import Cylinder
+from models.rotations import exp, matrix_to_quaternion
+from models.scene import Scene, SceneSpec
+from models.surface import PRESETS, Surface
+from sandbox import run_trial
+from tasks.box_to_goal import BORDER, BoxToGoal
+from tasks.clutter.slalom import (
+    FALLEN,
+    GATES_APART,
+    LEAD,
+    OPENING,
+    PIN_BORDER,
+    PIN_HEIGHT,
+    PIN_RADIUS,
+    SHIFT,
+    Slalom,
+)
+from tasks.registry import draw_task
+from tasks.sensing import Sensing
+from tasks.task import Measure
+from tasks.variation import Variation, vary
+from tests.support.simulation import put, run
+
+seeds = st.integers(0, 2**63 - 1)
+TABLET = Surface().centred_at((0.0, 0.0, Slalom.touch_height))
+AWAY = np.concatenate([[0.0, 0.0, 0.30], np.zeros(45)])
+
+
+def gates(task: Slalom) -> Array:
+    """(2, 2, 2) m, the pins of both gates."""
+    return np.array([pin.position[:2] for pin in task.objects[1:]]).reshape(2, 2, 2)
+
+
+class Trial:
+    """A trial in its real scene, with things put where a test wants them."""
+
+    def __init__(self, seed: int = 3) -> None:
+        self.task = Slalom.draw(seed, TABLET)
+        self.scene = Scene(SceneSpec((Hand(),), self.task.objects, self.task.table_friction))
+        self.data = mujoco.MjData(self.scene.model)
+        put(self.scene, self.data, AWAY)
+        self.scene.set_solid(0, frozenset())
+        goal = self.task.goals[0]
+        box = self.data.joint("box")
+        box.qpos[:3] = goal.position
+        box.qpos[3:] = matrix_to_quaternion(exp(goal.yaw * np.array([0.0, 0.0, 1.0])))
+
+    def tilt(self, pin: str, angle: float) -> None:
+        """Tilts a pin about its middle by an angle, rad."""
+        self.data.joint(pin).qpos[3:] = matrix_to_quaternion(exp(np.array([angle, 0.0, 0.0])))
+
+    def measure(self) -> Measure:
+        mujoco.mj_forward(self.scene.model, self.data)
+        return self.task.measure(Sensing(self.scene, self.data))
+
+
+@given(seed=seeds, surface=st.sampled_from([Surface(*s) for s in PRESETS.values() if s[1] > 5]))
+def test_every_trial_has_two_gates_beside_its_straight_way(seed: int, surface: Surface) -> None:
+    task = Slalom.draw(seed, surface)
+    start, end = np.array(task.objects[0].position[:2]), np.array(task.goals[0].position[:2])
+    way = np.linalg.norm(end - start)
+    assert 2 * LEAD[0] + GATES_APART - 1e-9 <= way <= 2 * LEAD[1] + GATES_APART + 1e-9
+    along = (end - start) / way
+    across = np.array([-along[1], along[0]])
+    both = gates(task)
+    first, second = both.mean(axis=1) - start
+    assert abs((second - first) @ along - GATES_APART) < 1e-9
+    assert first @ across == pytest.approx(-(second @ across))
+    assert abs(first @ across) == pytest.approx(SHIFT)
+    wide = np.linalg.norm(both[:, 0] - both[:, 1], axis=1) - 2 * PIN_RADIUS
+    assert np.allclose(wide, OPENING)
+    on = surface.to_surface(np.array([t.position for t in task.objects]))
+    assert np.all(on >= PIN_BORDER - 1e-9) and np.all(on <= surface.size - PIN_BORDER + 1e-9)
+    assert np.all(on[0] >= BORDER - 1e-9)
+
+
+@given(seed=seeds)
+def test_the_same_seed_is_the_same_trial_with_no_two_things_in_one_place(seed: int) -> None:
+    assert Slalom.draw(seed, TABLET) == Slalom.draw(seed, TABLET)
+    places = np.array([t.position[:2] for t in Slalom.draw(seed, TABLET).objects])
+    for pin in places[1:]:
+        assert np.linalg.norm(pin - places[0]) > 0.040
+
+
+def test_a_surface_without_room_for_gates_is_refused_in_one_line() -> None:
+    with pytest.raises(SurfaceTooSmallError, match="two gates of pins"):
+        Slalom.draw(1, Surface(6.0, 4.0))
+
+
+def test_a_box_at_its_goal_with_all_pins_standing_is_there() -> None:
+    trial = Trial()
+    run(trial.scene, trial.data, 0.2)
+    assert trial.measure() == Measure(True, 1.0, "")
+
+
+@pytest.mark.parametrize("pin", ["pin1", "pin2", "pin3", "pin4"])
+def test_a_pin_that_leans_is_not_enough_and_one_that_fell_ends_the_trial(pin: str) -> None:
+    trial = Trial()
+    trial.tilt(pin, np.deg2rad(8.0))
+    leaning = trial.measure()
+    assert leaning.reason == "a pin does not stand upright" and not leaning.lost
+    trial.tilt(pin, FALLEN + 0.01)
+    fallen = trial.measure()
+    assert fallen.reason == "a pin has been toppled" and fallen.lost and not fallen.reached
+
+
+def test_a_pin_stands_by_itself_and_falls_beyond_its_balance() -> None:
+    balance = np.arctan(2 * PIN_RADIUS / PIN_HEIGHT)
+    for angle, falls in ((0.0, False), (0.7 * balance, False), (1.3 * balance, True)):
+        pin = Cylinder("pin", PIN_RADIUS, PIN_HEIGHT / 2, 0.0115, (0.0, 0.0, PIN_HEIGHT / 2))
+        scene = Scene(SceneSpec((Hand(),), (pin,), 0.5))
+        data = mujoco.MjData(scene.model)
+        put(scene, data, AWAY)
+        scene.set_solid(0, frozenset())
+        # Tilted about the edge on which it stands.
+        data.joint("pin").qpos[1] = PIN_HEIGHT / 2 * np.sin(angle)
+        data.joint("pin").qpos[2] = PIN_HEIGHT / 2 * np.cos(angle) + PIN_RADIUS * np.sin(angle)
+        data.joint("pin").qpos[3:] = matrix_to_quaternion(exp(np.array([-angle, 0.0, 0.0])))
+        run(scene, data, 1.5)
+        assert (Sensing(scene, data).object("pin").tilt > FALLEN) == falls, angle
+
+
+def test_distances_to_a_cylinder_are_those_that_mujoco_measures() -> None:
+    rng = np.random.default_rng(4)
+    pin = Cylinder("pin", 0.01, 0.03, 0.02, (0.1, 0.0, 0.03)).scaled(1.5)
+    assert pin.position[2] == pytest.approx(0.045)
+    turn, place = exp(rng.normal(size=3)), rng.normal(0.0, 0.05, 3)
+    model = mujoco.MjModel.from_xml_string(
+        "<mujoco><worldbody>"
+        "<body mocap='true'><geom name='a' type='cylinder' size='.015 .045'/></body>"
+        "<body mocap='true'><geom name='b' type='sphere' size='.001'/></body></worldbody></mujoco>"
+    )
+    data = mujoco.MjData(model)
+    data.mocap_pos[0], data.mocap_quat[0] = place, matrix_to_quaternion(turn)
+    points = place + rng.normal(0.0, 0.05, (40, 3))
+    for point, far in zip(points, pin.clearance(points, place, turn), strict=True):
+        data.mocap_pos[1] = point
+        mujoco.mj_kinematics(model, data)
+        if far > 0.002:
+            assert far - 0.001 == pytest.approx(
+                mujoco.mj_geomDistance(model, data, 0, 1, 1.0, None), abs=1e-6
+            )
+
+
+@pytest.mark.parametrize("factor", [0.9, 1.2])
+def test_room_is_the_width_of_the_gates_and_nothing_else(factor: float) -> None:
+    task = Slalom.draw(5, TABLET)
+    varied = vary(task, Variation(room=factor), TABLET)
+    assert isinstance(varied, Slalom)
+    before, after = gates(task), gates(varied)
+    assert np.allclose(before.mean(axis=1), after.mean(axis=1))
+    wide = np.linalg.norm(after[:, 0] - after[:, 1], axis=1) - 2 * PIN_RADIUS
+    assert np.allclose(wide, factor * OPENING)
+    assert varied.objects[0] == task.objects[0] and varied.goals == task.goals
+
+
+def test_a_task_that_leaves_no_room_says_so() -> None:
+    box = draw_task(BoxToGoal, 1, TABLET)
+    with pytest.raises(InputError, match="leaves no room that can be varied"):
+        vary(box, Variation(room=1.1), TABLET)
+
+
+@pytest.mark.parametrize("solid", ["fingertips", "hand"])
+@pytest.mark.parametrize("fingers", [2, 5])
+def test_the_simulated_user_finds_the_way_between_the_pins(solid: str, fingers: int) -> None:
+    trial = run_trial("slalom", seed=6001, solid=solid, fingers=fingers, trajectories=False)
+    assert trial.success
