@@ -147,7 +147,7 @@ class Hand:
         return []
 
     def follower(self) -> Follower:
-        """What follows poses: controls are the pose itself."""
+        """Follower whose controls are the pose itself."""
         return PoseFollower(self.controls)
 
     def coordinates(self, qpos: Array) -> Array:

@@ -126,7 +126,7 @@ class SceneHand(Protocol):
         ...
 
     def follower(self) -> Follower:
-        """What turns the poses of one movement into controls."""
+        """Follower that turns the poses of one movement into controls."""
         ...
 
     def coordinates(self, qpos: Array) -> Array:

@@ -70,6 +70,6 @@ def _pinching(gap: float) -> Array:
     wanted[TIPS] = _CENTRE - 0.5 * gap * axis
     wanted[TIPS + 1] = _CENTRE + 0.5 * gap * axis - beside
     wanted[TIPS + 2] = _CENTRE + 0.5 * gap * axis + beside
-    found = JointFit(ADULT, _BENT).fit(wanted)
-    assert found is not None
-    return found.pose
+    fit = JointFit(ADULT, _BENT).fit(wanted)
+    assert fit is not None
+    return fit.pose

@@ -35,7 +35,7 @@ from models.skeleton import Skeleton
 
 @dataclass(frozen=True)
 class JointFitSettings:
-    """What the fit trusts, and how long it goes on.
+    """Weights of the fit, and its largest number of steps.
 
     Attributes:
         twist: degrees, standard deviation of a finger's first bone about its axis.

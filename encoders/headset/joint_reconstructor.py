@@ -29,7 +29,7 @@ _MIRROR = np.array([-1.0, 1.0, 1.0])
 
 
 def following(rate: RateLimit | None = None) -> FollowingSettings:
-    """How the commanded pose follows a headset's joints, which are steadier than a camera's."""
+    """Settings of following a headset's joints, which are steadier than a camera's."""
     return FollowingSettings(rate=rate or RateLimit(), smoothing=0.02, joint_smoothing=0.02)
 
 
@@ -106,9 +106,9 @@ class JointReconstructor:
         left = self.side == "left"
         points = seen_points(hand)
         # A left hand is the right-hand code between two mirrors.
-        found = self._fit.fit(points * _MIRROR if left else points)
-        if found is None:
+        fit = self._fit.fit(points * _MIRROR if left else points)
+        if fit is None:
             self.counts["hands without a palm"] += 1
             return None
-        self._error = found.error
-        return mirrored(found.pose) if left else found.pose
+        self._error = fit.error
+        return mirrored(fit.pose) if left else fit.pose

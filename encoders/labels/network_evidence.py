@@ -33,7 +33,7 @@ FRESH = 0.12
 
 
 class FrameEvidence(Protocol):
-    """What a belief over labels needs to know of a single frame.
+    """Evidence of a single frame for a belief over labels.
 
     Attributes:
         with_density: True if `log_joint` contains the layout's density, so that it can be compared

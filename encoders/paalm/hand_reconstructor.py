@@ -55,7 +55,7 @@ class HandReconstructorSettings:
 
     @property
     def following(self) -> FollowingSettings:
-        """How the commanded pose follows."""
+        """Settings with which the commanded pose follows."""
         return FollowingSettings(
             self.rate,
             self.root_smoothing,

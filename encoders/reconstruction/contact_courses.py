@@ -1,4 +1,4 @@
-"""How the sizes of fingertips and palms go in the first half second of a touch.
+"""Courses of the sizes of fingertips and palms in the first half second of a touch.
 
 A size is the diameter of the circle of equal area. Fingertips have 5 to 28 mm, whether they come
 down at once or flatten; palms have 25 to 120 mm, and half of them begin as small as a fingertip and

@@ -28,7 +28,7 @@ UNSEEN_NOTICE = 1.0
 
 @dataclass(frozen=True)
 class FollowingSettings:
-    """How a commanded pose follows.
+    """Settings with which a commanded pose follows.
 
     Attributes:
         rate: Speed limits of the commanded pose.

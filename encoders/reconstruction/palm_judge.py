@@ -40,7 +40,7 @@ _ROUNDING = 1e-9
 
 
 class Kind(StrEnum):
-    """What a contact is."""
+    """Kinds of contacts."""
 
     UNSURE = "unsure"
     FINGER = "finger"
@@ -78,7 +78,7 @@ class PalmJudge:
         self._judged = {}
 
     def kind(self, contact: int) -> Kind:
-        """What the contact with this id is; a finger if it has no extent."""
+        """Kind of the contact with this id; a finger if it has no extent."""
         judged = self._judged.get(contact)
         return Kind.FINGER if judged is None else judged.kind
 

@@ -61,7 +61,7 @@ def set_code(fingers: Sequence[int]) -> int:
 
 
 def set_codes(U: Array) -> Indices:
-    """(T,) codes of the finger sets of inputs (T, width), 0 where an input is no contact vector."""
+    """(T,) codes of the finger sets of inputs (T, width); 0 for what is not a contact vector."""
     if U.shape[1] != CONTACT_VECTOR_SIZE:
         return np.zeros(len(U), np.intp)
     flags = U[:, FLAGS:]
@@ -74,7 +74,7 @@ def set_codes(U: Array) -> Indices:
 
 @dataclass(frozen=True)
 class Collapse:
-    """How the K terms of a polynomial read for one set of fingers, with r monomials left.
+    """The K terms of a polynomial for one set of fingers, in which r monomials are left.
 
     Attributes:
         fingers: The set.
@@ -181,7 +181,7 @@ class ContactPoses:
         """(n_outputs,) outputs of one contact vector (15,).
 
         Raises:
-            EncoderError: It is no contact vector.
+            EncoderError: It is not a contact vector.
         """
         try:
             places, v, matrix, flat, half = self._squares[u.tobytes()[_FLAG_BYTES:]]

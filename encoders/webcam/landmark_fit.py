@@ -44,7 +44,7 @@ _DEGREE = radians(1.0)
 
 @dataclass(frozen=True)
 class FitSettings:
-    """What the fit trusts, as standard deviations.
+    """Weights of the fit, as standard deviations.
 
     Attributes:
         picture: m at the hand's distance, of a landmark in the picture.
@@ -142,17 +142,17 @@ class LandmarkFit:
         s = self.settings
         depth = self._depth(rays, world)
         if self._pose is None:
-            found = self._solve(self._guess(rays, world), rays, depth, None, s.first_steps)
+            solution = self._solve(self._guess(rays, world), rays, depth, None, s.first_steps)
         else:
             speeds = np.full(POSE_SIZE, s.angular, float)
             speeds[ROOT_POSITION] = s.linear, s.linear, s.toward
             still = 1.0 / (speeds * max(dt, _LEAST_TIME))
-            found = self._solve(self._pose, rays, depth, still, s.steps)
-            if found.error > s.doubt:
+            solution = self._solve(self._pose, rays, depth, still, s.steps)
+            if solution.error > s.doubt:
                 again = self._solve(self._guess(rays, world), rays, depth, None, s.first_steps)
-                found = again if again.error < _BETTER * found.error else found
-        self._pose = found.pose
-        return found
+                solution = again if again.error < _BETTER * solution.error else solution
+        self._pose = solution.pose
+        return solution
 
     def _guess(self, rays: Array, world: Array) -> Array:
         toward = _turn_to_ray(rays)
@@ -226,7 +226,7 @@ _AT_END = 1e-9
 
 
 def _prior(skeleton: Skeleton, s: FitSettings) -> tuple[Array, Array]:
-    """What is usual of the joints: precision (42, 42) in 1/rad2, and the most usual pose (42,)."""
+    """Prior of the joints: precision (42, 42) in 1/rad2, and the most usual pose (42,)."""
     count = 3 * len(skeleton.bones)
     rows: list[Array] = []
     wanted: list[float] = []

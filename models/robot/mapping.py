@@ -36,7 +36,7 @@ EXTRA = "pip install 'hand-sandbox[robots]'"
 
 @dataclass(frozen=True)
 class RobotMapping:
-    """What a mapping file says; frames, lengths in m.
+    """Content of a mapping file; frames, lengths in m.
 
     Attributes:
         model: MJCF file of the robot: a path relative to the mapping file, or `package:path` for a

@@ -198,7 +198,7 @@ class RobotHand:
         return _controls(self.joint_positions(q))
 
     def follower(self) -> RobotFollower:
-        """What follows one movement, from its last pose on."""
+        """Follower of one movement, from its last pose on."""
         return RobotFollower(self.retargeter())
 
     def coordinates(self, qpos: Array) -> Array:

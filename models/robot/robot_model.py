@@ -205,7 +205,7 @@ class RobotModel:
 
     @cached_property
     def identity(self) -> bytes:
-        """What its motion depends on, as bytes."""
+        """All that its motion depends on, as bytes."""
         model, joints, bodies = self.model, self.joints, self.bodies
         arrays: list[Any] = [
             model.body_parentid[bodies], model.body_pos[bodies], model.body_quat[bodies],

@@ -189,24 +189,25 @@ def _data_set(options: ExportOptions, console: Console, errors: Console) -> int:
     files = [file for name in options.file for file in _recordings(name, options.out)]
     with Progress(console=errors, transient=True, disable=not errors.is_terminal) as progress:
         bar = progress.add_task("playing recordings", total=len(files))
-        found = export_data_set(
+        exported = export_data_set(
             files,
             options.to,
             options.name,
             options.successes,
             done=lambda count: progress.update(bar, completed=count),
         )
-    if found.differing:
+    if exported.differing:
         errors.print(
-            f"{found.differing[0]}: its states are not those that were recorded (in "
-            f"{len(found.differing)} of {found.episodes}); the data set has the environment's",
+            f"{exported.differing[0]}: its states are not those that were recorded "
+            f"(in {len(exported.differing)} of {exported.episodes}); "
+            "the data set has the environment's",
             soft_wrap=True,
             markup=False,
             style="yellow",
         )
     console.print(
-        f"{found.where}: {found.episodes:,} demonstrations of {found.steps:,} steps, "
-        f"{found.successes:,} successful, {found.simulated:,} by a simulated user",
+        f"{exported.where}: {exported.episodes:,} demonstrations of {exported.steps:,} steps, "
+        f"{exported.successes:,} successful, {exported.simulated:,} by a simulated user",
         soft_wrap=True,
         markup=False,
     )

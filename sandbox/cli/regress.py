@@ -369,7 +369,7 @@ def _update(
     old: Baseline | None,
     console: Console,
 ) -> bool | None:
-    """Whether the baseline was made; None where the run broke off."""
+    """True if the baseline was made; None where the run broke off."""
     from sandbox.regress.baseline import Baseline
 
     assert options.baseline is not None

@@ -126,7 +126,7 @@ def demonstrate(recording: Recording, env: LearningEnv) -> Demonstration:
     seed = int(recording.header["settings"]["seed"])
     seen, info = env.reset(seed=seed)
     observed, rewards, hashes = [seen], [], [info["state_hash"]]
-    found: list[dict[int, int]] = [{} for _ in range(hands)]
+    names_by_contact: list[dict[int, int]] = [{} for _ in range(hands)]
     terminated = truncated = False
     same = recording.hashes.get(0, info["state_hash"]) == info["state_hash"]
     for k, action in enumerate(first):
@@ -135,11 +135,11 @@ def demonstrate(recording: Recording, env: LearningEnv) -> Demonstration:
         rewards.append(reward)
         hashes.append(info["state_hash"])
         same &= recording.hashes.get((k + 1) * period, hashes[-1]) == hashes[-1]
-        _note_names(env, touches, slots, k, found)
+        _note_names(env, touches, slots, k, names_by_contact)
         if terminated or truncated:
             break
     taken = len(rewards)
-    by_finger = [named(own, names) for own, names in zip(touches, found, strict=True)]
+    by_finger = [named(own, names) for own, names in zip(touches, names_by_contact, strict=True)]
     moved = [slots_of(own) for own in by_finger]
     actions = np.clip(_actions(by_finger, moved, lifts, taken), space.low, space.high)
     shown = {name: np.array([each[name] for each in observed]) for name in seen}
@@ -216,14 +216,14 @@ def _note_names(
     touches: Sequence[Sequence[Touch]],
     slots: Sequence[Sequence[int]],
     k: int,
-    found: Sequence[dict[int, int]],
+    names_by_contact: Sequence[dict[int, int]],
 ) -> None:
     """Notes the fingers that the touches of a control period were taken for."""
     for hand, names in enumerate(env.names()):
         for touch, slot in zip(touches[hand], slots[hand], strict=True):
             finger = names[slot]
             if touch.first <= k < touch.end and finger is not None:
-                found[hand][touch.number] = finger
+                names_by_contact[hand][touch.number] = finger
 
 
 def _about(recording: Recording, success: bool, same: bool) -> dict[str, Any]:

@@ -22,7 +22,7 @@ from tasks.registry import find_task
 
 @dataclass
 class Exported:
-    """What was exported.
+    """Summary of an export.
 
     Attributes:
         where: Places of the data set, for people.
@@ -85,7 +85,7 @@ def export_data_set(
         check_equal(options[0], other, str(file))
     id = learning_id(options[0]["task"])
     env: Any = gymnasium.make(id, **{k: v for k, v in options[0].items() if k != "task"})
-    found = Exported()
+    exported = Exported()
 
     def played() -> Iterator[Demonstration]:
         learning = env.unwrapped
@@ -95,12 +95,12 @@ def export_data_set(
             done(number)
             if successes_only and not one.success:
                 continue
-            found.episodes += 1
-            found.steps += len(one.rewards)
-            found.successes += one.success
-            found.simulated += bool(one.about["simulated"])
+            exported.episodes += 1
+            exported.steps += len(one.rewards)
+            exported.successes += one.success
+            exported.simulated += bool(one.about["simulated"])
             if not one.about["same_states_as_recorded"]:
-                found.differing.append(str(file))
+                exported.differing.append(str(file))
             yield one
 
     some = _not_empty(played(), files)
@@ -109,7 +109,7 @@ def export_data_set(
 
         spaces = (env.observation_space, env.action_space)
         *_, size, place = write_minari(name, env.spec, spaces, some)
-        found.where = f"{name}, {size:.1f} MB in {place}"
+        exported.where = f"{name}, {size:.1f} MB in {place}"
     elif str(to) == LEROBOT:
         from sandbox.datasets.lerobot_folder import write_lerobot
 
@@ -117,12 +117,12 @@ def export_data_set(
         (words, *_) = (task.__doc__ or task.name).strip().splitlines()
         write_lerobot(folder, words, {"id": id, **options[0]}, some)
         whole = sum(file.stat().st_size for file in folder.rglob("*") if file.is_file())
-        found.where = f"{name}, {whole / 1e6:.1f} MB in {folder}"
+        exported.where = f"{name}, {whole / 1e6:.1f} MB in {folder}"
     else:
         write_npz(to, {"id": id, **options[0]}, some)
-        found.where = f"{to}, {to.stat().st_size / 1e6:.1f} MB"
+        exported.where = f"{to}, {to.stat().st_size / 1e6:.1f} MB"
     env.close()
-    return found
+    return exported
 
 
 def _not_empty(episodes: Iterator[Demonstration], files: Sequence[Path]) -> Iterator[Demonstration]:

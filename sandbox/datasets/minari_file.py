@@ -126,7 +126,7 @@ def write_minari(
 
 
 def _attributes(about: Mapping[str, Any]) -> dict[str, Any]:
-    """What is known of an episode, as HDF5's attributes: texts, numbers and truths."""
+    """Facts about an episode, as HDF5's attributes: texts, numbers and truths."""
     import json
 
     return {

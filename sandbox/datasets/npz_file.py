@@ -78,7 +78,7 @@ def read_npz(path: Path) -> DataSet:
     """Reads a data set.
 
     Raises:
-        InputError: The file cannot be read, is cut short, or is no data set.
+        InputError: The file cannot be read, is cut short, or is not a data set.
     """
     try:
         with np.load(path, allow_pickle=False) as file:

@@ -76,11 +76,11 @@ class JsonText:
         if end:
             text = self._text[self._at : self._at + end]
             try:
-                found = msgspec.json.decode(f"[{text}]")
+                elements = msgspec.json.decode(f"[{text}]")
             except (msgspec.DecodeError, RecursionError):
                 return [self.value()]
             self._at += end
-            return list(found)
+            return list(elements)
         return [self.value()]
 
     def rest(self) -> str:

@@ -43,7 +43,7 @@ Hand = Literal["right", "left", "both"]
 
 @dataclass(frozen=True)
 class LeapSurvey:
-    """What a recording has, before its frames are used.
+    """Content of a recording, before its frames are used.
 
     Attributes:
         duration: s by the device's clock; 0 if the messages have no times.

@@ -48,7 +48,7 @@ class WebcamOptions:
 
 @dataclass(frozen=True)
 class WebcamChoice:
-    """What `--webcam` says.
+    """Value of `--webcam`.
 
     Attributes:
         camera: The camera.

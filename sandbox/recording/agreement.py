@@ -26,7 +26,7 @@ BOUND_DEGREES = 2.0
 
 @dataclass(frozen=True)
 class Agreement:
-    """How far a replay's trial agrees with the recorded one, until the recorded end.
+    """Agreement of a replay's trial with the recorded one, until the recorded end.
 
     Attributes:
         same_outcome: Status and success are those that were recorded; None where the recording has

@@ -65,7 +65,7 @@ def differing_parts(there: Mapping[str, str], here: Mapping[str, str]) -> list[s
 
 
 def decisive_differences(there: Mapping[str, str]) -> list[str]:
-    """What states depend on and differs here from a recording's `versions`, in words.
+    """Differences from a recording's `versions` on which states depend, in words.
 
     Of libm the digest counts, not the version: another version with equal values is equal.
     """

@@ -50,7 +50,7 @@ class _HeadLine(Struct):
 
 
 class _Kept(Struct):
-    """What must be known of a trial; other fields are kept as they are."""
+    """Fields of a trial that are read; others are kept as they are."""
 
     task: str
     seed: int
@@ -125,7 +125,7 @@ class TrialsFile(Closeable):
         self._fd, self._release = _opened(path)
         try:
             if not stat.S_ISREG(os.fstat(self._fd).st_mode):
-                raise InputError("this is no plain file", where=str(path))
+                raise InputError("this is not a plain file", where=str(path))
             data = path.read_bytes()
             if resume:
                 self._resume(data)

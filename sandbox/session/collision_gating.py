@@ -118,7 +118,7 @@ class CollisionGate:
 
     @property
     def signature(self) -> bytes:
-        """What is solid: state outside MuJoCo's that affects the next step."""
+        """Solid parts: state outside MuJoCo's that affects the next step."""
         mine = bytes([bits(self.fingers)])
         return mine if self._parts is None else mine + self._parts.signature
 

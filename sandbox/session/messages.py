@@ -111,7 +111,7 @@ class Snapshot(LazyFields):
 
     @property
     def loads(self) -> tuple[HandLoad, ...]:
-        """What each hand presses with, read at the first look; empty where it is not known."""
+        """Loads of each hand, read at the first look; empty where they are not known."""
         return () if self.kept_loads is None else self.kept_loads.hands
 
     def stored(self, hand: int, label: int | None) -> float:

@@ -64,7 +64,7 @@ def learned_layouts(session: Session) -> dict[str, Layouts]:
 
 
 def _new(reconstructor: Any) -> OwnLayouts | None:
-    """What a hand's labeller knows; None if it has learned nothing since its beginning."""
+    """Layouts that a hand's labeller has learned; None if it has learned nothing new."""
     if not isinstance(reconstructor, TouchReconstructor):
         return None
     labeller = reconstructor.labeller

@@ -246,7 +246,7 @@ class Session:
         return self._gates[hand].tips(data)
 
     def loads(self) -> list[HandLoad]:
-        """What the fingers of each hand press with now, and how near their limit the servos are.
+        """Loads of the fingers of each hand now, and how near their limit the servos are.
 
         Computed when asked for, in the session's thread; states do not depend on it.
         """

@@ -1,1 +1,1 @@
-"""What operating systems do in different ways."""
+"""Functions that differ between operating systems."""

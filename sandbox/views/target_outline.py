@@ -19,7 +19,7 @@ from sandbox.views.lens import Lens
 LINE = 1 / 180
 """Width of the line in heights of the picture."""
 SPECK = 3
-"""px, what is thinner is no part of a hand, but the rest of a triangle."""
+"""px; a thinner piece is the rest of a triangle, not a part of the hand."""
 
 
 def draw_outline(

@@ -61,7 +61,7 @@ _SIZE_PICTURES = 150
 
 @dataclass(frozen=True)
 class NamedTouches:
-    """What a camera says of the touches of a recording.
+    """A camera's account of the touches of a recording.
 
     Attributes:
         contacts: All valid contacts, by their beginning, with their fingers.

@@ -26,7 +26,7 @@ MOST = len(FINGERS)
 
 @dataclass(frozen=True)
 class NamingRules:
-    """What a look tells.
+    """Evidence that one look gives.
 
     Attributes:
         spread: m, standard deviation of a touch about the pad of its finger in the picture.
@@ -103,18 +103,18 @@ def names_of(
     for off, long in zip(looks, seconds, strict=True):
         now = _told(_followed(now, tuple(off)), off, rules, long, now.contacts)
         before.append(now)
-    found: dict[int, Array] = {}
+    shares: dict[int, Array] = {}
     after = _Belief(before[-1].contacts, before[-1].fingers, np.zeros(len(before[-1].weight)))
     for i in range(len(looks) - 1, -1, -1):
         here = before[i]
         whole = _Belief(here.contacts, here.fingers, here.weight + after.weight)
         # The belief of the last look of a contact holds all there is to know about it.
         for contact, share in _shares(whole).items():
-            found.setdefault(contact, share)
+            shares.setdefault(contact, share)
         if i:
             told = _told(after, looks[i], rules, seconds[i], before[i - 1].contacts)
             after = _back(told, before[i - 1])
-    return found
+    return shares
 
 
 def _followed(now: _Belief, contacts: tuple[int, ...]) -> _Belief:
@@ -138,7 +138,7 @@ def _followed(now: _Belief, contacts: tuple[int, ...]) -> _Belief:
 
 
 def _back(later: _Belief, earlier: _Belief) -> _Belief:
-    """What later looks tell about the assignments of an earlier one."""
+    """Evidence of later looks for the assignments of an earlier one."""
     if earlier.contacts == later.contacts:
         return later
     shared = [c for c in earlier.contacts if c in later.contacts]

@@ -49,14 +49,14 @@ def moments_of(
     tracks: Sequence[ContactTrack], pictures: PictureTrack, offset: float, gap: float
 ) -> list[Moment]:
     """Looks at hand and touches at the times of the pictures."""
-    found = []
+    moments = []
     for row, time in enumerate((pictures.time - offset).tolist()):
         down = [t for t in tracks if t.start <= time < t.end][:MOST]
         if down:
             xy = np.array([t.at(np.array([time]), gap)[0] for t in down])
             image = pictures.image[row]
-            found.append(Moment(image[list(TIPS)], image[list(LAST_JOINTS)], xy))
-    return found
+            moments.append(Moment(image[list(TIPS)], image[list(LAST_JOINTS)], xy))
+    return moments
 
 
 def name_contacts(
@@ -93,10 +93,10 @@ def name_contacts(
             every[n].append(row)
         looks.append(off)
         seconds.append(LOOK)
-    found = names_of(looks, seconds, rules) if looks else {}
+    shares = names_of(looks, seconds, rules) if looks else {}
     named = []
     for n, track in enumerate(tracks):
-        share = found.get(n)
+        share = shares.get(n)
         rows = np.array(every[n]) if every[n] else _UNKNOWN[None]
         named.append(_judged(track, share, rows, rules))
     return named

@@ -55,7 +55,7 @@ FROZEN_OVERHEAD = OverheadConfiguration()
 
 @dataclass(frozen=True)
 class OverheadPictures:
-    """What the camera's page said.
+    """Messages of the camera's page.
 
     Attributes:
         frames: On the page's clock; `time` when the hand was found, `taken` when the browser had

@@ -306,9 +306,9 @@ def _fitted(
 def _affine(here: Array, there: Array, weight: Array) -> Array:
     root = np.sqrt(weight)[:, None]
     rows = np.column_stack([here, np.ones(len(here))])
-    found = np.linalg.lstsq(rows * root, there * root, rcond=None)[0]
+    coefficients = np.linalg.lstsq(rows * root, there * root, rcond=None)[0]
     matrix = np.eye(3)
-    matrix[:2] = found.T
+    matrix[:2] = coefficients.T
     return matrix
 
 

@@ -33,7 +33,7 @@ _ROUND = np.diag([1.0, -1.0, -1.0])
 
 @dataclass(frozen=True)
 class SeenHand:
-    """What the device says of a hand.
+    """A hand as the device reports it.
 
     Attributes:
         origin: (3,) m, centre of the palm.

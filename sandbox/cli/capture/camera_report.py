@@ -124,7 +124,7 @@ def report_of(named: NamedTouches, asked: Sequence[Asked], simulated: bool) -> d
 
 
 def agreement_of(contacts: Sequence[NamedContact], asked: Sequence[Asked]) -> AskedAgreement | None:
-    """How often names are those of fingers that were asked for; None where nobody asked."""
+    """Share of names that are those of the fingers asked for; None where nobody asked."""
     if not asked:
         return None
     counted = named = right = 0

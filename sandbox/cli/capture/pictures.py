@@ -60,7 +60,7 @@ class CameraSession:
     damage: tuple[str, ...]
 
     def names(self, rules: ConversionRules, report: ConversionReport) -> NamedTouches:
-        """What the camera says of the touches."""
+        """Names that the camera gives to touches."""
         return name_touches(
             self.log,
             self.frames,

@@ -1,4 +1,4 @@
-"""What `sandbox evaluate` is asked for, before anything heavy is imported."""
+"""The request to `sandbox evaluate`, read before anything heavy is imported."""
 
 from __future__ import annotations
 

@@ -102,7 +102,7 @@ def main(argv: list[str]) -> int:
             "day_seed": options.day_seed,
             "rest": options.rest,
         },
-        "strangers": plain({name: summary(found) for name, found in rows.items()}),
+        "strangers": plain({name: summary(scores) for name, scores in rows.items()}),
     }
     Console(width=max(console.width, 120)).print(_table(document["strangers"]))
     write_json(options.json, document, sort_keys=True)

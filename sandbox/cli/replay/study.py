@@ -72,5 +72,5 @@ def verdict(verification: Verification) -> str:
 
 
 def elsewhere(verification: Verification) -> str:
-    """What differs between this machine and the recording's."""
+    """Differences between this machine and the recording's."""
     return f"it was recorded elsewhere; what differs is {' and '.join(verification.differs_in)}"

@@ -54,7 +54,7 @@ def _order(levels: Sequence[str]) -> str:
 
 
 def cycle_lines(design: Design, people: int) -> list[str]:
-    """How many participants a full cycle takes, and what so many leave confounded."""
+    """Lines about participants: how many a full cycle takes, and what so many leave confounded."""
     lines = [cycle_line(design)]
     problems = confounded(design, people)
     if problems:

@@ -245,7 +245,7 @@ class Asked(Struct):
 
 
 def read_asked(folder: Path) -> tuple[Asked, ...]:
-    """What the guide asked for, in order; nothing where it did not guide.
+    """Fingers that the guide asked for, in order; empty where it did not guide.
 
     Raises:
         RecordingError: A line is damaged.

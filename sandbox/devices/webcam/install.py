@@ -90,12 +90,12 @@ def checked(data: bytes, wanted: str, name: str) -> bytes:
     Raises:
         DeviceError: It is another one.
     """
-    found = sha256(data).hexdigest()
-    if found != wanted:
+    digest = sha256(data).hexdigest()
+    if digest != wanted:
         raise DeviceError(
             "the index has another package of this version",
             where=name,
-            got=f"SHA-256 {found[:16]}...",
+            got=f"SHA-256 {digest[:16]}...",
             expected=f"{wanted[:16]}...",
             remedy="Nothing was kept. Ask whoever runs the index that npm and pip are set to",
         )

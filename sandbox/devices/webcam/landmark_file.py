@@ -115,7 +115,7 @@ def _header(line: bytes, where: str) -> Header:
         line,
         Header,
         RecordingError,
-        what="this is no file of landmarks",
+        what="this is not a file of landmarks",
         where=where,
         expected=f'{{"landmarks": {VERSION}, "camera": {{...}}}}',
     )

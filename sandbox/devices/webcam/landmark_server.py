@@ -222,5 +222,5 @@ def _page_files(engine: Path) -> dict[str, Path]:
 
 def served_names(engine: Path) -> Sequence[str]:
     """Names of the engine's files that a page may ask for, in its folder."""
-    found = sorted(p for p in engine.rglob("*") if p.suffix in _TYPES)
-    return [p.relative_to(engine).as_posix() for p in found]
+    files = sorted(p for p in engine.rglob("*") if p.suffix in _TYPES)
+    return [p.relative_to(engine).as_posix() for p in files]

@@ -1,4 +1,4 @@
-"""What a headset's page sends as hands in the air: WebXR's 25 joints, or a controller."""
+"""Messages in which a headset's page sends hands in the air: WebXR's 25 joints, or a controller."""
 
 from __future__ import annotations
 

@@ -71,9 +71,9 @@ class Hindsight(gymnasium.Wrapper[GoalObservation, Array, dict[str, Array], Arra
     def step(self, action: Array) -> tuple[GoalObservation, float, bool, bool, dict[str, Any]]:
         """One control period."""
         seen, _, terminated, truncated, info = self._env.step(action)
-        found = self._goals(seen)
-        reward = self.compute_reward(found["achieved_goal"], found["desired_goal"], info)
-        return found, float(reward), terminated, truncated, info
+        goals = self._goals(seen)
+        reward = self.compute_reward(goals["achieved_goal"], goals["desired_goal"], info)
+        return goals, float(reward), terminated, truncated, info
 
     def _goals(self, seen: dict[str, Array]) -> GoalObservation:
         session = self._env.session

@@ -1,4 +1,4 @@
-"""What an agent sees: parts of an observation, each with its bounds and the way it is read."""
+"""Parts of an agent's observation, each with its bounds and the way it is read."""
 
 from __future__ import annotations
 

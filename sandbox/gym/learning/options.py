@@ -48,7 +48,7 @@ STEP = 0.010
 
 @dataclass(frozen=True)
 class LearningOptions:
-    """What an agent does and sees.
+    """Choices of an agent's actions and observations.
 
     Attributes:
         action: One of `ACTIONS`.

@@ -62,7 +62,7 @@ def _alike(scene: Scene, other: Scene) -> bool:
 
 
 def _looks(scene: Scene) -> tuple[NDArray[Any], ...]:
-    """What a picture shows of a scene, besides where things are."""
+    """Looks of a scene in a picture, besides where things are."""
     m = scene.model
     return (
         m.geom_type, m.geom_size, m.geom_pos, m.geom_quat, m.geom_rgba, m.geom_dataid,

@@ -213,7 +213,7 @@ def _sizes(
         sizes = None
     journals = {STUDY_JOURNAL: journal} | {s.name: s.journal for s in sessions}
     if not isinstance(sizes, dict) or not all(isinstance(n, int) for n in sizes.values()):
-        findings.add(Kind.CHANGED, path, "it is no list of journals and sizes")
+        findings.add(Kind.CHANGED, path, "it is not a list of journals and sizes")
         return None
     counts = {}
     for name, size in sizes.items():

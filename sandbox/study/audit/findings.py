@@ -1,4 +1,4 @@
-"""What a verification finds: each finding names a file, a line where there is one, and a cause."""
+"""Findings of a verification: each names a file, a line where there is one, and a cause."""
 
 from __future__ import annotations
 

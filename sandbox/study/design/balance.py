@@ -73,7 +73,7 @@ def nearest_cycles(design: Design, people: int) -> str:
 
 
 def confounded(design: Design, people: int) -> list[str]:
-    """What so many participants leave confounded, one line each; empty for full cycles.
+    """Factors that so many participants leave confounded, a line each; empty for full cycles.
 
     A combination of factors is named only if each of its parts is balanced.
     """
@@ -94,7 +94,7 @@ def confounded(design: Design, people: int) -> list[str]:
 
 
 def _confounded(design: Design, rows: list[tuple[int, ...]], some: tuple[int, ...]) -> str:
-    """What the rows of some participants leave confounded between these factors; or nothing."""
+    """Confounding between these factors in the rows of some people; empty if there is none."""
     factors = [design.factors[i] for i in some]
     names = " x ".join(factor.name for factor in factors)
     if len(factors) == 1 and factors[0].order == "between":

@@ -22,7 +22,7 @@ REPETITIONS = (1, 2, 3, 5, 10, 20)
 
 @dataclass(frozen=True)
 class Needs:
-    """What one outcome and factor need.
+    """Participants that one outcome and factor need.
 
     Attributes:
         tests: The comparisons.

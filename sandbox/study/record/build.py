@@ -114,7 +114,7 @@ def changes(locked: dict[str, Any], here: dict[str, Any]) -> list[str]:
 
 
 def noted_changes(locked: dict[str, Any], here: dict[str, Any]) -> list[str]:
-    """What differs between two builds and changes no state: versions, and measures of packages."""
+    """Differences between two builds that change no state: versions, and measures of packages."""
     return _differences(locked, here, (*NOTED, MEASURES))
 
 

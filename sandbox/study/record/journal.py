@@ -33,8 +33,9 @@ STEP = 0.5
 """s by which the wall clock must move against the monotonic clock between two records to count as a
 step."""
 SLEW = 1e-3
-"""Part of the time between two records that is no step: clocks are corrected by up to 500 ppm (the
-limit of `adjtimex` and NTP), and their own rates differ by less than that."""
+"""Difference of the two clocks, as a part of the time between two records, that does not count as a
+step: clocks are corrected by up to 500 ppm (the limit of `adjtimex` and NTP), and their own rates
+differ by less than that."""
 
 
 def now() -> str:

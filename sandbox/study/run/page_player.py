@@ -213,7 +213,7 @@ def settings_for_screen(page: StudyPage, settings: RunSettings, designed: bool) 
     assert screen is not None, "the page is open"
     if screen.fit:
         raise StudyError(
-            "a scaled table is no part of a study",
+            "a study cannot use a scaled table",
             where="the participant's page",
             got=f"a table that fills the screen of a {screen.fit}",
             expected="a table of true size",

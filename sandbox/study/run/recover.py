@@ -46,7 +46,7 @@ class Found:
 
 @dataclass(frozen=True)
 class Loss:
-    """What a session has lost.
+    """Losses of a session.
 
     Attributes:
         person, session: The participant, and the number of the session.
@@ -61,7 +61,7 @@ class Loss:
 
 
 def losses(study: StudyFolder) -> Iterator[Loss]:
-    """What every session of a study has lost, as far as it has lost something.
+    """Losses of the sessions of a study that have lost something.
 
     Raises:
         StudyError: A journal is damaged.

@@ -264,7 +264,7 @@ def tables_are_missing(folder: Path, stem: str) -> bool:
 
 @dataclass(frozen=True)
 class Rebuilt:
-    """What came of building the tables of a trial again.
+    """Result of building the tables of a trial again.
 
     Attributes:
         notices: A line for every failed measure.

@@ -164,7 +164,7 @@ def test_a_disk_that_is_full_costs_one_clear_error_and_no_trial(
 def test_a_device_is_no_file_of_trials(run: dict[str, Any], tmp_path: Path) -> None:
     path = tmp_path / "out.trials.jsonl"
     path.symlink_to("/dev/full")
-    with pytest.raises(InputError, match="no plain file"):
+    with pytest.raises(InputError, match="not a plain file"):
         TrialsFile(path, run)
 
 

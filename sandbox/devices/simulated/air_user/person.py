@@ -150,7 +150,7 @@ class AirPerson:
         return self.body.joints(self._movement.at(now))
 
     def _watched(self, sight: Sight) -> Sight:
-        """What the user sees; each fingertip at its mean position over the last `settle` seconds.
+        """The user's sight; each fingertip at its mean position over the last `settle` seconds.
 
         A single picture of a trembling hand would be too noisy.
         """

@@ -100,7 +100,7 @@ def _order(design: Design, i: int, factor: Factor) -> Iterator[Flaw]:
 
 
 def _by_chance(design: Design, factor: Factor) -> str:
-    """How uneven the random orders of a factor are; empty if they are even enough."""
+    """Unevenness of the random orders of a factor, in words; empty if they are even enough."""
     outer = [f.name for f in design.factors[: design.factors.index(factor)]]
     firsts: Counter[str] = Counter()
     total = 0

@@ -79,8 +79,8 @@ WIDEST = 10**4
 def asks_for(item: Item) -> str:
     """What identifying thing one question asks for; empty if none is seen.
 
-    Choices and scales, and numbers of few values, are not asked for their words: how often one uses
-    a phone is no telephone number.
+    Choices, scales and numbers of few values are left out: the answer to "how often do you use a
+    phone?" is not a telephone number.
     """
     if item.kind in ("choice", "scale") or (item.kind == "number" and item.high < WIDEST):
         return ""

@@ -153,7 +153,7 @@ def _findings(analysis: Analysis) -> list[str]:
 
 
 def _verdict(family: Family, outcome: str, pair: Pair) -> str:
-    """What the test of a pair says, in a few words."""
+    """Verdict of the test of a pair, in a few words."""
     test = family.test(outcome, pair)
     if test is None:
         return "exploratory"
