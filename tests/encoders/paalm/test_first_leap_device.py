@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 from collections import Counter
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -20,6 +21,7 @@ STILL = replace(SHORT, open_seconds=1.0, seconds=0.1)
 ALWAYS = replace(FROZEN_LEAP, lost_rate=0.0, reversed_share=0.0, swapped=0.0)
 
 
+@cache
 def held_open(
     seconds: float, configuration: LeapConfiguration = ALWAYS, seed: int = 3
 ) -> tuple[AirTake, list[SeenHand]]:
