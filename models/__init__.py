@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from models.errors import DeviceError, HandSandboxError, InputError
     from models.frames import FINGERS, Contact, HandFrame, TouchFrame
     from models.kinematics import Kinematics
+    from models.mechanisms.mechanism import Mechanism
     from models.mjcf_object import MjcfObject
     from models.objects import Box, Wrench
     from models.skeleton import ADULT, Skeleton
@@ -49,6 +50,7 @@ else:
             "HandSandboxError": "models.errors",
             "InputError": "models.errors",
             "Kinematics": "models.kinematics",
+            "Mechanism": "models.mechanisms.mechanism",
             "MjcfObject": "models.mjcf_object",
             "Skeleton": "models.skeleton",
             "Surface": "models.surface",
@@ -68,6 +70,7 @@ __all__ = [
     "HandSandboxError",
     "InputError",
     "Kinematics",
+    "Mechanism",
     "MjcfObject",
     "Skeleton",
     "Surface",

@@ -21,11 +21,11 @@ from numpy.typing import ArrayLike
 from models.arithmetic.arrays import Array
 from models.arithmetic.products import matrix_product, stacked_applied
 from models.errors import InputError
-from models.hand import CONTACT_OBJECT, CONTACT_TABLE
+from models.hand import CONTACT_HAND, CONTACT_OBJECT, CONTACT_TABLE
 from models.objects import mjcf_text
 
 _GEOM = mujoco.mjtGeom
-_TYPES = {
+GEOM_KINDS = {
     int(_GEOM.mjGEOM_SPHERE): ("sphere", 1),
     int(_GEOM.mjGEOM_CAPSULE): ("capsule", 2),
     int(_GEOM.mjGEOM_ELLIPSOID): ("ellipsoid", 3),
@@ -41,6 +41,9 @@ _FLOOR = 10.0
 """m below the object, top of the block against which its lowest point is measured."""
 _FAR = 100.0
 """m, largest distance that is measured."""
+
+_BITS = (CONTACT_OBJECT | CONTACT_TABLE, CONTACT_HAND | CONTACT_OBJECT | CONTACT_TABLE)
+"""Collision bits: what an object is, and what it lets others meet."""
 
 _WORLD_NAMES = ("table", "mat")
 """Names that a scene uses itself and an object may not have."""
@@ -81,8 +84,7 @@ class MjcfObject:
     size: float = 1.0
 
     def __post_init__(self) -> None:
-        if not self.name or self.name in _WORLD_NAMES:
-            raise InputError("an object cannot have this name", where="MjcfObject", got=self.name)
+        check_object_name(self.name, "MjcfObject")
         for what, value in (("mass", self.mass), ("size", self.size)):
             if not 0.0 < value < float("inf"):
                 raise InputError(
@@ -135,28 +137,13 @@ class MjcfObject:
             },
         )
         for number, geom in enumerate(self._geoms):
-            body.append(self._geom(number, geom))
+            name = f"{self.name}_{number}"
+            body.append(geom_element(model, geom, name, self.name, self.size, _BITS))
         return body
 
     def assets(self) -> list[Element]:
         """MJCF assets of its meshes, with their points written out."""
-        model, elements = self._compiled, []
-        for mesh in sorted({int(model.geom_dataid[g]) for g in self._geoms} - {-1}):
-            points = (
-                self.size * model.mesh_vert[_part(model.mesh_vertadr, model.mesh_vertnum, mesh)]
-            )
-            faces = model.mesh_face[_part(model.mesh_faceadr, model.mesh_facenum, mesh)]
-            elements.append(
-                Element(
-                    "mesh",
-                    {
-                        "name": f"{self.name}_mesh{mesh}",
-                        "vertex": mjcf_text(points.ravel()),
-                        "face": " ".join(map(str, faces.ravel().tolist())),
-                    },
-                )
-            )
-        return elements
+        return mesh_assets(self._compiled, self._geoms, self.name, self.size)
 
     def clearance(self, points: ArrayLike, position: Array, rotation: Array) -> Array:
         """Signed distances (n,) m of world points (n, 3) to the object, negative inside.
@@ -207,13 +194,13 @@ class MjcfObject:
 
     @property
     def _where(self) -> str:
-        return str(self.mjcf) if _is_file(self.mjcf) else f"MJCF of {self.name}"
+        return described_in(self.mjcf, self.name)
 
     @cached_property
     def _compiled(self) -> Any:
         """MuJoCo's model of the body, with a ball and a block to measure distances to."""
         try:
-            spec = _read(self.mjcf)
+            spec = read_mjcf(self.mjcf)
             # Bodies welded to each other become one, so that sensors treat them as one object.
             spec.compiler.fusestatic = True
             bodies = spec.worldbody.bodies
@@ -226,12 +213,7 @@ class MjcfObject:
             floor.add_geom(name="floor", type=_GEOM.mjGEOM_BOX, size=[_FLOOR] * 3)
             model = spec.compile()
         except (ValueError, OSError) as error:
-            raise InputError(
-                "MuJoCo cannot read this object",
-                where=self._where,
-                got=" ".join(str(error).split())[:300],
-                remedy="Open it in MuJoCo's viewer (python -m mujoco.viewer) to see what it says",
-            ) from None
+            raise unreadable(self._where, error) from None
         free = count == 1 and model.njnt == 1 and model.jnt_type[0] == mujoco.mjtJoint.mjJNT_FREE
         if model.nbody != 4 or not free:
             raise InputError(
@@ -240,11 +222,11 @@ class MjcfObject:
                 got=f"{count} bodies in the world and {model.njnt} joints",
                 expected="one body in the world, with a free joint or none, and none within it",
             )
-        if not set(model.geom_type[model.geom_bodyid == 1].tolist()) <= set(_TYPES):
+        if not set(model.geom_type[model.geom_bodyid == 1].tolist()) <= set(GEOM_KINDS):
             raise InputError(
                 "it has a geom of an unsupported kind",
                 where=self._where,
-                expected=", ".join(name for name, _ in _TYPES.values()),
+                expected=", ".join(name for name, _ in GEOM_KINDS.values()),
             )
         if not np.any((model.geom_bodyid == 1) & (model.geom_contype | model.geom_conaffinity)):
             raise InputError(
@@ -278,48 +260,111 @@ class MjcfObject:
             mujoco.mj_geomDistance(model, self._measuring, geom, model.geom(other).id, _FAR, None)
         )
 
-    def _geom(self, number: int, geom: int) -> Element:
-        model = self._compiled
-        kind, sizes = _TYPES[int(model.geom_type[geom])]
-        material = int(model.geom_matid[geom])
-        rgba = model.geom_rgba[geom] if material < 0 else model.mat_rgba[material]
-        element = Element(
-            "geom",
-            {
-                "name": f"{self.name}_{number}",
-                "type": kind,
-                "rgba": mjcf_text(rgba),
-                "pos": mjcf_text(self.size * model.geom_pos[geom]),
-                "quat": mjcf_text(model.geom_quat[geom]),
-            },
+
+def check_object_name(name: str, where: str) -> None:
+    """Checks that an object may have a name.
+
+    Raises:
+        InputError: It is empty, or the scene uses it itself.
+    """
+    if not name or name in _WORLD_NAMES:
+        raise InputError("an object cannot have this name", where=where, got=name)
+
+
+def described_in(mjcf: str | Path, name: str) -> str:
+    """Where a description is, for messages: its file, or the object that it is of."""
+    return str(mjcf) if _is_file(mjcf) else f"MJCF of {name}"
+
+
+def unreadable(where: str, error: Exception) -> InputError:
+    """The error that MuJoCo refuses a description, in one line."""
+    return InputError(
+        "MuJoCo cannot read this object",
+        where=where,
+        got=" ".join(str(error).split())[:300],
+        remedy="Open it in MuJoCo's viewer (python -m mujoco.viewer) to see what it says",
+    )
+
+
+def mesh_assets(model: Any, geoms: list[int], name: str, size: float) -> list[Element]:
+    """MJCF assets of the meshes of some geoms, with their points written out.
+
+    Args:
+        model: MuJoCo's model of a description.
+        geoms: Indices of geoms.
+        name: Beginning of the meshes' names.
+        size: Factor on all lengths.
+    """
+    elements = []
+    for mesh in sorted({int(model.geom_dataid[g]) for g in geoms} - {-1}):
+        points = size * model.mesh_vert[_part(model.mesh_vertadr, model.mesh_vertnum, mesh)]
+        faces = model.mesh_face[_part(model.mesh_faceadr, model.mesh_facenum, mesh)]
+        elements.append(
+            Element(
+                "mesh",
+                {
+                    "name": f"{name}_mesh{mesh}",
+                    "vertex": mjcf_text(points.ravel()),
+                    "face": " ".join(map(str, faces.ravel().tolist())),
+                },
+            )
         )
-        if sizes:
-            element.set("size", mjcf_text(self.size * model.geom_size[geom, :sizes]))
-        else:
-            # The compiler shifted the points to their middle, and the geom with them; that is done
-            # once.
-            element.set("mesh", f"{self.name}_mesh{int(model.geom_dataid[geom])}")
-        if geom in self._solid:
-            solid = {
-                "contype": str(CONTACT_OBJECT | CONTACT_TABLE),
-                "conaffinity": "7",
-                "condim": "4",
-                "friction": mjcf_text(model.geom_friction[geom]),
-                "solref": ".004 1",
-                "solimp": ".95 .99 .001",
-            }
-        else:
-            solid = {"contype": "0", "conaffinity": "0"}
-        for key, value in solid.items():
-            element.set(key, value)
-        return element
+    return elements
+
+
+def geom_element(
+    model: Any, geom: int, name: str, mesh_name: str, size: float, bits: tuple[int, int]
+) -> Element:
+    """MJCF of a geom of a description.
+
+    Args:
+        model: MuJoCo's model of the description.
+        geom: Index of the geom.
+        name: Its name in the scene.
+        mesh_name: Beginning of the names of meshes, as for `mesh_assets`.
+        size: Factor on all lengths.
+        bits: contype and conaffinity of a solid geom.
+    """
+    kind, sizes = GEOM_KINDS[int(model.geom_type[geom])]
+    material = int(model.geom_matid[geom])
+    rgba = model.geom_rgba[geom] if material < 0 else model.mat_rgba[material]
+    element = Element(
+        "geom",
+        {
+            "name": name,
+            "type": kind,
+            "rgba": mjcf_text(rgba),
+            "pos": mjcf_text(size * model.geom_pos[geom]),
+            "quat": mjcf_text(model.geom_quat[geom]),
+        },
+    )
+    if sizes:
+        element.set("size", mjcf_text(size * model.geom_size[geom, :sizes]))
+    else:
+        # The compiler shifted the points to their middle, and the geom with them; that is done
+        # once.
+        element.set("mesh", f"{mesh_name}_mesh{int(model.geom_dataid[geom])}")
+    if model.geom_contype[geom] or model.geom_conaffinity[geom]:
+        solid = {
+            "contype": str(bits[0]),
+            "conaffinity": str(bits[1]),
+            "condim": "4",
+            "friction": mjcf_text(model.geom_friction[geom]),
+            "solref": ".004 1",
+            "solimp": ".95 .99 .001",
+        }
+    else:
+        solid = {"contype": "0", "conaffinity": "0"}
+    for key, value in solid.items():
+        element.set(key, value)
+    return element
 
 
 def _is_file(mjcf: str | Path) -> bool:
     return isinstance(mjcf, Path) or "<" not in mjcf
 
 
-def _read(mjcf: str | Path) -> Any:
+def read_mjcf(mjcf: str | Path) -> Any:
     """MuJoCo's specification of a description; relative paths in a file are from its folder."""
     if not _is_file(mjcf):
         return mujoco.MjSpec.from_string(str(mjcf))

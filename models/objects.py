@@ -1,7 +1,8 @@
-"""Objects to manipulate: boxes, cylinders, wrenches and a tray."""
+"""Objects to manipulate: their contract, boxes, cylinders, wrenches and a tray."""
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
 from math import cos, sin
 from typing import ClassVar, Protocol
@@ -47,6 +48,89 @@ class SceneObject(Protocol):
     def clearance(self, points: ArrayLike, position: Array, rotation: Array) -> Array:
         """Signed distances (n,) m of world points (n, 3) to the object, negative inside."""
         ...
+
+
+@dataclass(frozen=True)
+class Joint:
+    """A hinge or a slide.
+
+    Attributes:
+        kind: `hinge` or `slide`.
+        range: Lowest and highest value, rad or m; None without end stops.
+        start: rad or m.
+    """
+
+    kind: str
+    range: tuple[float, float] | None
+    start: float
+
+    @property
+    def unit(self) -> str:
+        """Unit of its values."""
+        return "m" if self.kind == "slide" else "rad"
+
+
+class MechanismPart(ABC):
+    """Contract of an object that is one body of a mechanism, besides that of `SceneObject`.
+
+    Built by `models.mechanisms.mechanism`.
+    """
+
+    @property
+    @abstractmethod
+    def name(self) -> str:
+        """Name of its body, and of its joint if it has one."""
+
+    @property
+    @abstractmethod
+    def mass(self) -> float:
+        """kg."""
+
+    @property
+    @abstractmethod
+    def position(self) -> tuple[float, float, float]:
+        """(3,) m, origin of its body at the start."""
+
+    @property
+    @abstractmethod
+    def yaw(self) -> float:
+        """rad about the vertical, of its x axis at the start."""
+
+    @property
+    @abstractmethod
+    def carrier(self) -> str | None:
+        """Name of the part whose MJCF contains this one's; None for a child of the world."""
+
+    @property
+    @abstractmethod
+    def together(self) -> tuple[str, ...]:
+        """Names of all parts of its mechanism, which meet only through their joints."""
+
+    @property
+    @abstractmethod
+    def fixed(self) -> bool:
+        """True if it cannot move."""
+
+    @property
+    @abstractmethod
+    def joint(self) -> Joint | None:
+        """Its hinge or slide; None for a body that is fixed or free."""
+
+    @abstractmethod
+    def body(self) -> Element:
+        """MJCF of the body, with all that it carries."""
+
+    @abstractmethod
+    def assets(self) -> list[Element]:
+        """MJCF assets that its mechanism needs; one part has them all."""
+
+    @abstractmethod
+    def clearance(self, points: ArrayLike, position: Array, rotation: Array) -> Array:
+        """Signed distances (n,) m of world points (n, 3) to the part, negative inside."""
+
+    @abstractmethod
+    def varied(self, size: float, mass: float, resistance: float) -> MechanismPart:
+        """The same part with factors on all lengths, masses and the resistance of joints."""
 
 
 @dataclass(frozen=True)

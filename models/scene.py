@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection
 from dataclasses import dataclass
-from itertools import pairwise
+from itertools import combinations, pairwise
 from typing import NamedTuple, Protocol
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
@@ -16,7 +16,7 @@ from models.arithmetic.products import squared_lengths
 from models.errors import SceneError
 from models.hand import CONTACT_HAND, CONTACT_HANDS, CONTACT_TABLE
 from models.mjcf_object import MjcfObject
-from models.objects import SceneObject
+from models.objects import MechanismPart, SceneObject
 from models.pose import POSE_SIZE
 from models.scene_hand import SceneHand
 
@@ -183,7 +183,7 @@ class Scene:
         model = self.model
         geoms = np.flatnonzero(model.geom_bodyid == self.object_bodies[name])
         ends = np.sqrt(squared_lengths(model.geom_pos[geoms])) + model.geom_rbound[geoms]
-        return float(np.max(ends))
+        return float(np.max(ends, initial=0.0))
 
     def pose_to_qpos(self, hand: int, q: Array) -> Array:
         """Joint positions (n,) of a hand at a pose (48,), in the order of its joints."""
@@ -197,6 +197,16 @@ class Scene:
 def touching_sensor(a: str, b: str) -> str:
     """Name of the contact sensor between two parts of a scene."""
     return f"touch:{a}:{b}"
+
+
+def finger_sensor(name: str, hand: str, finger: int) -> str:
+    """Name of the contact sensor between a part of a mechanism and a finger of a hand."""
+    return f"finger:{name}:{hand}:{finger}"
+
+
+def first_bodies(hand: SceneHand) -> dict[int, str]:
+    """Body of each finger's first link, by label."""
+    return {link.finger: link.body for link in reversed(hand.links)}
 
 
 def scene_xml(spec: SceneSpec) -> str:
@@ -258,20 +268,36 @@ def scene_xml(spec: SceneSpec) -> str:
     for hand in spec.hands:
         world.append(hand.body())
     for obj in spec.objects:
-        world.append(obj.body())
+        if not (isinstance(obj, MechanismPart) and obj.carrier):
+            world.append(obj.body())
     assets = root.find("asset")
     assert assets is not None
     for hand in spec.hands:
         assets.extend(hand.assets())
     for obj in spec.objects:
-        if isinstance(obj, MjcfObject):
+        if isinstance(obj, MjcfObject | MechanismPart):
             assets.extend(obj.assets())
+    _keep_apart(root, spec)
     actuators = SubElement(root, "actuator")
     for hand in spec.hands:
         actuators.extend(hand.actuators())
     _touch_sensors(root, spec)
     indent(root)
     return tostring(root, encoding="unicode")
+
+
+def _keep_apart(root: Element, spec: SceneSpec) -> None:
+    """No contacts between parts of one mechanism."""
+    pairs = {
+        pair
+        for obj in spec.objects
+        if isinstance(obj, MechanismPart)
+        for pair in combinations(obj.together, 2)
+    }
+    if pairs:
+        contact = SubElement(root, "contact")
+        for first, second in sorted(pairs):
+            SubElement(contact, "exclude", {"body1": first, "body2": second})
 
 
 def _touch_sensors(root: Element, spec: SceneSpec) -> None:
@@ -293,6 +319,22 @@ def _touch_sensors(root: Element, spec: SceneSpec) -> None:
                     "reduce": "netforce",
                 },
             )
+    for obj in spec.objects:
+        if not isinstance(obj, MechanismPart) or obj.fixed:
+            continue
+        for hand in spec.hands:
+            for finger, body in first_bodies(hand).items():
+                SubElement(
+                    sensors,
+                    "contact",
+                    {
+                        "name": finger_sensor(obj.name, hand.name, finger),
+                        "body1": obj.name,
+                        "subtree2": body,
+                        "data": "found",
+                        "num": "1",
+                    },
+                )
 
 
 def _look(root: Element) -> None:

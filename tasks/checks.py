@@ -6,6 +6,7 @@ import mujoco
 import numpy as np
 
 from models.errors import InputError
+from models.objects import MechanismPart
 from models.scene import TABLE, Scene, SceneSpec
 from models.surface import Surface
 from tasks.sensing import Sensing
@@ -38,6 +39,16 @@ def check_names(task: Task, where: str) -> None:
             where=where,
             got=", ".join(unknown),
             expected=", ".join(names),
+        )
+    parts = [obj for obj in task.objects if isinstance(obj, MechanismPart)]
+    missing = sorted({name for part in parts for name in part.together} - set(names))
+    if missing:
+        raise InputError(
+            "parts of a mechanism are missing among the objects",
+            where=where,
+            got=", ".join(names),
+            expected=f"also {', '.join(missing)}",
+            remedy="Return `*mechanism.parts` among the objects",
         )
     numbers = [
         *(x for t in task.objects for x in (*t.position, t.yaw)),
@@ -94,7 +105,12 @@ def check_places(task: Task, surface: Surface, where: str) -> None:
     Raises:
         InputError: The centre of an object or goal is off the surface, or two objects overlap.
     """
-    centres = {f"the object {obj.name}": obj.position for obj in task.objects}
+    # A fixed body may stand beside the surface; what moves on it must be within reach.
+    centres = {
+        f"the object {obj.name}": obj.position
+        for obj in task.objects
+        if not (isinstance(obj, MechanismPart) and obj.fixed)
+    }
     centres |= {f"the goal of {g.object}": g.position for g in task.goals if g.on is None}
     width, height = surface.size
     for what, centre in centres.items():

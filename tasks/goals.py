@@ -28,12 +28,14 @@ class Goal:
         yaw: rad about the vertical; with `on`, relative to that object.
         on: Name of the object on which it should stand, at that object's current position. `place`
             converts such goals to positions in the world.
+        shown: False for an object that only has to stay where it is; views draw nothing for it.
     """
 
     object: str
     position: tuple[float, float, float]
     yaw: float
     on: str | None = None
+    shown: bool = True
 
 
 class Posed(Protocol):

@@ -18,7 +18,10 @@ from tasks.task import Task
 from tasks.wrench_slide import WrenchSlide
 from tasks.wrench_turn import WrenchTurn
 
-IN_ROOMS = (("tasks.clutter.slalom", "Slalom"),)
+IN_ROOMS = (
+    ("tasks.clutter.slalom", "Slalom"),
+    ("tasks.mechanisms.chords", "Chords"),
+)
 """Module and class of built-in tasks in rooms of their own, which build upon this room."""
 
 TASKS: dict[str, type[Task]] = {

@@ -16,7 +16,8 @@ import numpy as np
 from models.arithmetic.arrays import Array
 from models.arithmetic.products import length
 from models.errors import InputError
-from models.scene import TABLE, Scene, touching_sensor
+from models.objects import Joint, MechanismPart
+from models.scene import TABLE, Scene, finger_sensor, first_bodies, touching_sensor
 
 SUPPORT = 0.6
 """Least share of an object's weight that its support carries. An object on one support rests there
@@ -58,6 +59,36 @@ class ObjectState:
         return acos(min(max(map(abs, self.rotation[2].tolist())), 1.0))
 
 
+@dataclass(frozen=True)
+class JointState:
+    """A hinge or a slide at one moment.
+
+    Attributes:
+        position: rad or m.
+        speed: rad/s or m/s.
+        joint: Its kind and range.
+    """
+
+    position: float
+    speed: float
+    joint: Joint
+
+    @property
+    def share(self) -> float:
+        """Share of its range, 0 at the lowest value to 1 at the highest; a key counts as pressed
+        beyond some share.
+
+        Raises:
+            InputError: It has no range.
+        """
+        if self.joint.range is None:
+            raise InputError(
+                "a joint without end stops has no share of its range", where="JointState.share"
+            )
+        low, high = self.joint.range
+        return (self.position - low) / (high - low)
+
+
 class Sensing:
     """Reads a simulation without changing it."""
 
@@ -79,23 +110,42 @@ class Sensing:
             name: -float(model.opt.gravity[2]) * float(model.body_mass[body])
             for name, body in scene.object_bodies.items()
         }
-        self._velocity = {
-            obj.name: int(model.joint(obj.name).dofadr[0]) for obj in scene.spec.objects
-        }
-        # A free joint begins with the three speeds of the centre. An object on a bolt has one
-        # speed, and its centre moves at the end of a lever.
-        self._moves, self._levers = {}, {}
+        # A free joint begins with the three speeds of the centre. An object on a hinge has one
+        # speed, and its centre moves at the end of a lever; one that is fixed has none.
+        self._speeds: dict[str, Array] = {}
+        self._levers: dict[str, float] = {}
+        self._joints: dict[str, tuple[Array, Array, Joint]] = {}
+        self._fingers: dict[str, list[tuple[str, int, Array]]] = {}
         for obj in scene.spec.objects:
+            if isinstance(obj, MechanismPart) and obj.fixed:
+                self._speeds[obj.name], self._levers[obj.name] = data.qvel[:0], 1.0
+                continue
             joint = model.joint(obj.name)
+            dof = int(joint.dofadr[0])
             hinged = joint.type[0] == mujoco.mjtJoint.mjJNT_HINGE
             # An object in a plane slides along two or three axes.
             types = model.jnt_type[model.jnt_bodyid == scene.object_bodies[obj.name]]
             slides = int(np.sum(types == mujoco.mjtJoint.mjJNT_SLIDE))
-            self._moves[obj.name] = slides or (1 if hinged else 3)
+            moves = slides or (1 if hinged else 3)
+            self._speeds[obj.name] = data.qvel[dof : dof + moves]
             self._levers[obj.name] = length(joint.pos) if hinged else 1.0
-        self._speeds = {
-            name: data.qvel[v : v + self._moves[name]] for name, v in self._velocity.items()
-        }
+            if not isinstance(obj, MechanismPart):
+                continue
+            if obj.joint is not None:
+                at = int(joint.qposadr[0])
+                state = data.qpos[at : at + 1], data.qvel[dof : dof + 1]
+                self._joints[obj.name] = (*state, obj.joint)
+            self._fingers[obj.name] = [
+                (hand.name, finger, data.sensordata[adr : adr + 1])
+                for hand in scene.spec.hands
+                for finger in sorted(first_bodies(hand))
+                for adr in [int(model.sensor(finger_sensor(obj.name, hand.name, finger)).adr[0])]
+            ]
+
+    @property
+    def hands(self) -> tuple[str, ...]:
+        """Names of the hands, which begin with their side."""
+        return tuple(self._hands)
 
     def object(self, name: str) -> ObjectState:
         """Current state of an object.
@@ -112,6 +162,29 @@ class Sensing:
             self._levers[name] * length(self._speeds[name]),
             self.touching(name, TABLE),
             any(self.touching(name, hand) for hand in self._hands),
+        )
+
+    def joint(self, name: str) -> JointState:
+        """Current state of the hinge or slide of a mechanism's part.
+
+        Raises:
+            InputError: The task has no part of this name, or it has no joint.
+        """
+        if name not in self._joints:
+            raise _unknown(name, self._joints, "this scene has no joint of this name")
+        position, speed, joint = self._joints[name]
+        return JointState(float(position[0]), float(speed[0]), joint)
+
+    def fingers(self, name: str) -> frozenset[tuple[str, int]]:
+        """Fingers that touch a mechanism's part now: name of the hand, and label of the finger.
+
+        Raises:
+            InputError: The task has no part of this name that moves.
+        """
+        if name not in self._fingers:
+            raise _unknown(name, self._fingers, "this scene has no moving part of this name")
+        return frozenset(
+            (hand, finger) for hand, finger, touches in self._fingers[name] if touches[0] > 0
         )
 
     def touching(self, name: str, other: str) -> bool:
@@ -140,9 +213,11 @@ class Sensing:
         return self._read[name, other]
 
 
-def _unknown(name: str, names: Iterable[str]) -> InputError:
+def _unknown(
+    name: str, names: Iterable[str], what: str = "this scene has no part of this name"
+) -> InputError:
     return InputError(
-        "this scene has no part of this name",
+        what,
         where="sensing",
         got=name,
         expected=", ".join(sorted(names)),

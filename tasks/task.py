@@ -39,10 +39,13 @@ class TaskDefaults(Protocol):
     Attributes:
         hands: Number of hands that it needs.
         user: Creates its simulated user; None uses the user of the built-in tasks.
+        pressed: Its objects are pressed from above: hands turn solid on their way down, rather than
+            once they are down.
     """
 
     hands: ClassVar[int] = 1
     user: ClassVar[UserMaker | None] = None
+    pressed: ClassVar[bool] = False
 
     def with_room(self, factor: float) -> Task:
         """The same trial with so much more or less room between its things.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
 from math import atan2, cos, radians
@@ -135,6 +136,15 @@ class User(Protocol):
     def look(self, sight: Sight) -> None: ...
 
     def touch(self, now: float) -> TouchFrame: ...
+
+
+class FingersKnown(ABC):
+    """Contract of simulated users whose fingers are known: what is true is not told to them, but to
+    who labels or judges their touches."""
+
+    @abstractmethod
+    def finger_of(self, contact: int) -> int | None:
+        """Finger, thumb 0 to little 4, of a contact of the last touch; None for another id."""
 
 
 UserMaker = Callable[[UserConfiguration, Surface, int], User]

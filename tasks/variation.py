@@ -18,7 +18,7 @@ from models.arithmetic import functions
 from models.arithmetic.arrays import Array
 from models.arithmetic.products import length
 from models.errors import InputError
-from models.objects import Box, SceneObject
+from models.objects import Box, MechanismPart, SceneObject
 from models.surface import Surface
 from tasks.task import Goal, Task
 
@@ -31,6 +31,7 @@ class Variation:
         size: Factor on the objects' edges; it does not change their masses or the friction of a
             bolt.
         mass: Factor on their masses.
+        resistance: Factor on the springs, damping and friction of a mechanism's joints.
         friction: Factor on every coefficient of sliding friction: table, objects and hands.
         start: m by which every object's start is shifted, in a direction that follows from the
             seed.
@@ -48,6 +49,7 @@ class Variation:
 
     size: float = 1.0
     mass: float = 1.0
+    resistance: float = 1.0
     friction: float = 1.0
     start: float = 0.0
     room: float = 1.0
@@ -85,6 +87,7 @@ class Variation:
 RANGES = {
     "size": (0.1, 5.0),
     "mass": (0.01, 100.0),
+    "resistance": (0.01, 100.0),
     "friction": (0.01, 10.0),
     "start": (0.0, 0.2),
     "room": (0.05, 10.0),
@@ -117,6 +120,14 @@ def vary(task: Task, variation: Variation, surface: Surface) -> Task:
     """
     if replace(variation, friction=1.0, **dict.fromkeys(TOUCHES, 0.0)).neutral:
         return task
+    if variation.resistance != 1.0 and not any(
+        isinstance(obj, MechanismPart) and obj.joint for obj in task.objects
+    ):
+        raise InputError(
+            "the resistance of joints can only be varied where objects have some",
+            where=task.name,
+            remedy="Vary something else",
+        )
     if not is_dataclass(task):
         raise InputError("only tasks that are dataclasses can be varied", where=task.name)
     if variation.room != 1.0:
@@ -133,6 +144,8 @@ def vary(task: Task, variation: Variation, surface: Surface) -> Task:
 
 def _changed(obj: SceneObject, variation: Variation, where: str) -> SceneObject:
     """An object with another size and mass in the same place."""
+    if isinstance(obj, MechanismPart):
+        return obj.varied(variation.size, variation.mass, variation.resistance)
     if variation.size != 1.0:
         obj = _sized(obj, variation.size, where)
     if variation.mass != 1.0:
@@ -183,7 +196,11 @@ def _moved(
     objects: tuple[SceneObject, ...], way: float, task: Task, surface: Surface
 ) -> tuple[SceneObject, ...]:
     """Objects with shifted starts, none nearer to another than before, all within the surface."""
-    bolted = [t.name for t in objects if getattr(t, "bolt", None) is not None]
+    bolted = [
+        t.name
+        for t in objects
+        if isinstance(t, MechanismPart) or getattr(t, "bolt", None) is not None
+    ]
     fixed = bolted or [t.name for t in objects if not is_dataclass(t)]
     if fixed:
         raise InputError(

@@ -44,6 +44,7 @@ TASKS = (
     "stack-vertical",
     "carry-together",
     "slalom",
+    "chords",
 )
 ENCODERS = ("linear", "quadratic", "cubic", "pca-ik", "paper")
 RUNS = [

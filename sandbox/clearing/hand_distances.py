@@ -75,6 +75,8 @@ class HandDistances:
             if link.tip_geom != link.geom:
                 _shorten(model, model.geom(link.geom).id, link.solid_from)
         model.geom_margin[parts] = REACH
+        # Within a gap a contact has no row.
+        model.geom_gap[:] = 0.0
         # MuJoCo looks at the parts of a body only where the body's own margin lets it.
         model.body_margin[model.geom_bodyid[parts]] = REACH
         # One row for each contact: how its distance changes.

@@ -98,7 +98,8 @@ class RegressOptions:
     vary: Annotated[
         tuple[str, ...], tyro.conf.arg(metavar="NAME[=V1,V2]", help_behavior_hint="")
     ] = ()
-    """Success against size, mass, friction, start, hand-size, noise, dropped, ghosts or latency,
+    """Success against size, mass, resistance, friction, start, hand-size, noise, dropped, ghosts or
+    latency,
     with the values given, or with ever worse ones until it breaks. Instead of a baseline."""
 
     plot: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None

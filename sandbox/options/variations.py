@@ -63,6 +63,13 @@ KINDS = {
             up=(2.0, 4.0, 8.0, 16.0, 32.0),
         ),
         Kind(
+            "resistance",
+            "springs and friction of joints",
+            1.0,
+            down=(0.5, 0.2, 0.1),
+            up=(1.5, 2.0, 3.0, 5.0, 8.0),
+        ),
+        Kind(
             "friction",
             "friction of table, objects and hand",
             1.0,

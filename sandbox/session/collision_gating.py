@@ -12,6 +12,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from encoders.reconstruction.arrival import Phase
 from encoders.reconstruction.touch_reconstructor import Reconstruction
 from models.arithmetic.arrays import Array
 from models.arithmetic.products import squared_lengths
@@ -34,6 +35,8 @@ unnoticed; with these, half a millimetre."""
 
 GHOST: frozenset[int] = frozenset()
 
+_LOW = (Phase.COMING_DOWN, Phase.DOWN)
+
 STUCK = Message("stuck", f"{MOVE_APART}: a finger is inside an object")
 STUCK_TIME = 0.15
 """s that a finger of a hand that is down has been inside an object before the person is told: no
@@ -51,6 +54,7 @@ class CollisionGatingRules:
         together: All fingers of a hand become solid in the same step; otherwise each by itself.
         lead: Fingertips beside things are led off their touches, out of them, and keep the width
             of their grip until they spread.
+        from_above: A hand turns solid on its way down, so that it presses what lies under it.
         all_over: Palm and all links of all fingers are solid once the touching fingertips are,
             each part as soon as it is clear; replaces `distal_only` and `links`.
     """
@@ -60,6 +64,7 @@ class CollisionGatingRules:
     links: int = 1
     together: bool = True
     lead: bool = False
+    from_above: bool = False
     all_over: bool = False
 
 
@@ -151,7 +156,9 @@ class CollisionGate:
             reconstruction: Current reconstruction from touches or hand frames.
             ghost: Makes every finger a ghost, whatever the reconstruction.
         """
-        wanted = reconstruction.fingers if reconstruction.down and not ghost else GHOST
+        low = _LOW if self._rules.from_above else (Phase.DOWN,)
+        arrived = reconstruction.phase in low and not ghost
+        wanted = reconstruction.fingers if arrived else GHOST
         staying = self.fingers & wanted
         joining = wanted - staying
         stuck: dict[int, int] = {}

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from encoders.correction import PAD_HEIGHT
 from models.arithmetic.arrays import Array
 from models.arithmetic.products import squared_lengths, stacked_applied
-from models.objects import SceneObject
+from models.objects import MechanismPart, SceneObject
 from models.scene import CONTROL_PERIOD, Scene
 from models.surface import METRES_PER_INCH, Surface
 
@@ -57,8 +57,9 @@ class Respawn:
 
     def __init__(self, scene: Scene, surfaces: Sequence[Surface]) -> None:
         self._scene, self._surfaces = scene, tuple(surfaces)
-        self._objects = [_Place(scene, t) for t in scene.spec.objects]
-        self._objects = [place for place in self._objects if place.can_leave]
+        # What cannot leave is in the way where an object is put down.
+        self._all = [_Place(scene, t) for t in scene.spec.objects]
+        self._objects = [place for place in self._all if place.can_leave]
         self._away = {place.name: 0 for place in self._objects}
         # Kept, because they are searched at every step while there is no room.
         self._shifts = {place.name: self._reachable(place) for place in self._objects}
@@ -117,7 +118,7 @@ class Respawn:
 
     def _put(self, data: mujoco.MjData, place: _Place, tips: Array) -> bool:
         """Puts an object at the free place nearest to its start; False without a free place."""
-        others = [p for p in self._objects if p is not place]
+        others = [p for p in self._all if p is not place and p.name not in place.together]
         shifts = self._shifts[place.name]
         free = np.ones(len(shifts), bool)
         for other in others:
@@ -152,6 +153,9 @@ class _Place:
         slides = types == mujoco.mjtJoint.mjJNT_SLIDE
         # An object hinged to the table cannot leave; one that slides along two axes can.
         self.can_leave = self.free or int(slides.sum()) >= 2
+        self.radius = scene.object_radius(thing.name)
+        # What it carries goes along with it.
+        self.together = thing.together if isinstance(thing, MechanismPart) else ()
         if not self.can_leave:
             return
         first, last = joints[0], joints[-1]
@@ -171,7 +175,6 @@ class _Place:
             )
             for j in joints[slides]
         ]
-        self.radius = scene.object_radius(thing.name)
 
     def put(self, data: mujoco.MjData, shift: Array) -> None:
         """Puts the object at rest at its start, moved by a shift (3,) m in the world."""

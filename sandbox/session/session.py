@@ -8,7 +8,7 @@ bit, because nothing here reads a clock.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from hashlib import blake2b
 from typing import Any, Protocol
 
@@ -127,9 +127,12 @@ class Session:
         friction: float = 1.0,
     ) -> None:
         self.task, self.rigs = task, tuple(rigs)
-        rules = rules or CollisionGatingRules()
+        gating = [
+            replace(rig.rules or rules or CollisionGatingRules(), from_above=task.pressed)
+            for rig in rigs
+        ]
         hands = tuple(rig.hand for rig in rigs)
-        all_over = [(rig.rules or rules).all_over for rig in rigs]
+        all_over = [own.all_over for own in gating]
         self.scene = Scene(
             SceneSpec(hands, task.objects, task.table_friction, timestep, all(all_over))
         )
@@ -140,10 +143,8 @@ class Session:
             HandDistances(self.scene, i) if whole else None for i, whole in enumerate(all_over)
         ]
         self._gates = [
-            CollisionGate(
-                self.scene, i, r.rules or rules, SolidLinks(self.scene, i, d) if d else None
-            )
-            for i, (r, d) in enumerate(zip(rigs, distances, strict=True))
+            CollisionGate(self.scene, i, own, SolidLinks(self.scene, i, d) if d else None)
+            for i, (own, d) in enumerate(zip(gating, distances, strict=True))
         ]
         # A hand in the air is where it is seen; only touches leave open where the rest of it is.
         self._clearing = [
@@ -153,10 +154,10 @@ class Session:
             for i, (rig, surface, d) in enumerate(zip(rigs, surfaces, distances, strict=True))
         ]
         self._leading = [
-            FingertipLeading(self.scene, i, surface, gate)
-            if rig.lead and (rig.rules or rules).lead
-            else None
-            for i, (rig, surface, gate) in enumerate(zip(rigs, surfaces, self._gates, strict=True))
+            FingertipLeading(self.scene, i, surface, gate) if rig.lead and own.lead else None
+            for i, (rig, own, surface, gate) in enumerate(
+                zip(rigs, gating, surfaces, self._gates, strict=True)
+            )
         ]
         self._hands = [(s.tips, on) for s, on in zip(self._gates, surfaces, strict=True)]
         self._contact = ContactModes(self.scene, contact_mode(contact))

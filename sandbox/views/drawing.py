@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from models.arithmetic.arrays import Array
+from models.objects import MechanismPart
 from models.scene import Scene
 from models.skin.colours import PALE
 from models.surface import Surface
@@ -115,6 +116,8 @@ class Drawing:
             n: (i, part) for i, look in self.looks.items() for part, n in look.parts.items()
         }
         self._parts = {n: self._parts_of(body) for n, body in scene.object_bodies.items()}
+        # Rings around parts of a mechanism would lie on its other parts.
+        self._joined = {o.name for o in scene.spec.objects if isinstance(o, MechanismPart)}
         flat = surface.rotation[2, 2] > 0.999
         height = surface.origin[2] - LIFT if flat and rings_on_table else 0.0
         # Marks lie on a plane parallel to the surface, towards the table where there is one below.
@@ -164,7 +167,8 @@ class Drawing:
             self._marks.box(half, place, np.eye(3), SHELF, 1.0)
         colour = goal_colour(snapshot)
         for goal in snapshot.goals:
-            self._draw_goal(goal, snapshot, colour)
+            if goal.shown:
+                self._draw_goal(goal, snapshot, colour)
         for i, hand in enumerate(snapshot.hands):
             if drawn[i]:
                 if i in self.looks:
@@ -286,7 +290,7 @@ class Drawing:
             if part.type == mujoco.mjtGeom.mjGEOM_BOX:
                 edge = EDGE_RADIUS * (1.8 if done else 1.0)
                 self._marks.edges(part.size + 0.7 * edge, place, turn, colour, edge)
-        if done:
+        if done and goal.object not in self._joined:
             ground = np.array([position[0], position[1], LIFT])
             reach = 1.9 * max(float(np.linalg.norm(p.size[:2])) for p in self._parts[goal.object])
             self._marks.ring(ground, np.eye(3), reach / 1.4, 0.003, 48, colour, 1.0)

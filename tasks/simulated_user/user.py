@@ -19,7 +19,7 @@ from tasks.simulated_user.grasp import Grasp
 from tasks.simulated_user.hand import Hand
 from tasks.simulated_user.handling import Handling, handling_of
 from tasks.simulated_user.screen import beyond_border, stopped_at_border
-from tasks.user import SeenObject, Sight, UserConfiguration
+from tasks.user import FingersKnown, SeenObject, Sight, UserConfiguration
 
 _IN_PLACE = 0.004
 """m, error of the fingers' positions within which the user closes them."""
@@ -42,7 +42,7 @@ class _Doing(Enum):
     CONTENT = auto()
 
 
-class SkilledUser:
+class SkilledUser(FingersKnown):
     """Brings one object to its goal with touches only.
 
     Args:
@@ -78,6 +78,11 @@ class SkilledUser:
     def finger_ids(self) -> list[int]:
         """Contact ids of the fingers last put down: thumb, index, ..."""
         return self._fingers.ids()
+
+    def finger_of(self, contact: int) -> int | None:
+        """Finger, thumb 0 to little 4, of a contact of the last touch; None for another id."""
+        ids = self.finger_ids()
+        return ids.index(contact) if contact in ids else None
 
     def look(self, sight: Sight) -> None:
         """Shows the user the screen; the user reacts to it a reaction time later."""

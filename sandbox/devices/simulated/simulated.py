@@ -27,7 +27,7 @@ from tasks.simulated_user.seated import Seat, SeatedUser
 from tasks.simulated_user.stacker import Stacker
 from tasks.simulated_user.user import SkilledUser
 from tasks.task import Task
-from tasks.user import SeenObject, Sight, User, UserConfiguration
+from tasks.user import FingersKnown, SeenObject, Sight, User, UserConfiguration
 
 _USERS: dict[str, type[SkilledUser] | type[IdleUser] | type[RandomUser]] = {
     "skilled": SkilledUser,
@@ -147,19 +147,18 @@ class SimulatedDevice(Device):
         if self.finished:
             return []
         frame = self._seated.touch(now)
-        if not isinstance(self.user, SkilledUser):
+        if not isinstance(self.user, FingersKnown):
             return [self._screen.degrade(frame)]
-        # The ids of thumb, index and so on, in this order.
-        ids = self.user.finger_ids
+        finger_of = self.user.finger_of
         if self._tell_labels:
-            contacts = tuple(replace(c, label=ids().index(c.id)) for c in frame.contacts)
+            contacts = tuple(replace(c, label=finger_of(c.id)) for c in frame.contacts)
             frame = replace(frame, contacts=contacts)
         frame = self._screen.degrade(frame)
         for contact in frame.contacts:
             if contact.id not in self.truth:
-                own = self._screen.own_id(contact.id)
-                if own in ids():
-                    self.truth[contact.id] = ids().index(own)
+                finger = finger_of(self._screen.own_id(contact.id))
+                if finger is not None:
+                    self.truth[contact.id] = finger
         return [frame]
 
     def close(self) -> None:

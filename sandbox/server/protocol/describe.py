@@ -160,7 +160,7 @@ def state_of(
             _hand(hand, felt, own in (None, i))
             for i, (hand, felt) in enumerate(zip(snapshot.hands, feedback, strict=True))
         ],
-        [GoalState(g.object, _floats(g.position), float(g.yaw)) for g in snapshot.goals],
+        [GoalState(g.object, _floats(g.position), float(g.yaw)) for g in snapshot.goals if g.shown],
         [told(notice) for notice in snapshot.notices],
         pause,
     )

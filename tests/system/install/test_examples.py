@@ -20,6 +20,7 @@ SHORT = (
     "replay_and_export.py",
     "circling_finger.py",
     "push_the_mug.py",
+    "open_the_drawer.py",
 )
 
 

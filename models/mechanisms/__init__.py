@@ -1,0 +1,1 @@
+"""Mechanisms: bodies that are joined by hinges and slides, described in MJCF."""

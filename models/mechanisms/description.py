@@ -1,0 +1,131 @@
+"""The description of a mechanism, compiled by MuJoCo and checked."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import mujoco
+import numpy as np
+
+from models.errors import InputError
+from models.mjcf_object import GEOM_KINDS, described_in, read_mjcf, unreadable
+
+PROBE = "hand sandbox probe"
+"""Name of the ball with which distances to shapes without a formula are measured."""
+PROBE_RADIUS = 1e-3
+"""m; the result is corrected by it."""
+
+_HINGE, _SLIDE = mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE
+_FREE = mujoco.mjtJoint.mjJNT_FREE
+
+
+@dataclass(frozen=True)
+class Compiled:
+    """A compiled description.
+
+    Attributes:
+        model: MuJoCo's model; its bodies from 1 on are the mechanism's, but for the last, the
+            probe. The first one carries all others.
+        fixed: The first body has no joint of its own.
+    """
+
+    model: Any
+    fixed: bool
+
+    @property
+    def bodies(self) -> range:
+        """Indices of the mechanism's bodies, carriers first."""
+        return range(1, self.model.nbody - 1)
+
+
+def compile_mechanism(mjcf: str | Path, name: str) -> Compiled:
+    """Compiles and checks a description.
+
+    Args:
+        mjcf: A whole description, or the path of a file.
+        name: Name of the mechanism, for messages.
+
+    Raises:
+        InputError: MuJoCo refuses the description, or it is not a mechanism.
+    """
+    where = described_in(mjcf, name)
+    try:
+        spec = read_mjcf(mjcf)
+        # Bodies welded to each other become one.
+        spec.compiler.fusestatic = True
+        roots = list(spec.worldbody.bodies)
+        if len(roots) != 1:
+            raise InputError(
+                "a mechanism needs one body in the world, which carries all others",
+                where=where,
+                got=f"{len(roots)} bodies",
+            )
+        _check_joints(spec, where)
+        fixed = not roots[0].joints
+        if fixed:
+            # Welded to the world, its geoms would become the world's.
+            roots[0].add_freejoint()
+        probe = spec.worldbody.add_body(name=PROBE, mocap=True)
+        size = [PROBE_RADIUS, 0.0, 0.0]
+        probe.add_geom(name=PROBE, type=mujoco.mjtGeom.mjGEOM_SPHERE, size=size)
+        model = spec.compile()
+    except (ValueError, OSError) as error:
+        raise unreadable(where, error) from None
+    compiled = Compiled(model, fixed)
+    _check_bodies(compiled, where)
+    return compiled
+
+
+def _check_joints(spec: Any, where: str) -> None:
+    """Raises unless every hinge and slide has a range, or says that it has none."""
+    for body in spec.bodies:
+        for joint in body.joints:
+            low, high = joint.range.tolist()
+            endless = joint.limited == mujoco.mjtLimited.mjLIMITED_FALSE
+            if joint.type in (_HINGE, _SLIDE) and not endless and not low < high:
+                raise InputError(
+                    f"the joint of {body.name or 'a body without a name'} has no range",
+                    where=where,
+                    got=f"{low:g} to {high:g}",
+                    expected='its lowest and highest value, such as range="0 270"',
+                    remedy='Write limited="false" for a joint without end stops',
+                )
+
+
+def _check_bodies(compiled: Compiled, where: str) -> None:
+    """Raises unless every body is joined by one hinge or slide, and has shapes we know."""
+    model = compiled.model
+    more = {"equality": model.neq, "tendon": model.ntendon, "actuator": model.nu}
+    if any(more.values()):
+        raise InputError(
+            "a mechanism has bodies and joints only",
+            where=where,
+            got=", ".join(what for what, count in more.items() if count),
+            remedy="Give its joints stiffness, damping and frictionloss instead",
+        )
+    for body in compiled.bodies:
+        name = model.body(body).name
+        called = name or ("its first body" if body == 1 else "a body without a name")
+        kinds = model.jnt_type[model.jnt_bodyid == body].tolist()
+        allowed = {_HINGE, _SLIDE, _FREE} if body == 1 else {_HINGE, _SLIDE}
+        if len(kinds) != 1 or kinds[0] not in {int(kind) for kind in allowed}:
+            raise InputError(
+                f"{called} is not joined by one hinge or one slide",
+                where=where,
+                got=f"{len(kinds)} joints" if len(kinds) > 1 else "another kind of joint",
+            )
+        if body > 1 and not name:
+            raise InputError("a body that moves needs a name", where=where)
+        if not set(model.geom_type[model.geom_bodyid == body].tolist()) <= set(GEOM_KINDS):
+            raise InputError(
+                f"{called} has a geom of an unsupported kind",
+                where=where,
+                expected=", ".join(kind for kind, _ in GEOM_KINDS.values()),
+            )
+    inside = np.isin(model.geom_bodyid, list(compiled.bodies))
+    if not np.any(inside & ((model.geom_contype | model.geom_conaffinity) > 0)):
+        raise InputError(
+            "it has no solid geom", where=where, expected="a geom with contype or conaffinity"
+        )

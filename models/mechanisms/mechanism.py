@@ -1,0 +1,448 @@
+"""Mechanisms from MJCF: knobs, keys, drawers and lids, bodies joined by hinges and slides.
+
+MuJoCo compiles the description on its own, as that of a `MjcfObject`. Every body of it becomes an
+object of the scene, so that tasks, views and hands treat it as they treat any other thing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from math import atan2, cos, sin
+from pathlib import Path
+from typing import Any
+from xml.etree.ElementTree import Element, SubElement
+
+import mujoco
+import numpy as np
+from numpy.typing import ArrayLike
+
+from models.arithmetic.arrays import Array
+from models.arithmetic.products import matrix_product, stacked_applied
+from models.errors import InputError
+from models.hand import CONTACT_HAND, CONTACT_OBJECT, CONTACT_TABLE
+from models.mechanisms.description import PROBE, PROBE_RADIUS, Compiled, compile_mechanism
+from models.mechanisms.distances import PLAIN
+from models.mjcf_object import (
+    GEOM_KINDS,
+    check_object_name,
+    described_in,
+    geom_element,
+    mesh_assets,
+)
+from models.objects import Joint, MechanismPart, mjcf_text
+
+TOUCH = 0.0005
+"""m between surfaces, up to which a finger touches a part: one that presses a key bounces by less
+between two steps. It feels a force only from 0 on."""
+_FAR = 100.0
+"""m, largest distance that is measured."""
+_FIXED_BITS = (CONTACT_OBJECT, CONTACT_HAND | CONTACT_OBJECT)
+_FREE_BITS = (CONTACT_OBJECT | CONTACT_TABLE, CONTACT_HAND | CONTACT_OBJECT | CONTACT_TABLE)
+"""Collision bits. Parts of a fixed mechanism, such as a key, may move into the table's plane."""
+
+
+@dataclass(frozen=True)
+class Mechanism:
+    """Bodies from MJCF, joined by hinges and slides: one that stands in the world, and what it
+    carries.
+
+    Taken from the description: bodies, their geoms, masses and friction as for a `MjcfObject`, and
+    of every joint its axis, place, range, stiffness, springref, damping, frictionloss, armature and
+    ref. The first body is fixed where it stands, unless it has a free joint, a hinge or a slide of
+    its own. Parts of one mechanism meet only through their joints, and those of a fixed one do not
+    meet the table.
+
+    Attributes:
+        name: Name of the first body. Another body is called NAME/BODY.
+        mjcf: A whole description, `<mujoco>...`, or the path of a file.
+        position: (3,) m, origin of the first body.
+        yaw: rad about the vertical, of the first body.
+        start: rad or m, where a joint starts, by the name of its body in the description; joints
+            that are not named start where they are described.
+        size: Factor on all lengths.
+        mass: Factor on all masses.
+        resistance: Factor on stiffness, damping and friction of all joints.
+
+    Raises:
+        InputError: MuJoCo cannot compile the description, it is not a mechanism, a joint has no
+            range, or it starts outside of it.
+    """
+
+    name: str
+    mjcf: str | Path = field(repr=False)
+    position: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    yaw: float = 0.0
+    start: Mapping[str, float] = field(default_factory=dict)
+    size: float = 1.0
+    mass: float = 1.0
+    resistance: float = 1.0
+
+    def __post_init__(self) -> None:
+        check_object_name(self.name, "Mechanism")
+        where = described_in(self.mjcf, self.name)
+        for what in ("size", "mass", "resistance"):
+            value = vars(self)[what]
+            if not 0.0 < value < float("inf"):
+                raise InputError(
+                    f"its {what} is out of range", where=where, got=value, expected="above 0"
+                )
+        named = {self._described(part.number): part.joint for part in self.parts if part.joint}
+        unknown = sorted(set(self.start) - set(named))
+        if unknown:
+            raise InputError(
+                "no such joint to start",
+                where=where,
+                got=", ".join(unknown),
+                expected=", ".join(sorted(named)),
+            )
+        for body, joint in named.items():
+            low, high = joint.range or (-np.inf, np.inf)
+            if not low <= joint.start <= high:
+                raise InputError(
+                    f"{body} starts outside of its range",
+                    where=where,
+                    got=f"{joint.start:g}",
+                    expected=f"{low:g} to {high:g} {joint.unit}",
+                )
+
+    @cached_property
+    def parts(self) -> tuple[Part, ...]:
+        """Its bodies as objects of a scene, carriers first; a task needs all of them."""
+        return tuple(Part(self, number) for number in range(len(self.compiled.bodies)))
+
+    def part(self, body: str) -> Part:
+        """The part of a body, by its name in the description.
+
+        Raises:
+            InputError: The description has no such body.
+        """
+        for part in self.parts:
+            if self._described(part.number) == body:
+                return part
+        raise InputError(
+            "this mechanism has no such body",
+            where=described_in(self.mjcf, self.name),
+            got=body,
+            expected=", ".join(self._described(part.number) for part in self.parts),
+        )
+
+    def scaled(self, size: float) -> Mechanism:
+        """The same mechanism in another size, standing on the same place."""
+        slides = {
+            self._described(part.number)
+            for part in self.parts
+            if part.joint and part.joint.kind == "slide"
+        }
+        start = {
+            body: value * (size if body in slides else 1.0) for body, value in self.start.items()
+        }
+        return replace(self, size=size * self.size, start=start)
+
+    @cached_property
+    def compiled(self) -> Compiled:
+        """MuJoCo's model of the description."""
+        return compile_mechanism(self.mjcf, self.name)
+
+    def _described(self, number: int) -> str:
+        """Name of a body in the description."""
+        return str(self.compiled.model.body(number + 1).name)
+
+
+@dataclass(frozen=True)
+class Part(MechanismPart):
+    """One body of a mechanism, as an object of a scene.
+
+    Attributes:
+        mechanism: The mechanism.
+        number: Index of the body, 0 for the first.
+    """
+
+    mechanism: Mechanism
+    number: int
+
+    @cached_property
+    def name(self) -> str:
+        """Name of its body and of its joint in the scene."""
+        own = self.mechanism
+        return f"{own.name}/{own._described(self.number)}" if self.number else own.name
+
+    @property
+    def mass(self) -> float:
+        """kg."""
+        return self.mechanism.mass * float(self._model.body_mass[self._body])
+
+    @cached_property
+    def position(self) -> tuple[float, float, float]:
+        """(3,) m, origin of its body at the start."""
+        x, y, z = self._start[0].tolist()
+        return x, y, z
+
+    @cached_property
+    def yaw(self) -> float:
+        """rad about the vertical, of its x axis at the start."""
+        rotation = self._start[1]
+        return atan2(rotation[1, 0], rotation[0, 0])
+
+    @cached_property
+    def carrier(self) -> str | None:
+        """Name of the part that carries it; None for the first body."""
+        if not self.number:
+            return None
+        return self.mechanism.parts[int(self._model.body_parentid[self._body]) - 1].name
+
+    @cached_property
+    def together(self) -> tuple[str, ...]:
+        """Names of all parts of its mechanism."""
+        return tuple(part.name for part in self.mechanism.parts)
+
+    @property
+    def fixed(self) -> bool:
+        """True for the body that a fixed mechanism stands on."""
+        return self.number == 0 and self.mechanism.compiled.fixed
+
+    @cached_property
+    def joint(self) -> Joint | None:
+        """Its hinge or slide; None for the first body, if it is fixed or free."""
+        at = self._joint_index
+        if at is None:
+            return None
+        model, own = self._model, self.mechanism
+        slide = model.jnt_type[at] == mujoco.mjtJoint.mjJNT_SLIDE
+        unit = own.size if slide else 1.0
+        low, high = (unit * model.jnt_range[at]).tolist()
+        described = unit * float(model.qpos0[model.jnt_qposadr[at]])
+        return Joint(
+            "slide" if slide else "hinge",
+            (low, high) if model.jnt_limited[at] else None,
+            own.start.get(own._described(self.number), described),
+        )
+
+    def placed(self, value: float) -> tuple[tuple[float, float, float], float]:
+        """Position (3,) m and yaw, rad, of its body with its joint at a value, rad or m, and all
+        other joints at their starts.
+
+        Raises:
+            InputError: It has no joint.
+        """
+        if self.joint is None:
+            raise InputError("this part has no joint", where="Part.placed", got=self.name)
+        position, rotation = self._pose(value)
+        x, y, z = position.tolist()
+        return (x, y, z), atan2(rotation[1, 0], rotation[0, 0])
+
+    def varied(self, size: float, mass: float, resistance: float) -> Part:
+        """The same part of the mechanism in another size, with other masses and joints."""
+        own = self.mechanism.scaled(size) if size != 1.0 else self.mechanism
+        changed = replace(own, mass=own.mass * mass, resistance=own.resistance * resistance)
+        return changed.parts[self.number]
+
+    def body(self) -> Element:
+        """MJCF of the body, with all that it carries."""
+        model, own, at = self._model, self.mechanism, self._body
+        position, turn = self._local(None if self.joint is None else self.joint.start)
+        body = Element(
+            "body", {"name": self.name, "pos": mjcf_text(position), "quat": mjcf_text(turn)}
+        )
+        if model.body_gravcomp[at]:
+            body.set("gravcomp", f"{float(model.body_gravcomp[at]):.9g}")
+        if self._joint_index is not None:
+            body.append(self._joint_element(self._joint_index))
+        elif not self.fixed:
+            SubElement(body, "freejoint", {"name": self.name})
+        inertia = own.size**2 * own.mass * model.body_inertia[at]
+        SubElement(
+            body,
+            "inertial",
+            {
+                "pos": mjcf_text(own.size * model.body_ipos[at]),
+                "quat": mjcf_text(model.body_iquat[at]),
+                "mass": f"{self.mass:.9g}",
+                "diaginertia": mjcf_text(inertia),
+            },
+        )
+        bits = _FIXED_BITS if own.compiled.fixed or own.parts[0].joint else _FREE_BITS
+        for number, geom in enumerate(self._geoms):
+            name = f"{self.name}_{number}"
+            element = geom_element(model, geom, name, own.name, own.size, bits)
+            if geom in {solid[-1] for solid in self._solid}:
+                element.set("margin", f"{TOUCH:.9g}")
+                element.set("gap", f"{TOUCH:.9g}")
+            body.append(element)
+        for part in own.parts:
+            if part.carrier == self.name:
+                body.append(part.body())
+        return body
+
+    def assets(self) -> list[Element]:
+        """MJCF assets of the meshes of its whole mechanism; the first body has them."""
+        if self.number:
+            return []
+        geoms = [geom for part in self.mechanism.parts for geom in part._geoms]
+        return mesh_assets(self._model, geoms, self.mechanism.name, self.mechanism.size)
+
+    def clearance(self, points: ArrayLike, position: Array, rotation: Array) -> Array:
+        """Signed distances (n,) m of world points (n, 3) to its solid geoms, negative inside.
+
+        Args:
+            points: World points.
+            position: (3,) m, current position of its body.
+            rotation: (3, 3) current rotation.
+        """
+        size = self.mechanism.size
+        away = np.atleast_2d(np.asarray(points, float)) - position
+        local = matrix_product(away, np.ascontiguousarray(rotation)) / size
+        distances = np.full(len(local), np.inf)
+        for kind, place, turn, dimensions, geom in self._solid:
+            distance = PLAIN.get(kind)
+            own = (
+                self._measured(local, geom)
+                if distance is None
+                else distance(matrix_product(local - place, turn), dimensions)
+            )
+            distances = np.minimum(distances, own)
+        return size * distances
+
+    @cached_property
+    def bounds(self) -> tuple[Array, Array]:
+        """Lowest and highest corner (3,), (3,) m of a box around its solid geoms, in its frame."""
+        corners = []
+        for _, place, turn, _, geom in self._solid:
+            middle, half = self._model.geom_aabb[geom, :3], self._model.geom_aabb[geom, 3:]
+            centre = place + stacked_applied(turn, middle)
+            reach = stacked_applied(np.abs(turn), half)
+            corners += [centre - reach, centre + reach]
+        size = self.mechanism.size
+        return size * np.min(corners, axis=0), size * np.max(corners, axis=0)
+
+    @property
+    def _model(self) -> Any:
+        return self.mechanism.compiled.model
+
+    @property
+    def _body(self) -> int:
+        return self.number + 1
+
+    @property
+    def _joint_index(self) -> int | None:
+        """Index of its hinge or slide; None without."""
+        at = int(self._model.body_jntadr[self._body])
+        free = at < 0 or self._model.jnt_type[at] == mujoco.mjtJoint.mjJNT_FREE
+        return None if free else at
+
+    @cached_property
+    def _geoms(self) -> list[int]:
+        return np.flatnonzero(self._model.geom_bodyid == self._body).tolist()
+
+    @cached_property
+    def _solid(self) -> list[tuple[str, Array, Array, Array, int]]:
+        """Of every solid geom: kind, place (3,) m and turn (3, 3) in the body, size, index."""
+        model, solid = self._model, []
+        for geom in self._geoms:
+            if model.geom_contype[geom] or model.geom_conaffinity[geom]:
+                kind, _ = GEOM_KINDS[int(model.geom_type[geom])]
+                turn = _matrix(model.geom_quat[geom])
+                solid.append((kind, model.geom_pos[geom], turn, model.geom_size[geom], geom))
+        return solid
+
+    @cached_property
+    def _start(self) -> tuple[Array, Array]:
+        """Position (3,) m and rotation (3, 3) in the world at the start."""
+        return self._pose(None if self.joint is None else self.joint.start)
+
+    def _pose(self, value: float | None) -> tuple[Array, Array]:
+        """Position (3,) m and rotation (3, 3) in the world, its own joint at a value."""
+        position, turn = self._local(value)
+        if not self.number:
+            return position, _matrix(turn)
+        carrier = self.mechanism.parts[int(self._model.body_parentid[self._body]) - 1]
+        base, rotation = carrier._start
+        own = matrix_product(rotation, _matrix(turn))
+        return base + stacked_applied(rotation, position), own
+
+    def _local(self, value: float | None) -> tuple[Array, Array]:
+        """Position (3,) m and quaternion (4,) in its carrier, its joint at a value, rad or m."""
+        model, own = self._model, self.mechanism
+        if self.number:
+            position = own.size * model.body_pos[self._body]
+            turn = model.body_quat[self._body].copy()
+        else:
+            position = np.array(own.position)
+            turn = np.array([cos(own.yaw / 2), 0.0, 0.0, sin(own.yaw / 2)])
+        at = self._joint_index
+        if at is None or value is None:
+            return position, turn
+        axis, ref = model.jnt_axis[at], float(model.qpos0[model.jnt_qposadr[at]])
+        if model.jnt_type[at] == mujoco.mjtJoint.mjJNT_SLIDE:
+            moved = (value - own.size * ref) * axis
+            return position + stacked_applied(_matrix(turn), moved), turn
+        # About the hinge's place, which stays.
+        place = own.size * model.jnt_pos[at]
+        about, turned, away = np.empty(4), np.empty(4), np.empty(3)
+        mujoco.mju_axisAngle2Quat(about, axis, value - ref)
+        mujoco.mju_mulQuat(turned, turn, about)
+        mujoco.mju_rotVecQuat(away, place, about)
+        return position + stacked_applied(_matrix(turn), place - away), turned
+
+    def _joint_element(self, at: int) -> Element:
+        """MJCF of its hinge or slide, angles in degrees."""
+        model, own, joint = self._model, self.mechanism, self.joint
+        assert joint is not None
+        hinge = joint.kind == "hinge"
+        unit = float(np.rad2deg(1.0)) if hinge else 1.0
+        scale = 1.0 if hinge else own.size
+        dof = int(model.jnt_dofadr[at])
+        spring = scale * float(model.qpos_spring[model.jnt_qposadr[at]])
+        resisting = {
+            "stiffness": float(model.jnt_stiffness[at]),
+            "damping": float(model.dof_damping[dof]),
+            "frictionloss": float(model.dof_frictionloss[dof]),
+        }
+        element = Element(
+            "joint",
+            {
+                "name": self.name,
+                "type": joint.kind,
+                "axis": mjcf_text(model.jnt_axis[at]),
+                "pos": mjcf_text(own.size * model.jnt_pos[at]),
+                "limited": "false" if joint.range is None else "true",
+                "ref": f"{unit * joint.start:.9g}",
+                "springref": f"{unit * spring:.9g}",
+                "armature": f"{float(model.dof_armature[dof]):.9g}",
+                **{key: f"{own.resistance * value:.9g}" for key, value in resisting.items()},
+                "solreflimit": ".004 1",
+                "solimplimit": ".95 .99 .001",
+                "solreffriction": ".004 1",
+                "solimpfriction": ".9999 .9999 .001",
+            },
+        )
+        if joint.range is not None:
+            element.set("range", mjcf_text(unit * np.array(joint.range)))
+        return element
+
+    def _measured(self, local: Array, geom: int) -> Array:
+        """Distances (n,) of points (n, 3) in its body's frame to a shape without a formula."""
+        model, data = self._model, self._measuring
+        probe = int(model.geom(PROBE).id)
+        rotation = data.xmat[self._body].reshape(3, 3)
+        distances = np.empty(len(local))
+        for i, point in enumerate(local):
+            data.mocap_pos[0] = data.xpos[self._body] + stacked_applied(rotation, point)
+            mujoco.mj_kinematics(model, data)
+            far = mujoco.mj_geomDistance(model, data, geom, probe, _FAR, None)
+            distances[i] = float(far) + PROBE_RADIUS
+        return distances
+
+    @cached_property
+    def _measuring(self) -> Any:
+        data = mujoco.MjData(self._model)
+        mujoco.mj_kinematics(self._model, data)
+        return data
+
+
+def _matrix(quaternion: Array) -> Array:
+    """(3, 3) rotation of a quaternion (4,)."""
+    flat = np.empty(9)
+    mujoco.mju_quat2Mat(flat, quaternion)
+    return flat.reshape(3, 3)

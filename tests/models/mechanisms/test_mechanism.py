@@ -1,0 +1,236 @@
+"""A mechanism moves as its description says, is measured as geometry says, and is refused in one
+line where it is none."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import mujoco
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from models.arithmetic.arrays import Array
+from models.errors import InputError
+from models.hand import Hand
+from models.mechanisms.mechanism import Mechanism
+from models.objects import Box
+from models.scene import Scene, SceneSpec
+from tasks.sensing import Sensing
+
+BOX = '<geom type="box" size=".05 .045 .012"/>'
+DESK = """<mujoco><asset>
+ <mesh name="wedge" vertex="0 0 0 .02 0 0 0 .02 0 0 0 .02"/>
+</asset><worldbody><body>
+ <geom type="box" size=".06 .05 .002" pos="0 0 .002"/>
+ <body name="drawer" pos="0 0 .02">
+  <joint type="slide" axis="0 -1 0" range="0 .06" frictionloss=".5" damping="2" armature=".05"/>
+  <geom type="box" size=".05 .045 .012"/>
+  <geom type="cylinder" size=".006 .012" pos="0 -.055 .012" euler="30 20 0"/>
+  <body name="lid" pos=".01 .05 .03">
+   <joint type="hinge" axis="1 0 0" pos="0 .002 .001" range="0 100" frictionloss=".05"
+    armature="1e-4"/>
+   <geom type="box" size=".06 .05 .002" pos="0 -.05 0"/>
+   <geom type="capsule" size=".004 .02" pos=".03 -.05 .008"/>
+   <geom type="sphere" size=".006" pos="-.03 -.05 .008"/>
+   <geom type="ellipsoid" size=".01 .02 .005" pos="0 -.08 .006"/>
+   <geom type="mesh" mesh="wedge" pos="0 -.05 .003"/>
+  </body>
+ </body>
+</body></worldbody></mujoco>"""
+
+
+def built(**values: Any) -> tuple[Mechanism, Scene, mujoco.MjData]:
+    desk = Mechanism("desk", DESK, **values)
+    scene = Scene(SceneSpec((Hand(),), desk.parts))
+    data = mujoco.MjData(scene.model)
+    mujoco.mj_forward(scene.model, data)
+    return desk, scene, data
+
+
+def yaw_of(rotation: Array) -> float:
+    return float(np.arctan2(rotation[1, 0], rotation[0, 0]))
+
+
+@settings(max_examples=15, deadline=None)
+@given(
+    out=st.floats(0.0, 0.06),
+    opened=st.floats(0.0, 1.7),
+    yaw=st.floats(-3.0, 3.0),
+    size=st.sampled_from([1.0, 0.5, 2.0]),
+)
+def test_every_part_starts_where_it_says(
+    out: float, opened: float, yaw: float, size: float
+) -> None:
+    start = {"drawer": size * out, "lid": opened}
+    desk, scene, data = built(position=(0.1, -0.05, 0.01), yaw=yaw, start=start, size=size)
+    for part in desk.parts:
+        position, rotation = scene.object_pose(data, part.name)
+        np.testing.assert_allclose(position, part.position, atol=1e-8)
+        assert yaw_of(rotation) == pytest.approx(part.yaw, abs=1e-7)
+    sensing = Sensing(scene, data)
+    assert sensing.joint("desk/drawer").share == pytest.approx(out / 0.06, abs=1e-6)
+    assert sensing.joint("desk/lid").position == pytest.approx(opened, abs=1e-6)
+
+
+def test_a_start_is_the_same_as_the_joint_moved_there() -> None:
+    _, moved, data = built()
+    for name, value in (("desk/drawer", 0.04), ("desk/lid", 1.2)):
+        data.joint(name).qpos[:] = value
+    mujoco.mj_forward(moved.model, data)
+    started, _, _ = built(start={"drawer": 0.04, "lid": 1.2})
+    for part in started.parts:
+        position, rotation = moved.object_pose(data, part.name)
+        np.testing.assert_allclose(part.position, position, atol=1e-8)
+        assert part.yaw == pytest.approx(yaw_of(rotation), abs=1e-7)
+    place, yaw = built()[0].part("drawer").placed(0.04)
+    np.testing.assert_allclose(place, started.part("drawer").position, atol=1e-12)
+    assert yaw == started.part("drawer").yaw
+
+
+@pytest.mark.parametrize("size", [1.0, 0.5, 2.0])
+def test_clearance_is_what_mujoco_measures_from_outside(size: float) -> None:
+    desk, scene, data = built(yaw=0.4, start={"lid": 1.0}, size=size)
+    spec = mujoco.MjSpec.from_string(scene.xml)
+    probe = spec.worldbody.add_body(name="ball", mocap=True)
+    probe.add_geom(name="ball", type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[1e-4, 0.0, 0.0])
+    model = spec.compile()
+    there = mujoco.MjData(model)
+    rng = np.random.default_rng(5)
+    points = size * rng.uniform([-0.1, -0.1, 0.0], [0.1, 0.1, 0.15], (60, 3))
+    for part in desk.parts:
+        body = model.body(part.name).id
+        geoms = np.flatnonzero(model.geom_bodyid == body).tolist()
+        expected = []
+        for point in points:
+            there.mocap_pos[0] = point
+            mujoco.mj_kinematics(model, there)
+            ball = model.geom("ball").id
+            far = [mujoco.mj_geomDistance(model, there, g, ball, 1.0, None) for g in geoms]
+            expected.append(min(far) + 1e-4)
+        measured = part.clearance(points, *scene.object_pose(data, part.name))
+        outside = np.array(expected) > 1e-4
+        np.testing.assert_allclose(measured[outside], np.array(expected)[outside], atol=3e-5)
+        assert np.all(measured[~outside] < 2e-4)
+        assert outside.sum() > 30
+
+
+def test_joints_have_the_ranges_springs_and_friction_of_the_description() -> None:
+    _, scene, _ = built()
+    drawer, lid = scene.model.joint("desk/drawer"), scene.model.joint("desk/lid")
+    np.testing.assert_allclose(drawer.range, [0.0, 0.06])
+    np.testing.assert_allclose(np.rad2deg(lid.range), [0.0, 100.0])
+    assert scene.model.dof_frictionloss[drawer.dofadr[0]] == 0.5
+    assert scene.model.dof_armature[drawer.dofadr[0]] == 0.05
+    stiffer, _, _ = built(resistance=3.0)
+    again = Scene(SceneSpec((), stiffer.parts)).model
+    assert again.dof_frictionloss[again.joint("desk/drawer").dofadr[0]] == 1.5
+
+
+def test_parts_of_one_mechanism_meet_only_through_their_joints_and_never_the_table() -> None:
+    scene = Scene(SceneSpec((), Mechanism("desk", DESK, start={"lid": 0.0}).parts))
+    data = mujoco.MjData(scene.model)
+    for _ in range(20):
+        mujoco.mj_step(scene.model, data, 10)
+        assert data.ncon == 0
+
+
+def test_a_thing_rests_on_a_fixed_mechanism_and_pushes_its_drawer() -> None:
+    desk = Mechanism("desk", DESK)
+    box = Box("box", (0.01, 0.01, 0.01), 0.1, (0.04, -0.04, 0.046))
+    scene = Scene(SceneSpec((), (*desk.parts, box)))
+    data = mujoco.MjData(scene.model)
+    mujoco.mj_step(scene.model, data, 300)
+    sensing = Sensing(scene, data)
+    assert sensing.touching("box", "desk/lid") or sensing.touching("box", "desk/drawer")
+    assert not sensing.object("box").on_table
+    assert sensing.object("desk").speed == 0.0
+
+
+def test_a_free_mechanism_falls_with_all_that_it_carries() -> None:
+    free = DESK.replace("<body>", "<body><freejoint/>", 1)
+    crate = Mechanism("crate", free, (0.0, 0.0, 0.1))
+    scene = Scene(SceneSpec((), crate.parts))
+    data = mujoco.MjData(scene.model)
+    mujoco.mj_step(scene.model, data, 500)
+    low = scene.object_pose(data, "crate")[0][2]
+    assert low < 0.01 and Sensing(scene, data).object("crate").on_table
+    assert scene.object_pose(data, "crate/drawer")[0][2] == pytest.approx(low + 0.02, abs=0.002)
+
+
+DRAWER = '<joint type="slide" axis="0 -1 0" range="0 .06" frictionloss=".5"'
+
+
+@pytest.mark.parametrize(
+    ("mjcf", "says"),
+    [
+        ("<mujoco><worldbody><bdy/></worldbody></mujoco>", "MuJoCo cannot read this object"),
+        (DESK.replace('range="0 .06"', ""), "the joint of drawer has no range"),
+        (
+            DESK.replace('range="0 100"', 'range="100 0"'),
+            "the joint of lid has no range|cannot read",
+        ),
+        (DESK.replace(' name="lid"', ""), "a body that moves needs a name"),
+        (DESK.replace('type="hinge" axis="1 0 0"', 'type="ball"'), "lid is not joined by one"),
+        (DESK.replace(DRAWER, f"{DRAWER}/>{DRAWER}"), "drawer is not joined by one .*2 joints"),
+        (
+            f"<mujoco><worldbody><body>{BOX}</body><body>{BOX}</body></worldbody></mujoco>",
+            "one body",
+        ),
+        (
+            DESK.replace(
+                "</worldbody>", '</worldbody><actuator><motor joint="j"/></actuator>'
+            ).replace('<joint type="slide"', '<joint name="j" type="slide"'),
+            "bodies and joints only .*actuator",
+        ),
+        ("nowhere.xml", "no such file"),
+    ],
+)
+def test_what_is_no_mechanism_is_refused_in_one_line(mjcf: str, says: str) -> None:
+    with pytest.raises(InputError, match=says) as refused:
+        Mechanism("desk", mjcf)
+    assert "\n" not in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("values", "says"),
+    [
+        ({"name": "table"}, "cannot have this name"),
+        ({"size": 0.0}, "size is out of range"),
+        ({"resistance": -1.0}, "resistance is out of range"),
+        ({"start": {"door": 0.0}}, "no such joint .*expected drawer, lid"),
+        ({"start": {"drawer": 0.07}}, "drawer starts outside of its range .*0 to 0.06 m"),
+    ],
+)
+def test_values_out_of_range_are_refused(values: dict[str, Any], says: str) -> None:
+    with pytest.raises(InputError, match=says):
+        Mechanism(**{"name": "desk", "mjcf": DESK, **values})
+
+
+def test_unknown_joints_and_parts_are_named() -> None:
+    desk, scene, data = built()
+    with pytest.raises(InputError, match=r"no such body .*drawer, lid"):
+        desk.part("door")
+    with pytest.raises(InputError, match="has no joint"):
+        desk.parts[0].placed(0.1)
+    sensing = Sensing(scene, data)
+    with pytest.raises(InputError, match=r"no joint of this name .*desk/drawer, desk/lid"):
+        sensing.joint("desk")
+    with pytest.raises(InputError, match="no moving part of this name"):
+        sensing.fingers("desk")
+
+
+def test_a_joint_without_end_stops_turns_on_and_has_no_share() -> None:
+    wheel = """<mujoco><worldbody><body><geom size=".01"/><body name="wheel" pos="0 0 .03">
+      <joint type="hinge" axis="0 0 1" limited="false"/><geom type="cylinder" size=".02 .01"/>
+    </body></body></worldbody></mujoco>"""
+    stand = Mechanism("stand", wheel)
+    scene = Scene(SceneSpec((), stand.parts))
+    data = mujoco.MjData(scene.model)
+    data.joint("stand/wheel").qvel[:] = 20.0
+    mujoco.mj_step(scene.model, data, 500)
+    state = Sensing(scene, data).joint("stand/wheel")
+    assert state.position > 15.0 and state.joint.range is None
+    with pytest.raises(InputError, match="no share"):
+        _ = state.share
