@@ -329,7 +329,7 @@ class Wrench:
 
     @property
     def thickness(self) -> float:
-        """m."""
+        """Thickness, m."""
         return self.size * THICKNESS
 
     @property

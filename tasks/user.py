@@ -112,7 +112,7 @@ class Sight(LazyFields):
     """Content of the screen at one moment.
 
     Attributes:
-        time: s.
+        time: Simulated time, s.
         tips: Positions (3,) m of the drawn fingertips of labelled fingers, by contact id.
         solid: True if the hand is drawn opaque.
         objects: The objects by name.

@@ -12,7 +12,7 @@ from pathlib import Path
 from sandbox.doctor.check import Check
 
 NAME = "hand-sandbox"
-DEVELOPERS = ("test", "lint", "site", "notebook", "dev")
+DEVELOPERS = ("test", "lint", "site", "release", "notebook", "dev")
 """Extras for development only."""
 
 USES = {

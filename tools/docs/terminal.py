@@ -10,6 +10,7 @@ import errno
 import fcntl
 import os
 import pty
+import re
 import select
 import signal
 import struct
@@ -74,8 +75,9 @@ def film(
     command: str,
     folder: Path,
     shown: str = "",
-    every: float = 0.25,
     longest: float | None = None,
+    enough: re.Pattern[str] | None = None,
+    every: float = 0.25,
     environment: Mapping[str, str] | None = None,
 ) -> TerminalRun:
     """Runs a command of the shell in a folder and takes pictures of its terminal.
@@ -84,8 +86,9 @@ def film(
         command: A line for bash.
         folder: Working folder.
         shown: The line after the prompt; the command itself by default.
-        every: s between pictures.
         longest: s after which the command is stopped; None waits for its end.
+        enough: What stands on the screen when the command may be stopped.
+        every: s between pictures.
         environment: More variables.
     """
     import pyte
@@ -123,9 +126,12 @@ def film(
             if not data:
                 break
             stream.feed(decode(data))
-        if now - moments[-1].seconds >= every:
-            moments.append(Moment(now, drawn(screen)))
-        if longest is not None and now > longest and not stopped:
+        if now - moments[-1].seconds < every:
+            continue
+        moments.append(Moment(now, drawn(screen)))
+        over = longest is not None and now > longest
+        over = over or (enough is not None and bool(enough.search("\n".join(screen.display))))
+        if over and not stopped:
             stopped = True
             os.killpg(process.pid, signal.SIGINT)
     os.close(main)

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from html5lib import HTMLParser
 
 from tests.support.chromium import BINARY, Browser
 from tests.support.needs import AXE, SITE, require
@@ -21,6 +22,8 @@ pytestmark = pytest.mark.skipif(not os.path.exists(BINARY), reason="Debian's chr
 PAGES = (
     "index.html",
     "README.html",
+    "tasks/index.html",
+    "tasks/box-to-goal.html",
     "docs/studies.html",
     "docs/architecture.html",
     "docs/measured/success.html",
@@ -81,8 +84,31 @@ def test_axe_finds_nothing_serious_on_the_site(browser: Browser, address: str, p
     tab.close()
 
 
+def pages() -> list[Path]:
+    """Pages of the site, without files that it offers for download."""
+    return [path for path in Path(SITE).rglob("*.html") if "_downloads" not in path.parts]
+
+
 @pytest.mark.needs("site")
 def test_every_page_is_smaller_than_a_megabyte() -> None:
-    pages = [path for path in Path(SITE).rglob("*.html") if "_downloads" not in path.parts]
-    assert len(pages) > 40
-    assert [p.name for p in pages if p.stat().st_size > MOST_BYTES] == []
+    assert len(pages()) > 40
+    assert [p.name for p in pages() if p.stat().st_size > MOST_BYTES] == []
+
+
+@pytest.mark.needs("site")
+def test_every_page_is_html_without_an_error() -> None:
+    errors = {}
+    for page in pages():
+        parser = HTMLParser()
+        parser.parse(page.read_text(encoding="utf-8"))
+        if parser.errors:
+            errors[page.name] = parser.errors
+    assert errors == {}
+
+
+@pytest.mark.needs("site")
+def test_no_docstring_is_taken_for_a_numbered_list() -> None:
+    """A docstring such as "m." would be the thirteenth item of a list."""
+    lists = 'class="loweralpha', 'class="upperalpha', 'class="lowerroman', 'class="upperroman'
+    texts = {page.name: page.read_text(encoding="utf-8") for page in pages()}
+    assert [name for name, text in texts.items() if any(one in text for one in lists)] == []
