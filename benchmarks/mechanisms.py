@@ -26,7 +26,7 @@ from sandbox.trial.headless import run_trial
 from tasks.registry import find_task
 from tasks.score import points
 
-TASKS = ("chords",)
+TASKS = ("chords", "dial")
 
 SOLID: tuple[Literal["fingertips", "hand"], ...] = ("fingertips", "hand")
 

@@ -21,6 +21,7 @@ from tasks.wrench_turn import WrenchTurn
 IN_ROOMS = (
     ("tasks.clutter.slalom", "Slalom"),
     ("tasks.mechanisms.chords", "Chords"),
+    ("tasks.mechanisms.dial", "Dial"),
 )
 """Module and class of built-in tasks in rooms of their own, which build upon this room."""
 

@@ -45,6 +45,7 @@ TASKS = (
     "carry-together",
     "slalom",
     "chords",
+    "dial",
 )
 ENCODERS = ("linear", "quadratic", "cubic", "pca-ik", "paper")
 RUNS = [

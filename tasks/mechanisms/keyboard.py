@@ -49,7 +49,7 @@ def keyboard(
     for key in range(KEYS):
         x, half = (key - (KEYS - 1) / 2) * pitch, (pitch - GAP) / 2
         keys.append(
-            f'<body name="{key}" pos="{x:.6f} 0 {TOP}" gravcomp="1">'
+            f'<body name="{key}" pos="{x:.6f} 0 0" gravcomp="1">'
             f'<joint type="slide" axis="0 0 -1" range="0 {DIP}" stiffness="{stiffness:g}"'
             f' springref="{-LIGHTEST / stiffness:.6f}" damping="{DAMPING}"/>'
             f'<geom type="box" size="{half:.6f} {LENGTH / 2} {_HEIGHT / 2}"'
@@ -60,10 +60,11 @@ def keyboard(
     width = KEYS * pitch / 2 + 0.006
     rail = (
         f'<geom type="box" size="{width:.6f} .006 {TOP / 2 + 0.002}" contype="0" conaffinity="0"'
-        f' pos="0 {LENGTH / 2 + 0.008} {TOP / 2 + 0.002}" rgba="{_WOOD}"/>'
+        f' pos="0 {LENGTH / 2 + 0.008} {-TOP / 2 + 0.002}" rgba="{_WOOD}"/>'
     )
     mjcf = f"<mujoco><worldbody><body>{rail}{''.join(keys)}</body></worldbody></mujoco>"
-    return Mechanism(NAME, mjcf, (*position, 0.0), yaw)
+    # Its origin is at the tops, which stay where they are in a row of another size.
+    return Mechanism(NAME, mjcf, (*position, TOP), yaw)
 
 
 def key_name(key: int) -> str:

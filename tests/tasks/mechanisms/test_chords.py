@@ -28,7 +28,7 @@ from sandbox.trial.headless import run_trial
 from sandbox.trial.replay import replay
 from tasks.mechanisms import chords
 from tasks.mechanisms.chords import Chords, own_finger
-from tasks.mechanisms.keyboard import DIP, HEAVIEST, KEYS, LIGHTEST, PITCH, key_name
+from tasks.mechanisms.keyboard import DIP, HEAVIEST, KEYS, LIGHTEST, PITCH, TOP, key_name
 from tasks.registry import draw_task
 from tasks.sensing import Sensing
 from tasks.task import Measure
@@ -207,5 +207,7 @@ def test_keys_can_be_varied_in_size_and_resistance_and_not_moved() -> None:
     first, last = (np.array(varied.objects[k].position) for k in (1, KEYS))
     was = np.array(task.objects[1].position) - task.objects[KEYS].position
     np.testing.assert_allclose((first - last)[:2], 0.8 * was[:2], atol=1e-9)
+    assert all(key.position[2] == TOP for key in varied.objects)
+    assert played(6_002, vary="size=0.85")
     with pytest.raises(InputError, match="start of this object cannot be varied"):
         vary(task, Variation(start=0.02), SURFACE)

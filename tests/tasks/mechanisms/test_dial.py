@@ -1,0 +1,167 @@
+"""The dial counts at its mark, let go of and at rest, and is turned the way that its scale goes."""
+
+from __future__ import annotations
+
+from math import pi, radians
+from typing import Any
+
+import mujoco
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from models.errors import SurfaceTooSmallError
+from models.hand import Hand as SceneHand
+from models.scene import Scene, SceneSpec
+from models.surface import Surface
+from sandbox.options.scene_options import SceneOptions, plan
+from sandbox.trial.assembly import place_surface
+from sandbox.trial.headless import run_trial
+from tasks.mechanisms.dial import BORDER, TORQUE, TURN, Dial
+from tasks.mechanisms.dial_user import WRIST, DialUser, KnobHandling
+from tasks.mechanisms.knob import KNOB, RADIUS, SWEEP
+from tasks.registry import draw_task
+from tasks.sensing import Sensing
+from tasks.simulated_user.grasp import wrapped
+from tasks.simulated_user.hand import Hand
+from tasks.user import SeenObject, Sight, UserConfiguration
+from tasks.variation import Variation, vary
+from tests.support.simulation import run
+
+SURFACE = place_surface(Surface(), Dial)
+seeds = st.integers(0, 2**63 - 1)
+
+
+class Trial:
+    """A trial in its real scene, with a hand far above it."""
+
+    def __init__(self, seed: int = 6_000) -> None:
+        self.task = Dial.draw(seed, SURFACE)
+        self.scene = Scene(SceneSpec((SceneHand(),), self.task.objects, 0.5))
+        self.data = mujoco.MjData(self.scene.model)
+        self.data.qpos[self.scene.qpos_slice(0)][2] = 0.4
+        self.sensing = Sensing(self.scene, self.data)
+        mujoco.mj_forward(self.scene.model, self.data)
+
+    def at(self, angle: float, speed: float = 0.0) -> Any:
+        """What the task says with the knob at an angle, rad, and a speed, rad/s."""
+        self.data.joint(KNOB).qpos[:], self.data.joint(KNOB).qvel[:] = angle, speed
+        mujoco.mj_forward(self.scene.model, self.data)
+        return self.task.measure(self.sensing)
+
+
+@settings(max_examples=30, deadline=None)
+@given(seed=seeds)
+def test_the_mark_is_three_quarters_of_a_turn_away_and_within_the_end_stops(seed: int) -> None:
+    task = Dial.draw(seed, SURFACE)
+    knob = next(part for part in task.objects if part.name == KNOB)
+    joint = knob.joint  # type: ignore[attr-defined]
+    assert abs(task.mark - joint.start) == pytest.approx(TURN) == pytest.approx(1.5 * pi)
+    assert joint.range == pytest.approx((-SWEEP / 2, SWEEP / 2))
+    assert wrapped(task.goals[0].yaw - knob.yaw - (task.mark - joint.start)) == pytest.approx(
+        0.0, abs=1e-9
+    )
+    xy = SURFACE.to_surface(np.array(knob.position))
+    assert np.all(xy >= BORDER - 1e-9) and np.all(xy <= SURFACE.size - BORDER + 1e-9)
+    assert task == Dial.draw(seed, SURFACE)
+
+
+def test_both_directions_come() -> None:
+    assert {Dial.draw(seed, SURFACE).mark > 0 for seed in range(12)} == {True, False}
+
+
+def test_it_counts_at_the_mark_and_at_rest_only() -> None:
+    trial = Trial()
+    mark = trial.task.mark
+    start = trial.at(-mark)
+    assert start.progress == 0.0 and "270 degrees" in start.reason
+    assert trial.at(mark).reached and trial.at(mark - radians(4.9)).reached
+    assert not trial.at(mark - radians(5.1)).reached
+    assert "moving" in trial.at(mark, 0.2).reason
+    assert 0.4 < trial.at(0.0).progress < 0.6
+    # The same direction of the pointer, a whole turn away, would be beyond the end stop.
+    assert not trial.at(mark - np.sign(mark) * 2 * pi).reached
+
+
+def test_friction_holds_the_knob_against_less_than_its_torque_and_end_stops_hold_it() -> None:
+    trial = Trial()
+    data = trial.data
+    loss = float(trial.scene.model.dof_frictionloss[trial.scene.model.joint(KNOB).dofadr[0]])
+    assert TORQUE[0] <= loss <= TORQUE[1]
+    start = trial.sensing.joint(KNOB).position
+    body = trial.scene.object_bodies[KNOB]
+    data.xfrc_applied[body, 5] = 0.8 * loss * np.sign(trial.task.mark)
+    run(trial.scene, data, 0.5)
+    assert trial.sensing.joint(KNOB).position == pytest.approx(start, abs=0.01)
+    data.xfrc_applied[body, 5] = -2.0 * loss * np.sign(trial.task.mark)
+    run(trial.scene, data, 1.0)
+    assert abs(trial.sensing.joint(KNOB).position) < SWEEP / 2 + radians(2.0)
+
+
+def sight_of(task: Dial, angle: float) -> Sight:
+    """The screen with the knob at an angle, rad."""
+    scene = Scene(SceneSpec((), task.objects))
+    data = mujoco.MjData(scene.model)
+    data.joint(KNOB).qpos[:] = angle
+    mujoco.mj_forward(scene.model, data)
+    seen = {t.name: SeenObject(t, *scene.object_pose(data, t.name)) for t in task.objects}
+    return Sight(0.0, {}, False, seen, task.goals, False)
+
+
+@settings(max_examples=20, deadline=None)
+@given(seed=seeds, share=st.floats(0.0, 1.0))
+def test_the_user_sees_how_far_the_knob_has_to_turn_and_never_across_the_gap(
+    seed: int, share: float
+) -> None:
+    task = Dial.draw(seed, SURFACE)
+    angle = SWEEP * (share - 0.5)
+    sight = sight_of(task, angle)
+    user = DialUser(UserConfiguration(), SURFACE, 1)
+    _, turn = user._missing(sight, sight.objects[KNOB])
+    assert turn == pytest.approx(task.mark - angle, abs=1e-6)
+
+
+def test_a_grasp_is_around_the_rim_and_its_wrist_stays_within_reach() -> None:
+    task = Dial.draw(3, SURFACE)
+    sight = sight_of(task, -task.mark)
+    knob = sight.objects[KNOB]
+    handling = KnobHandling(knob.shape)  # type: ignore[arg-type]
+    for fingers in (2, 3, 5):
+        hand = Hand.draw(UserConfiguration(fingers=fingers), 3)
+        grasp = handling.grasp(knob, 2 * task.mark, hand)
+        places = grasp.places(np.zeros(2), 0.0, hand)
+        far = np.linalg.norm(places, axis=1)
+        assert far == pytest.approx(np.full(len(places), RADIUS + 0.007))
+        assert places[0] @ places[1:].mean(axis=0) < 0.0
+        off = wrapped(grasp.axis - hand.natural_axis)
+        made = handling.reach(knob, grasp, 2 * task.mark, hand)
+        assert abs(off) <= WRIST + 1e-9 and abs(off + made) <= WRIST + 1e-9
+        assert abs(made) == pytest.approx(2 * WRIST)
+
+
+def test_a_small_surface_is_refused() -> None:
+    with pytest.raises(SurfaceTooSmallError, match="a hand around a knob"):
+        Dial.draw(1, Surface(3.0, 3.0))
+
+
+@pytest.mark.parametrize("options", [{"solid": "fingertips"}, {"solid": "hand"}])
+def test_the_simulated_user_turns_the_dial_with_several_grasps(options: dict[str, Any]) -> None:
+    chosen = plan(SceneOptions(task="dial", seed=6_000, **options))
+    done = run_trial(chosen.settings, chosen.makers, about=chosen.about)
+    assert done.success and done.final
+
+
+def test_who_does_nothing_turns_nothing() -> None:
+    chosen = plan(SceneOptions(task="dial", seed=6_000, user="idle"))
+    assert run_trial(chosen.settings, chosen.makers, about=chosen.about).progress == 0.0
+
+
+def test_a_larger_knob_and_a_stiffer_one_are_harder_trials_of_the_same_seed() -> None:
+    task = draw_task(Dial, 3, SURFACE)
+    varied = vary(task, Variation(size=1.5, resistance=2.0), SURFACE)
+    knob, was = varied.objects[1], task.objects[1]
+    np.testing.assert_allclose(knob.position[:2], was.position[:2], atol=1e-12)
+    bounds = knob.bounds[1][0] / was.bounds[1][0]  # type: ignore[attr-defined]
+    assert bounds == pytest.approx(1.5)
+    assert varied.goals[0].yaw == task.goals[0].yaw
