@@ -62,7 +62,7 @@ class Chords(TaskDefaults):
     lift_range: ClassVar[float] = 0.0
     plane: ClassVar[str] = "table"
     pressed: ClassVar[bool] = True
-    user: ClassVar[UserMaker] = ChordUser
+    user: ClassVar[UserMaker | None] = ChordUser
 
     seed: int
     objects: tuple[SceneObject, ...]

@@ -53,7 +53,7 @@ class Dial(TaskDefaults):
     touch_height: ClassVar[float] = 0.009
     lift_range: ClassVar[float] = 0.0
     plane: ClassVar[str] = "table"
-    user: ClassVar[UserMaker] = DialUser
+    user: ClassVar[UserMaker | None] = DialUser
 
     seed: int
     objects: tuple[SceneObject, ...]
