@@ -21,6 +21,7 @@ COMMANDS: dict[str, str] = {
     "train": "train an encoder on a capture, or train the built-in ones again",
     "evaluate": "measure how well encoders reconstruct hands and label fingers: the paper's tables",
     "calibrate": "measure the size of a person's hand, so that the reconstruction fits it",
+    "rest": "see a person's hand for a second: its rest posture, for a better reconstruction",
     "profile": "show what is known of a person's hand, or forget its layouts",
     "study": "design, run, report and share user studies",
     "doctor": "check what works on this machine, and what to install for the rest",

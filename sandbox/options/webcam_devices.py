@@ -5,6 +5,7 @@ from __future__ import annotations
 import webbrowser
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from math import atan, degrees
 from pathlib import Path
 from typing import Annotated, Any, cast
 
@@ -32,7 +33,7 @@ LIVE = "webcam"
 _NUMBERS = {"fov": "view", "tilt": "tilt", "roll": "roll", "pan": "pan"}
 """Key of an option -> field of the camera."""
 _WORDS = ("mirrored", "quiet")
-_FORM = "fov=60,at=0/0.45/0.1,tilt=0,roll=0,pan=0,mirrored,quiet"
+_FORM = "fov=60 or sees=0.58/0.5,at=0/0.45/0.1,tilt=0,roll=0,pan=0,mirrored,quiet"
 
 
 @dataclass(frozen=True)
@@ -41,9 +42,11 @@ class WebcamOptions:
 
     webcam: Annotated[str, tyro.conf.arg(metavar="KEY=VALUE,...")] = ""
     """The camera of --device webcam, by any of: fov=DEGREES across its picture, which with your
-    hand's size gives its distance (default 60); at=X/Y/Z, where the camera is, m from the centre of
-    the table top: right, away, up (default 0/0.45/0.1, facing you); tilt=DEGREES down; pan=DEGREES
-    and roll=DEGREES; mirrored, if its picture is a mirror's; quiet, to open no browser."""
+    hand's size gives its distance (default 60), or sees=ACROSS/AWAY, how many m of a ruler it sees
+    from edge to edge, and how far away the ruler is held; at=X/Y/Z, where the camera is, m from the
+    centre of the table top: right, away, up (default 0/0.45/0.1, facing you); tilt=DEGREES down;
+    pan=DEGREES and roll=DEGREES; mirrored, if its picture is a mirror's; quiet, to open no
+    browser."""
 
 
 @dataclass(frozen=True)
@@ -95,9 +98,12 @@ def webcam_choice(text: str, camera: Camera | None = None) -> WebcamChoice:
             if key == "at":
                 x, y, z = map(float, value.split("/"))
                 values["at"] = (x, y, z)
+            elif key == "sees":
+                across, away = map(float, value.split("/"))
+                values["view"] = degrees(2.0 * atan(0.5 * across / away))
             else:
                 values[_NUMBERS[key]] = float(value)
-        except (KeyError, ValueError):
+        except (KeyError, ValueError, ZeroDivisionError):
             raise InputError(
                 "not a setting of the camera", where="--webcam", got=part, expected=_FORM
             ) from None

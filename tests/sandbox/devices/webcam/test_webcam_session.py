@@ -113,7 +113,9 @@ def test_both_hands_of_a_recording_of_landmarks_are_exported(tmp_path: Path) -> 
         open_source(hand_file(tmp_path / "one.jsonl"), hand="left")
 
 
-@pytest.mark.parametrize("text", ["fov", "fov=wide", "zoom=2", "at=1/2", "mirrored=yes", "fov=5"])
+@pytest.mark.parametrize(
+    "text", ["fov", "fov=wide", "zoom=2", "at=1/2", "mirrored=yes", "fov=5", "sees=1", "sees=1/0"]
+)
 def test_a_camera_that_cannot_be_is_one_line(text: str) -> None:
     with pytest.raises(InputError):
         webcam_choice(text)
@@ -124,6 +126,7 @@ def test_the_option_says_what_the_camera_is() -> None:
     assert choice.camera == Camera(70.0, (0.1, 0.5, 0.3), 30.0, 180.0, -10.0)
     assert choice.mirrored and choice.quiet
     assert webcam_choice("tilt=1", CAMERA).camera.view == CAMERA.view
+    assert webcam_choice("sees=0.58/0.5").camera.view == pytest.approx(60.2, abs=0.1)
 
 
 def test_touches_alone_can_be_degraded(tmp_path: Path) -> None:

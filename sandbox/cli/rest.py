@@ -1,0 +1,188 @@
+"""`sandbox rest`: sees a hand for a second, and keeps its rest posture for --rest."""
+
+from __future__ import annotations
+
+from contextlib import closing
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import tyro
+from rich.console import Console
+from rich.text import Text
+
+from encoders.person.rest_posture import MOST, Looks, check_looks, save_rest
+from models.errors import EncoderError, InputError
+from models.limits import RateLimit
+from models.scene import CONTROL_PERIOD
+from sandbox.cli.common.parse import parse
+from sandbox.devices.leap.leap import DEFAULT_ADDRESS
+from sandbox.devices.registry import built_in
+from sandbox.options.headset_devices import LIVE as HEADSET
+from sandbox.options.metavars import choices
+from sandbox.options.scene_options import Plan, SceneOptions, plan
+from sandbox.session.device import AnyDevice
+from sandbox.session.rest_watch import RestWatch
+from sandbox.trial.pacing import RealTime
+from tasks.registry import find_task
+
+
+@dataclass(frozen=True)
+class RestOptions:
+    """Sees your hand for a second, and writes its rest posture, which --rest of other commands
+    takes.
+
+    Touches do not tell how high a wrist is held, and how far fingers bend at rest; whoever sees the
+    hand knows it (docs/strangers.md). Hold the hand still for a second, relaxed, with all
+    fingertips on one level, as it rests on a screen.
+
+    Try: sandbox rest --device webcam --out me.json
+         sandbox play box-to-goal --tablet --rest me.json
+    """
+
+    device: Annotated[str, tyro.conf.arg(metavar=choices("leap", "webcam", "FILE"))]
+    """What sees the hand: a Leap, a camera, or a file: a recording of a Leap, of landmarks, or of a
+    session with a Leap, a camera or a headset."""
+
+    out: Annotated[Path, tyro.conf.arg(metavar="FILE")]
+    """File for the rest posture; an existing one is replaced."""
+
+    looks: int = 1
+    """Number of looks, 1 to 12. Lift the hand between two of them. More tell better what stays."""
+
+    hand: Literal["right", "left"] | None = None
+    """Which hand. Default: that of the recording, else right."""
+
+    hand_size: Annotated[float | None, tyro.conf.arg(metavar="RATIO")] = None
+    """Length of your hand relative to the trained one; `sandbox calibrate` measures it."""
+
+    seconds: float = 60.0
+    """Timeout for a live device, in seconds."""
+
+    leap: Annotated[str, tyro.conf.arg(metavar="URL")] = DEFAULT_ADDRESS
+    """WebSocket address of leapd or of the Ultraleap bridge, for --device leap."""
+
+    calibration: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    """Your hand over a Leap, as measured by `sandbox paalm calibrate --out FILE`."""
+
+    webcam: Annotated[str, tyro.conf.arg(metavar="KEY=VALUE,...")] = ""
+    """The camera of --device webcam, as in `sandbox play --help`. Say its tilt: it decides what is
+    level."""
+
+
+def main(argv: list[str]) -> int:
+    """Runs `sandbox rest ...`."""
+    options = parse(RestOptions, "sandbox rest", argv)
+    console = Console(stderr=True)
+    chosen = _plan(options)
+    hand = chosen.settings.hands[0]
+    assert hand.in_air is not None
+    surface = chosen.settings.surface
+    task = find_task(chosen.settings.task).draw(chosen.settings.seed, surface)
+    reconstructor = hand.in_air.any_reconstructor(hand.person, surface, RateLimit())
+    device: Any = chosen.makers[0](task, surface)
+    watch = RestWatch(device, reconstructor, hand.person)
+    with closing(device):
+        if device.address:
+            console.print(Text(f"{device.name}: {device.address}"))
+        if chosen.live:
+            console.print(f"hold your {hand.side} hand as it rests on a screen, for a second")
+        _watch(watch, device, options, console)
+    looks = watch.looks
+    _check(looks, hand.person.hand_size, options)
+    save_rest(looks, options.out, hand.side, chosen.about.get("user") is not None)
+    console.print(
+        Text(
+            f"{len(looks)} look{'s' if len(looks) > 1 else ''} at a {hand.side} hand of size "
+            f"{hand.person.hand_size:.2f}: {options.out}; use it with --rest {options.out}"
+        ),
+        soft_wrap=True,
+    )
+    return 0
+
+
+def _plan(options: RestOptions) -> Plan:
+    """Settings and maker of the device.
+
+    Raises:
+        InputError: An option has an invalid value, or the device sees no hands.
+    """
+    if not 1 <= options.looks <= MOST:
+        raise InputError(
+            "the number of looks is out of range",
+            where="--looks",
+            got=options.looks,
+            expected=f"1 to {MOST}",
+        )
+    if not options.seconds > 0.0:
+        raise InputError("expected a positive time", where="--seconds", got=options.seconds)
+    if not options.out.absolute().parent.is_dir():
+        raise InputError("no such folder", where=f"--out {options.out}")
+    if options.device == HEADSET:
+        raise InputError(
+            "a headset's hand is seen in a recording",
+            where=f"--device {HEADSET}",
+            remedy=f"sandbox play box-to-goal --device {HEADSET} --record FILE, then --device FILE",
+        )
+    entry = built_in(options.device)
+    if entry is not None and (entry.simulated or not entry.in_air):
+        raise InputError(
+            "this device does not see a person's hand",
+            where=f"--device {options.device}",
+            expected="leap, webcam, or a recording of hands",
+        )
+    scene = SceneOptions(
+        device=options.device,
+        hand=options.hand,
+        hand_size=options.hand_size,
+        leap=options.leap,
+        calibration=options.calibration,
+        webcam=options.webcam,
+    )
+    chosen = plan(scene)
+    if chosen.settings.hands[0].in_air is None:
+        raise InputError(
+            "this recording has touches, and no hand that was seen",
+            where=f"--device {options.device}",
+            expected="a recording of a Leap, a camera or a headset",
+        )
+    return chosen
+
+
+def _watch(watch: RestWatch, device: AnyDevice, options: RestOptions, console: Console) -> None:
+    """Waits for the looks; ends early when a recording or the time is over."""
+    live = built_in(options.device) is not None
+    clock, ticks, told = RealTime(), 0, ""
+    while (taken := len(watch.looks)) < options.looks and not device.finished:
+        now = ticks * CONTROL_PERIOD
+        if live and now > options.seconds:
+            return
+        watch.step(now)
+        if len(watch.looks) > taken:
+            console.print(f"  {taken + 1} of {options.looks} looks")
+        if live and watch.notice != told:
+            told = watch.notice
+            console.print(Text(told or "the hand is seen"))
+        ticks += 1
+        if live:
+            clock.wait(ticks * CONTROL_PERIOD)
+
+
+def _check(looks: Looks, size: float, options: RestOptions) -> None:
+    """Checks that all looks were taken, and fit a hand of the size."""
+    if len(looks) < options.looks:
+        raise InputError(
+            "the hand was not held still, with its fingertips on one level, often enough",
+            where=f"--device {options.device}",
+            got=f"{len(looks)} of {options.looks} looks",
+            expected="a second each, and the hand moved in between",
+        )
+    try:
+        check_looks(looks, size)
+    except EncoderError as error:
+        raise InputError(
+            f"the seen hand cannot be used: {error.what}",
+            where=error.where,
+            got=error.got,
+            expected=error.expected,
+        ) from None
