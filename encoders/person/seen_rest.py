@@ -12,8 +12,8 @@ from collections import deque
 
 import numpy as np
 
+from encoders.correction import PAD_HEIGHT
 from encoders.person.rest_posture import DIGITS, Look
-from encoders.regression.bone_fit import PAD_HEIGHT
 from models.arithmetic.arrays import Array
 from models.arithmetic.products import squared_lengths
 from models.errors import EncoderError
