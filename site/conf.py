@@ -71,13 +71,16 @@ html_theme_options = {"source_repository": _known("repository")} if _known("repo
 
 
 def _for_everybody(app: Any, page: str, template: str, context: dict[str, Any], tree: Any) -> None:
-    """Headings of the menu get the level that Sphinx leaves out; wide code is reached by keys."""
+    """Headings of the menu get the level that Sphinx leaves out; keys reach wide blocks."""
     menu = context.get("furo_navigation_tree", "")
     context["furo_navigation_tree"] = menu.replace(
         'role="heading"', 'role="heading" aria-level="2"'
     )
     if "body" in context:
-        context["body"] = context["body"].replace("<pre>", '<pre tabindex="0">')
+        body = context["body"].replace("<pre>", '<pre tabindex="0">')
+        context["body"] = body.replace(
+            '<div class="table-wrapper', '<div tabindex="0" class="table-wrapper'
+        )
 
 
 def setup(app: Any) -> None:

@@ -36,7 +36,9 @@ PACKAGES = ("models", "encoders", "tasks", "sandbox")
 TOP = ("README.md", "CHANGELOG.md", "CONTRIBUTING.md", "LICENSE", "CITATION.cff")
 """Files of the repository's top folder that are pages, or that pages link to."""
 
-LINK = re.compile(r"\]\(((?:\.\./)+(?:models|encoders|tasks|sandbox|tools|benchmarks)/[^)#\s]+)")
+LINK = re.compile(
+    r"\]\(((?:\.\./)+(?:models|encoders|tasks|sandbox|tools|benchmarks|install)/[^)#\s]+)"
+)
 """Links to sources, relative to the page."""
 
 NEEDED = ("sphinx", "furo", "myst_parser", "sphinx_copybutton", "sphinx_design", "gymnasium")

@@ -26,6 +26,8 @@ from models.errors import HandSandboxError, InputError
 
 ROOT = Path(__file__).resolve().parents[2]
 FILE = ROOT / "install" / "container" / "Containerfile"
+CERTIFICATES = Path("/etc/ssl/certs/ca-certificates.crt")
+"""Certificates that this machine trusts, on its way to the package index."""
 PLAIN = {"HOME": "/root", "PATH": "/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin"}
 """Variables of a container that sets none."""
 
@@ -118,12 +120,11 @@ def _debian(name: str, root: Path) -> None:
     asked = ["mmdebstrap", "--quiet", "--variant=minbase", release, str(root)]
     if subprocess.run(asked, check=False).returncode:
         raise InputError("no root could be made", where="mmdebstrap", got=release)
-    for file in ("/etc/resolv.conf", "/etc/ssl/certs/ca-certificates.crt"):
-        target = root / file.lstrip("/")
-        target.parent.mkdir(parents=True, exist_ok=True)
-        shutil.copy(Path(file).resolve(), target)
+    shutil.copy(Path("/etc/resolv.conf").resolve(), root / "etc/resolv.conf")
+    # Not in the place of Debian's own certificates, which a step may install.
+    shutil.copy(CERTIFICATES, root / "etc/host-certificates.crt")
     (root / "etc/pip.conf").write_text(
-        "[global]\ncert = /etc/ssl/certs/ca-certificates.crt\n", encoding="utf-8"
+        "[global]\ncert = /etc/host-certificates.crt\n", encoding="utf-8"
     )
 
 
