@@ -195,6 +195,41 @@ def test_an_engine_that_does_not_start_is_told(browser: Browser, device: WebcamD
     tab.close()
 
 
+def test_a_camera_in_use_is_told_and_tried_again_when_it_is_free(
+    browser: Browser, device: WebcamDevice
+) -> None:
+    tab = browser.open("about:blank")
+    # Chromium's fake camera can be opened by everybody: its answer for a taken one is given here.
+    script = """
+        const ask = navigator.mediaDevices.getUserMedia.bind(navigator.mediaDevices);
+        globalThis.taken = true;
+        navigator.mediaDevices.getUserMedia = (wanted) => globalThis.taken
+            ? Promise.reject(new DOMException("taken", "NotReadableError")) : ask(wanted);
+    """
+    tab.call(
+        "Page.addScriptToEvaluateOnNewDocument", source=f"if (navigator.mediaDevices) {{{script}}}"
+    )
+    tab.go(device.address)
+    tab.wait(f"{LINE}.startsWith('Another program uses the camera')")
+    soon(lambda: device.notice == NOTICES["in use"])
+    tab.evaluate("globalThis.taken = false; document.getElementById('again').click(); true")
+    tab.wait(f"{LINE}.startsWith('No hand')")
+    soon(lambda: device.notice == "")
+    tab.close()
+
+
+def test_a_camera_that_is_pulled_out_is_told_and_taken_again(
+    tab: Tab, device: WebcamDevice
+) -> None:
+    track = "document.getElementById('video').srcObject.getTracks()[0]"
+    tab.evaluate(f"{track}.stop(); {track}.dispatchEvent(new Event('ended')); true")
+    tab.wait(f"{LINE}.startsWith('The camera has gone')")
+    soon(lambda: device.notice == NOTICES["absent"])
+    tab.evaluate("document.getElementById('again').click(); true")
+    tab.wait(f"{LINE}.startsWith('No hand')")
+    soon(lambda: device.notice == "")
+
+
 def test_no_other_host_is_asked_for_anything(
     tab: Tab, browser: Browser, device: WebcamDevice
 ) -> None:
