@@ -1,7 +1,7 @@
 """Measures tasks with several free things: success, points and things toppled, both solidities.
 
     python -m benchmarks.clutter [--tasks TASK...] [--fingers N...] [--seeds 6100:6130]
-                                 [--rooms F...] [--users skilled idle random]
+                                 [--rooms F...] [--users skilled idle random] [--solid ...]
 
 Trials of the simulated user on training seeds, `population` as it ships. Every row is one task,
 one number of fingers, one user and one factor on the task's room; its trials are played with
@@ -23,7 +23,7 @@ from sandbox.trial.result import TrialResult
 from tasks.registry import find_task
 from tasks.score import Status, points
 
-TASKS = ("slalom",)
+TASKS = ("slalom", "gather")
 Solid = Literal["fingertips", "hand"]
 Kind = Literal["skilled", "idle", "random"]
 SOLID: tuple[Solid, ...] = ("fingertips", "hand")
@@ -64,6 +64,7 @@ def main() -> None:
     parser.add_argument("--fingers", nargs="+", type=int, default=[3])
     parser.add_argument("--seeds", default="6100:6130", help="first and last but one training seed")
     parser.add_argument("--rooms", nargs="+", type=float, default=[1.0])
+    parser.add_argument("--solid", nargs="+", choices=SOLID, default=SOLID)
     parser.add_argument("--users", nargs="+", choices=get_args(Kind), default=["skilled"])
     options = parser.parse_args()
     first, end = map(int, options.seeds.split(":"))
@@ -74,7 +75,7 @@ def main() -> None:
         for user in options.users:
             for fingers in options.fingers:
                 for room in options.rooms:
-                    for solid in SOLID:
+                    for solid in options.solid:
                         results = [
                             play(task, fingers, user, room, seed, solid)
                             for seed in range(first, end)

@@ -27,6 +27,49 @@ TABLE = "table"
 
 
 @dataclass(frozen=True)
+class PaintedRing:
+    """A ring that is painted on the table: everybody sees it, and nothing touches it.
+
+    Attributes:
+        name: Name of its geom.
+        middle: (2,) m in the world.
+        radius: m, inner radius.
+        width: m, width of the line.
+        rgb: Colour of the line, 0 to 1.
+        inside: Colour inside of it.
+    """
+
+    name: str
+    middle: tuple[float, float]
+    radius: float
+    width: float = 0.003
+    rgb: tuple[float, float, float] = (0.95, 0.95, 0.95)
+    inside: tuple[float, float, float] = (0.16, 0.36, 0.32)
+
+    def geoms(self) -> list[Element]:
+        """MJCF of a disc and a smaller one upon it, children of the world."""
+        discs = (
+            ("", self.radius + self.width, 0.0004, self.rgb),
+            ("_inside", self.radius, 0.0006, self.inside),
+        )
+        return [
+            Element(
+                "geom",
+                {
+                    "name": self.name + part,
+                    "type": "cylinder",
+                    "size": f"{radius:.9g} {height / 2:.9g}",
+                    "pos": f"{self.middle[0]:.9g} {self.middle[1]:.9g} {height / 2:.9g}",
+                    "contype": "0",
+                    "conaffinity": "0",
+                    "rgba": " ".join(f"{value:.9g}" for value in (*rgb, 1.0)),
+                },
+            )
+            for part, radius, height, rgb in discs
+        ]
+
+
+@dataclass(frozen=True)
 class SceneSpec:
     """Description of a scene before it is compiled.
 
@@ -36,6 +79,7 @@ class SceneSpec:
         table_friction: Coulomb coefficient between the table and the objects on it.
         timestep: s; a whole number of them makes one control period.
         hands_collide: Two hands collide with each other, where they are solid.
+        painted: Rings painted on the table.
     """
 
     hands: tuple[SceneHand, ...]
@@ -43,6 +87,7 @@ class SceneSpec:
     table_friction: float = 0.5
     timestep: float = 0.002
     hands_collide: bool = False
+    painted: tuple[PaintedRing, ...] = ()
 
 
 class BodyPoses(Protocol):
@@ -265,6 +310,8 @@ def scene_xml(spec: SceneSpec) -> str:
             "conaffinity": "0",
         },
     )
+    for ring in spec.painted:
+        world.extend(ring.geoms())
     for hand in spec.hands:
         world.append(hand.body())
     for obj in spec.objects:

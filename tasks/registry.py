@@ -22,6 +22,7 @@ IN_ROOMS = (
     ("tasks.clutter.slalom", "Slalom"),
     ("tasks.mechanisms.chords", "Chords"),
     ("tasks.mechanisms.dial", "Dial"),
+    ("tasks.clutter.gather", "Gather"),
 )
 """Module and class of built-in tasks in rooms of their own, which build upon this room."""
 

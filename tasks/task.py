@@ -8,6 +8,7 @@ from typing import ClassVar, Protocol
 
 from models.errors import InputError
 from models.objects import SceneObject
+from models.scene import PaintedRing
 from models.surface import Surface
 from tasks.goals import Goal
 from tasks.sensing import Sensing
@@ -38,6 +39,7 @@ class TaskDefaults(Protocol):
 
     Attributes:
         hands: Number of hands that it needs.
+        painted: Rings that are painted on the table.
         user: Creates its simulated user; None uses the user of the built-in tasks.
         pressed: Its objects are pressed from above: hands turn solid on their way down, rather than
             once they are down.
@@ -46,6 +48,10 @@ class TaskDefaults(Protocol):
     hands: ClassVar[int] = 1
     user: ClassVar[UserMaker | None] = None
     pressed: ClassVar[bool] = False
+
+    @property
+    def painted(self) -> tuple[PaintedRing, ...]:
+        return ()
 
     def with_room(self, factor: float) -> Task:
         """The same trial with so much more or less room between its things.

@@ -46,6 +46,7 @@ TASKS = (
     "slalom",
     "chords",
     "dial",
+    "gather",
 )
 ENCODERS = ("linear", "quadratic", "cubic", "pca-ik", "paper")
 RUNS = [

@@ -134,7 +134,9 @@ class Session:
         hands = tuple(rig.hand for rig in rigs)
         all_over = [own.all_over for own in gating]
         self.scene = Scene(
-            SceneSpec(hands, task.objects, task.table_friction, timestep, all(all_over))
+            SceneSpec(
+                hands, task.objects, task.table_friction, timestep, all(all_over), task.painted
+            )
         )
         self.scene.model.geom_friction[:, 0] *= friction
         self.data = mujoco.MjData(self.scene.model)

@@ -1,0 +1,117 @@
+"""Gather: every trial is a fair one, dice count where their middles are, sweeps bring them in."""
+
+from __future__ import annotations
+
+import mujoco
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from models.errors import SurfaceTooSmallError
+from models.hand import Hand
+from models.scene import Scene, SceneSpec
+from models.surface import PRESETS, Surface
+from sandbox import run_trial
+from tasks.clutter.gather import APART, BORDER, COUNT, EDGE, OUTSIDE, RADIUS, RING_BORDER, Gather
+from tasks.sensing import Sensing
+from tasks.task import Measure
+from tasks.variation import Variation, vary
+from tests.support.simulation import put, run
+
+seeds = st.integers(0, 2**63 - 1)
+TABLET = Surface().centred_at((0.0, 0.0, Gather.touch_height))
+AWAY = np.concatenate([[0.0, 0.0, 0.30], np.zeros(45)])
+
+
+class Trial:
+    """A trial in its real scene, with dice put where a test wants them."""
+
+    def __init__(self, seed: int = 3) -> None:
+        self.task = Gather.draw(seed, TABLET)
+        spec = SceneSpec((Hand(),), self.task.objects, 0.5, painted=self.task.painted)
+        self.scene = Scene(spec)
+        self.data = mujoco.MjData(self.scene.model)
+        put(self.scene, self.data, AWAY)
+        self.scene.set_solid(0, frozenset())
+        for goal in self.task.goals:
+            self.data.joint(goal.object).qpos[:3] = goal.position
+
+    def measure(self) -> Measure:
+        mujoco.mj_forward(self.scene.model, self.data)
+        return self.task.measure(Sensing(self.scene, self.data))
+
+
+@given(seed=seeds, surface=st.sampled_from([Surface(*s) for s in PRESETS.values() if s[1] > 5]))
+def test_every_trial_has_twelve_dice_apart_and_outside_of_the_ring(
+    seed: int, surface: Surface
+) -> None:
+    task = Gather.draw(seed, surface)
+    assert task == Gather.draw(seed, surface)
+    places = np.array([die.position for die in task.objects])
+    assert len(places) == COUNT
+    apart = np.linalg.norm(places[:, None] - places[None], axis=2) + np.eye(COUNT)
+    assert apart.min() > APART - 1e-9
+    off = np.linalg.norm(places[:, :2] - task.ring.middle, axis=1)
+    assert off.min() > RADIUS + OUTSIDE - 1e-9
+    on = surface.to_surface(places)
+    assert np.all(on >= BORDER - 1e-9) and np.all(on <= surface.size - BORDER + 1e-9)
+    middle = surface.to_surface([[*task.ring.middle, 0.0]])[0]
+    assert np.all(middle >= RING_BORDER - 1e-9)
+    assert np.all(middle <= surface.size - RING_BORDER + 1e-9)
+
+
+def test_a_surface_without_room_for_ring_and_dice_is_refused_in_one_line() -> None:
+    for size in ((7.0, 4.0), (4.6, 4.6)):
+        with pytest.raises(SurfaceTooSmallError, match="a ring and twelve dice"):
+            Gather.draw(1, Surface(*size))
+
+
+def test_dice_where_the_translucent_ones_are_are_all_in_the_ring() -> None:
+    trial = Trial()
+    places = np.array([goal.position for goal in trial.task.goals])
+    apart = np.linalg.norm(places[:, None] - places[None], axis=2) + np.eye(COUNT)
+    assert apart.min() > 1.3 * EDGE
+    run(trial.scene, trial.data, 0.3)
+    assert trial.measure() == Measure(True, 1.0, "")
+
+
+@pytest.mark.parametrize("inside", [True, False])
+def test_a_die_counts_where_its_middle_is(inside: bool) -> None:
+    trial = Trial()
+    x, y = trial.task.ring.middle
+    off = RADIUS + (-1e-4 if inside else 1e-4)
+    trial.data.joint("die12").qpos[:3] = (x + off * np.cos(0.35), y + off * np.sin(0.35), EDGE / 2)
+    measure = trial.measure()
+    assert measure.reached == inside
+    assert inside or measure.reason == "1 of the dice are not in the ring"
+    assert inside or measure.progress == pytest.approx(11 / 12)
+
+
+def test_the_ring_is_painted_where_everybody_sees_it_and_touches_nothing() -> None:
+    trial = Trial()
+    model = trial.scene.model
+    for name in ("ring", "ring_inside"):
+        geom = model.geom(name)
+        assert geom.contype[0] == geom.conaffinity[0] == 0
+        assert model.geom_bodyid[geom.id] == 0
+        assert np.allclose(geom.pos[:2], trial.task.ring.middle)
+    assert model.geom("ring_inside").size[0] == RADIUS
+    bare = Scene(SceneSpec((Hand(),), trial.task.objects, 0.5))
+    assert bare.model.nq == model.nq and bare.model.nsensor == model.nsensor
+
+
+@pytest.mark.parametrize("factor", [0.8, 1.5])
+def test_room_is_the_radius_of_the_ring_and_nothing_else(factor: float) -> None:
+    task = Gather.draw(5, TABLET)
+    varied = vary(task, Variation(room=factor), TABLET)
+    assert isinstance(varied, Gather)
+    assert varied.ring.radius == pytest.approx(factor * RADIUS)
+    assert varied.ring.middle == task.ring.middle and varied.objects == task.objects
+    off = [np.linalg.norm(np.subtract(g.position[:2], task.ring.middle)) for g in varied.goals]
+    assert max(off) == pytest.approx(0.78 * factor * RADIUS)
+
+
+def test_the_simulated_user_brings_in_several_dice_at_a_time() -> None:
+    trial = run_trial("gather", seed=6000, solid="hand", trajectories=False)
+    assert trial.success
