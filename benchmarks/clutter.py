@@ -13,6 +13,9 @@ were put back. Times are simulated.
 from __future__ import annotations
 
 import argparse
+import os
+from concurrent.futures import ProcessPoolExecutor
+from functools import partial
 from statistics import mean, median
 from typing import Literal, get_args
 
@@ -30,7 +33,7 @@ SOLID: tuple[Solid, ...] = ("fingertips", "hand")
 HEADS = ("success [95 %]", "points", "s", "toppled", "came back", "failed seeds")
 
 
-def play(task: str, fingers: int, user: Kind, room: float, seed: int, solid: Solid) -> TrialResult:
+def play(task: str, fingers: int, user: Kind, room: float, solid: Solid, seed: int) -> TrialResult:
     """Plays one trial."""
     vary = f"room={room:g}" if room != 1.0 else ""
     options = SceneOptions(task=task, seed=seed, fingers=fingers, user=user, solid=solid, vary=vary)
@@ -66,6 +69,7 @@ def main() -> None:
     parser.add_argument("--rooms", nargs="+", type=float, default=[1.0])
     parser.add_argument("--solid", nargs="+", choices=SOLID, default=SOLID)
     parser.add_argument("--users", nargs="+", choices=get_args(Kind), default=["skilled"])
+    parser.add_argument("--workers", type=int, default=os.cpu_count() or 1)
     options = parser.parse_args()
     first, end = map(int, options.seeds.split(":"))
     heads = ["task", "user", "fingers", "room", "solid", *HEADS]
@@ -76,10 +80,9 @@ def main() -> None:
             for fingers in options.fingers:
                 for room in options.rooms:
                     for solid in options.solid:
-                        results = [
-                            play(task, fingers, user, room, seed, solid)
-                            for seed in range(first, end)
-                        ]
+                        one = partial(play, task, fingers, user, room, solid)
+                        with ProcessPoolExecutor(options.workers) as pool:
+                            results = list(pool.map(one, range(first, end)))
                         row = [task, user, str(fingers), f"{room:g}", solid, *cells(results)]
                         print("| " + " | ".join(row) + " |", flush=True)
 
