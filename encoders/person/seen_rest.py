@@ -43,7 +43,7 @@ class SeenRest:
 
     Attributes:
         looks: The looks so far.
-        trouble: Why the hand of the last second is not taken; empty if it moves, or was taken.
+        trouble: Why the last hand that was held still is not a look; empty if it is one.
     """
 
     def __init__(self, skeleton: Skeleton) -> None:
@@ -70,7 +70,6 @@ class SeenRest:
         self._frames.append((time, q, self._kinematics.tips(q)))
         while time - self._frames[0][0] > SECONDS:
             self._frames.popleft()
-        self.trouble = ""
         if time - self._frames[0][0] < 0.9 * SECONDS:
             return False
         tips = np.array([frame[2] for frame in self._frames])
@@ -84,6 +83,7 @@ class SeenRest:
         except EncoderError as error:
             self.trouble = str(error)
             return False
+        self.trouble = ""
         self.looks.append(look)
         self._taken = middle
         return True

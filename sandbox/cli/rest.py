@@ -11,7 +11,7 @@ import tyro
 from rich.console import Console
 from rich.text import Text
 
-from encoders.person.rest_posture import MOST, Looks, check_looks, save_rest
+from encoders.person.rest_posture import MOST, check_looks, save_rest
 from models.errors import EncoderError, InputError
 from models.limits import RateLimit
 from models.scene import CONTROL_PERIOD
@@ -89,7 +89,7 @@ def main(argv: list[str]) -> int:
             console.print(f"hold your {hand.side} hand as it rests on a screen, for a second")
         _watch(watch, device, options, console)
     looks = watch.looks
-    _check(looks, hand.person.hand_size, options)
+    _check(watch, hand.person.hand_size, options)
     save_rest(looks, options.out, hand.side, chosen.about.get("user") is not None)
     console.print(
         Text(
@@ -168,13 +168,14 @@ def _watch(watch: RestWatch, device: AnyDevice, options: RestOptions, console: C
             clock.wait(ticks * CONTROL_PERIOD)
 
 
-def _check(looks: Looks, size: float, options: RestOptions) -> None:
+def _check(watch: RestWatch, size: float, options: RestOptions) -> None:
     """Checks that all looks were taken, and fit a hand of the size."""
+    looks = watch.looks
     if len(looks) < options.looks:
         raise InputError(
             "the hand was not held still, with its fingertips on one level, often enough",
             where=f"--device {options.device}",
-            got=f"{len(looks)} of {options.looks} looks",
+            got=f"{len(looks)} of {options.looks} looks" + (watch.trouble and f"; {watch.trouble}"),
             expected="a second each, and the hand moved in between",
         )
     try:

@@ -34,6 +34,11 @@ class RestWatch:
         return tuple(self._seen.looks)
 
     @property
+    def trouble(self) -> str:
+        """Why the last hand that was held still is not a look; empty if it is one."""
+        return self._seen.trouble
+
+    @property
     def notice(self) -> str:
         """Why no look is taken; empty if the hand only has to be held still."""
         return self._device.notice or self._reconstructor.notice or self._seen.trouble
