@@ -1,23 +1,30 @@
 """Measures robots' hands in the place of ours: tips, processor time, and success of trials.
 
     python -m benchmarks.robots --seeds 25
+    python -m benchmarks.robots --judged 600 --only trials
 
 Everything is simulated. *Tips*: every frame of the first takes of the simulated subject, in order,
 retargeted as in a session, with the fingers that touch named; a tip is out of reach if it is more
-than 5 mm off. *Trials*: the simulated user with three fingers, seeds of training from --first on.
+than 5 mm off. *Trials*: the simulated user with three fingers, seeds of training from --first on,
+or with --judged the first judged seeds. Finished trials are kept in a file of JSON lines and not
+run again.
 *The other hand*: the same model fitted to a person's left hand, which it is not. Prints Markdown.
 """
 
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterator
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
 from time import process_time
 from typing import Any
 
 import numpy as np
 
+from benchmarks.judged import judged_seeds
 from benchmarks.machine import describe_machine
+from benchmarks.one_line import run
 from encoders import builtin_capture
 from models.arithmetic.arrays import Array
 from models.robot.known import ROBOTS, find_robot
@@ -87,7 +94,41 @@ def other_hand_rows() -> Iterator[str]:
         )
 
 
-def trial_rows(seeds: range) -> Iterator[str]:
+class Trials:
+    """Finished trials, kept in a file of JSON lines.
+
+    Args:
+        file: The file; a torn last line is left out.
+    """
+
+    def __init__(self, file: Path) -> None:
+        self._file = file
+        lines = file.read_bytes().split(b"\n") if file.exists() else [b""]
+        self._done = {tuple(row["job"]): row for row in map(json.loads, lines[:-1])}
+        if lines[-1]:
+            file.write_bytes(b"".join(line + b"\n" for line in lines[:-1]))
+
+    def run(self, robot: str, task: str, seed: int) -> dict[str, Any]:
+        """What came of a trial, which is run unless it was."""
+        job = (robot, task, seed)
+        if job not in self._done:
+            begun = process_time()
+            trial = run_trial(task, seed, robot=robot, fingers=3, trajectories=False)
+            self._done[job] = {
+                "job": job,
+                "success": trial.success,
+                "time": trial.score.time,
+                "unreached": trial.result["unreached"],
+                "state_hash": trial.result["state_hash"],
+                "cpu": process_time() - begun,
+            }
+            self._file.parent.mkdir(parents=True, exist_ok=True)
+            with self._file.open("ab") as file:
+                file.write(json.dumps(self._done[job]).encode() + b"\n")
+        return self._done[job]
+
+
+def trial_rows(trials: Trials, seeds: Mapping[str, Sequence[int]]) -> Iterator[str]:
     yield (
         "| hand | task | held | 95 % interval, % | median time, s | unreached, % | "
         "processor s a trial | failed seeds |"
@@ -95,19 +136,15 @@ def trial_rows(seeds: range) -> Iterator[str]:
     yield "| --- | --- | --- | --- | --- | --- | --- | --- |"
     for robot in ROBOTS:
         for task in TASKS:
-            begun = process_time()
-            runs = [
-                run_trial(task, seed, robot=robot, fingers=3, trajectories=False) for seed in seeds
-            ]
-            spent = (process_time() - begun) / len(runs)
-            won = [run for run in runs if run.success]
+            runs = [trials.run(robot, task, seed) for seed in seeds[task]]
+            won = [run for run in runs if run["success"]]
             low, high = (100 * end for end in wilson(len(won), len(runs)))
-            time = np.median([run.score.time for run in won]) if won else np.nan
-            unreached = 100 * np.mean([run.result["unreached"] for run in runs])
-            lost = [str(s) for s, run in zip(seeds, runs, strict=True) if not run.success]
+            time = np.median([run["time"] for run in won]) if won else np.nan
+            unreached, spent = (np.mean([run[k] for run in runs]) for k in ("unreached", "cpu"))
+            lost = [str(run["job"][2]) for run in runs if not run["success"]]
             yield (
                 f"| {robot} | {task} | {len(won)}/{len(runs)} | {low:.1f} to {high:.1f} | "
-                f"{time:.1f} | {unreached:.2f} | {spent:.1f} | {', '.join(lost) or 'none'} |"
+                f"{time:.1f} | {100 * unreached:.2f} | {spent:.1f} | {', '.join(lost) or 'none'} |"
             )
 
 
@@ -116,17 +153,27 @@ def main() -> None:
     parser.add_argument("--seeds", type=int, default=25, help="trials a hand and task")
     parser.add_argument("--first", type=int, default=5000, help="the first seed")
     parser.add_argument("--frames", type=int, default=6000, help="frames of the subject")
+    parser.add_argument("--judged", type=int, default=0, help="the first N judged seeds instead")
+    parser.add_argument("--only", choices=["tips", "sides", "trials"], help="one of the tables")
+    parser.add_argument("--out", type=Path, default=Path("out/robots.jsonl"))
     options = parser.parse_args()
+    training = range(options.first, options.first + options.seeds)
+    seeds = {
+        task: judged_seeds(options.judged, task) if options.judged else training for task in TASKS
+    }
     print(f"{describe_machine()}\n", flush=True)
-    for rows in (
-        tip_rows(options.frames),
-        other_hand_rows(),
-        trial_rows(range(options.first, options.first + options.seeds)),
-    ):
+    tables = {
+        "tips": tip_rows(options.frames),
+        "sides": other_hand_rows(),
+        "trials": trial_rows(Trials(options.out), seeds),
+    }
+    for name, rows in tables.items():
+        if options.only not in (None, name):
+            continue
         for row in rows:
             print(row, flush=True)
         print(flush=True)
 
 
 if __name__ == "__main__":
-    main()
+    run(main)

@@ -16,6 +16,7 @@ from models.errors import InputError
 from models.frames import FINGERS
 from models.scene import CONTROL_PERIOD
 from models.skeleton import ADULT
+from models.surface import Surface
 from sandbox.gym.actions import Hands, PoseHands
 from sandbox.gym.learning.curriculum import Curriculum
 from sandbox.gym.learning.observing import Moment, Observing
@@ -179,6 +180,11 @@ class LearningEnv(gymnasium.Env[dict[str, Array], Array]):
         if self.session is not None:
             self.session.close()
             self.session = None
+
+    @property
+    def surfaces(self) -> tuple[Surface, ...]:
+        """The touch surface of each hand."""
+        return self._surfaces
 
     def names(self) -> list[list[int | None]]:
         """For every hand and slot the finger that its touch is taken for now; None for none."""

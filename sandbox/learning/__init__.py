@@ -1,0 +1,1 @@
+"""Policies that are learned from demonstrations (docs/learning.md)."""
