@@ -79,11 +79,11 @@ class StoppingOnce(Quick):
     """Somebody presses Ctrl-C twice during the first seed 2."""
 
     name: ClassVar[str] = "stopping"
-    pressed: ClassVar[int] = 0
+    interrupts: ClassVar[int] = 0
 
     def measure(self, sensing: Sensing) -> Measure:
-        if self.seed == 2 and StoppingOnce.pressed < 2:
-            StoppingOnce.pressed += 1
+        if self.seed == 2 and StoppingOnce.interrupts < 2:
+            StoppingOnce.interrupts += 1
             signal.raise_signal(signal.SIGINT)
         return super().measure(sensing)
 

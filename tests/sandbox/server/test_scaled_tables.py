@@ -94,7 +94,7 @@ def test_a_scale_that_no_screen_has_is_refused(scale: float) -> None:
 
 def test_a_study_refuses_a_scaled_table() -> None:
     page = cast(StudyPage, SimpleNamespace(server=SimpleNamespace(screen=PHONE)))
-    with pytest.raises(StudyError, match="no part of a study"):
+    with pytest.raises(StudyError, match="a study cannot use a scaled table"):
         settings_for_screen(page, RunSettings(), designed=False)
 
 

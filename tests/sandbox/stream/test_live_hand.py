@@ -23,13 +23,17 @@ class Moving(Device):
 
     def __init__(self, seconds: float, fails: bool) -> None:
         self._seconds, self._fails = seconds, fails
-        self.finished = False
+        self._ended = False
+
+    @property
+    def finished(self) -> bool:
+        return self._ended
 
     def poll(self, now: float) -> Sequence[TouchFrame]:
         if now > self._seconds:
             if self._fails:
                 raise OSError("unplugged")
-            self.finished = True
+            self._ended = True
         places = ((0.05, 0.09), (0.06, 0.05), (0.085, 0.045))
         return [
             TouchFrame(now, tuple(Contact(i, x + 0.1 * now, y) for i, (x, y) in enumerate(places)))
