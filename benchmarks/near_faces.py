@@ -2,6 +2,8 @@
 
     python -m benchmarks.near_faces                       # all of it, about 40 minutes on 2 cores
     python -m benchmarks.near_faces --each 2              # a quick look
+    python -m benchmarks.near_faces --first 2 --each 3    # numbers 2, 3 and 4 of every combination
+    python -m benchmarks.near_faces --table --files A B   # one table of what two runs have kept
     python -m benchmarks.near_faces --cost                # of a control step with no thing near
 
 Two, three and five fingers land beside the faces that they are to hold, with no room at all up to
@@ -15,6 +17,9 @@ Beside the share that is solid and holds: how far the thing was moved before the
 largest step of a drawn fingertip along the surface in one control period of 16 ms, beyond the step
 of its touch, while the hand comes down or is down; and how long it took to become solid. SIMULATED
 fingers: no person took part.
+
+Trials are kept in `--files` as they end, and not played again: after a change of the program, begin
+another file.
 """
 
 from __future__ import annotations
@@ -23,16 +28,16 @@ import argparse
 import os
 import time
 from collections.abc import Sequence
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from itertools import product
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 from rich.console import Console
-from rich.progress import Progress
 from rich.table import Table
 
+from benchmarks.kept_trials import KeptTrials
 from benchmarks.machine import describe_machine
 from benchmarks.touched_things import FINGERS, THINGS, TURNS, OneThing, seed_of
 from models.arithmetic.arrays import Array
@@ -305,6 +310,8 @@ def main() -> None:
     parser.add_argument("--first", type=int, default=0, help="number of the first trial")
     parser.add_argument("--rules", type=int, choices=RULES, default=RULES[-1])
     parser.add_argument("--workers", type=int, default=os.cpu_count() or 1)
+    parser.add_argument("--files", type=Path, nargs="+", default=[Path("out/near_faces.jsonl")])
+    parser.add_argument("--table", action="store_true", help="only print what is there")
     parser.add_argument("--failures", action="store_true", help="list trials that fail")
     parser.add_argument("--cost", action="store_true", help="time control steps instead")
     options = parser.parse_args()
@@ -313,18 +320,15 @@ def main() -> None:
         print(describe_machine())
         print(f"a control step: {before:.0f} us by rules 1, {now:.0f} us by rules 2: {ratio:.3f}")
         return
+    # Number by number, so that what is cut short has every combination to the same extent.
     numbers = range(options.first, options.first + options.each)
-    jobs = [
-        Job(thing, fingers, turn, distance, number, options.rules)
-        for thing, fingers, turn, distance, number in product(
-            options.things, options.fingers, options.turns, options.distances, numbers
-        )
-    ]
-    os.environ["OMP_NUM_THREADS"] = "1"
-    bars = Progress(console=Console(stderr=True))
-    with bars, ProcessPoolExecutor(options.workers) as pool:
-        found = list(bars.track(pool.map(trial, jobs, chunksize=4), total=len(jobs)))
-    done = list(zip(jobs, found, strict=True))
+    combinations = product(options.things, options.fingers, options.turns, options.distances)
+    jobs = [Job(*c, number, options.rules) for number, c in product(numbers, combinations)]
+    wanted = {job[:4] for job in jobs}
+    kept = KeptTrials(Job, Outcome, options.files)
+    if not options.table:
+        kept.play(trial, jobs, options.workers)
+    done = [(j, o) for j, o in kept.done.items() if j[:4] in wanted and j.rules == options.rules]
     table = Table(
         "touches", "trials", "solid in time, %", "and held, %", "thing moved, mm: 95 %, most",
         "step of a tip, mm: 95 %, most", "solid after, s: median, most",
@@ -337,7 +341,7 @@ def main() -> None:
         add_row(table, f"{fingers} fingers", [o for j, o in done if j.fingers == fingers])
     for thing in options.things:
         add_row(table, thing, [o for j, o in done if j.thing == thing])
-    add_row(table, "all", found)
+    add_row(table, "all", [o for _, o in done])
     Console(width=150).print(table)
     if options.failures:
         for job, outcome in done:

@@ -2,6 +2,8 @@
 
     python -m benchmarks.releases                   # 200 releases of each kind
     python -m benchmarks.releases --trials 20       # a quick look
+    python -m benchmarks.releases --first 20 --trials 180
+    python -m benchmarks.releases --table --files A B      # one table of what two runs have kept
 
 Two or three fingers close on a wrench of 1.5 to 3 times the size, until the thumb presses with a
 force drawn from 10 to 70 N, or touches would be nearer to each other than fingers are wide. They
@@ -13,6 +15,9 @@ and tilts the wrench, which falls back as it is let go of; how much is told besi
 step of a drawn fingertip in a control period, beyond that of its touch.
 
 SIMULATED fingers: no person took part.
+
+Trials are kept in `--files` as they end, and not played again: after a change of the program, begin
+another file.
 """
 
 from __future__ import annotations
@@ -20,17 +25,17 @@ from __future__ import annotations
 import argparse
 import os
 from collections.abc import Callable, Sequence
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from itertools import product
+from pathlib import Path
 from typing import NamedTuple
 
 import mujoco
 import numpy as np
 from rich.console import Console
-from rich.progress import Progress
 from rich.table import Table
 
+from benchmarks.kept_trials import KeptTrials
 from benchmarks.near_faces import LAND, NOISE, STAGGER, TIP, DrawnSteps, share
 from benchmarks.touched_things import LargeWrenchOnTable, seed_of
 from models.arithmetic.arrays import Array
@@ -270,18 +275,26 @@ def main() -> None:
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--trials", type=int, default=200, help="of each kind")
+    parser.add_argument("--first", type=int, default=0, help="of each kind, left out before")
     parser.add_argument("--fingers", type=int, nargs="+", choices=(2, 3, 5), default=(2, 3))
     parser.add_argument("--rules", type=int, choices=RULES, default=RULES[-1])
     parser.add_argument("--workers", type=int, default=os.cpu_count() or 1)
+    parser.add_argument("--files", type=Path, nargs="+", default=[Path("out/releases.jsonl")])
+    parser.add_argument("--table", action="store_true", help="only print what is there")
     parser.add_argument("--failures", action="store_true", help="list releases that are not clean")
     options = parser.parse_args()
-    each = -(-options.trials // len(options.fingers))
-    jobs = [Job(*j, options.rules) for j in product(KINDS, options.fingers, range(each))]
-    os.environ["OMP_NUM_THREADS"] = "1"
-    bars = Progress(console=Console(stderr=True))
-    with bars, ProcessPoolExecutor(options.workers) as pool:
-        found = list(bars.track(pool.map(trial, jobs, chunksize=4), total=len(jobs)))
-    done = list(zip(jobs, found, strict=True))
+    first, each = (-(-n // len(options.fingers)) for n in (options.first, options.trials))
+    # Number by number, so that what is cut short has every kind to the same extent.
+    numbers = range(first, first + each)
+    jobs = [Job(*j, n, options.rules) for n, j in product(numbers, product(KINDS, options.fingers))]
+    kept = KeptTrials(Job, Outcome, options.files)
+    if not options.table:
+        kept.play(trial, jobs, options.workers)
+    done = [
+        (j, o)
+        for j, o in kept.done.items()
+        if j.fingers in options.fingers and j.rules == options.rules
+    ]
     table = Table(
         "release", "clean", "moved, mm: 95 %, most", "turned, degrees", "raised before, mm",
         "tilted, degrees", "step of a tip, mm", "grip, N: median (5 to 95 %)", "sideways, N",
@@ -292,7 +305,7 @@ def main() -> None:
             add_row(table, f"{kind}, {fingers} fingers", rows)
         add_row(table, kind, [o for j, o in done if j.kind == kind and not o.lost])
     Console(width=165).print(table)
-    print(f"{sum(o.lost for o in found)} of {len(found)} not held when the release began")
+    print(f"{sum(o.lost for _, o in done)} of {len(done)} not held when the release began")
     if options.failures:
         for job, o in done:
             if o.lost or not (o.moved < GOOD_WAY and o.turned < GOOD_TURN):

@@ -1,0 +1,73 @@
+"""Trials of benchmarks are kept as they end: a run is resumed, and runs are joined."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import inf
+from pathlib import Path
+from typing import NamedTuple
+
+import pytest
+
+from benchmarks.kept_trials import KeptTrials
+
+
+class Job(NamedTuple):
+    kind: str
+    number: int
+
+
+@dataclass(frozen=True)
+class Outcome:
+    length: float
+    good: bool = True
+
+
+def trial(job: Job) -> Outcome:
+    return Outcome(inf if job.number == 2 else job.number / 3, job.kind == "a")
+
+
+def forbidden(job: Job) -> Outcome:
+    raise AssertionError(f"{job} was played again")
+
+
+def opened(*files: Path) -> KeptTrials[Job, Outcome]:
+    return KeptTrials(Job, Outcome, files)
+
+
+JOBS = [Job("a", 1), Job("b", 2), Job("a", 3)]
+
+
+def test_a_run_that_is_resumed_plays_only_what_is_missing_after_a_torn_line(
+    tmp_path: Path,
+) -> None:
+    file = tmp_path / "new folder" / "trials.jsonl"
+    opened(file).play(trial, JOBS[:2], 1)
+    with file.open("ab") as torn:
+        torn.write(b'{"job": ["a", 3], "outc')
+    again = opened(file)
+    assert list(again.done) == JOBS[:2]
+    again.play(forbidden, JOBS[:2], 1)
+    again.play(trial, JOBS, 1)
+    assert opened(file).done == {job: trial(job) for job in JOBS}
+    assert len(file.read_text().splitlines()) == 3
+
+
+def test_files_of_several_runs_are_one_table_and_the_first_takes_what_is_played(
+    tmp_path: Path,
+) -> None:
+    one, other = tmp_path / "one.jsonl", tmp_path / "other.jsonl"
+    opened(one).play(trial, JOBS[:1], 1)
+    opened(other).play(trial, JOBS[1:2], 1)
+    both = opened(one, other, tmp_path / "none.jsonl")
+    both.play(trial, JOBS, 1)
+    assert both.done == {job: trial(job) for job in JOBS}
+    assert set(opened(one).done) == {JOBS[0], JOBS[2]}
+
+
+def test_what_a_trial_raises_ends_the_run_and_keeps_those_before(tmp_path: Path) -> None:
+    file = tmp_path / "trials.jsonl"
+    opened(file).play(trial, JOBS[:1], 1)
+    with pytest.raises(AssertionError, match="played again"):
+        opened(file).play(forbidden, JOBS, 1)
+    assert list(opened(file).done) == JOBS[:1]
