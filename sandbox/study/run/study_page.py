@@ -70,6 +70,7 @@ class StudyPage:
         self.needed_in: tuple[float, float] | None = None
         self.needed_lifts = False
         self._screen: PageScreen | None = None
+        self._small = self._went_on = False
         self._sheet = Sheet(0, "wait", "", self.texts["wait"], [], {}, 0.0)
         self._gone = False
         self._came = False
@@ -132,8 +133,10 @@ class StudyPage:
 
         Inputs on an earlier sheet are ignored.
         """
+        inputs = [up for up in self.server.filled() if up.sheet == self._sheet.sheet]
+        self._went_on = self._went_on or bool(inputs)
         self.check_connection()
-        return [up for up in self.server.filled() if up.sheet == self._sheet.sheet]
+        return inputs
 
     def use_device(self, device: WebDevice) -> WebDevice:
         """Sets the device of the running trial, and returns it."""
@@ -162,12 +165,19 @@ class StudyPage:
             self.beside.check_connection()
 
     def _look_at_screen(self) -> None:
-        """Warns before the first trial if the screen is too small for the trials."""
+        """Tells the experimenter before the first trial if the screen is too small for the trials,
+        and when it no longer is.
+
+        A guessed size counts once the participant has gone on, as until then they may measure it.
+        """
         screen, wanted = self.server.screen, self.needed_in
         if wanted is None or screen is None or screen == self._screen:
             return
+        if not (screen.calibrated or self._went_on):
+            return
         self._screen = screen
-        if is_too_small(screen, wanted, self.needed_lifts):
+        before, self._small = self._small, is_too_small(screen, wanted, self.needed_lifts)
+        if self._small:
             known = "" if screen.calibrated else " (a guess, since it was not measured)"
             self.say(
                 f"the screen of {self._whose} is too small for the trials: it has "
@@ -175,6 +185,8 @@ class StudyPage:
                 f"{wanted[0]:g} x {wanted[1]:g} in{beside_lift(self.needed_lifts)}. "
                 "Rotate it, or use a larger one"
             )
+        elif before:
+            self.say(f"the screen of {self._whose} is large enough for the trials now")
 
     def wait_until_open(self, poll: Callable[[], None]) -> None:
         """Waits until the page is open; `poll` is called meanwhile, and may raise an exception."""

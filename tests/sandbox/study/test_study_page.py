@@ -334,6 +334,22 @@ def test_a_screen_without_room_for_the_designs_rectangle_is_refused(
     assert not SessionState.of(read_journal(running.folder / "journal.jsonl")).attempts
 
 
+def test_a_guessed_size_is_no_reason_to_warn_before_it_could_be_measured(
+    study: StudyFolder, person: Participant
+) -> None:
+    with on_page(study, person) as running:
+        running.page.needed_in = 9.0, 6.0  # as in the design
+        guessed = {**SCREEN, "width_px": 800.0, "calibrated": False}
+        with Page(running.server.url, screen=guessed) as page:
+            consent = page.until("sheet", kind="consent")
+            running.heard("page is open")
+            assert not any("too small" in line for line in running.said)
+            leave(page, consent, "yes")
+            running.heard("8.00 x 7.00 in (a guess, since it was not measured)")
+            page.say(type="resized", screen={**SCREEN, "px_per_in": 80.0, "width_px": 800.0})
+            running.heard("large enough for the trials now")
+
+
 ANYTHING = st.one_of(st.none(), st.booleans(), st.floats(), st.integers(), st.text(max_size=30))
 
 
