@@ -87,3 +87,13 @@ def test_loads_stay_those_of_their_moment() -> None:
     run(session, 0.5)
     # Read only now, after half a second.
     assert snapshot.loads == now
+
+
+def test_fingers_inside_a_thing_are_told_beside_each_in_the_same_short_line() -> None:
+    session, snapshot = gripped(0.062)
+    silent = replace(snapshot, kept_loads=None)
+    _, names = drawn(session, silent)
+    hands = (replace(silent.hands[0], inside=frozenset({0, 1})),)
+    _, told = drawn(session, replace(silent, hands=hands))
+    assert len(told) == len(names) == 2
+    assert len(set(told)) == 1 and told[0] > max(names)
