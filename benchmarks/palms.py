@@ -2,7 +2,7 @@
 
     python -m benchmarks.palms                   # the judged people, about five minutes
     python -m benchmarks.palms --train           # the people that the judge was tuned on
-    python -m benchmarks.palms --fit             # write the weights of palm_place.py
+    python -m benchmarks.palms --fit             # train the network of palm_place.py
     python -m benchmarks.palms --lasting 0.5     # half of the noise stays with a contact
     python -m benchmarks.palms --cost            # of a control step with sizes
 
@@ -24,22 +24,26 @@ import argparse
 import json
 import os
 import time
+import warnings
 from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from functools import cache
 from hashlib import sha256
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from rich.console import Console
 from rich.progress import Progress
 from rich.table import Table
+from sklearn.exceptions import ConvergenceWarning
+from sklearn.neural_network import MLPClassifier
 
 from benchmarks.machine import describe_machine
 from benchmarks.resting_palms import (
     NOISE,
     PALM,
+    USUAL,
     WIDE,
     Scene,
     clear_of,
@@ -72,12 +76,12 @@ SURFACE = Surface(16.0, 12.0)
 """Large enough for every grip and palm."""
 EACH = 12
 """People of either generator."""
-FITTED, FITTED_PEOPLE = 80_000, 40
-"""Contacts that the weights are fitted to, and people of either generator."""
-CLOSEST = 0.019
-"""m from a palm's middle to the nearest fingertip."""
-RIDGE = 1e-4
-"""Weight of the squared weights in the fit."""
+FITTED, FITTED_PEOPLE = 160_000, 30
+"""Contacts that the network of places is trained on, and people of either generator."""
+DOUBTFUL = 26.5
+"""mm, diameter of these palms: of larger and smaller ones the size tells."""
+HIDDEN, EPOCHS, BATCH, RATE, DECAY = 24, 30, 512, 3e-3, 1e-2
+"""Rectifiers, and how they are trained."""
 
 
 CORNER = ((0.02, 0.08), (0.04, 0.04), (0.06, 0.03), (0.08, 0.04), (0.10, 0.06))
@@ -123,7 +127,8 @@ class Outcome:
 def tuned() -> str:
     """A digest of everything that was tuned."""
     values = [
-        *(places.weights(), places.LARGEST),
+        {name: values.tolist() for name, values in places.weights().items()},
+        places.LARGEST,
         *(palm_judge.LANDED, palm_judge.DECIDED_BY, palm_judge.CERTAIN, JOINING),
         *(palm_judge.PALM_ODDS, palm_judge.FINGER_ODDS, palm_judge.LATE_ODDS),
         *(contact_courses.NOISE, contact_courses.MEMORY, contact_courses.REPEATED),
@@ -199,43 +204,43 @@ def _played(scene: Scene, sized: bool) -> _Played:
     return found
 
 
-def fit() -> Array:
-    """Weights (171,) of the logistic regression of `palm_place`: palms and fingertips of people as
-    often, with 1 to 4 others as often."""
+def fit() -> dict[str, list[Any]]:
+    """Weights of the network of `palm_place`, trained on as many palms as fingertips."""
     rng = np.random.default_rng(61_031)
     fitted = people("palms to fit", FITTED_PEOPLE)
-    X: list[list[float]] = []
-    while len(X) < FITTED:
-        is_palm, count = len(X) % 2 == 1, 1 + len(X) // 2 % 4
+    inputs: list[list[float]] = []
+    is_palm = np.arange(FITTED) % 2
+    for palm in is_palm:
         person, frame, fingers = grip(fitted, rng)
-        if len(fingers) != (max(count, 2) if is_palm else count + 1):
-            continue
-        xy = person.xy[frame, fingers]
-        if is_palm:
-            place = clear_of(xy, palm_place(person, frame, rng), np.full(len(xy), CLOSEST))
-            # Beside a single finger: no simulated person grips with one.
-            others = rng.permutation(xy)[:count]
+        others = person.xy[frame, fingers]
+        if palm:
+            room = 0.0005 * (DOUBTFUL + rng.uniform(*USUAL, len(others)))
+            place = clear_of(others, palm_place(person, frame, rng), room)
         else:
             which = which_finger(fingers, rng)
-            place, others = xy[which], np.delete(xy, which, axis=0)
-        X.append(places.place_terms(_pair(place), [_pair(other) for other in others]))
-    return _logistic(np.array(X), np.array([float(i % 2) for i in range(len(X))]))
+            place, others = others[which], np.delete(others, which, axis=0)
+        inputs.append(places.place_inputs(_pair(place), [_pair(other) for other in others]))
+    network = MLPClassifier(
+        (HIDDEN,),
+        alpha=DECAY,
+        batch_size=BATCH,
+        learning_rate_init=RATE,
+        max_iter=EPOCHS,
+        random_state=1,
+    )
+    with warnings.catch_warnings():
+        # It ends after so many epochs on purpose.
+        warnings.simplefilter("ignore", ConvergenceWarning)
+        network.fit(np.array(inputs), is_palm)
+    first, second = network.coefs_
+    bias, constant = network.intercepts_
+    weights = {"first": first.T, "bias": bias, "second": second[:, 0], "constant": constant}
+    return {name: np.round(values, 4).tolist() for name, values in weights.items()}
 
 
 def _pair(place: Array) -> tuple[float, float]:
     x, y = place.tolist()
     return x, y
-
-
-def _logistic(X: Array, y: Array) -> Array:
-    """Weights of a logistic regression, by Newton's method."""
-    weights = np.zeros(X.shape[1])
-    for _ in range(30):
-        p = 1.0 / (1.0 + np.exp(-np.clip(X @ weights, -30.0, 30.0)))
-        slope = X.T @ (p - y) / len(y) + RIDGE * weights
-        curve = (X * (p * (1.0 - p))[:, None]).T @ X / len(y) + RIDGE * np.eye(len(weights))
-        weights = weights - np.linalg.solve(curve, slope)
-    return weights
 
 
 def cost(steps: int = 400) -> tuple[float, float, float]:
@@ -314,14 +319,14 @@ def main() -> None:
     )
     parser.add_argument("--each", type=int, default=500, help="palms, and fingers")
     parser.add_argument("--train", action="store_true", help="the people that it was tuned on")
-    parser.add_argument("--fit", action="store_true", help="write the weights of palm_place.py")
+    parser.add_argument("--fit", action="store_true", help="train the network of places")
     parser.add_argument("--lasting", type=float, default=0.0, help="share of the noise, 0 to 1")
     parser.add_argument("--cost", action="store_true", help="time control steps instead")
     parser.add_argument("--workers", type=int, default=os.cpu_count() or 1)
     parser.add_argument("--failures", action="store_true", help="list what was wrong")
     options = parser.parse_args()
     if options.fit:
-        places.FILE.write_text(json.dumps([round(w, 4) for w in fit().tolist()]) + "\n")
+        places.FILE.write_text(json.dumps(fit()) + "\n")
         return
     if options.cost:
         without, with_sizes, ratio = cost()

@@ -24,7 +24,7 @@ PALM_ODDS, FINGER_ODDS = 4.0, -4.5
 """Log-odds by size beyond which a contact is a palm, and by size and place below which it is a
 finger, before `DECIDED_BY`. A place alone makes no palm by then: fingers may still land."""
 
-LATE_ODDS = -0.8
+LATE_ODDS = 0.0
 """Log-odds by size and place above which it is a palm from then on. Sizes of 25 to 28 mm, which
 either may have, give -1.4."""
 
