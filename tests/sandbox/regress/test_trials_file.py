@@ -33,7 +33,7 @@ def trials() -> list[dict[str, Any]]:
 
 
 def stopping() -> AbstractContextManager[None]:
-    StoppingOnce.pressed = 0
+    StoppingOnce.interrupts = 0
     return registered(StoppingOnce)
 
 
