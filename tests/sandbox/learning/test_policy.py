@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 import gymnasium
 import numpy as np
@@ -72,7 +73,7 @@ def test_it_is_read_as_it_was_written(tmp_path: Path) -> None:
 
 
 def test_it_plays_in_the_environment_and_its_touches_stay_on_the_surface() -> None:
-    env = gymnasium.make(
+    env: Any = gymnasium.make(
         "sandbox.gym:hand_sandbox/BoxToGoalLearn-v1", names="found", observe="all"
     ).unwrapped
     seen, _ = env.reset(seed=7)
