@@ -322,8 +322,12 @@ def main() -> None:
         return
     # Number by number, so that what is cut short has every combination to the same extent.
     numbers = range(options.first, options.first + options.each)
-    combinations = product(options.things, options.fingers, options.turns, options.distances)
-    jobs = [Job(*c, number, options.rules) for number, c in product(numbers, combinations)]
+    jobs = [
+        Job(thing, fingers, turn, distance, number, options.rules)
+        for number, thing, fingers, turn, distance in product(
+            numbers, options.things, options.fingers, options.turns, options.distances
+        )
+    ]
     wanted = {job[:4] for job in jobs}
     kept = KeptTrials(Job, Outcome, options.files)
     if not options.table:

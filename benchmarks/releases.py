@@ -286,7 +286,10 @@ def main() -> None:
     first, each = (-(-n // len(options.fingers)) for n in (options.first, options.trials))
     # Number by number, so that what is cut short has every kind to the same extent.
     numbers = range(first, first + each)
-    jobs = [Job(*j, n, options.rules) for n, j in product(numbers, product(KINDS, options.fingers))]
+    jobs = [
+        Job(kind, fingers, number, options.rules)
+        for number, kind, fingers in product(numbers, KINDS, options.fingers)
+    ]
     kept = KeptTrials(Job, Outcome, options.files)
     if not options.table:
         kept.play(trial, jobs, options.workers)
