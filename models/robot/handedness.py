@@ -32,8 +32,9 @@ def volume(knuckles: Array, straight: Array, bent: Array) -> float:
     across = knuckles[0] - knuckles[-1]
     along = np.mean(straight - knuckles, axis=0)
     closing = np.mean(bent - straight, axis=0)
-    sides = np.array([side / np.sqrt(np.sum(side * side)) for side in (across, along, closing)])
-    return float(np.linalg.det(sides))
+    sides = (across, along, closing)
+    (a, b, c), (d, e, f), (g, h, i) = (side / np.sqrt(np.sum(side * side)) for side in sides)
+    return float(a * (e * i - f * h) + b * (f * g - d * i) + c * (d * h - e * g))
 
 
 def robot_volume(robot: RobotModel) -> float:
