@@ -12,6 +12,7 @@ from sandbox.study.report.models.family import Family
 from sandbox.study.report.models.quantities import MAIN
 from sandbox.study.report.page import formats
 from sandbox.study.report.page.methods import methods_section
+from sandbox.study.report.page.one_person import of_one_person, one_person_sections
 from sandbox.study.report.page.parts import Section
 from sandbox.study.report.page.section_checks import (
     exclusions_section,
@@ -77,11 +78,13 @@ def head(analysis: Analysis) -> dict[str, Any]:
         "title": title.format(data.name),
         "warning": warning,
         "facts": _facts(analysis),
-        "findings": _findings(analysis),
+        "findings": [] if of_one_person(analysis.data) else _findings(analysis),
     }
 
 
 def _sections(analysis: Analysis) -> list[Section]:
+    if of_one_person(analysis.data):
+        return one_person_sections(analysis)
     return [
         time_section(analysis),
         success_section(analysis),

@@ -267,3 +267,26 @@ def test_means_of_every_panel_are_inside_of_the_picture() -> None:
     svg = lines_by_person("p", "p", "s", ["a", "b"], [["x", "y"]] * 2, values, means, True)
     # What is outside of an axis is not drawn at all.
     assert len(re.findall(r"<use [^>]*stroke: var\(--paper\)", svg)) == 4
+
+
+def test_one_person_has_a_page_that_compares_nothing(tmp_path: Path) -> None:
+    planted(tmp_path, Truth(people=1, repetitions=2))
+    page = report(tmp_path)
+    assert page.ids == ["trials", "exclusions", "methods"]
+    assert "These are the results of one person." in page.text
+    assert page.pictures == 0
+    for claim in ("95 %", "interval", "no difference", "Holm", "exploratory", "model"):
+        assert claim not in page.text
+    used = rows_of(tmp_path / "report" / "trials.csv")
+    cells = {row["condition"] for row in used}
+    assert all(cell in page.text for cell in cells)
+
+
+def test_one_of_two_people_who_is_excluded_leaves_the_other_s_page(tmp_path: Path) -> None:
+    rows = planted(tmp_path, Truth(people=2, repetitions=1))
+    for row in rows:
+        if row["ppid"] == "P002":
+            row |= {"excluded": "1", "exclusion_reason": "fell asleep"}
+    put(tmp_path, rows)
+    page = report(tmp_path)
+    assert "2 people began." in page.text and "excluded, fell asleep: 6" in page.text
