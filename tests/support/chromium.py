@@ -245,4 +245,6 @@ class Tab:
 
     def close(self) -> None:
         self._browser.call("Target.closeTarget", targetId=self._target)
-        self._browser.call("Target.disposeBrowserContext", browserContextId=self._context)
+        # Now and then Chromium does not answer for a page that was in VR; it ends with its browser.
+        with suppress(TimeoutError):
+            self._browser.call("Target.disposeBrowserContext", browserContextId=self._context)
