@@ -232,9 +232,13 @@ function judge(hands, now) {
 }
 
 let last = -1;
+let awaited = 0; // the browser's number of the next look
+
+/** True while the camera is there. Its last picture may come after it was pulled out. */
+const live = () => video.srcObject?.getVideoTracks()[0]?.readyState === "live";
 
 function look(now, data) {
-  if (over) return;
+  if (over || !live()) return;
   try {
     const { videoWidth: width, videoHeight: height } = video;
     const began = performance.now();
@@ -261,8 +265,11 @@ function look(now, data) {
 
 /** Looks at the camera's next picture; where the browser cannot say when, 30 times a second. */
 function following() {
-  if ("requestVideoFrameCallback" in video) video.requestVideoFrameCallback(look);
-  else setTimeout(() => look(performance.now()), 33);
+  if ("requestVideoFrameCallback" in video) {
+    // A picture that was awaited from a camera before would begin a second row of looks.
+    video.cancelVideoFrameCallback(awaited);
+    awaited = video.requestVideoFrameCallback(look);
+  } else setTimeout(() => look(performance.now()), 33);
 }
 
 async function start() {
