@@ -93,10 +93,11 @@ def hold(
     impulse: float,
     mode: ContactMode = ContactMode.HARD,
     hold: float = HOLD,
+    own_friction: bool = False,
 ) -> Stillness:
     """Grasps, lifts and holds a box."""
     hand = Hand(servo=servo, impulse=impulse, finger_armature=finger_armature(impulse))
-    scene = Scene(SceneSpec((hand,), (box,)))
+    scene = Scene(SceneSpec((hand,), (box,), own_friction=own_friction))
     ContactModes(scene, mode)
     model, data = scene.model, mujoco.MjData(scene.model)
     opened, closed = (grasp(box, fingers, gap) for gap in (OPENING, -SQUEEZE))

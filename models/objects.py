@@ -144,6 +144,7 @@ class Box:
         position: (3,) m, centre at the start.
         yaw: rad about the vertical at the start.
         rgb: Colour, 0 to 1.
+        friction: Coulomb coefficient; see `SceneSpec.own_friction`.
     """
 
     name: str
@@ -152,6 +153,7 @@ class Box:
     position: tuple[float, float, float]
     yaw: float = 0.0
     rgb: tuple[float, float, float] = RED
+    friction: float = 1.0
 
     def body(self) -> Element:
         """MJCF of the box."""
@@ -168,7 +170,7 @@ class Box:
                 "name": self.name,
                 "type": "box",
                 "size": mjcf_text(self.half_size),
-                **_solid(self.mass, self.rgb),
+                **_solid(self.mass, self.rgb, self.friction),
             },
         )
         return body
@@ -197,6 +199,7 @@ class Cylinder:
         position: (3,) m, centre at the start.
         yaw: rad about the vertical at the start, which nobody sees.
         rgb: Colour, 0 to 1.
+        friction: Coulomb coefficient; see `SceneSpec.own_friction`.
         symmetry: Number of equivalent angles in one full turn; 0: all.
     """
 
@@ -207,6 +210,7 @@ class Cylinder:
     position: tuple[float, float, float]
     yaw: float = 0.0
     rgb: tuple[float, float, float] = RED
+    friction: float = 1.0
     symmetry: ClassVar[int] = 0
 
     def scaled(self, size: float) -> Cylinder:
@@ -235,7 +239,7 @@ class Cylinder:
                 "name": self.name,
                 "type": "cylinder",
                 "size": mjcf_text((self.radius, self.half_height)),
-                **_solid(self.mass, self.rgb),
+                **_solid(self.mass, self.rgb, self.friction),
             },
         )
         return body
@@ -477,7 +481,7 @@ def _shown(
     )
 
 
-def _solid(mass: float, rgb: tuple[float, float, float]) -> dict[str, str]:
+def _solid(mass: float, rgb: tuple[float, float, float], friction: float = 1.0) -> dict[str, str]:
     """Default class of all solid parts of objects, which collide with hands, objects and the
     table."""
     return {
@@ -485,7 +489,7 @@ def _solid(mass: float, rgb: tuple[float, float, float]) -> dict[str, str]:
         "contype": str(CONTACT_OBJECT | CONTACT_TABLE),
         "conaffinity": "7",
         "condim": "4",
-        "friction": "1 .01 .0001",
+        "friction": f"{friction:.9g} .01 .0001",
         "solref": ".004 1",
         "solimp": ".95 .99 .001",
         "rgba": mjcf_text((*rgb, 1.0)),

@@ -25,6 +25,9 @@ CONTROL_PERIOD = 0.016
 
 TABLE = "table"
 
+TABLE_PRIORITY = 1
+"""Priority of the table's friction; that of hands, and by default of objects, is 0."""
+
 
 @dataclass(frozen=True)
 class PaintedRing:
@@ -80,6 +83,8 @@ class SceneSpec:
         timestep: s; a whole number of them makes one control period.
         hands_collide: Two hands collide with each other, where they are solid.
         painted: Rings painted on the table.
+        own_friction: The friction of an object counts against hands and table. Otherwise that of
+            the table counts on it, and of an object and a hand the larger one.
     """
 
     hands: tuple[SceneHand, ...]
@@ -88,6 +93,7 @@ class SceneSpec:
     timestep: float = 0.002
     hands_collide: bool = False
     painted: tuple[PaintedRing, ...] = ()
+    own_friction: bool = False
 
 
 class BodyPoses(Protocol):
@@ -290,7 +296,7 @@ def scene_xml(spec: SceneSpec) -> str:
             "material": "floor",
             "contype": str(CONTACT_TABLE),
             "conaffinity": str(CONTACT_TABLE),
-            "priority": "1",
+            "priority": str(TABLE_PRIORITY),
             "condim": "4",
             "friction": f"{spec.table_friction:.9g} .01 .0001",
             "solref": ".004 1",
@@ -316,7 +322,7 @@ def scene_xml(spec: SceneSpec) -> str:
         world.append(hand.body())
     for obj in spec.objects:
         if not (isinstance(obj, MechanismPart) and obj.carrier):
-            world.append(obj.body())
+            world.append(_with_own_friction(obj.body()) if spec.own_friction else obj.body())
     assets = root.find("asset")
     assert assets is not None
     for hand in spec.hands:
@@ -331,6 +337,14 @@ def scene_xml(spec: SceneSpec) -> str:
     _touch_sensors(root, spec)
     indent(root)
     return tostring(root, encoding="unicode")
+
+
+def _with_own_friction(body: Element) -> Element:
+    """The same body, whose friction goes before that of hands and table: of two geoms MuJoCo takes
+    the numbers of the one with the higher priority, and of equal ones the larger friction."""
+    for geom in body.iter("geom"):
+        geom.set("priority", str(TABLE_PRIORITY + 1))
+    return body
 
 
 def _keep_apart(root: Element, spec: SceneSpec) -> None:

@@ -86,7 +86,7 @@ def adapted(kind: Any, where: str) -> type[Task]:
         InputError: A required member is missing.
     """
     check_task(kind, where)
-    for member in ("hands", "user", "painted", "with_room"):
+    for member in ("hands", "user", "painted", "pressed", "own_friction", "with_room"):
         if not hasattr(kind, member):
             setattr(kind, member, getattr(TaskDefaults, member))
     task: type[Task] = kind

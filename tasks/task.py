@@ -43,11 +43,13 @@ class TaskDefaults(Protocol):
         user: Creates its simulated user; None uses the user of the built-in tasks.
         pressed: Its objects are pressed from above: hands turn solid on their way down, rather than
             once they are down.
+        own_friction: The friction of its objects counts against hands and table; see `SceneSpec`.
     """
 
     hands: ClassVar[int] = 1
     user: ClassVar[UserMaker | None] = None
     pressed: ClassVar[bool] = False
+    own_friction: ClassVar[bool] = False
 
     @property
     def painted(self) -> tuple[PaintedRing, ...]:
@@ -78,7 +80,7 @@ class Task(TaskDefaults, Protocol):
         seed: Seed of the trial.
         objects: Objects in the scene at their start.
         goals: Goals to be reached.
-        table_friction: Coulomb coefficient of the table.
+        table_friction: Coulomb coefficient of the table; of no effect with `own_friction`.
         touch_height: m, height of the touch plane above the table; a fingertip's centre is a
             little above it, near the middle of the objects' height.
         lift_range: m by which the hand rises at lift control 1; 0 where the task needs none.

@@ -135,7 +135,13 @@ class Session:
         all_over = [own.all_over for own in gating]
         self.scene = Scene(
             SceneSpec(
-                hands, task.objects, task.table_friction, timestep, all(all_over), task.painted
+                hands,
+                task.objects,
+                task.table_friction,
+                timestep,
+                all(all_over),
+                task.painted,
+                task.own_friction,
             )
         )
         self.scene.model.geom_friction[:, 0] *= friction
