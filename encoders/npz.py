@@ -66,7 +66,7 @@ def read_npz(
     where = str(path)
     try:
         with zipfile.ZipFile(path) as archive:
-            size = sum(member.file_size for member in archive.infolist())
+            size = sum(m.file_size for m in archive.infolist())  # any order: whole numbers
             if size > LARGEST:
                 what_is_wrong = "the file is too large"
                 raise error(what_is_wrong, where=where, got=size, expected=f"{LARGEST} bytes")

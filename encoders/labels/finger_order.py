@@ -44,5 +44,5 @@ def order_shares(capture: Capture) -> dict[int, float]:
         frames = np.flatnonzero(touching == count)
         # The first of all labellings is 0, 1, .. k - 1: contacts in the order of their fingers.
         ordered = [in_order(capture.xy[t, capture.down[t]])[0] for t in frames]
-        shares[count] = (sum(ordered) + 1.0) / (len(frames) + 2.0)
+        shares[count] = (sum(ordered) + 1.0) / (len(frames) + 2.0)  # any order: whole numbers
     return shares

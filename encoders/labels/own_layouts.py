@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 from encoders.labels.layout_density import KernelShape, LayoutDensity, finger_sets
 from models.arithmetic import functions
 from models.arithmetic.arrays import Array
-from models.arithmetic.products import squared_lengths
+from models.arithmetic.products import squared_lengths, total
 from models.errors import EncoderError
 from models.frames import FINGERS
 from models.surface import METRES_PER_INCH
@@ -137,7 +137,7 @@ def of_right_hand(layout: Array) -> bool:
     """
     x, y = layout.T.tolist()
     after = [*range(1, len(FINGERS)), 0]
-    return sum((x[i] * y[k] - x[k] * y[i] for i, k in enumerate(after)), 0.0) > 0.0
+    return total(x[i] * y[k] - x[k] * y[i] for i, k in enumerate(after)) > 0.0
 
 
 def _centred(layout: Array) -> Array:

@@ -13,6 +13,7 @@ from msgspec import Meta, Struct
 
 from encoders.paalm.calibration import HandCalibration
 from encoders.paalm.coupling import Coupling
+from models.arithmetic.products import total
 from models.errors import EncoderError
 from models.frames import SIDES
 from models.json_input import checked, decoded, read_bytes
@@ -46,7 +47,7 @@ class _HandRecord(Struct):
 
     def __post_init__(self) -> None:
         if any(
-            abs(math.sqrt(sum(c * c for c in direction)) - 1.0) > 1e-3
+            abs(math.sqrt(total(c * c for c in direction)) - 1.0) > 1e-3
             for direction in self.directions
         ):
             raise ValueError("directions must be unit vectors")

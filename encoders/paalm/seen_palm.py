@@ -18,6 +18,7 @@ from math import atan2, degrees, inf, sqrt
 
 from encoders.paalm.calibration import LONGEST, NEARLY
 from encoders.paalm.chain import FingerChain
+from models.arithmetic.products import total
 from models.frames import FINGERS, Vector
 
 FIRST_SHIFT = (0.007, -0.031, 0.005)
@@ -87,7 +88,7 @@ class LearnedPalm:
     def move(self) -> None:
         """Moves the shift in use towards the learned one; once a frame."""
         x, y, z = (
-            used + min(max(sum(self._mean(f, i) for f in range(1, 5)) / 4.0 - used, -STEP), STEP)
+            used + min(max(total(self._mean(f, i) for f in range(1, 5)) / 4.0 - used, -STEP), STEP)
             for i, used in enumerate(self.shift)
         )
         self.shift = (x, y, z)

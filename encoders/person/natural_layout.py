@@ -129,8 +129,7 @@ def _inner(a: Complex, b: Complex) -> Complex:
     imaginary = a.real * b.imag - a.imag * b.real
     product = np.empty(real.shape[:-1], complex)
     product.real, product.imag = (
-        sum((part[..., k] for k in range(1, part.shape[-1])), start=part[..., 0])
-        for part in (real, imaginary)
+        reduce(add, (part[..., k] for k in range(part.shape[-1]))) for part in (real, imaginary)
     )
     return product
 

@@ -57,7 +57,7 @@ def set_name(fingers: Sequence[int]) -> str:
 
 def set_code(fingers: Sequence[int]) -> int:
     """The code of a set of fingers."""
-    return int(sum(WEIGHTS[f] for f in fingers))
+    return int(sum(WEIGHTS[f] for f in fingers))  # any order: whole numbers
 
 
 def set_codes(U: Array) -> Indices:

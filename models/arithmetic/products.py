@@ -101,6 +101,18 @@ def squared_lengths(x: Array) -> Array:
     return total
 
 
+def total(numbers: Iterable[float]) -> float:
+    """Sum of numbers, added from the first to the last; of whole numbers it is exact.
+
+    Python's `sum` of floats compensates their rounding from version 3.12 on, and has other last
+    digits there.
+    """
+    so_far: float = 0
+    for number in numbers:
+        so_far += number
+    return so_far
+
+
 def length(x: Array) -> float:
     """Length of a vector (m,)."""
     total = 0.0

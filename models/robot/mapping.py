@@ -26,6 +26,7 @@ from typing import Any
 
 import msgspec
 
+from models.arithmetic.products import total
 from models.errors import InputError
 from models.frames import FINGERS
 from models.person import HANDS
@@ -83,7 +84,7 @@ class RobotMapping:
             raise InputError(
                 "no such side", where=self.file, got=self.side, expected=" or ".join(HANDS)
             )
-        square = sum(part * part for part in self.turn)
+        square = total(part * part for part in self.turn)
         if not 0.99 < square < 1.01:
             raise InputError(
                 "the turn is not a unit quaternion",

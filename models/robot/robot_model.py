@@ -17,7 +17,7 @@ import mujoco
 import numpy as np
 
 from models.arithmetic.arrays import Array
-from models.arithmetic.products import length, stacked_applied
+from models.arithmetic.products import length, stacked_applied, total
 from models.errors import InputError
 from models.frames import FINGERS
 from models.objects import mjcf_text
@@ -138,7 +138,7 @@ class RobotModel:
     def reach(self, finger: int, most: int) -> float:
         """m, length of a finger's last links, of `most` of them."""
         own = [link for link in self.links if link.finger == finger]
-        return float(sum(length(np.array(link.end)) for link in own[-most:]))
+        return total(length(np.array(link.end)) for link in own[-most:])
 
     def fill(self, parent: Element, body: int, prefix: str) -> dict[int, Element]:
         """Adds what is in and below a body to an element of MJCF.

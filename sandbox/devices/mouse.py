@@ -96,7 +96,7 @@ class MouseDevice(Device):
     def pins(self) -> int:
         """Number of pinned fingers, which stay down without a button."""
         with self._lock:
-            return sum(f.pinned for f in self._fingers.values())
+            return sum(f.pinned for f in self._fingers.values())  # any order: whole numbers
 
     def poll(self, now: float) -> Sequence[TouchFrame]:
         """One frame for every change since the last call, with the machine's monotonic time."""

@@ -17,6 +17,7 @@ import numpy as np
 from encoders.reconstruction.touch_reconstructor import Reconstruction
 from encoders.smoothing import common_motion
 from models.arithmetic.arrays import Array
+from models.arithmetic.products import total
 from models.frames import FINGERS
 from models.objects import SceneObject
 from models.scene import CONTROL_PERIOD, BodyPoses, Scene
@@ -207,8 +208,8 @@ class FingertipLeading:
         if not others:
             return False
         x, y = self._touches[finger]
-        right = x - sum(a for a, _ in others) / len(others)
-        down = y - sum(b for _, b in others) / len(others)
+        right = x - total(a for a, _ in others) / len(others)
+        down = y - total(b for _, b in others) / len(others)
         far = sqrt(right * right + down * down) * sqrt(way[0] * way[0] + way[1] * way[1])
         return right * way[0] + down * way[1] < -TOWARDS * far
 

@@ -14,7 +14,7 @@ from math import expm1, sqrt
 import numpy as np
 
 from models.arithmetic.arrays import Array
-from models.arithmetic.products import length, squared_lengths
+from models.arithmetic.products import length, squared_lengths, total
 from models.frames import FINGERS
 from models.scene import CONTROL_PERIOD
 
@@ -59,8 +59,8 @@ class Grip:
             self._narrow = {}
             return False
         n = len(holding)
-        x = sum(touches[f][0] for f in holding) / n
-        y = sum(touches[f][1] for f in holding) / n
+        x = total(touches[f][0] for f in holding) / n
+        y = total(touches[f][1] for f in holding) / n
         ways = {f: (touches[f][0] - x, touches[f][1] - y) for f in holding}
         far = {f: sqrt(right * right + down * down) for f, (right, down) in ways.items()}
         if self._narrow.keys() != far.keys():
@@ -72,7 +72,7 @@ class Grip:
             self._narrow[finger] += wider if wider < 0.0 else _FORGOTTEN * wider
             kept[finger] = now - self._narrow[finger]
         self._kept = kept
-        opened = sum(kept.values()) / n
+        opened = total(kept.values()) / n
         if opened > OPENED:
             self._narrow = {}
             return True

@@ -227,7 +227,7 @@ class Session:
     @property
     def respawned(self) -> int:
         """Number of times that an object was returned to the workspace."""
-        return sum(self._respawn.counts.values())
+        return sum(self._respawn.counts.values())  # any order: whole numbers
 
     @property
     def unreached(self) -> float | None:

@@ -8,7 +8,7 @@ from math import atan2, cos, pi, sin
 import numpy as np
 
 from models.arithmetic.arrays import Array
-from models.arithmetic.products import length, squared_lengths
+from models.arithmetic.products import length, squared_lengths, total
 from models.surface import Surface
 from tasks.simulated_user.grasp import wrapped
 from tasks.simulated_user.screen import beyond_border, stopped_at_border
@@ -163,4 +163,4 @@ class GatherUser(SkilledUser):
 
 
 def _mean(values: Array) -> float:
-    return sum(values.tolist()) / len(values)
+    return total(values.tolist()) / len(values)

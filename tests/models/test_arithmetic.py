@@ -22,6 +22,15 @@ generators = st.integers(0, 2**32 - 1).map(np.random.default_rng)
 sizes = st.integers(1, 40)
 
 
+def test_a_total_adds_from_the_first_on_and_whole_numbers_exactly() -> None:
+    tenths = [0.1] * 10
+    assert products.total(tenths) == 0.9999999999999999
+    assert products.total(iter(tenths)) == products.total(tenths)
+    assert products.total([1e16, 1.0, -1e16]) == 0.0
+    assert products.total([10**30, 1, -(10**30)]) == 1
+    assert products.total([]) == 0
+
+
 @given(rng=generators, n=sizes, m=sizes, p=sizes)
 def test_products_are_those_of_numpy_to_rounding(
     rng: np.random.Generator, n: int, m: int, p: int

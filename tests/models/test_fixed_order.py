@@ -12,6 +12,7 @@ ROOT = Path(__file__).resolve().parents[2]
 
 ROOMS = (
     "models/*.py",
+    "models/mechanisms/*.py",
     "models/robot/*.py",
     "encoders/*.py",
     "encoders/labels/*.py",
@@ -24,6 +25,7 @@ ROOMS = (
     "tasks/*.py",
     "tasks/simulated_user/*.py",
     "tasks/clutter/*.py",
+    "tasks/mechanisms/*.py",
     "sandbox/clearing/*.py",
     "sandbox/devices/*.py",
     "sandbox/devices/simulated/*.py",
@@ -73,6 +75,8 @@ FUNCTIONS = {
 """NumPy's functions of which several versions exist, chosen by the processor."""
 PYTHON = {"hypot", "dist", "sumprod"}
 """Functions of `math` that versions of Python compute in different ways."""
+WHOLE = {"len", "int", "bool", "any", "all", "isinstance"}
+"""Functions whose results are whole numbers, True or False."""
 
 
 def refused(tree: ast.Module) -> Iterator[tuple[ast.expr | ast.stmt, str]]:
@@ -93,6 +97,38 @@ def refused(tree: ast.Module) -> Iterator[tuple[ast.expr | ast.stmt, str]]:
                 yield node, f"math.{', '.join(names & PYTHON)}"
             elif node.module.partition(".")[0] == "scipy":
                 yield node, node.module
+        elif (
+            isinstance(node, ast.Call)
+            and ast.unparse(node.func) == "sum"
+            and not adds_whole_numbers(node)
+        ):
+            yield node, "sum, which is not the same in all versions of Python"
+
+
+def adds_whole_numbers(call: ast.Call) -> bool:
+    """True if it can be seen that a `sum` adds only counts, answers or bits."""
+    terms = call.args[0]
+    if isinstance(terms, ast.GeneratorExp | ast.ListComp | ast.SetComp):
+        return whole(terms.elt)
+    if isinstance(terms, ast.Call) and isinstance(terms.func, ast.Name) and terms.args:
+        return terms.func.id == "map" and ast.unparse(terms.args[0]) in WHOLE
+    return False
+
+
+def whole(value: ast.expr) -> bool:
+    """True if it can be seen that a value is a whole number, True or False."""
+    match value:
+        case ast.Constant():
+            return isinstance(value.value, int)
+        case ast.Compare() | ast.UnaryOp(op=ast.Not()) | ast.BinOp(op=ast.LShift()):
+            return True
+        case ast.BoolOp():
+            return all(map(whole, value.values))
+        case ast.Call():
+            return ast.unparse(value.func) in WHOLE
+        case ast.IfExp():
+            return whole(value.body) and whole(value.orelse)
+    return False
 
 
 def marked(tree: ast.Module, lines: list[str], node: ast.AST) -> bool:
@@ -125,3 +161,25 @@ def test_a_room_that_makes_states_leaves_no_rounding_to_the_machine(name: str) -
     assert not wrong, (
         f"{wrong}. Use models.arithmetic, or say after `{MARK}` on the line why any order will do"
     )
+
+
+@pytest.mark.parametrize(
+    "line",
+    ["sum(numbers)", "sum(a * b for a, b in pairs)", "sum(far.values())", "sum([x, y], 0.0)"],
+)
+def test_a_sum_of_floats_is_noticed(line: str) -> None:
+    assert [what.partition(",")[0] for _, what in refused(ast.parse(line))] == ["sum"]
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "sum(1 for _ in x)",
+        "sum(place is not None for place in touches)",
+        "sum(1 << finger for finger in solid)",
+        "sum(map(len, parts))",
+        "points.sum(axis=0)",
+    ],
+)
+def test_a_sum_of_whole_numbers_is_not_refused(line: str) -> None:
+    assert not list(refused(ast.parse(line)))

@@ -9,6 +9,7 @@ import numpy as np
 
 from encoders.headset.controller import controller_points
 from encoders.headset.joint_points import KNUCKLES, THUMB, TIPS, WRIST
+from models.arithmetic.products import total
 from models.errors import FrameError
 from models.frames import TrackedFinger, TrackedHand, Vector
 from sandbox.server.protocol.protocol import JOINTS_OF_A_HAND, HeldController, SeenJoints
@@ -105,7 +106,7 @@ def _finger(finger: int, joints: list[Vector]) -> TrackedFinger:
         finger,
         tip,
         _unit(bones[-1]),
-        sum(_size(bone) for bone in bones),
+        total(_size(bone) for bone in bones),
         finger,
         (knuckle, pip, dip, tip),
     )
@@ -120,7 +121,7 @@ def _times(factor: float, v: Vector) -> Vector:
 
 
 def _mean(points: list[Vector]) -> Vector:
-    x, y, z = (sum(p[i] for p in points) / len(points) for i in range(3))
+    x, y, z = (total(p[i] for p in points) / len(points) for i in range(3))
     return x, y, z
 
 

@@ -8,7 +8,7 @@ from math import cos, sin
 import numpy as np
 
 from models.arithmetic.arrays import Array
-from models.arithmetic.products import length, small_product
+from models.arithmetic.products import length, small_product, total
 from models.errors import InputError
 from models.objects import Box, SceneObject, Tray, Wrench
 from tasks.goals import flat_yaw
@@ -84,7 +84,7 @@ def hold_of(seen: SeenObject, near: Array) -> Hold:
         _, half_width, half_height = shape.handle
         return Hold(place, across, 2.0 * half_width, float(place[2]) + half_height, False)
     assert isinstance(shape, Wrench)
-    out = shape.size * _GRIP if shape.bolt is not None else sum(shape.handle) / 2.0
+    out = shape.size * _GRIP if shape.bolt is not None else total(shape.handle) / 2.0
     place = position + out * along
     top = float(place[2]) + shape.thickness / 2.0
     return Hold(place, across, shape.handle_width, top, False)
