@@ -11,7 +11,11 @@ run has quick trials in two processes; one of three fails. Prints for every kind
 - in how many the file of trials began, after all, with what was in it when the run was killed;
 - how many trials had ended by then, and how many crashed.
 
+Every kill is kept in a file. Started again with the same file, it goes on with the kills that are
+not in it.
+
     python -m benchmarks.regress_kills --kills 20
+    python -m benchmarks.regress_kills --kills 0 out/regress_kills.jsonl    # shows what is kept
 """
 
 from __future__ import annotations
@@ -24,19 +28,19 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
 from statistics import median
 from tempfile import TemporaryDirectory
-from typing import Any
+from typing import Any, NamedTuple
 
 from rich.console import Console
-from rich.progress import track
 from rich.table import Table
 
+from benchmarks.kept_trials import KeptTrials
 from benchmarks.machine import describe_machine
 
 TASK = """
@@ -78,11 +82,39 @@ class Kind:
     kill: Callable[[Run], None]
     status: int
     executor: str = "processes"
-    killed: int = 0
-    same: int = 0
-    kept: int = 0
-    ended: list[int] = field(default_factory=list)
-    crashed: int = 0
+
+
+class Kill(NamedTuple):
+    """A run that is killed.
+
+    Attributes:
+        kind: Name of a kind.
+        seeds: Trials of the run.
+        number: Which of the kind's kills; its moment depends on it.
+    """
+
+    kind: str
+    seeds: int
+    number: int
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What became of a run that was killed and resumed.
+
+    Attributes:
+        in_time: It was killed before it had ended.
+        same: Every seed is in its report once, and the report is that of a run nobody killed.
+        kept: The file of trials begins with what was in it when the run was killed.
+        ended: Trials that had ended by then.
+        crashed: Trials that had crashed by then.
+    """
+
+    in_time: bool
+    same: bool
+    kept: bool
+    ended: int
+    crashed: int
 
 
 class Run:
@@ -185,7 +217,7 @@ def two_nodes() -> Iterator[tuple[Any, Any, str]]:
         cluster.shutdown()
 
 
-def kill_once(kind: Kind, run: Run, seeds: int, chance: random.Random) -> None:
+def kill_once(kind: Kind, run: Run, seeds: int, chance: random.Random) -> Outcome:
     """Starts a run, kills it at some moment and resumes it until it has every trial."""
     run.start()
     wanted, began = 1 + chance.randrange(seeds * 3 // 4), time.monotonic()
@@ -209,11 +241,13 @@ def kill_once(kind: Kind, run: Run, seeds: int, chance: random.Random) -> None:
     assert run.end() == 0, (run.folder / "log.txt").read_text()
     found = [t["seed"] for t in run.report()["trials"]]
     expected = reference(seeds)
-    kind.killed += in_time
-    kind.crashed += crashed
-    kind.ended.append(len(trials) - crashed)
-    kind.same += in_time and found == list(range(seeds)) and run.report() == expected
-    kind.kept += in_time and run.trials.read_bytes().startswith(before)
+    return Outcome(
+        in_time=in_time,
+        same=found == list(range(seeds)) and run.report() == expected,
+        kept=run.trials.read_bytes().startswith(before),
+        ended=len(trials) - crashed,
+        crashed=crashed,
+    )
 
 
 _REFERENCE: dict[int, dict[str, Any]] = {}
@@ -230,43 +264,61 @@ def reference(seeds: int) -> dict[str, Any]:
     return _REFERENCE[seeds]
 
 
-def one_turn(kind: Kind, seeds: int, chance: random.Random) -> None:
+def one_turn(turn: Kill) -> Outcome:
     """A run in a folder of its own."""
+    kind = next(kind for kind in kinds() if kind.name == turn.kind)
+    seeds, chance = turn.seeds, random.Random(f"{kind.name} {turn.number}")
     with TemporaryDirectory() as folder:
         if kind.kill is not lose_node:
-            kill_once(kind, Run(Path(folder), seeds, kind.executor), seeds, chance)
-            return
+            return kill_once(kind, Run(Path(folder), seeds, kind.executor), seeds, chance)
         with two_nodes() as (cluster, node, address):
             run = Run(Path(folder), seeds, kind.executor, "--address", address)
             run.nodes = [cluster, node]
-            kill_once(kind, run, seeds, chance)
+            return kill_once(kind, run, seeds, chance)
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument(
+        "file", type=Path, nargs="?", default=Path("out/regress_kills.jsonl"), help="keeps kills"
+    )
     parser.add_argument("--kills", type=int, default=20, help="of each kind")
     parser.add_argument("--seeds", type=int, default=40, help="trials of each run")
     parser.add_argument("--only", default="", help="kinds whose name contains this")
     options = parser.parse_args()
     console = Console()
     console = Console(width=max(console.width, 140))
-    reference(options.seeds)
-    tried = [kind for kind in kinds() if options.only in kind.name]
-    # Kinds take turns, so that what is printed after Ctrl-C is balanced.
-    turns = [(number, kind) for number in range(options.kills) for kind in tried]
+    kept = KeptTrials(Kill, Outcome, [options.file])
+    tried = [kind.name for kind in kinds() if options.only in kind.name]
+    # Kinds take turns, so that what is kept when it is stopped is balanced.
+    turns = [Kill(kind, options.seeds, number) for number in range(options.kills) for kind in tried]
     with suppress(KeyboardInterrupt):
-        for number, kind in track(turns, "killing", console=Console(stderr=True)):
-            one_turn(kind, options.seeds, random.Random(f"{kind.name} {number}"))
+        kept.play(one_turn, turns, 1)
     console.print(describe_machine(), highlight=False)
-    table = Table(title=f"runs of {options.seeds} seeds")
+    for seeds in sorted({turn.seeds for turn in kept.done}):
+        console.print(table(kept.done, seeds))
+
+
+def table(done: Mapping[Kill, Outcome], seeds: int) -> Table:
+    """Counts of the runs of so many seeds, a row for each kind."""
+    shown = Table(title=f"runs of {seeds} seeds")
     names = ("runs", "every seed once, same report", "nothing written is lost")
     for name in ("kind", *names, "ended before (median)", "crashed in all"):
-        table.add_column(name, justify="left" if name == "kind" else "right")
-    for kind in tried:
-        counts = (f"{kind.same} of {kind.killed}", f"{kind.kept} of {kind.killed}")
-        crashed = str(kind.crashed)
-        table.add_row(kind.name, str(kind.killed), *counts, f"{median(kind.ended):.0f}", crashed)
-    console.print(table)
+        shown.add_column(name, justify="left" if name == "kind" else "right")
+    for kind in dict.fromkeys(turn.kind for turn in done if turn.seeds == seeds):
+        mine = [o for turn, o in done.items() if turn.kind == kind and turn.seeds == seeds]
+        killed = [outcome for outcome in mine if outcome.in_time]
+        shown.add_row(
+            kind,
+            str(len(killed)),
+            f"{sum(o.same for o in killed)} of {len(killed)}",
+            f"{sum(o.kept for o in killed)} of {len(killed)}",
+            f"{median(o.ended for o in mine):.0f}",
+            str(sum(o.crashed for o in mine)),
+        )
+    return shown
 
 
 if __name__ == "__main__":
