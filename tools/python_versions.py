@@ -7,6 +7,7 @@ and without the oldest supported one it fails.
 
     python -m tools.python_versions                                  all of it
     python -m tools.python_versions --only 3.11 --libraries lowest -- -q -n0 tests/models
+    python -m tools.python_versions --keep out/pythons    # environments stay there
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ import sys
 import tempfile
 import tomllib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -31,6 +33,10 @@ PYTHONS = ("3.11", "3.12", "3.13")
 """Supported minor versions; the first one must be there."""
 LIBRARIES = ("lowest", "newest")
 EXTRA = "test"
+MADE = "made"
+"""File in an environment that has everything."""
+PIP = "pip>=26"
+"""Older ones, which come with these Pythons, also list versions that have no wheel."""
 
 
 def requirements(project: Mapping[str, Any], extra: str) -> list[Requirement]:
@@ -115,6 +121,7 @@ def environment(python: Path, folder: Path, libraries: str) -> Path:
     """
     subprocess.run([python, "-m", "venv", folder], check=True)
     inside = folder / "bin" / "python"
+    subprocess.run([str(inside), "-m", "pip", "install", "-q", PIP], check=True)
     install = [str(inside), "-m", "pip", "install", "-q", "--prefer-binary"]
     if libraries == "lowest":
         project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
@@ -132,6 +139,16 @@ def environment(python: Path, folder: Path, libraries: str) -> Path:
     return inside
 
 
+@contextmanager
+def place(keep: Path | None, name: str) -> Iterator[Path]:
+    """A folder for an environment: one that stays, or one that goes at the end."""
+    if keep is not None:
+        yield keep.resolve() / name
+        return
+    with tempfile.TemporaryDirectory() as folder:
+        yield Path(folder)
+
+
 def main(argv: Sequence[str]) -> int:
     """Makes all environments and tests in them; the exit status is 1 if any of it failed."""
     parser = argparse.ArgumentParser(
@@ -139,6 +156,7 @@ def main(argv: Sequence[str]) -> int:
     )
     parser.add_argument("--only", choices=PYTHONS, action="append", help="one of the Pythons")
     parser.add_argument("--libraries", choices=LIBRARIES, action="append", help="one of the two")
+    parser.add_argument("--keep", type=Path, help="folder in which environments stay")
     parser.add_argument("pytest", nargs="*", help="arguments of pytest; default: all tests")
     options = parser.parse_args(argv)
     found = interpreters()
@@ -155,9 +173,12 @@ def main(argv: Sequence[str]) -> int:
                 continue
             name = f"Python {minor}, {libraries} libraries"
             print(f"{name} ({found[minor]})", flush=True)
-            with tempfile.TemporaryDirectory() as folder:
+            with place(options.keep, f"{minor}-{libraries}") as folder:
                 try:
-                    inside = environment(found[minor], Path(folder), libraries)
+                    inside = folder / "bin" / "python"
+                    if not (folder / MADE).exists():
+                        environment(found[minor], folder, libraries)
+                        (folder / MADE).touch()
                     subprocess.run([inside, "-m", "pytest", *options.pytest], cwd=ROOT, check=True)
                 except (subprocess.CalledProcessError, SystemExit) as error:
                     print(f"{name}: {error}", flush=True)
