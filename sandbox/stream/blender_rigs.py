@@ -176,7 +176,8 @@ class OtherRig(Keyed):
 
     def _chain(self, name: str) -> List[str]:
         if name not in self.armature.data.bones:
-            raise Refused("no bone has the name %s" % name)
+            there = ", ".join(bone.name for bone in self.armature.data.bones)
+            raise Refused("no bone has the name %s; the armature has: %s" % (name, there))
         chain = [self.armature.data.bones[name]]
         while chain[-1].children:
             chain.append(chain[-1].children[0])

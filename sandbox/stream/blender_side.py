@@ -12,6 +12,8 @@ armature has them; start(chains=["thumb", "index"]) says another. Without a wind
 
     python hand_sandbox_blender.py --open rig.blend --armature Rig --chains thumb index --out a.glb
 
+It follows the right hand; start(side="left"), or --side left, lets it follow the left one.
+
 Chains may have any number of bones. They point where the fingers point and reach as far, as shares
 of their lengths; the joints between bend evenly. The bone above the chains follows the palm from
 where it stands. Keys go straight onto the bones: there is nothing to bake. stop() lets go.
@@ -25,7 +27,7 @@ import select
 import socket
 import sys
 import time
-from typing import Any, Dict, List, Optional, Sequence
+from typing import Any, Dict, List, Optional, Sequence, Set
 
 import bpy
 
@@ -35,9 +37,12 @@ from sandbox.stream.guest_math import Refused
 
 PORT = 7004
 TICK = 0.008  # s between two looks at the port in a window
+SIDES = ("right", "left")
+ENDINGS = (".bvh", ".glb", ".fbx", ".blend")
 
 hands: Dict[str, Any] = {}
 counts: Dict[str, int] = {"lines": 0, "lines refused": 0}
+streamed: Set[str] = set()  # sides of hands that came
 stopped: List[str] = []
 listener: Optional["Listener"] = None
 
@@ -93,6 +98,7 @@ def take(text: str) -> None:
             stop(line.side)
             stopped.append(line.side)
         elif line.kind == "rig":
+            streamed.add(line.side)
             if line.side not in hands:
                 hands[line.side] = OwnHand(line)
         elif line.side in hands:
@@ -113,9 +119,13 @@ def start(
     scale: Optional[float] = None,
 ) -> None:
     """Lets the selected chains, or named ones, follow a streamed hand."""
-    rig = bpy.data.objects[armature] if armature else bpy.context.object
+    if side not in SIDES:
+        raise Refused("no hand is %s: right or left" % side)
+    rig = bpy.data.objects.get(armature) if armature else bpy.context.object
     if rig is None or rig.type != "ARMATURE":
-        raise Refused("select an armature")
+        there = [each.name for each in bpy.data.objects if each.type == "ARMATURE"]
+        said = "no armature has the name %s" % armature if armature else "no armature is selected"
+        raise Refused("%s; the file has: %s" % (said, ", ".join(there) or "none"))
     names = chains or [bone.name for bone in bpy.context.selected_pose_bones or []]
     hands[side] = OtherRig(rig, names, fingers, side, root, scale)
 
@@ -170,34 +180,54 @@ def export(path: str, armature: Any, frames: Sequence[int]) -> None:
         bpy.ops.export_scene.gltf(filepath=path, use_selection=True)
     elif path.endswith(".fbx"):
         bpy.ops.export_scene.fbx(filepath=path, use_selection=True)
-    elif path.endswith(".blend"):
-        bpy.ops.wm.save_as_mainfile(filepath=path)
     else:
-        raise Refused("--out needs a name that ends in .bvh, .glb, .fbx or .blend")
+        bpy.ops.wm.save_as_mainfile(filepath=os.path.abspath(path))
 
 
 def main(words: Sequence[str]) -> int:
-    """Without a window: listens until every hand that was streamed has stopped."""
+    """Without a window: listens until every hand that was streamed has stopped.
+
+    The exit status is 1 if a rig got no hand, and 2 if what was asked for cannot be done, which one
+    line says.
+    """
+    try:
+        return run(words)
+    except (Refused, OSError, OverflowError) as error:
+        print("hand_sandbox: %s" % error, file=sys.stderr)
+        return 2
+
+
+def run(words: Sequence[str]) -> int:
+    """Does what words of the command line ask for, and gives the exit status."""
     parser = argparse.ArgumentParser("hand_sandbox_blender.py")
     parser.add_argument("--port", type=int, default=PORT)
     parser.add_argument("--fps", type=int, default=60)
     parser.add_argument("--open", default="", metavar="FILE.blend")
     parser.add_argument("--armature", default="")
     parser.add_argument("--chains", nargs="*", default=[])
+    parser.add_argument("--side", choices=SIDES, default="right", help="hand that moves the chains")
     parser.add_argument("--out", default="", metavar="FILE")
     asked = parser.parse_args(list(words))
+    if asked.out and not asked.out.endswith(ENDINGS):
+        raise Refused("--out needs a name that ends in %s, not %s" % (" ".join(ENDINGS), asked.out))
+    if asked.armature and not asked.chains:
+        raise Refused("--armature needs --chains: the first bones of one to five chains")
     if asked.open:
-        bpy.ops.wm.open_mainfile(filepath=asked.open)
+        try:
+            bpy.ops.wm.open_mainfile(filepath=asked.open)
+        except RuntimeError as error:
+            raise Refused(" ".join(str(error).split())) from None
     else:
         bpy.ops.wm.read_factory_settings(use_empty=True)
     bpy.context.scene.render.fps = asked.fps
     if asked.chains:
-        start(armature=asked.armature or None, chains=asked.chains)
+        start(asked.side, armature=asked.armature or None, chains=asked.chains)
     port = listen(asked.port)
     print("hand_sandbox: listening on 127.0.0.1:%d" % port.port, flush=True)
     rigs = dict(hands)
     try:
-        while not stopped or hands:
+        # A rig whose hand never came has nothing to wait for.
+        while not stopped or streamed & set(hands):
             if not port.poll():
                 time.sleep(0.001)
             rigs.update(hands)
@@ -205,6 +235,12 @@ def main(words: Sequence[str]) -> int:
         print("hand_sandbox: stopped")
     finally:
         port.close()
+    idle = set(hands) - streamed
+    for side in idle:
+        print(
+            "hand_sandbox: %s waited for the %s hand, which was not streamed; --side says another"
+            % (rigs.pop(side).armature.name, side)
+        )
     for side, rig in rigs.items():
         path = asked.out
         if path and len(rigs) > 1:
@@ -212,7 +248,7 @@ def main(words: Sequence[str]) -> int:
         if path and rig.frames:
             export(path, rig.armature, rig.frames)
         print("hand_sandbox: %s, frames %s, %s" % (rig.armature.name, rig.frames, path or "kept"))
-    return 0 if rigs else 1
+    return 0 if rigs and not idle else 1
 
 
 if __name__ == "__main__":

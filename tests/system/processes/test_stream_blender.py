@@ -7,6 +7,7 @@
 from __future__ import annotations
 
 import os
+import re
 import socket
 import subprocess
 import sys
@@ -48,8 +49,10 @@ def python(tmp_path_factory: pytest.TempPathFactory) -> str:
     return own
 
 
-def streamed(python: str, folder: Path, hand: HandLines, keys: Keys, *words: str) -> str:
-    """Streams keys into Blender; what it said."""
+def streamed(
+    python: str, folder: Path, hand: HandLines, keys: Keys, *words: str, status: int = 0
+) -> str:
+    """Streams keys into Blender, which ends with a status; what it said."""
     (folder / "side.py").write_text(script("blender"))
     side = subprocess.Popen(
         [python, "side.py", "--port", "0", *words],
@@ -74,7 +77,7 @@ def streamed(python: str, folder: Path, hand: HandLines, keys: Keys, *words: str
     finally:
         sender.close()
         side.kill()
-    assert side.returncode == 0, said + out
+    assert side.returncode == status, said + out
     return said + out
 
 
@@ -158,6 +161,61 @@ def test_chains_of_any_number_of_bones_reach_as_far_and_point_as_the_fingers_do(
         if bones == 1:
             way /= np.linalg.norm(way, axis=1, keepdims=True)
         assert np.abs(found - way).max() < 1e-3, c
+
+
+def test_a_left_hand_moves_a_rig_that_waits_for_it_and_ends(python: str, tmp_path: Path) -> None:
+    (tmp_path / "rig.py").write_text(RIG)
+    subprocess.run([python, "rig.py"], cwd=tmp_path, check=True, capture_output=True)
+    armature = Armature(Person("left").skeleton(ADULT))
+    hand = HandLines(armature, "left", BLENDER)
+    keys = armature.keys(moving(ADULT, 3, 5))
+    rig = ("--open", "rig.blend", "--armature", "Rig", "--chains", "chain1_0")
+    said = streamed(python, tmp_path, hand, keys, *rig, "--side", "left", "--out", "theirs.bvh")
+    assert "Rig, frames [1, 3]" in said and (tmp_path / "theirs.bvh").exists()
+
+
+def test_a_rig_whose_hand_never_comes_ends_with_a_line_that_says_so(
+    python: str, tmp_path: Path
+) -> None:
+    (tmp_path / "rig.py").write_text(RIG)
+    subprocess.run([python, "rig.py"], cwd=tmp_path, check=True, capture_output=True)
+    armature = Armature(Person("left").skeleton(ADULT))
+    hand = HandLines(armature, "left", BLENDER)
+    keys = armature.keys(moving(ADULT, 3, 5))
+    rig = ("--open", "rig.blend", "--armature", "Rig", "--chains", "chain1_0")
+    said = streamed(python, tmp_path, hand, keys, *rig, status=1)
+    assert "Rig waited for the right hand, which was not streamed; --side says another" in said
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (["--armature", "Rgi", "--chains", "chain1_0"], "no armature has the name Rgi; .*: Rig$"),
+        (
+            ["--armature", "Rig", "--chains", "chain9_0"],
+            "no bone has the name chain9_0; .*chain1_0",
+        ),
+        (["--armature", "Rig"], "--armature needs --chains"),
+        (["--chains", "chain1_0"], "no armature is selected; the file has: Rig$"),
+        (["--open", "none.blend"], "none.blend"),
+        (["--out", "hand.gltx"], r"--out needs a name that ends in \.bvh"),
+        (["--port", "99999"], "port"),
+    ],
+)
+def test_what_blender_cannot_do_is_told_in_one_line(
+    python: str, tmp_path: Path, words: list[str], told: str
+) -> None:
+    rig = RIG + "rig.select_set(False)\nbpy.context.view_layer.objects.active = None\n"
+    rig += 'bpy.ops.wm.save_as_mainfile(filepath="rig.blend")\n'
+    (tmp_path / "rig.py").write_text(rig)
+    subprocess.run([python, "rig.py"], cwd=tmp_path, check=True, capture_output=True)
+    (tmp_path / "side.py").write_text(script("blender"))
+    opened = [] if "--open" in words else ["--open", "rig.blend"]
+    asked = [python, "side.py", "--port", "0", *opened, *words]
+    side = subprocess.run(asked, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert side.returncode == 2 and "Traceback" not in side.stderr
+    lines = [line for line in side.stderr.splitlines() if line.startswith("hand_sandbox: ")]
+    assert len(lines) == 1 and re.search(told, lines[0]), side.stderr
 
 
 def test_a_port_in_blender_outlives_whatever_is_written_to_it(python: str, tmp_path: Path) -> None:
