@@ -23,6 +23,7 @@ IN_ROOMS = (
     ("tasks.mechanisms.chords", "Chords"),
     ("tasks.mechanisms.dial", "Dial"),
     ("tasks.clutter.gather", "Gather"),
+    ("tasks.mechanisms.insert", "Insert"),
 )
 """Module and class of built-in tasks in rooms of their own, which build upon this room."""
 

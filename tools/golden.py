@@ -47,6 +47,7 @@ TASKS = (
     "chords",
     "dial",
     "gather",
+    "insert",
 )
 ENCODERS = ("linear", "quadratic", "cubic", "pca-ik", "paper")
 RUNS = [

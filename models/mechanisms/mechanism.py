@@ -35,7 +35,7 @@ from models.objects import Joint, MechanismPart, mjcf_text
 
 TOUCH = 0.0005
 """m between surfaces, up to which a finger touches a part: one that presses a key bounces by less
-between two steps. It feels a force only from 0 on."""
+between two steps. MuJoCo 4 counts a force from there on, whatever the gap."""
 _FAR = 100.0
 """m, largest distance that is measured."""
 _FIXED_BITS = (CONTACT_OBJECT, CONTACT_HAND | CONTACT_OBJECT)
