@@ -12,6 +12,7 @@ from sandbox.study.design.design import Design, Level
 if TYPE_CHECKING:
     from sandbox.study.design.reading import Reader
     from sandbox.trial.settings import RunSettings
+    from tasks.task import Task
 
 PARTNER = "simulated"
 """Value of `second_device`: a simulated user moves the second hand, also next to a person."""
@@ -101,6 +102,17 @@ def combinations(design: Design) -> Iterator[dict[str, Level]]:
             yield from inner({**chosen, factor.name: level}, depth + 1)
 
     yield from inner({}, 0)
+
+
+def tasks_of(design: Design) -> dict[str, type[Task]]:
+    """Tasks of all combinations, by name."""
+    from tasks.registry import find_task
+
+    names = [
+        run_settings(values_of(design, levels), design.seed % 1000).task
+        for levels in combinations(design)
+    ]
+    return {name: find_task(name) for name in dict.fromkeys(names)}
 
 
 def values_of(design: Design, levels: Mapping[str, Level]) -> dict[str, Any]:

@@ -337,21 +337,29 @@ def _primary(table: TomlTable, forms: tuple[Form, ...]) -> tuple[str, ...]:
         table.add_mistake(
             "primary", "the list is empty", "Name an outcome, or remove it to test all of them"
         )
+    # A questionnaire whose file cannot be read has no items, and its own mistake.
+    unread = {form.name for form in forms if not form.items}
     for name in names:
-        if name in known or name in between:
+        if name in known or name in between or name in unread:
             continue
         if name in scored:
             what = f"{name} is asked once, so its score is not compared"
+            remedy = f"Ask {name} at a factor, after each of its levels, or remove it here"
         elif name in {form.name for form in forms}:
             what = f"{name} has no score, and single questions are not tested"
+            in_file = next(form.source for form in forms if form.name == name) is not None
+            where = "[[scales]] in its file" if in_file else "[[questionnaires.scales]]"
+            remedy = (
+                f"Give {name} a scale, {where} (docs/questionnaires.md), or remove it here: its "
+                "answers are described"
+            )
         else:
             what = f"unknown outcome {name!r}"
-        near = get_close_matches(name, (*known, *between), 1)
-        hint = f"Did you mean {near[0]}? " if near else ""
-        choice = ", ".join(("time_s", "success", *between))
-        table.add_mistake(
-            "primary", what, f"{hint}Write {choice} or a measure (docs/measures.md){_INSTALL}"
-        )
+            near = get_close_matches(name, (*known, *between), 1)
+            hint = f"Did you mean {near[0]}? " if near else ""
+            choice = ", ".join(("time_s", "success", *between))
+            remedy = f"{hint}Write {choice} or a measure (docs/measures.md){_INSTALL}"
+        table.add_mistake("primary", what, remedy)
     return names
 
 

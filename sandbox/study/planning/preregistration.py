@@ -8,7 +8,7 @@ from typing import Any
 
 from models.errors import StudyError
 from sandbox.study.design.balance import cycle_line
-from sandbox.study.design.conditions import combinations
+from sandbox.study.design.conditions import combinations, tasks_of
 from sandbox.study.design.design import END, START, Design, Exclusion, Factor
 from sandbox.study.design.plan import duration, session_plan, trials_of
 from sandbox.study.planning.planned import PlannedTests, family_size, planned_tests
@@ -88,8 +88,7 @@ def preregistration(
             *(_factor(factor) for factor in design.factors),
             f"- Conditions: {count}; repetitions: {design.repetitions}; sessions: "
             f"{design.sessions}; trials of each participant: {trials}, and {practice} of practice, "
-            "which are not analysed. A trial ends with success or after "
-            f"{design.time_limit:g} s at the latest.",
+            f"which are not analysed. {_limits(design)}",
             f"- Starts and goals: {'shared by all' if design.seeds == 'shared' else 'own'}; all "
             f"chance follows from seed {design.seed}. A session takes about {minutes:.0f} min.",
             f"- {cycle_line(design)}.",
@@ -124,6 +123,19 @@ def preregistration(
         )
         + "\n"
     )
+
+
+def _limits(design: Design) -> str:
+    own = {
+        name: task.time_limit
+        for name, task in tasks_of(design).items()
+        if task.time_limit < design.time_limit
+    }
+    most = f"A trial ends with success or after {design.time_limit:g} s at the latest"
+    if not own:
+        return f"{most}."
+    shorter = ", ".join(f"of {name} after {limit:g} s" for name, limit in own.items())
+    return f"{most}, {shorter}, which is the task's own limit."
 
 
 def _factor(factor: Factor) -> str:

@@ -6,6 +6,7 @@ import json
 import shlex
 import sys
 from collections.abc import Iterable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -303,3 +304,9 @@ def test_the_workflow_to_copy_gives_options_that_there_are() -> None:
     found, more = parse_known(shlex.split(line)[2:])
     assert found.baseline and found.junit and found.json and more == []
     assert parse_seeds(found.seeds) == tuple(range(120))
+    (making,) = [line for line in text.splitlines() if line.startswith("#   sandbox regress")]
+    made, more = parse_known(shlex.split(making)[3:])
+    assert made.update_baseline and more == []
+    # What makes the baseline runs what the job compares with it.
+    made = replace(made, update_baseline=False)
+    assert replace(made, json=found.json, junit=found.junit, record=found.record) == found

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from sandbox.study.design.conditions import combinations, run_settings, values_of
+from sandbox.study.design.conditions import tasks_of
 from sandbox.study.design.design import Design
 from sandbox.study.design.meaning.flaw import Flaw
 from sandbox.study.design.plan import BreakStep, Step, duration, session_plan
@@ -44,12 +44,7 @@ def session_flaws(design: Design) -> Iterator[Flaw]:
 
 
 def _times(design: Design) -> Iterator[Flaw]:
-    from tasks.registry import find_task
-
-    holds: dict[str, float] = {}
-    for levels in combinations(design):
-        task = run_settings(values_of(design, levels), design.seed % 1000).task
-        holds[task] = find_task(task).hold_time
+    holds = {name: task.hold_time for name, task in tasks_of(design).items()}
     too_long = {task: hold for task, hold in holds.items() if hold >= design.time_limit}
     if too_long:
         names = ", ".join(f"{task} {hold:g} s" for task, hold in too_long.items())

@@ -182,6 +182,14 @@ def test_a_preregistration_says_design_number_power_exclusions_analysis_and_lock
     assert "nasa-tlx-raw by" not in text, "it is not primary"
 
 
+def test_a_preregistration_says_the_limit_of_a_task_that_is_shorter_than_the_designs() -> None:
+    asked = "[trials]\nrepetitions = 3\n"
+    text = preregistration(plan(PLANNED.replace(asked, asked + "time_limit_s = 25\n")), 24, [], {})
+    assert "after 25 s at the latest, of wrench-turn after 20 s, which is the task's own" in text
+    text = preregistration(plan(PLANNED.replace(asked, asked + "time_limit_s = 15\n")), 24, [], {})
+    assert "after 15 s at the latest.\n" in text
+
+
 def test_a_preregistration_of_a_begun_study_is_of_its_lock(tmp_path: Path) -> None:
     study = StudyFolder(tmp_path, design(), SIMULATED)
     path = study.path / "design.toml"

@@ -120,7 +120,9 @@ def test_a_primary_outcome_without_data_is_named(tmp_path: Path) -> None:
         ("beauty", "unknown outcome 'beauty'"),
         ("time", "Did you mean time_s?"),
         ("sus", "sus is asked once"),
+        ("sus", "Ask sus at a factor, after each of its levels"),
         ("calm", "calm has no score, and single questions are not tested"),
+        ("calm", "Give calm a scale, [[questionnaires.scales]] (docs/questionnaires.md)"),
     ],
 )
 def test_the_check_refuses_outcomes_that_cannot_be_compared(name: str, said: str) -> None:
