@@ -11,6 +11,7 @@ four, a file in one of them; a file or a test that is named runs in the process 
 
 from __future__ import annotations
 
+import gc
 import os
 import signal
 from collections.abc import Callable, Generator
@@ -82,6 +83,13 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     if config.getoption("hypothesis_profile", None) == LONG:
         for test in {getattr(item, "function", None) for item in items}:
             _search_longer(test)
+
+
+def pytest_collection_finish() -> None:
+    """Takes the collected tests out of every later search for garbage: they stay to the end."""
+    gc.collect()
+    gc.freeze()
+    gc.set_threshold(5_000, 20, 20)
 
 
 def _search_longer(test: object) -> None:

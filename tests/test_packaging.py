@@ -50,8 +50,9 @@ def test_ci_runs_the_readme_command_to_the_letter(readme_commands: list[str], ci
     assert re.search(r'^[^#]*bash -euc "\$readme_tests \|\| \$once_more"', ci_run, re.MULTILINE)
 
 
-def test_ci_says_which_thirty_tests_took_longest(ci_run: str) -> None:
-    assert re.search(r'^export PYTEST_ADDOPTS="--durations=30"$', ci_run, re.MULTILINE)
+def test_ci_says_which_thirty_tests_took_longest_and_draws_the_same_examples(ci_run: str) -> None:
+    options = r'^export PYTEST_ADDOPTS="--durations=30 --hypothesis-seed=0"$'
+    assert re.search(options, ci_run, re.MULTILINE)
     # The bare root begins with an empty environment.
     assert re.search(r'env -i [^#]*PYTEST_ADDOPTS="\$PYTEST_ADDOPTS"', ci_run)
 

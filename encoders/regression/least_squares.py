@@ -14,8 +14,6 @@ import sys
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from scipy.linalg import lstsq
-from scipy.linalg.lapack import dgeqrf
 
 from encoders.regression.collapsed import SETS, collapse, set_code, set_codes
 from models.arithmetic.arrays import Array
@@ -27,6 +25,8 @@ independent terms (above 1e-6 on captures of the simulated subject), far above r
 _ROWS = 4096
 """Number of frames reduced at once; larger blocks exceed the processor's caches, smaller ones
 repeat work."""
+
+# SciPy is imported where something is fitted: a program that only predicts starts without it.
 
 
 def is_ridge(value: object) -> bool:
@@ -105,6 +105,8 @@ class LeastSquares:
     def solve(self) -> tuple[Array, int]:
         """Minimum-norm least-squares coefficients (K, n_outputs) of scaled terms, and the terms'
         rank."""
+        from scipy.linalg import lstsq
+
         X, Q = self.stacked()
         scale = np.sqrt(np.einsum("mk,mk->k", X, X))
         # A term that is zero in all frames has no scale; avoid a division by zero.
@@ -130,6 +132,8 @@ _FINGERS = {set_code(fingers): fingers for fingers in SETS}
 
 def triangle(X: Array, Q: Array, above: Array | None = None) -> Array:
     """Upper triangle R with R'R = [X Q]'[X Q] (+ above'above), of no more rows than columns."""
+    from scipy.linalg.lapack import dgeqrf
+
     n = X.shape[1] + Q.shape[1]
     held = 0 if above is None else len(above)
     work = np.empty((held + len(X), n), order="F")

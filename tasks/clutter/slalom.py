@@ -103,6 +103,8 @@ class Slalom(TaskDefaults):
             angle = float(rng.uniform(-np.pi, np.pi))
             first, last = rng.uniform(*LEAD, 2).tolist()
             side = float(rng.choice((-1.0, 1.0)))
+            if not _within(start[None], BORDER, size):
+                continue
             along = np.array([cos(angle), sin(angle)])
             across = np.array([-along[1], along[0]])
             end = start + (first + GATES_APART + last) * along

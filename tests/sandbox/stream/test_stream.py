@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import json
 import socket
 import threading
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -21,6 +21,7 @@ from models.motion.sampling import Poses
 from models.rotations import quaternion_to_matrix
 from models.skeleton import ADULT
 from sandbox.cli.main import main
+from sandbox.devices.leap.leap_truth import write_take
 from sandbox.export.motion_source import MotionSource, poses_of
 from sandbox.stream.guest_line import Line
 from sandbox.stream.guest_math import (
@@ -42,6 +43,7 @@ from sandbox.stream.sender import Sender, parse_address
 from tests.sandbox.stream.command_port import CommandPort, Manners
 from tests.sandbox.stream.fake_maya import FakeMaya, maya_with
 from tests.sandbox.stream.fake_maya_joints import turned
+from tests.support.leap_hands import take
 from tests.support.motion_poses import HANDS, legal, moving
 
 PATIENT = 20.0
@@ -355,16 +357,15 @@ def test_a_hand_over_a_leap_is_streamed_without_a_scene(
     side: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path = tmp_path / "hand.json"
-    main(["leap", "simulate", "--out", str(path), "--hand", side, "--dialect", "v3"])
-    text = json.loads(path.read_text())
-    frames = text["frames"] if isinstance(text, dict) else text
-    short = frames[: 1 + len(frames) // 60]
-    if isinstance(text, dict):
-        text["frames"] = short
-    else:
-        text = short
-    path.write_text(json.dumps(text))
-    capsys.readouterr()
+    shown = take(0, "v3", side=side)
+    short = replace(
+        shown,
+        frames=shown.frames[:60],
+        fingers=shown.fingers[:60],
+        angles=shown.angles[:60],
+        open=shown.open[:60],
+    )
+    write_take(short, path, {})
     assert main(["stream", "--device", str(path), "--hand", side, "--print"]) == 0
     told = moments(capsys.readouterr().out)
     assert {line.side for line in told} == {side} and len(told) > 15
