@@ -39,6 +39,17 @@ IN_FOLDERS = {"capture", "evaluate", "paalm", "play", "replay", "study", "touche
 EXIT_DONE, EXIT_GATE_FAILED, EXIT_BAD_INPUT = 0, 1, 2
 
 
+def _versions() -> str:
+    """A line of versions, with the commit where the program runs from a checkout."""
+    from sandbox.recording.source_digest import program_root
+    from sandbox.recording.versions import versions
+    from sandbox.system.checkout import commit
+
+    numbers, at = versions(), commit(program_root())
+    told = [f"{of} {numbers[of]}" for of in ("hand-sandbox", "mujoco", "python")]
+    return ", ".join([told[0] + (f" (commit {at})" if at else ""), *told[1:]])
+
+
 def main(argv: list[str] | None = None) -> int:
     """Entry point of the `sandbox` command.
 
@@ -54,14 +65,7 @@ def main(argv: list[str] | None = None) -> int:
             print(overview(COMMANDS), flush=True)
             return EXIT_DONE
         if name == "--version":
-            from sandbox.recording.versions import versions
-
-            version_numbers = versions()
-            print(
-                ", ".join(
-                    f"{of} {version_numbers[of]}" for of in ("hand-sandbox", "mujoco", "python")
-                )
-            )
+            print(_versions())
             return EXIT_DONE
         if name not in COMMANDS:
             raise InputError(

@@ -16,7 +16,7 @@ def test_the_program_is_a_module_too_and_tells_its_version() -> None:
         for program in ([sys.executable, "-m", "sandbox"], [sys.executable, "-m", SCRIPT])
     ]
     assert found[0] == found[1]
-    assert re.fullmatch(r"hand-sandbox \S+, mujoco \S+, python \S+\n", found[0])
+    assert re.fullmatch(r"hand-sandbox \S+( \(commit [^)]+\))?, mujoco \S+, python \S+\n", found[0])
 
 
 def test_the_command_line_knows_the_hand(tmp_path: Path) -> None:
