@@ -61,9 +61,10 @@ class Regression:
         """Runs the trials.
 
         Args:
-            task: A name, or a class of one's own that the registry need not know.
+            task: A name, a place `FILE.py:Class`, or a class of one's own that the registry need
+                not know. Files are searched from the test's folder, then from the current one.
             seeds: Such as `0:60`.
-            encoder: A name, a file, or a trained model.
+            encoder: A name, a file, or a trained model; files as for tasks.
             baseline: File to compare with, from the test's folder; made by
                 `--sandbox-update-baseline`.
             at_least: Success rate 0 to 1; fewer successes than chance explains fail the test.
@@ -80,7 +81,7 @@ class Regression:
             InputError: What is asked for cannot be run or compared.
         """
         plan = RegressionPlan(
-            find_tasks([task]) if isinstance(task, str) else (task,),
+            find_tasks([self._beside(task)]) if isinstance(task, str) else (task,),
             parse_seeds(seeds),
             differing({"encoder": self._encoder(encoder), **scene}),
         )
@@ -102,7 +103,14 @@ class Regression:
             if not path.exists():
                 save_model(encoder, path)
             return str(path)
-        return str(encoder)
+        return self._beside(str(encoder))
+
+    def _beside(self, place: str) -> str:
+        """A place such as FILE.py:Class from the test's folder where the file is there, as given
+        otherwise."""
+        file, colon, name = place.partition(":")
+        here = self.folder / file
+        return f"{here}{colon}{name}" if here.is_file() else place
 
     def _baseline(
         self, name: str | Path | None, plan: RegressionPlan, across_encoders: bool

@@ -373,6 +373,8 @@ class SessionRunner:
                 )
                 self._leave_key, self._leave_reason = "r", words or "repeated"
                 self.say(f"trial {self._last.number} is repeated")
+            case "s" if isinstance(self._step, ConsentStep):
+                self.say("consent is not skipped: the participant agrees or does not; q stops")
             case "s" | "q":
                 self._leave_key, self._leave_reason = (
                     command.key,

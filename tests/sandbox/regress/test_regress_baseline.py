@@ -14,6 +14,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from encoders.regression.model_registry import find_model
+from encoders.regression.trained import save_model
 from models.errors import InputError
 from sandbox.regress.baseline import Baseline, load_baseline
 from sandbox.regress.junit import junit
@@ -236,6 +238,33 @@ def test_the_fixture_asserts_that_nothing_was_lost(tmp_path: Path) -> None:
     with pytest.raises(AssertionError, match="beyond chance") as caught:
         asking(Worse, "0:8", baseline="base.json")
     assert "seed 1: it fails now" in str(caught.value) and "python -c" in str(caught.value)
+
+
+MINE = """
+from tests.support.regress_tasks import Quick
+
+
+class Mine(Quick):
+    name = "mine"
+"""
+
+
+def test_the_fixture_takes_files_from_the_tests_folder_wherever_pytest_is_run(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    folder, elsewhere, other = (tmp_path / name for name in ("lab", "elsewhere", "other"))
+    for each in (folder, elsewhere):
+        each.mkdir()
+    (folder / "mine.py").write_text(MINE)
+    save_model(find_model("linear", print), folder / "ours.npz")
+    monkeypatch.chdir(elsewhere)
+    Regression(folder, tmp_path, update=True)("mine.py:Mine", "0:3", "ours.npz", "base.json")
+    # A baseline does not know where it was made.
+    folder.rename(other)
+    report = Regression(other, tmp_path)("mine.py:Mine", "0:3", "ours.npz", "base.json", exact=True)
+    assert report.tasks[0].name == "mine" and report.comparisons["mine"].pairs == 3
+    with pytest.raises(InputError, match=r"none\.py"):
+        Regression(other, tmp_path)("none.py:Mine", "0:3")
 
 
 def test_the_fixture_asks_for_a_rate_only_beyond_chance(tmp_path: Path) -> None:

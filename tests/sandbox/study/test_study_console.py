@@ -98,6 +98,12 @@ def test_notes_exclusions_and_skips_are_written_down_and_delete_nothing(tmp_path
     assert len(rows) == TRIALS - 1
 
 
+def test_consent_cannot_be_skipped(tmp_path: Path) -> None:
+    _, state, _, typist = run_with(tmp_path, {1: "s in a hurry", 20: "q"})
+    assert not state.skipped and state.consent is True
+    assert any("consent is not skipped" in line for line in typist.said)
+
+
 def test_a_stopped_session_goes_on_where_it_was(tmp_path: Path) -> None:
     study, state, outcome, _ = run_with(tmp_path, {30: "q"})
     done = [t for t in range(1, TRIALS + 1) if state.counted(t)]
