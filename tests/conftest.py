@@ -5,7 +5,8 @@ passes. Two things a machine may honestly lack are let through, each only while 
 recordings in `../shared/data` (`HAND_SANDBOX_DATA` overrides the place) and device nodes in /dev.
 
 Whoever runs a folder of tests has them run in as many processes as there are processors, at most
-four, a file in one of them; a file or a test that is named runs in the process that was started.
+four, a file in one of them, and in one process more where no browser is installed. A file or a test
+that is named runs in the process that was started.
 `-n 0` has everything in one process.
 """
 
@@ -21,6 +22,7 @@ import pytest
 from hypothesis import HealthCheck, settings
 
 import models  # noqa: F401  (before NumPy: it pins the BLAS kernel)
+from tests.support.chromium import BINARY
 from tests.support.needs import require
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -67,6 +69,9 @@ def pytest_xdist_auto_num_workers(config: pytest.Config) -> int:
     processors = len(os.sched_getaffinity(0)) if can_count else os.cpu_count() or 1
     if processors == 1:
         return 0
+    # Some tests wait for servers and processes, and one more process computes meanwhile. Where a
+    # browser is installed, this is busy enough.
+    processors += not os.path.exists(BINARY)
     # Each of them has one processor: threads of linear algebra would only be in the others' way.
     for library in ("OMP", "OPENBLAS", "MKL"):
         os.environ.setdefault(f"{library}_NUM_THREADS", "1")

@@ -35,7 +35,7 @@ def held_open(
 
 
 def test_of_a_finger_that_stands_still_more_or_less_is_seen() -> None:
-    hand, seen = held_open(300.0)
+    hand, seen = held_open(150.0)
     lengths = np.array([s.lengths for s in seen])[:, 1:]
     whole = np.percentile(lengths, 99, axis=0)
     found = np.percentile(lengths / whole, [5, 25, 50], axis=0)
@@ -54,7 +54,7 @@ def test_of_a_finger_that_stands_still_more_or_less_is_seen() -> None:
 
 
 def test_lengths_change_as_slowly_as_real_ones_and_together() -> None:
-    _, seen = held_open(300.0)
+    _, seen = held_open(150.0)
     lengths = np.array([s.lengths for s in seen])[:, 1:]
     later = {
         lag: np.mean([np.corrcoef(x[:-lag], x[lag:])[0, 1] for x in lengths.T])
@@ -74,7 +74,7 @@ def test_the_palm_is_seen_in_front_of_ours() -> None:
 
 
 def test_fingers_are_lost_and_come_back_mostly_with_their_own_id() -> None:
-    _, seen = held_open(300.0, FROZEN_LEAP)
+    _, seen = held_open(150.0, FROZEN_LEAP)
     ids = np.array([s.ids for s in seen])
     assert 0.4 < (ids > 0).all(axis=1).mean() < 0.8
     again: Counter[bool] = Counter()

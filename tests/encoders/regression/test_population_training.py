@@ -28,7 +28,7 @@ from sandbox.cli.main import main
 @cache
 def few() -> Population:
     groups = {
-        "train": {"first": 4, "second": 5, "posed": 23},
+        "train": {"first": 2, "second": 5, "posed": 25},
         "choose": {"first": 1, "second": 2, "posed": 0},
     }
     return simulate_population("pose", groups)

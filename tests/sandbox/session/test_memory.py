@@ -17,7 +17,7 @@ from sandbox.options.scene_options import SceneOptions, plan
 from sandbox.session.session import Session
 from sandbox.trial.driver import View
 from sandbox.trial.headless import run_trial
-from tasks.registry import task_names
+from tasks.registry import find_task, task_names
 
 
 def left_over(options: SceneOptions, record: Path | None = None) -> list[str]:
@@ -44,7 +44,10 @@ def left_over(options: SceneOptions, record: Path | None = None) -> list[str]:
 
 
 @pytest.mark.parametrize("task", task_names())
-def test_nothing_is_left_of_a_trial_that_has_ended(task: str) -> None:
+def test_nothing_is_left_of_a_trial_that_has_ended(
+    task: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(find_task(task), "time_limit", 2.0)
     assert left_over(SceneOptions(task=task, seed=3)) == []
 
 
