@@ -24,6 +24,7 @@ IN_ROOMS = (
     ("tasks.mechanisms.dial", "Dial"),
     ("tasks.clutter.gather", "Gather"),
     ("tasks.mechanisms.insert", "Insert"),
+    ("tasks.mechanisms.close_case", "CloseCase"),
 )
 """Module and class of built-in tasks in rooms of their own, which build upon this room."""
 

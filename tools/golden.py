@@ -48,6 +48,7 @@ TASKS = (
     "dial",
     "gather",
     "insert",
+    "close-case",
 )
 ENCODERS = ("linear", "quadratic", "cubic", "pca-ik", "paper")
 RUNS = [

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from models.arithmetic.arrays import Array
+from models.arithmetic.products import length
 from models.mechanisms.mechanism import Part
 from models.objects import Box
 from models.surface import Surface
@@ -47,22 +48,29 @@ class Lie(NamedTuple):
     before: float
 
 
-def lie_of(peg: SeenObject, socket: SeenObject, goal: Goal) -> Lie:
-    """Where a peg lies before its socket, or in it."""
+def lie_of(peg: SeenObject, socket: SeenObject, goal: Goal, along: Array) -> Lie:
+    """Where a peg lies before its socket, or in it.
+
+    Args:
+        peg: The peg as seen.
+        socket: The socket.
+        goal: The goal of the peg.
+        along: (2,) unit vector into the socket.
+    """
     assert isinstance(peg.shape, Box) and isinstance(socket.shape, Part)
-    c, s = cos(goal.yaw), sin(goal.yaw)
     x, y = (np.asarray(peg.position[:2]) - np.array(goal.position[:2])).tolist()
-    along, aside = c * x + s * y, c * y - s * x
+    c, s = along.tolist()
+    deep, aside = c * x + s * y, c * y - s * x
     mouth = float(socket.shape.bounds[0][0])
-    before = mouth - along - peg.shape.half_size[0]
-    return Lie(along, aside, _half_wrapped(peg.yaw - goal.yaw), before)
+    before = mouth - deep - peg.shape.half_size[0]
+    return Lie(deep, aside, _half_wrapped(peg.yaw - goal.yaw), before)
 
 
 class PegHandling:
     """Handling of a peg: held where it stays out of the socket, and equal after half a turn.
 
     Attributes:
-        goal: Its goal in the socket.
+        along: (2,) unit vector into the socket.
         inside: m of the peg that are in the socket at the goal.
     """
 
@@ -71,7 +79,7 @@ class PegHandling:
     patience = 8
 
     def __init__(self) -> None:
-        self.goal: Goal | None = None
+        self.along: Array = np.zeros(2)
         self.inside = 0.0
 
     def missing(self, seen: SeenObject, goal: Goal) -> tuple[Array, float]:
@@ -83,10 +91,10 @@ class PegHandling:
         self, seen: SeenObject, turn: float, hand: Hand, failed: Grasp | None = None
     ) -> Grasp:
         """Grasp across the peg, behind what goes into the socket."""
-        assert isinstance(seen.shape, Box) and self.goal is not None
+        assert isinstance(seen.shape, Box)
         half, half_width, _ = seen.shape.half_size
         # The end of the peg that is in front.
-        front = 1.0 if abs(wrapped(seen.yaw - self.goal.yaw)) < pi / 2 else -1.0
+        front = 1.0 if float(seen.rotation[:2, 0] @ self.along) > 0.0 else -1.0
         out = 2 * half - self.inside
         fingers = hand.within(out - 2 * _FINGER)
         options = []
@@ -130,7 +138,11 @@ class InsertUser(SkilledUser):
         goal = sight.goals[0]
         shape, socket = sight.objects[goal.object].shape, _socket(sight)
         assert isinstance(shape, Box) and isinstance(socket.shape, Part)
-        self._peg.goal = goal
+        if not length(self._peg.along):
+            # The peg is seen to lie before the mouth, which a mirror image leaves as it is.
+            axis = np.array([cos(goal.yaw), sin(goal.yaw)])
+            way = np.array(goal.position[:2]) - sight.objects[goal.object].position[:2]
+            self._peg.along = axis if float(way @ axis) > 0.0 else -axis
         self._peg.inside = shape.half_size[0] - float(socket.shape.bounds[0][0])
         super()._act(sight, now)
 
@@ -138,16 +150,16 @@ class InsertUser(SkilledUser):
         """Missing shift (2,) m and turn rad; between the walls only the depth counts."""
         off, turn = super()._missing(sight, box)
         goal = sight.goals[0]
-        lie = lie_of(box, _socket(sight), goal)
+        lie = lie_of(box, _socket(sight), goal, self._peg.along)
         if lie.before < 0.0 and abs(lie.aside) < ALIGNED[0] + 0.002:
-            return -lie.along * np.array([cos(goal.yaw), sin(goal.yaw)]), 0.0
+            return -lie.along * self._peg.along, 0.0
         return off, turn
 
     def _leg(self, sight: Sight, box: SeenObject, off: Array, turn: float) -> tuple[Array, float]:
         """The next movement: to a place before the mouth, or a step into the socket."""
         goal = sight.goals[0]
-        lie = lie_of(box, _socket(sight), goal)
-        along = np.array([cos(goal.yaw), sin(goal.yaw)])
+        along = self._peg.along
+        lie = lie_of(box, _socket(sight), goal, along)
         across = np.array([-along[1], along[0]])
         aligned = abs(lie.aside) < ALIGNED[0] and abs(lie.skew) < ALIGNED[1]
         if lie.before < -0.002:

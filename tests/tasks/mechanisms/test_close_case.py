@@ -1,0 +1,107 @@
+"""Close case: every trial is a fair one, two hands can do it, and one alone cannot."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import mujoco
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from models.errors import SurfaceTooSmallError
+from models.hand import Hand
+from models.scene import Scene, SceneSpec
+from models.surface import Surface
+from sandbox.options.scene_options import SceneOptions, plan
+from sandbox.trial.headless import run_trial
+from sandbox.trial.result import TrialResult
+from tasks.mechanisms.case import CAP, CASE, TRAVEL
+from tasks.mechanisms.close_case import BORDER, GRIP, HELD, SEAM, CloseCase
+from tasks.sensing import Sensing
+from tasks.task import Measure
+from tests.support.simulation import put, run
+
+BOTH = Surface(15.52, 5.82).centred_at((0.0, 0.0, CloseCase.touch_height))
+AWAY = np.concatenate([[0.0, 0.0, 0.30], np.zeros(45)])
+
+
+def played(seed: int, **options: Any) -> TrialResult:
+    chosen = plan(SceneOptions(task="close-case", seed=seed, **options))
+    return run_trial(chosen.settings, chosen.makers, about=chosen.about)
+
+
+class Trial:
+    """A trial in its real scene."""
+
+    def __init__(self, seed: int = 3) -> None:
+        self.task = CloseCase.draw(seed, BOTH)
+        self.scene = Scene(SceneSpec((Hand(),), self.task.objects, own_friction=True))
+        self.data = mujoco.MjData(self.scene.model)
+        put(self.scene, self.data, AWAY)
+        self.scene.set_solid(0, frozenset())
+
+    def measure(self) -> Measure:
+        mujoco.mj_forward(self.scene.model, self.data)
+        return self.task.measure(Sensing(self.scene, self.data))
+
+
+@given(seed=st.integers(0, 2**63 - 1))
+def test_every_trial_has_a_half_for_either_hand(seed: int) -> None:
+    task, again = CloseCase.draw(seed, BOTH), CloseCase.draw(seed, BOTH)
+    assert task.goals == again.goals and task.objects[0].position == again.objects[0].position
+    half, cap = task.objects
+    along = np.array([np.cos(half.yaw), np.sin(half.yaw)])
+    left = np.array(half.position[:2]) - HELD * along
+    right = np.array(cap.position[:2]) + HELD * along
+    assert left[0] <= -SEAM + 1e-9 and right[0] - TRAVEL * along[0] >= SEAM - 1e-9
+    on = BOTH.to_surface(np.column_stack([[left, right], np.zeros(2)]))
+    assert np.all(on >= BORDER - 1e-9) and np.all(on <= BOTH.size - BORDER + 1e-9)
+
+
+def test_a_surface_without_room_for_two_hands_is_refused_in_one_line() -> None:
+    with pytest.raises(SurfaceTooSmallError, match="a case between two hands"):
+        CloseCase.draw(1, Surface())
+
+
+def test_a_closed_case_is_there_and_an_open_one_is_not() -> None:
+    trial = Trial()
+    assert trial.measure() == Measure(False, 0.0, "the case is open by 20 mm")
+    trial.data.joint(CAP).qpos[0] = 0.01
+    assert trial.measure().reason == "the case is open by 10 mm"
+    assert 0.4 < trial.measure().progress < 0.7
+    trial.data.joint(CAP).qpos[0] = 0.0
+    run(trial.scene, trial.data, 0.3)
+    assert trial.measure() == Measure(True, 1.0, "")
+
+
+@pytest.mark.parametrize("push", [0.3, 1.0, 1.4])
+def test_a_push_at_one_half_alone_moves_the_case_and_does_not_close_it(push: float) -> None:
+    trial = Trial()
+    assert push < GRIP[0] and not trial.measure().reached
+    along = trial.scene.object_pose(trial.data, CASE)[1][:, 0]
+    before = trial.data.body(CASE).xpos.copy()
+    trial.data.body(CAP).xfrc_applied[:3] = -push * along
+    run(trial.scene, trial.data, 0.1)
+    moved = (before - trial.data.body(CASE).xpos) @ along
+    assert moved > 0.01
+    assert trial.data.joint(CAP).qpos[0] > 0.019
+
+
+@pytest.mark.parametrize("solid", ["fingertips", "hand"])
+def test_two_simulated_users_close_the_case(solid: str) -> None:
+    result = played(6400, solid=solid)
+    assert result.success and result.final
+
+
+def test_two_who_have_swapped_hands_close_it_too() -> None:
+    assert played(6401, hand="left", second_hand="right").success
+
+
+@pytest.mark.parametrize(
+    "alone", [{"second_user": "idle"}, {"user": "idle", "second_user": "skilled"}]
+)
+def test_one_simulated_user_alone_does_not(alone: dict[str, str]) -> None:
+    result = played(6400, **alone)
+    assert not result.instant and result.progress < 0.2
