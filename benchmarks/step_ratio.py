@@ -6,8 +6,8 @@
 Trials of the simulated user are played in a process of their own, by turns from the other checkout
 and from this one: same task, seed and pinned processor, both with `--encoder best`, here with
 `--solid fingertips`, which was all there was. A ratio belongs to one pair, and the table gives the
-geometric mean with its 95 % interval, by resampling pairs. Run it with `chrt -f 5` on a machine that
-has other work. Users of two commits may move differently, so a trial's time is per control step.
+geometric mean with its 95 % interval, by resampling pairs. Use `chrt -f 5` on a machine that has
+other work. Users of two commits may move differently, so a trial's time is per control step.
 """
 
 from __future__ import annotations
