@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from models.arithmetic.arrays import Array
-from models.arithmetic.products import length
+from models.arithmetic.products import length, small_product
 from models.mechanisms.mechanism import Part
 from models.objects import Box
 from models.surface import Surface
@@ -94,7 +94,7 @@ class PegHandling:
         assert isinstance(seen.shape, Box)
         half, half_width, _ = seen.shape.half_size
         # The end of the peg that is in front.
-        front = 1.0 if float(seen.rotation[:2, 0] @ self.along) > 0.0 else -1.0
+        front = 1.0 if float(small_product(seen.rotation[:2, 0], self.along)) > 0.0 else -1.0
         out = 2 * half - self.inside
         fingers = hand.within(out - 2 * _FINGER)
         options = []
@@ -142,7 +142,7 @@ class InsertUser(SkilledUser):
             # The peg is seen to lie before the mouth, which a mirror image leaves as it is.
             axis = np.array([cos(goal.yaw), sin(goal.yaw)])
             way = np.array(goal.position[:2]) - sight.objects[goal.object].position[:2]
-            self._peg.along = axis if float(way @ axis) > 0.0 else -axis
+            self._peg.along = axis if float(small_product(way, axis)) > 0.0 else -axis
         self._peg.inside = shape.half_size[0] - float(socket.shape.bounds[0][0])
         super()._act(sight, now)
 

@@ -36,6 +36,13 @@ ROOMS = (
 )
 """Where what a recording replays is computed."""
 
+TABLES = (
+    "sandbox/study/design/scoring.py",
+    "sandbox/study/measures/*.py",
+    "sandbox/study/tables/*.py",
+)
+"""Where tables are computed that are compared when they are made anew."""
+
 APART = {
     "models/kinematics.py": "captures and training",
     "encoders/capture.py": "captures",
@@ -75,7 +82,7 @@ FUNCTIONS = {
 """NumPy's functions of which several versions exist, chosen by the processor."""
 PYTHON = {"hypot", "dist", "sumprod"}
 """Functions of `math` that versions of Python compute in different ways."""
-WHOLE = {"len", "int", "bool", "any", "all", "isinstance"}
+WHOLE = {"len", "int", "bool", "any", "all", "isinstance", "str.isupper"}
 """Functions whose results are whole numbers, True or False."""
 
 
@@ -161,6 +168,20 @@ def test_a_room_that_makes_states_leaves_no_rounding_to_the_machine(name: str) -
     assert not wrong, (
         f"{wrong}. Use models.arithmetic, or say after `{MARK}` on the line why any order will do"
     )
+
+
+@pytest.mark.parametrize(
+    "path", sorted(p for room in TABLES for p in ROOT.glob(room)), ids=lambda path: path.name
+)
+def test_tables_add_floats_in_the_same_way_on_every_python(path: Path) -> None:
+    text = path.read_text()
+    tree, lines = ast.parse(text), text.splitlines()
+    wrong = [
+        f"{path.name}:{node.lineno}"
+        for node, what in refused(tree)
+        if what.startswith("sum,") and not marked(tree, lines, node)
+    ]
+    assert not wrong, f"{wrong}. Use models.arithmetic.products.total, or say after `{MARK}` why"
 
 
 @pytest.mark.parametrize(

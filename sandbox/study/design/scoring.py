@@ -42,12 +42,14 @@ class Scale:
     @property
     def range(self) -> tuple[float, float]:
         """Lowest and highest possible score."""
+        from models.arithmetic.products import total
+
         lows = [0.0 if self.from_zero else low for low, _ in self.bounds]
         highs = [high - (low if self.from_zero else 0.0) for low, high in self.bounds]
         if self.rule == "sum":
-            ends = (sum(lows), sum(highs))
+            ends = (total(lows), total(highs))
         elif self.rule == "mean":
-            ends = (sum(lows) / len(lows), sum(highs) / len(highs))
+            ends = (total(lows) / len(lows), total(highs) / len(highs))
         else:
             ends = (min(lows), max(highs))
         low, high = sorted((ends[0] * self.factor, ends[1] * self.factor))
@@ -65,6 +67,8 @@ class ScaleScore:
 
 def score(scale: Scale, answers: Mapping[str, Any]) -> ScaleScore:
     """Computes the score from answers by item; an absent answer or None is missing."""
+    from models.arithmetic.products import total
+
     used = (*scale.items, *scale.pairs)
     missing = sum(answers.get(name) is None for name in used)
     if missing:
@@ -76,7 +80,7 @@ def score(scale: Scale, answers: Mapping[str, Any]) -> ScaleScore:
     if scale.rule == "weighted":
         value = _weighted(values, [tally(scale, answers)[name] for name in scale.items])
     else:
-        value = sum(values) / (len(values) if scale.rule == "mean" else 1)
+        value = total(values) / (len(values) if scale.rule == "mean" else 1)
     return ScaleScore(scale.name, value * scale.factor, 0)
 
 
@@ -98,4 +102,6 @@ def _counted(scale: Scale, name: str, value: float, bounds: tuple[float, float])
 
 
 def _weighted(values: Sequence[float], weights: Sequence[int]) -> float:
-    return sum(v * w for v, w in zip(values, weights, strict=True)) / sum(weights)
+    from models.arithmetic.products import total
+
+    return total(v * w for v, w in zip(values, weights, strict=True)) / total(weights)

@@ -59,7 +59,7 @@ def grasps(digits: Sequence[str], runs: Sequence[tuple[int, int]]) -> int:
 def _grasped(digits: str) -> bool:
     """True if two digits of one hand push; capital letters are those of a second hand."""
     fingers = digits.lower().replace(PALM, "")
-    second = sum(letter.isupper() for letter in digits.replace(PALM.upper(), ""))
+    second = sum(map(str.isupper, digits.replace(PALM.upper(), "")))
     return max(second, len(fingers) - second) >= 2
 
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from models.arithmetic.products import total
+
 FingersByContact = Mapping[Any, int]
 """Finger label (thumb 0 .. little 4) by contact; with two hands, by hand and contact."""
 
@@ -57,6 +59,6 @@ def label_errors(
     return {
         "label_accuracy": right / compared if compared else None,
         "label_errors": errors,
-        "label_recovery_s": sum(recoveries) / len(recoveries) if recoveries else None,
+        "label_recovery_s": total(recoveries) / len(recoveries) if recoveries else None,
         "label_unrecovered": len(since),
     }

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from models.arithmetic.arrays import Array
+from models.arithmetic.products import total
 from models.frames import FINGERS
 from models.scene import TABLE, Scene, touching_sensor
 from tasks.sensing import SUPPORT
@@ -164,7 +165,7 @@ class ContactReader:
         order = one + one.upper()
         return ObjectPushes(
             "".join(sorted(digits, key=order.index)),
-            sum(sorted(digits.values())),
+            total(sorted(digits.values())),
             tuple(sorted(by)),
             tuple(sorted(on)),
         )

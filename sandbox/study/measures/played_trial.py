@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from models.arithmetic.arrays import Array
+from models.arithmetic.products import total
 from models.frames import FINGERS
 from models.scene import CONTROL_PERIOD
 from sandbox.study.measures.columns import Columns
@@ -97,8 +98,8 @@ def _palm(table: Columns) -> Values:
     longest = max((part for _, speed in paths for part in speed), key=len)
     moves = longest.sum() * CONTROL_PERIOD >= STILL
     return {
-        "palm_path_m": sum(lengths),
-        "palm_efficiency": efficiency(sum(map(end_distance, joined)), sum(lengths)),
+        "palm_path_m": total(lengths),
+        "palm_efficiency": efficiency(total(map(end_distance, joined)), total(lengths)),
         "palm_peak_m_s": float(max(part.max(initial=0.0) for _, speed in paths for part in speed)),
         "palm_sparc": sparc(longest, CONTROL_PERIOD) if moves else None,
     }
@@ -112,13 +113,13 @@ def _objects(table: Columns) -> Values:
     places = {name: table.numbers(*(f"{name}_{axis}" for axis in "xyz")) for name in names}
     goals = {name: table.numbers(*(f"{name}_goal_{axis}" for axis in "xyz")) for name in names}
     parts = {name: _unbroken(places[name]) for name in names}
-    lengths = {name: sum(path_length(part) for part in parts[name]) for name in names}
+    lengths = {name: total(path_length(part) for part in parts[name]) for name in names}
     speed = {name: [speeds(part, CONTROL_PERIOD) for part in parts[name]] for name in names}
-    length = sum(lengths.values())
+    length = total(lengths.values())
     values: Values = {
         "object_path_m": length,
         "object_efficiency": efficiency(
-            sum(end_distance(part) for some in parts.values() for part in some), length
+            total(end_distance(part) for some in parts.values() for part in some), length
         ),
         "object_peak_m_s": float(max(s.max(initial=0.0) for some in speed.values() for s in some)),
         "placement_error_m": float(
@@ -182,8 +183,8 @@ def _handling(table: Columns) -> Values:
     first = _first_push(table)
     return {
         "first_push_s": None if first is None else float(table.numbers("time_s")[first, 0]),
-        "grasps": sum(held),
-        "regrasps": sum(max(number - 1, 0) for number in held),
+        "grasps": sum(held),  # any order: whole numbers
+        "regrasps": sum(max(number - 1, 0) for number in held),  # any order: whole numbers
         "drops": dropped,
     }
 

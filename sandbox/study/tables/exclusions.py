@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from models.arithmetic.products import total
 from sandbox.study.design.design import Design
 from sandbox.study.record.state import SessionState
 from sandbox.study.tables.column import Row
@@ -44,6 +45,6 @@ def _by_rule(design: Design, rows: Sequence[Row]) -> str:
     counted = [r for r in rows if r["counted"] and not r["practice"] and not r["excluded"]]
     for rule in design.exclusions:
         values = [float(r[rule.measure]) for r in counted if r.get(rule.measure) is not None]
-        if rule.of == "participant" and values and rule.holds(sum(values) / len(values)):
+        if rule.of == "participant" and values and rule.holds(total(values) / len(values)):
             return f"rule {rule.name}"
     return ""

@@ -67,7 +67,7 @@ def participant_row(
     reasons += [s.excluded_participant for s in states if s.excluded_participant]
     reason = reasons[0].removeprefix(PERSON) if reasons else ""
     asked = [r for s in states for r in s.answers.values() if r["form"] == "demographics"]
-    ended = sum(state.complete for state in states)
+    ended = sum(state.complete for state in states)  # any order: whole numbers
     return {
         **{
             name: start[name]

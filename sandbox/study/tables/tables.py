@@ -121,8 +121,8 @@ class StudyTables:
                 write_atomically(study.path / name, data)
         return {
             "participants": len(kept),
-            "trials": sum(participant.trials for participant in kept),
-            "excluded": sum(participant.excluded for participant in kept),
+            "trials": sum(person.trials for person in kept),  # any order: whole numbers
+            "excluded": sum(person.excluded for person in kept),  # any order: whole numbers
         }
 
     def _rows(self, person: Participant, columns: dict[str, list[str]]) -> _ParticipantRows | None:
@@ -146,7 +146,7 @@ class StudyTables:
             settled,
             csv_of(self._study.design, rows),
             len(counted),
-            sum(row["excluded"] for row in counted),
+            sum(row["excluded"] for row in counted),  # any order: whole numbers
         )
 
 
