@@ -25,7 +25,7 @@ _HELD = 0.6
 _STEP, _FARTHER = 0.008, 0.002
 """m that the user pushes before the next look, at most, and beyond the rim."""
 _FIRST = 1.0
-"""s that the user leaves to the other one to grasp."""
+"""s that the user leaves to the other one to grasp, also when the other half has given way."""
 _YIELDS = 0.002
 """m by which the other half moves under a push before the user waits for who should hold it."""
 _SLIPPED = 0.015
@@ -71,6 +71,7 @@ class CaseUser(SkilledUser):
         self._seen: tuple[SeenObject, SeenObject] | None = None
         self._since: float | None = None
         self._before: Array | None = None
+        self._ready = 0.0
 
     def _act(self, sight: Sight, now: float) -> None:
         cap = sight.goals[0].object
@@ -111,7 +112,9 @@ class CaseUser(SkilledUser):
         goal, there = sight.goals[0], self._seen[1].position[:2]
         gives_way = self._before is not None and length(there - self._before) > _YIELDS
         self._before = np.array(there)
-        if self._mine != goal.object or now - self._since < _FIRST or gives_way:
+        if gives_way:
+            self._ready = now + _FIRST
+        if self._mine != goal.object or now < max(self._since + _FIRST, self._ready):
             self._wait(_LOOK, now)
             return
         ahead = min(gap + _FARTHER, _STEP) / gap
