@@ -109,7 +109,7 @@ class Baseline:
                 where=str(self.path),
                 got="; ".join(f"{k} {there.get(k, 'missing')}" for k in other[:4]),
                 expected="; ".join(f"{k} {here.get(k, 'missing')}" for k in other[:4]),
-                remedy="--update-baseline makes it anew"
+                remedy="Give the run the baseline's (got); --update-baseline makes it anew"
                 + ("; --across-encoders compares the two" if set(other) <= _ENCODER else ""),
             )
         for name in set(self.tasks) & set(versions):
