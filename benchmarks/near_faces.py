@@ -334,9 +334,14 @@ def main() -> None:
         kept.play(trial, jobs, options.workers)
     done = [(j, o) for j, o in kept.done.items() if j[:4] in wanted and j.rules == options.rules]
     table = Table(
-        "touches", "trials", "solid in time, %", "and held, %", "thing moved, mm: 95 %, most",
-        "step of a tip, mm: 95 %, most", "solid after, s: median, most",
-    )  # fmt: skip
+        "touches",
+        "trials",
+        "solid in time, %",
+        "and held, %",
+        "thing moved, mm: 95 %, most",
+        "step of a tip, mm: 95 %, most",
+        "solid after, s: median, most",
+    )
     for distance in options.distances:
         add_row(table, f"{distance:g} mm away", [o for j, o in done if j.distance == distance])
     for turn in options.turns:

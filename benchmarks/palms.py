@@ -346,9 +346,13 @@ def main() -> None:
         found = list(bars.track(pool.map(trial, jobs, chunksize=25), total=len(jobs)))
     done = list(zip(jobs, found, strict=True))
     table = Table(
-        "contacts", "wrong", "%", "s: median, 95 %, most", "pushed first",
+        "contacts",
+        "wrong",
+        "%",
+        "s: median, 95 %, most",
+        "pushed first",
         "other fingers taken for palms",
-    )  # fmt: skip
+    )
     for kind, edge in (("palm", PALM[0] + 5.0), ("finger", WIDE[1] - 4.0)):
         those = [o for job, o in done if job.kind == kind]
         add_row(table, kind, f"{kind}s", those)

@@ -299,9 +299,16 @@ def main() -> None:
         if j.fingers in options.fingers and j.rules == options.rules
     ]
     table = Table(
-        "release", "clean", "moved, mm: 95 %, most", "turned, degrees", "raised before, mm",
-        "tilted, degrees", "step of a tip, mm", "grip, N: median (5 to 95 %)", "sideways, N",
-    )  # fmt: skip
+        "release",
+        "clean",
+        "moved, mm: 95 %, most",
+        "turned, degrees",
+        "raised before, mm",
+        "tilted, degrees",
+        "step of a tip, mm",
+        "grip, N: median (5 to 95 %)",
+        "sideways, N",
+    )
     for kind in KINDS:
         for fingers in options.fingers:
             rows = [o for j, o in done if (j.kind, j.fingers) == (kind, fingers) and not o.lost]

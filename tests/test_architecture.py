@@ -191,6 +191,14 @@ def nothing_is_left_undone(path: str, source: str) -> Iterator[str]:
             yield f"{path}:{token.start[0]} leaves work for later"
 
 
+def ruff_decides_the_layout(path: str, source: str) -> Iterator[str]:
+    if "fmt:" not in source:
+        return
+    for token in tokenize.generate_tokens(io.StringIO(source).readline):
+        if token.type == tokenize.COMMENT and re.match(r"# fmt: (skip|off)", token.string):
+            yield f"{path}:{token.start[0]} keeps ruff from the layout"
+
+
 CONTRACTS = {"device", "task", "reconstructor", "rig", "session", "inner", "part"}
 """Names of objects whose contract declares all they can do: nobody needs to ask them."""
 
@@ -265,6 +273,7 @@ RULES: tuple[Rule, ...] = (
     only_the_program_shows_and_serves,
     nothing_is_swallowed,
     nothing_is_left_undone,
+    ruff_decides_the_layout,
 )
 
 BROKEN = [
@@ -299,6 +308,7 @@ BROKEN = [
     (nothing_is_swallowed, "a.py", "with contextlib.suppress(Exception):\n    f()"),
     (nothing_is_left_undone, "a.py", "def f():\n    raise NotImplementedError"),
     (nothing_is_left_undone, "a.py", "x = 1  # " + "TODO more"),
+    (ruff_decides_the_layout, "a.py", "x = [1,2]  # " + "fmt: skip"),
 ]
 
 SOUND = [
@@ -320,6 +330,7 @@ SOUND = [
     (nothing_is_swallowed, "a.py", "try:\n    f()\nexcept BaseException:\n    undo()\n    raise"),
     (nothing_is_swallowed, "a.py", "with suppress(FileNotFoundError):\n    f()"),
     (nothing_is_left_undone, "a.py", "TODO = 'in a name'\nraise ValueError"),
+    (ruff_decides_the_layout, "a.py", "count = text.count('# fmt: skip')"),
 ]
 
 

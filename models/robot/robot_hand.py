@@ -325,9 +325,14 @@ class RobotFollower:
 def hand_digest(mapping: RobotMapping, robot: RobotModel) -> str:
     """Digest of what a robot's motion depends on: its model and its mapping."""
     numbers = (
-        mapping.side, mapping.radii, mapping.scales, mapping.offset, mapping.turn,
-        sorted(mapping.coupled.items()), robot.joint_names(),
-    )  # fmt: skip
+        mapping.side,
+        mapping.radii,
+        mapping.scales,
+        mapping.offset,
+        mapping.turn,
+        sorted(mapping.coupled.items()),
+        robot.joint_names(),
+    )
     return digest(robot.identity, repr(numbers).encode())
 
 

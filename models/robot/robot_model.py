@@ -208,13 +208,23 @@ class RobotModel:
         """All that its motion depends on, as bytes."""
         model, joints, bodies = self.model, self.joints, self.bodies
         arrays: list[Any] = [
-            model.body_parentid[bodies], model.body_pos[bodies], model.body_quat[bodies],
-            model.body_mass[bodies], model.body_ipos[bodies], model.body_iquat[bodies],
-            model.body_inertia[bodies], model.jnt_bodyid[joints], model.jnt_type[joints],
-            model.jnt_axis[joints], model.jnt_pos[joints], self.limits(), self.force_limits(),
-            self._damping("dof_damping"), self._damping("dof_armature"),
+            model.body_parentid[bodies],
+            model.body_pos[bodies],
+            model.body_quat[bodies],
+            model.body_mass[bodies],
+            model.body_ipos[bodies],
+            model.body_iquat[bodies],
+            model.body_inertia[bodies],
+            model.jnt_bodyid[joints],
+            model.jnt_type[joints],
+            model.jnt_axis[joints],
+            model.jnt_pos[joints],
+            self.limits(),
+            self.force_limits(),
+            self._damping("dof_damping"),
+            self._damping("dof_armature"),
             self._damping("dof_frictionloss"),
-        ]  # fmt: skip
+        ]
         parts = [np.ascontiguousarray(a).tobytes() for a in arrays]
         return b"|".join([*parts, repr(self.tips).encode()])
 

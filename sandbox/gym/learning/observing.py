@@ -141,7 +141,7 @@ _HANDS: dict[str, Part] = {
         lambda s, i: (np.zeros((5, 2)), np.tile([STRONG, 1.0], (5, 1))),
         lambda m, i: m.forces[i],
     ),
-}  # fmt: skip
+}
 """Parts of each hand; of two hands, a part has a row for each."""
 
 

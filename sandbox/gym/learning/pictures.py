@@ -65,6 +65,15 @@ def _looks(scene: Scene) -> tuple[NDArray[Any], ...]:
     """Looks of a scene in a picture, besides where things are."""
     m = scene.model
     return (
-        m.geom_type, m.geom_size, m.geom_pos, m.geom_quat, m.geom_rgba, m.geom_dataid,
-        m.geom_bodyid, m.geom_matid, m.body_parentid, m.jnt_bodyid, m.mesh_vert,
-    )  # fmt: skip
+        m.geom_type,
+        m.geom_size,
+        m.geom_pos,
+        m.geom_quat,
+        m.geom_rgba,
+        m.geom_dataid,
+        m.geom_bodyid,
+        m.geom_matid,
+        m.body_parentid,
+        m.jnt_bodyid,
+        m.mesh_vert,
+    )

@@ -102,8 +102,9 @@ def _confounded(design: Design, rows: list[tuple[int, ...]], some: tuple[int, ..
         if _even(sizes, cycle_of(factors[0])):
             return ""
         return f"{names}: its groups differ in size, so that people weigh differently"
-    orders = [[_places(factor, row[i]) for i, factor in zip(some, factors, strict=True)]
-              for row in rows]  # fmt: skip
+    orders = [
+        [_places(factor, row[i]) for i, factor in zip(some, factors, strict=True)] for row in rows
+    ]
     what = names if len(factors) == 1 else f"the interaction of {names}"
     if not _even(Counter(_joint(orders)), prod(map(_cells, factors))):
         return f"{what} with practice: levels are not at every place equally often"

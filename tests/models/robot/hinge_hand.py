@@ -9,8 +9,13 @@ from models.frames import FINGERS
 TIPS = tuple(f"{finger}_tip" for finger in FINGERS)
 """Names of the sites at its fingertips."""
 
-_BASES = ((-0.030, 0.030, -0.008), (-0.028, 0.09, 0), (-0.005, 0.093, 0), (0.018, 0.09, 0),
-          (0.038, 0.08, 0))  # fmt: skip
+_BASES = (
+    (-0.030, 0.030, -0.008),
+    (-0.028, 0.09, 0),
+    (-0.005, 0.093, 0),
+    (0.018, 0.09, 0),
+    (0.038, 0.08, 0),
+)
 
 
 def hinge_hand(folder: Path, side: str = "right", extra: str = "", tips: int = 5) -> Path:

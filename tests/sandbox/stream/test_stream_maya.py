@@ -403,8 +403,11 @@ def test_the_time_slider_is_extended_to_the_keys_and_never_shortened() -> None:
             run(line)
         run(hand.stop)
         assert scene.range == {
-            "animationStartTime": 1.0, "minTime": 1.0, "animationEndTime": 201.0, "maxTime": 201.0
-        }  # fmt: skip
+            "animationStartTime": 1.0,
+            "minTime": 1.0,
+            "animationEndTime": 201.0,
+            "maxTime": 201.0,
+        }
         names["start"]()
         scene.currentTime(40)
         run(hand.rig)

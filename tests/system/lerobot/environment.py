@@ -18,10 +18,21 @@ LEROBOT = ("lerobot==0.4.4", "torchvision==0.28.0")
 """The newest LeRobot for Python 3.11. It asks for an older torch, and for cameras, motors, learners
 and services that are not used here, so it comes without what it asks for."""
 NEEDED = (
-    "accelerate<2", "av>=15,<16", "datasets>=4,<5", "deepdiff<9", "draccus==0.10.0", "einops",
-    "gymnasium<2", "huggingface-hub<0.36", "imageio", "jsonlines", "packaging<26", "pyserial",
-    "safetensors", "termcolor",
-)  # fmt: skip
+    "accelerate<2",
+    "av>=15,<16",
+    "datasets>=4,<5",
+    "deepdiff<9",
+    "draccus==0.10.0",
+    "einops",
+    "gymnasium<2",
+    "huggingface-hub<0.36",
+    "imageio",
+    "jsonlines",
+    "packaging<26",
+    "pyserial",
+    "safetensors",
+    "termcolor",
+)
 """Those of them that are used."""
 
 WITHOUT_OPERATORS = """

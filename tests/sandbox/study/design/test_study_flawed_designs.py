@@ -36,8 +36,11 @@ FOUND = {
     "19-the-same-goal-again": ("trials.seeds", "remembered"),
     "20-by-chance": ("factors[1].order", "paper comes first in 3 of 4 orders"),
 }
-LINES = {"demographics": "[[demographics]]", "exclusions": "[[exclusions]]",
-         "instructions": "[[instructions]]"}  # fmt: skip
+LINES = {
+    "demographics": "[[demographics]]",
+    "exclusions": "[[exclusions]]",
+    "instructions": "[[instructions]]",
+}
 
 
 @pytest.mark.parametrize("name", sorted(path.stem for path in FOLDER.glob("*.toml")))
