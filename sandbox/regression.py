@@ -107,10 +107,14 @@ class Regression:
 
     def _beside(self, place: str) -> str:
         """A place such as FILE.py:Class from the test's folder where the file is there, as given
-        otherwise."""
+        otherwise. It is seen from the current folder, so that printed commands hold elsewhere."""
         file, colon, name = place.partition(":")
         here = self.folder / file
-        return f"{here}{colon}{name}" if here.is_file() else place
+        if not here.is_file():
+            return place
+        if here.is_relative_to(Path.cwd()):
+            here = here.relative_to(Path.cwd())
+        return f"{here}{colon}{name}"
 
     def _baseline(
         self, name: str | Path | None, plan: RegressionPlan, across_encoders: bool

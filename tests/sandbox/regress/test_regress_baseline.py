@@ -249,6 +249,17 @@ class Mine(Quick):
 """
 
 
+def test_a_lost_seed_s_command_names_a_task_s_file_from_the_current_folder(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "lab").mkdir()
+    (tmp_path / "lab" / "mine.py").write_text(MINE)
+    monkeypatch.chdir(tmp_path)
+    report = Regression(tmp_path / "lab", tmp_path)("mine.py:Mine", "0:3")
+    (command,) = (failed["command"] for failed in report.as_json()["tasks"]["mine"]["failed"])
+    assert " lab/mine.py:Mine " in command and str(tmp_path) not in command
+
+
 def test_the_fixture_takes_files_from_the_tests_folder_wherever_pytest_is_run(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
