@@ -71,9 +71,10 @@ def solved(stage: Stage, glass: Any, picture: Path) -> None:
     until(glass, "document.querySelector('.end-words').textContent.startsWith('Done in')")
     picture.write_bytes(glass.picture())
     drawn = np.asarray(Image.open(picture).convert("RGB"), int)
-    # A box at its goal is orange. On a canvas that stays empty nothing is.
+    # A box at its goal is orange. On a canvas that stays empty nothing is. The hand may still lie
+    # over two thirds of the box, of which 0.85 % of the screen are left.
     orange = (drawn[..., 0] > 200) & (drawn[..., 1] < 150) & (drawn[..., 2] < 120)
-    assert orange.mean() > 0.01
+    assert orange.mean() > 0.005
 
 
 @pytest.mark.needs("firefox")
