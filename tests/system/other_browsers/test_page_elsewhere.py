@@ -79,7 +79,7 @@ def solved(stage: Stage, glass: Any, picture: Path) -> None:
         return float(is_orange.mean())
 
     # The hand may still be over the box: as a ghost, which pales its colour, or solid.
-    assert wait_for(lambda: orange() > 0.005)
+    assert wait_for(lambda: orange() > 0.01)
 
 
 @pytest.mark.needs("firefox")
