@@ -304,11 +304,17 @@ def test_the_example_with_a_user_of_its_own_is_done_by_that_user(seed: int) -> N
     assert len(user.strip().splitlines()) <= 30
 
 
-def test_without_a_touch_the_example_is_not_done(regression: Regression) -> None:
+@pytest.mark.parametrize("here", [".", "examples", "sandbox"])
+def test_without_a_touch_the_example_is_not_done_and_its_command_names_the_file(
+    regression: Regression, monkeypatch: pytest.MonkeyPatch, here: str
+) -> None:
+    monkeypatch.chdir(ROOT / here)
     report = regression(str(MUG), "0:2", user="idle")
     assert [t["success"] for t in report.trials] == [False, False]
     assert {t["task"] for t in report.trials} == {"my-lab-push-the-mug"}
-    assert f"sandbox run {MUG}" in report.command(report.trials[0])
+    command = report.command(report.trials[0]).split()
+    assert command[:2] == ["sandbox", "run"]
+    assert Path(command[2]).resolve() == MUG.resolve()
 
 
 def recorded(path: Path, task: str, **source: object) -> None:
