@@ -35,7 +35,7 @@ from models.objects import Joint, MechanismPart, mjcf_text
 
 TOUCH = 0.0005
 """m between surfaces, up to which a finger touches a part: one that presses a key bounces by less
-between two steps. MuJoCo 4 counts a force from there on, whatever the gap."""
+between two steps. Forces begin at the surface: in MuJoCo 4, contacts within a gap have none."""
 _FAR = 100.0
 """m, largest distance that is measured."""
 _FIXED_BITS = (CONTACT_OBJECT, CONTACT_HAND | CONTACT_OBJECT)
@@ -48,11 +48,11 @@ class Mechanism:
     """Bodies from MJCF, joined by hinges and slides: one that stands in the world, and what it
     carries.
 
-    Taken from the description: bodies, their geoms, masses and friction as for a `MjcfObject`, and
-    of every joint its axis, place, range, stiffness, springref, damping, frictionloss, armature and
-    ref. The first body is fixed where it stands, unless it has a free joint, a hinge or a slide of
-    its own. Parts of one mechanism meet only through their joints, and those of a fixed one do not
-    meet the table.
+    Taken from the description: bodies, their geoms, masses and friction as for a `MjcfObject`, the
+    margins of geoms, which are skins around them, and of every joint its axis, place, range,
+    stiffness, springref, damping, frictionloss, armature and ref. The first body is fixed where it
+    stands, unless it has a free joint, a hinge or a slide of its own. Parts of one mechanism meet
+    only through their joints, and those of a fixed one do not meet the table.
 
     Attributes:
         name: Name of the first body. Another body is called NAME/BODY.
@@ -267,8 +267,9 @@ class Part(MechanismPart):
             name = f"{self.name}_{number}"
             element = geom_element(model, geom, name, own.name, own.size, bits)
             if geom in {solid[-1] for solid in self._solid}:
-                element.set("margin", f"{TOUCH:.9g}")
                 element.set("gap", f"{TOUCH:.9g}")
+                if model.geom_margin[geom]:
+                    element.set("margin", f"{own.size * float(model.geom_margin[geom]):.9g}")
             body.append(element)
         for part in own.parts:
             if part.carrier == self.name:
@@ -301,7 +302,7 @@ class Part(MechanismPart):
                 if distance is None
                 else distance(matrix_product(local - place, turn), dimensions)
             )
-            distances = np.minimum(distances, own)
+            distances = np.minimum(distances, own - self._model.geom_margin[geom])
         return size * distances
 
     @cached_property
@@ -311,7 +312,7 @@ class Part(MechanismPart):
         for _, place, turn, _, geom in self._solid:
             middle, half = self._model.geom_aabb[geom, :3], self._model.geom_aabb[geom, 3:]
             centre = place + stacked_applied(turn, middle)
-            reach = stacked_applied(np.abs(turn), half)
+            reach = stacked_applied(np.abs(turn), half) + self._model.geom_margin[geom]
             corners += [centre - reach, centre + reach]
         size = self.mechanism.size
         return size * np.min(corners, axis=0), size * np.max(corners, axis=0)

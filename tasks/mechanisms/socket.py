@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from models.mechanisms.mechanism import TOUCH, Mechanism
+from models.mechanisms.mechanism import Mechanism
 from models.objects import Box
 
 PEG, SOCKET = "peg", "socket"
@@ -19,9 +19,13 @@ _WALL = 0.010
 """m, thickness of walls and bottom."""
 _ROUND = 0.003
 """m, radius of the rounded edges at the mouth."""
-_POST = _ROUND - TOUCH
-"""m, radius of the posts that round them. Parts of a mechanism push from so far on, and all faces
-are set back by as much, so that the peg meets them where they are said to be."""
+_SKIN = 0.0005
+"""m, thickness of the skin (MuJoCo's margin) around walls and posts, whose cores are set back by as
+much: faces are where they are said to be. Two cores whose faces meet in a corner penetrate each
+other, and MuJoCo may take the direction of the push for that of a face; skins do not."""
+_POST = _ROUND - _SKIN
+"""m, radius of the cores of the posts that round them."""
+_SOLID = f'friction="{FRICTION:g}" margin="{_SKIN:g}"'
 _WOOD, _DARK = ".80 .62 .40 1", ".36 .30 .26 1"
 
 
@@ -45,8 +49,8 @@ def socket(position: tuple[float, float], yaw: float, clearance: float) -> Mecha
         yaw: rad about the vertical.
         clearance: m, width of the socket less that of the peg.
     """
-    bottom, mouth = LENGTH / 2 + TOUCH, LENGTH / 2 - DEPTH + TOUCH
-    inner, middle = (WIDTH + clearance) / 2 + TOUCH, HEIGHT / 2
+    bottom, mouth = LENGTH / 2 + _SKIN, LENGTH / 2 - DEPTH + _SKIN
+    inner, middle = (WIDTH + clearance) / 2 + _SKIN, HEIGHT / 2
     # The corner between mouth and wall is a round post, so that the peg slides into it.
     begin, outer, radius = mouth + _POST, inner + _WALL, _POST
     geoms = _box((bottom, bottom + _WALL), (-outer, outer), _DARK)
@@ -54,8 +58,8 @@ def socket(position: tuple[float, float], yaw: float, clearance: float) -> Mecha
         geoms += _box((begin, bottom), (side * inner, side * outer))
         geoms += _box((mouth, begin), (side * (inner + radius), side * outer))
         geoms += (
-            f'<geom type="cylinder" size="{radius:.9g} {middle:g}" friction="{FRICTION:g}"'
-            f' pos="{begin:.9g} {side * (inner + radius):.9g} {middle:g}" rgba="{_WOOD}"/>'
+            f'<geom type="cylinder" size="{radius:.9g} {middle:g}" {_SOLID} rgba="{_WOOD}"'
+            f' pos="{begin:.9g} {side * (inner + radius):.9g} {middle:g}"/>'
         )
     mjcf = f"<mujoco><worldbody><body>{geoms}</body></worldbody></mujoco>"
     return Mechanism(SOCKET, mjcf, (*position, 0.0), yaw)
@@ -66,4 +70,4 @@ def _box(x: tuple[float, float], y: tuple[float, float], rgba: str = _WOOD) -> s
     half = HEIGHT / 2
     size = f"{abs(x[1] - x[0]) / 2:.9g} {abs(y[1] - y[0]) / 2:.9g} {half:g}"
     pos = f"{(x[0] + x[1]) / 2:.9g} {(y[0] + y[1]) / 2:.9g} {half:g}"
-    return f'<geom type="box" size="{size}" pos="{pos}" friction="{FRICTION:g}" rgba="{rgba}"/>'
+    return f'<geom type="box" size="{size}" pos="{pos}" {_SOLID} rgba="{rgba}"/>'

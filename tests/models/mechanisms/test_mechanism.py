@@ -234,3 +234,42 @@ def test_a_joint_without_end_stops_turns_on_and_has_no_share() -> None:
     assert state.position > 15.0 and state.joint.range is None
     with pytest.raises(InputError, match="no share"):
         _ = state.share
+
+
+def beside(distance: float, skin: float = 0.0) -> tuple[float, bool, float]:
+    """A fingertip at rest above a part, m from its surface: the force between them in N, whether a
+    task is told that the finger touches the part, and how far the part says that it is, m."""
+    mjcf = f"""<mujoco><worldbody><body>
+     <geom size=".01" contype="0" conaffinity="0"/><body name="key">
+     <joint type="slide" axis="0 0 -1" range="0 .01" armature="1"/>
+     <geom type="box" size=".3 .3 .01" margin="{skin}"/></body></body></worldbody></mujoco>"""
+    keys = Mechanism("keys", mjcf, (0.0, 0.0, 0.1))
+    scene = Scene(SceneSpec((Hand(),), keys.parts))
+    scene.set_solid(0, frozenset({1}))
+    model, data = scene.model, mujoco.MjData(scene.model)
+    height = data.qpos[scene.qpos_slice(0)][2:3]
+    height[:] = 0.5
+    mujoco.mj_kinematics(model, data)
+    (key,) = np.flatnonzero(model.geom_bodyid == model.body("keys/key").id).tolist()
+    solid = [geom for geom in scene.parts(0) if model.geom_contype[geom]]
+    far = min(mujoco.mj_geomDistance(model, data, geom, key, 1.0, None) for geom in solid)
+    height -= far - skin - distance
+    mujoco.mj_forward(model, data)
+    sensing = Sensing(scene, data)
+    force = float(np.linalg.norm(sensing.force("keys/key", "right")))
+    told = sensing.fingers("keys/key") == {("right", 1)}
+    apart = keys.part("key").clearance([0.0, 0.0, 0.2], np.array([0.0, 0.0, 0.1]), np.eye(3))
+    return force, told, 0.2 - float(apart[0]) - 0.1
+
+
+@pytest.mark.parametrize("skin", [0.0, 0.0005, 0.002])
+def test_a_finger_touches_a_part_from_half_a_millimetre_on_and_pushes_it_from_its_surface_on(
+    skin: float,
+) -> None:
+    for distance in (0.00045, 0.00025, 1e-6):
+        force, told, _ = beside(distance, skin)
+        assert told and force == 0.0
+    assert not beside(0.0006, skin)[1]
+    force, told, top = beside(-1e-5, skin)
+    assert told and force > 0.0
+    assert top == pytest.approx(0.01 + skin)

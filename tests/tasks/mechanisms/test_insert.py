@@ -148,7 +148,7 @@ def test_room_is_the_clearance_and_nothing_else(factor: float) -> None:
         for each in (task, varied)
     ]
     assert rooms[1] - rooms[0] == pytest.approx((factor - 1.0) * CLEARANCE / 2)
-    assert rooms[0] == pytest.approx((WIDTH + CLEARANCE) / 2 + 0.0005)
+    assert rooms[0] == pytest.approx((WIDTH + CLEARANCE) / 2)
 
 
 def test_friction_of_wood_counts_in_the_whole_scene() -> None:
