@@ -192,7 +192,11 @@ def withdraw(options: WithdrawOptions, console: Console) -> int:
         try:
             answer = input()
         except EOFError:
-            answer = ""
+            raise StudyError(
+                "the input has ended, so that nobody can answer yes or no; nothing was deleted",
+                where="the terminal",
+                remedy="Run the command in a terminal; --yes deletes without asking",
+            ) from None
         if answer.strip().lower() not in ("y", "yes"):
             console.print("nothing was deleted")
             return 1

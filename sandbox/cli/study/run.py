@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 from rich.console import Console
 from rich.markup import escape
 
+from models.errors import StudyError
 from sandbox.cli.common.lsl_options import streaming
 from sandbox.cli.study.run_options import (
     StudyRunOptions,
@@ -70,13 +71,15 @@ def run(options: StudyRunOptions, console: Console) -> int:
             f"{person.ppid} has finished session {number - 1} of {design.sessions}. Begin the "
             "next? yes / no"
         )
-        if not _agreed(terminal):
+        if not _agreed(terminal, f"--session {number} begins it"):
+            say(f"session {number} was not begun")
             return 0
     with SessionFolder(study, person, number) as session:
         done, of = session.state.done(session.steps)
         if session.resumed and not options.resume and not session.state.complete:
             say(f"{person.ppid} has done {done} of {of} trials. Go on with the next? yes / no")
-            if not _agreed(terminal):
+            if not _agreed(terminal, "--resume goes on"):
+                say("nothing was played; the session can be resumed later")
                 return 0
         of_several = f", session {number} of {design.sessions}" if design.sessions > 1 else ""
         say(
@@ -98,8 +101,24 @@ def run(options: StudyRunOptions, console: Console) -> int:
     return 0
 
 
-def _agreed(terminal: Terminal) -> bool:
-    return (terminal.ask() or "no").strip().lower() in ("y", "yes")
+def _agreed(terminal: Terminal, otherwise: str) -> bool:
+    """Returns True if the experimenter says yes.
+
+    Args:
+        terminal: Where the question was asked.
+        otherwise: Option that answers the question, and its effect.
+
+    Raises:
+        StudyError: The input has ended, so that nobody can answer.
+    """
+    answer = terminal.ask()
+    if answer is None:
+        raise StudyError(
+            "the input has ended, so that nobody can answer yes or no",
+            where="the terminal",
+            remedy=f"Run the command in a terminal; {otherwise} without asking",
+        )
+    return answer.strip().lower() in ("y", "yes")
 
 
 def _open_page(

@@ -194,6 +194,52 @@ def test_a_session_in_the_terminal_asks_plays_and_hears_the_experimenter(
     assert not (tmp_path / "quick").exists()
 
 
+def test_a_question_that_nobody_can_answer_is_an_error_with_a_way_out_and_loses_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "design.toml"
+    file.write_text(DESIGN)
+    command = ["study", "run", str(file), "--out", str(tmp_path), "--pilot", "--device"]
+    command += ["simulated", "--view", "none", "--participant"]
+    monkeypatch.setattr("sys.stdin", Patient("yes\n17\n33\n"))
+    assert main([*command, "new"]) == 2
+    assert "the session resumes at this step" in capsys.readouterr().err
+    ppid = StudyFolder.at(tmp_path / "quick-pilot").participants()[0].ppid
+    journal = next((tmp_path / "quick-pilot").glob("*/S001/journal.jsonl"))
+    before = [r for r in read_journal(journal) if r["kind"] == "trial_end"]
+    monkeypatch.setattr("sys.stdin", io.StringIO(""))
+    assert main([*command, ppid]) == 2
+    error = capsys.readouterr().err
+    assert len(error.splitlines()) == 1
+    assert "nobody can answer" in error and "--resume goes on without asking" in error
+    monkeypatch.setattr("sys.stdin", Patient("no\n"))
+    assert main([*command, ppid]) == 0
+    assert "nothing was played" in capsys.readouterr().out
+    assert [r for r in read_journal(journal) if r["kind"] == "trial_end"] == before
+    monkeypatch.setattr("sys.stdin", Patient("25\n95\n"))
+    assert main([*command, ppid, "--resume"]) == 0
+    told = capsys.readouterr().out
+    assert "complete" in told and "How old" not in told
+    ends = [r["trial"] for r in read_journal(journal) if r["kind"] == "trial_end"]
+    assert sorted(ends) == list(range(1, TRIALS + 1))
+
+
+def test_the_next_session_is_not_begun_where_nobody_can_answer(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "design.toml"
+    file.write_text(DESIGN.replace("seed = 3", "seed = 3\nsessions = 2"))
+    command = ["study", "run", str(file), "--out", str(tmp_path), "--pilot", "--device"]
+    command += ["simulated", "--view", "none", "--participant"]
+    monkeypatch.setattr("sys.stdin", Patient("yes\n33\n25\n95\n"))
+    assert main([*command, "new"]) == 0
+    ppid = StudyFolder.at(tmp_path / "quick-pilot").participants()[0].ppid
+    monkeypatch.setattr("sys.stdin", io.StringIO(""))
+    assert main([*command, ppid]) == 2
+    assert "--session 2 begins it without asking" in capsys.readouterr().err
+    assert not list((tmp_path / "quick-pilot").glob("*/S002"))
+
+
 def test_check_plan_new_and_simulate_say_what_they_should(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

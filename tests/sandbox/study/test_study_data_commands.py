@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import io
 import json
 import shutil
 from hashlib import blake2b
@@ -69,6 +70,15 @@ def test_without_a_yes_nothing_is_deleted(
         ppid = people_of(folder)[0]
         assert main(["study", "withdraw", str(folder), "--participant", ppid]) == 1
         assert "cannot be undone" in capsys.readouterr().out and (folder / ppid).exists()
+
+
+def test_where_nobody_can_answer_a_withdrawal_is_refused_with_a_way_out(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    ppid = people_of(folder)[0]
+    monkeypatch.setattr("sys.stdin", io.StringIO(""))
+    assert main(["study", "withdraw", str(folder), "--participant", ppid]) == 2
+    assert "--yes deletes without asking" in capsys.readouterr().err and (folder / ppid).exists()
 
 
 def test_a_bids_data_set_of_an_anonymous_copy_has_new_names(folder: Path, tmp_path: Path) -> None:
