@@ -19,8 +19,8 @@ USUAL_SETS: Mapping[tuple[int, ...], float] = {
     (0, 2): 2.5,
     (1, 2): 5.0,
     (2, 3): 3.0,
-    (0, 1, 2): 2.5,
-    (1, 2, 3): 2.5,
+    (0, 1, 2): 5.0,
+    (1, 2, 3): 3.5,
     (0, 1, 2, 3): 1.5,
 }
 """Prior odds of finger sets relative to any other set of as many fingers. People pinch with thumb
