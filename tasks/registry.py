@@ -25,6 +25,7 @@ IN_ROOMS = (
     ("tasks.clutter.gather", "Gather"),
     ("tasks.mechanisms.insert", "Insert"),
     ("tasks.mechanisms.close_case", "CloseCase"),
+    ("tasks.mechanisms.single_keys", "SingleKeys"),
 )
 """Module and class of built-in tasks in rooms of their own, which build upon this room."""
 

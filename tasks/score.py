@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 
 from tasks.task import Measure, Task
@@ -82,6 +82,7 @@ class Scorer:
         self._task = task
         self._since: float | None = None
         self._held_at: float | None = None
+        self._begun = False
         self.score = Score()
 
     @property
@@ -93,13 +94,12 @@ class Scorer:
         """Adds the measure at a time in seconds since the trial's start."""
         if self.over:
             return self.score
-        if not measure.reached:
-            self._since = None
-        elif self._since is None:
-            self._since = time
-        lasted = 0.0 if self._since is None else time - self._since
-        # Times are sums of steps, so the rule tolerates half a microsecond.
-        if self._held_at is None and lasted >= self._task.hold_time - 5e-7:
+        first = None if self._begun else measure.first
+        if first is not None:
+            measure = replace(first, reached=False, lost=measure.lost)
+            if self._lasted(time, first.reached):
+                self._begun, self._since = True, None
+        elif self._held_at is None and self._lasted(time, measure.reached):
             self._held_at = time
         held = self._held_at is not None
         self.score = Score(
@@ -117,6 +117,16 @@ class Scorer:
         elif not held and time >= self._task.time_limit:
             self._end(Status.TIMEOUT)
         return self.score
+
+    def _lasted(self, time: float, reached: bool) -> bool:
+        """True once something was reached for the hold time without a break."""
+        if not reached:
+            self._since = None
+        elif self._since is None:
+            self._since = time
+        lasted = 0.0 if self._since is None else time - self._since
+        # Times are sums of steps, so the rule tolerates half a microsecond.
+        return lasted >= self._task.hold_time - 5e-7
 
     def abort(self, status: Status, reason: str) -> Score:
         """Ends the trial for a reason outside the task: no more input, or a diverged simulation."""

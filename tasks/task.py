@@ -26,12 +26,15 @@ class Measure:
         progress: 0 (as at the start, or worse) to 1 (reached).
         reason: Text for people of the first condition that does not hold; empty when all hold.
         lost: True if the trial failed for good: it ends here, unless it had succeeded before.
+        first: Measure of what has to be held before, for the same hold time; until it was, it
+            stands for this one. None where nothing has to be.
     """
 
     reached: bool
     progress: float
     reason: str
     lost: bool = False
+    first: Measure | None = None
 
 
 class TaskDefaults(Protocol):

@@ -49,6 +49,7 @@ TASKS = (
     "gather",
     "insert",
     "close-case",
+    "single-keys",
 )
 ENCODERS = ("linear", "quadratic", "cubic", "pca-ik", "paper")
 RUNS = [

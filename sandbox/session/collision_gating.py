@@ -54,7 +54,8 @@ class CollisionGatingRules:
         together: All fingers of a hand become solid in the same step; otherwise each by itself.
         lead: Fingertips beside things are led off their touches, out of them, and keep the width
             of their grip until they spread.
-        from_above: A hand turns solid on its way down, so that it presses what lies under it.
+        from_above: A hand turns solid on its way down, so that it presses what lies under it, and
+            so does a finger that joins a hand that is down.
         all_over: Palm and all links of all fingers are solid once the touching fingertips are,
             each part as soon as it is clear; replaces `distal_only` and `links`.
     """
@@ -165,6 +166,9 @@ class CollisionGate:
         if joining:
             target = self._commanded(reconstruction.q)
             near = np.sqrt(squared_lengths(self.tips(data) - target)) < ARRIVED
+            if self._rules.from_above and staying:
+                # Such as one that presses a key while others rest on theirs.
+                near = np.full_like(near, True)
             free = near & (self._clear(data) if self._rules.ghost_until_clear else True)
             fit = frozenset(f for f in joining if free[f])
             stuck = {f: self._stuck.get(f, 0) + 1 for f in joining if near[f] and not free[f]}

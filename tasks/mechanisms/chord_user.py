@@ -115,7 +115,7 @@ class ChordUser(FingersKnown):
 
     def _press(self, sight: Sight, now: float) -> None:
         """Puts down the asked fingers, or all five to show the hand."""
-        keys, row = _keys(sight)
+        keys, row = keys_seen(sight)
         asked = {goal.object for goal in sight.goals if goal.shown}
         rests, self._show_hand = self._show_hand, False
         fingers = [f for f, name in enumerate(keys) if rests or name in asked]
@@ -134,7 +134,7 @@ class ChordUser(FingersKnown):
         if sight.done or now - self._since < self._eye.delay + 0.45 + _PRESSING:
             self._until = now + _LOOK
             return
-        _, row = _keys(sight)
+        _, row = keys_seen(sight)
         across = abs(float((self._seen_off(sight) * row.right).sum()))
         # Fingers that were on their keys, and the chord was not taken: the hand was not known.
         self._show_hand = across < _OFF
@@ -159,12 +159,12 @@ class ChordUser(FingersKnown):
         ids = self._fingers.ids()[: len(self._touching)]
         if any(i not in sight.tips for i in ids):
             return np.zeros(2)
-        _, row = _keys(sight)
+        _, row = keys_seen(sight)
         drawn = np.array([sight.tips[i][:2] for i in ids])
         return np.asarray((drawn - self._aims(row)[list(self._touching)]).mean(axis=0))
 
 
-def _keys(sight: Sight) -> tuple[list[str], _Row]:
+def keys_seen(sight: Sight) -> tuple[list[str], _Row]:
     """Names of the keys from the thumb's on, as the person sees them, and their row."""
     seen: dict[str, SeenObject] = {
         name: thing

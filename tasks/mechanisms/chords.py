@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass
 from itertools import combinations
 from typing import ClassVar
@@ -80,52 +81,88 @@ class Chords(TaskDefaults):
         count = int(rng.integers(2, 4))
         chords = list(combinations(range(KEYS), count))
         asked = chords[int(rng.integers(len(chords)))]
-        # The largest row fits, however it is turned.
-        half = KEYS * PITCH * SIZE[1] / 2 + BORDER
-        low, high = np.array([half, REACH / 2]), surface.size - (half, REACH / 2)
-        if np.any(high < low):
-            raise SurfaceTooSmallError(
-                cls.name, (surface.width_in, surface.height_in), "five keys and a hand", (5.7, 3.5)
-            )
-        x, y, _ = surface.to_world(rng.uniform(low, high)).tolist()
-        row = keyboard((x, y), yaw, asked, size)
-        goals = []
-        for key in range(KEYS):
-            position, _ = row.part(str(key)).placed(DIP if key in asked else 0.0)
-            goals.append(Goal(key_name(key), position, yaw, shown=key in asked))
-        return cls(seed, row.parts, tuple(goals))
+        objects, goals = placed(cls.name, rng, asked, surface, size, yaw)
+        return cls(seed, objects, goals)
 
     def measure(self, sensing: Sensing) -> Measure:
         """Tests whether the chord is pressed by the right fingers now."""
-        asked = {goal.object for goal in self.goals if goal.shown}
-        (hand,) = sensing.hands
-        up, by_others, wrong = [], [], False
-        for key in range(KEYS):
-            name, finger = key_name(key), own_finger(key, hand)
-            down = sensing.joint(name).share >= POINT
-            if name not in asked:
-                wrong |= down
-            elif not down:
-                up.append(FINGERS[finger])
-            elif sensing.fingers(name) != {(hand, finger)}:
-                by_others.append(FINGERS[finger])
-        right = len(asked) - len(up) - len(by_others)
-        reason: str = ""
-        if up:
-            reason = Message("chord_up", "not down yet, the key of: {finger}", finger=up)
-        elif by_others:
-            reason = Message(
-                "chord_other_finger",
-                "another finger presses the key of: {finger}",
-                finger=by_others,
-            )
-        elif wrong:
-            reason = Message("chord_other_key", "a key is down that is not blue")
-        # Only success is 1.
-        progress = 1.0 if not reason else min(right / len(asked), 0.99)
-        return Measure(not reason, progress, reason)
+        return pressed(self.goals, sensing)
 
 
 def own_finger(key: int, hand: str) -> int:
     """Label of the finger that a key belongs to, for a right or a left hand, by the hand's name."""
     return KEYS - 1 - key if hand.startswith("left") else key
+
+
+def placed(
+    task: str,
+    rng: np.random.Generator,
+    asked: Collection[int],
+    surface: Surface,
+    size: float,
+    yaw: float,
+) -> tuple[tuple[SceneObject, ...], tuple[Goal, ...]]:
+    """A row of keys anywhere on a surface, some of them blue, and its goals.
+
+    Args:
+        task: Name of the task, for messages.
+        rng: Source of the place.
+        asked: Indices of the keys that are to be pressed.
+        surface: The surface.
+        size: Factor on the distance from key to key, within `SIZE`.
+        yaw: rad, of the row against the surface.
+
+    Raises:
+        SurfaceTooSmallError: The surface has no room for five keys under a hand.
+    """
+    # The largest row fits, however it is turned.
+    half = KEYS * PITCH * SIZE[1] / 2 + BORDER
+    low, high = np.array([half, REACH / 2]), surface.size - (half, REACH / 2)
+    if np.any(high < low):
+        raise SurfaceTooSmallError(
+            task, (surface.width_in, surface.height_in), "five keys and a hand", (5.7, 3.5)
+        )
+    x, y, _ = surface.to_world(rng.uniform(low, high)).tolist()
+    row = keyboard((x, y), yaw, asked, size)
+    goals = []
+    for key in range(KEYS):
+        position, _ = row.part(str(key)).placed(DIP if key in asked else 0.0)
+        goals.append(Goal(key_name(key), position, yaw, shown=key in asked))
+    return row.parts, tuple(goals)
+
+
+def pressed(goals: tuple[Goal, ...], sensing: Sensing, first: Measure | None = None) -> Measure:
+    """Tests whether the blue keys, and no others, are pressed now, each by its own finger alone.
+
+    Args:
+        goals: Goals of all keys; those of blue ones are shown.
+        sensing: The simulation.
+        first: What has to be held before.
+    """
+    asked = {goal.object for goal in goals if goal.shown}
+    (hand,) = sensing.hands
+    up, by_others, wrong = [], [], False
+    for key in range(KEYS):
+        name, finger = key_name(key), own_finger(key, hand)
+        down = sensing.joint(name).share >= POINT
+        if name not in asked:
+            wrong |= down
+        elif not down:
+            up.append(FINGERS[finger])
+        elif sensing.fingers(name) != {(hand, finger)}:
+            by_others.append(FINGERS[finger])
+    right = len(asked) - len(up) - len(by_others)
+    reason: str = ""
+    if up:
+        reason = Message("chord_up", "not down yet, the key of: {finger}", finger=up)
+    elif by_others:
+        reason = Message(
+            "chord_other_finger",
+            "another finger presses the key of: {finger}",
+            finger=by_others,
+        )
+    elif wrong:
+        reason = Message("chord_other_key", "a key is down that is not blue")
+    # Only success is 1.
+    progress = 1.0 if not reason else min(right / len(asked), 0.99)
+    return Measure(not reason, progress, reason, first=first)

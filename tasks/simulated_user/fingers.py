@@ -112,6 +112,33 @@ class Fingers:
         self._up_at = now + self._rng.permutation(np.linspace(0.0, self._c.stagger, n))
         self._plan()
 
+    def lift_some(self, fingers: Sequence[int], now: float) -> None:
+        """Takes some fingers off, one shortly after another; the others stay.
+
+        Args:
+            fingers: Indices into the places of the last landing.
+            now: s.
+        """
+        stagger = self._rng.permutation(np.linspace(0.0, self._c.stagger, len(fingers)))
+        self._up_at[list(fingers)] = now + stagger
+        self._plan()
+
+    def put_down(self, finger: int, place: Array, now: float) -> None:
+        """Puts one finger down anew that was taken off; the others stay.
+
+        Args:
+            finger: Index into the places of the last landing.
+            place: (2,) m.
+            now: s.
+        """
+        places = self.places(now).copy()
+        places[finger] = place
+        self._movement = _Movement(places, places, now, 1e-9)
+        self._down_at[finger], self._up_at[finger] = now, np.inf
+        self._ids[finger] = self._next_id
+        self._next_id += 1
+        self._plan()
+
     def _plan(self) -> None:
         """Plans the landing and lifting times of every contact."""
         fingers = range(len(self._ids))

@@ -181,3 +181,28 @@ def test_every_success_has_more_points_than_any_failure_and_sooner_is_better(
     assert 100.0 >= points(True, 1.0, sooner, 60.0) >= points(True, 1.0, later, 60.0) >= 50.0
     assert 50.0 >= points(False, progress, one, 60.0) >= 0.0
     assert points(False, progress, one, 60.0) >= points(False, progress / 2, other, 60.0)
+
+
+@given(first=stretches(80), then=stretches(80))
+def test_what_has_to_be_held_first_is_held_before_the_goal_counts(
+    first: list[bool], then: list[bool]
+) -> None:
+    scorer, begun, dt = Scorer(TASK), False, CONTROL_PERIOD
+    lying = Measure(True, 0.0, "")
+    for i, (rests, reached) in enumerate(zip(first, then, strict=False), start=1):
+        goal = REACHED if reached else MISSED
+        score = scorer.update(i * dt, replace(goal, first=replace(lying, reached=rests)))
+        if not begun:
+            assert not score.instant and score.progress == 0.0
+        begun = begun or longest_hold(first[:i], dt) >= HOLD - 1e-6
+    moment = next((i for i in range(len(first)) if longest_hold(first[:i], dt) >= HOLD - 1e-6), 0)
+    counted = then[moment : len(first)] if begun else []
+    held = longest_hold(counted, dt) >= HOLD - 1e-6
+    assert scorer.score.held == held
+
+
+def test_while_the_first_is_missing_its_reason_is_told() -> None:
+    scorer = Scorer(TASK)
+    first = Measure(False, 0.0, "no finger rests")
+    assert scorer.update(0.1, replace(REACHED, first=first)).reason == "no finger rests"
+    assert not scorer.score.instant

@@ -1,0 +1,93 @@
+"""A single key counts once five fingers have rested, and by its own finger alone."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Literal
+
+import mujoco
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from models.hand import Hand
+from models.scene import Scene, SceneSpec
+from models.surface import Surface
+from sandbox.options.scene_options import SceneOptions, plan
+from sandbox.recording.recording import load_recording
+from sandbox.trial.assembly import place_surface
+from sandbox.trial.headless import run_trial
+from sandbox.trial.replay import replay
+from sandbox.trial.result import TrialResult
+from tasks.mechanisms.keyboard import KEYS, key_name
+from tasks.mechanisms.single_keys import SingleKeys
+from tasks.registry import draw_task
+from tasks.sensing import Sensing
+
+SURFACE = place_surface(Surface(), SingleKeys)
+seeds = st.integers(0, 2**63 - 1)
+
+
+def played(
+    seed: int, solid: Literal["fingertips", "hand"] = "hand", **options: object
+) -> TrialResult:
+    chosen = plan(SceneOptions(task="single-keys", seed=seed, solid=solid, **options))  # type: ignore[arg-type]
+    return run_trial(chosen.settings, chosen.makers, about=chosen.about)
+
+
+@settings(max_examples=20, deadline=None)
+@given(seed=seeds)
+def test_a_trial_asks_for_one_of_five_keys(seed: int) -> None:
+    task = draw_task(SingleKeys, seed, SURFACE)
+    assert sum(goal.shown for goal in task.goals) == 1
+    assert len(task.goals) == KEYS and task == draw_task(SingleKeys, seed, SURFACE)
+
+
+def test_all_keys_come() -> None:
+    shown = {
+        goal.object
+        for seed in range(40)
+        for goal in draw_task(SingleKeys, seed, SURFACE).goals
+        if goal.shown
+    }
+    assert shown == {key_name(key) for key in range(KEYS)}
+
+
+def test_five_keys_that_are_down_are_a_rest_and_four_are_none() -> None:
+    task = draw_task(SingleKeys, 3, SURFACE)
+    scene = Scene(SceneSpec((Hand(),), task.objects, task.table_friction))
+    data = mujoco.MjData(scene.model)
+    data.qpos[scene.qpos_slice(0)][2] = 0.4
+    sensing = Sensing(scene, data)
+    for key in range(KEYS):
+        first = task.measure(sensing).first
+        assert first is not None and not first.reached
+        assert ("little" if key < 4 else "not down yet, the key of: little") in first.reason
+        data.joint(key_name(key)).qpos[:] = 0.008
+        mujoco.mj_forward(scene.model, data)
+    first = task.measure(sensing).first
+    assert first is not None and first.reached
+
+
+@pytest.mark.parametrize("solid", ["fingertips", "hand"])
+def test_the_simulated_user_rests_five_fingers_and_presses_the_key(
+    solid: Literal["fingertips", "hand"],
+) -> None:
+    assert played(6_001, solid).success
+
+
+def test_a_left_hand_plays_as_well() -> None:
+    assert played(6_002, hand="left").success
+
+
+def test_who_presses_the_key_without_a_rest_has_not_begun() -> None:
+    # The user of chords puts down what is asked, and nothing else.
+    idle = played(6_000, user="idle")
+    assert not idle.instant and idle.progress == 0.0
+
+
+def test_a_single_key_replays_to_the_bit(tmp_path: Path) -> None:
+    path = tmp_path / "key.jsonl"
+    chosen = plan(SceneOptions(task="single-keys", seed=6_003))
+    run_trial(chosen.settings, chosen.makers, record=path, about=chosen.about)
+    assert replay(load_recording(path))[1].exact
