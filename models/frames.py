@@ -122,8 +122,8 @@ class TrackedFinger:
 
     def __post_init__(self) -> None:
         where = f"finger {self.id}"
-        for name in ("tip", "direction"):
-            _finite(getattr(self, name), where, name)
+        _finite(self.tip, where, "tip")
+        _finite(self.direction, where, "direction")
         for joint in self.joints or ():
             _finite(joint, where, "joints")
         _unit(self.direction, where, "direction")
@@ -173,8 +173,9 @@ class TrackedHand:
 
     def __post_init__(self) -> None:
         where = f"hand {self.id}"
-        for name in ("palm", "normal", "direction"):
-            _finite(getattr(self, name), where, name)
+        _finite(self.palm, where, "palm")
+        _finite(self.normal, where, "normal")
+        _finite(self.direction, where, "direction")
         _unit(self.normal, where, "normal")
         _unit(self.direction, where, "direction")
         (a, b, c), (x, y, z) = self.normal, self.direction

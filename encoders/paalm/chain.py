@@ -8,20 +8,27 @@ the limit, and PIP is chosen again for the least error of the tip.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from math import asin, atan2, cos, degrees, radians, sin, sqrt
+from math import asin, atan2, cos, degrees, pi, radians, sin, sqrt
 from typing import NamedTuple
 
 import numpy as np
 
 from encoders.paalm.coupling import Coupling
 from models.arithmetic import functions
+from models.arithmetic.arrays import Array
 from models.errors import EncoderError
-from models.frames import Vector
+from models.frames import FINGERS, Vector
 
 _ENTRIES = 512
 _STEPS = 4
 _NOTHING = 1e-12
+_AT_KNUCKLE = 1e-9
+"""m, distance from the knuckle below which a target has no direction."""
+_DEGREES, _RADIANS = 180.0 / pi, pi / 180.0
+"""Factors with which `math.degrees` and `math.radians` multiply, to the bit; a product is quicker
+than a call."""
 
 
 @dataclass(frozen=True)
@@ -72,6 +79,9 @@ class FingerChain:
                 "the bone lengths are out of range", got=(lengths, hidden), expected="lengths > 0"
             )
         self.lengths, self.coupling, self.limits, self.hidden = lengths, coupling, limits, hidden
+        # Read for every finger of every frame: plain numbers beside the objects that they are of.
+        self._bending = (coupling.slope, coupling.offset, *limits.dip)
+        self._first_limits = (*limits.flexion, *limits.spread)
         self._seen = first * (1.0 - hidden)
         self.reach = self._seen + second + third
         pip = np.linspace(radians(limits.pip[0]), radians(limits.pip[1]), _ENTRIES)
@@ -105,7 +115,8 @@ class FingerChain:
 
     def dip(self, pip: float) -> float:
         """Angle of the last joint, degrees."""
-        dip, (low, high) = self.coupling.slope * pip + self.coupling.offset, self.limits.dip
+        slope, offset, low, high = self._bending
+        dip = slope * pip + offset
         return low if dip < low else high if dip > high else dip
 
     def solve(self, target: Vector) -> Bend:
@@ -113,7 +124,7 @@ class FingerChain:
         frame."""
         x, y, z = target
         chord = sqrt(x * x + y * y + z * z)
-        if chord < 1e-9:
+        if chord < _AT_KNUCKLE:
             raise EncoderError("a target at the knuckle has no direction", got=target)
         # A target out of reach keeps its direction.
         reached = min(max(chord, self.shortest), self.longest)
@@ -123,19 +134,22 @@ class FingerChain:
         along, below = self._plane(pip)
         # Straight below the knuckle, spread has no effect and is kept.
         spread = asin(min(max(-x / along, -1.0), 1.0)) if abs(along) > _NOTHING else 0.0
-        flexion = degrees(atan2(-z, y) - atan2(below, along * cos(spread)))
-        spread = degrees(spread)
-        low, high = self.limits.flexion
-        left, right = self.limits.spread
+        flexion = (atan2(-z, y) - atan2(below, along * cos(spread))) * _DEGREES
+        spread *= _DEGREES
+        low, high, left, right = self._first_limits
         held_flexion, held_spread = flexion, spread
         if not (low <= flexion <= high and left <= spread <= right):
             held_flexion = min(max(flexion, low), high)
             held_spread = min(max(spread, left), right)
-            pip = self._closest(radians(held_flexion), radians(held_spread), (x, y, z))
+            pip = self._closest(held_flexion * _RADIANS, held_spread * _RADIANS, (x, y, z))
             along, below = self._plane(pip)
-        tx, ty, tz = self._tip(radians(held_flexion), radians(held_spread), along, below)
-        miss = sqrt((tx - target[0]) ** 2 + (ty - target[1]) ** 2 + (tz - target[2]) ** 2)
-        pip = degrees(pip)
+        flexion, spread = held_flexion * _RADIANS, held_spread * _RADIANS
+        forward, down, sideways = cos(flexion), sin(flexion), along * cos(spread)
+        dx = -along * sin(spread) - target[0]
+        dy = sideways * forward - below * down - target[1]
+        dz = -sideways * down - below * forward - target[2]
+        pip *= _DEGREES
+        miss = sqrt(dx**2 + dy**2 + dz**2)
         return Bend(held_flexion, held_spread, pip, self.dip(pip), miss)
 
     def with_first_joint(self, direction: Vector, chord: float) -> Bend:
@@ -160,13 +174,13 @@ class FingerChain:
         low, high = self._inverse[index], self._inverse[index + 1]
         pip = low + (high - low) * min(at - index, 1.0)
         _, second, third = self.lengths
-        seen, slope, offset = self._seen, self.coupling.slope, self.coupling.offset
-        low, high = self.limits.dip
+        seen, least, most = self._seen, self._least, self._most
+        slope, offset, low, high = self._bending
         # What `_plane` and `dip` say, and how far the last bone turns with the middle one.
         for _ in range(_STEPS):
-            free = slope * degrees(pip) + offset
+            free = slope * (pip * _DEGREES) + offset
             dip = low if free < low else high if free > high else free
-            bend = pip + radians(dip)
+            bend = pip + dip * _RADIANS
             cos_pip, sin_pip, cos_bend, sin_bend = cos(pip), sin(pip), cos(bend), sin(bend)
             along = seen + second * cos_pip + third * cos_bend
             below = second * sin_pip + third * sin_bend
@@ -176,26 +190,18 @@ class FingerChain:
             if falls > -_NOTHING:  # Stretched, or at its shortest: the table is exact there.
                 break
             step = 0.5 * (chord * chord - along * along - below * below) / falls
-            pip = min(max(pip + step, self._least), self._most)
-            if abs(step) < _NOTHING:
+            pip += step
+            pip = least if pip < least else most if pip > most else pip
+            if -_NOTHING < step < _NOTHING:
                 break
         return pip
 
     def _plane(self, pip: float) -> tuple[float, float]:
         _, second, third = self.lengths
-        bend = pip + radians(self.dip(degrees(pip)))
+        bend = pip + self.dip(pip * _DEGREES) * _RADIANS
         return (
             self._seen + second * cos(pip) + third * cos(bend),
             second * sin(pip) + third * sin(bend),
-        )
-
-    @staticmethod
-    def _tip(flexion: float, spread: float, along: float, below: float) -> Vector:
-        y = along * cos(spread)
-        return (
-            -along * sin(spread),
-            y * cos(flexion) - below * sin(flexion),
-            -y * sin(flexion) - below * cos(flexion),
         )
 
     def _closest(self, flexion: float, spread: float, target: Vector) -> float:
@@ -205,3 +211,118 @@ class FingerChain:
         dy = y * cos(flexion) - self._below * sin(flexion) - target[1]
         dz = -y * sin(flexion) - self._below * cos(flexion) - target[2]
         return float(self._pip[np.argmin(dx * dx + dy * dy + dz * dz)])
+
+    def solve_together(self, targets: Array) -> Array:
+        """Angles of many targets (n, 3), m: (n, 4) degrees, each row as `solve` gives it, to the
+        bit."""
+        x, y, z = targets.T
+        chord = np.sqrt(x * x + y * y + z * z)
+        reached = np.minimum(np.maximum(chord, self.shortest), self.longest)
+        scale = reached / np.where(chord < _AT_KNUCKLE, 1.0, chord)
+        x, y, z = x * scale, y * scale, z * scale
+        pip = self._bends(reached)
+        degrees_pip = pip * _DEGREES
+        dip = self._dips(degrees_pip)
+        bend = pip + dip * _RADIANS
+        _, second, third = self.lengths
+        along = self._seen + second * functions.cos(pip) + third * functions.cos(bend)
+        below = second * functions.sin(pip) + third * functions.sin(bend)
+        forward = np.abs(along) > _NOTHING
+        aside = -x / np.where(forward, along, 1.0)
+        spread = functions.asin(np.minimum(np.maximum(aside, -1.0), 1.0))
+        flexion = functions.atan2(-z, y) - functions.atan2(below, along * functions.cos(spread))
+        rows = np.stack([flexion * _DEGREES, spread * _DEGREES, degrees_pip, dip], axis=1)
+        low, high, left, right = self._first_limits
+        free = (low <= rows[:, 0]) & (rows[:, 0] <= high) & (left <= rows[:, 1])
+        free &= (rows[:, 1] <= right) & forward & (chord >= _AT_KNUCKLE)
+        for i in np.nonzero(~free)[0].tolist():
+            rows[i] = self.solve(tuple(targets[i].tolist()))[:4]
+        return rows
+
+    def _dips(self, pip: Array) -> Array:
+        slope, offset, low, high = self._bending
+        return np.minimum(np.maximum(slope * pip + offset, low), high)
+
+    def _bends(self, chord: Array) -> Array:
+        """`_bend` of many lengths (n,)."""
+        at = np.sqrt(np.maximum(self.longest - chord, 0.0)) * self._per_root
+        index = np.minimum(at.astype(np.intp), _ENTRIES - 2)
+        inverse = np.array(self._inverse)
+        before, behind = inverse[index], inverse[index + 1]
+        bends = before + (behind - before) * np.minimum(at - index, 1.0)
+        _, second, third = self.lengths
+        slope, offset, low, high = self._bending
+        left = np.arange(len(chord))
+        for _ in range(_STEPS):
+            pip, reach = bends[left], chord[left]
+            free = slope * (pip * _DEGREES) + offset
+            bend = pip + np.minimum(np.maximum(free, low), high) * _RADIANS
+            cos_pip, sin_pip = functions.cos(pip), functions.sin(pip)
+            cos_bend, sin_bend = functions.cos(bend), functions.sin(bend)
+            along = self._seen + second * cos_pip + third * cos_bend
+            below = second * sin_pip + third * sin_bend
+            turning = third * np.where((low < free) & (free < high), 1.0 + slope, 1.0)
+            falls = below * (second * cos_pip + turning * cos_bend)
+            falls -= along * (second * sin_pip + turning * sin_bend)
+            goes = falls <= -_NOTHING
+            left, pip, falls = left[goes], pip[goes], falls[goes]
+            off = (reach * reach - along * along - below * below)[goes]
+            step = 0.5 * off / falls
+            bends[left] = np.minimum(np.maximum(pip + step, self._least), self._most)
+            left = left[np.abs(step) >= _NOTHING]
+            if not len(left):
+                break
+        return bends
+
+
+class AskedBend:
+    """The bend of a finger, solved when it is first asked for.
+
+    Most of a recording is never looked at alone: `tables_of` solves many bends at once.
+
+    Args:
+        bend: The bend, if it is known; else the other two are given.
+        chain: The finger.
+        target: m, from the base in the finger's zero frame.
+    """
+
+    __slots__ = ("_bend", "chain", "target")
+
+    def __init__(
+        self, bend: Bend | None, chain: FingerChain | None = None, target: Vector = (0.0, 0.0, 0.0)
+    ) -> None:
+        self._bend, self.chain, self.target = bend, chain, target
+
+    @property
+    def bend(self) -> Bend:
+        """The finger's angles."""
+        if self._bend is None:
+            if self.chain is None:
+                raise EncoderError("a bend needs a chain and a target")
+            self._bend = self.chain.solve(self.target)
+        return self._bend
+
+    @property
+    def waits_for(self) -> FingerChain | None:
+        """The chain that has yet to solve this bend; None if it is solved."""
+        return self.chain if self._bend is None else None
+
+
+def tables_of(hands: Sequence[Sequence[AskedBend]]) -> Array:
+    """Angles (n, 5, 4) in degrees of n hands with five bends each, to the bit those of
+    `AskedBend.bend`."""
+    flat = [asked for hand in hands for asked in hand]
+    # A finger that is held has the same bend in many frames.
+    place = {asked: i for i, asked in enumerate(dict.fromkeys(flat))}
+    rows = np.empty((len(place), 4))
+    waiting: dict[FingerChain, list[AskedBend]] = {}
+    for asked, i in place.items():
+        if asked.waits_for is None:
+            rows[i] = asked.bend[:4]
+        else:
+            waiting.setdefault(asked.waits_for, []).append(asked)
+    for chain, some in waiting.items():
+        rows[[place[asked] for asked in some]] = chain.solve_together(
+            np.array([asked.target for asked in some])
+        )
+    return rows[[place[asked] for asked in flat]].reshape(len(hands), len(FINGERS), 4)

@@ -53,9 +53,13 @@ class FingertipNoise:
         self._before, self._last = b, place
         if a is None or b is None:
             return
-        x, y, z = (a[i] - 2.0 * b[i] + place[i] for i in range(3))
-        most = _JUMP * max(self.mean, self._steady)
-        self.mean += _SHARE * (min(sqrt(x * x + y * y + z * z), most) - self.mean)
+        x = a[0] - 2.0 * b[0] + place[0]
+        y = a[1] - 2.0 * b[1] + place[1]
+        z = a[2] - 2.0 * b[2] + place[2]
+        mean, steady = self.mean, self._steady
+        most = _JUMP * (mean if mean >= steady else steady)
+        difference = sqrt(x * x + y * y + z * z)
+        self.mean += _SHARE * ((most if difference > most else difference) - mean)
 
     def constant(self, dt: float, least: float, most: float) -> float:
         """Time constant in s of a low-pass that makes the fingertip steady.

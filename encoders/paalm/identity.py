@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import permutations
-from math import exp, perm
+from math import exp, perm, sqrt
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike
 from encoders.paalm.calibration import HandCalibration
 from encoders.paalm.palm import Palm
 from models.arithmetic.arrays import Array
-from models.arithmetic.products import distance
+from models.arithmetic.products import squared_lengths
 from models.frames import FINGERS, TrackedFinger, Vector
 
 _FIVE = len(FINGERS)
@@ -134,8 +134,9 @@ class TrackedIdentity:
             return None
         names = [self._ids.index(f.id) for f in fingers]
         before = [self._places[name] for name in names]
-        if max(map(distance, places, before)) > _JUMP:
-            return None
+        for (x, y, z), (a, b, c) in zip(places, before, strict=True):
+            if sqrt((x - a) * (x - a) + (y - b) * (y - b) + (z - c) * (z - c)) > _JUMP:
+                return None
         for i, name in enumerate(names):
             self._tips[name] = self._places[name] = places[i]
             self._seen_at[name] = time
@@ -153,7 +154,7 @@ class TrackedIdentity:
                 for at in self._seen_at
             ]
         )
-        moved = ((tips[:, None] - self._tips) ** 2).sum(axis=2) / spread**2
+        moved = squared_lengths(tips[:, None] - self._tips) / spread**2
         missed = self._missed(tips, lines)
         longer = np.maximum(lengths[:, None] / self._standard - 1.05, 0.0) ** 2 / _TOO_LONG**2
         cost = 0.5 * (np.minimum(moved, _CAP) + np.minimum(missed, _CAP) + np.minimum(longer, _CAP))
@@ -166,13 +167,13 @@ class TrackedIdentity:
         """Squared deviations (k, 5) of fingers' lines from knuckles."""
         to = self._knuckles - tips[:, None]
         # The nearest point of the line, in the plane of bending.
-        flat = (lines[:, 1:] ** 2).sum(axis=1) + 1e-3
+        flat = squared_lengths(lines[:, 1:]) + 1e-3
         at = (to[..., 1:] * lines[:, None, 1:]).sum(axis=2) / flat[:, None]
         rest = to - at[..., None] * lines[:, None]
-        in_plane = (rest[..., 1:] ** 2).sum(axis=2)
+        in_plane = squared_lengths(rest[..., 1:])
         missed = rest[..., 0] ** 2 / _SIDEWAYS**2 + in_plane / _IN_PLANE**2
         along = (to[:, 0] * lines).sum(axis=1, keepdims=True)
-        missed[:, 0] = ((to[:, 0] - along * lines) ** 2).sum(axis=1) / _THUMB**2
+        missed[:, 0] = squared_lengths(to[:, 0] - along * lines) / _THUMB**2
         return np.asarray(missed)
 
 

@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 from math import exp, inf
 
 import numpy as np
@@ -26,6 +27,7 @@ from encoders.paalm.calibration import (
     measure,
     pointing,
 )
+from encoders.paalm.chain import AskedBend, Bend
 from encoders.paalm.fingertip_noise import STEADY, TIP_STEADY, FingertipNoise
 from encoders.paalm.identity import TrackedIdentity, paper_order
 from encoders.paalm.learned_coupling import LearnedCoupling
@@ -59,29 +61,42 @@ class PaalmHand:
 
     Attributes:
         side: `right` or `left`.
-        table: (5, 4) degrees: flexion and spread of the first joint, second joint, third joint.
+        bends: 5 bends of fingers, solved when they are asked for.
         ratios: Length divided by standard length, by finger; the last ratio for held fingers.
         ids: The device's id by finger; None for a held finger.
         held: Fingers that are not seen now.
         hand_id: The device's id of the hand; of a hand that is not seen now, the last one.
         palm: Palm of the hand in the device's frame, where its knuckles are those of the rig; the
             device's own centre may be elsewhere (`HandCalibration.palm_shift`).
-        targets: (5, 3) m in the rig's scale, from each finger's base, in palm axes.
-        miss: (5,) m in the rig's scale, distances of tips from their targets because of joint
-            limits.
+        places: 5 places of 3 m in the rig's scale, from each finger's base, in palm axes.
         seen: True if the hand is seen now.
     """
 
     side: str
-    table: Array
+    bends: tuple[AskedBend, ...]
     ratios: dict[str, float]
     ids: dict[str, int | None]
     held: frozenset[str]
     hand_id: int
     palm: Palm
-    targets: Array
-    miss: Array
+    places: tuple[Vector, ...]
     seen: bool
+
+    @cached_property
+    def table(self) -> Array:
+        """(5, 4) degrees: flexion and spread of the first joint, second joint, third joint."""
+        return np.array([asked.bend[:4] for asked in self.bends])
+
+    @cached_property
+    def targets(self) -> Array:
+        """`places` as an array (5, 3), m."""
+        return np.array(self.places)
+
+    @cached_property
+    def miss(self) -> Array:
+        """(5,) m in the rig's scale, distances of tips from their targets because of joint
+        limits."""
+        return np.array([asked.bend.miss for asked in self.bends])
 
     @property
     def angles(self) -> dict[str, float]:
@@ -263,8 +278,7 @@ class _Hand:
             x, y, z = (c * rigged.open_length for c in along)
             self._targets.append((x, y, z))
         self._latest = list(self._targets)
-        self._rows: list[tuple[float, float, float, float]] = [(0.0, 0.0, 0.0, 0.0)] * len(FINGERS)
-        self._miss = [0.0] * len(FINGERS)
+        self._bends = [AskedBend(Bend(0.0, 0.0, 0.0, 0.0, 0.0))] * len(FINGERS)
         self._ratios = [1.0] * len(FINGERS)
         self._unseen = [0.0] * len(FINGERS)
         # What a tip says is quieter than what a length says. Older sessions knew no difference.
@@ -362,9 +376,7 @@ class _Hand:
         rigged = self._rig[name]
         x, y, z = target
         y += 0.0 if held else self._slip
-        bend = rigged.solve((x, y, z), self._options.first_joint)
-        self._rows[name] = (bend.flexion, bend.spread, bend.pip, bend.dip)
-        self._miss[name] = bend.miss
+        self._bends[name] = rigged.ask((x, y, z), self._options.first_joint)
 
     def _hold(self, name: int, palm: Palm, dt: float, slip: float) -> None:
         """Holds a finger that is not seen; in the paper it stays in the same position.
@@ -385,15 +397,16 @@ class _Hand:
             self._solve(name, held)
         if self._options.vanished == "folded" and self._ratios[name] < _FOLDING:
             share = 1.0 - exp(-dt / self._options.fold_seconds)
-            flexion, spread, pip, _ = self._rows[name]
+            flexion, spread, pip, _, miss = self._bends[name].bend
             pip += share * max(_FIST - pip, 0.0)
-            self._rows[name] = (flexion, spread, pip, self._rig[name].chain.dip(pip))
+            dip = self._rig[name].chain.dip(pip)
+            self._bends[name] = AskedBend(Bend(flexion, spread, pip, dip, miss))
 
     def _result(self, palm: Palm, ids: dict[str, int | None], seen: bool) -> PaalmHand:
         shift, m = self._calibration.palm_shift, self._moved
         self._last = PaalmHand(
             self._calibration.side,
-            np.array(self._rows),
+            tuple(self._bends),
             dict(zip(FINGERS, self._ratios, strict=True)),
             ids,
             frozenset(f for f in FINGERS if ids[f] is None),
@@ -401,8 +414,7 @@ class _Hand:
             palm
             if shift is None
             else palm.shifted((shift[0] + m[0], shift[1] + m[1] - self._slip, shift[2] + m[2])),
-            np.array(self._targets),
-            np.array(self._miss),
+            tuple(self._targets),
             seen,
         )
         return self._last

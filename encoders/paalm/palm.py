@@ -37,8 +37,14 @@ class Palm:
 
     def place(self, point: Vector) -> Vector:
         """Palm coordinates (across, forward, dorsal), m, of a position."""
-        o = self.origin
-        return self.turn((point[0] - o[0], point[1] - o[1], point[2] - o[2]))
+        u, v, w = self.origin
+        x, y, z = point[0] - u, point[1] - v, point[2] - w
+        a, f, d = self.across, self.forward, self.dorsal
+        return (
+            x * a[0] + y * a[1] + z * a[2],
+            x * f[0] + y * f[1] + z * f[2],
+            x * d[0] + y * d[1] + z * d[2],
+        )
 
     def turn(self, v: Vector) -> Vector:
         """Palm coordinates of a direction."""
@@ -52,8 +58,12 @@ class Palm:
     def back(self, v: Vector) -> Vector:
         """The direction with these palm coordinates."""
         a, f, d = self.across, self.forward, self.dorsal
-        x, y, z = (v[0] * a[i] + v[1] * f[i] + v[2] * d[i] for i in range(3))
-        return x, y, z
+        x, y, z = v
+        return (
+            x * a[0] + y * f[0] + z * d[0],
+            x * a[1] + y * f[1] + z * d[1],
+            x * a[2] + y * f[2] + z * d[2],
+        )
 
     def shifted(self, shift: Vector) -> Palm:
         """The palm with its centre at a place in palm coordinates, m."""

@@ -8,7 +8,7 @@ import numpy as np
 
 from encoders.paalm.angles import FRAMES
 from encoders.paalm.calibration import HandCalibration
-from encoders.paalm.chain import FINGER_LIMITS, THUMB_LIMITS, Bend, FingerChain
+from encoders.paalm.chain import FINGER_LIMITS, THUMB_LIMITS, AskedBend, FingerChain
 from encoders.paalm.coupling import Coupling
 from encoders.paalm.hand_pose import PALM_CENTRE
 from encoders.paalm.options import PaalmOptions
@@ -54,18 +54,18 @@ class RiggedFinger:
         """Transforms a palm direction to the finger's zero frame."""
         if self.finger:
             return v
-        f = _ZERO_FRAMES[0]
-        x, y, z = (v[0] * f[0][i] + v[1] * f[1][i] + v[2] * f[2][i] for i in range(3))
-        return x, y, z
+        (a, b, c), (d, e, f), (g, h, i) = _ZERO_FRAMES[0]
+        x, y, z = v
+        return x * a + y * d + z * g, x * b + y * e + z * h, x * c + y * f + z * i
 
-    def solve(self, target: Vector, first_joint: str) -> Bend:
+    def ask(self, target: Vector, first_joint: str) -> AskedBend:
         """Angles for a target in palm axes, from the base, m in the rig's scale."""
         local = self.local(target)
         if first_joint == "ik":
-            return self.chain.solve(local)
+            return AskedBend(None, self.chain, local)
         length = float(np.sqrt(local[0] ** 2 + local[1] ** 2 + local[2] ** 2))
         x, y, z = (c / length for c in local)
-        return self.chain.with_first_joint((x, y, z), length)
+        return AskedBend(self.chain.with_first_joint((x, y, z), length))
 
 
 def assumed_coupling(calibration: HandCalibration, options: PaalmOptions) -> Coupling:

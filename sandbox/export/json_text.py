@@ -3,19 +3,56 @@
 from __future__ import annotations
 
 import json
-from typing import Any, NoReturn, TextIO
+import re
+from typing import Any, NamedTuple, NoReturn, TextIO
 
 import msgspec
 import numpy as np
 
-CHUNK = 1 << 17
+CHUNK = 1 << 18
 """Characters read at a time."""
 LARGEST = 1 << 21
 """Characters of the largest value."""
+_CLOSING = 3
+"""Last characters of an element by which its end is known."""
+_NEXT = re.compile(r'\s*,\s*\{\s*"[^"\\]*"')
+"""A comma and the first name in the next element."""
 
 
 def _refuse(constant: str) -> NoReturn:
     raise ValueError(f"{constant} is not JSON")
+
+
+class Joint(NamedTuple):
+    """The signs at which one element of a list follows another.
+
+    Attributes:
+        signs: The last ones of an element, a comma, and the first name in the next element; empty
+            where they are not known.
+        closing: Number of those that belong to the first element.
+    """
+
+    signs: str
+    closing: int
+
+    @classmethod
+    def behind(cls, text: str, end: int) -> Joint:
+        """The joint at the end of an element in a text."""
+        after, begin = _NEXT.match(text, end), max(end - _CLOSING, 0)
+        return cls(text[begin : after.end()], end - begin) if after else cls("", 0)
+
+    def last(self, text: str) -> int:
+        """Number of characters before the last place with these signs.
+
+        That they are whole elements shows when they are decoded. 0 where there is no such place,
+        or where it is not sure that a decoder gives for many elements what it gives one by one.
+        """
+        at = text.rfind(self.signs) if self.signs else -1
+        if at < 0 or "\\" in text or not text.isascii():
+            return 0
+        if np.frombuffer(text.encode("ascii"), np.uint8).min() < ord(" "):
+            return 0
+        return at + self.closing
 
 
 class JsonText:
@@ -29,6 +66,7 @@ class JsonText:
         self._file = file
         self._decoder = json.JSONDecoder(parse_constant=_refuse)
         self._text, self._at = "", 0
+        self._joint: Joint | None = None
 
     def sign(self) -> str:
         """The next character that is not white space; empty at the end of the text."""
@@ -72,16 +110,33 @@ class JsonText:
             ValueError: As in `value`.
         """
         self.sign()
-        end = _whole_elements(self._text[self._at :])
+        text = self._text[self._at :]
+        if self._joint is None:
+            value = self.value()
+            self._joint = Joint.behind(self._text, self._at)
+            return [value]
+        end = self._joint.last(text)
         if end:
-            text = self._text[self._at : self._at + end]
-            try:
-                elements = msgspec.json.decode(f"[{text}]")
-            except (msgspec.DecodeError, RecursionError):
-                return [self.value()]
-            self._at += end
-            return list(elements)
-        return [self.value()]
+            elements = self._decoded(text, end)
+            if elements is not None:
+                return elements
+            self._joint = Joint("", 0)
+        elements = self._decoded(text, _whole_elements(text))
+        return [self.value()] if elements is None else elements
+
+    def _decoded(self, text: str, end: int) -> list[Any] | None:
+        """Decodes elements in the next characters, up to an end, and goes on behind them.
+
+        None if they are not whole elements.
+        """
+        if not end:
+            return None
+        try:
+            elements = msgspec.json.decode(f"[{text[:end]}]")
+        except (msgspec.DecodeError, RecursionError):
+            return None
+        self._at += end
+        return list(elements)
 
     def rest(self) -> str:
         """The rest of the text, at most `LARGEST` characters of it."""

@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from encoders.paalm.calibration import HandCalibration
+from encoders.paalm.chain import tables_of
 from encoders.paalm.hand_pose import hand_poses
 from encoders.paalm.paalm import Paalm, PaalmHand
 from encoders.reconstruction.followed_hand import FollowedHand
@@ -45,7 +46,8 @@ class RecordedHand:
     def poses(self) -> Array:
         """Poses (n, 48) in the device's frame of the frames since the last call."""
         seen = [hand for _, hand in self._waiting if hand is not None]
-        goals = iter(hand_poses([h.table for h in seen], [h.palm for h in seen], self._side))
+        tables = tables_of([h.bends for h in seen])
+        goals = iter(hand_poses(tables, [h.palm for h in seen], self._side))
         poses = np.empty((len(self._waiting), self._hand.commanded.size))
         for pose, (dt, hand) in zip(poses, self._waiting, strict=True):
             if hand is None:

@@ -192,7 +192,9 @@ def _hand(record: Mapping[str, Any], fingers: tuple[TrackedFinger, ...]) -> Trac
 
 def _items(message: Mapping[str, Any], name: str) -> list[Mapping[str, Any]]:
     items = message.get(name, [])
-    if not isinstance(items, list) or not all(isinstance(i, Mapping) for i in items):
+    if not isinstance(items, list) or not all(
+        type(i) is dict or isinstance(i, Mapping) for i in items
+    ):
         raise DeviceError(f"`{name}` is not a list of objects")
     return items
 
@@ -205,6 +207,8 @@ def _identity(record: Mapping[str, Any]) -> int:
 
 
 def _is_number(value: Any) -> TypeGuard[float]:
+    if type(value) is float:
+        return math.isfinite(value)
     return not isinstance(value, bool) and isinstance(value, (int, float)) and math.isfinite(value)
 
 
@@ -229,7 +233,11 @@ def _vector(record: Mapping[str, Any], name: str) -> Vector:
 
 def _place(record: Mapping[str, Any], name: str) -> Vector:
     x, y, z = _vector(record, name)
-    if max(abs(x), abs(y), abs(z)) > _FARTHEST:
+    if not (
+        -_FARTHEST <= x <= _FARTHEST
+        and -_FARTHEST <= y <= _FARTHEST
+        and -_FARTHEST <= z <= _FARTHEST
+    ):
         raise DeviceError(f"{name} is farther away than the device can see")
     return x * METRES_PER_MM, y * METRES_PER_MM, z * METRES_PER_MM
 
