@@ -27,7 +27,7 @@ from rich.console import Console
 from rich.progress import Progress
 from rich.table import Table
 
-from benchmarks.judged import JUDGED
+from benchmarks.judged import FIRST
 from sandbox.options.scene_options import SceneOptions, plan
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
@@ -135,7 +135,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("--tasks", nargs="+", choices=JUDGED, default=JUDGED)
+    parser.add_argument("--tasks", nargs="+", choices=FIRST, default=FIRST)
     parser.add_argument("--seeds", type=int, default=20, help="trials: seeds 0 to N - 1 of each")
     parser.add_argument("--fingers", type=int, nargs="+", choices=FINGERS, default=list(FINGERS))
     parser.add_argument("--labels", choices=get_args(Labels), default="population")

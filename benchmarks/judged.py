@@ -22,7 +22,7 @@ from tasks.user import UserConfiguration
 
 FROZEN = Path(__file__).with_name("frozen.json")
 
-JUDGED = (
+FIRST = (
     "box-to-goal",
     "wrench-turn",
     "wrench-slide",
@@ -31,8 +31,13 @@ JUDGED = (
     "stack-vertical",
     "carry-together",
 )
-"""Tasks of the frozen configurations. Newer ones are measured on training seeds until they are
-frozen, too."""
+"""Tasks of the papers, and those that were made from them; they are judged in the air, too."""
+
+LATER = ("slalom", "gather", "dial", "chords", "insert", "close-case")
+"""Tasks in which more of the hand counts; judged by touch alone."""
+
+JUDGED = FIRST + LATER
+"""Tasks of the frozen configuration."""
 
 
 def configuration() -> dict[str, Any]:

@@ -13,7 +13,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from benchmarks.judged import JUDGED, freeze, frozen_seeds, frozen_settings
+from benchmarks.judged import FIRST, freeze, frozen_seeds, frozen_settings
 from encoders.paalm.coupling import coupling_of
 from encoders.paalm.hand_reconstructor import HandReconstructorSettings
 from encoders.paalm.options import PaalmOptions
@@ -40,7 +40,7 @@ def configuration() -> dict[str, Any]:
         "habits": asdict(AirHabits()),
         "user": UserConfiguration().as_json(),
         "solid": dict(IN_AIR),
-        "tasks": {name: TASKS[name].version for name in JUDGED},
+        "tasks": {name: TASKS[name].version for name in FIRST},
     }
 
 
@@ -60,5 +60,5 @@ if __name__ == "__main__":
     parser.add_argument("--freeze", action="store_true", help="write frozen_air.json")
     if parser.parse_args().freeze:
         freeze(FROZEN, configuration())
-    for name in JUDGED:
+    for name in FIRST:
         print(name, *air_seeds(10, name))

@@ -42,12 +42,12 @@ COLUMNS = (
 
 def record(folder: Path, seeds: int) -> None:
     """Records trials of the simulated user; those that lie there already stay as they are."""
-    from benchmarks.judged import JUDGED
+    from benchmarks.judged import FIRST
     from sandbox.options.scene_options import SceneOptions, plan
     from sandbox.trial.headless import run_trial
 
     folder.mkdir(parents=True, exist_ok=True)
-    jobs = [(task, device, seed) for task in JUDGED for device in DEVICES for seed in range(seeds)]
+    jobs = [(task, device, seed) for task in FIRST for device in DEVICES for seed in range(seeds)]
     for task, device, seed in track(jobs, "recording"):
         file = folder / f"{task}-{device.replace(':', '-')}-{seed}.jsonl"
         if not file.exists():

@@ -69,8 +69,11 @@ PARTS: dict[str, dict[str, Any]] = {
     },
 }
 
-GROUPS = {"encoders": ENCODERS, "controls": CONTROLS, "parts": PARTS}
-ROWS = PARTS | ENCODERS | CONTROLS
+SOLID: dict[str, dict[str, Any]] = {"whole hand": {"solid": "hand"}}
+"""As shipped, with palm and all links solid."""
+
+GROUPS = {"encoders": ENCODERS, "controls": CONTROLS, "parts": PARTS, "solid": SOLID}
+ROWS = PARTS | ENCODERS | CONTROLS | SOLID
 
 Job = tuple[str, str, int, int]
 """Task, row, fingers, seed."""
@@ -155,7 +158,7 @@ def main() -> None:
     parser.add_argument("--tasks", nargs="+", default=["all"], help="all, or names")
     parser.add_argument("--seeds", type=int, default=600, help="the first N judged seeds")
     parser.add_argument(
-        "--rows", default="shipped", help="all, encoders, controls, parts, or names separated by ;"
+        "--rows", default="shipped", help="all, encoders, controls, parts, solid, or names; by ;"
     )
     parser.add_argument("--fingers", type=int, nargs="+", default=[3])
     parser.add_argument("--workers", type=int, default=os.cpu_count() or 1)
