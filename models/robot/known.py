@@ -7,9 +7,11 @@ from pathlib import Path
 from models.errors import InputError
 from models.robot.mapping import RobotMapping, load_mapping
 
-ROBOTS = ("shadow", "adroit")
-"""Hands that are known by name, both of the package gymnasium-robotics, the extra `robots`: the
-Shadow Dexterous Hand, and Adroit, which is a Shadow Hand on an arm with other limits."""
+ROBOTS = ("shadow", "adroit", "inspire")
+"""Hands that are known by name. The first two are in the package gymnasium-robotics, the extra
+`robots`: the Shadow Dexterous Hand, and Adroit, which is a Shadow Hand on an arm with other limits.
+The Inspire Hand is in the package robosuite, whose other needs clash with ours, so no extra brings
+it."""
 
 
 def find_robot(name: str) -> RobotMapping:

@@ -31,8 +31,12 @@ from models.errors import InputError
 from models.frames import FINGERS
 from models.person import HANDS
 
-EXTRA = "pip install 'hand-sandbox[robots]'"
-"""Installs the packages with the hands that this project knows by name."""
+REMEDIES = {
+    "gymnasium_robotics": "pip install 'hand-sandbox[robots]'",
+    "robosuite": "pip install --no-deps robosuite==1.5.2",
+}
+"""Package -> command that installs it. Of robosuite, the files of its models are enough; what it
+needs to run asks for NumPy before 2."""
 
 
 @dataclass(frozen=True)
@@ -50,6 +54,8 @@ class RobotMapping:
         offset: (3,) m, origin of the robot's palm in the frame of a person's hand of trained size.
         turn: (4,) quaternion (w, x, y, z): a person's hand from the robot's palm.
         coupled: Joints that follow others: name -> name of the other, and the ratio of angles.
+        places: (5,) of (3,) m, the middle of the fingertips in the frames of the bodies that `tips`
+            names; empty where `tips` are sites, or bodies that begin there.
         file: Where it was read from.
     """
 
@@ -62,6 +68,7 @@ class RobotMapping:
     offset: tuple[float, float, float]
     turn: tuple[float, float, float, float]
     coupled: dict[str, tuple[str, float]] = field(default_factory=dict)
+    places: tuple[tuple[float, float, float], ...] = ()
     file: str = ""
 
     def __post_init__(self) -> None:
@@ -73,6 +80,12 @@ class RobotMapping:
                     got=len(values),
                     expected=str(len(FINGERS)),
                 )
+        if len(self.places) not in (0, len(FINGERS)):
+            raise InputError(
+                "a hand needs five places of tips, thumb to little finger, or none",
+                where=self.file or "mapping",
+                got=len(self.places),
+            )
         for what, numbers in (("radii", self.radii), ("scales", self.scales)):
             if not all(0.0 < number < 10.0 for number in numbers):
                 raise InputError(
@@ -109,6 +122,7 @@ class RobotMapping:
             f'side = "{self.side}"',
             f"palm = {_quoted(self.palm)}",
             f"tips = [{', '.join(map(_quoted, self.tips))}]",
+            *([f"places = [{', '.join(map(_numbers, self.places))}]"] if self.places else []),
             f"radii = {_numbers(self.radii)}",
             f"scales = {_numbers(self.scales)}",
             f"offset = {_numbers(self.offset)}",
@@ -141,7 +155,7 @@ def located(model: str, folder: Path) -> Path:
             raise InputError(
                 f"the package with this hand is not installed: {package}",
                 where="--robot",
-                remedy=EXTRA,
+                remedy=REMEDIES.get(package, f"pip install {package}"),
             )
         path = Path(next(iter(spec.submodule_search_locations))) / inside
     if not path.is_file():

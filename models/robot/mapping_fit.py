@@ -25,6 +25,7 @@ from models.robot.mapping import RobotMapping
 from models.robot.retargeting import Retargeter
 from models.robot.robot_hand import RobotHand
 from models.robot.robot_model import RobotModel, compiled
+from models.robot.tip_ends import tip_ends
 from models.rotations import matrix_to_quaternion, quaternion_to_matrix
 from models.skeleton import ADULT, Skeleton
 
@@ -71,7 +72,9 @@ class MappingFit:
     other_side: float
 
 
-def fit_mapping(path: Path, tips: Sequence[str], palm: str = "", model: str = "") -> MappingFit:
+def fit_mapping(
+    path: Path, tips: Sequence[str], palm: str = "", model: str = "", ends: bool = False
+) -> MappingFit:
     """Fits a mapping to a model.
 
     Args:
@@ -79,6 +82,7 @@ def fit_mapping(path: Path, tips: Sequence[str], palm: str = "", model: str = ""
         tips: Names of the sites or bodies at the middle of the fingertips, thumb first.
         palm: Name of the body that carries all fingers; empty finds it.
         model: The model's place as the mapping will have it; empty takes the file's name.
+        ends: Whether `tips` are the bodies of last links, whose meshes end with the fingertips.
 
     Raises:
         InputError: The model cannot be used.
@@ -91,7 +95,9 @@ def fit_mapping(path: Path, tips: Sequence[str], palm: str = "", model: str = ""
             expected=str(len(FINGERS)),
         )
     palm = palm or _carrier(path, tips)
-    robot = RobotModel(path, palm, tips)
+    rounded = tip_ends(compiled(path), tips) if ends else []
+    places = tuple(end.place for end in rounded)
+    robot = RobotModel(path, palm, tips, places)
     people = {"right": ADULT, "left": ADULT.mirrored()}
     own = robot_volume(robot)
     apart = {side: abs(own - person_volume(person)) for side, person in people.items()}
@@ -102,11 +108,12 @@ def fit_mapping(path: Path, tips: Sequence[str], palm: str = "", model: str = ""
         side,
         palm,
         tuple(tips),
-        _radii(robot),
+        tuple(end.radius for end in rounded) or _radii(robot),
         _scales(robot, people[side]),
         _three(laid[side].offset),
         _four(laid[side].turn),
         _coupled(robot),
+        places,
         str(path.with_suffix(".toml")),
     )
     mapping, errors = _moved(start, people[side])

@@ -6,7 +6,7 @@ below the palm goes into our scene as plain MJCF, so neither names nor settings 
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from pathlib import Path
@@ -63,6 +63,8 @@ class RobotModel:
         path: Its MJCF file.
         palm: Name of the body that carries all fingers.
         tips: Names of the sites or bodies at the middle of the fingertips, thumb first.
+        places: (3,) m each, the middle of the fingertips in the frames of these bodies; without
+            them, their origins.
 
     Attributes:
         model: MuJoCo's model of the whole description.
@@ -73,7 +75,13 @@ class RobotModel:
         InputError: MuJoCo cannot compile the description, or it has no such palm or tips.
     """
 
-    def __init__(self, path: Path, palm: str, tips: Iterable[str]) -> None:
+    def __init__(
+        self,
+        path: Path,
+        palm: str,
+        tips: Sequence[str],
+        places: Sequence[tuple[float, float, float]] = (),
+    ) -> None:
         self._where = str(path)
         self.model = model = compiled(path)
         self.palm = self._named(mujoco.mjtObj.mjOBJ_BODY, palm, "palm")
@@ -87,7 +95,10 @@ class RobotModel:
                 where=self._where,
                 got=", ".join(wrong) or f"no joints below the body {palm}",
             )
-        self.tips = [self._tip(name) for name in tips]
+        self.tips = [
+            self._tip(name, place)
+            for name, place in zip(tips, places or [(0.0, 0.0, 0.0)] * len(tips), strict=True)
+        ]
         self.links = tuple(link for finger in range(len(self.tips)) for link in self._links(finger))
 
     def joint_names(self) -> list[str]:
@@ -259,15 +270,22 @@ class RobotModel:
             )
         return number
 
-    def _tip(self, name: str) -> tuple[int, tuple[float, float, float]]:
-        """Body of a fingertip, and its place in the body's frame."""
+    def _tip(
+        self, name: str, inside: tuple[float, float, float]
+    ) -> tuple[int, tuple[float, float, float]]:
+        """Body of a fingertip, and its place in the body's frame.
+
+        Args:
+            name: Name of a site or body.
+            inside: m, the fingertip in the frame of that body; of no meaning for a site.
+        """
         model = self.model
         site = int(mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_SITE, name))
         if site >= 0:
             body, place = int(model.site_bodyid[site]), model.site_pos[site]
         else:
             body = int(mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, name))
-            place = np.zeros(3)
+            place = np.array(inside)
         if body < 0:
             sites = [model.site(s).name for s in range(model.nsite)]
             raise InputError(
@@ -308,7 +326,17 @@ class RobotModel:
         model = self.model
         own = [g for g in range(model.ngeom) if int(model.geom_bodyid[g]) == body]
         own = [g for g in own if int(model.geom_type[g]) in _TYPES]
-        return [g for g in own if model.geom_group[g] < _SEEN_GROUPS] or own
+        own = [g for g in own if model.geom_group[g] < _SEEN_GROUPS] or own
+        return list({self._shape(g): g for g in reversed(own)}.values())[::-1]
+
+    def _shape(self, geom: int) -> tuple[object, ...]:
+        """What a geom looks like, but for its colour: some models have each shape twice, to be
+        seen and to collide."""
+        model, mesh = self.model, int(self.model.geom_dataid[geom])
+        arrays = [model.geom_pos[geom], model.geom_quat[geom], model.geom_size[geom]]
+        if int(model.geom_type[geom]) == int(_GEOM.mjGEOM_MESH):
+            arrays.append(model.mesh_vert[_part(model.mesh_vertadr, model.mesh_vertnum, mesh)])
+        return int(model.geom_type[geom]), *(array.tobytes() for array in arrays)
 
     def _joint(self, joint: int, prefix: str) -> Element:
         model, dof = self.model, int(self.model.jnt_dofadr[joint])
@@ -362,12 +390,19 @@ LEAST_ARMATURE = 2e-4
 def of_mapping(mapping: RobotMapping) -> RobotModel:
     """The hand that a mapping names."""
     path = mapping.path
-    return _of_file(path, path.stat().st_mtime_ns, mapping.palm, mapping.tips)
+    changed = path.stat().st_mtime_ns
+    return _of_file(path, changed, mapping.palm, mapping.tips, mapping.places)
 
 
 @lru_cache(maxsize=8)
-def _of_file(path: Path, changed: int, palm: str, tips: tuple[str, ...]) -> RobotModel:
-    return RobotModel(path, palm, tips)
+def _of_file(
+    path: Path,
+    changed: int,
+    palm: str,
+    tips: tuple[str, ...],
+    places: tuple[tuple[float, float, float], ...],
+) -> RobotModel:
+    return RobotModel(path, palm, tips, places)
 
 
 def compiled(path: Path) -> Any:

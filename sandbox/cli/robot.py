@@ -28,6 +28,7 @@ def fit(
     /,
     tips: str,
     palm: str = "",
+    ends: bool = False,
     out: Annotated[Path | None, tyro.conf.arg(metavar="FILE.toml")] = None,
     picture: Annotated[Path | None, tyro.conf.arg(metavar="FILE.png")] = None,
 ) -> int:
@@ -42,6 +43,8 @@ def fit(
         tips: Names of five sites or bodies in the middle of the fingertips, thumb to little finger,
             with commas between.
         palm: Name of the body that carries all fingers. Default: the last above all fingertips.
+        ends: The names are those of the fingers' last bodies, and a fingertip is where the mesh of
+            its body ends: for models without sites at the fingertips.
         out: File for the mapping; an existing one is replaced. Default: beside the model.
         picture: File for a picture of both hands in three poses; needs OpenGL.
     """
@@ -52,7 +55,7 @@ def fit(
     out = out or path.with_suffix(".toml")
     near = path.resolve().parent == out.resolve().parent
     name = model if inside else path.name if near else str(path.resolve())
-    fitted = fit_mapping(path, [tip.strip() for tip in tips.split(",")], palm, name)
+    fitted = fit_mapping(path, [tip.strip() for tip in tips.split(",")], palm, name, ends)
     mapping = fitted.mapping
     try:
         text = f"# Fitted by `sandbox robot fit {model}`.\n{mapping.as_toml()}"
