@@ -1,23 +1,29 @@
 """Measures many environments at once: steps a second in one process and in several.
 
-    python -m benchmarks.many_environments --count 8 --steps 200
+    python -m benchmarks.many_environments --count 8 --steps 50 --rounds 5
 
 Environments for learning play box-to-goal with three fingers that rest beside the box. *One
-process* steps them one after another; *a process each* are Gymnasium's `AsyncVectorEnv`; *one
-process a core* divides them evenly. *Physics alone* are control periods of the same scene without
-hands' reconstruction, observation and reward, by `mujoco.rollout` on one thread and on one a core.
-Prints Markdown. On a busy machine several processes get more of it than one, so compare only on a
-quiet one; the load is printed.
+process* steps them one after another. *Together* are `sandbox.gym.many.ManyEnvs`, where each
+process has several; *a process each* are Gymnasium's `AsyncVectorEnv`. All ways have begun before
+anything is measured, and take turns in each round, the first one of a round last in the next.
+
+*Steps a second* are by the clock, the median of all rounds. On a machine that does other work,
+several processes get more of it than one, so the ratio by the clock says too much. That *by
+processors* does not depend on it: the time that one process computes for the steps, over the time
+that the other way's processes compute for them, evenly on all processors, plus that of the process
+that asks. On a quiet machine the ratio by the clock is this one, but for what processes wait.
+
+*Physics alone* are control periods of the same scene without hands' reconstruction, observation and
+reward, by `mujoco.rollout` on one thread and on one a processor. Prints Markdown.
 """
 
 from __future__ import annotations
 
 import argparse
 import os
-from collections.abc import Callable
-from concurrent.futures import ProcessPoolExecutor
-from functools import partial
-from time import perf_counter
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+from time import perf_counter, process_time
 from typing import Any
 
 import gymnasium
@@ -29,6 +35,7 @@ from benchmarks.machine import describe_machine
 from models.arithmetic.arrays import Array
 from models.scene import CONTROL_PERIOD
 from sandbox.gym import learning_id
+from sandbox.gym.many import ManyEnvs
 
 FINGERS = ((0, 0.05, 0.09), (1, 0.06, 0.05), (2, 0.085, 0.045))
 """Label and place of each touch, m."""
@@ -47,36 +54,53 @@ def make() -> Any:
     return gymnasium.make(learning_id("box-to-goal"), observe="all")
 
 
-def loop(count: int, steps: int) -> float:
-    """s that environments take in this process."""
-    envs = [make() for _ in range(count)]
-    for seed, env in enumerate(envs):
+class Way:
+    """One way to step several environments.
+
+    Args:
+        name: Its name.
+        step: Steps all of them once.
+        pids: Its processes besides this one.
+    """
+
+    def __init__(self, name: str, step: Callable[[], object], pids: Sequence[int] = ()) -> None:
+        self.name, self._step, self._pids = name, step, pids
+        self.spent: list[float] = []
+        self.alone: list[float] = []
+
+    def measure(self, steps: int, cores: int) -> None:
+        """Steps, and keeps the time by the clock, and that of a machine with nothing else to do,
+        s: this process' time, and the others' side by side."""
+        before, own, begun = [used(p) for p in self._pids], process_time(), perf_counter()
+        for _ in range(steps):
+            self._step()
+        self.spent.append(perf_counter() - begun)
+        own = process_time() - own
+        others = [used(p) - then for p, then in zip(self._pids, before, strict=True)]
+        side_by_side = max(sum(others) / cores, *others) if others else 0.0
+        self.alone.append(own + side_by_side)
+
+
+def used(pid: int) -> float:
+    """s of processor time of a process and its threads (Linux)."""
+    threads = Path(f"/proc/{pid}/task").glob("*/schedstat")
+    return sum(int(each.read_text(encoding="utf-8").split()[0]) for each in threads) * 1e-9
+
+
+def ways(count: int, cores: int) -> Iterator[Way]:
+    """All ways, begun."""
+    seeds: list[int | None] = [*range(count)]
+    envs = [make() for _ in seeds]
+    for seed, env in zip(seeds, envs, strict=True):
         env.reset(seed=seed)
-    begun = perf_counter()
-    for _ in range(steps):
-        for env in envs:
-            env.step(action())
-    return perf_counter() - begun
-
-
-def divided(count: int, steps: int, workers: int) -> float:
-    """s that environments take, divided over processes that have begun already."""
-    share = [count // workers + (i < count % workers) for i in range(workers)]
-    with ProcessPoolExecutor(workers) as pool:
-        return max(pool.map(partial(loop, steps=steps), share))
-
-
-def vector(count: int, steps: int) -> float:
-    """s that environments with a process each take."""
-    envs = gymnasium.vector.AsyncVectorEnv([make for _ in range(count)])
-    envs.reset(seed=list(range(count)))
+    yield Way("one process", lambda: [env.step(action()) for env in envs])
     actions = np.tile(action(), (count, 1))
-    begun = perf_counter()
-    for _ in range(steps):
-        envs.step(actions)
-    spent = perf_counter() - begun
-    envs.close()
-    return spent
+    many = ManyEnvs(learning_id("box-to-goal"), count, cores, observe="all")
+    many.reset(seed=seeds)
+    yield Way(f"together, {cores} processes", lambda: many.step(actions), many.pids)
+    each: Any = gymnasium.vector.AsyncVectorEnv([make] * count)
+    each.reset(seed=seeds)
+    yield Way("a process each", lambda: each.step(actions), [p.pid for p in each.processes])
 
 
 def physics(count: int, steps: int, threads: int) -> float:
@@ -101,24 +125,27 @@ def main() -> None:
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--count", type=int, default=8, help="environments")
-    parser.add_argument("--steps", type=int, default=200, help="control periods of each")
+    parser.add_argument("--steps", type=int, default=50, help="control periods of each in a round")
     parser.add_argument("--cores", type=int, default=os.cpu_count() or 1)
+    parser.add_argument("--rounds", type=int, default=5)
     options = parser.parse_args()
     count, steps, cores = options.count, options.steps, options.cores
-    ways: dict[str, Callable[[], float]] = {
-        "one process": lambda: loop(count, steps),
-        "a process each": lambda: vector(count, steps),
-        f"one process a core ({cores})": lambda: divided(count, steps, cores),
-        "physics alone, one thread": lambda: physics(count, steps, 1),
-        f"physics alone, {cores} threads": lambda: physics(count, steps, cores),
-    }
     print(f"{describe_machine()}\n")
-    print(f"| {count} environments | steps a second | ratio to one process |\n| --- | --- | --- |")
-    first = 0.0
-    for name, measure in ways.items():
-        rate = count * steps / measure()
-        first = first or rate
-        print(f"| {name} | {rate:.0f} | {rate / first:.2f} |", flush=True)
+    print(f"| {count} environments | steps a second | ratio by the clock | ratio by processors |")
+    print("| --- | --- | --- | --- |")
+    made = list(ways(count, cores))
+    for turn in range(options.rounds):
+        for way in made if turn % 2 == 0 else reversed(made):
+            way.measure(steps, cores)
+    first = made[0]
+    for way in made:
+        rate = count * steps / np.median(way.spent)
+        clock = np.median(np.divide(first.spent, way.spent))
+        alone = np.median(np.divide(first.alone, way.alone))
+        print(f"| {way.name} | {rate:.0f} | {clock:.2f} | {alone:.2f} |", flush=True)
+    for threads in (1, cores):
+        rate = count * steps / physics(count, steps, threads)
+        print(f"| physics alone, threads: {threads} | {rate:.0f} | | |", flush=True)
 
 
 if __name__ == "__main__":
