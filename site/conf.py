@@ -37,6 +37,8 @@ html_css_files = ["site.css"]
 exclude_patterns = ["examples/**/*.md", "paper/*.md"]
 myst_heading_anchors = 4
 myst_enable_extensions = ["colon_fence"]
+# Blocks without a language are text, and not Python.
+highlight_language = "text"
 # Docstrings of this project write code in single backticks.
 default_role = "code"
 autodoc_default_options = {"members": True, "show-inheritance": True}

@@ -41,6 +41,9 @@ LINK = re.compile(
 )
 """Links to sources, relative to the page."""
 
+NAMED = re.compile(r"\[[\w./-]+\.md\](?=\((?!https?:))")
+"""Links to pages that show the name of the page's file."""
+
 NEEDED = ("sphinx", "furo", "myst_parser", "sphinx_copybutton", "sphinx_design", "gymnasium")
 """What the extra `site` brings."""
 
@@ -73,6 +76,9 @@ def stage(folder: Path) -> None:
             path = (page.parent / link).resolve().relative_to(folder.resolve())
             (folder / path).parent.mkdir(parents=True, exist_ok=True)
             shutil.copy(ROOT / path, folder / path)
+    # Titles of pages in the place of their files' names.
+    for page in (*folder.glob("*.md"), *(folder / "docs").rglob("*.md")):
+        page.write_text(NAMED.sub("[]", page.read_text(encoding="utf-8")), encoding="utf-8")
     (folder / "api").mkdir()
     for package in PACKAGES:
         (folder / "api" / f"{package}.rst").write_text(reference(package), encoding="utf-8")
@@ -99,8 +105,6 @@ def first_page(folder: Path, tasks: list[str]) -> str:
     """
     wishes = (folder / "docs" / "index.md").read_text(encoding="utf-8")
     wishes = re.sub(r"\]\((?!https?:|\.\./|#)", "](docs/", wishes).replace("](../", "](")
-    # Titles of pages in the place of their files' names.
-    wishes = re.sub(r"\[[\w-]+\.md\]\(", "[](", wishes)
     wishes = wishes.replace("# I want to ...", "## I want to ...", 1).replace("\n## ", "\n### ")
     first = FIRST.format(title=settings()["title"])
     return first + wishes.replace("### I want", "## I want", 1) + "\n" + menu(tasks)
