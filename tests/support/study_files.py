@@ -54,6 +54,13 @@ kind = "scale"
 step = 5
 ask = "How much effort was it?"
 """
+SOUND = (
+    DESIGN.replace("participants = 2", "participants = 24")
+    .replace("Do you agree?", "Your touches are recorded. You may stop at any time. Do you agree?")
+    .replace("step = 5\n", 'step = 5\nlow_means = "none"\nhigh_means = "very much"\n')
+)
+"""The same design, without anything that misleads: enough people, who are told what they need."""
+
 TRIALS = 6
 """Number of trials in every session of this design, including practice."""
 

@@ -87,8 +87,8 @@ def say_power(design: Design, options: PlanOptions, console: Console) -> None:
 def _pilot(design: Design, options: PlanOptions) -> Pilot | None:
     if options.pilot is None:
         return None
+    from sandbox.study.design.planned import planned_tests
     from sandbox.study.planning.pilot import read_pilot
-    from sandbox.study.planning.planned import planned_tests
     from sandbox.study.report.make import check_libraries
 
     check_libraries()

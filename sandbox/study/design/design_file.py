@@ -108,7 +108,7 @@ def _design(top: TomlTable, text: str, path: Path) -> Design:
     forms = tuple(read_form(t, names, path.parent) for t in top.tables("questionnaires"))
     design = Design(
         name=top.name("name"),
-        title=top.string("title", ""),
+        title=_title(top, languages),
         seed=top.number("seed", 0, 0, 2**53, whole=True),
         participants=top.number("participants", 12, 1, 10_000, whole=True),
         sessions=sessions,
@@ -190,6 +190,14 @@ def _settings(table: TomlTable) -> dict[str, Any]:
     given = {name: (table.has(name), table.raw(name)) for name in SETTINGS}
     table.done()
     return {name: value for name, (there, value) in given.items() if there}
+
+
+def _title(top: TomlTable, languages: tuple[str, ...]) -> str:
+    """The title, which participants do not see; of one in several languages, that of the first."""
+    given = top.raw("title", "")
+    if isinstance(given, dict):
+        return TomlTable(top.reader, {"title": given}).text("title")[languages[0]]
+    return TomlTable(top.reader, {"title": given}).string("title", "")
 
 
 def _factors(top: TomlTable) -> tuple[Factor, ...]:

@@ -7,7 +7,7 @@ import re
 Path = tuple[str | int, ...]
 
 _HEADER = re.compile(r"\s*(\[{1,2})\s*([^\[\]]+?)\s*\]{1,2}\s*(#.*)?$")
-_KEY = re.compile(r"""\s*([\w-]+|"[^"]*"|'[^']*')\s*=""")
+_KEY = re.compile(r"""\s*([\w-]+|"[^"]*"|'[^']*')\s*(\.[\w.-]+\s*)?=""")
 _TRIPLE = re.compile(r'"""|' + "'''")
 
 
@@ -34,7 +34,8 @@ class TomlLines:
                         table = (*table, counts[table])
                     self._lines[table] = number
                 elif key := _KEY.match(line):
-                    self._lines[*table, key[1].strip("\"'")] = number
+                    # Of `text.en` and `text.de`, the first is the line of `text`.
+                    self._lines.setdefault((*table, key[1].strip("\"'")), number)
             for mark in _TRIPLE.findall(line):
                 fence = "" if mark == fence else fence or mark
 
@@ -43,6 +44,10 @@ class TomlLines:
         while path not in self._lines:
             path = path[:-1]
         return self._lines[path]
+
+    def has(self, path: Path) -> bool:
+        """True if a table or key is written in the file."""
+        return path in self._lines
 
     @staticmethod
     def _inner(names: tuple[str, ...], counts: dict[Path, int]) -> Path:

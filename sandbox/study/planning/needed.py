@@ -9,9 +9,9 @@ from math import expm1, inf, log1p
 from models.errors import InputError
 from sandbox.study.design.balance import whole_cycle
 from sandbox.study.design.design import Design
+from sandbox.study.design.planned import PlannedTests, family_size, planned_tests
 from sandbox.study.design.power import detectable, people_needed
 from sandbox.study.planning.pilot import CAUTION, Pilot, Spread
-from sandbox.study.planning.planned import PlannedTests, family_size, planned_tests
 from sandbox.study.report.models.quantities import LOG, SHARE
 
 WANTED = 0.8

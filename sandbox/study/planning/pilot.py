@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from models.errors import StudyError
-from sandbox.study.planning.planned import PlannedTests
+from sandbox.study.design.planned import PlannedTests
 from sandbox.study.report.models.data import StudyData, load_study, to_numbers
 from sandbox.study.report.models.fitted import Fitted
 from sandbox.study.report.models.mixed import Mixed

@@ -11,7 +11,7 @@ from sandbox.study.design.balance import cycle_line
 from sandbox.study.design.conditions import combinations, tasks_of
 from sandbox.study.design.design import END, START, Design, Exclusion, Factor
 from sandbox.study.design.plan import duration, session_plan, trials_of
-from sandbox.study.planning.planned import PlannedTests, family_size, planned_tests
+from sandbox.study.design.planned import PlannedTests, family_size, planned_tests
 from sandbox.study.record.build import build_of
 from sandbox.study.record.folder import StudyFolder
 

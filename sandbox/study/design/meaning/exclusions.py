@@ -20,6 +20,11 @@ OUTCOMES = (
 )
 """Measures of the outcome; a rule that looks at one of them selects on it."""
 
+TIMES = ("time_s", "completion_s")
+"""Outcomes that may have a bound below, for touches by accident."""
+QUICK = 0.5
+"""Share of the expected duration, below which many good trials are."""
+
 
 def exclusion_flaws(design: Design, path: Path, rule: Exclusion) -> Iterator[Flaw]:
     """Flaws of one rule."""
@@ -52,6 +57,20 @@ def exclusion_flaws(design: Design, path: Path, rule: Exclusion) -> Iterator[Fla
             f"{rule.name} selects on the outcome: it leaves out {who} because of {rule.measure}",
             "Remove the rule; the report takes trials without success into account. Choose a "
             "measure that says nothing of how well people did, such as away_s",
+        )
+    elif rule.measure in design.primary and rule.measure not in TIMES:
+        yield Flaw(
+            path,
+            f"{rule.name} selects on the outcome: {rule.measure} is confirmatory",
+            "Remove the rule, or choose a measure that is no outcome, such as away_s",
+        )
+    elif rule.measure == "time_s" and below is not None and below > QUICK * design.expected:
+        yield Flaw(
+            path,
+            f"{rule.name} leaves out good trials: a trial is expected to take {design.expected:g} "
+            f"s, "
+            f"and those below {below:g} s are left out",
+            "Write a bound that nobody can reach, such as 0.5; the unit is seconds",
         )
     elif rule.measure == "time_s" and above is not None:
         yield Flaw(

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from sandbox.study.design.design import Design, Item
+from sandbox.study.design.design import Design
 from sandbox.study.design.meaning.flaw import Flaw
-from sandbox.study.design.toml_lines import Path
+from sandbox.study.design.meaning.texts import asked_items
 from sandbox.words.words import LANGUAGES, base, words_of_studies
 
 NAMED = 4
@@ -28,7 +28,7 @@ def language_flaws(design: Design) -> Iterator[Flaw]:
             )
     foreign = [code for code in design.languages if base(code) != "en"]
     if foreign and len(design.languages) > 1:
-        for path, item in _items(design):
+        for path, item in asked_items(design):
             if item.choices and not item.means:
                 yield Flaw(
                     path,
@@ -36,11 +36,3 @@ def language_flaws(design: Design) -> Iterator[Flaw]:
                     f"{', '.join(item.choices)}",
                     "Write means = [...], with a text in each language for every choice",
                 )
-
-
-def _items(design: Design) -> Iterator[tuple[Path, Item]]:
-    for i, item in enumerate(design.demographics):
-        yield ("demographics", i), item
-    for i, form in enumerate(design.questionnaires):
-        for item in form.items:
-            yield ("questionnaires", i), item

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from sandbox.study.design.design import END, START, Design, Item
+from sandbox.study.design.design import END, START, Design
 from sandbox.study.design.meaning.flaw import Flaw
 from sandbox.study.design.meaning.identifying import asks_for, birth_parts
-from sandbox.study.design.toml_lines import Path
+from sandbox.study.design.meaning.texts import asked_items
 
 AGE = "Remove it; keep names and addresses apart, beside the pseudonym; ask for an age"
 
@@ -21,7 +21,7 @@ def people_flaws(design: Design) -> Iterator[Flaw]:
             'Add [consent] with text = "..."',
         )
     yield from _told_of_some_levels(design)
-    for path, item in _questions(design):
+    for path, item in asked_items(design):
         if asked := asks_for(item):
             yield Flaw(path, f"{item.name} identifies people: it asks for {asked}", AGE)
     parts = birth_parts(design.demographics)
@@ -32,14 +32,6 @@ def people_flaws(design: Design) -> Iterator[Flaw]:
             f"{names} identify people: they are a birth date together",
             AGE,
         )
-
-
-def _questions(design: Design) -> Iterator[tuple[Path, Item]]:
-    for i, item in enumerate(design.demographics):
-        yield ("demographics", i), item
-    for i, form in enumerate(design.questionnaires):
-        for j, item in enumerate(form.items):
-            yield ("questionnaires", i, "items", j), item
 
 
 def _told_of_some_levels(design: Design) -> Iterator[Flaw]:

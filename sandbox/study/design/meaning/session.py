@@ -1,18 +1,24 @@
-"""Flaws of the course of sessions: durations, breaks, practice, and starts that come again."""
+"""Flaws of the course of sessions: durations, breaks, forms, and starts that come again."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 
 from sandbox.study.design.conditions import tasks_of
-from sandbox.study.design.design import Design
+from sandbox.study.design.design import END, START, Design
 from sandbox.study.design.meaning.flaw import Flaw
-from sandbox.study.design.plan import BreakStep, Step, duration, session_plan
+from sandbox.study.design.plan import BreakStep, FormStep, Step, duration, session_plan
+from sandbox.study.design.questionnaires import instruments
+from sandbox.study.design.toml_lines import TomlLines
 
 LONGEST_SESSION = 5400.0
 """s; a rule of thumb: after an hour and a half, weariness is measured."""
 LONGEST_STRETCH = 1800.0
 """s without a break, also a rule of thumb."""
+REST = (5.0, 900.0)
+"""s; limits of a break that rests people and does not send them away."""
+OFTEN = 15
+"""Times that people answer one form in a session; a rule of thumb, too."""
 CUT = 0.8
 """Share of the time limit that a trial may be expected to take; of longer ones, many are cut."""
 
@@ -22,18 +28,7 @@ def session_flaws(design: Design) -> Iterator[Flaw]:
     yield from _times(design)
     plans = [session_plan(design, 0, n + 1) for n in range(design.sessions)]
     yield from _lengths(design, plans)
-    if not design.practice:
-        yield Flaw(
-            ("trials", "practice"),
-            "nobody practises, so that the first trials measure how the program is learnt",
-            "Write practice = 2 or more; practice trials are left out of the results",
-        )
-    elif design.practice_sessions and 1 not in design.practice_sessions:
-        yield Flaw(
-            ("trials", "practice_sessions"),
-            "nobody practises in the first session",
-            "Add 1, or remove the line",
-        )
+    yield from _forms(design, plans)
     if design.sessions > 1 and design.seeds == "shared":
         yield Flaw(
             ("trials", "seeds"),
@@ -55,6 +50,14 @@ def _times(design: Design) -> Iterator[Flaw]:
             f"Write more than {max(too_long.values()):g}",
             error=True,
         )
+    elif design.expected <= max(holds.values()):
+        task = max(holds, key=lambda name: holds[name])
+        yield Flaw(
+            ("trials", "expected_s"),
+            f"{design.expected:g} s is too short: the goal of {task} must be held for "
+            f"{holds[task]:g} s",
+            "Write the expected duration of a trial",
+        )
     elif design.expected > design.time_limit:
         yield Flaw(
             ("trials", "expected_s"),
@@ -68,6 +71,72 @@ def _times(design: Design) -> Iterator[Flaw]:
             "s, so that many are cut off before they succeed",
             f"Write {design.expected / CUT:.3g} or more; twice as long as expected is usual",
         )
+    else:
+        yield from _own_limits(design)
+
+
+def _own_limits(design: Design) -> Iterator[Flaw]:
+    """Tasks that end by their own limit before a trial is expected to be over."""
+    if not TomlLines(design.text).has(("trials", "expected_s")):
+        return
+    limits = {name: task.time_limit for name, task in tasks_of(design).items()}
+    short = {name: limit for name, limit in limits.items() if design.expected > CUT * limit}
+    if short:
+        names = ", ".join(f"{name} after {limit:g} s" for name, limit in short.items())
+        yield Flaw(
+            ("trials", "expected_s"),
+            f"a trial is expected to take {design.expected:g} s, and tasks end by their own limits "
+            f"({names})",
+            "Write a shorter duration, or choose another task",
+        )
+
+
+def _forms(design: Design, plans: list[list[Step]]) -> Iterator[Flaw]:
+    """Forms and instructions that come too early, too often, or for some levels only."""
+    apart = {factor.name for factor in design.factors if factor.one_a_session}
+    for i, form in enumerate(design.questionnaires):
+        path = ("questionnaires", i)
+        early = form.at == START and (not form.sessions or 1 in form.sessions)
+        if early and form.name in instruments():
+            yield Flaw(
+                path,
+                f"{form.name} asks about what was done, and is asked before anything was done",
+                'Write at = "end", or a factor',
+            )
+        if form.at in apart and form.sessions and len(form.sessions) < design.sessions:
+            yield Flaw(
+                path,
+                f"{form.name} is asked about some levels of {form.at} only, since each session has "
+                "another one",
+                "Remove `sessions`",
+            )
+        often = max(
+            sum(isinstance(s, FormStep) and s.form.name == form.name for s in plan)
+            for plan in plans
+        )
+        if often > OFTEN:
+            yield Flaw(
+                path,
+                f"{form.name} is asked {often} times in a session, so that people answer without "
+                "reading",
+                "Ask it at an outer factor, or at the end",
+            )
+    for i, instruction in enumerate(design.instructions):
+        some = instruction.sessions and len(instruction.sessions) < design.sessions
+        if instruction.at in apart and some:
+            yield Flaw(
+                ("instructions", i),
+                f"only some levels of {instruction.at} are announced, since each session has "
+                "another one",
+                "Remove `sessions`",
+            )
+    told = any(text.at != END and 1 in (text.sessions or (1,)) for text in design.instructions)
+    if not told and not {"task", "goal"} & set(design.page.shows):
+        yield Flaw(
+            ("trials", "shows"),
+            "nobody is told what to do: there are no instructions, and the goal is not shown",
+            'Add "goal", or [[instructions]]',
+        )
 
 
 def _lengths(design: Design, plans: list[list[Step]]) -> Iterator[Flaw]:
@@ -77,6 +146,13 @@ def _lengths(design: Design, plans: list[list[Step]]) -> Iterator[Flaw]:
             f"no break ever comes: no session has more than {design.break_every} trials without "
             "practice",
             "Write a smaller number, or remove [breaks]",
+        )
+    elif design.break_every and not REST[0] <= design.break_time <= REST[1]:
+        short = design.break_time < REST[0]
+        yield Flaw(
+            ("breaks", "least_s"),
+            f"{design.break_time:g} s are {'no rest' if short else 'longer than people wait'}",
+            "Write 30 to 120; the unit is seconds",
         )
     longest = max(duration(design, plan) for plan in plans)
     if longest > LONGEST_SESSION:

@@ -15,9 +15,15 @@ from sandbox.study.report.models.data import wordings
 from sandbox.study.run.study_page import study_view
 from sandbox.study.tables.codebook import codebook
 from sandbox.words.words import words_of_studies
-from tests.support.study_files import DESIGN, design
+from tests.support.study_files import DESIGN, SOUND, design
 
-DUTCH = DESIGN.replace("seed = 3", 'seed = 3\nlanguages = ["nl"]')
+CONSENT = "Your touches are recorded. You may stop at any time."
+DUTCH = SOUND.replace("seed = 3", 'seed = 3\nlanguages = ["nl"]').replace(
+    CONSENT, "Wij bewaren uw gegevens. U kunt altijd stoppen."
+)
+AUSTRIAN = SOUND.replace("seed = 3", 'seed = 3\nlanguages = ["de-AT"]').replace(
+    CONSENT, "Wir zeichnen Daten auf. Sie können jederzeit aufhören."
+)
 
 
 def with_words(lines: str) -> str:
@@ -58,7 +64,7 @@ def test_words_that_would_be_in_english_are_counted() -> None:
     assert f"{len(words_of_studies()) - 1} of them would be in English" in str(found)
     whole = "\n".join(f'"{key}" = """{text}"""' for key, text in words_of_studies().items())
     assert findings(design(with_words(whole))) == []
-    assert findings(design(DUTCH.replace('"nl"', '"de-AT"'))) == []
+    assert findings(design(AUSTRIAN)) == []
 
 
 def test_choices_without_words_are_named_in_designs_of_several_languages() -> None:

@@ -9,9 +9,11 @@ import pytest
 from sandbox.cli.main import main
 from sandbox.study.design.meaning.findings import findings
 from sandbox.study.design.reading import DesignError
-from tests.support.study_files import DESIGN, design
+from tests.support.study_files import SOUND as DESIGN
+from tests.support.study_files import design
 
 ROOT = Path(__file__).resolve().parents[4]
+CONSENT = DESIGN[DESIGN.index("[consent]") : DESIGN.index("[[demographics]]")]
 RULE = '\n[[exclusions]]\nname = "rule"\n'
 ASKED = '\n[[demographics]]\nname = "{}"\nkind = "text"\nask = "{}"\n'
 TWICE_SET = (
@@ -68,10 +70,10 @@ def changed(old: str, new: str) -> str:
             "more than the time limit",
         ),
         (changed('order = "latin"', 'order = "blocked"'), False, "told from practice"),
-        (changed('[consent]\ntext = "Do you agree?"\n', ""), False, "consent"),
+        (changed(CONSENT, ""), False, "consent"),
         (DESIGN + "\n[breaks]\nevery = 4\n", False, "no break ever comes"),
         (changed('["hard", "soft"]', '["hard"]'), False, "one level"),
-        (changed("participants = 2", "participants = 3"), False, "contact with practice"),
+        (changed("participants = 24", "participants = 25"), False, "contact with practice"),
         (DESIGN + RULE + 'measure = "time_s"\nabove = 600\n', False, "excludes nothing"),
         (
             DESIGN + RULE + 'of = "participant"\nmeasure = "success"\nbelow = 0.1\n',
@@ -84,7 +86,7 @@ def changed(old: str, new: str) -> str:
             "cut off",
         ),
         (changed("practice = 1", "practice = 0"), False, "nobody practises"),
-        (DESIGN + TWICE_SET, True, "the inner factor wins"),
+        (changed("practice = 1", "practice = 2") + TWICE_SET, True, "the inner factor wins"),
         (DESIGN + ASKED.format("name", "Who are you?"), False, "identifies people"),
         (DESIGN + ASKED.format("contact", "Your e-mail?"), False, "identifies people"),
         (DESIGN + ASKED.format("birth-date", "When?"), False, "identifies people"),
@@ -100,7 +102,7 @@ def test_a_mistake_of_meaning_is_one_line_with_its_remedy(
 
 
 def test_a_sound_design_has_none() -> None:
-    assert findings(design()) == []
+    assert findings(design(DESIGN)) == []
     assert findings(design(DESIGN + "\n[breaks]\nevery = 3\n")) == []
     assert findings(design(DESIGN + RULE + 'measure = "time_s"\nbelow = 0.5\n')) == []
     assert findings(design(DESIGN + ASKED.format("glasses", "Do you wear glasses?"))) == []
@@ -157,9 +159,9 @@ def test_check_prints_them_and_fails_on_errors_alone(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     file = tmp_path / "design.toml"
-    file.write_text(changed("participants = 2", "participants = 3"))
+    file.write_text(changed("participants = 24", "participants = 25"))
     assert main(["study", "check", str(file)]) == 0
-    assert "warning, line 4: participants: 3 people" in capsys.readouterr().out
+    assert "warning, line 4: participants: 25 people" in capsys.readouterr().out
     file.write_text(DESIGN + RULE + 'measure = "success"\nbelow = 1.5\n')
     assert main(["study", "check", str(file)]) == 2
     said = capsys.readouterr().out

@@ -12,10 +12,10 @@ from models.errors import InputError, StudyError
 from sandbox.cli.main import main
 from sandbox.study.design.design import Design
 from sandbox.study.design.design_file import parse_design
+from sandbox.study.design.planned import family_size, planned_tests
 from sandbox.study.design.power import people_needed, power
 from sandbox.study.planning.needed import change_of, needs, power_lines
 from sandbox.study.planning.pilot import Pilot, Spread, read_pilot
-from sandbox.study.planning.planned import family_size, planned_tests
 from sandbox.study.planning.preregistration import lock_of, preregistration
 from sandbox.study.record.folder import SIMULATED, StudyFolder
 from sandbox.study.report.models.analysis import analyse

@@ -6,8 +6,8 @@ import pytest
 
 from benchmarks.study_findings import DESIGN, PRIMARY, nothing, planted
 from sandbox.study.design.design_file import load_design
+from sandbox.study.design.planned import family_size, planned_tests
 from sandbox.study.design.power import power
-from sandbox.study.planning.planned import family_size, planned_tests
 
 
 def findings(count: int) -> tuple[list[int], list[int]]:

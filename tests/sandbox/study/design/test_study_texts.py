@@ -1,0 +1,194 @@
+"""`study check` reads texts: consent, promises, expectations, questions, and their translations."""
+
+from __future__ import annotations
+
+import pytest
+
+from sandbox.study.design.meaning.findings import findings
+from tests.support.study_files import SOUND, design
+
+FREE = "Your touches are recorded. You may stop at any time."
+TWO = SOUND.replace("seed = 3", 'seed = 3\nlanguages = ["en", "de"]')
+ASKED = '\n[[demographics]]\nname = "q"\n'
+
+
+def consenting(text: str, code: str = "en") -> str:
+    """The design with another consent, in a language."""
+    assert FREE in SOUND
+    told = SOUND.replace(FREE, text)
+    return told.replace("seed = 3", f'seed = 3\nlanguages = ["{code}"]')
+
+
+def instructed(text: str, at: str = "start", code: str = "en") -> str:
+    """The design with an instruction more, in a language."""
+    english = {
+        "en": FREE,
+        "de": "Daten werden aufgezeichnet. Sie können jederzeit aufhören.",
+        "fr": "Vos données sont enregistrées. Vous pouvez arrêter à tout moment.",
+        "zh": "我们会记录数据，您可以随时停止。",
+    }
+    return consenting(english[code], code) + f'\n[[instructions]]\nat = "{at}"\ntext = "{text}"\n'
+
+
+def told(text: str) -> list[str]:
+    return [f.mistake.what for f in findings(design(text))]
+
+
+@pytest.mark.parametrize(
+    ("text", "code"),
+    [
+        ("Participation is mandatory for everybody in this course.", "en"),
+        ("If you quit before the last trial, you will not be paid.", "en"),
+        ("Once you have begun, you cannot stop.", "en"),
+        ("Data that were recorded will never be deleted.", "en"),
+        ("Payment is made only if you finish.", "en"),
+        ("Your teacher will be told if you refuse.", "en"),
+        ("Die Teilnahme ist für alle Studierenden verpflichtend.", "de"),
+        ("Wer vorzeitig abbricht, erhält keine Vergütung.", "de"),
+        ("Les données ne pourront pas être effacées.", "fr"),
+        ("您必须完成所有试次。", "zh"),
+    ],
+)
+def test_a_consent_that_is_forced_is_found(text: str, code: str) -> None:
+    (what,) = told(consenting(text, code))
+    assert "not given freely" in what and text in what
+
+
+@pytest.mark.parametrize(
+    ("text", "code"),
+    [
+        ("We record data. You may stop at any time, and are paid in full anyway.", "en"),
+        ("We record data. If you stop, you will not lose your credit.", "en"),
+        ("You can stop. After data have been made anonymous, they cannot be deleted.", "en"),
+        ("You are not required to take part, and free to leave. We record data.", "en"),
+        ("The information sheet says the rest.", "en"),
+        ("Wir zeichnen Daten auf. Sie können aufhören, ohne etwas zu verlieren.", "de"),
+        ("Nous enregistrons vos données. Vous pouvez arrêter sans conséquence.", "fr"),
+    ],
+)
+def test_a_consent_that_is_free_is_let_be(text: str, code: str) -> None:
+    assert told(consenting(text, code)) == []
+
+
+def test_a_consent_says_that_people_may_stop_and_what_is_recorded() -> None:
+    (what,) = told(consenting("This is a study."))
+    assert what == "consent does not say that people may stop and what is recorded"
+    (what,) = told(consenting("Sie können jederzeit aufhören.", "de"))
+    assert what == "consent does not say what is recorded"
+
+
+@pytest.mark.parametrize(
+    ("text", "wanted"),
+    [
+        ("There are 40 trials.", "it speaks of 40 trials, and a session has 4"),
+        ("There are forty trials.", "it speaks of 40 trials, and a session has 4"),
+        ("It takes half a minute.", ""),
+        ("You come to three sessions.", "it speaks of 3 sessions, and the design has 1"),
+        ("There are regular breaks.", "it promises breaks, and none comes"),
+        ("You may have breaks whenever you like.", ""),
+        ("Each trial ends after 45 seconds.", "it speaks of 45 s, and a trial ends after 0.3 s"),
+        ("There are 4 trials, and 6 with practice.", ""),
+        ("It takes about 20 minutes.", ""),
+        ("It takes about 1 minute.", "it promises 1 min, and a session takes about 4"),
+        ("The questionnaire takes about 1 minute.", ""),
+        ("You get 10 euros. Data are kept for 10 years.", ""),
+    ],
+)
+def test_numbers_that_people_are_told_are_those_of_the_plan(text: str, wanted: str) -> None:
+    found = told(consenting(f"{FREE} {text}"))
+    assert [what.partition(":")[0] for what in found] == ([wanted] if wanted else [])
+
+
+@pytest.mark.parametrize(
+    ("text", "code", "judges"),
+    [
+        ("Now comes our improved hand.", "en", True),
+        ("In this part you use our new way, which is much better.", "en", True),
+        ("This one is known to be slower.", "en", True),
+        ("Jetzt kommt unser neues Verfahren.", "de", True),
+        ("Voici la méthode la plus rapide.", "fr", True),
+        ("现在的方法更快。", "zh", True),
+        ("The hand will now follow your fingers in another way.", "en", False),
+        ("Now another part begins. Be as fast as you can, and do your best.", "en", False),
+        ("We want to know which way is better.", "en", False),
+        ("Bitte arbeiten Sie so schnell wie möglich.", "de", False),
+        ("请尽快完成。", "zh", False),
+    ],
+)
+def test_nobody_is_told_which_level_is_better(text: str, code: str, judges: bool) -> None:
+    found = told(instructed(text, "contact", code))
+    assert ["expected to be better" in what for what in found] == [True] * judges
+
+
+def test_a_hypothesis_is_found_in_any_text_before_trials() -> None:
+    (what,) = told(instructed("We expect that soft things are easier to hold."))
+    assert "expected to be better" in what
+    assert told(instructed("We hope that you enjoy it.")) == []
+    assert told(instructed("We had expected that soft things are easier.", "end")) == []
+
+
+@pytest.mark.parametrize(
+    ("item", "wanted"),
+    [
+        ('ask = "Your age"\nkind = "number"\nlow = 18\nhigh = 60', "older than 60"),
+        ('ask = "Your age"\nkind = "number"\nlow = 18\nhigh = 99', ""),
+        ('ask = "Your age"\nkind = "number"\nlow = 18\nhigh = 60\noptional = true', ""),
+        ('ask = "How long?"\nkind = "choice"\nchoices = ["0-5", "5-10", "over 10"]', "5 fits two"),
+        ('ask = "How long?"\nkind = "choice"\nchoices = ["0-4", "6-10", "over 10"]', "5 fits no"),
+        ('ask = "How long?"\nkind = "choice"\nchoices = ["0", "1-5", "6 or more"]', ""),
+        ('ask = "Your gender?"\nkind = "choice"\nchoices = ["female", "male"]', "is personal"),
+        ('ask = "Your gender?"\nkind = "choice"\nchoices = ["f", "m", "prefer not to say"]', ""),
+        ('ask = "Was it hard?"\nkind = "scale"', "nobody is told"),
+        ('ask = "Was it hard, from 0 (no) to 100 (yes)?"\nkind = "scale"', ""),
+        (
+            'ask = "Was it hard?"\nkind = "scale"\nlow_means = "no"\nhigh_means = "no"',
+            "the same words",
+        ),
+        (
+            'ask = "Which?"\nkind = "choice"\nchoices = ["a", "b"]\nmeans = ["one", "One"]',
+            "are both called",
+        ),
+        ('ask = "Any comments?"\nkind = "text"', "nothing to say"),
+        ('ask = "Any comments?"\nkind = "text"\noptional = true', ""),
+        ('ask = "How much faster was it?"\nkind = "text"', "it leads to an answer"),
+        ('ask = "How old are you?"\nkind = "number"\nlow = 18', "asks the same as age"),
+    ],
+)
+def test_everybody_can_answer_every_question(item: str, wanted: str) -> None:
+    found = told(SOUND + ASKED + item + "\n")
+    assert len(found) == bool(wanted) and all(wanted in what for what in found)
+
+
+@pytest.mark.parametrize(
+    ("english", "german", "wanted"),
+    [
+        ("Be as fast as you can.", "Arbeiten Sie in aller Ruhe.", "asks for speed in en"),
+        ("Be careful.", "Fangen Sie an.", "asks for care in en"),
+        ("Be quick.", "Bitte beeilen Sie sich.", ""),
+        ("Move the box onto its twin.", "Move the box onto its twin.", "is the same in en and de"),
+        ("There are 2 parts.", "Es gibt 3 Teile.", "numbers differ: 2 in en, 3 in de"),
+        ("There are 2 parts.", "Es gibt zwei Teile.", ""),
+        ("Now begin.", "Now you will see the box on the left.", "for de is written in en"),
+        (
+            "Bring the box onto its twin, then let it go and take your hand off the screen.",
+            "Bringen Sie die Kiste dahin.",
+            "the text in en is much longer",
+        ),
+    ],
+)
+def test_texts_say_the_same_in_all_languages(english: str, german: str, wanted: str) -> None:
+    text = f'\n[[instructions]]\ntext = {{en = "{english}", de = "{german}"}}\n'
+    both = (
+        f'name = "two"\nlanguages = ["en", "de"]\ntitle = {{en = "Two", de = "Zwei"}}\n'
+        '[settings]\ntask = "box-to-goal"\n[[factors]]\nname = "contact"\norder = "latin"\n'
+        'levels = ["hard", "soft"]\n[trials]\npractice = 2\n[consent]\n'
+        f'text = {{en = "{FREE}", de = "Wir speichern Daten. Sie können jederzeit aufhören."}}\n'
+    )
+    found = told(both + text)
+    assert len(found) == bool(wanted) and all(wanted in what for what in found)
+
+
+def test_a_title_in_several_languages_is_that_of_the_first() -> None:
+    title = 'title = {en = "Two", de = "Zwei"}\n'
+    text = SOUND[: SOUND.index("[consent]")].replace("seed = 3\n", f"seed = 3\n{title}")
+    assert design(text.replace("seed = 3", 'seed = 3\nlanguages = ["de", "en"]')).title == "Zwei"
