@@ -1,12 +1,14 @@
-"""What the odds of thumb, index and middle finger do to names, before one of them is chosen.
+"""What the odds of a set of fingers do to names, before one of them is chosen.
 
     python -m benchmarks.set_odds --odds 2.5 5 10
+    python -m benchmarks.set_odds --set 1 2 3 --odds 2.5 3.5 5
     python -m benchmarks.set_odds --people 3 --recordings ../shared/data/leap/*.json.lz
 
-Three numbers decide a prior: names of simulated people to choose on, with history; single looks at
-the simulated user's layouts on boxes, by the direction of the hand; and single looks at real hands
-in the air, where every set of three fingers counts the same, so that any prior costs something.
-Nobody who is judged takes part.
+Four numbers decide a prior: names of simulated people to choose on, with history; single looks at
+the sets that these people put down alone, and at pinches as people make them; single looks at the
+simulated user's layouts of thumb, index and middle finger on boxes, by the direction of the hand;
+and single looks at real hands in the air, where every set counts the same, so that any prior costs
+something. Nobody who is judged takes part.
 """
 
 from __future__ import annotations
@@ -22,6 +24,8 @@ from rich.progress import track
 from rich.table import Table
 
 from benchmarks.one_line import run
+from benchmarks.pinches import SETS, layouts_of, pinches
+from benchmarks.pinches import right as right_looks
 from benchmarks.real_hands import layout, right
 from benchmarks.strangers import answers, of
 from encoders.captures.population import simulate_population
@@ -41,13 +45,15 @@ WIDTHS = (0.040, 0.050, 0.060)
 """m, edges of the boxes that are looked at."""
 HANDS = 40
 """Hands of simulated users, one a seed."""
+LOOKS = 1500
+"""Layouts of every set that is looked at."""
 
 
-def with_odds(odds: float) -> PopulationBelief:
-    """The belief that ships, with other odds of thumb, index and middle finger."""
+def with_odds(fingers: tuple[int, ...], odds: float) -> PopulationBelief:
+    """The belief that ships, with other odds of a set of fingers."""
     model = builtin_population_model()
     evidence = model.evidence
-    usual = {**USUAL_SETS, THREE: odds}
+    usual = {**USUAL_SETS, fingers: odds}
     other = NetworkEvidence(evidence.network, evidence.sharpness, usual)
     return replace(model, evidence=other)
 
@@ -80,16 +86,19 @@ def looks(belief: PopulationBelief, layouts: Sequence[Array]) -> float:
 
 
 def main() -> None:
-    """Prints a row for every odds."""
+    """Prints two rows for every odds."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--odds", type=float, nargs="+", default=[2.5, 5.0, 10.0])
+    parser.add_argument(
+        "--set", type=int, nargs="+", default=list(THREE), help="whose odds: thumb 0 to little 4"
+    )
     parser.add_argument("--people", type=int, default=12, help="to choose on, of each generator")
     parser.add_argument("--recordings", type=Path, nargs="*", default=[], help="of a Leap")
     options = parser.parse_args()
     groups = {"first": options.people, "second": options.people}
-    people = list(simulate_population("", {"choose": groups}).people)
+    people = simulate_population("", {"choose": groups}).people
     hands = [
         places
         for path in options.recordings
@@ -98,22 +107,32 @@ def main() -> None:
         if (places := layout(hand)) is not None
     ]
     user = {direction: of_the_user(direction) for direction in DIRECTIONS}
-    table = Table(title=f"names, % right; {len(people)} simulated people to choose on")
+    rng = np.random.default_rng(1)
+    cases = {"pinch": (pinches(rng, LOOKS), (0, 1))}
+    for name, fingers in SETS.items():
+        cases[name] = layouts_of(rng, people, fingers, LOOKS), fingers
+    names = Table(title=f"names, % right; {len(people)} simulated people to choose on")
     columns = ["odds", "2", "3", "4", "5", "all", *(f"user, {d:.0f} deg" for d in DIRECTIONS)]
     for column in [*columns, *(["real hands, 3", "4"] if hands else [])]:
-        table.add_column(column, justify="right")
+        names.add_column(column, justify="right")
+    singles = Table("odds", *cases, title="single looks, % right; the same people")
     for odds in options.odds:
-        belief = with_odds(odds)
+        belief = with_odds(tuple(options.set), odds)
         named = [answers(p, of(belief)) for p in track(people, f"odds {odds:g}", transient=True)]
-        fingers = np.concatenate([n.fingers for n in named])
+        touching = np.concatenate([n.fingers for n in named])
         correct = np.concatenate([n.right for n in named])
-        cells = [correct[fingers == count].mean() for count in range(2, 6)]
+        cells = [correct[touching == count].mean() for count in range(2, 6)]
         cells += [correct.mean(), *(looks(belief, user[d]) for d in DIRECTIONS)]
         if hands:
             shares = right(hands, of(belief), None)
             cells += [shares[3], shares[4]]
-        table.add_row(f"{odds:g}", *(f"{100 * cell:.1f}" for cell in cells))
-    Console(width=130).print(table)
+        names.add_row(f"{odds:g}", *(f"{100 * cell:.1f}" for cell in cells))
+        look = belief.evidence.log_posterior
+        seen = (right_looks(look, xy, fingers) for xy, fingers in cases.values())
+        singles.add_row(f"{odds:g}", *(f"{share:.1f}" for share in seen))
+    console = Console(width=130)
+    console.print(names)
+    console.print(singles)
 
 
 if __name__ == "__main__":
