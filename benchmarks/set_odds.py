@@ -108,7 +108,7 @@ def main() -> None:
     ]
     user = {direction: of_the_user(direction) for direction in DIRECTIONS}
     rng = np.random.default_rng(1)
-    cases = {"pinch": (pinches(rng, LOOKS), (0, 1))}
+    cases: dict[str, tuple[Array, tuple[int, ...]]] = {"pinch": (pinches(rng, LOOKS), (0, 1))}
     for name, fingers in SETS.items():
         cases[name] = layouts_of(rng, people, fingers, LOOKS), fingers
     names = Table(title=f"names, % right; {len(people)} simulated people to choose on")
