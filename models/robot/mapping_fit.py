@@ -211,12 +211,13 @@ def _carrier(path: Path, tips: Sequence[str]) -> str:
             else int(mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, name))
         )
         if body < 0:
-            sites = ", ".join(model.site(s).name for s in range(model.nsite))
+            sites = ", ".join(filter(None, (model.site(s).name for s in range(model.nsite))))
             raise InputError(
                 "this robot has no site or body of this name for a fingertip",
                 where="--tips",
                 got=name,
                 expected=f"one of {sites[:400]}" if sites else "names of bodies",
+                remedy=None if sites else "With --ends, give the fingers' last bodies",
             )
         way = []
         while body > 0:

@@ -95,6 +95,14 @@ class RobotModel:
                 where=self._where,
                 got=", ".join(wrong) or f"no joints below the body {palm}",
             )
+        # MuJoCo takes such a joint for one without limits.
+        empty = [j for j in self.joints if model.jnt_range[j, 0] > model.jnt_range[j, 1]]
+        if empty:
+            raise InputError(
+                "a joint of this robot's hand has a range from a greater to a smaller number",
+                where=self._where,
+                got=", ".join(model.joint(j).name for j in empty)[:400],
+            )
         self.tips = [
             self._tip(name, place)
             for name, place in zip(tips, places or [(0.0, 0.0, 0.0)] * len(tips), strict=True)

@@ -13,6 +13,7 @@ from models.errors import InputError
 from models.robot.known import ROBOTS, find_robot
 from models.robot.mapping import located
 from models.robot.mapping_fit import fit_mapping
+from models.robot.retargeting import REACHED
 from models.robot.robot_hand import RobotHand
 from sandbox.cli.common.parse import subcommand
 
@@ -66,6 +67,8 @@ def fit(
     print(f"coupled joints: {', '.join(mapping.coupled) or 'none'}")
     middle, most = np.percentile(fitted.errors, (50, 95)) * 1e3
     print(f"fingertips off, the palm held: median {middle:.2f} mm, 95 % below {most:.2f} mm")
+    if middle > REACHED * 1e3:
+        print("Most fingertips cannot be where a person's are: look at the ranges of joints")
     print(
         f"knuckles and fingertips of bent hands, laid over each other: {fitted.shape * 1e3:.0f} mm "
         f"apart; with the other hand {fitted.mirrored * 1e3:.0f} mm"

@@ -13,7 +13,7 @@ from models.errors import InputError
 from sandbox.datasets.demonstration import Demonstration
 from sandbox.recording.versions import versions
 
-_NAME = re.compile(r"([\w-]+/)*[\w-]+-v\d+")
+_NAME = re.compile(r"(?![\w-]/[^/]*$)([\w-]+/)*[\w-]+-v\d+")
 
 
 def need_minari() -> Any:

@@ -244,6 +244,15 @@ def test_models_that_are_no_hands_are_refused(tmp_path: Path) -> None:
         fit_mapping(path, TIPS)
     with pytest.raises(InputError, match="five fingertips"):
         fit_mapping(path, TIPS[:4])
+    whole = hinge_hand(tmp_path).read_text(encoding="utf-8")
+    path.write_text(whole.replace('range="0 90"', 'range="90 0"', 1))
+    with pytest.raises(InputError, match=r"greater to a smaller number .got 'thumb_mcp'"):
+        fit_mapping(path, TIPS)
+    for name in TIPS:
+        whole = whole.replace(f'<site name="{name}"', "<site")
+    path.write_text(whole)
+    with pytest.raises(InputError, match="expected names of bodies"):
+        fit_mapping(path, TIPS)
     path.write_text("<mujoco><worldbody>")
     with pytest.raises(InputError, match="MuJoCo cannot read"):
         fit_mapping(path, TIPS)

@@ -17,6 +17,7 @@ from sandbox.cli.main import main
 from sandbox.datasets.data_set import DataSet
 from sandbox.datasets.export import export_data_set
 from sandbox.datasets.kind import is_data_set
+from sandbox.datasets.minari_file import check_name
 from sandbox.datasets.npz_file import read_npz
 from sandbox.datasets.playback import first_difference
 from sandbox.datasets.slots import actions_of, slots_of, touches_of
@@ -157,6 +158,18 @@ def test_a_finger_s_slot_that_is_taken_leaves_another_one() -> None:
     frames = [[Contact(0, 0.1, 0.1, label=1)], [Contact(1, 0.1, 0.1, label=1)]]
     first, second = slots_of(touches_of(frames))
     assert first == 1 != second
+
+
+@pytest.mark.needs("datasets")
+def test_names_are_those_that_minari_reads() -> None:
+    from minari.dataset.minari_dataset import parse_dataset_id
+
+    for name in ("box-v0", "hand_sandbox/box-v0", "a/b/box-v1", "me/box_2-v12"):
+        check_name(name)
+        parse_dataset_id(name)
+    for name in ("", "box", "x/box-v0", "/box-v0", "me/box-v0/", "me box-v0"):
+        with pytest.raises(InputError, match="not a name of a data set"):
+            check_name(name)
 
 
 def bad_inputs() -> dict[str, tuple[str, str, str]]:
