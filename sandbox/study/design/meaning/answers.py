@@ -23,12 +23,10 @@ _AGE = re.compile(
 )
 _SENSITIVE = re.compile(
     r"(?<!\w)(?:gender|sex|income|salary|religio\w*|ethnic\w*|racial|disabilit\w*|illness\w*|"
-    r"diseases?|"
-    r"diagnos\w*|medication|sexual|politic\w*|geschlecht|einkommen|konfession|behinderung\w*|"
-    r"krankheit\w*|"
-    r"genre|sexe|revenus?|handicap|maladies?|genero|sexo|ingresos|etnia|discapacidad|enfermedad\w*|"
-    r"genere|sesso|reddito|disabilita|malatti\w*|geslacht|inkomen|religie|ziektes?|пол)(?!\w)|"
-    r"性别|性別|성별|收入|宗教"
+    r"diseases?|diagnos\w*|medication|sexual|politic\w*|geschlecht|einkommen|konfession|"
+    r"behinderung\w*|krankheit\w*|genre|sexe|revenus?|handicap|maladies?|genero|sexo|ingresos|"
+    r"etnia|discapacidad|enfermedad\w*|genere|sesso|reddito|disabilita|malatti\w*|geslacht|"
+    r"inkomen|religie|ziektes?|пол)(?!\w)|性别|性別|성별|收入|宗教"
 )
 _DECLINES = re.compile(
     r"prefer|rather not|no answer|not (?:to )?(?:say|answer|tell)|declin|keine (?:angabe|antwort)|"
@@ -37,13 +35,10 @@ _DECLINES = re.compile(
     r"liever niet|不愿|不想|答えたくない|回答しない|無回答"
 )
 _REMARKS = re.compile(
-    r"(?<!\w)(?:comments|(?:any|your) comment|remarks?|anything (?:else|"
-    r"to add|more)|suggestions?|anmerkung\w*|"
-    r"kommentar\w*|"
-    r"bemerkung\w*|vorschlag\w*|verbesserung\w*|commentaires?|remarques?|suggestions?|comentarios?|"
-    r"observacion\w*|sugerencias?|commenti|osservazioni|suggerimenti|opmerking\w*)(?!\w)|"
-    r"意见|备注|感想|"
-    r"コメント"
+    r"(?<!\w)(?:comments|(?:any|your) comment|remarks?|anything (?:else|to add|more)|suggestions?|"
+    r"anmerkung\w*|kommentar\w*|bemerkung\w*|vorschlag\w*|verbesserung\w*|commentaires?|"
+    r"remarques?|suggestions?|comentarios?|observacion\w*|sugerencias?|commenti|osservazioni|"
+    r"suggerimenti|opmerking\w*)(?!\w)|意见|备注|感想|コメント"
 )
 
 _RANGE = re.compile(
@@ -52,38 +47,32 @@ _RANGE = re.compile(
 )
 _OPEN = re.compile(
     r"(\d+)\s*(?:years?|jahre?|ans|anos|anni|jaar)?\s*(?:\+|(?:or|and|oder|und|et|ou|y|o|e|en|"
-    r"of)\s*"
-    r"(?:more|older|over|above|up|alter|mehr|daruber|plus|mas|mayor|oltre|piu|ouder|meer)|以上)"
+    r"of)\s*(?:more|older|over|above|up|alter|mehr|daruber|plus|mas|mayor|oltre|piu|ouder|meer)|"
+    r"以上)"
 )
 _ABOVE = re.compile(
     r"(?:over|above|more than|older than|uber|mehr als|alter als|plus de|mas de|mayor de|piu di|"
-    r"oltre|"
-    r"meer dan|ouder dan|>)\s*(\d+)"
+    r"oltre|meer dan|ouder dan|>)\s*(\d+)"
 )
 _FROM = re.compile(r"(?:from|ab|a partir de|desde|vanaf|at least|mindestens|>=|≥)\s*(\d+)")
 _BELOW = re.compile(
     r"(?:under|below|less than|younger than|fewer than|unter|weniger als|junger als|moins de|"
-    r"menos de|"
-    r"menor de|meno di|minder dan|jonger dan|<)\s*(\d+)"
+    r"menos de|menor de|meno di|minder dan|jonger dan|<)\s*(\d+)"
 )
 _ALONE = re.compile(r"^(\d+)$")
 
 _AGES = r"(?P<{}>\d{{2}})(?: ?(?:-|–|to|and|bis|und|a|et|y|e|en|tot) ?(?P<{}>\d{{2}}))?(?!\d)"
 _STATED = re.compile(
-    r"(?<!\w)(?:aged?|ages|(?:people|adults|persons|participants|men|women|"
-    r"users|everybody|personen|"
-    r"erwachsene|menschen|teilnehmende|leute|personnes|adultes|personas|"
-    r"adultos|persone|adulti|mensen|"
-    r"volwassenen)) (?:of |from |between |over |above |older than |aged |"
-    r"ab |von |uber |zwischen |de |"
-    r"entre |mayores de |oltre |tra |van |vanaf |boven )?"
+    r"(?<!\w)(?:aged?|ages|(?:people|adults|persons|participants|men|women|users|everybody|"
+    r"personen|erwachsene|menschen|teilnehmende|leute|personnes|adultes|personas|adultos|persone|"
+    r"adulti|mensen|volwassenen)) (?:of |from |between |over |above |older than |aged |ab |von |"
+    r"uber |zwischen |de |entre |mayores de |oltre |tra |van |vanaf |boven )?"
     + _AGES.format("a", "b")
     + "|"
     + _AGES.format("c", "d")
     + r" ?-?(?:years?|jahren?|ans|anos|anni|jaar)(?: of age)? ?-?"
-    r"(?:old|of age|(?:and|or|und|oder|et|ou|y|o|e|en|of) "
-    r"(?:older|over|above|more|up|alter|plus|mas|mayor|oltre|piu|ouder))|"
-    r"ab (?P<e>\d{2}) jahren"
+    r"(?:old|of age|(?:and|or|und|oder|et|ou|y|o|e|en|of) (?:older|over|above|more|up|alter|plus|"
+    r"mas|mayor|oltre|piu|ouder))|ab (?P<e>\d{2}) jahren"
 )
 """Ages of people who are wanted, as in "adults of 65 and older" or "18 to 30 years old"."""
 

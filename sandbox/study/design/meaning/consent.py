@@ -13,68 +13,61 @@ PLACE = ("consent", "text")
 FORCED = Phrases(
     {
         "en": (
-            r"(is|are|be|am) (strictly )?(required|obliged|obligated|compelled|forced) to (take "
-            r"part|"
-            r"participate|attend|complete|finish|stay|continue)|"
-            r"(participation|taking part|attendance) (in [\w ]+ )?is (mandatory|compulsory|"
-            r"required|"
-            r"obligatory|not voluntary|not optional)|(mandatory|compulsory) (participation|part "
-            r"of)|"
-            r"withdraw\w*[^.,;]* (is|are) (not (possible|allowed|permitted)|impossible|excluded)|"
-            r"(?<!not )(?<!n't )(must|have to|need to) (take part|participate|(complete|finish|"
-            r"do) (all|every|the whole|"
-            r"the entire))|"
-            r"(you|participants?|students?|nobody|no one|who\w*)[^.,;]* (must not|may not|cannot|"
-            r"can ?not|can't|can no longer|are not (allowed|permitted|free|able) to|"
-            r"is (not )?allowed to) (stop|quit|leave|withdraw|drop out|break off|"
-            r"change your mind|end)|(no|without (a|any|the)) (right|possibility|way) (to|of) "
-            r"(stop|quit|leav|withdraw)|(consent|agreement) (cannot|can ?not|can't) be (withdrawn|"
-            r"revoked)"
+            r"(?<!nobody )(?<!no one )(?<!no-one )(is|are|be|am) (strictly )?(required|obliged|"
+            r"obligated|compelled|forced) to (take part|participate|attend|complete|finish|stay|"
+            r"continue)|(participation|taking part|attendance) (in [\w ]+ )?is (mandatory|"
+            r"compulsory|required|obligatory|not voluntary|not optional)|(mandatory|"
+            r"compulsory) (participation|part of)|withdraw\w*[^.,;]* (is|are) (not (possible|"
+            r"allowed|permitted)|impossible|excluded)|(?<!not )(?<!n't )(must|have to|"
+            r"need to) (take part|participate|(complete|finish|do) (all|every|the whole|"
+            r"the entire))|(you|participants?|students?|nobody|no one|who\w*)[^.,;]* (must not|"
+            r"may not|cannot|can ?not|can't|can no longer|are not (allowed|permitted|free|"
+            r"able) to|is (not )?allowed to) (stop|quit|leave|withdraw|drop out|break off|"
+            r"change your mind|end)|(no|without (a|any|the)) (right|possibility|way) (to|"
+            r"of) (stop|quit|leav|withdraw)|(consent|agreement) (cannot|can ?not|"
+            r"can't) be (withdrawn|revoked)"
         ),
         "de": (
-            r"(teilnahme|mitmachen|anwesenheit) ist (\w+ ){0,4}(verpflichtend|pflicht|"
-            r"obligatorisch|"
-            r"vorgeschrieben|nicht freiwillig)|(sind|bist|ist|seid) (sie |du |ihr )?"
-            r"(?!nicht|keines)(\w+ )?verpflichtet|(mussen|musst|muss) (\w+ )?(teilnehmen|(alle|"
-            r"samtliche|jeden) [^.,;]*"
-            r"(abschliessen|beenden|machen|absolvieren|erledigen)|bis zum (ende|schluss))|"
-            r"(durfen|konnen|darf|kann|kannst|darfst)[^.,;]* nicht (mehr )?(\w+ ){0,2}(aufhoren|"
-            r"abbrechen|"
-            r"zurucktreten|widerrufen|zuruckgezogen|aussteigen|gehen)|"
-            r"kein (recht|widerruf|rucktritt|abbruch)|(widerruf|rucktritt|abbruch)\w* ist "
-            r"(nicht|aus)"
+            r"(teilnahme|mitmachen|anwesenheit) ist ((?!nicht|kein)\w+ ){0,4}(verpflichtend|"
+            r"pflicht|obligatorisch|vorgeschrieben|nicht freiwillig)|(?<!niemand )(sind|bist|ist|"
+            r"seid) (sie |du |ihr )?(?!nicht|keines)(\w+ )?verpflichtet|(mussen|musst|"
+            r"muss) ((?!nicht|kein)\w+ )?(teilnehmen|(alle|samtliche|jeden) [^.,;]*(abschliessen|"
+            r"beenden|machen|absolvieren|erledigen)|bis zum (ende|schluss))|(durfen|konnen|darf|"
+            r"kann|kannst|darfst)[^.,;]* nicht (mehr )?(\w+ ){0,2}(aufhoren|abbrechen|"
+            r"zurucktreten|widerrufen|zuruckgezogen|aussteigen|gehen)|kein (recht|widerruf|"
+            r"rucktritt|abbruch)|(widerruf|rucktritt|abbruch)\w* ist (nicht|aus)"
         ),
         "fr": (
-            r"participation (\w+ ){0,4}est obligatoire|(etes|es|est) (\w+ )?(tenue?s?|obligee?s?) "
-            r"d[e']|"
-            r"(vous|tu) ne (pouvez|pourrez|devez|peux|pourras) (pas|plus) (\w+ )?(arreter|"
-            r"interrompre|"
-            r"vous retirer|te retirer|quitter|abandonner)|(devez|dois) (participer|terminer|finir)"
+            r"participation (\w+ ){0,4}est obligatoire|(etes|es|est) ((?!pas)\w+ )?(tenue?s?|"
+            r"obligee?s?) d[e']|(vous|tu) ne (pouvez|pourrez|devez|peux|pourras) (pas|"
+            r"plus) (\w+ )?(arreter|interrompre|vous retirer|te retirer|quitter|abandonner)|"
+            r"(devez|dois) (participer|terminer|finir)"
         ),
         "es": (
-            r"participacion (\w+ ){0,4}es obligatoria|(esta|estas|estan) obligad[oa]s? a|"
-            r"no (puede|podra|puedes|podras|pueden) (detener|parar|retirar|abandonar|interrumpir|"
-            r"dejar)|"
-            r"(debe|debes|tiene que|tienes que) (participar|(completar|terminar|hacer) tod[oa]s)"
+            r"participacion ((?!no\b)\w+ ){0,4}es obligatoria|(?<!no )(esta|estas|"
+            r"estan) obligad[oa]s? a|no (puede|podra|puedes|podras|pueden) (detener|parar|retirar|"
+            r"abandonar|interrumpir|dejar)|(debe|debes|tiene que|tienes que) (participar|"
+            r"(completar|terminar|hacer) tod[oa]s)"
         ),
         "it": (
-            r"partecipazione (\w+ ){0,4}e obbligatoria|e (tenut|obbligat)[oai] a|"
+            r"partecipazione ((?!non)\w+ ){0,4}e obbligatoria|(?<!non )e (tenut|obbligat)[oai] a|"
             r"non (puo|puoi|potra|potrai) (interrompere|ritirar|smettere|fermar|abbandonare)|"
             r"(deve|devi) (partecipare|(completare|finire) tutt[ei])"
         ),
         "nl": (
-            r"deelname (\w+ ){0,4}is verplicht|(bent|ben) (u |je )?verplicht|"
-            r"(kunt|mag|kan|kun)[^.,;]* niet (meer )?(\w+ )?(stoppen|ophouden|terugtrekken|"
-            r"weggaan)|"
-            r"(moet|moeten) (meedoen|deelnemen|alle [^.,;]*(afmaken|doen))"
+            r"deelname (\w+ ){0,4}is verplicht|(bent|ben) (u |je )?verplicht|(kunt|mag|kan|"
+            r"kun)[^.,;]* niet (meer )?(\w+ )?(stoppen|ophouden|terugtrekken|weggaan)|(moet|"
+            r"moeten) (meedoen|deelnemen|alle [^.,;]*(afmaken|doen))"
         ),
         "pt": (
-            r"participacao (\w+ ){0,4}e obrigatoria|e obrigad[oa]s? a|"
-            r"nao (pode|podera|podes) (parar|desistir|abandonar|interromper|retirar)"
+            r"participacao ((?!nao)\w+ ){0,4}e obrigatoria|(?<!nao )e obrigad[oa]s? a|nao (pode|"
+            r"podera|podes) (parar|desistir|abandonar|interromper|retirar)"
         ),
         "zh": r"必须(参加|完成|参与)|不(得|能|可|可以|允许)(中途)?(退出|停止|中止)|强制参加",
-        "ja": r"参加は(義務|必須)|(やめる|中止する|中断する|"
-        r"辞退する)ことはできません|(やめ|中止|中断)できません",
+        "ja": (
+            r"参加は(義務|必須)|(やめる|中止する|中断する|辞退する)ことはできません|(やめ|中止|"
+            r"中断)できません"
+        ),
     }
 )
 """Participation that is required, or that cannot be ended."""
@@ -82,16 +75,15 @@ FORCED = Phrases(
 LEAVES = Phrases(
     {
         "en": (
-            r"stop|stops|stopping|leaving|quitting|quit|quits|leave early|leaves|withdraw\w*|drop "
-            r"out|drops out|break off|"
-            r"(do|does|did) not (finish|complete|take part|participate|agree)|declin\w+|refus\w+|"
-            r"not (finishing|completing|taking part)|incomplete|only (those|people|participants|"
-            r"students)?[^.]*(finish|complet)|(if|when) (you|they) (finish|complete)"
+            r"stop|stops|stopping|leaving|quitting|quit|quits|leave early|leaves|withdraw\w*|"
+            r"drop out|drops out|break off|(do|does|did) not (finish|complete|take part|"
+            r"participate|agree)|declin\w+|refus\w+|not (finishing|completing|taking part)|"
+            r"incomplete|only (those|people|participants|students)?[^.]*(finish|complet)|(if|"
+            r"when) (you|they) (finish|complete)"
         ),
         "de": (
             r"aufhor\w*|abbrech\w*|abbrich\w*|abbruch|nicht (bis|teilnehm|zustimm|beend|"
-            r"abschliess)|"
-            r"nur wer|zurucktret\w*|zuruckzieh\w*|ablehn\w*|vorzeitig"
+            r"abschliess)|nur wer|zurucktret\w*|zuruckzieh\w*|ablehn\w*|vorzeitig"
         ),
         "fr": r"arret\w*|interromp\w*|retir\w*|abandon\w*|refus\w*|quitt\w*",
         "es": r"parar?|pare|deten\w*|detien\w*|retir\w*|abandon\w*|interrump\w*|rechaz\w*|deje",
@@ -102,34 +94,28 @@ LEAVES = Phrases(
 PUNISHED = Phrases(
     {
         "en": (
-            r"(lose|loses|forfeit\w*)|(get|receive|earn)s? (no|neither|nothing)|"
-            r"(not|never) (get|receive|be (paid|compensated|rewarded|credited))|"
-            r"(is|are) not (paid|compensated|rewarded|credited)|no (payment|pay|credit|credits|"
-            r"compensation|reward|money|voucher|points?) |no (payment|pay|credits?|compensation|"
-            r"reward|"
-            r"money|voucher|points?)$|fail (the|this) (course|class)|"
-            r"(points|marks|grade|money) (is|are|will be) (deducted|lowered)|"
-            r"(is|are|will be) (fined|penali[sz]ed|reported|punished|noted|marked)|"
-            r"(paid|payment|credits?|reward|voucher|compensat\w+|money)[^.]* only [^.]*(finish|"
-            r"complet)|"
-            r"only [^.]*(finish|complet)[^.]*(paid|payment|credits?|reward|voucher|compensat|"
-            r"money)|"
-            r"(lower|worse) (grade|mark)|(teacher|supervisor|boss|employer|lecturer|manager|"
-            r"professor)"
-            r"[^.]*(told|informed|know)|(tell|inform) your (teacher|supervisor|boss|employer|"
-            r"lecturer|"
-            r"manager|professor)"
+            r"(lose|loses|forfeit\w*)|(get|receive|earn)s? (no|neither|nothing)|(not|never) (get|"
+            r"receive|be (paid|compensated|rewarded|credited))|(is|are) not (paid|compensated|"
+            r"rewarded|credited)|no (payment|pay|credit|credits|compensation|reward|money|voucher|"
+            r"points?) |no (payment|pay|credits?|compensation|reward|money|voucher|points?)$|"
+            r"fail (the|this) (course|class)|(points|marks|grade|money) (is|are|"
+            r"will be) (deducted|lowered)|(is|are|will be) (fined|penali[sz]ed|reported|punished|"
+            r"noted|marked)|(paid|payment|credits?|reward|voucher|compensat\w+|"
+            r"money)[^.]* only [^.]*(finish|complet)|only [^.]*(finish|complet)[^.]*(paid|payment|"
+            r"credits?|reward|voucher|compensat|money)|(lower|worse) (grade|mark)|(teacher|"
+            r"supervisor|boss|employer|lecturer|manager|professor)[^.]*(told|informed|know)|(tell|"
+            r"inform) your (teacher|supervisor|boss|employer|lecturer|manager|professor)"
         ),
         "de": (
             r"verlier\w*|(erhal|bekomm)\w+ (\w+ ){0,2}(kein\w*|nichts)|(entfallt|verfallt|"
-            r"abgezogen)|"
-            r"kein\w* (vergutung|geld|punkt\w*|bezahlung|aufwandsentschadigung|"
-            r"versuchspersonenstund\w*)|"
-            r"nur wer|nicht (bezahlt|vergutet|angerechnet|gutgeschrieben)|gemeldet|bestraft|"
-            r"durchgefallen"
+            r"abgezogen)|kein\w* (vergutung|geld|punkt\w*|bezahlung|aufwandsentschadigung|"
+            r"versuchspersonenstund\w*)|nur wer|nicht (bezahlt|vergutet|angerechnet|"
+            r"gutgeschrieben)|gemeldet|bestraft|durchgefallen"
         ),
-        "fr": r"perd\w*|(aucune?|pas de|sans) (remuneration|paiement|credit|point)|signal|penali|"
-        r"sanction",
+        "fr": (
+            r"perd\w*|(aucune?|pas de|sans) (remuneration|paiement|credit|point)|signal|penali|"
+            r"sanction"
+        ),
         "es": r"perder\w*|pierd\w*|no (recib|cobr)\w*|sin (pago|creditos?|remuneracion)|penaliz\w*",
         "it": r"perd\w*|non ricev\w*|nessun (compenso|credito|pagamento)|penalizzat\w*",
         "nl": r"verlie\w*|geen (vergoeding|punten|geld|betaling)|bestraft|gemeld",
@@ -137,47 +123,58 @@ PUNISHED = Phrases(
 )
 SPARED = Phrases(
     {
-        "en": r"(not|never|nor|without|no) (\w+ ){0,3}(los|forfeit|penal|disadvantage|"
-        r"consequence|told|tell|inform|report|noted|affect|influence|lower)|"
-        r"(still|anyway|nevertheless|nonetheless|regardless|even if|whether or not|any\w* "
-        r"disadvantage)",
-        "de": r"(ohne|nicht|keine\w*) (\w+ ){0,3}(verlier|verlust|nachteil|konsequenz|folgen)|"
-        r"trotzdem|"
-        r"dennoch|auch wenn|jedenfalls|auch (dann|in diesem fall)",
-        "fr": r"(sans|ne|aucun\w*) (\w+ ){0,3}(perd|consequence|penalite|prejudice|sanction)|"
-        r"quand meme|"
-        r"meme si",
-        "es": r"(sin|no|ningun\w*) (\w+ ){0,3}(perder|pierd|consecuencia|penaliza|perjuicio)|"
-        r"igualmente|aunque|de todos modos",
-        "it": r"(senza|non|nessun\w*) (\w+ ){0,3}(perd|conseguenz|penal|svantagg)|comunque|anche "
-        r"se",
+        "en": (
+            r"(not|never|nor|without|no) (\w+ ){0,3}(los|forfeit|penal|disadvantage|consequence|"
+            r"told|tell|inform|report|noted|affect|influence|lower)|(still|anyway|nevertheless|"
+            r"nonetheless|regardless|even if|whether or not|any\w* disadvantage)"
+        ),
+        "de": (
+            r"(ohne|nicht|keine\w*) (\w+ ){0,3}(verlier|verlust|nachteil|konsequenz|folgen)|"
+            r"trotzdem|dennoch|auch wenn|jedenfalls|auch (dann|in diesem fall)"
+        ),
+        "fr": (
+            r"(sans|ne|aucun\w*) (\w+ ){0,3}(perd|consequence|penalite|prejudice|sanction)|"
+            r"quand meme|meme si"
+        ),
+        "es": (
+            r"(sin|no|ningun\w*) (\w+ ){0,3}(perder|pierd|consecuencia|penaliza|perjuicio)|"
+            r"igualmente|aunque|de todos modos"
+        ),
+        "it": (
+            r"(senza|non|nessun\w*) (\w+ ){0,3}(perd|conseguenz|penal|svantagg)|comunque|anche se"
+        ),
         "nl": r"(zonder|niet|geen) (\w+ ){0,3}(verlie|gevolg|nadel)|toch|ook als",
     }
 )
 KEPT = Phrases(
     {
-        "en": r"(data|recordings?|answers|everything|results|information|records?|it|they|"
-        r"that)\b[^.;]*"
-        r"(cannot|can ?not|can't|can no longer|could not|will not|won't|will never|may not|must "
-        r"not|"
-        r"never) be "
-        r"(deleted|removed|erased|withdrawn|destroyed|taken back)|no (right|possibility|way) (to|"
-        r"of) "
-        r"(\w+ ){0,4}(delet|eras|remov)",
-        "de": r"(daten|aufzeichnungen|antworten|ergebnisse|was|alles)[^.;]*(nicht|nie) (mehr |"
-        r"wieder )?"
-        r"(geloscht|entfernt|vernichtet|zuruckgezogen)|(kein|keine) (recht auf )?loschung",
-        "fr": r"(donnees|enregistrements|reponses)[^.;]*ne (peuvent|pourront|seront|sont) (pas|"
-        r"plus|"
-        r"jamais) (etre )?(effac|supprim|detrui|retir)",
-        "es": r"(datos|grabaciones|respuestas)[^.;]*no (se )?(podran|pueden|podra|puede|"
-        r"seran)[^.;]* "
-        r"?(borra|elimina|suprimi|retira)",
-        "it": r"(dati|registrazioni|risposte)[^.;]*non (possono|potranno|saranno)[^.;]*(cancellat|"
-        r"eliminat|ritirat)",
-        "nl": r"(gegevens|opnamen|antwoorden|data)[^.;]*niet (meer )?(\w+ )?(verwijder|gewist|"
-        r"gewis|"
-        r"vernietig|ingetrokken)",
+        "en": (
+            r"(data|recordings?|answers|everything|results|information|records?|it|they|"
+            r"that)\b[^.;]*(cannot|can ?not|can't|can no longer|could not|will not|won't|"
+            r"will never|may not|must not|never) be (deleted|removed|erased|withdrawn|destroyed|"
+            r"taken back)|no (right|possibility|way) (to|of) (\w+ ){0,4}(delet|eras|remov)"
+        ),
+        "de": (
+            r"(daten|aufzeichnungen|antworten|ergebnisse|was|alles)[^.;]*(nicht|nie) (mehr |"
+            r"wieder )?(geloscht|entfernt|vernichtet|zuruckgezogen)|(kein|"
+            r"keine) (recht auf )?loschung"
+        ),
+        "fr": (
+            r"(donnees|enregistrements|reponses)[^.;]*ne (peuvent|pourront|seront|sont) (pas|plus|"
+            r"jamais) (etre )?(effac|supprim|detrui|retir)"
+        ),
+        "es": (
+            r"(datos|grabaciones|respuestas)[^.;]*no (se )?(podran|pueden|podra|puede|"
+            r"seran)[^.;]* ?(borra|elimina|suprimi|retira)"
+        ),
+        "it": (
+            r"(dati|registrazioni|risposte)[^.;]*non (possono|potranno|saranno)[^.;]*(cancellat|"
+            r"eliminat|ritirat)"
+        ),
+        "nl": (
+            r"(gegevens|opnamen|antwoorden|data)[^.;]*niet (meer )?(\w+ )?(verwijder|gewist|gewis|"
+            r"vernietig|ingetrokken)"
+        ),
         "zh": r"(数据|记录)[^。]*(不能|无法|不会|不可)(被)?删除",
         "ja": r"(データ|記録)[^。]*(削除できません|削除することはできません|消去できません)",
     }
@@ -199,20 +196,33 @@ NAMELESS = Phrases(
 
 FREE = Phrases(
     {
-        "en": r"stop|stops|withdraw\w*|quit|leave|leaving|voluntar\w*|break off|drop out|"
-        r"discontinu\w*|interrupt|free to|freely|any ?time|any (moment|point|stage)|whenever|"
-        r"end (the|your|this)|sheet|leaflet|information|paper|document|letter|brochure",
-        "de": r"aufhor\w*|abbrech\w*|abbruch|beenden|zuruckzieh\w*|zurucktret\w*|widerruf\w*|"
-        r"freiwillig\w*|jederzeit|unterbrech\w*|aussteig\w*|\w*blatt|\w*schreiben|unterlagen|"
-        r"aufklarung\w*|\w*information\w*",
-        "fr": r"arret\w*|interromp\w*|retir\w*|quitt\w*|volont\w*|benevol\w*|tout moment|librement|"
-        r"libre|abandon\w*|notice|feuille|lettre|document|information\w*",
-        "es": r"parar|deten\w*|retir\w*|abandon\w*|interrump\w*|volunt\w*|cualquier momento|"
-        r"libre\w*|dejar\w*|hoja|carta|documento|informacion",
-        "it": r"interromp\w*|ritir\w*|smett\w*|abbandon\w*|volontari\w*|qualsiasi momento|"
-        r"ogni momento|liber\w*|foglio|lettera|documento|informa\w*|ferma\w*",
-        "nl": r"stop\w*|ophoud\w*|terugtrek\w*|vrijwillig\w*|elk moment|altijd|vrij|afbrek\w*|"
-        r"brief|folder|informatie\w*",
+        "en": (
+            r"not (required|obliged|mandatory)|stop|stops|withdraw\w*|quit|leave|leaving|"
+            r"voluntar\w*|break off|drop out|discontinu\w*|interrupt|free to|freely|any ?time|"
+            r"any (moment|point|stage)|whenever|end (the|your|this)|sheet|leaflet|information|"
+            r"paper|document|letter|brochure"
+        ),
+        "de": (
+            r"nicht verpflicht\w*|aufhor\w*|abbrech\w*|abbruch|beenden|zuruckzieh\w*|"
+            r"zurucktret\w*|widerruf\w*|freiwillig\w*|jederzeit|unterbrech\w*|aussteig\w*|"
+            r"\w*blatt|\w*schreiben|unterlagen|aufklarung\w*|\w*information\w*"
+        ),
+        "fr": (
+            r"arret\w*|interromp\w*|retir\w*|quitt\w*|volont\w*|benevol\w*|tout moment|librement|"
+            r"libre|abandon\w*|notice|feuille|lettre|document|information\w*"
+        ),
+        "es": (
+            r"parar|deten\w*|retir\w*|abandon\w*|interrump\w*|volunt\w*|cualquier momento|"
+            r"libre\w*|dejar\w*|hoja|carta|documento|informacion"
+        ),
+        "it": (
+            r"interromp\w*|ritir\w*|smett\w*|abbandon\w*|volontari\w*|qualsiasi momento|"
+            r"ogni momento|liber\w*|foglio|lettera|documento|informa\w*|ferma\w*"
+        ),
+        "nl": (
+            r"stop\w*|ophoud\w*|terugtrek\w*|vrijwillig\w*|elk moment|altijd|vrij|afbrek\w*|brief|"
+            r"folder|informatie\w*"
+        ),
         "zh": r"停止|退出|自愿|随时|中止|说明书|知情",
         "ja": r"中止|やめ|辞退|自由|任意|いつでも|中断|撤回|説明(書|文書)",
         "ar": r"التوقف|تتوقف|الانسحاب|تنسحب|طوع|في أي",
@@ -222,15 +232,21 @@ FREE = Phrases(
 
 RECORDED = Phrases(
     {
-        "en": r"record|data|measur|stor(e|ing)|saved?|log|collect|ke(ep|pt)|track|sheet|leaflet|"
-        r"information|paper|document|letter|brochure",
-        "de": r"aufzeich|aufgezeich|\w*daten|gespeich|speicher|erfass|erhoben|erheb|mess|gemess|"
-        r"protokoll|\w*blatt|\w*schreiben|unterlagen|aufklarung|\w*information",
+        "en": (
+            r"record|data|measur|stor(e|ing)|saved?|log|collect|ke(ep|pt)|track|sheet|leaflet|"
+            r"information|paper|document|letter|brochure"
+        ),
+        "de": (
+            r"aufzeich|aufgezeich|\w*daten|gespeich|speicher|erfass|erhoben|erheb|mess|gemess|"
+            r"protokoll|\w*blatt|\w*schreiben|unterlagen|aufklarung|\w*information"
+        ),
         "fr": r"enregistr|donnees|mesur|recueil|conserv|collect|notice|feuille|lettre|information",
         "es": r"registr|grab|datos|guard|recog|medi|hoja|carta|documento|informacion",
         "it": r"registr|dati|misur|salv|raccog|raccol|conserv|foglio|lettera|documento|informa",
-        "nl": r"opgenomen|opnemen|gegevens|data|bewa|vastgelegd|met(en|ing)|gemeten|brief|folder|"
-        r"informatie",
+        "nl": (
+            r"opgenomen|opnemen|gegevens|data|bewa|vastgelegd|met(en|ing)|gemeten|brief|folder|"
+            r"informatie"
+        ),
         "zh": r"记录|数据|收集|保存|采集|说明书|知情",
         "ja": r"記録|データ|保存|収集|測定|説明(書|文書)",
         "ar": r"بيانات|تسج|نسج|يسج",

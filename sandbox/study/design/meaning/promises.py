@@ -73,12 +73,9 @@ _SESSIONS = re.compile(
 )
 _PIECES = re.compile(
     r"(?<!\w)(?:parts?|blocks?|sections?|sets?|rounds?|each|every|per|after|first|last|then|"
-    r"practi[cs]e|"
-    r"half|teil\w*|block\w*|je|jede\w*|pro|nach|erste\w*|letzte\w*|ubung\w*|partie\w*|bloc\w*|"
-    r"chaque|"
-    r"apres|premiers?|parte\w*|bloque\w*|cada|despues|primer\w*|blocc\w*|ogni|dopo|prim[ei]|deel|"
-    r"elke?|"
-    r"na|eerste)(?!\w)"
+    r"practi[cs]e|half|teil\w*|block\w*|je|jede\w*|pro|nach|erste\w*|letzte\w*|ubung\w*|partie\w*|"
+    r"bloc\w*|chaque|apres|premiers?|parte\w*|bloque\w*|cada|despues|primer\w*|blocc\w*|ogni|dopo|"
+    r"prim[ei]|deel|elke?|na|eerste)(?!\w)"
 )
 _EVERY_TRIAL = re.compile(
     rf"(?:each|every|per|one|a single|an?|jede[rnms]?|pro|je|ein(?:en|em|er)?|chaque|par|un|cada|"
@@ -87,36 +84,33 @@ _EVERY_TRIAL = re.compile(
 )
 _LIMIT = re.compile(
     r"at most|up to|limit|ends? (?:\w+ )?after|(?:no|not) (?:more|longer) than|within|maximum|"
-    r"hochstens|maximal|endet nach|spatestens|innerhalb|au plus|au maximum|como maximo|"
-    r"al massimo|hoogstens|you (?:have|get)|(?:haben sie|sie haben|bekommen sie)"
+    r"hochstens|maximal|endet nach|spatestens|innerhalb|au plus|au maximum|como maximo|al massimo|"
+    r"hoogstens|you (?:have|get)|(?:haben sie|sie haben|bekommen sie)"
 )
 _WHOLE = re.compile(
     r"(?<!\w)(?:takes?|lasts?|duration|visits?|sessions?|altogether|overall|in total|whole|"
-    r"stud(?:y|ies)|"
-    r"experiment|needs?|spend|dauer\w*|sitzung\w*|insgesamt|besuch\w*|studie|versuch|termin\w*|"
-    r"brauch\w*|"
-    r"benotig\w*|dure\w*|seance\w*|au total|etude|dura\w*|sesion\w*|en total|estudio|experimento|"
-    r"session[ei]|in totale|studio|esperimento|du(?:ur|re)\w*|sessies?|in totaal|onderzoek)(?!\w)|"
-    r"大约|约|需要|持续|共|約|かか|所要"
+    r"stud(?:y|ies)|experiment|needs?|spend|dauer\w*|sitzung\w*|insgesamt|besuch\w*|studie|"
+    r"versuch|termin\w*|brauch\w*|benotig\w*|dure\w*|seance\w*|au total|etude|dura\w*|sesion\w*|"
+    r"en total|estudio|experimento|session[ei]|in totale|studio|esperimento|du(?:ur|re)\w*|"
+    r"sessies?|in totaal|onderzoek)(?!\w)|大约|约|需要|持续|共|約|かか|所要"
 )
 _BESIDE = re.compile(
     r"(?<!\w)(?:breaks?|rest|paus\w*|descans\w*|pauz\w*|early|earlier|late|before|questionnaires?|"
     r"forms?|introduction|instructions?|explanation|practi[cs]e|calibration|parts?|blocks?|"
     r"fragebog\w*|einfuhrung|ubung\w*|teil\w*|vor|fruher|introduction|avant|partie\w*|antes|"
-    r"parte\w*|"
-    r"prima|introduzione|deel|vragenlijst\w*)(?!\w)|休|问卷|練習"
+    r"parte\w*|prima|introduzione|deel|vragenlijst\w*)(?!\w)|休|问卷|練習"
 )
 _ALL = re.compile(r"altogether|in total|overall|insgesamt|au total|en total|in totale|in totaal")
 _BREAKS_COME = re.compile(
     r"(?:there (?:are|will be)|you (?:will )?(?:have|get|make|take)|regular|after (?:each|every)|"
-    r"every|between) (?:[^.;]*\W)?(?:breaks?|pauses?|rests?)\b|"
-    r"(?:es gibt|gibt es|nach jede[rnms]?|regelmassig|zwischen)[^.;]*\bpausen?\b|"
-    r"(?:il y (?:a|aura)|apres chaque|entre)[^.;]*\bpauses?\b|"
-    r"(?:habra|hay|despues de cada|entre)[^.;]*\b(?:pausas?|descansos?)\b"
+    r"every|between) (?:[^.;]*\W)?(?:breaks?|pauses?|rests?)\b|(?:es gibt|gibt es|"
+    r"nach jede[rnms]?|regelmassig|zwischen)[^.;]*\bpausen?\b|(?:il y (?:a|aura)|apres chaque|"
+    r"entre)[^.;]*\bpauses?\b|(?:habra|hay|despues de cada|entre)[^.;]*\b(?:pausas?|descansos?)\b"
 )
 _AT_WILL = re.compile(
-    r"any ?time|whenever|as (?:often|long)|if you|when you|you (?:may|can|could)|ask for|jederzeit|"
-    r"wenn sie|konnen|a tout moment|si vous|pouvez|cualquier momento|si (?:lo )?desea|puede"
+    r"any ?time|whenever|as (?:often|long)|if you|when you|you (?:may|can|could)|ask for|"
+    r"jederzeit|wenn sie|konnen|a tout moment|si vous|pouvez|cualquier momento|si (?:lo )?desea|"
+    r"puede"
 )
 
 
