@@ -13,6 +13,7 @@ import io
 import json
 import tempfile
 import time
+from contextlib import ExitStack
 from dataclasses import dataclass
 from math import radians, tan
 from pathlib import Path
@@ -33,6 +34,7 @@ from models.scene import Scene, SceneSpec
 from models.skeleton import ADULT
 from sandbox.devices.webcam.landmark_server import LandmarkServer
 from sandbox.devices.webcam.landmarks_json import PictureMessage, frame_of, picture_message
+from sandbox.session.closeable import Closeable
 from sandbox.views.graphics import offscreen_context, render_context
 from sandbox.views.hand_look import HIDDEN_GROUP, skinned_model
 from tests.support.chromium import Browser
@@ -98,38 +100,55 @@ def poses_of(seed: int, count: int) -> Array:
     return np.array(poses)
 
 
+class HandPainter(Closeable):
+    """Draws the hand before a camera, alone and with its skin.
+
+    Args:
+        camera: The camera.
+    """
+
+    def __init__(self, camera: Camera) -> None:
+        self._camera = camera
+        self._scene = Scene(SceneSpec((Hand("right", ADULT),)))
+        self._model, _ = skinned_model(self._scene)
+        self._model.vis.global_.offwidth, self._model.vis.global_.offheight = SIZE
+        self._data = mujoco.MjData(self._model)
+        self._option, self._view = mujoco.MjvOption(), mujoco.MjvCamera()
+        self._option.geomgroup[HIDDEN_GROUP:] = 0
+        self._drawn = mujoco.MjvScene(self._model, 2000)
+        self._open = ExitStack()
+        self._gl = offscreen_context(*SIZE)
+        self._open.callback(self._gl.free)
+        self._context = self._open.enter_context(render_context(self._model, self._gl))
+
+    def draw(self, q: Array) -> Image.Image:
+        """A picture of a pose (48,) in the world."""
+        width, height = SIZE
+        everything = mujoco.mjtCatBit.mjCAT_ALL.value
+        self._data.qpos[self._scene.qpos_slice(0)] = self._scene.pose_to_qpos(0, q)
+        mujoco.mj_forward(self._model, self._data)
+        mujoco.mjv_updateScene(
+            self._model, self._data, self._option, None, self._view, everything, self._drawn
+        )
+        for eye in self._drawn.camera:
+            _point(eye, self._camera)
+        pixels = np.empty((height, width, 3), np.uint8)
+        place = mujoco.MjrRect(0, 0, width, height)
+        with self._gl.as_current():
+            mujoco.mjr_render(place, self._drawn, self._context)
+            mujoco.mjr_readPixels(pixels, None, place, self._context)
+        return Image.fromarray(pixels[::-1])
+
+    def close(self) -> None:
+        """Frees what draws."""
+        self._open.close()
+
+
 def film(camera: Camera, poses: Array) -> Film:
     """Draws a film of poses (T, 48)."""
-    scene = Scene(SceneSpec((Hand("right", ADULT),)))
-    model, _ = skinned_model(scene)
-    width, height = SIZE
-    model.vis.global_.offwidth, model.vis.global_.offheight = SIZE
-    data = mujoco.MjData(model)
-    option, view = mujoco.MjvOption(), mujoco.MjvCamera()
-    option.geomgroup[HIDDEN_GROUP:] = 0
-    drawn = mujoco.MjvScene(model, 2000)
-    pictures = []
-    gl = offscreen_context(*SIZE)
-    try:
-        with render_context(model, gl) as context:
-            for number, q in enumerate(poses):
-                data.qpos[scene.qpos_slice(0)] = scene.pose_to_qpos(0, q)
-                mujoco.mj_forward(model, data)
-                mujoco.mjv_updateScene(
-                    model, data, option, None, view, mujoco.mjtCatBit.mjCAT_ALL.value, drawn
-                )
-                for eye in drawn.camera:
-                    _point(eye, camera)
-                pixels = np.empty((height, width, 3), np.uint8)
-                with gl.as_current():
-                    mujoco.mjr_render(mujoco.MjrRect(0, 0, width, height), drawn, context)
-                    mujoco.mjr_readPixels(
-                        pixels, None, mujoco.MjrRect(0, 0, width, height), context
-                    )
-                pictures.append(numbered(Image.fromarray(pixels[::-1]), number))
-    finally:
-        gl.free()
-    return Film(camera, poses, tuple(pictures))
+    with HandPainter(camera) as painter:
+        pictures = tuple(numbered(painter.draw(q), n) for n, q in enumerate(poses))
+    return Film(camera, poses, pictures)
 
 
 def _point(eye: Any, camera: Camera) -> None:

@@ -8,6 +8,7 @@ import webbrowser
 from collections.abc import Callable, Iterable
 from contextlib import ExitStack
 from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rich.console import Console
@@ -18,6 +19,7 @@ from sandbox.cli.common.lsl_options import streaming
 from sandbox.cli.study.run_options import (
     StudyRunOptions,
     again,
+    check_camera,
     check_leap,
     check_options,
     check_page,
@@ -36,6 +38,7 @@ if TYPE_CHECKING:
     from sandbox.study.run.controls import Controls, Terminal
     from sandbox.study.run.forms import Forms, Poll
     from sandbox.study.run.players import TrialPlayer
+    from sandbox.study.run.session_camera import SessionCamera
     from sandbox.study.run.study_page import StudyPage
 
 FAREWELL = 1.0
@@ -55,6 +58,7 @@ def run(options: StudyRunOptions, console: Console) -> int:
     check_page(options)
     design = load_design(options.file)
     check_leap(options, design)
+    engine = check_camera(options, design)
     check_second_device(options, design)
     say_findings(findings(design), console)
     study = StudyFolder(
@@ -94,7 +98,8 @@ def run(options: StudyRunOptions, console: Console) -> int:
             if clock:
                 session.write("clock_sync", **clock)
             page = _open_page(options, session, console, closing)
-            outcome = _play(options, session, page, controls, terminal, console)
+            camera = _camera(options, session, engine, console, closing)
+            outcome = _play(options, session, page, camera, controls, terminal, console)
     say(f"{person.ppid}{of_several}: {outcome}")
     if outcome == "stopped":
         say(f"to go on: {again(options, person.ppid)}")
@@ -175,10 +180,43 @@ def _serve_page(
     return page
 
 
+def _camera(
+    options: StudyRunOptions,
+    session: SessionFolder,
+    engine: Path | None,
+    console: Console,
+    closing: ExitStack,
+) -> SessionCamera | None:
+    """The session's camera, on from the first trial that needs it; None if no trial does."""
+    from sandbox.study.design.conditions import run_settings
+    from sandbox.study.design.plan import trials_of
+    from sandbox.study.run.run_device import before_cameras
+    from sandbox.study.run.session_camera import SessionCamera
+
+    if engine is None:
+        return None
+    person = session.person
+    every = [
+        run_settings(step.values, step.seed, person.hand, person.hand_size)
+        for step in trials_of(session.steps)
+    ]
+    sides = [
+        hand.side
+        for settings in every
+        for hand, there in zip(settings.hands, before_cameras(settings), strict=True)
+        if there
+    ]
+    browse = has_display() and not options.no_browser
+    return closing.enter_context(
+        SessionCamera(engine, list(dict.fromkeys(sides)), browse, sayer(console))
+    )
+
+
 def _play(
     options: StudyRunOptions,
     session: SessionFolder,
     page: StudyPage | None,
+    camera: SessionCamera | None,
     controls: Controls,
     terminal: Terminal,
     console: Console,
@@ -206,12 +244,12 @@ def _play(
     runner = SessionRunner(
         session,
         player,
-        person_devices(touch, person, page, leap, second),
+        person_devices(touch, person, page, leap, second, camera),
         forms,
         controls,
         say,
         name,
-        settings_fitter(name, page, other),
+        settings_fitter(name, page, other, camera),
         calibrate,
         second_device=other,
         witness=options.witness,

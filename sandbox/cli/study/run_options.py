@@ -220,11 +220,31 @@ def check_leap(options: StudyRunOptions, design: Design) -> None:
     """Checks the Leap, too, if the design has trials over it."""
     from sandbox.options.leap_devices import open_leap
     from sandbox.study.design.conditions import combinations, values_of
-    from sandbox.study.design.plan import in_the_air
+    from sandbox.study.design.plan import over_a_leap
 
-    wanted = any(in_the_air(values_of(design, levels)) for levels in combinations(design))
+    wanted = any(over_a_leap(values_of(design, levels)) for levels in combinations(design))
     if wanted and options.device != "simulated":
         open_leap(options.leap_address).close()
+
+
+def check_camera(options: StudyRunOptions, design: Design) -> Path | None:
+    """Finds what sees hands, if the design has trials before a camera; None if it has none.
+
+    Raises:
+        InputError: It is not installed, or a simulated participant would need a camera.
+    """
+    from sandbox.devices.webcam.installed import installed_engine
+    from sandbox.study.design.conditions import uses_camera
+
+    if not uses_camera(design):
+        return None
+    if options.device == "simulated":
+        raise InputError(
+            "a simulated user has no camera",
+            where="--device simulated",
+            expected='a design without device = "webcam"',
+        )
+    return installed_engine()
 
 
 def check_second_device(options: StudyRunOptions, design: Design) -> None:

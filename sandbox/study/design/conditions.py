@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from models.errors import HandSandboxError
 from sandbox.study.design.design import Design, Level
+from sandbox.words.words import words_in
 
 if TYPE_CHECKING:
     from sandbox.study.design.reading import Reader
@@ -17,7 +18,15 @@ if TYPE_CHECKING:
 PARTNER = "simulated"
 """Value of `second_device`: a simulated user moves the second hand, also next to a person."""
 
-_SIMULATED = {"touch": "simulated", "leap": "leap-simulated", PARTNER: "simulated"}
+WEBCAM = "webcam"
+"""Value of `device` and `second_device` for a hand before a camera."""
+
+_SIMULATED = {
+    "touch": "simulated",
+    "leap": "leap-simulated",
+    WEBCAM: "leap-simulated",
+    PARTNER: "simulated",
+}
 """Simulated devices that replace those of a design while its settings are computed."""
 
 SETTINGS: dict[str, type | tuple[type, ...]] = {
@@ -39,12 +48,13 @@ SETTINGS: dict[str, type | tuple[type, ...]] = {
     "tell_labels": bool,
     "vary": str,
     "leap_at": str,
+    "webcam": str,
 }
 """Settings that a design may contain, with their types."""
 
 CHOICES = {
-    "device": ("touch", "leap"),
-    "second_device": ("touch", "leap", PARTNER),
+    "device": ("touch", "leap", WEBCAM),
+    "second_device": ("touch", "leap", WEBCAM, PARTNER),
     "second_hand": ("right", "left"),
     "contact": ("hard", "soft", "none"),
     "labels": ("history", "population"),
@@ -69,6 +79,8 @@ def run_settings(
         InputError: A value is not allowed.
     """
     from sandbox.options.scene_options import SceneOptions, plan
+    from sandbox.options.webcam_devices import webcam_choice
+    from sandbox.trial.hand_input import HandInput
 
     given = dict(values)
     if "impulse" in given:
@@ -77,13 +89,38 @@ def run_settings(
         some = given["without"]
         given["without"] = tuple([some] if isinstance(some, str) else some)
     # The real devices are opened later; here only hands in the air need other settings.
-    given["device"] = _SIMULATED[given.get("device", "touch")]
+    devices = (given.get("device", "touch"), given.get("second_device", given.get("device")))
+    before_camera = HandInput(camera=webcam_choice(given.get("webcam", "")).camera)
+    given["device"] = _SIMULATED[devices[0]]
     if "second_device" in given:
         given["second_device"] = _SIMULATED[given["second_device"]]
     options = SceneOptions(seed=seed, hand=_hand(hand), **given)
     settings = plan(options).settings
-    hands = tuple(replace(hand, size=hand.size * hand_size) for hand in settings.hands)
+    hands = tuple(
+        replace(
+            hand,
+            size=hand.size * hand_size,
+            in_air=before_camera if device == WEBCAM else hand.in_air,
+        )
+        for hand, device in zip(settings.hands, devices, strict=False)
+    )
     return replace(settings, hands=hands)
+
+
+def uses_camera(design: Design) -> bool:
+    """True if a hand of some trial of a design is before a camera."""
+    every = (values_of(design, levels) for levels in combinations(design))
+    return any(WEBCAM in (v.get("device"), v.get("second_device")) for v in every)
+
+
+def consent_text(design: Design, language: str) -> str:
+    """The consent form in a language; a design with a camera says that it is on, and that pictures
+    stay in its page."""
+    text = design.consent[language]
+    if not uses_camera(design):
+        return text
+    own = words_in(language, design.page.words.get(language))
+    return f"{text}\n\n{own['camera_consent']}"
 
 
 def _hand(hand: str) -> Any:

@@ -12,7 +12,7 @@ from hashlib import blake2b
 from typing import Any
 
 from sandbox.study.design.balance import rows_of
-from sandbox.study.design.conditions import values_of
+from sandbox.study.design.conditions import WEBCAM, values_of
 from sandbox.study.design.design import END, START, Design, Factor, Form, Instruction, Level
 from sandbox.study.design.orders import order_of
 from sandbox.study.design.questionnaires import arranged
@@ -29,7 +29,7 @@ CHANGING = 4.0
 """Expected s between two trials."""
 
 LEAP = "leap"
-"""Value of `device` and `second_device` for a hand in the air."""
+"""Value of `device` and `second_device` for a hand over a Leap."""
 
 
 @dataclass(frozen=True)
@@ -122,6 +122,11 @@ def session_plan(design: Design, participant: int, session: int = 1) -> list[Ste
 
 
 def in_the_air(values: Mapping[str, Any]) -> bool:
+    """Returns True if a hand of a trial with these settings is over a Leap or before a camera."""
+    return over_a_leap(values) or WEBCAM in (values.get("device"), values.get("second_device"))
+
+
+def over_a_leap(values: Mapping[str, Any]) -> bool:
     """Returns True if a hand of a trial with these settings is over a Leap."""
     return LEAP in (values.get("device"), values.get("second_device"))
 

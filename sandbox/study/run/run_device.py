@@ -19,6 +19,7 @@ from sandbox.options.touch_devices import (
     live_maker,
     native_surface,
 )
+from sandbox.options.webcam_devices import sharing_camera, webcam_choice
 from sandbox.session.device import Device
 from sandbox.study.design.conditions import PARTNER
 from sandbox.study.design.plan import TrialStep
@@ -26,6 +27,7 @@ from sandbox.study.record.folder import Participant
 from sandbox.study.run.forms import Poll
 from sandbox.study.run.page_player import on_both_screens, page_device, settings_for_screen
 from sandbox.study.run.runner import FitSettings, OpenDevices
+from sandbox.study.run.session_camera import SessionCamera
 from sandbox.study.run.simulate import simulated_devices, simulated_hand
 from sandbox.study.run.study_page import StudyPage
 from sandbox.trial.device_makers import DeviceMaker, DeviceMakers, sharing
@@ -44,15 +46,18 @@ def person_devices(
     page: StudyPage | None = None,
     leap: str = DEFAULT_ADDRESS,
     second: TouchOptions | None = None,
+    camera: SessionCamera | None = None,
 ) -> OpenDevices:
     """Returns a function that opens the devices of a trial.
 
     Args:
         options: Device `mouse`, `web`, `tuio`, `evdev`, `evdev:NODE` or `simulated`.
-        person: The participant, who touches, or moves a hand over a Leap if the design says so.
+        person: The participant, who touches, or moves a hand over a Leap or before a camera if the
+            design says so.
         page: Page of device `web`; the second hand's is beside it.
         leap: Address of the Leap service.
         second: Device of a second hand; None if no trial needs one.
+        camera: The session's camera; None if no trial needs one.
     """
     if options.device == "simulated":
         return simulated_devices(person)
@@ -66,7 +71,11 @@ def person_devices(
 
         def make(task: Task, surface: Surface) -> Device:
             device: Device
-            if settings.hands[hand].in_air is not None:
+            in_air = settings.hands[hand].in_air
+            if in_air is not None and in_air.camera is not None:
+                assert camera is not None
+                return cast(Device, camera.of_trial())
+            if in_air is not None:
                 # The design decides: this trial uses a Leap, and starts with the scene, not with a
                 # touch of the page.
                 return cast(Device, open_leap(leap))
@@ -97,7 +106,9 @@ def person_devices(
             return with_lift(sharing(first, settings), keys)
         if trial.values.get("second_device") == PARTNER:
             asked = TouchOptions(device=PARTNER)
-        elif settings.in_air:
+        elif before_cameras(settings) == (True, True):
+            return sharing_camera(first)
+        elif settings.in_air and not any(before_cameras(settings)):
             return split_by_side(None, first, settings)
         elif second is not None or settings.hands[1].in_air is not None:
             asked = second or options
@@ -124,19 +135,35 @@ def needs_second_device(values: Mapping[str, Any], settings: RunSettings) -> boo
     return values.get("second_device") != PARTNER and settings.hands[1].in_air is None
 
 
-def settings_fitter(name: str, page: StudyPage | None = None, second: str = "") -> FitSettings:
+def before_cameras(settings: RunSettings) -> tuple[bool, ...]:
+    """For each hand, True if it is before a camera."""
+    return tuple(h.in_air is not None and h.in_air.camera is not None for h in settings.hands)
+
+
+def settings_fitter(
+    name: str,
+    page: StudyPage | None = None,
+    second: str = "",
+    camera: SessionCamera | None = None,
+) -> FitSettings:
     """Returns a function that adapts the settings of a trial to the touch devices.
 
-    The function may wait for the page. It raises a StudyError if the surface of the design differs
-    from that of the device, or if the surfaces of two hands differ in size.
+    The function may wait for the page, and for the camera. It raises a StudyError if the surface of
+    the design differs from that of the device, or if the surfaces of two hands differ in size.
 
     Args:
         name: Touch device of the first hand.
         page: Page of device `web`; the second hand's is beside it.
         second: Touch device of the second hand; empty if there is none.
+        camera: The session's camera; None if no trial needs one.
     """
 
     def fit(trial: TrialStep, settings: RunSettings, poll: Poll) -> RunSettings:
+        if camera is not None and any(before_cameras(settings)):
+            if page is not None:
+                page.wait("camera_open")
+            camera.mirrored = webcam_choice(trial.values.get("webcam", "")).mirrored
+            camera.wait_until_on(poll)
         fitted = fit_first(trial, settings, poll)
         if not needs_second_device(trial.values, settings):
             return fitted

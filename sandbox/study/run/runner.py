@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from models.errors import InputError, StudyError
-from sandbox.study.design.conditions import PARTNER, run_settings
+from sandbox.study.design.conditions import PARTNER, consent_text, run_settings
 from sandbox.study.design.plan import (
     BreakStep,
     CalibrationStep,
@@ -139,8 +139,9 @@ class SessionRunner:
         try:
             match step:
                 case ConsentStep():
-                    agreed = self.forms.consent(design.consent[language], self._poll_form)
-                    read = blake2b(design.consent[language].encode(), digest_size=16)
+                    text = consent_text(design, language)
+                    agreed = self.forms.consent(text, self._poll_form)
+                    read = blake2b(text.encode(), digest_size=16)
                     session.write(
                         "consent",
                         durable=True,

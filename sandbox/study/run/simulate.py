@@ -16,6 +16,7 @@ from sandbox.devices.simulated.simulated import NEXT_PERSON, SimulatedDevice
 from sandbox.devices.wrappers.degraded import DegradedDevice
 from sandbox.options.leap_devices import split_by_side
 from sandbox.session.device import Device
+from sandbox.study.design.conditions import uses_camera
 from sandbox.study.design.design import Design
 from sandbox.study.design.plan import TrialStep
 from sandbox.study.record.folder import Participant, StudyFolder
@@ -177,13 +178,21 @@ def simulate(
         See `StudyTables.update`.
 
     Raises:
-        StudyError: The study has participants already, and `resume` is False.
+        StudyError: The study has participants already, and `resume` is False; or the design has
+            trials before a camera.
     """
     if study.participants() and not resume:
         raise StudyError(
             "the study already has simulated participants",
             where=str(study.path),
             remedy="Continue with them by --resume, or choose another folder with --out",
+        )
+    if uses_camera(study.design):
+        raise StudyError(
+            "simulated participants have no camera",
+            where='device = "webcam"',
+            got=study.design.name,
+            remedy='Simulate a copy of the design with device = "leap" or "touch"',
         )
     tables = StudyTables(study, say)
     for number in range(participants):

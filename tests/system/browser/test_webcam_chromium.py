@@ -25,7 +25,11 @@ from sandbox.devices.webcam.install import install
 from sandbox.devices.webcam.installed import installed_engine
 from sandbox.devices.webcam.landmark_server import ENDED, REPLACED
 from sandbox.devices.webcam.webcam import CLOSED, NOTICES, WebcamDevice
+from sandbox.recording.recording import load_recording
+from sandbox.study.run.runner import SessionOutcome
+from sandbox.trial.replay import replay
 from tests.encoders.webcam.seen_hands import SIZE, held_up, seen
+from tests.sandbox.study.run.study_before_camera import CameraSession
 from tests.support.chromium import BINARY, Browser, Tab
 from tests.support.processes import PATIENCE
 
@@ -267,6 +271,44 @@ def test_why_there_is_no_picture_is_told(
         assert tab.evaluate("!document.getElementById('again').hidden")
     finally:
         browser.close()
+
+
+class InBrowser(CameraSession):
+    """A session whose camera's page is open in a browser, before a hand.
+
+    Attributes:
+        tab: The page.
+        on: True if the page showed the camera as on when it found the hand.
+    """
+
+    def __init__(self, folder: Path, engine: Path, browser: Browser) -> None:
+        self._browser, self.on = browser, False
+        super().__init__(folder, engine)
+
+    def open_page(self, address: str) -> None:
+        self.tab = self._browser.open(address)
+        self.tab.wait(f"{LINE}.startsWith('No hand')")
+        self.tab.evaluate(found("right"))
+        self.tab.wait(f"{LINE} === 'Your hand is followed.'")
+        self.on = bool(self.tab.evaluate("!document.getElementById('on').hidden"))
+
+
+def test_a_study_has_one_camera_page_that_shows_it_as_on_and_goes_off_at_the_end(
+    tmp_path: Path, engine: Path, browser: Browser
+) -> None:
+    session = InBrowser(tmp_path / "study", engine, browser)
+    assert session.outcome is SessionOutcome.COMPLETE and session.on
+    session.tab.wait(f"{LINE} === {ENDED!r}")
+    assert session.tab.evaluate("document.getElementById('on').hidden")
+    session.tab.close()
+    recordings = sorted((session.path / "trials").iterdir())
+    assert len(recordings) == 2
+    for path in recordings:
+        recording = load_recording(path)
+        frames = [line.frame for line in recording.inputs[0]]
+        assert any(isinstance(frame, LandmarkFrame) and frame.hands for frame in frames)
+        _, verdict = replay(recording)
+        assert verdict.exact and verdict.complete
 
 
 @pytest.mark.full

@@ -1,0 +1,111 @@
+"""The camera of a participant's session: one page in a browser, from the first trial that needs it
+to the session's end."""
+
+from __future__ import annotations
+
+import webbrowser
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from models.frames import LandmarkFrame
+from sandbox.devices.webcam.webcam import WebcamDevice
+from sandbox.session.closeable import Closeable
+from sandbox.session.device import LandmarkDevice
+from sandbox.study.run.forms import Poll
+
+TICK = 0.05
+"""s between two checks of inputs of the participant and the experimenter."""
+
+
+class SessionCamera(Closeable):
+    """Opens the camera's page when a trial first needs it, and keeps it for all further trials.
+
+    A participant allows the camera once. It is on until the session ends, which the page says;
+    pictures between trials go nowhere.
+
+    Args:
+        engine: Folder of the engine (`sandbox.devices.webcam.installed`).
+        sides: Sides of the hands that trials follow.
+        browse: True opens the page in this machine's browser; otherwise only its link is told.
+        say: Prints a line for the experimenter.
+
+    Attributes:
+        mirrored: True if the camera's picture is a mirror's; read when the page is opened.
+    """
+
+    def __init__(
+        self,
+        engine: Path,
+        sides: Sequence[str],
+        browse: bool,
+        say: Callable[[str], object],
+    ) -> None:
+        self.mirrored = False
+        self._engine, self._sides, self._browse, self._say = engine, sides, browse, say
+        self._device: WebcamDevice | None = None
+
+    def wait_until_on(self, poll: Poll) -> None:
+        """Waits until the page sends pictures; the experimenter is told why it does not.
+
+        Args:
+            poll: See `Poll`; what it raises ends the wait.
+
+        Raises:
+            DeviceError: The page cannot be served.
+        """
+        device = self._opened()
+        # Pictures of before do not tell that the camera is still on.
+        device.poll(0.0)
+        told = ""
+        while not device.wait(TICK):
+            poll()
+            if device.notice not in ("", told):
+                told = device.notice
+                self._say(told)
+
+    def of_trial(self) -> LandmarkDevice:
+        """The camera as a device of one trial, whose end does not switch it off."""
+        device = self._opened()
+        device.poll(0.0)
+        return _KeptOn(device)
+
+    def close(self) -> None:
+        """Switches the camera off."""
+        if self._device is not None:
+            self._device.close()
+
+    def _opened(self) -> WebcamDevice:
+        if self._device is None:
+            self._device = WebcamDevice(self._engine, self._sides, self.mirrored)
+            self._say(f"the camera's page, on this machine only: {self._device.address}")
+            if self._browse:
+                webbrowser.open(self._device.address)
+        return self._device
+
+
+class _KeptOn(LandmarkDevice):
+    """A camera that stays on when a trial ends."""
+
+    has_lift = True
+
+    def __init__(self, camera: WebcamDevice) -> None:
+        self._camera = camera
+
+    @property
+    def name(self) -> str:
+        """The camera's."""
+        return self._camera.name
+
+    @property
+    def address(self) -> str:
+        """The camera's."""
+        return self._camera.address
+
+    @property
+    def notice(self) -> str:
+        """The camera's."""
+        return self._camera.notice
+
+    def poll(self, now: float) -> Sequence[LandmarkFrame]:
+        """The pictures since the last call."""
+        return () if self.finished else self._camera.poll(now)

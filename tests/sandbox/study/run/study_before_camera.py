@@ -1,0 +1,80 @@
+"""What tests of studies before a camera share: a design, and a session that it plays."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from sandbox.options.touch_devices import TouchOptions
+from sandbox.study.record.folder import PILOT, StudyFolder
+from sandbox.study.record.session_folder import SessionFolder
+from sandbox.study.record.stored_sessions import session_path
+from sandbox.study.run.controls import Controls
+from sandbox.study.run.forms import Poll, SimulatedForms
+from sandbox.study.run.players import HeadlessPlayer
+from sandbox.study.run.run_device import person_devices, settings_fitter
+from sandbox.study.run.runner import SessionRunner
+from sandbox.study.run.session_camera import SessionCamera
+from tests.support.study_files import DESIGN, design
+
+CAMERA = "fov=70,at=0/0.4/0.1"
+SHORT = DESIGN.replace("repetitions = 2\npractice = 1", "repetitions = 1\npractice = 0")
+BEFORE_A_CAMERA = SHORT.replace(
+    "[settings]\n", f'[settings]\ndevice = "webcam"\nwebcam = "{CAMERA}"\n'
+)
+
+
+class ReadingForms(SimulatedForms):
+    """A simulated participant who keeps the consent form.
+
+    Attributes:
+        consented: What they agreed to.
+    """
+
+    consented = ""
+
+    def consent(self, text: str, poll: Poll) -> bool:
+        self.consented = text
+        return super().consent(text, poll)
+
+
+class CameraSession:
+    """Somebody's session before a camera, whose page is opened when its link is told.
+
+    Args:
+        folder: A new folder for the study.
+        engine: Folder of the engine.
+
+    Attributes:
+        said: Lines for the experimenter.
+    """
+
+    def __init__(self, folder: Path, engine: Path) -> None:
+        self.said: list[str] = []
+        self.forms = ReadingForms(1)
+        self.study = StudyFolder(folder, design(BEFORE_A_CAMERA), PILOT)
+        person = self.study.add(hand="right", hand_size=1.0, language="en")
+        with (
+            SessionFolder(self.study, person) as session,
+            SessionCamera(engine, ("right",), False, self.say) as camera,
+        ):
+            mouse = TouchOptions(device="mouse")
+            self.outcome = SessionRunner(
+                session,
+                HeadlessPlayer(paced=True),
+                person_devices(mouse, person, camera=camera),
+                self.forms,
+                Controls(),
+                self.say,
+                "webcam",
+                settings_fitter("mouse", camera=camera),
+            ).run()
+        self.path = session_path(self.study.path, person.ppid)
+
+    def say(self, text: str) -> None:
+        self.said.append(text)
+        if "http://" in text:
+            self.open_page(text[text.index("http://") :])
+
+    def open_page(self, address: str) -> None:
+        """Opens the camera's page."""
+        raise AssertionError(address)
