@@ -5,8 +5,16 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from sandbox.study.design.conditions import combinations, values_of
-from sandbox.study.design.design import Design
+from sandbox.study.design.design import END, Design
 from sandbox.study.design.meaning.flaw import Flaw
+from sandbox.study.design.meaning.texts import (
+    GOAL,
+    INSTRUCTION,
+    Phrases,
+    quoted,
+    sentences,
+    told_texts,
+)
 from sandbox.study.measures.measure import LABELS
 from sandbox.study.measures.registry import find_measure
 
@@ -19,6 +27,31 @@ SAME = (
 """Outcomes that say nearly the same."""
 MOVES = 3
 """Successful trials of one combination of levels in one session, from which throughput comes."""
+
+UNHURRIED = Phrases(
+    {
+        "en": r"(time|speed) (does not|doesn't|is not|isn't) (matter|important|of importance|"
+        r"measured|count)|(time|speed) (is|are) (unimportant|irrelevant)|as slow(ly)? as you|(no|"
+        r"not any) (hurry|rush|time pressure)|"
+        r"take (all )?your time(?!.*(read|break|question|answer|rest\b))",
+        "de": r"zeit (spielt|ist) (keine rolle|egal|unwichtig|nicht wichtig)|"
+        r"(nehmen|lassen) sie sich (alle |so viel )?zeit(?!.*(les|pause|frage))|"
+        r"(keine eile|ohne eile|ohne zeitdruck)",
+        "fr": (
+            r"(temps|vitesse) (n'est pas|ne compte pas|n'a pas)|prenez (tout )?votre temps|"
+            r"sans hate"
+        ),
+        "es": r"tiempo no (importa|cuenta)|tome(se)? su tiempo|tome(se)? el tiempo|sin prisas?",
+        "it": (
+            r"tempo non (conta|importa|e importante)|si prenda (tutto )?il (suo )?tempo|"
+            r"senza fretta"
+        ),
+        "nl": r"tijd (is niet belangrijk|doet er niet toe|speelt geen rol)|neem (rustig )?de tijd",
+        "zh": r"时间(并)?不(重要|计)|不(用|必)(着急|赶)|慢慢",
+        "ja": r"時間は(重要では|関係)|ゆっくり|急(ぐ必要|がなくて)",
+    }
+)
+"""Texts that tell people not to hurry."""
 
 
 def outcome_flaws(design: Design) -> Iterator[Flaw]:
@@ -53,6 +86,7 @@ def outcome_flaws(design: Design) -> Iterator[Flaw]:
                 f"Write repetitions = {2 * MOVES} or more",
             )
     yield from _clock(design)
+    yield from _hurry(design)
 
 
 def _clock(design: Design) -> Iterator[Flaw]:
@@ -67,6 +101,22 @@ def _clock(design: Design) -> Iterator[Flaw]:
             f"time goes on while the page is gone, and counts in {' and '.join(timed)}",
             'Write when_gone = "pause" or "repeat", or exclude trials by away_s',
         )
+
+
+def _hurry(design: Design) -> Iterator[Flaw]:
+    """Time is an outcome, and people are told that it does not matter."""
+    timed = [name for name in design.primary if _is_time(name)]
+    for told in told_texts(design) if timed else ():
+        for language, text in told.text.items():
+            slow = next((s for s in sentences(text) if UNHURRIED.match(s, language)), None)
+            if slow is not None and told.kind in (INSTRUCTION, GOAL) and told.at != END:
+                yield Flaw(
+                    told.path,
+                    f"{' and '.join(timed)} is the outcome, and people are told that time does not "
+                    f"matter: {quoted(slow)}",
+                    "Ask for speed, or choose another outcome",
+                )
+                break
 
 
 def _is_time(name: str) -> bool:

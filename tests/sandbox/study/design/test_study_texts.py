@@ -193,6 +193,30 @@ def test_texts_say_the_same_in_all_languages(english: str, german: str, wanted: 
     assert len(found) == bool(wanted) and all(wanted in what for what in found)
 
 
+@pytest.mark.parametrize(
+    ("text", "at", "wanted"),
+    [
+        ("TODO: what is to be done", "start", "is not ready"),
+        ("Ask [name of the researcher] for help.", "start", "is not ready"),
+        ("Put your fingers down, and be as fast as you can.", "end", "comes after the last one"),
+        ("That was all. Thank you! Ask us what you would like to know.", "end", ""),
+    ],
+)
+def test_a_text_is_ready_and_comes_in_time(text: str, at: str, wanted: str) -> None:
+    found = told(instructed(text, at))
+    assert len(found) == bool(wanted) and all(wanted in what for what in found)
+
+
+def test_time_matters_where_it_is_the_outcome() -> None:
+    text = instructed("Take your time.")
+    assert told(text) == []
+    (what,) = told(text + '\n[analysis]\nprimary = ["time_s"]\n')
+    assert "time does not matter" in what
+    assert told(text + '\n[analysis]\nprimary = ["success"]\n') == []
+    read = instructed("Take your time to read this.")
+    assert told(read + '\n[analysis]\nprimary = ["time_s"]\n') == []
+
+
 def test_a_title_in_several_languages_is_that_of_the_first() -> None:
     title = 'title = {en = "Two", de = "Zwei"}\n'
     text = SOUND[: SOUND.index("[consent]")].replace("seed = 3\n", f"seed = 3\n{title}")
