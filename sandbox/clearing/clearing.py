@@ -107,6 +107,7 @@ class Clearing:
         last = {link.finger: link for link in links}
         self._thing: list[int] = model.geom_bodyid.tolist()
         self._end = {model.geom(link.tip_geom).id: f for f, link in last.items()}
+        self._roles: dict[tuple[int, ...], tuple[dict[int, int], dict[int, int]]] = {}
         self.reset()
 
     def reset(self) -> None:
@@ -229,28 +230,37 @@ class Clearing:
 
     def _lacking(self, near: Near, fingers: tuple[int, ...]) -> tuple[list[int], list[float]]:
         """Contacts that matter, and how much of their margin each lacks, m; negative beyond it."""
-        touching = frozenset(fingers)
+        ends, inner = self._touching(fingers)
         # How far each touching fingertip is from each thing.
         tips: dict[tuple[int, int], float] = {}
         for part, distance, geom in zip(*near, strict=True):
-            finger = self._end.get(part)
-            if finger in touching:
-                key = finger, self._thing[geom]
+            if part in ends:
+                key = ends[part], self._thing[geom]
                 tips[key] = min(tips.get(key, MARGIN), distance)
         rows, lacking = [], []
         for row, (part, distance, geom) in enumerate(zip(*near, strict=True)):
-            finger = self._finger.get(part)
+            if part in ends:
+                continue
             margin = MARGIN
-            if finger in touching:
-                if part in self._end:
-                    continue
-                tip = tips.get((finger, self._thing[geom]), MARGIN)
+            if tips and part in inner:
+                tip = tips.get((inner[part], self._thing[geom]), MARGIN)
                 if tip < MARGIN:
                     margin = min(BESIDE, tip + BESIDE)
-            if part in self._led or distance < margin + NOTICED:
+            if distance < margin + NOTICED or part in self._led:
                 rows.append(row)
                 lacking.append(margin - distance)
         return rows, lacking
+
+    def _touching(self, fingers: tuple[int, ...]) -> tuple[dict[int, int], dict[int, int]]:
+        """Fingers by the parts of touching ones: their tips, and what is not a tip."""
+        roles = self._roles.get(fingers)
+        if roles is None:
+            ends = {part: f for part, f in self._end.items() if f in fingers}
+            inner = {
+                part: f for part, f in self._finger.items() if f in fingers and part not in ends
+            }
+            roles = self._roles[fingers] = ends, inner
+        return roles
 
     def _likeliest(self, A: Array, r: Array, exact: int, q0: Array) -> tuple[Array, list[int]]:
         """The likeliest correction (48,) whose tips stay, and whose margins are kept; and the
@@ -269,21 +279,26 @@ class Clearing:
         variance = self._variance.copy()
         held = np.zeros(POSE_SIZE)
         low, high = self._low - q0[JOINTS], self._high - q0[JOINTS]
+        noise = np.full(len(r), CLEAR_SIGMA**2)
+        noise[:exact] = TIP_SIGMA**2
         keep = list(range(len(r)))
         offset = held
         dropped: list[int] = []
+        moved = True
         for _ in range(3 * (len(r) - exact) + _ROUNDS):
-            B = A.take(keep, 0)
-            BV = B * variance
-            S = times_transposed(BV, B)
-            noise = [TIP_SIGMA**2 if k < exact else CLEAR_SIGMA**2 for k in keep]
-            S.reshape(-1)[:: len(keep) + 1] += noise
-            weights = solve_positive(S, r.take(keep) - matrix_vector(B, held))
+            if moved:
+                # Of all rows; a part of them has the same numbers.
+                AV = A * variance
+                every = times_transposed(AV, A)
+                every.reshape(-1)[:: len(r) + 1] += noise
+                missing = r - matrix_vector(A, held)
+                moved = False
+            weights = solve_positive(every.take(keep, 0).take(keep, 1), missing.take(keep))
             pulls = weights[exact:]
             if len(pulls) and (worst := int(pulls.argmin())) >= 0 and pulls[worst] < 0.0:
                 dropped.append(keep.pop(exact + worst))
                 continue
-            offset = vector_matrix(weights, BV) + held
+            offset = vector_matrix(weights, AV.take(keep, 0)) + held
             if dropped:
                 short = r.take(dropped) - matrix_vector(A.take(dropped, 0), offset)
                 if short[least := int(short.argmax())] > _SHORT:
@@ -298,6 +313,7 @@ class Clearing:
             rows = beyond.nonzero()[0] + JOINTS.start
             held[rows] = offset[rows]
             variance[rows] = 0.0
+            moved = True
         return offset, [row - exact for row in keep[exact:]]
 
 
