@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
+from textwrap import wrap
 
 from sandbox.study.design.design import Design, Form, Item
 from sandbox.study.design.meaning.identifying import plain
@@ -14,6 +15,8 @@ from sandbox.words.words import base
 
 CONSENT, INSTRUCTION, GOAL, QUESTION, TITLE = "consent", "instruction", "goal", "question", "title"
 
+LONGEST_SENTENCE = 500
+"""Characters of a piece that is searched at once, so that a text without stops is read quickly."""
 LONGEST_QUOTE = 70
 """Characters of a sentence that a finding quotes."""
 
@@ -68,8 +71,8 @@ _END = re.compile(r"(?<=[.!?;:])\s+|(?<=[。！？；])|\n\s*\n")
 
 
 def sentences(text: str) -> list[str]:
-    """Sentences of a text, with spaces for breaks of lines."""
-    return [" ".join(part.split()) for part in _END.split(text) if part.strip()]
+    """Sentences of a text, with spaces for breaks of lines; very long ones are in pieces."""
+    return [piece for part in _END.split(text) for piece in wrap(part, LONGEST_SENTENCE)]
 
 
 def quoted(sentence: str) -> str:
