@@ -95,6 +95,8 @@ def test_the_changelog_fits_a_screen_and_the_rest_is_in_the_history() -> None:
 def test_the_citation_and_the_licences_are_of_what_is_shipped(project: dict[str, Any]) -> None:
     citation = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
     assert f"\nversion: {project['project']['version']}\n" in citation
+    page = (ROOT / "docs" / "comparison.md").read_text(encoding="utf-8")
+    assert f"version = {{{project['project']['version']}}}" in page
     files = project["project"]["license-files"]
     assert all((ROOT / file).is_file() for file in files)
     bundled = ROOT / "sandbox" / "views" / "static" / "licences.txt"
