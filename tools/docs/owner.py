@@ -27,6 +27,7 @@ def to_fill_in() -> list[str]:
     left = [f"site/settings.toml: {name} is to be filled in" for name in empty]
     for placeholder in _PLACEHOLDER.findall(PAPER.read_text(encoding="utf-8")):
         left.append(f"paper/paper.md: {placeholder} is to be filled in")
-    if "Hand Sandbox developers" in (ROOT / "CITATION.cff").read_text(encoding="utf-8"):
-        left.append("CITATION.cff: authors are to be filled in")
+    for cited in ("CITATION.cff", "docs/comparison.md"):
+        if "Hand Sandbox developers" in (ROOT / cited).read_text(encoding="utf-8"):
+            left.append(f"{cited}: authors are to be filled in")
     return left
