@@ -168,12 +168,12 @@ class TrackedIdentity:
         to = self._knuckles - tips[:, None]
         # The nearest point of the line, in the plane of bending.
         flat = squared_lengths(lines[:, 1:]) + 1e-3
-        at = (to[..., 1:] * lines[:, None, 1:]).sum(axis=2) / flat[:, None]
+        at = (to[..., 1] * lines[:, None, 1] + to[..., 2] * lines[:, None, 2]) / flat[:, None]
         rest = to - at[..., None] * lines[:, None]
         in_plane = squared_lengths(rest[..., 1:])
         missed = rest[..., 0] ** 2 / _SIDEWAYS**2 + in_plane / _IN_PLANE**2
-        along = (to[:, 0] * lines).sum(axis=1, keepdims=True)
-        missed[:, 0] = squared_lengths(to[:, 0] - along * lines) / _THUMB**2
+        along = to[:, 0, 0] * lines[:, 0] + to[:, 0, 1] * lines[:, 1] + to[:, 0, 2] * lines[:, 2]
+        missed[:, 0] = squared_lengths(to[:, 0] - along[:, None] * lines) / _THUMB**2
         return np.asarray(missed)
 
 

@@ -19,6 +19,10 @@ _NEXT = re.compile(r'\s*,\s*\{\s*"[^"\\]*"')
 """A comma and the first name in the next element."""
 
 
+EVERYTHING = msgspec.json.Decoder(list[Any])
+"""Decodes elements as plain values."""
+
+
 def _refuse(constant: str) -> NoReturn:
     raise ValueError(f"{constant} is not JSON")
 
@@ -101,10 +105,14 @@ class JsonText:
                 self._at = end
                 return value
 
-    def values(self) -> list[Any]:
+    def values(self, decoder: msgspec.json.Decoder[list[Any]] = EVERYTHING) -> list[Any]:
         """Decodes the next elements of a list: as many as are read, or one.
 
         Many at once are quicker. Where that is not sure to give the same, they come one by one.
+
+        Args:
+            decoder: Decodes a list of them. Elements of another type than its own, and those that
+                come one by one, are plain values.
 
         Raises:
             ValueError: As in `value`.
@@ -117,14 +125,16 @@ class JsonText:
             return [value]
         end = self._joint.last(text)
         if end:
-            elements = self._decoded(text, end)
+            elements = self._decoded(text, end, decoder)
             if elements is not None:
                 return elements
             self._joint = Joint("", 0)
-        elements = self._decoded(text, _whole_elements(text))
+        elements = self._decoded(text, _whole_elements(text), decoder)
         return [self.value()] if elements is None else elements
 
-    def _decoded(self, text: str, end: int) -> list[Any] | None:
+    def _decoded(
+        self, text: str, end: int, decoder: msgspec.json.Decoder[list[Any]]
+    ) -> list[Any] | None:
         """Decodes elements in the next characters, up to an end, and goes on behind them.
 
         None if they are not whole elements.
@@ -132,11 +142,14 @@ class JsonText:
         if not end:
             return None
         try:
-            elements = msgspec.json.decode(f"[{text[:end]}]")
+            try:
+                elements = decoder.decode(f"[{text[:end]}]")
+            except msgspec.ValidationError:
+                elements = EVERYTHING.decode(f"[{text[:end]}]")
         except (msgspec.DecodeError, RecursionError):
             return None
         self._at += end
-        return list(elements)
+        return elements
 
     def rest(self) -> str:
         """The rest of the text, at most `LARGEST` characters of it."""

@@ -21,7 +21,7 @@ from models.arithmetic.arrays import Array
 from models.errors import EncoderError, InputError, RecordingError
 from models.frames import SIDES, HandFrame
 from models.motion.armature import CHUNK
-from sandbox.export.leap_frames import LeapFrames
+from sandbox.export.leap_frames import LeapFrames, Outline
 from sandbox.export.leap_hands import (
     HandSplitter,
     described,
@@ -62,19 +62,25 @@ class LeapSurvey:
 
     @classmethod
     def of(cls, messages: Iterable[Any]) -> LeapSurvey:
-        """Looks through the messages of a recording, which may hold anything."""
+        """Looks through the messages of a recording, which may hold anything, or their outlines."""
         sides: Counter[str | None] = Counter()
         begin = end = None
         pairs = hands = frames = 0
         for message in messages:
-            records = message.get("hands") if isinstance(message, dict) else None
-            if not isinstance(records, list):
-                continue
+            time: Any
+            if isinstance(message, Outline):
+                if message.hands is None:
+                    continue
+                time, kinds = message.timestamp, [hand.type for hand in message.hands]
+            else:
+                records = message.get("hands") if isinstance(message, dict) else None
+                if not isinstance(records, list):
+                    continue
+                time = message.get("timestamp")
+                kinds = [r.get("type") for r in records if isinstance(r, dict)]
             frames += 1
-            time = message.get("timestamp")
             if isinstance(time, (int, float)):
                 begin, end = time if begin is None else begin, time
-            kinds = [r.get("type") for r in records if isinstance(r, dict)]
             named = [k if k in SIDES else None for k in kinds]
             sides.update(set(named))
             pairs += named.count(None) >= 2
@@ -100,7 +106,7 @@ def open_leap(
         EncoderError: The calibration is damaged, or of the other hand.
     """
     frames = LeapFrames(path)
-    survey = LeapSurvey.of(frames.messages())
+    survey = LeapSurvey.of(frames.messages(outlines=True))
     sides, remarks = _sides(survey, frames.metadata, hand, str(path))
     recording = _SplitRecording(frames, sides, survey.pairs > FEW * survey.hands)
     calibrations = {}
