@@ -62,7 +62,7 @@ WAY = 0.060
 BEHIND = 0.100
 """m from the goal back to the near ends of the books: the palm begins outside."""
 GAP = 0.140
-"""m between the books: the palm of what ships fits in; a hand is about 105 mm wide with its thumb."""
+"""m between the books: the palm of what ships fits in. A hand with its thumb is 105 mm wide."""
 TURNED = (30.0, 45.0)
 """degrees by which the wrist is turned to the left of its comfortable direction: there the two
 palms are farthest apart."""
