@@ -296,6 +296,8 @@ class PageServer:
 
     def _process(self, connection: ServerConnection, request: Request) -> Response | None:
         """Accepts or refuses a request, and answers those for files."""
+        if not self._limits.judge(connection):
+            return plain(HTTPStatus.SERVICE_UNAVAILABLE, self._words(request)["too_many_pages"])
         wants_socket = request.headers.get("Upgrade", "").lower() == "websocket"
         hosts, origins = request.headers.get_all("Host"), request.headers.get_all("Origin")
         reason = self.access.refusal(

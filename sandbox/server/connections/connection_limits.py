@@ -38,8 +38,8 @@ class ConnectionLimits:
     def __init__(self, counters: Counters) -> None:
         self._counters = counters
         self._arrivals: dict[str, Allowance] = {}
-        # In order of arrival; a dict serves as an ordered set.
-        self._unauthenticated: dict[ServerConnection, None] = {}
+        # In order of arrival; True once its request was judged, and so counted.
+        self._unauthenticated: dict[ServerConnection, bool] = {}
         self._authenticated: set[ServerConnection] = set()
 
     def __len__(self) -> int:
@@ -60,14 +60,21 @@ class ConnectionLimits:
 
     def add(self, connection: ServerConnection) -> None:
         """Adds a new, unauthenticated connection; closes the oldest if there are too many."""
-        self._unauthenticated[connection] = None
+        self._unauthenticated[connection] = False
         if len(self._unauthenticated) > MOST_UNAUTHENTICATED:
             oldest = next(iter(self._unauthenticated))
-            if oldest.request is None:
+            if not self._unauthenticated.pop(oldest):
                 # Counted here, and not again when the connection ends.
                 self._counters.add("pushed out by others")
-            del self._unauthenticated[oldest]
             oldest.transport.abort()
+
+    def judge(self, connection: ServerConnection) -> bool:
+        """Notes that a connection's request is judged now, which counts it; False if it was closed
+        in favour of others before, and so has been counted."""
+        if connection not in self._unauthenticated:
+            return False
+        self._unauthenticated[connection] = True
+        return True
 
     def authenticate(self, connection: ServerConnection) -> bool:
         """Marks a connection that sent the token; False if it was closed or there is no room.
@@ -86,11 +93,9 @@ class ConnectionLimits:
     def remove(self, connection: ServerConnection) -> None:
         """Removes a connection that has ended."""
         self._authenticated.discard(connection)
-        if connection in self._unauthenticated:
-            del self._unauthenticated[connection]
-            # A refused request has been counted with its reason.
-            if connection.request is None:
-                self._counters.add("failed handshake")
+        # A request that was judged has been counted with its reason.
+        if self._unauthenticated.pop(connection, True) is False:
+            self._counters.add("failed handshake")
 
 
 def limited_connection(limits: ConnectionLimits) -> type[PageConnection]:
