@@ -124,9 +124,16 @@ def _load(file: Path) -> Design:
 def _check(options: CheckOptions, console: Console) -> int:
     from sandbox.study.design.balance import cycle_line
     from sandbox.study.design.conditions import combinations
+    from sandbox.study.design.design_file import read_draft
     from sandbox.study.design.meaning.findings import findings
+    from sandbox.study.design.reading import DesignError
 
-    design = _load(options.file)
+    try:
+        design = _load(options.file)
+    except DesignError:
+        draft = read_draft(options.file)
+        say_findings(findings(draft) if draft else [], console)
+        raise
     count = sum(1 for _ in combinations(design))
     found = findings(design)
     say_findings(found, console)

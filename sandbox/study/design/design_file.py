@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import tomllib
+from dataclasses import replace
 from difflib import get_close_matches
 from hashlib import blake2b
 from pathlib import Path
@@ -91,6 +92,25 @@ def parse_design(text: str, path: Path, try_out: bool = True) -> Design:
     if reader.mistakes:
         raise DesignError(path.name, reader.mistakes, complete)
     return design
+
+
+def read_draft(path: Path) -> Design | None:
+    """The design of a file whose only mistakes are its confirmatory outcomes, without these.
+
+    None if there are other mistakes, or none at all. So that `check` can look at its meaning, too.
+
+    Raises:
+        StudyError: The file cannot be read.
+    """
+    try:
+        load_design(path, try_out=False)
+    except DesignError as error:
+        if any(mistake.where != "analysis.primary" for mistake in error.mistakes):
+            return None
+        text = path.read_text(encoding="utf-8")
+        reader = Reader(text)
+        return replace(_design(TomlTable(reader, tomllib.loads(text)), text, path), primary=())
+    return None
 
 
 def _design(top: TomlTable, text: str, path: Path) -> Design:

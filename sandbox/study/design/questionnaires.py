@@ -90,7 +90,7 @@ def read_item(table: TomlTable) -> Item:
     """Reads a question."""
     name, ask = table.name("name"), table.text("ask")
     kind = table.choice("kind", ITEMS, "text")
-    choices = table.strings("choices")
+    choices = _choices(table)
     low = float(table.number("low", 0.0, -1e9, 1e9))
     high = float(table.number("high", 100.0, -1e9, 1e9))
     step = float(table.number("step", 1.0, 1e-9, 1e9))
@@ -144,6 +144,24 @@ def _shuffled(item: Item, rng: np.random.Generator) -> Item:
         choices=tuple(item.choices[i] for i in order),
         means=tuple(item.means[i] for i in order) if item.means else (),
     )
+
+
+def _choices(table: TomlTable) -> tuple[str, ...]:
+    """Stored values of a choice, which are the same in all languages."""
+    given = table.raw("choices", [])
+    if not isinstance(given, list) or not any(isinstance(choice, dict) for choice in given):
+        return TomlTable(table.reader, {"choices": given}, table.path).strings("choices")
+    values = [
+        next(iter(choice.values()), "") if isinstance(choice, dict) else choice for choice in given
+    ]
+    texts = ", ".join(f'{code} = "..."' for code in table.reader.languages)
+    stored = ", ".join(f'"{value}"' for value in values)
+    table.add_mistake(
+        "choices",
+        "choices are stored values, the same in all languages, and their texts are apart",
+        f"Write choices = [{stored}], and means = [{{{texts}}}, ...] with a text for each",
+    )
+    return tuple(str(value) for value in values)
 
 
 def _means(table: TomlTable, choices: tuple[str, ...]) -> tuple[Text, ...]:

@@ -8,8 +8,8 @@ from itertools import combinations
 
 from sandbox.study.design.balance import confounded, nearest_cycles
 from sandbox.study.design.design import Design, Factor, Level
-from sandbox.study.design.meaning.flaw import Flaw
 from sandbox.study.design.plan import session_plan, trials_of
+from sandbox.study.design.told.flaw import Flaw
 
 FEWEST = 2
 """People in a group of which a spread can be told."""

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from sandbox.study.design.design import START, Design
-from sandbox.study.design.meaning.flaw import Flaw
-from sandbox.study.design.meaning.texts import CONSENT, Phrases, quoted, sentences, told_texts
+from sandbox.study.design.told.flaw import Flaw
+from sandbox.study.design.told.texts import CONSENT, Phrases, quoted, sentences, told_texts
 
 PLACE = ("consent", "text")
 
@@ -25,7 +25,11 @@ FORCED = Phrases(
             r"able) to|is (not )?allowed to) (stop|quit|leave|withdraw|drop out|break off|"
             r"change your mind|end)|(no|without (a|any|the)) (right|possibility|way) (to|"
             r"of) (stop|quit|leav|withdraw)|(consent|agreement) (cannot|can ?not|"
-            r"can't) be (withdrawn|revoked)"
+            r"can't) be (withdrawn|revoked)|(?<!not )(?<!nobody )"
+            r"(?<!no one )(?<!without )(fails?|failing|failed) "
+            r"(the|this|that|your|a) (course|class|exercise|module|exam|seminar|assignment)|"
+            r"(participation|taking part|attendance) (in [\w ]+ )?is (a |an )?(condition|"
+            r"precondition|prerequisite|requirement|duty)"
         ),
         "de": (
             r"(teilnahme|mitmachen|anwesenheit) ist ((?!nicht|kein)\w+ ){0,4}(verpflichtend|"
@@ -35,29 +39,40 @@ FORCED = Phrases(
             r"beenden|machen|absolvieren|erledigen)|bis zum (ende|schluss))|(durfen|konnen|darf|"
             r"kann|kannst|darfst)[^.,;]* nicht (mehr )?(\w+ ){0,2}(aufhoren|abbrechen|"
             r"zurucktreten|widerrufen|zuruckgezogen|aussteigen|gehen)|kein (recht|widerruf|"
-            r"rucktritt|abbruch)|(widerruf|rucktritt|abbruch)\w* ist (nicht|aus)"
+            r"rucktritt|abbruch)|(widerruf|rucktritt|abbruch)\w* ist (nicht|aus)|"
+            r"(?<!nicht )(als|gilt|gelten|haben|hat) (\w+ ){0,3}nicht bestanden|"
+            r"(?<!nicht )(durchfallen|durchgefallen)|"
+            r"teilnahme ist (die |eine? )?(voraussetzung|bedingung|pflicht)"
         ),
         "fr": (
             r"participation (\w+ ){0,4}est obligatoire|(etes|es|est) ((?!pas)\w+ )?(tenue?s?|"
             r"obligee?s?) d[e']|(vous|tu) ne (pouvez|pourrez|devez|peux|pourras) (pas|"
             r"plus) (\w+ )?(arreter|interrompre|vous retirer|te retirer|quitter|abandonner)|"
-            r"(devez|dois) (participer|terminer|finir)"
+            r"(devez|dois) (participer|terminer|finir)|(cours|module|examen|unite|exercice|tp|"
+            r"td)[^.;]* ne (sera|seront|serez)[^.;]* valide|participation est (une |la )?"
+            r"condition|(echouer|echouez) (au|a la|a l')"
         ),
         "es": (
             r"participacion ((?!no\b)\w+ ){0,4}es obligatoria|(?<!no )(esta|estas|"
             r"estan) obligad[oa]s? a|no (puede|podra|puedes|podras|pueden) (detener|parar|retirar|"
             r"abandonar|interrumpir|dejar)|(debe|debes|tiene que|tienes que) (participar|"
-            r"(completar|terminar|hacer) tod[oa]s)"
+            r"(completar|terminar|hacer) tod[oa]s)|(?<!no )suspend(e|era|eran|en) "
+            r"(la|el) (asignatura|curso|practica|examen)|no (aprobara|superara) "
+            r"(la|el) (asignatura|curso|practica|examen)|"
+            r"participacion es (una |un |la )?(condicion|requisito)"
         ),
         "it": (
             r"partecipazione ((?!non)\w+ ){0,4}e obbligatoria|(?<!non )e (tenut|obbligat)[oai] a|"
             r"non (puo|puoi|potra|potrai) (interrompere|ritirar|smettere|fermar|abbandonare)|"
-            r"(deve|devi) (partecipare|(completare|finire) tutt[ei])"
+            r"(deve|devi) (partecipare|(completare|finire) tutt[ei])|(corso|esame|modulo)[^.;]* "
+            r"non (sara|verra|viene|e) (superato|valid|approvat)\w*|"
+            r"partecipazione e (una |la )?condizione"
         ),
         "nl": (
             r"deelname (\w+ ){0,4}is verplicht|(bent|ben) (u |je )?verplicht|(kunt|mag|kan|"
             r"kun)[^.,;]* niet (meer )?(\w+ )?(stoppen|ophouden|terugtrekken|weggaan)|(moet|"
-            r"moeten) (meedoen|deelnemen|alle [^.,;]*(afmaken|doen))"
+            r"moeten) (meedoen|deelnemen|alle [^.,;]*(afmaken|doen))|(vak|cursus|opdracht|"
+            r"tentamen)[^.;]* niet (gehaald|behaald)|deelname is (een |de )?voorwaarde"
         ),
         "pt": (
             r"participacao ((?!nao)\w+ ){0,4}e obrigatoria|(?<!nao )e obrigad[oa]s? a|nao (pode|"

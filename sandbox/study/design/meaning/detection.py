@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from sandbox.study.design.design import Design
-from sandbox.study.design.meaning.flaw import Flaw
 from sandbox.study.design.planned import family_size, planned_tests
 from sandbox.study.design.power import people_needed, power
+from sandbox.study.design.told.flaw import Flaw
 
 LARGE = 0.8
 """Standard deviations; a large effect by the convention of Cohen 1988."""

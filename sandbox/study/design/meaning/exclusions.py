@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from sandbox.study.design.design import Design, Exclusion
-from sandbox.study.design.meaning.flaw import Flaw
+from sandbox.study.design.told.flaw import Flaw
 from sandbox.study.design.toml_lines import Path
+from sandbox.study.measures.measures import BUILT_IN
 from sandbox.study.measures.registry import find_measure
 
 OUTCOMES = (
@@ -24,6 +25,17 @@ TIMES = ("time_s", "completion_s")
 """Outcomes that may have a bound below, for touches by accident."""
 QUICK = 0.5
 """Share of the expected duration, below which many good trials are."""
+
+WITHIN = ("time_s", "completion_s", "first_contact_s", "first_push_s")
+"""Times within a trial, which its time limit ends."""
+SIGNED = ("palm_sparc", "object_sparc", "move_error_m")
+"""Measures that may be below 0."""
+LONGEST = {"s": 900.0, "ms": 60_000.0, "m": 10.0, "m/s": 20.0, "deg": 180.0, "bit/s": 100.0}
+"""Largest number that people can reach, by unit."""
+PLACED, TABLE = ("placement_error_m", "move_amplitude_m", "move_error_m"), 1.0
+"""Distances on the surface, and its size in metres."""
+LEAST_DELAY = 1.0
+"""Milliseconds; a bound above that is smaller than that was meant in seconds."""
 
 
 def exclusion_flaws(design: Design, path: Path, rule: Exclusion) -> Iterator[Flaw]:
@@ -47,8 +59,17 @@ def exclusion_flaws(design: Design, path: Path, rule: Exclusion) -> Iterator[Fla
     elif (below is None or below <= low) and (above is None or above >= high):
         yield Flaw(
             path,
-            f"{rule.name} excludes nothing: {rule.measure} is from {low:g} to {high:g}",
-            "Remove the rule; trials end at time_limit_s, and the report counts them",
+            f"{rule.name} excludes nothing: {rule.measure} is from {low:g} to {high:g}"
+            + _unit(rule.measure),
+            "Change the bound or its unit, or remove the rule; trials end at time_limit_s, and the "
+            "report counts them",
+        )
+    elif above is not None and above < LEAST_DELAY and _unit(rule.measure) == " ms":
+        yield Flaw(
+            path,
+            f"{rule.name} excludes nearly everything: {rule.measure} is in milliseconds, and every "
+            f"trial is above {above:g}",
+            f"Write above = {1000 * above:g}, if {above:g} s is meant",
         )
     elif rule.measure in OUTCOMES:
         who = "trials" if rule.of == "trial" else "people"
@@ -85,6 +106,17 @@ def _range(design: Design, measure: str) -> tuple[float, float]:
     known = find_measure(measure)
     if measure == "progress" or (known is not None and known.unit in ("0/1", "0 to 1")):
         return 0.0, 1.0
-    if measure in ("time_s", "completion_s"):
+    if measure == "waited_s" and design.page.starts == "shown":
+        return 0.0, 0.0
+    if measure in WITHIN:
         return 0.0, design.time_limit
-    return float("-inf"), float("inf")
+    if known is None or known not in BUILT_IN:
+        return float("-inf"), float("inf")
+    most = TABLE if measure in PLACED else LONGEST.get(known.unit, float("inf"))
+    return -most if measure in SIGNED else 0.0, most
+
+
+def _unit(measure: str) -> str:
+    """Unit of a measure after a number; empty if it has none."""
+    known = find_measure(measure)
+    return f" {known.unit}" if known is not None and known.unit in LONGEST else ""

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from sandbox.study.design.design import END, START, Design
-from sandbox.study.design.meaning.flaw import Flaw
-from sandbox.study.design.meaning.texts import (
+from sandbox.study.design.told.flaw import Flaw
+from sandbox.study.design.told.texts import (
     INSTRUCTION,
     QUESTION,
     Phrases,

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from sandbox.study.design.design import Design
-from sandbox.study.design.meaning.flaw import Flaw
-from sandbox.study.design.meaning.texts import asked_items
+from sandbox.study.design.told.flaw import Flaw
+from sandbox.study.design.told.texts import asked_items
 from sandbox.words.words import LANGUAGES, base, words_of_studies
 
 NAMED = 4

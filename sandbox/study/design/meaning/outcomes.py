@@ -6,8 +6,8 @@ from collections.abc import Iterator
 
 from sandbox.study.design.conditions import combinations, values_of
 from sandbox.study.design.design import END, Design
-from sandbox.study.design.meaning.flaw import Flaw
-from sandbox.study.design.meaning.texts import (
+from sandbox.study.design.told.flaw import Flaw
+from sandbox.study.design.told.texts import (
     GOAL,
     INSTRUCTION,
     Phrases,
@@ -25,6 +25,13 @@ SAME = (
     ("drops", "regrasps", "grasps"),
 )
 """Outcomes that say nearly the same."""
+DEAD = {
+    "lost_s": "it is 0 on a fast machine",
+    "throughput_se_bit_s": "it is the standard error of throughput",
+    "throughput_bias_bit_s": "it is the bias of throughput",
+    **{f"latency_p{p}_ms": "it is the delay of the program" for p in (50, 95, 99)},
+}
+"""Measures that are no outcome."""
 MOVES = 3
 """Successful trials of one combination of levels in one session, from which throughput comes."""
 
@@ -76,6 +83,24 @@ def outcome_flaws(design: Design) -> Iterator[Flaw]:
                 f"{name} is empty for people on a touch screen, which does not tell which finger "
                 "touches",
                 "Choose another outcome; it is known for simulated users",
+            )
+        if name == "waited_s" and design.page.starts == "shown":
+            yield Flaw(
+                path,
+                'waited_s is 0 in every trial: with starts = "shown", time begins with the scene',
+                'Write starts = "touch", or choose first_contact_s, the time to the first contact',
+            )
+        if name == "first_contact_s" and design.page.starts == "touch":
+            yield Flaw(
+                path,
+                'first_contact_s is 0 in every trial: with starts = "touch", time begins with it',
+                'Choose waited_s, the time before the first touch, or write starts = "shown"',
+            )
+        if name in DEAD:
+            yield Flaw(
+                path,
+                f"{name} tells how well the machine ran, and nothing of people: {DEAD[name]}",
+                "Choose another outcome; use it in [[exclusions]]",
             )
         if name.startswith("throughput") and design.repetitions < MOVES:
             yield Flaw(

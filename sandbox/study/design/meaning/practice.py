@@ -6,8 +6,8 @@ from collections.abc import Iterator
 
 from sandbox.study.design.balance import whole_cycle
 from sandbox.study.design.design import Design
-from sandbox.study.design.meaning.flaw import Flaw
 from sandbox.study.design.plan import session_plan, trials_of
+from sandbox.study.design.told.flaw import Flaw
 
 MOST_PEOPLE = 12
 """People whose sessions are looked through, of a longer cycle."""

@@ -9,10 +9,10 @@ from itertools import chain
 
 from sandbox.study.design.conditions import tasks_of
 from sandbox.study.design.design import START, Design
-from sandbox.study.design.meaning.flaw import Flaw
-from sandbox.study.design.meaning.identifying import plain
-from sandbox.study.design.meaning.texts import CONSENT, Told, quoted, sentences, told_texts
 from sandbox.study.design.plan import BreakStep, Step, duration, session_plan, trials_of
+from sandbox.study.design.told.flaw import Flaw
+from sandbox.study.design.told.plain import plain
+from sandbox.study.design.told.texts import CONSENT, Told, quoted, sentences, told_texts
 
 SHORT = 1.5
 """A visit may take so many times as long as promised: the plan's durations are guesses."""

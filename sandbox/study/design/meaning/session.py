@@ -6,9 +6,9 @@ from collections.abc import Iterator
 
 from sandbox.study.design.conditions import tasks_of
 from sandbox.study.design.design import END, START, Design
-from sandbox.study.design.meaning.flaw import Flaw
 from sandbox.study.design.plan import BreakStep, FormStep, Step, duration, session_plan
 from sandbox.study.design.questionnaires import instruments
+from sandbox.study.design.told.flaw import Flaw
 from sandbox.study.design.toml_lines import TomlLines
 
 LONGEST_SESSION = 5400.0

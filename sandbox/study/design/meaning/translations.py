@@ -6,9 +6,9 @@ import re
 from collections.abc import Iterator
 
 from sandbox.study.design.design import Design
-from sandbox.study.design.meaning.flaw import Flaw
-from sandbox.study.design.meaning.identifying import plain
-from sandbox.study.design.meaning.texts import GOAL, INSTRUCTION, Phrases, Told, told_texts
+from sandbox.study.design.told.flaw import Flaw
+from sandbox.study.design.told.plain import plain
+from sandbox.study.design.told.texts import GOAL, INSTRUCTION, Phrases, Told, told_texts
 from sandbox.words.words import base
 
 LONGER = 2.2

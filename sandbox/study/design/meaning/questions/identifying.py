@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import re
-import unicodedata
 from collections.abc import Sequence
 
 from sandbox.study.design.design import Item
+from sandbox.study.design.told.plain import plain
 
+NUMBER = "a number that belongs to one person"
 WORDS = {
     "a name": (
         r"(your|full|first|last|family|given|maiden) names?|surname|initials|signature|"
+        r"initiales|iniciales|iniziali|initialen|voorletters|unterschrift|handtekening|"
+        r"names? of your (employer|company|doctor|supervisor|teacher|boss|partner|spouse)|"
         r"ihr name|ihren namen|vorname\w*|nachname\w*|familienname\w*|wie heissen sie|initialen|"
         r"(votre|vos) noms?|nom de famille|prenoms?|comment vous appelez|"
         r"(su|tu) nombre|nombre y apellidos?|apellidos?|como se llama|como te llamas|"
@@ -26,7 +29,10 @@ WORDS = {
         r"(home|postal|street|mailing) address|address|adress\w*|anschrift|wohnort|postleitzahl|"
         r"(post|zip) ?codes?|adresse|domicilio|direccion|indirizzo|endereco|adres\w*|адрес|почта|"
         r"住所|地址|邮箱|メール|주소|이메일|"
-        r"(reach|contact) you|sie erreichen|vous joindre|contactarle"
+        r"(reach|contact) you|sie erreichen|vous joindre|contactarle|plz|"
+        r"codes? posta(l|le|ux)|codigo postal|codice postale|postnummer|psc|kod pocztowy|индекс|"
+        r"house number|hausnummer|woonplaats|(your|the|which) street|"
+        r"(ihre|deine|welche) strasse|邮编|郵便番号"
     ),
     "a telephone number": (
         r"(tele)?phones?|mobile|cell ?phone|whatsapp|handynummer|handy|telefon\w*|rufnummer|"
@@ -40,12 +46,44 @@ WORDS = {
         r"geboortedatum|verjaardag|data de nascimento|aniversario|fodelsedag|fodelsedatum|"
         r"fodselsda\w+|data urodzenia|datum narozeni|дата рождения|生日|出生日期|誕生日|생년월일"
     ),
-    "a number that belongs to one person": (
+    NUMBER: (
         r"(student|matriculation|enrol?ment|passport|insurance|social security|employee|staff|"
         r"personnel|patient) (id|numbers?)|ssn|iban|matrikel\w*|personalnummer|ausweis\w*|"
         r"versicherungsnummer|patientennummer|numero (d'?etudiant|de securite sociale|etudiant)|"
         r"dni|nif|numero de matricula|codice fiscale|matricola|studentnummer|bsn|cpf|personnummer|"
+        r"kundennummer|kontonummer|mitarbeiternummer|steuernummer|rentennummer|"
+        r"(student|staff|employee|identity|id|insurance|health|library|campus|university)"
+        r"('?s)? cards?|(student|insurance|employee|staff|customer|account|tax|nhs|identity|"
+        r"membership|roll|registration)('?s)? (numbers?|no\.?|id)|(last|first) (\w+ )?digits of|"
+        r"(letzten|ersten) (\w+ )?(ziffern|stellen)|derniers chiffres|premiers chiffres|"
+        r"ultim[oa]s (\w+ )?(digitos|cifras|numeros)|ultime (\w+ )?cifre|laatste (\w+ )?cijfers|"
+        r"carte (d'?etudiant|d'?identite|vitale)|numero (d'?inscription|ine|de carte|"
+        r"d'?employe|d'?assure|de tarjeta|de empleado|de estudiante|de la seguridad social|"
+        r"di matricola|di tessera)|matricule|carne de estudiante|tarjeta (sanitaria|"
+        r"universitaria)|tessera sanitaria|personeelsnummer|klantnummer|rijksregisternummer|"
         r"pesel|паспорт|学号|学籍番号|学生番号|학번"
+    ),
+    "a photograph": (
+        r"(photo(graph)?s?|picture|portrait|image) of (you|your face|yourself)|(your|a) "
+        r"(photo(graph)?|selfie|portrait)|selfies?|passfoto|lichtbild|(foto|bild) von "
+        r"(ihnen|sich|dir)|photo de (vous|votre)|foto (de usted|suya|de su|di lei|van u|"
+        r"van uzelf)|照片|顔写真"
+    ),
+    "an account": (
+        r"user ?names?|account ?names?|login|screen ?names?|nick ?names?|(instagram|facebook|"
+        r"twitter|tiktok|linkedin|discord|skype|telegram|wechat|snapchat|github|reddit)"
+        r"[ -]?(accounts?|names?|handles?|profiles?|profil|id)|benutzer(name\w*|konto)|"
+        r"nutzername\w*|kontoname\w*|nom d'?utilisateur|nombre de usuario|nome utente|"
+        r"gebruikersnaam|nome de usuario|用户名|微信号|ユーザー名"
+    ),
+    "the address of a device": (
+        r"ip[ -]?(address|adresse|adres|number)|adresse ip|direccion ip|indirizzo ip|"
+        r"mac[ -]address|serial number of your|seriennummer (ihres|deines)"
+    ),
+    "a number plate": (
+        r"(number|licen[cs]e|registration) plates?|(car|vehicle) registration|"
+        r"(auto|kfz-?|nummern)kennzeichen|nummernschild|plaque (d'?immatriculation|"
+        r"mineralogique)|matricula de (su|tu) (coche|vehiculo|auto)|targa|kenteken|车牌"
     ),
 }
 """What a question asks for, and its words, without accents and in lower case: English, German,
@@ -82,8 +120,12 @@ def asks_for(item: Item) -> str:
     Choices, scales and numbers of few values are left out: the answer to "how often do you use a
     phone?" is not a telephone number.
     """
-    if item.kind in ("choice", "scale") or (item.kind == "number" and item.high < WIDEST):
+    if item.kind in ("choice", "scale"):
         return ""
+    if item.kind == "number" and item.high < WIDEST:
+        # The last four digits of a number are few values, and tell people apart.
+        pattern = _PATTERNS[NUMBER]
+        return NUMBER if any(pattern.search(plain(text)) for text in item.ask.values()) else ""
     named = item.name.replace("_", " ").replace("-", " ")
     if plain(named) in ("name", "names"):
         return "a name"
@@ -97,7 +139,7 @@ def asks_for(item: Item) -> str:
             if form.search(words):
                 return what
     if item.kind == "number" and item.high >= LONGEST_NUMBER and item.step == 1.0:
-        return "a number that belongs to one person"
+        return NUMBER
     return ""
 
 
@@ -108,18 +150,6 @@ def birth_parts(items: Sequence[Item]) -> list[Item]:
     months = [item for item in numbers if (item.low, item.high) == MONTH]
     years = [item for item in numbers if 1850 <= item.low < item.high <= 2200]
     return [*days, *months, *years] if days and (months or years) else []
-
-
-def plain(text: str) -> str:
-    """Lower case without accents."""
-    apart = unicodedata.normalize("NFKD", text.casefold().translate(_STROKES))
-    return unicodedata.normalize(
-        "NFC", "".join(c for c in apart if unicodedata.category(c) != "Mn")
-    )
-
-
-_STROKES = str.maketrans({"ø": "o", "ł": "l", "đ": "d"})
-# Letters that Unicode does not take for one with an accent.
 
 
 def _contains(text: str, words: str) -> bool:

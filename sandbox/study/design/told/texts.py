@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from textwrap import wrap
 
 from sandbox.study.design.design import Design, Form, Item
-from sandbox.study.design.meaning.identifying import plain
 from sandbox.study.design.reading import Text
+from sandbox.study.design.told.plain import plain
 from sandbox.study.design.toml_lines import Path
 from sandbox.words.words import base
 

@@ -9,9 +9,9 @@ from itertools import pairwise
 from math import inf
 
 from sandbox.study.design.design import Design, Item
-from sandbox.study.design.meaning.flaw import Flaw
-from sandbox.study.design.meaning.identifying import plain
-from sandbox.study.design.meaning.texts import asked_forms, asked_items
+from sandbox.study.design.told.flaw import Flaw
+from sandbox.study.design.told.plain import plain
+from sandbox.study.design.told.texts import asked_forms, asked_items
 from sandbox.study.design.toml_lines import Path
 
 OLD = 80

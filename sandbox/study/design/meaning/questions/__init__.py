@@ -1,0 +1,1 @@
+"""What the questions of a design may get wrong."""

@@ -1,0 +1,117 @@
+"""Questions that compare levels, asked of people who have not met them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from sandbox.study.design.design import START, Design
+from sandbox.study.design.told.flaw import Flaw
+from sandbox.study.design.told.plain import plain
+from sandbox.study.design.told.texts import Phrases, asked_forms, quoted
+
+COMPARES = Phrases(
+    {
+        "en": (
+            r"(which|what) (one )?of (the|these|those|your|both) (two |three |four |\d )?"
+            r"(?!(two )?(hands?|fingers?))(methods?|variants?|versions?|conditions?|techniques?|"
+            r"encoders?|systems?|ways|modes?|settings?|models?|contacts?|"
+            r"interfaces?|designs?|two|three|four)\b(?! (hands|fingers))|(which|what) "
+            r"(method|variant|version|condition|technique|encoder|system|way|mode|setting|"
+            r"interface|design|one)\b.*\b(prefer\w*|better|best|like|liked|easier|easiest|"
+            r"faster|fastest|favou?rite|comfortable|harder|worse|worst)\b|(compared (to|with)|"
+            r"in comparison (to|with)|better than|worse than|easier than|harder than|faster than|"
+            r"slower than|prefer\w*) (the )?(other|previous|earlier|first|second|both) "
+            r"(one|method|variant|version|condition|technique|encoder|system|way|mode|setting|"
+            r"interface)\b|(both|the two|the three|all three) (methods|variants|versions|"
+            r"conditions|techniques|encoders|systems|ways|modes|settings|interfaces)\b|"
+            r"rank the \w+"
+        ),
+        "de": (
+            r"welche[nrsm]? (der|von den|dieser|von) (beiden|zwei|drei|vier)(?! (hande|finger))|"
+            r"welche[nrsm]? (variante|methode|version|bedingung|verfahren|steuerung|technik|"
+            r"system|art|modus|einstellung)\b.*\b(lieber|besser|beste[nrs]?|bevorzug\w*|"
+            r"vorgezogen|angenehmer|leichter|schneller|einfacher|gefallen|gefiel)\b|(im vergleich|"
+            r"verglichen) (zu|zur|zum|mit) (der|dem|den )?(ander|erst|vorherig|vorig|fruher)\w* "
+            r"(variante|methode|version|bedingung|verfahren|steuerung|technik|system)|\w+er als "
+            r"(die|der|das|den|dem|mit der|mit dem) (andere|erste|zweite|vorherige)|"
+            r"(beide[nr]?|die zwei) (varianten|methoden|versionen|bedingungen|verfahren|"
+            r"steuerungen|techniken|systeme)\b"
+        ),
+        "fr": (
+            r"(laquelle|lequel|quelle|quel) (des|de ces|parmi les) (deux|trois|quatre)"
+            r"(?! (mains|doigts))|(quelle|quel) (methode|version|variante|technique|commande|"
+            r"systeme|condition)\b.*(prefer\w*|mieux|meilleur\w*|plus (facile|rapide|agreable))|"
+            r"(par rapport a|compare\w* a|que) (l'autre|la (premiere|seconde|precedente)|le "
+            r"(premier|second|precedent)) (methode|version|variante|technique|systeme|condition)?|"
+            r"les (deux|trois) (methodes|versions|variantes|techniques|systemes|conditions)\b"
+        ),
+        "es": (
+            r"(cual|que) de (los|las|estos|estas) (dos|tres|cuatro)(?! (manos|dedos))|(que|cual) "
+            r"(metodo|version|variante|tecnica|sistema|condicion)\b.*(prefi\w*|mejor|gusto|"
+            r"mas (facil|rapid|comod)\w*)|(en comparacion con|comparad[oa] con|que) (el|la) "
+            r"(otr[oa]|anterior|primer[oa]?|segund[oa]) (metodo|version|variante|tecnica|sistema|"
+            r"condicion)|(ambos|ambas|los dos|las dos) (metodos|versiones|variantes|tecnicas|"
+            r"sistemas|condiciones)\b"
+        ),
+        "it": (
+            r"qual[ei]? (dei|delle|dei|tra i|tra le) (due|tre)(?! (mani|dita))|quale (metodo|"
+            r"versione|variante|tecnica|sistema|condizione)\b.*(prefer\w*|meglio|miglior\w*)|"
+            r"(rispetto|in confronto) (all'altr|al prim|alla prim|al precedent|alla precedent)\w* "
+            r"(metodo|versione|variante|tecnica|sistema|condizione)?|entramb[ie] (i|le) (metodi|"
+            r"versioni|varianti|tecniche|sistemi|condizioni)\b"
+        ),
+        "nl": (
+            r"welke van de (twee|drie|beide)(?! (handen|vingers))|welke (methode|variant|versie|"
+            r"techniek|conditie|systeem)\b.*(voorkeur|liever|beter|beste|prettig\w*|makkelijk\w*)|"
+            r"(vergeleken met|in vergelijking met|dan) (de|het) (andere|eerste|tweede|vorige) "
+            r"(methode|variant|versie|techniek|conditie|systeem)|(beide|de twee) (methoden|"
+            r"methodes|varianten|versies|technieken|condities|systemen)\b"
+        ),
+        "pt": (
+            r"qual (dos dois|das duas|dos tres|das tres)|(qual|que) (metodo|versao|variante|"
+            r"tecnica|sistema)\b.*(prefer\w*|melhor|gostou)|em comparacao com (o|a) (outr[oa]|"
+            r"anterior|primeir[oa])"
+        ),
+        "zh": (
+            r"哪(一)?(个|种)(方法|方式|版本|条件|系统)|(两|三)(种|个)(方法|方式|版本|条件)|"
+            r"与另一(个|种)"
+        ),
+        "ja": (
+            r"(どちら|どっち)の(方法|方式|手法|条件|システム)|どの(方法|方式|手法|条件)|"
+            r"他の(方法|手法|条件)と比べ"
+        ),
+    }
+)
+"""Comparisons of methods that somebody has used; not of hands, nor of answers to choose from."""
+
+
+def comparing_flaws(design: Design) -> Iterator[Flaw]:
+    """Flaws of questions that compare levels."""
+    factors = [factor for factor in design.factors if len(factor.levels) > 1]
+    between = [factor for factor in factors if factor.order == "between"]
+    for path, form in asked_forms(design):
+        if form.at != START and not between:
+            continue
+        for i, item in enumerate(form.items):
+            language = next(
+                (code for code, text in item.ask.items() if COMPARES.match(text, code)), None
+            )
+            if language is None:
+                continue
+            asked = quoted(item.ask[language])
+            place = (*path, "items", i, "ask")
+            named = any(plain(f.name) in plain(item.ask[language]) for f in between)
+            if form.at == START:
+                yield Flaw(
+                    place,
+                    f"it compares what nobody has met yet: {asked}",
+                    'Write at = "end"',
+                )
+            elif len(between) == len(factors) or named:
+                names = " and ".join(factor.name for factor in between)
+                yield Flaw(
+                    place,
+                    f"it compares levels, and everybody meets only one of {names}: {asked}",
+                    "Ask how it was, of each group alone, or let everybody meet all levels: order "
+                    "latin",
+                )
