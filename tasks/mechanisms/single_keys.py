@@ -10,18 +10,17 @@ import numpy as np
 
 from models.frames import FINGERS
 from models.messages.message import Message
-from models.objects import SceneObject
 from models.surface import Surface
-from tasks.mechanisms.chords import POINT, PRESSED_AT, SIZE, YAW, own_finger, placed, pressed
+from tasks.mechanisms.chords import POINT, SIZE, YAW, Chords, own_finger, placed, pressed
 from tasks.mechanisms.keyboard import KEYS, key_name
 from tasks.mechanisms.single_key_user import SingleKeyUser
 from tasks.sensing import Sensing
-from tasks.task import Goal, Measure, TaskDefaults
+from tasks.task import Measure
 from tasks.user import UserMaker
 
 
 @dataclass(frozen=True)
-class SingleKeys(TaskDefaults):
+class SingleKeys(Chords):
     """Rest all five fingers on the keys, then press the blue one with its own finger.
 
     Scene: the row of five sprung keys of `chords`; one of them is blue.
@@ -35,18 +34,7 @@ class SingleKeys(TaskDefaults):
 
     name: ClassVar[str] = "single-keys"
     version: ClassVar[int] = 1
-    time_limit: ClassVar[float] = 20.0
-    hold_time: ClassVar[float] = 0.5
-    table_friction: ClassVar[float] = 0.5
-    touch_height: ClassVar[float] = PRESSED_AT
-    lift_range: ClassVar[float] = 0.0
-    plane: ClassVar[str] = "table"
-    pressed: ClassVar[bool] = True
     user: ClassVar[UserMaker | None] = SingleKeyUser
-
-    seed: int
-    objects: tuple[SceneObject, ...]
-    goals: tuple[Goal, ...]
 
     @classmethod
     def draw(cls, seed: int, surface: Surface) -> SingleKeys:
