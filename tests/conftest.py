@@ -30,6 +30,8 @@ SYSTEM = ROOT / "tests" / "system"
 DATA_ABSENT = "shared data absent"
 NODE_ABSENT = "device node absent"
 MOST_PROCESSES = 4
+EXAMPLES = 40
+"""Examples of a hypothesis test that does not say itself how many."""
 LONG = "long"
 """Hypothesis' profile of `.ci/run --full`."""
 TIMES_LONGER = 10
@@ -45,6 +47,7 @@ IN_CI = os.environ.get("CI", "").lower() in ("true", "1")
 # No deadlines, because a busy machine must not fail a test. CI searches from a fixed seed.
 settings.register_profile(
     "hand-sandbox",
+    max_examples=EXAMPLES,
     deadline=None,
     derandomize=IN_CI,
     suppress_health_check=[HealthCheck.too_slow],
@@ -53,6 +56,7 @@ settings.register_profile(
 settings.register_profile(
     LONG,
     settings.get_profile("hand-sandbox"),
+    max_examples=100,
     derandomize=False,
     print_blob=True,
 )

@@ -64,12 +64,14 @@ def write(path: Path, some: list[HandFrame]) -> Path:
     return path
 
 
+@cache
 def alone(side: str) -> list[HandFrame]:
     return [
         shifted(f, 0.15 if side == "right" else -0.15, int(side == "left")) for f in frames(side)
     ]
 
 
+@cache
 def together() -> list[HandFrame]:
     return [
         replace(a, hands=(*a.hands, *b.hands))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -15,8 +16,13 @@ MOST_BEND = 180.0
 
 
 def turned(degrees: Any) -> np.ndarray:
-    """Rotation about x, then y, then z, Maya's default order."""
-    (a, b, c), (d, e, f) = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
+    """Rotation about x, then y, then z, Maya's default order; not to be written to."""
+    return _turned(*map(float, degrees))
+
+
+@lru_cache(maxsize=65_536)
+def _turned(x: float, y: float, z: float) -> np.ndarray:
+    (a, b, c), (d, e, f) = np.cos(np.radians((x, y, z))), np.sin(np.radians((x, y, z)))
     return np.array(
         [
             [b * c, d * e * c - a * f, a * e * c + d * f],
@@ -59,7 +65,11 @@ class Node:
         return (self.parent.path if self.parent else "") + "|" + self.name
 
     def turn(self) -> np.ndarray:
-        return turned(self.triple("jointOrient")) @ turned(self.triple("rotate"))
+        return self._turn_of("jointOrient") @ self._turn_of("rotate")
+
+    def _turn_of(self, name: str) -> np.ndarray:
+        value = self.values.get
+        return _turned(value(name + "X", 0.0), value(name + "Y", 0.0), value(name + "Z", 0.0))
 
     def world(self) -> tuple[np.ndarray, np.ndarray]:
         if self.parent is None:
@@ -147,7 +157,7 @@ def _bend(chain: list[Node], distance: float) -> None:
     # A chain that was made bent is straight where its joints turn the other way.
     low = max((-k / most for k in (0, 10, 20, 30, 45, 60)), key=reach)
     high = MOST_BEND / most
-    for _ in range(30):
+    for _ in range(28):
         middle = 0.5 * (low + high)
         low, high = (middle, high) if reach(middle) > distance else (low, middle)
 
