@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 from models.errors import HandSandboxError
-from sandbox.study.design.design import Design, Level
+from sandbox.study.design.design import Design, Factor, Level
 from sandbox.words.words import words_in
 
 if TYPE_CHECKING:
@@ -158,6 +159,18 @@ def values_of(design: Design, levels: Mapping[str, Level]) -> dict[str, Any]:
     for level in levels.values():
         values |= level.settings
     return values
+
+
+def differences(design: Design, a: Level, b: Level) -> list[str]:
+    """Settings in which two levels differ."""
+    names = dict.fromkeys((*a.settings, *b.settings))
+    one, other = ({**design.settings, **level.settings} for level in (a, b))
+    return [name for name in names if one.get(name) != other.get(name)]
+
+
+def sets_nothing(design: Design, factor: Factor) -> bool:
+    """True if all levels of a factor have the same settings."""
+    return not any(differences(design, a, b) for a, b in pairwise(factor.levels))
 
 
 def any_lifts(design: Design) -> bool:

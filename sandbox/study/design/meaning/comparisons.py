@@ -2,15 +2,26 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from collections.abc import Iterator
 from itertools import combinations
+from typing import Any
 
+from models.errors import HandSandboxError
 from sandbox.study.design.balance import confounded, nearest_cycles
+from sandbox.study.design.conditions import combinations as combinations_of
+from sandbox.study.design.conditions import differences, run_settings, values_of
 from sandbox.study.design.design import Design, Factor, Level
+from sandbox.study.design.meaning.groups import assigned_traits
+from sandbox.study.design.meaning.teaching import carry_over
 from sandbox.study.design.plan import session_plan, trials_of
 from sandbox.study.design.told.flaw import Flaw
+from sandbox.study.design.told.plain import plain
+from sandbox.study.design.toml_lines import Path
 
+DEVICES = ("device", "second_device", "webcam", "leap_at")
+"""Settings of the real devices, which settings of a trial do not tell apart."""
 FEWEST = 2
 """People in a group of which a spread can be told."""
 UNEVEN = 0.5
@@ -45,30 +56,116 @@ def _levels(design: Design, i: int, factor: Factor) -> Iterator[Flaw]:
             "Add a level, or move the setting to [settings]",
         )
         return
-    pairs = [(a, b, _differences(design, a, b)) for a, b in combinations(factor.levels, 2)]
-    for a, b, differences in pairs:
-        if not differences:
+    pairs = {}
+    explained = factor in assigned_traits(design) or any(
+        factor is other for other, _, _ in carry_over(design)
+    )
+    for a, b in combinations(factor.levels, 2):
+        given = differences(design, a, b)
+        pairs[a.name, b.name] = effective = _effective(design, factor, a, b, given)
+        if not given and not explained and not _told_apart(design, factor, a, b):
             yield Flaw(
                 path,
                 f"{a.name} and {b.name} are the same: they set the same values",
                 "Change one of them, or remove it",
             )
-    mixed = [(a, b, d) for a, b, d in pairs if len(d) > 1]
-    if len(mixed) == len(pairs):
-        a, b, differences = mixed[0]
+        elif given and not effective:
+            yield Flaw(
+                path,
+                f"{a.name} and {b.name} are the same: of {' and '.join(given)}, one sets what is "
+                "so by default, or what does nothing here",
+                "Change one of them, or remove it",
+            )
+    alone = _mixed(pairs)
+    if alone is not None:
+        a_name, b_name, given = alone
         yield Flaw(
             path,
-            f"levels of {factor.name} differ in several settings at once ({a.name} and {b.name} in "
-            f"{' and '.join(differences)}), so it cannot be told which of them makes a difference",
+            f"levels of {factor.name} differ in several settings at once ({a_name} and {b_name} in "
+            f"{' and '.join(given)}), so it cannot be told which of them makes a difference",
             "Make a factor of each setting, unless they are compared as wholes",
         )
+    yield from _apart(design, path, factor)
 
 
-def _differences(design: Design, a: Level, b: Level) -> list[str]:
-    """Settings in which two levels differ."""
-    names = dict.fromkeys((*a.settings, *b.settings))
-    one, other = ({**design.settings, **level.settings} for level in (a, b))
-    return [name for name in names if one.get(name) != other.get(name)]
+def _mixed(pairs: dict[tuple[str, str], list[str]]) -> tuple[str, str, list[str]] | None:
+    """A level that differs from each other one in several settings, and the one nearest to it."""
+    names = dict.fromkeys(name for pair in pairs for name in pair)
+    for name in names:
+        own = {pair: given for pair, given in pairs.items() if name in pair}
+        if all(len(given) > 1 for given in own.values()):
+            (a, b), given = min(own.items(), key=lambda one: len(one[1]))
+            return a, b, given
+    return None
+
+
+def _told_apart(design: Design, factor: Factor, a: Level, b: Level) -> bool:
+    """True if people are told other things before two levels: then words are what is compared."""
+    texts = {
+        name: [t.text for t in design.instructions if t.at == factor.name and t.level == name]
+        for name in (a.name, b.name)
+    }
+    return texts[a.name] != texts[b.name]
+
+
+def _effective(design: Design, factor: Factor, a: Level, b: Level, given: list[str]) -> list[str]:
+    """Those of the settings that differ between two levels that change a trial.
+
+    A setting changes nothing if one level sets what is so by default.
+    """
+    one = next((c for c in combinations_of(design) if c[factor.name].name == a.name), None)
+    if one is None or factor.nested is not None:
+        return given
+    outside = values_of(design, {n: level for n, level in one.items() if n != factor.name})
+    try:
+        whole = run_settings(outside | b.settings, design.seed % 1000)
+        return [
+            name
+            for name in given
+            if name in DEVICES
+            or run_settings(_with(outside, a, b, name), design.seed % 1000) != whole
+        ]
+    except HandSandboxError:
+        return given
+
+
+def _with(outside: dict[str, Any], a: Level, b: Level, name: str) -> dict[str, Any]:
+    """Settings of a trial with level `b`, of which one setting is that of level `a`."""
+    values = {n: v for n, v in (outside | b.settings).items() if n != name}
+    given = (outside | a.settings).get(name)
+    return values if given is None else {**values, name: given}
+
+
+def _apart(design: Design, path: Path, factor: Factor) -> Iterator[Flaw]:
+    """Levels of a nested factor that never occur in the same level of the outer one."""
+    if factor.nested is None or len(factor.levels) < 2:
+        return
+    lists = [[level.name for level in levels] for levels in factor.nested.values()]
+    if all(len(names) == 1 for names in lists):
+        yield Flaw(
+            path,
+            f"{factor.name} has one level in each level of {factor.outer}, so that the two cannot "
+            "be told apart",
+            f"Give every level of {factor.outer} the same levels",
+        )
+        return
+    together = {frozenset(pair) for names in lists for pair in combinations(names, 2)}
+    shared = any(sum(level.name in names for names in lists) > 1 for level in factor.levels)
+    title = f" {_spaced(design.name)} {_spaced(design.title)} "
+    for a, b in combinations([level.name for level in factor.levels], 2):
+        named = all(f" {_spaced(name)} " in title for name in (a, b))
+        if frozenset((a, b)) not in together and (shared or named):
+            yield Flaw(
+                path,
+                f"{a} and {b} never occur in the same level of {factor.outer}, so that their "
+                f"difference cannot be told from that of {factor.outer}",
+                f"Give every level of {factor.outer} the same levels, or do not compare these",
+            )
+            return
+
+
+def _spaced(text: str) -> str:
+    return re.sub(r"[^\w]+", " ", plain(text)).strip()
 
 
 def _order(design: Design, i: int, factor: Factor) -> Iterator[Flaw]:

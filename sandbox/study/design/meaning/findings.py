@@ -6,21 +6,27 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from sandbox.study.design.design import Design
+from sandbox.study.design.meaning.claims import claim_flaws
 from sandbox.study.design.meaning.comparisons import comparison_flaws
 from sandbox.study.design.meaning.consent import consent_flaws
 from sandbox.study.design.meaning.detection import detection_flaws
 from sandbox.study.design.meaning.exclusions import exclusion_flaws
 from sandbox.study.design.meaning.expectations import expectation_flaws
+from sandbox.study.design.meaning.groups import group_flaws
+from sandbox.study.design.meaning.guardians import guardian_flaws
 from sandbox.study.design.meaning.languages import language_flaws
 from sandbox.study.design.meaning.outcomes import outcome_flaws
 from sandbox.study.design.meaning.people import people_flaws
 from sandbox.study.design.meaning.practice import practice_flaws
 from sandbox.study.design.meaning.promises import promise_flaws
+from sandbox.study.design.meaning.questions.answering import answering_flaws
 from sandbox.study.design.meaning.questions.answers import answer_flaws
 from sandbox.study.design.meaning.questions.comparing import comparing_flaws
 from sandbox.study.design.meaning.questions.double import double_flaws
 from sandbox.study.design.meaning.questions.ends import end_flaws
+from sandbox.study.design.meaning.questions.scales import scale_flaws
 from sandbox.study.design.meaning.session import session_flaws
+from sandbox.study.design.meaning.teaching import teaching_flaws
 from sandbox.study.design.meaning.translations import translation_flaws
 from sandbox.study.design.reading import Mistake
 from sandbox.study.design.told.flaw import Flaw
@@ -60,16 +66,22 @@ def _all(design: Design) -> Iterator[Flaw]:
     yield from session_flaws(design)
     yield from practice_flaws(design)
     yield from comparison_flaws(design)
+    yield from group_flaws(design)
+    yield from teaching_flaws(design)
     yield from detection_flaws(design)
     yield from outcome_flaws(design)
     yield from people_flaws(design)
     yield from consent_flaws(design)
+    yield from guardian_flaws(design)
+    yield from claim_flaws(design)
     yield from promise_flaws(design)
     yield from expectation_flaws(design)
     yield from answer_flaws(design)
     yield from comparing_flaws(design)
     yield from end_flaws(design)
     yield from double_flaws(design)
+    yield from scale_flaws(design)
+    yield from answering_flaws(design)
     yield from language_flaws(design)
     yield from translation_flaws(design)
     for i, rule in enumerate(design.exclusions):

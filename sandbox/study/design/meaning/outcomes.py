@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 
 from sandbox.study.design.conditions import combinations, values_of
 from sandbox.study.design.design import END, Design
 from sandbox.study.design.told.flaw import Flaw
+from sandbox.study.design.told.plain import plain
 from sandbox.study.design.told.texts import (
     GOAL,
     INSTRUCTION,
@@ -15,6 +17,7 @@ from sandbox.study.design.told.texts import (
     sentences,
     told_texts,
 )
+from sandbox.study.design.toml_lines import TomlLines
 from sandbox.study.measures.measure import LABELS
 from sandbox.study.measures.registry import find_measure
 
@@ -59,6 +62,36 @@ UNHURRIED = Phrases(
     }
 )
 """Texts that tell people not to hurry."""
+
+FASTER = Phrases(
+    {
+        "en": r"(fast\w*|quick\w*|slow\w*|speed)\b",
+        "de": r"(schnell\w*|langsam\w*|geschwindigkeit\w*|tempo|zugig\w*)\b",
+        "fr": r"(rapid\w*|vite|vitesse|lent\w*)\b",
+        "es": r"(rapid\w*|velocidad|lent\w*)\b",
+        "it": r"(rapid\w*|veloc\w*|lent\w*)\b",
+        "nl": r"(snel\w*|langza\w*|tempo)\b",
+        "pt": r"(rapid\w*|velocidade|veloz\w*|lent\w*)\b",
+        "zh": r"快|慢|速度",
+        "ja": r"速|早|遅",
+    }
+)
+ACCURATE = Phrases(
+    {
+        "en": r"(accura\w*|precis\w*)\b",
+        "de": r"(genau\w*|prazis\w*|treffsicher\w*)\b",
+        "fr": r"(precis\w*|exactitude)\b",
+        "es": r"(precis\w*|exactitud)\b",
+        "it": r"(precis\w*|accurat\w*)\b",
+        "nl": r"(nauwkeurig\w*|precies\w*|precisie)\b",
+        "pt": r"(precis\w*|exat\w*)\b",
+        "zh": r"准确|精确|精度",
+        "ja": r"正確|精度",
+    }
+)
+"""Titles that ask for speed, and for accuracy."""
+CLEARED = 10
+"""Expected durations of a trial that a time limit may be before nearly all succeed."""
 
 
 def outcome_flaws(design: Design) -> Iterator[Flaw]:
@@ -112,6 +145,9 @@ def outcome_flaws(design: Design) -> Iterator[Flaw]:
             )
     yield from _clock(design)
     yield from _hurry(design)
+    yield from _title(design)
+    yield from _untested(design)
+    yield from _ceiling(design)
 
 
 def _clock(design: Design) -> Iterator[Flaw]:
@@ -142,6 +178,71 @@ def _hurry(design: Design) -> Iterator[Flaw]:
                     "Ask for speed, or choose another outcome",
                 )
                 break
+
+
+def _title(design: Design) -> Iterator[Flaw]:
+    """The title asks for speed or accuracy, which no confirmatory outcome measures."""
+    if not design.primary:
+        return
+    units = {measure.unit for name in design.primary if (measure := find_measure(name)) is not None}
+    asked = [
+        (name, phrases)
+        for name, phrases in (("speed", FASTER), ("accuracy", ACCURATE))
+        if any(phrases.match(design.title, language) for language in design.languages)
+    ]
+    measured = {
+        "speed": "m/s" in units or any(_is_time(name) for name in design.primary),
+        "accuracy": bool(units & {"m", "deg", "0/1", "0 to 1"}) or "success" in design.primary,
+    }
+    for name, _ in asked:
+        if not measured[name] and len(asked) == 1:
+            yield Flaw(
+                ("analysis", "primary"),
+                f"the title asks for {name}, and {_joined(design)} does not measure it",
+                "Choose an outcome that answers the title's question"
+                + (", such as time_s" if name == "speed" else ", such as placement_error_m"),
+            )
+
+
+def _untested(design: Design) -> Iterator[Flaw]:
+    """A factor that the title names, and a questionnaire that is asked at another one."""
+    forms = {form.name: form for form in design.questionnaires}
+    if not design.primary or any(name not in forms for name in design.primary):
+        return
+    tested = {forms[name].at for name in design.primary}
+    title = re.findall(r"\w+", plain(f"{design.title} {design.name}"))
+    for factor in design.factors:
+        named = [level.name for level in factor.levels if plain(level.name) in title]
+        stem = plain(factor.name)
+        titled = len(named) > 1 or any(word.startswith(stem) for word in title)
+        if titled and len(factor.levels) > 1 and factor.name not in tested:
+            asked = " and ".join(sorted(tested))
+            yield Flaw(
+                ("analysis", "primary"),
+                f"the title names {factor.name}, and {' and '.join(design.primary)} is asked at "
+                f"{asked}, so that no outcome is compared between levels of {factor.name}",
+                f'Write at = "{factor.name}", or choose another outcome',
+            )
+
+
+def _ceiling(design: Design) -> Iterator[Flaw]:
+    """Success is the only outcome, and there is time enough for everybody to succeed."""
+    if not design.primary or not set(design.primary) <= set(SAME[0]) - {"progress"}:
+        return
+    lines = TomlLines(design.text)
+    stated = all(lines.has(("trials", key)) for key in ("time_limit_s", "expected_s"))
+    if stated and design.time_limit >= CLEARED * design.expected:
+        yield Flaw(
+            ("trials", "time_limit_s"),
+            f"a trial is expected to take {design.expected:g} s and may take "
+            f"{design.time_limit:g} s, so that nearly all succeed, and {_joined(design)} "
+            "can show no difference",
+            f"Write a shorter limit, such as {2 * design.expected:g}, or take time_s as an outcome",
+        )
+
+
+def _joined(design: Design) -> str:
+    return " and ".join(design.primary)
 
 
 def _is_time(name: str) -> bool:

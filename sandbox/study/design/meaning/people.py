@@ -5,10 +5,12 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 
+from sandbox.study.design.conditions import sets_nothing
 from sandbox.study.design.design import END, START, Design
 from sandbox.study.design.meaning.questions.identifying import asks_for, birth_parts
 from sandbox.study.design.meaning.translations import CARE, SPEED
 from sandbox.study.design.told.flaw import Flaw
+from sandbox.study.design.told.plain import plain
 from sandbox.study.design.told.texts import (
     Phrases,
     asked_items,
@@ -46,6 +48,68 @@ ASKED = {
 """Advice and demands, which every level is to have alike."""
 
 AGE = "Remove it; keep names and addresses apart, beside the pseudonym; ask for an age"
+
+PAID = Phrases(
+    {
+        "en": (
+            r"bonus\w*|reward\w*|prizes?|earn\w*|wins?|cents?|pence|euros?|dollars?|pounds|"
+            r"vouchers?|paid|"
+            r"payments?|pays?|credits?|lottery|raffle"
+        ),
+        "de": (
+            r"bonus|pramie\w*|belohn\w*|gewinn\w*|preise?|verdien\w*|cent|euro|gutschein\w*|"
+            r"vergut\w*|"
+            r"bezahl\w*|verlos\w*|zulage"
+        ),
+        "fr": (
+            r"bonus|primes?|recompens\w*|gagn\w*|centimes?|euros?|bons? d'achat|remuner\w*|pay(e|"
+            r"ee|es|ees|"
+            r"ons)?\b|tombola"
+        ),
+        "es": (
+            r"bonos?|bonus|primas?|premi\w*|recompens\w*|gan(a|ara|aras|an)\b|centimos?|euros?|"
+            r"vales?\b|"
+            r"pag(o|a|amos|aran|ado|ada)s?\b|remuner\w*|sorteo|cobr\w*"
+        ),
+        "it": (
+            r"bonus|premi\w*|ricompens\w*|guadagn\w*|vinc\w*|centesim\w*|euro|buon[oi] |pag(a|ato|"
+            r"amento)|"
+            r"compenso"
+        ),
+        "nl": (
+            r"bonus|belon\w*|premie|win(t|nen)\b|verdien\w*|cent|euro|bon\b|cadeaubon|betaal\w*|"
+            r"vergoed\w*"
+        ),
+        "pt": (
+            r"bonus|premi\w*|recompens\w*|ganh\w*|centimos?|euros?|vales?\b|pag(o|a|amento)|"
+            r"remuner\w*"
+        ),
+        "zh": r"奖金|奖励|奖品|报酬|\d元",
+        "ja": r"ボーナス|報酬|賞|\d円|謝礼",
+        "ar": r"مكافأ|جائز|يورو|دولار|ريال",
+    }
+)
+"""Pay, of which every level is to promise the same."""
+UNPAID = Phrases(
+    {
+        "en": r"(no|not|nothing|without|unchanged|fixed|usual|none|\w+n't|same)\b",
+        "de": r"(nicht|kein\w*|nichts|ohne|unverandert|fest\w*|bleibt|ublich\w*|gleich\w*)\b",
+        "fr": r"(pas|aucun\w*|sans|rien|fixe|inchange\w*|habituel\w*|meme)\b",
+        "es": r"(no|ningun\w*|sin|nada|fij[oa]|habitual|mism[oa])\b",
+        "it": r"(non|nessun\w*|senza|niente|fiss[oa]|solit[oa]|stess[oa])\b",
+        "nl": r"(niet|geen|zonder|niets|vaste|gewone|zelfde)\b",
+        "pt": r"(nao|nenhum\w*|sem|nada|fix[oa]|habitual|mesm[oa])\b",
+        "zh": r"不|没|无",
+        "ja": r"ない|ません|なし",
+        "ar": r"لا|بدون|دون",
+    }
+)
+_SUM = re.compile(
+    r"(?:[€$£¥] ?(\d+(?:[.,]\d+)?)|(\d+(?:[.,]\d+)?) ?(?:[€$£¥]|euros?|cents?|dollars?|pounds|"
+    r"pence|"
+    r"centimes?|centimos?|centesimi|chf|eur|usd|元|円))"
+)
+"""A sum of money."""
 
 UNWRITTEN = re.compile(
     r"\b(?:TODO|TBD|TBA|FIXME|XXX+|[Ll]orem ipsum|to be (?:written|added|completed|translated))\b|"
@@ -128,6 +192,9 @@ def _told_more_of_one(design: Design) -> Iterator[Flaw]:
     for factor in design.factors:
         texts = [(i, t) for i, t in enumerate(design.instructions) if t.at == factor.name]
         told = {t.level for _, t in texts}
+        if sets_nothing(design, factor):
+            # Then words are what is compared.
+            continue
         if {level.name for level in factor.levels} <= told and len(told) > 1:
             for language in design.languages:
                 by_level = {
@@ -142,7 +209,7 @@ def _told_more_of_one(design: Design) -> Iterator[Flaw]:
                         ("instructions", first, "text"),
                         f"{what}, so the effect of {factor.name} cannot be told from that of the "
                         "words",
-                        "Say as much before all levels, and give advice before all of them or none",
+                        "Say as much before all levels, and the same of pay and of what helps",
                     )
                     break
 
@@ -159,7 +226,34 @@ def _uneven(by_level: dict[str, str], language: str) -> tuple[str, str] | None:
         rest = [level for level in by_level if level not in asks]
         if asks and rest:
             return asks[0], f"{what} is said before {asks[0]}, and not before {rest[0]}"
+    return _paid(by_level, language)
+
+
+def _paid(by_level: dict[str, str], language: str) -> tuple[str, str] | None:
+    """The level before which other pay is promised than before another; None if there is none."""
+    pays = {level: _pay(text, language) for level, text in by_level.items()}
+    promised = [level for level, sums in pays.items() if sums is not None]
+    for level in promised:
+        for other, sums in pays.items():
+            if sums is None:
+                return level, f"pay is promised before {level}, and not before {other}"
+            if sums != pays[level]:
+                return level, f"other pay is promised before {level} than before {other}"
     return None
+
+
+def _pay(text: str, language: str) -> frozenset[str] | None:
+    """Sums of money that a text promises, which may be none; None if it promises no pay."""
+    sums: set[str] = set()
+    promised = False
+    for sentence in sentences(text):
+        words = plain(sentence)
+        given = [a or b for a, b in _SUM.findall(words)]
+        unpaid = UNPAID.match(sentence, language) and not given
+        if (PAID.match(sentence, language) or given) and not unpaid:
+            promised = True
+            sums |= set(given)
+    return frozenset(sums) if promised else None
 
 
 def _told_of_some_levels(design: Design) -> Iterator[Flaw]:
@@ -168,7 +262,7 @@ def _told_of_some_levels(design: Design) -> Iterator[Flaw]:
         texts = [(i, t) for i, t in enumerate(design.instructions) if t.at == factor.name]
         told = {t.level for _, t in texts if t.level}
         rest = [level.name for level in factor.levels if level.name not in told]
-        if told and rest and factor.name not in (START, END):
+        if told and rest and not sets_nothing(design, factor) and factor.name not in (START, END):
             first = next(i for i, t in texts if t.level)
             yield Flaw(
                 ("instructions", first),

@@ -48,7 +48,8 @@ _WORDS = {
     "hundred hundert cent cien cento honderd": 100,
 }
 NUMBERS = {word: number for words, number in _WORDS.items() for word in words.split()}
-_ONE = r"\d+(?:[.,]\d+)?|" + "|".join(sorted(NUMBERS, key=len, reverse=True))
+_ONE = r"\d+(?:[.,]\d+)?|(?:" + "|".join(sorted(NUMBERS, key=len, reverse=True)) + r")(?!s\b)"
+# "cents" are no hundred seconds.
 _NUMBER = rf"(?<![\w.,-])(?:(?:{_ONE}) ?(?:-|–|to|bis|a|tot|or|oder|~) ?)?(?P<n>{_ONE})"
 
 _MINUTES = re.compile(rf"{_NUMBER}[ -]?min(?:\.|s?\b|ut)|(?P<c>\d+) ?分")
@@ -63,8 +64,13 @@ _TRIAL = (
     r"(?:trials?|attempts?|durchgange?n?|durchlaufe?n?|essais?|ensayos?|intentos?|prov[ae]|"
     r"tentativ[oi]|tentativas?|proeven|pogingen?|试次|試行)"
 )
+_FOR_EACH = (
+    r"(?:per|an?|each|every|for|pro|je|jede[rnms]?|fur|par|pour|chaque|por|cada|ogni|elke?|voor)\b"
+)
+"""Words of a rate, as in "20 cents a trial"."""
 _TRIALS = re.compile(
-    rf"{_NUMBER} (?:[a-z-]+ ){{0,2}}?{_TRIAL}\b|(?P<c>\d+) ?(?:次|个|回の)?(?:试次|試行)"
+    rf"{_NUMBER} (?:(?!{_FOR_EACH})[a-z-]+ ){{0,2}}?{_TRIAL}\b|"
+    r"(?P<c>\d+) ?(?:次|个|回の)?(?:试次|試行)"
 )
 _SESSIONS = re.compile(
     rf"{_NUMBER} (?:[a-z-]+ )?(?:sessions?|visits?|appointments?|sitzung(?:en)?|termine?n?|"

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from sandbox.study.design.conditions import tasks_of
-from sandbox.study.design.design import END, START, Design
+from sandbox.study.design.conditions import combinations, tasks_of, values_of
+from sandbox.study.design.design import END, START, Design, Form
 from sandbox.study.design.plan import BreakStep, FormStep, Step, duration, session_plan
 from sandbox.study.design.questionnaires import instruments
 from sandbox.study.design.told.flaw import Flaw
+from sandbox.study.design.told.texts import Phrases
 from sandbox.study.design.toml_lines import TomlLines
 
 LONGEST_SESSION = 5400.0
@@ -17,10 +18,50 @@ LONGEST_STRETCH = 1800.0
 """s without a break, also a rule of thumb."""
 REST = (5.0, 900.0)
 """s; limits of a break that rests people and does not send them away."""
+LONGEST_IN_AIR = 900.0
+"""s without a break of a hand that nothing supports, a rule of thumb as well."""
 OFTEN = 15
 """Times that people answer one form in a session; a rule of thumb, too."""
 CUT = 0.8
 """Share of the time limit that a trial may be expected to take; of longer ones, many are cut."""
+
+DONE = Phrases(
+    {
+        "en": (
+            r"(the )?(last|previous|preceding|past) (\w+ )?(trials?|tasks?|block)\b|trials? (that "
+            r")?you "
+            r"(did|have|just)|you (have )?just (did|done|finished|completed|used|played|worked|"
+            r"moved)|"
+            r"what you (have )?(just )?(did|done)|(just|now) (done|finished|completed)\b"
+        ),
+        "de": (
+            r"(letzten|vorigen|vorherigen|vergangenen|vorangegangenen) (\w+ )?(durchg|versuch|"
+            r"aufgabe|"
+            r"block)\w*|(gerade|eben|soeben) (\w+ )?(gemacht|getan|erledigt|bearbeitet|benutzt|"
+            r"gespielt|"
+            r"beendet|bewegt|geubt)"
+        ),
+        "fr": (
+            r"(dernier|precedent)\w* (essai|tache)\w*|(essais?|taches?|partie) (precedent|que vous "
+            r"venez)\w*|vous venez d|ce que vous avez fait"
+        ),
+        "es": (
+            r"(ultim|anterior)\w* (ensayo|tarea|prueba)\w*|(ensayo|tarea|prueba)s? anterior\w*|"
+            r"acaba de "
+            r"(hacer|realizar|terminar|usar|mover)"
+        ),
+        "it": r"(ultim|precedent)\w* (prov|compit)\w*|(prov|compit)\w* precedent\w*|ha appena",
+        "nl": (
+            r"(laatste|vorige|afgelopen|voorgaande) (\w+ )?(taak|taken|poging|proef|proev)\w*|"
+            r"zojuist"
+        ),
+        "pt": r"(ultim|anterior)\w* (ensaio|tarefa|prova)\w*|acabou de|acaba de",
+        "zh": r"刚才|刚刚|上一(次|轮|部分|组)",
+        "ja": r"先ほど|直前の|たった今",
+        "ar": r"المحاولات (السابقة|الأخيرة|الاخيرة)|للتو",
+    }
+)
+"""Questions about trials that are over."""
 
 
 def session_flaws(design: Design) -> Iterator[Flaw]:
@@ -97,7 +138,7 @@ def _forms(design: Design, plans: list[list[Step]]) -> Iterator[Flaw]:
     for i, form in enumerate(design.questionnaires):
         path = ("questionnaires", i)
         early = form.at == START and (not form.sessions or 1 in form.sessions)
-        if early and form.name in instruments():
+        if early and (form.name in instruments() or _looks_back(form)):
             yield Flaw(
                 path,
                 f"{form.name} asks about what was done, and is asked before anything was done",
@@ -139,6 +180,12 @@ def _forms(design: Design, plans: list[list[Step]]) -> Iterator[Flaw]:
         )
 
 
+def _looks_back(form: Form) -> bool:
+    """True if a questionnaire asks about trials that are over."""
+    texts = [form.title, *(item.ask for item in form.items)]
+    return any(DONE.match(text, code) for some in texts for code, text in some.items())
+
+
 def _lengths(design: Design, plans: list[list[Step]]) -> Iterator[Flaw]:
     if design.break_every and not any(isinstance(s, BreakStep) for plan in plans for s in plan):
         yield Flaw(
@@ -162,12 +209,20 @@ def _lengths(design: Design, plans: list[list[Step]]) -> Iterator[Flaw]:
             "Write fewer repetitions, or several sessions",
         )
     stretch = max(_stretch(design, plan) for plan in plans)
-    if stretch > LONGEST_STRETCH:
+    if stretch > (LONGEST_IN_AIR if _in_air(design) else LONGEST_STRETCH):
         yield Flaw(
             ("breaks", "every"),
-            f"{stretch / 60:.0f} min come without a break",
-            "Write [breaks] with every = a number of trials of a quarter of an hour",
+            f"{stretch / 60:.0f} min come without a break"
+            + (", with the hand in the air" if _in_air(design) else ""),
+            "Write [breaks] with every = a number of trials of a quarter of an hour"
+            + (" or less" if _in_air(design) else ""),
         )
+
+
+def _in_air(design: Design) -> bool:
+    """True if hands are held in the air in all trials."""
+    every = (values_of(design, levels) for levels in combinations(design))
+    return all(values.get("device", "touch") != "touch" for values in every)
 
 
 def _stretch(design: Design, steps: list[Step]) -> float:

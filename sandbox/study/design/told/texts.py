@@ -67,6 +67,11 @@ def asked_forms(design: Design) -> Iterator[tuple[Path, Form]]:
         yield ("questionnaires", i), form
 
 
+def is_own(form: Form) -> bool:
+    """True if the wording of a questionnaire is the design's own, in all languages."""
+    return all(wording == "own" for wording in form.wording.values())
+
+
 _END = re.compile(r"(?<=[.!?;:])\s+|(?<=[。！？；])|\n\s*\n")
 
 
@@ -104,6 +109,11 @@ class Phrases:
         """The first phrase in a text of a language; None if there is none."""
         pattern = self._patterns.get(base(language))
         return pattern.search(plain(text)) if pattern else None
+
+    def all_matches(self, text: str, language: str) -> Iterator[re.Match[str]]:
+        """All phrases in a text of a language."""
+        pattern = self._patterns.get(base(language))
+        return pattern.finditer(plain(text)) if pattern else iter(())
 
 
 _JOINED = ("zh", "ja", "ko", "ar")

@@ -12,6 +12,7 @@ ITEM = (
     '\n[[questionnaires]]\nname = "q"\nat = "{}"\ntitle = "Q"\n'
     '[[questionnaires.items]]\nname = "i"\n'
 )
+MUCH = 'kind = "scale"\nlow_means = "not at all"\nhigh_means = "very"\n'
 AGREE = 'kind = "scale"\nlow_means = "strongly disagree"\nhigh_means = "strongly agree"\n'
 RULE = '\n[[exclusions]]\nname = "rule"\nof = "trial"\nmeasure = "{}"\nabove = {}\n'
 BETWEEN = SOUND.replace('order = "latin"', 'order = "between"').replace("= 24", "= 80")
@@ -83,10 +84,10 @@ def test_nobody_compares_what_they_have_not_met(text: str, at: str, compares: bo
         ("It reacted quickly and did not tire my hand.", AGREE, True),
         ("It was easy and I liked it.", AGREE, True),
         ("It was easy and very comfortable.", AGREE, True),
-        ("How fast and accurate was it?", AGREE, True),
+        ("How fast and accurate was it?", MUCH, True),
         ("My thumb and index finger did what I wanted.", AGREE, False),
         ("It is easy to pick up and place the box.", AGREE, False),
-        ("How easy or difficult was it?", AGREE, False),
+        ("How easy or difficult was it?", MUCH, False),
         ("I often wondered where my hand was.", AGREE, False),
     ],
 )

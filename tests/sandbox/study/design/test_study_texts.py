@@ -88,6 +88,7 @@ def test_a_consent_says_that_people_may_stop_and_what_is_recorded() -> None:
         ("There are 40 trials.", "it speaks of 40 trials, and a session has 4"),
         ("There are forty trials.", "it speaks of 40 trials, and a session has 4"),
         ("It takes half a minute.", ""),
+        ("You get 50 cents for each trial, and 20 cents a trial.", ""),
         ("You come to three sessions.", "it speaks of 3 sessions, and the design has 1"),
         ("There are regular breaks.", "it promises breaks, and none comes"),
         ("You may have breaks whenever you like.", ""),

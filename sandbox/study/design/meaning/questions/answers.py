@@ -17,6 +17,9 @@ from sandbox.study.design.toml_lines import Path
 OLD = 80
 """Years; a compulsory question for the age that ends below this shuts people out."""
 
+CHILD = 18
+"""Years; a question that ends below this is asked of children."""
+
 _AGE = re.compile(
     r"(?<!\w)(?:age|how old|years old|alter|wie alt|quel age|edad|cuantos anos|eta|quanti anni|"
     r"leeftijd|hoe oud|idade|alder|wiek|vek|возраст)(?!\w)|年龄|年齢|何歳|나이"
@@ -102,6 +105,21 @@ def _asks(item: Item, pattern: re.Pattern[str]) -> bool:
     return any(pattern.search(plain(text)) for text in (name, *item.ask.values()))
 
 
+def asks_age(item: Item) -> bool:
+    """True if a question asks for the age."""
+    return _asks(item, _AGE)
+
+
+def ages_of(item: Item) -> tuple[float, float] | None:
+    """Smallest and largest number that can be answered; None if answers are no numbers."""
+    if item.kind == "number":
+        return item.low, item.high
+    ranges = _ranges(item) if item.kind == "choice" else []
+    if ranges and len(ranges) == len(item.choices):
+        return min(a for a, _ in ranges), max(b for _, b in ranges)
+    return None
+
+
 def _stated_ages(design: Design) -> list[int]:
     """Ages of the people who are wanted, from the title, the consent and the texts at the start."""
     texts = [design.title, *design.consent.values()]
@@ -118,23 +136,17 @@ def _stated_ages(design: Design) -> list[int]:
 
 def _of_ages(item: Item, stated: list[int]) -> Wrong:
     """Ages that have no answer."""
-    if not _asks(item, _AGE):
+    ages = ages_of(item) if asks_age(item) else None
+    if ages is None or ages[1] > 200:
         return None
-    if item.kind == "number":
-        low, high = item.low, item.high
-    elif item.kind == "choice" and (ranges := _ranges(item)) and len(ranges) == len(item.choices):
-        low, high = min(a for a, _ in ranges), max(b for _, b in ranges)
-    else:
-        return None
-    if high > 200:
-        return None
+    low, high = ages
     shut = [age for age in stated if not low <= age <= high]
     if shut:
         return (
             f"{item.name} takes {low:g} to {high:g}, and the study speaks of people of {shut[0]}",
             "Let the answers hold everybody who takes part",
         )
-    if high < OLD and not item.optional:
+    if CHILD <= high < OLD and not item.optional:
         return (
             f"who is older than {high:g} cannot answer {item.name}, and has to",
             "Write an answer for everybody, such as high = 120, or optional = true",

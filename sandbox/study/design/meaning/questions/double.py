@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from sandbox.study.design.design import Design, Form, Item
+from sandbox.study.design.design import Design, Item
 from sandbox.study.design.told.flaw import Flaw
-from sandbox.study.design.told.texts import Phrases, asked_forms, quoted
+from sandbox.study.design.told.texts import Phrases, asked_forms, is_own, quoted
 
 _GOOD = {
     "en": (
@@ -84,7 +84,7 @@ AGREES = Phrases(
 def double_flaws(design: Design) -> Iterator[Flaw]:
     """Flaws of questions of questionnaires whose wording is the design's own."""
     for path, form in asked_forms(design):
-        if not _is_own(form):
+        if not is_own(form):
             continue
         for i, item in enumerate(form.items):
             asked = _double(item) if item.kind == "scale" else None
@@ -94,10 +94,6 @@ def double_flaws(design: Design) -> Iterator[Flaw]:
                     f"it asks for two things at once: {quoted(asked)}",
                     "Make a question of each",
                 )
-
-
-def _is_own(form: Form) -> bool:
-    return all(wording == "own" for wording in form.wording.values())
 
 
 def _double(item: Item) -> str | None:

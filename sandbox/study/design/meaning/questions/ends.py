@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
-from sandbox.study.design.design import Design
+from sandbox.study.design.design import Design, Item
+from sandbox.study.design.meaning.questions.polarity import amount, valence
 from sandbox.study.design.reading import Text
 from sandbox.study.design.told.flaw import Flaw
 from sandbox.study.design.told.texts import Phrases, asked_items
+from sandbox.study.design.toml_lines import Path
 
 MORE = Phrases(
     {
@@ -81,26 +83,46 @@ DENIED = Phrases(
 
 
 def end_flaws(design: Design) -> Iterator[Flaw]:
-    """Flaws of scales and choices in several languages."""
+    """Flaws of scales and choices in several languages, one line for equal ends in a form."""
     if len(design.languages) < 2:
         return
+    alike: dict[tuple[Path, str], list[tuple[Path, Item, tuple[Text, Text]]]] = {}
     for path, item in asked_items(design):
         ends = item.ends if item.kind == "scale" else None
         if item.means:
             ends = item.means[0], item.means[-1]
-        if ends is None:
-            continue
-        ways = {code: _way(ends, code) for code in design.languages}
+        if ends is not None:
+            alike.setdefault((path[:-1], repr(ends)), []).append((path, item, ends))
+    for some in alike.values():
+        path, _, (low, high) = some[0]
+        opposite = _opposite((low, high), design.languages)
+        if opposite is not None:
+            up, down = opposite
+            names = " and ".join(item.name for _, item, _ in some)
+            yield Flaw(
+                path,
+                f"{names} {'run' if len(some) > 1 else 'runs'} in opposite directions: from "
+                f"{low[up]!r} to {high[up]!r} in {up}, and from {low[down]!r} to {high[down]!r} in "
+                f"{down}",
+                f"Exchange the two ends in {up} or in {down}",
+            )
+
+
+def _opposite(ends: tuple[Text, Text], languages: Sequence[str]) -> tuple[str, str] | None:
+    """A language in which a scale goes up, and one in which it goes down; None if all agree.
+
+    The first of three readings that tells something about two languages decides: words of both
+    ends, words of what is good or bad, and words of none.
+    """
+    for reading in (_way, valence, amount):
+        ways = {code: way for code in languages if (way := reading(ends, code))}
         up = next((code for code, way in ways.items() if way > 0), None)
         down = next((code for code, way in ways.items() if way < 0), None)
         if up is not None and down is not None:
-            low, high = ends
-            yield Flaw(
-                path,
-                f"{item.name} runs in opposite directions: from {low[up]!r} to {high[up]!r} in "
-                f"{up}, and from {low[down]!r} to {high[down]!r} in {down}",
-                f"Exchange the two ends in {up} or in {down}",
-            )
+            return up, down
+        if len(ways) > 1:
+            return None
+    return None
 
 
 def _way(ends: tuple[Text, Text], language: str) -> int:

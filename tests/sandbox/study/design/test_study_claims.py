@@ -1,0 +1,152 @@
+"""`study check` reads claims that are untrue, and who consents for whom."""
+
+from __future__ import annotations
+
+import pytest
+
+from sandbox.study.design.meaning.findings import findings
+from tests.sandbox.study.design.test_study_scales import CONSENT, spoken
+from tests.support.study_files import design
+
+TOGETHER = (
+    'name = "two"\nparticipants = 24\nlanguages = ["{code}"]\n[settings]\n'
+    'task = "carry-together"\nsecond_device = "simulated"\n[[factors]]\nname = "contact"\n'
+    'order = "latin"\nlevels = ["hard", "soft"]\n[trials]\npractice = 2\n'
+    'practice_each = "contact"\n[consent]\ntext = "{consent} {told}"\n'
+)
+AGE = '\n[[demographics]]\nname = "years"\nkind = "number"\nlow = {}\nhigh = {}\nask = "{}"\n'
+
+
+def one(text: str, wanted: str) -> None:
+    found = [f.mistake for f in findings(design(text)) if f.mistake.where != "languages"]
+    assert len(found) == bool(wanted), found
+    assert all(wanted in mistake.what and mistake.remedy for mistake in found), found
+
+
+def consenting(text: str, code: str = "en") -> str:
+    told = spoken(code)
+    assert CONSENT[code] in told
+    return told.replace(CONSENT[code], f"{CONSENT[code]} {text}")
+
+
+@pytest.mark.parametrize(
+    ("text", "code", "untrue"),
+    [
+        ("Your movements are not recorded.", "en", True),
+        ("We do not measure how fast you are, and times are never stored.", "en", True),
+        ("Nothing of what you do is recorded.", "en", True),
+        ("Only your answers to the questionnaires are stored.", "en", True),
+        ("We store only your answers.", "en", True),
+        ("No time is measured.", "en", True),
+        ("Es werden keine Zeiten gemessen.", "de", True),
+        ("Ihre Bewegungen werden nicht aufgezeichnet.", "de", True),
+        ("Gespeichert werden ausschließlich Ihre Antworten.", "de", True),
+        ("Vos gestes ne sont pas enregistrés.", "fr", True),
+        ("Nous n'enregistrons que vos réponses.", "fr", True),
+        ("Aucun temps n'est mesuré.", "fr", True),
+        ("Sus movimientos no se graban.", "es", True),
+        ("No se registran los tiempos ni los toques.", "es", True),
+        ("Solo se guardan sus respuestas.", "es", True),
+        ("Non registriamo i Suoi movimenti.", "it", True),
+        ("Uw bewegingen worden niet opgenomen.", "nl", True),
+        ("Os seus movimentos não são gravados.", "pt", True),
+        ("我们不会记录您的动作。", "zh", True),
+        ("動作は記録しません。", "ja", True),
+        ("Your name and your face are not recorded.", "en", False),
+        ("Touches and times are recorded, but your voice is not recorded.", "en", False),
+        ("Times are not recorded with your name.", "en", False),
+        ("We record touches, but we do not record your voice or face.", "en", False),
+        ("Your touches are not recorded during practice.", "en", False),
+        ("No personal data are stored.", "en", False),
+        ("Nothing is recorded beyond what is said here.", "en", False),
+        ("Your data will not be kept longer than ten years.", "en", False),
+        ("Only your answers and touches are recorded.", "en", False),
+        ("Ihr Name und Ihre Stimme werden nicht aufgezeichnet.", "de", False),
+        ("Es werden keine Daten im Internet gespeichert.", "de", False),
+        ("Votre nom n'est pas enregistré.", "fr", False),
+        ("No se graba su voz ni su rostro.", "es", False),
+        ("我们不会记录您的姓名。", "zh", False),
+    ],
+)
+def test_nobody_is_told_that_nothing_is_recorded(text: str, code: str, untrue: bool) -> None:
+    one(consenting(text, code), "every touch, movement and time is recorded" if untrue else "")
+
+
+def test_what_is_recorded_is_told_in_instructions_too() -> None:
+    text = '\n[[instructions]]\nat = "start"\ntext = "Relax: your times are not measured."\n'
+    one(consenting("") + text, "it is untrue")
+
+
+@pytest.mark.parametrize(
+    ("text", "code", "hidden"),
+    [
+        ("Another participant in the next room moves the second hand.", "en", True),
+        ("You carry it together with your partner.", "en", True),
+        ("Somebody else controls the other hand.", "en", True),
+        ("Eine andere Person im Nebenraum bewegt die zweite Hand.", "de", True),
+        ("Sie tragen es gemeinsam mit einem Partner.", "de", True),
+        ("Une autre personne déplace la seconde main.", "fr", True),
+        ("Votre partenaire porte l'objet avec vous.", "fr", True),
+        ("Otra persona mueve la segunda mano desde la sala de al lado.", "es", True),
+        ("另一位参与者移动第二只手。", "zh", True),
+        ("The second hand is moved by a program.", "en", False),
+        ("A simulated partner moves the second hand.", "en", False),
+        ("Your partner is played by the computer, and holds the other side.", "en", False),
+        ("You carry a thing with two hands.", "en", False),
+        ("Do not tell another participant of the study.", "en", False),
+        ("Ihr Partner wird vom Computer gesteuert, und trägt mit.", "de", False),
+        ("L'ordinateur guide votre partenaire, qui porte l'objet.", "fr", False),
+        ("Su compañero es un programa: el ordenador mueve su mano.", "es", False),
+    ],
+)
+def test_a_partner_who_is_simulated_is_no_secret(text: str, code: str, hidden: bool) -> None:
+    told = TOGETHER.format(code=code, consent=CONSENT[code], told=text)
+    one(told, "somebody who moves the second hand" if hidden else "")
+    if hidden:
+        one(consenting(text, code), "")
+    if hidden and code == "en":
+        end = '\n[[instructions]]\nat = "end"\ntext = "The second hand was moved by a program."\n'
+        one(told + end, "")
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "ask", "code", "consent", "alone"),
+    [
+        (8, 11, "How old are you?", "en", "", True),
+        (6, 10, "Wie alt bist du?", "de", "Du darfst allein entscheiden.", True),
+        (8, 11, "¿Cuántos años tienes?", "es", "Tu propio sí nos basta.", True),
+        (12, 16, "How old are you?", "en", "Your parents need not know.", True),
+        (12, 16, "Wie alt bist du?", "de", "Deine Eltern müssen nicht gefragt werden.", True),
+        (8, 11, "How old are you?", "en", "Your parents have agreed.", False),
+        (8, 11, "Wie alt bist du?", "de", "Deine Eltern haben zugestimmt.", False),
+        (8, 11, "Quel âge as-tu ?", "fr", "Tes parents sont d'accord.", False),
+        (18, 99, "How old are you?", "en", "", False),
+        (8, 11, "For how many years have you had a tablet?", "en", "", False),
+    ],
+)
+def test_children_do_not_consent_alone(
+    low: int, high: int, ask: str, code: str, consent: str, alone: bool
+) -> None:
+    text = consenting(consent, code)
+    text = text[: text.index("[[demographics]]")]
+    one(text + AGE.format(low, high, ask), "consent alone" if alone else "")
+
+
+@pytest.mark.parametrize(
+    ("title", "wanted"),
+    [
+        ("Touch screens for primary school pupils", "children consent alone"),
+        ("Manipulation chez les enfants", "children consent alone"),
+        ("Geschick von Grundschulkindern und Kindern", "children consent alone"),
+        ("Hands of people with dementia", "may not be able to consent"),
+        ("Hands of 8- to 11-year-olds", "people below 18 consent alone"),
+        ("Hands of 18- to 30-year-olds", ""),
+        ("A study of 10 to 15 minutes", ""),
+        ("Hard and soft contact", ""),
+    ],
+)
+def test_who_takes_part_is_told_by_the_title(title: str, wanted: str) -> None:
+    text = consenting("").replace("seed = 3", f'title = "{title}"\nseed = 3')
+    text = text[: text.index("[[demographics]]")]
+    one(text, wanted)
+    one(text.replace("at any time.", "at any time. A parent or guardian has agreed."), "")
