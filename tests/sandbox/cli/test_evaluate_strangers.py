@@ -29,9 +29,7 @@ def test_the_options_say_who_is_meant() -> None:
 def test_people_on_whom_nothing_was_trained_are_judged_with_and_without_a_look_at_them(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    found = evaluated(
-        capsys, "--train", "population", "--people", "8", "--no-names", "--rest", "6"
-    )
+    found = evaluated(capsys, "--train", "population", "--people", "8", "--no-names", "--rest", "6")
     assert found["simulated"] is True
     plain, seen = found["strangers"].values()
     assert 2 <= plain["people"] == seen["people"] <= 8
