@@ -153,6 +153,22 @@ def tasks_of(design: Design) -> dict[str, type[Task]]:
     return {name: find_task(name) for name in dict.fromkeys(names)}
 
 
+def drawn_tasks(design: Design) -> dict[str, Task]:
+    """A drawn trial of each task of a design whose combinations can be run, by name."""
+    from sandbox.trial.assembly import place_surface
+    from sandbox.trial.surfaces import place_all
+    from tasks.registry import draw_task, find_task
+
+    drawn: dict[str, Task] = {}
+    for levels in combinations(design):
+        settings = run_settings(values_of(design, levels), design.seed % 1000)
+        if settings.task not in drawn:
+            kind = find_task(settings.task)
+            whole, _ = place_all(place_surface(settings.surface, kind), settings, kind)
+            drawn[settings.task] = draw_task(kind, settings.seed, whole)
+    return drawn
+
+
 def values_of(design: Design, levels: Mapping[str, Level]) -> dict[str, Any]:
     """Settings of a combination: those of all trials, overridden by those of its levels."""
     values = dict(design.settings)

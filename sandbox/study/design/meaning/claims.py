@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 from sandbox.study.design.conditions import PARTNER, combinations, uses_camera, values_of
 from sandbox.study.design.design import END, Design
+from sandbox.study.design.meaning.consent import DENIES
 from sandbox.study.design.told.flaw import Flaw
 from sandbox.study.design.told.texts import (
     CONSENT,
@@ -311,10 +312,58 @@ MACHINE = Phrases(
 """That a program moves the second hand."""
 
 
+TOUCHING = Phrases(
+    {
+        "en": (
+            r"(touch|tap|press|place|put|rest|lay)\w* [^.;]*\b(on|onto) (the|your|a) "
+            r"(touch ?)?(screen|tablet|glass|surface)|touch the (screen|tablet|glass|surface)"
+        ),
+        "de": (
+            r"(leg|setz|tipp|druck|beruhr)\w* [^.;]*\b(auf|den) (den |das |die )?"
+            r"(\w*bildschirm|tablet|glas|oberflache)"
+        ),
+        "fr": (
+            r"(pos|appuy|mett|touch)\w* [^.;]*\b(sur|l') ?(l'|la |le )?(ecran|"
+            r"tablette|"
+            r"vitre|surface)"
+        ),
+        "es": (
+            r"(pon|toqu|puls|coloqu|apoy)\w* [^.;]*\b(en|sobre|la) (la |el )?(pantalla|"
+            r"tableta|superficie)"
+        ),
+    }
+)
+HOVERING = Phrases(
+    {
+        "en": (
+            r"(hold|keep|place|move|put|raise)\w* [^.;]*\b(over|above|in front of|"
+            r"before) "
+            r"(the|a) (\w+ )?(sensor|camera|webcam|leap|controller)"
+        ),
+        "de": (
+            r"(halt|beweg|heb)\w* [^.;]*\b(uber|vor) (den|die|der|das|dem|"
+            r"eine[rnm]?) "
+            r"(\w+ )?(sensor|\w*kamera|webcam|leap)"
+        ),
+        "fr": (
+            r"(ten|gard|plac|boug|mett|lev)\w* [^.;]*\b(au-dessus du|devant (la|le)|"
+            r"face a la) (capteur|camera|webcam|leap)"
+        ),
+        "es": (
+            r"(manten|pon|muev|coloqu|sosten)\w* [^.;]*\b(sobre|encima d|delante d|"
+            r"frente "
+            r"a)(el|e la| el| la|e el)? ?(sensor|camara|webcam|leap)"
+        ),
+    }
+)
+"""Texts that tell people to touch a screen, and to hold a hand before a sensor."""
+
+
 def claim_flaws(design: Design) -> Iterator[Flaw]:
     """Flaws of what people are told about the study, one line for each cause."""
     yield from _unrecorded(design)
     yield from _hidden_partner(design)
+    yield from _other_device(design)
 
 
 def _said(design: Design, at_end: bool = False) -> Iterator[Told]:
@@ -343,6 +392,39 @@ def _unrecorded(design: Design) -> Iterator[Flaw]:
                     told.path,
                     f"it is untrue, since a camera sees the hand: {quoted(unseen)}",
                     "Write that a camera is on, and that its pictures stay in the page",
+                )
+                break
+
+
+def _other_device(design: Design) -> Iterator[Flaw]:
+    """Texts that describe a device which no trial uses."""
+    every = [values_of(design, levels) for levels in combinations(design)]
+    used = {
+        str(values.get(key, "touch" if key == "device" else PARTNER))
+        for values in every
+        for key in ("device", "second_device")
+    } - {PARTNER}
+    if "touch" not in used:
+        wrong, what = TOUCHING, "to touch a screen, and hands are in the air"
+    elif used == {"touch"}:
+        wrong, what = HOVERING, "to hold a hand before a sensor, and it is a touch screen"
+    else:
+        return
+    for told in _said(design):
+        for language, text in told.text.items():
+            said = next(
+                (
+                    s
+                    for s in sentences(text)
+                    if wrong.match(s, language) and not DENIES.match(s, language)
+                ),
+                None,
+            )
+            if said is not None:
+                yield Flaw(
+                    told.path,
+                    f"people are told {what}: {quoted(said)}",
+                    "Describe the device of [settings], or change it there",
                 )
                 break
 

@@ -29,7 +29,10 @@ FORCED = Phrases(
             r"(?<!no one )(?<!without )(fails?|failing|failed) "
             r"(the|this|that|your|a) (course|class|exercise|module|exam|seminar|assignment)|"
             r"(participation|taking part|attendance) (in [\w ]+ )?is (a |an )?(condition|"
-            r"precondition|prerequisite|requirement|duty)"
+            r"precondition|prerequisite|requirement|duty)|(treatment|therapy|care|grade|mark|job|"
+            r"contract|promotion|place)\b[^.;]*\b(?<!not )depends? on (your )?(participation|"
+            r"taking "
+            r"part|whether you|this study)"
         ),
         "de": (
             r"(teilnahme|mitmachen|anwesenheit) ist ((?!nicht|kein)\w+ ){0,4}(verpflichtend|"
@@ -42,7 +45,9 @@ FORCED = Phrases(
             r"rucktritt|abbruch)|(widerruf|rucktritt|abbruch)\w* ist (nicht|aus)|"
             r"(?<!nicht )(als|gilt|gelten|haben|hat) (\w+ ){0,3}nicht bestanden|"
             r"(?<!nicht )(durchfallen|durchgefallen)|"
-            r"teilnahme ist (die |eine? )?(voraussetzung|bedingung|pflicht)"
+            r"teilnahme ist (die |eine? )?(voraussetzung|bedingung|pflicht)|(behandlung|therapie|"
+            r"note|stelle|vertrag|versorgung)\b[^.;]*\b(hangt|hangen) (?!nicht)[^.;]*(teilnahme|"
+            r"teilnehmen|mitmachen)"
         ),
         "fr": (
             r"participation (\w+ ){0,4}est obligatoire|(etes|es|est) ((?!pas)\w+ )?(tenue?s?|"
@@ -50,7 +55,8 @@ FORCED = Phrases(
             r"plus) (\w+ )?(arreter|interrompre|vous retirer|te retirer|quitter|abandonner)|"
             r"(devez|dois) (participer|terminer|finir)|(cours|module|examen|unite|exercice|tp|"
             r"td)[^.;]* ne (sera|seront|serez)[^.;]* valide|participation est (une |la )?"
-            r"condition|(echouer|echouez) (au|a la|a l')"
+            r"condition|(echouer|echouez) (au|a la|a l')|(traitement|therapie|note|contrat|"
+            r"soins)\b[^.;]* depend\w* de (votre|ta) participation"
         ),
         "es": (
             r"participacion ((?!no\b)\w+ ){0,4}es obligatoria|(?<!no )(esta|estas|"
@@ -59,7 +65,8 @@ FORCED = Phrases(
             r"(completar|terminar|hacer) tod[oa]s)|(?<!no )suspend(e|era|eran|en) "
             r"(la|el) (asignatura|curso|practica|examen)|no (aprobara|superara) "
             r"(la|el) (asignatura|curso|practica|examen)|"
-            r"participacion es (una |un |la )?(condicion|requisito)"
+            r"participacion es (una |un |la )?(condicion|requisito)|(tratamiento|terapia|nota|"
+            r"contrato)\b[^.;]* (?<!no )depende\w* de (su|tu) participacion"
         ),
         "it": (
             r"partecipazione ((?!non)\w+ ){0,4}e obbligatoria|(?<!non )e (tenut|obbligat)[oai] a|"
@@ -209,6 +216,75 @@ NAMELESS = Phrases(
 )
 """Reasons why data can no longer be deleted: nobody knows any more whose they are."""
 
+NAMED = Phrases(
+    {
+        "en": (
+            r"(with|under|next to|beside|alongside) your (full |real |own |first |last )?names?\b"
+        ),
+        "de": r"(unter|mit|neben|bei) (ihrem|deinem) (vollen |echten |eigenen )?namen\b",
+        "fr": r"(sous|avec|a cote de) (votre|ton) (vrai |propre )?nom\b",
+        "es": r"(con|bajo|junto a) (su|tu) (propio )?nombre\b",
+        "it": r"(con|sotto|accanto a)l? (il )?(suo|tuo) nome\b",
+        "nl": r"(met|onder|naast) (uw|je) (eigen |volledige )?naam\b",
+        "pt": r"(com|sob) (o )?(seu|teu) nome\b",
+        "zh": r"(与|和|连同)(您|你)的(姓名|名字)",
+        "ja": r"(お名前|氏名)(と|とともに|と一緒に)(記録|保存|公開)",
+    }
+)
+"""Data beside the name of the person."""
+PASSED_ON = Phrases(
+    {
+        "en": (
+            r"(results?|scores?|times|performance|data|answers|recordings|how (well|"
+            r"fast))\b[^.;]*\b"
+            r"(shown|given|passed|sent|reported|available|told|forwarded|communicated|visible|"
+            r"disclosed) (on )?to (your|the) (\w+ )?(employer|teacher|lecturer|professor|"
+            r"supervisor|"
+            r"manager|boss|insur\w+|doctor|trainer|coach|company|school|team leader)|(employer|"
+            r"teacher|"
+            r"lecturer|professor|supervisor|manager|boss|insur\w+|trainer|coach|company|school)\b"
+            r"[^.;]*\b(gets|receives|sees|will (get|receive|see)) (your |the |all )?(\w+ "
+            r")?(results?|"
+            r"scores?|times|data|answers|recordings)"
+        ),
+        "de": (
+            r"(ergebnis|leistung|daten|zeiten|antworten|aufzeichnung)\w*\b[^.;]*\b(arbeitgeber|"
+            r"lehr(er|kraft)|lehrerin|dozent|professor|vorgesetzt|chef|versicherung|krankenkasse|"
+            r"trainer|schule|firma|betrieb)\w*[^.;]*(gezeigt|weitergegeben|weitergeleitet|"
+            r"mitgeteilt|"
+            r"ubermittelt|gemeldet|vorgelegt|zugesandt)|(arbeitgeber|lehrer|lehrkraft|dozent|"
+            r"vorgesetzt|chef|versicherung|krankenkasse|trainer)\w*[^.;]*(erhalt|bekommt|sieht|"
+            r"erfahrt)[^.;]*(ergebnis|leistung|daten|zeiten|antworten)"
+        ),
+        "fr": (
+            r"(resultats?|performances?|donnees|temps|reponses)\b[^.;]*(transmis|communiqu|montr|"
+            r"envoy|remis)\w* (a|au) (votre |l'|la |le )?(employeur|professeur|enseignant|"
+            r"superieur|"
+            r"assur|medecin|chef|entraineur|ecole|entreprise)\w*"
+        ),
+        "es": (
+            r"(resultados?|datos|tiempos|respuestas|rendimiento)\b[^.;]*(mostr|envi|entreg|comunic|"
+            r"inform|transmit)\w* (a|al) (su |la |tu )?(jef[ea]|profesor|empleador|empresa|"
+            r"aseguradora|medic|superior|entrenador|escuela)\w*"
+        ),
+    }
+)
+"""Data of a person that go to people who have power over them."""
+DENIES = Phrases(
+    {
+        "en": r"(not|never|without|no|nobody|neither|nor|apart|separate\w*|\w+n't)\b",
+        "de": r"(nicht|nie|niemals|ohne|kein\w*|niemand\w*|weder|getrennt)\b",
+        "fr": r"(pas|jamais|sans|aucun\w*|ni|separe\w*)\b",
+        "es": r"(no|nunca|sin|ningun\w*|ni|tampoco|separad\w*)\b",
+        "it": r"(non|mai|senza|nessun\w*|ne)\b",
+        "nl": r"(niet|nooit|zonder|geen|apart)\b",
+        "pt": r"(nao|nunca|sem|nenhum\w*|nem)\b",
+        "zh": r"不|没|无",
+        "ja": r"ない|ません|なし",
+    }
+)
+"""Words of sentences that say that something is not so."""
+
 FREE = Phrases(
     {
         "en": (
@@ -282,6 +358,14 @@ def consent_flaws(design: Design) -> Iterator[Flaw]:
                 "Let everybody stop at any time without a disadvantage, and have data deleted",
             )
             continue
+        bare = next((s for s in sentences(text) if _exposes(s, language)), None)
+        if bare is not None:
+            yield Flaw(
+                PLACE,
+                f"consent{where} exposes people where it says {quoted(bare)}",
+                "Keep data under a pseudonym, and give nobody else the data of one person",
+            )
+            continue
         texts = [t.text[language] for t in told_texts(design) if t.kind == CONSENT or t.at == START]
         unsaid = [
             what
@@ -296,6 +380,14 @@ def consent_flaws(design: Design) -> Iterator[Flaw]:
                 "at "
                 "any time, without a reason or a disadvantage",
             )
+
+
+def _exposes(sentence: str, language: str) -> bool:
+    """True if data are kept beside a name, or given to people who have power over somebody."""
+    if DENIES.match(sentence, language):
+        return False
+    named = NAMED.match(sentence, language) and RECORDED.match(sentence, language)
+    return bool(named) or PASSED_ON.match(sentence, language) is not None
 
 
 def _forces(sentence: str, language: str) -> bool:

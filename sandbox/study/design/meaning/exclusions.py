@@ -21,6 +21,8 @@ OUTCOMES = (
 )
 """Measures of the outcome; a rule that looks at one of them selects on it."""
 
+TROUBLE = ("away_s", "away", "lost_s", "latency_p50_ms", "latency_p95_ms", "latency_p99_ms")
+"""Measures of what went wrong, which are small in good trials."""
 TIMES = ("time_s", "completion_s")
 """Outcomes that may have a bound below, for touches by accident."""
 QUICK = 0.5
@@ -63,6 +65,13 @@ def exclusion_flaws(design: Design, path: Path, rule: Exclusion) -> Iterator[Fla
             + _unit(rule.measure),
             "Change the bound or its unit, or remove the rule; trials end at time_limit_s, and the "
             "report counts them",
+        )
+    elif rule.measure in TROUBLE and below is not None and below > 0:
+        yield Flaw(
+            path,
+            f"{rule.name} leaves out good trials: {rule.measure} is small in them, and "
+            f"trials below {below:g} are left out",
+            f"Write above = {below:g}",
         )
     elif above is not None and above < LEAST_DELAY and _unit(rule.measure) == " ms":
         yield Flaw(

@@ -9,7 +9,9 @@ from sandbox.study.design.told.flaw import Flaw
 from sandbox.study.design.told.texts import (
     INSTRUCTION,
     QUESTION,
+    TITLE,
     Phrases,
+    Told,
     quoted,
     sentences,
     told_texts,
@@ -172,23 +174,77 @@ LEADING = Phrases(
         "en": (
             r"how much (better|faster|easier|more|quicker|worse|slower|harder|less)|(don't you|"
             r"do you not|would you not|wouldn't you|surely|of course)\b|"
-            r"do you agree that\b.*\b(better|faster|easier|more|worse|slower|harder|less)\b"
+            r"(do|would) you agree that\b|isn't it (true )?that|(is|was|did|does|do|are|were)n't "
+            r"(it|you|they|he|she)\?|as (most|many|other) (people|users|participants) (say|said|"
+            r"think|"
+            r"found|find)|, right\?"
         ),
         "de": (
             r"(wie viel|um wie viel|wieviel) (besser|schneller|leichter|mehr|einfacher|schlechter|"
-            r"langsamer|schwerer|weniger)|finden sie nicht|stimmen sie zu, dass .*(besser|"
-            r"schneller|leichter)"
+            r"langsamer|schwerer|weniger)|(finden|meinen|denken|glauben) sie nicht|stimmen sie "
+            r"(mir |"
+            r"uns )?zu, dass|nicht wahr\?|, oder\?|wie die meisten"
         ),
         "fr": (
             r"(combien|a quel point) [^?]*(mieux|meilleur|plus (rapide|facile))|ne (trouvez|"
-            r"pensez)-vous pas"
+            r"pensez|croyez)-vous pas|n'est-ce pas|comme la plupart"
         ),
-        "es": r"cuanto (mejor|peor|mas (rapid|facil))|no (cree|piensa|le parece) (usted )?que",
+        "es": (
+            r"cuanto (mejor|peor|mas (rapid|facil))|no (cree|piensa|le parece) (usted )?que|"
+            r"verdad\?|como la mayoria"
+        ),
         "it": r"quanto (migliore|meglio|piu (veloce|facile))|non (crede|pensa|trova) che",
         "nl": r"hoeveel (beter|sneller|makkelijker)|vindt u (ook )?niet",
     }
 )
 """Questions that tell their answer."""
+
+PRAISED = Phrases(
+    {
+        "en": (
+            r"(our|the|this|your) (own |new |brand-new )?(improved|enhanced|innovative|outdated|"
+            r"state[- ]of[- ]the[- ]art|cutting[- ]edge|advanced|clumsy|annoying|awkward)\b|"
+            r"our (own|new|novel|better)\b"
+        ),
+        "de": (
+            r"(die|der|das|den|dem|des|diese\w*|unsere?\w*|eine?\w*) (neue\w* )?(verbesserte|"
+            r"innovative|neuartige|uberlegene|fortschrittliche|veraltete|umstandliche|lastige)"
+            r"[nrms]? |unsere?[rnms]? (eigene|neue|bessere)[nrms]?\b"
+        ),
+        "fr": (
+            r"(main|systeme|commande|version|methode|technique) (amelioree?|innovante?|obsolete|"
+            r"depassee?)\b|notre nouve\w*|nos nouve\w*"
+        ),
+        "es": (
+            r"(mano|sistema|control|version|metodo|tecnica) (mejorad[oa]|innovador|innovadora|"
+            r"anticuad[oa]|obsolet[oa])\b|nuestr[oa]s? nuev\w*"
+        ),
+        "it": (
+            r"(mano|sistema|controllo|versione|metodo|tecnica) (migliorat[oa]|innovativ[oa]|"
+            r"obsolet[oa]|superat[oa])\b|(il|la) nostr[oa] nuov\w*"
+        ),
+        "nl": r"(de|het|onze|deze) (verbeterde|innovatieve|verouderde)\b|onze nieuwe",
+    }
+)
+"""Praise and blame within a question or a title."""
+
+GROUPED = Phrases(
+    {
+        "en": (
+            r"(control|placebo|experimental|treatment|comparison) (group|condition)|placebo|"
+            r"baseline "
+            r"(condition|group)"
+        ),
+        "de": r"(kontroll|placebo|experimental|versuchs|vergleichs)(gruppe|bedingung)\w*|placebo",
+        "fr": r"(groupe|condition) (de )?(controle|temoin|placebo|experimental\w*)|placebo",
+        "es": r"(grupo|condicion) (de )?(control|placebo|experimental|tratamiento)|placebo",
+        "it": r"(gruppo|condizione) (di )?(controllo|placebo|sperimentale)|placebo",
+        "nl": r"(controle|placebo|experimentele) ?(groep|conditie)|placebo",
+        "zh": r"(对照|实验|控制)组|安慰剂",
+        "ja": r"(統制|対照|実験)(群|条件)|プラセボ",
+    }
+)
+"""Names of groups that tell people whether an effect is expected of them."""
 
 REMEDY = "Say the same of every level, and nothing of how well people will do with it"
 
@@ -200,15 +256,33 @@ def expectation_flaws(design: Design) -> Iterator[Flaw]:
         for language, text in told.text.items():
             hint = None
             if told.kind == QUESTION:
-                hint = next((s for s in sentences(text) if LEADING.match(s, language)), None)
+                hint = next((s for s in sentences(text) if _leads(s, language)), None)
                 what, remedy = "it leads to an answer", "Ask how it was, for each level alone"
-            elif told.at != END:
+            elif told.kind == TITLE:
+                hint = text if PRAISED.match(text, language) else None
+                what, remedy = "it leads to an answer", "Write a title that does not judge"
+            elif told.at != END or _comes_again(design, told):
                 judges = told.kind == INSTRUCTION and told.at in compared and told.at != START
                 hint = next((s for s in sentences(text) if _hints(s, language, judges)), None)
                 what, remedy = "people are told which level is expected to be better", REMEDY
+                if hint is None and judges:
+                    hint = next((s for s in sentences(text) if GROUPED.match(s, language)), None)
+                    what = "people are told in which group they are"
             if hint is not None:
                 yield Flaw(told.path, f"{what}: {quoted(hint)}", remedy)
                 break
+
+
+def _leads(sentence: str, language: str) -> bool:
+    return bool(LEADING.match(sentence, language) or PRAISED.match(sentence, language))
+
+
+def _comes_again(design: Design, told: Told) -> bool:
+    """True if a text at the end of a session is shown before another session."""
+    number = told.path[1]
+    assert isinstance(number, int)
+    shown = design.instructions[number].sessions or range(1, design.sessions + 1)
+    return min(shown) < design.sessions
 
 
 def _hints(sentence: str, language: str, judges: bool) -> bool:

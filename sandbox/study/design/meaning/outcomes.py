@@ -5,8 +5,10 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 
-from sandbox.study.design.conditions import combinations, values_of
-from sandbox.study.design.design import END, Design
+from sandbox.study.design.conditions import combinations, drawn_tasks, tasks_of, values_of
+from sandbox.study.design.design import END, START, Design
+from sandbox.study.design.meaning.translations import SPEED
+from sandbox.study.design.planned import trials_each
 from sandbox.study.design.told.flaw import Flaw
 from sandbox.study.design.told.plain import plain
 from sandbox.study.design.told.texts import (
@@ -18,7 +20,7 @@ from sandbox.study.design.told.texts import (
     told_texts,
 )
 from sandbox.study.design.toml_lines import TomlLines
-from sandbox.study.measures.measure import LABELS
+from sandbox.study.measures.measure import LABELS, PLACES
 from sandbox.study.measures.registry import find_measure
 
 SAME = (
@@ -62,6 +64,20 @@ UNHURRIED = Phrases(
     }
 )
 """Texts that tell people not to hurry."""
+
+PRACTICE = Phrases(
+    {
+        "en": r"practi[cs]\w*|break\w*|questions?|read\w*|rest\b",
+        "de": r"\w*ubung\w*|ube\w*|pause\w*|frage\w*|les\w*",
+        "fr": r"entrain\w*|pauses?|questions?|lire|lisez",
+        "es": r"practic\w*|pausas?|preguntas?|lea|leer",
+        "it": r"pratic\w*|paus[ae]|domand\w*|legg\w*",
+        "nl": r"oefen\w*|pauze\w*|vra(ag|gen)|lees|lezen",
+        "zh": r"练习|休息|阅读|问题",
+        "ja": r"練習|休|読|質問",
+    }
+)
+"""Texts about other things than trials that count."""
 
 FASTER = Phrases(
     {
@@ -143,11 +159,71 @@ def outcome_flaws(design: Design) -> Iterator[Flaw]:
                 f"a session, and there are {design.repetitions}",
                 f"Write repetitions = {2 * MOVES} or more",
             )
+    yield from _places(design)
+    yield from _untouched(design)
+    yield from _once(design)
     yield from _clock(design)
     yield from _hurry(design)
     yield from _title(design)
     yield from _untested(design)
     yield from _ceiling(design)
+
+
+def _places(design: Design) -> Iterator[Flaw]:
+    """Movements to a goal are measured, and a task has several goals, or none."""
+    measured = [
+        name
+        for name in design.primary
+        if (measure := find_measure(name)) is not None and measure.tasks == PLACES
+    ]
+    for task, drawn in drawn_tasks(design).items() if measured else ():
+        if len(drawn.goals) != 1:
+            yield Flaw(
+                ("analysis", "primary"),
+                f"{' and '.join(measured)} is empty in {task}, which has {len(drawn.goals)} goals "
+                "and not one",
+                "Choose another outcome or task",
+            )
+
+
+def _untouched(design: Design) -> Iterator[Flaw]:
+    """Nothing can be moved by a hand that passes through everything."""
+    from tasks.registry import is_built_in
+
+    if not all(is_built_in(task) for task in tasks_of(design).values()):
+        return
+    if design.settings.get("contact") == "none":
+        yield Flaw(
+            ("settings", "contact"),
+            "no trial can succeed: with contact none, the hand passes through everything",
+            "Write hard or soft",
+            error=True,
+        )
+    for i, factor in enumerate(design.factors):
+        none = [level.name for level in factor.levels if level.settings.get("contact") == "none"]
+        if none:
+            yield Flaw(
+                ("factors", i, "levels"),
+                f"no trial of {none[0]} can succeed: with contact none, the hand passes through "
+                "everything",
+                "Remove the level",
+            )
+
+
+def _once(design: Design) -> Iterator[Flaw]:
+    """Each level is done once by each person, so that one slip decides."""
+    forms = {form.name for form in design.questionnaires}
+    stated = TomlLines(design.text).has(("trials", "repetitions"))
+    if not stated or (design.primary and set(design.primary) <= forms):
+        return
+    for factor in design.factors:
+        if len(factor.levels) > 1 and trials_each(design, factor) == 1:
+            yield Flaw(
+                ("trials", "repetitions"),
+                f"each person does one trial with a level of {factor.name}, so one slip decides",
+                "Write repetitions = 3 or more",
+            )
+            return
 
 
 def _clock(design: Design) -> Iterator[Flaw]:
@@ -165,12 +241,14 @@ def _clock(design: Design) -> Iterator[Flaw]:
 
 
 def _hurry(design: Design) -> Iterator[Flaw]:
-    """Time is an outcome, and people are told that it does not matter."""
+    """Time is an outcome or speed is asked for, and people are told that it does not matter."""
     timed = [name for name in design.primary if _is_time(name)]
-    for told in told_texts(design) if timed else ():
+    for told in told_texts(design):
         for language, text in told.text.items():
+            if told.kind not in (INSTRUCTION, GOAL) or told.at == END:
+                continue
             slow = next((s for s in sentences(text) if UNHURRIED.match(s, language)), None)
-            if slow is not None and told.kind in (INSTRUCTION, GOAL) and told.at != END:
+            if slow is not None and timed:
                 yield Flaw(
                     told.path,
                     f"{' and '.join(timed)} is the outcome, and people are told that time does not "
@@ -178,6 +256,26 @@ def _hurry(design: Design) -> Iterator[Flaw]:
                     "Ask for speed, or choose another outcome",
                 )
                 break
+            fast = _fast(design, language) if told.at in ("", START) else None
+            if slow is not None and fast is not None and not PRACTICE.match(slow, language):
+                yield Flaw(
+                    told.path,
+                    f"people are told to be quick ({quoted(fast)}), and that time does not matter: "
+                    f"{quoted(slow)}",
+                    "Ask for one of the two",
+                )
+                break
+
+
+def _fast(design: Design, language: str) -> str | None:
+    """The first sentence before trials that asks for speed."""
+    for told in told_texts(design):
+        if told.kind == GOAL or (told.kind == INSTRUCTION and told.at == START):
+            for sentence in sentences(told.text[language]):
+                asks = SPEED.match(sentence, language)
+                if asks and not UNHURRIED.match(sentence, language):
+                    return sentence
+    return None
 
 
 def _title(design: Design) -> Iterator[Flaw]:

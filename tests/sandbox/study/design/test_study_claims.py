@@ -150,3 +150,65 @@ def test_who_takes_part_is_told_by_the_title(title: str, wanted: str) -> None:
     text = text[: text.index("[[demographics]]")]
     one(text, wanted)
     one(text.replace("at any time.", "at any time. A parent or guardian has agreed."), "")
+
+
+@pytest.mark.parametrize(
+    ("text", "code", "exposes"),
+    [
+        ("Touches and times are stored under your full name.", "en", True),
+        ("Your scores will be sent to your employer.", "en", True),
+        ("Your supervisor will see your results.", "en", True),
+        ("Alle Daten werden mit Ihrem Namen gespeichert.", "de", True),
+        ("Ihre Ergebnisse werden Ihrem Vorgesetzten mitgeteilt.", "de", True),
+        ("Vos données sont conservées avec votre nom.", "fr", True),
+        ("Vos résultats seront transmis à votre employeur.", "fr", True),
+        ("Los datos se guardan con su nombre.", "es", True),
+        ("Sus tiempos se enviarán a su jefe.", "es", True),
+        ("Touches are stored without your name.", "en", False),
+        ("Your results are never shown to your employer.", "en", False),
+        ("Ihre Ergebnisse werden nicht Ihrem Vorgesetzten mitgeteilt.", "de", False),
+        ("Please sign with your name.", "en", False),
+        ("Results are published in a journal.", "en", False),
+    ],
+)
+def test_data_stay_apart_from_names_and_superiors(text: str, code: str, exposes: bool) -> None:
+    one(consenting(text, code), "exposes people" if exposes else "")
+
+
+@pytest.mark.parametrize(
+    ("text", "code", "forced"),
+    [
+        ("Your treatment depends on your participation.", "en", True),
+        ("Die weitere Behandlung hängt von der Teilnahme ab.", "de", True),
+        ("Votre traitement dépend de votre participation.", "fr", True),
+        ("La nota depende de su participación.", "es", True),
+        ("Your treatment does not depend on your participation.", "en", False),
+        ("Die Behandlung hängt nicht von der Teilnahme ab.", "de", False),
+        ("Votre traitement ne dépend pas de votre participation.", "fr", False),
+        ("La nota no depende de su participación.", "es", False),
+    ],
+)
+def test_nothing_depends_on_taking_part(text: str, code: str, forced: bool) -> None:
+    one(consenting(text, code), "not given freely" if forced else "")
+
+
+@pytest.mark.parametrize(
+    ("device", "text", "code", "wanted"),
+    [
+        ("touch", "Hold your hand above the sensor.", "en", "and it is a touch screen"),
+        ("touch", "Halten Sie die Hand über den Sensor.", "de", "and it is a touch screen"),
+        ("touch", "Tenez la main devant la caméra.", "fr", "and it is a touch screen"),
+        ("leap", "Put your fingers on the screen.", "en", "hands are in the air"),
+        ("leap", "Legen Sie die Finger auf den Bildschirm.", "de", "hands are in the air"),
+        ("leap", "Ponga los dedos en la pantalla.", "es", "hands are in the air"),
+        ("leap", "Hold your hand above the sensor.", "en", ""),
+        ("leap", "Do not put your hand on the screen.", "en", ""),
+        ("touch", "Put your fingers on the screen.", "en", ""),
+    ],
+)
+def test_people_are_told_of_the_device_that_they_use(
+    device: str, text: str, code: str, wanted: str
+) -> None:
+    told = spoken(code).replace('encoder = "linear"', f'device = "{device}"')
+    told = told.replace('"tests/support/regress_tasks.py:Quick"', '"box-to-goal"')
+    one(told + f'\n[[instructions]]\nat = "start"\ntext = "{text}"\n', wanted)

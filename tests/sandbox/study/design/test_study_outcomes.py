@@ -26,6 +26,9 @@ APART = changed("seed = 3", "seed = 3\nsessions = 2").replace(
 )
 
 
+BUILT_IN = changed('"tests/support/regress_tasks.py:Quick"', '"box-to-goal"')
+
+
 @pytest.mark.parametrize(
     ("text", "wanted"),
     [
@@ -84,6 +87,24 @@ APART = changed("seed = 3", "seed = 3\nsessions = 2").replace(
         (
             APART + '\n[[instructions]]\nat = "contact"\nsessions = [2]\ntext = "Now!"\n',
             "only some levels of contact are announced",
+        ),
+        (SOUND + RULE + 'measure = "away_s"\nbelow = 5\n', "away_s is small in them"),
+        (SOUND + RULE + 'measure = "latency_p95_ms"\nbelow = 80\n', "leaves out good trials"),
+        (SOUND + RULE + 'measure = "waited_s"\nbelow = 0.1\n', ""),
+        (changed("repetitions = 2", "repetitions = 1"), "one trial with a level of contact"),
+        (changed("repetitions = 2", "repetitions = 2") + primary("time_s"), ""),
+        (BUILT_IN, ""),
+        (BUILT_IN + primary("move_error_m"), ""),
+        (
+            BUILT_IN.replace('"box-to-goal"', '"stack-three"') + primary("move_error_m"),
+            "move_error_m is empty in stack-three, which has 2 goals",
+        ),
+        (BUILT_IN.replace('["hard", "soft"]', '["hard", "none"]'), "no trial of none can succeed"),
+        (
+            BUILT_IN.replace('"contact"', '"encoder"')
+            .replace('["hard", "soft"]', '["paper", "best"]')
+            .replace('encoder = "linear"', 'contact = "none"'),
+            "the hand passes through everything",
         ),
         (SOUND + SUS + 'at = "start"\n', "before anything was done"),
         (SOUND + SUS + 'at = "end"\n', ""),

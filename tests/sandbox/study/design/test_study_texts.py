@@ -218,6 +218,72 @@ def test_time_matters_where_it_is_the_outcome() -> None:
     assert told(read + '\n[analysis]\nprimary = ["time_s"]\n') == []
 
 
+@pytest.mark.parametrize(
+    ("text", "code", "twice"),
+    [
+        ("Be as fast as you can. Take as long as you like, time does not matter.", "en", True),
+        ("Arbeiten Sie so schnell wie möglich. Lassen Sie sich Zeit.", "de", True),
+        ("Soyez rapide. Prenez votre temps.", "fr", True),
+        ("Be as fast as you can. In practice, time does not matter.", "en", False),
+        ("Be careful. Time does not matter.", "en", False),
+    ],
+)
+def test_nobody_is_told_to_hurry_and_not_to(text: str, code: str, twice: bool) -> None:
+    found = told(instructed(text, "start", code))
+    assert ["told to be quick" in what for what in found] == [True] * twice
+
+
+@pytest.mark.parametrize(
+    ("text", "code", "leads"),
+    [
+        ("How easily did our improved hand move?", "en", True),
+        ("Would you agree that it was fun?", "en", True),
+        ("It was easy, wasn't it?", "en", True),
+        ("Hat Ihnen die verbesserte Hand gefallen?", "de", True),
+        ("Das war leicht, nicht wahr?", "de", True),
+        ("C'était facile, n'est-ce pas ?", "fr", True),
+        ("How easily did the hand move?", "en", False),
+        ("Which way was better, and why?", "en", False),
+        ("Was hat sich verbessert?", "de", False),
+    ],
+)
+def test_a_question_does_not_tell_its_answer(text: str, code: str, leads: bool) -> None:
+    item = f'{ASKED}kind = "text"\noptional = true\nask = "{text}"\n'
+    found = told(instructed("1, 2, 3!", "start", code) + item)
+    assert ["leads to an answer" in what for what in found] == [True] * leads
+
+
+def test_a_title_of_a_questionnaire_does_not_judge() -> None:
+    form = '\n[[questionnaires]]\nname = "own"\nat = "end"\ntitle = "{}"\n'
+    item = '[[questionnaires.items]]\nname = "i"\noptional = true\nask = "Was it well?"\n'
+    (what,) = told(SOUND + form.format("About our improved hand") + item)
+    assert "leads to an answer" in what
+    assert told(SOUND + form.format("About the hand") + item) == []
+
+
+@pytest.mark.parametrize(
+    ("text", "code", "grouped"),
+    [
+        ("You are now in the control condition.", "en", True),
+        ("Sie gehören zur Kontrollgruppe.", "de", True),
+        ("Vous êtes dans le groupe témoin.", "fr", True),
+        ("You control the hand with your fingers.", "en", False),
+    ],
+)
+def test_nobody_is_told_their_group(text: str, code: str, grouped: bool) -> None:
+    found = told(instructed(text, "contact", code))
+    assert ["in which group" in what for what in found] == [True] * grouped
+
+
+def test_what_is_hoped_for_is_not_told_between_sessions() -> None:
+    end = '\n[[instructions]]\nat = "end"\n{}text = "We expect that soft is easier."\n'
+    two = SOUND.replace("seed = 3", 'seed = 3\nsessions = 2\nlanguages = ["en"]')
+    (what,) = told(two + end.format(""))
+    assert "expected to be better" in what
+    assert told(two + end.format("sessions = [2]\n")) == []
+    assert told(SOUND + end.format("")) == []
+
+
 def test_a_title_in_several_languages_is_that_of_the_first() -> None:
     title = 'title = {en = "Two", de = "Zwei"}\n'
     text = SOUND[: SOUND.index("[consent]")].replace("seed = 3\n", f"seed = 3\n{title}")
