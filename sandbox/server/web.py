@@ -121,7 +121,7 @@ class WebDevice(Device, PageDevice):
         at = time.monotonic()
         for _, seq, arrived in waiting:
             self.applied = max(self.applied, seq)
-            self.latency.add("waited", 1000.0 * (at - arrived))
+            self.latency.take_in(arrived, at)
         return [frame for frame, _, _ in waiting]
 
     def close(self) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+import time
 from dataclasses import dataclass
 from typing import Any
 
@@ -27,7 +28,8 @@ class Percentiles:
 class LatencyLog:
     """Latencies of several kinds in milliseconds; safe to use from all threads.
 
-    `waited`: from the arrival of a touch message to the control step in which it took effect.
+    `waited`: from the arrival of a touch message to the control step in which it took effect;
+        touches that came while time stood still are not counted.
     `stepped`: from there until its frame was handed to the network or the window.
     `acknowledged`: from sending a frame until the page acknowledged it.
     `drawn`: from the touch event to the first picture that contains it, by the page's own clock.
@@ -41,6 +43,21 @@ class LatencyLog:
     def __init__(self) -> None:
         self._lock = threading.Lock()
         self._values: dict[str, list[float]] = {}
+        self._resumed = 0.0
+
+    def resume(self) -> None:
+        """Notes that time goes on after it stood still, as before the first touch of a trial."""
+        self._resumed = time.monotonic()
+
+    def take_in(self, arrived: float, now: float) -> None:
+        """Adds the time that a touch waited, unless it came while time stood still.
+
+        Args:
+            arrived: When the touch arrived, s (monotonic).
+            now: When the control step took it in, s (monotonic).
+        """
+        if arrived >= self._resumed:
+            self.add("waited", 1000.0 * (now - arrived))
 
     def add(self, kind: str, milliseconds: float) -> None:
         """Adds a value."""

@@ -82,4 +82,7 @@ class LiveTrial:
         if self._running.is_set():
             return False
         self._running.wait()
+        for rig in self._trial.session.rigs:
+            if rig.device.latency is not None:
+                rig.device.latency.resume()
         return True

@@ -43,7 +43,7 @@ class Timing:
         arrived = [t for t in (frame.time + origin for frame in frames) if t > self._newest]
         self._newest = max([self._newest, *arrived])
         for at in arrived:
-            self._log.add("waited", 1000.0 * (self._polled - at))
+            self._log.take_in(at, self._polled)
         self._taken += arrived
 
     def stepped(self, snapshot: Snapshot) -> None:

@@ -361,7 +361,10 @@ def numbered(path: Path, trial: int) -> Path:
 
 
 def print_refusals(server: PageServer, console: Console) -> None:
-    """Prints the server's refusals by reason, if there were any."""
+    """Prints what the server refused or lost, by reason, if there was anything."""
     refused = server.counters.as_dict()
     if refused:
-        console.print("refused: " + ", ".join(f"{n} {reason}" for reason, n in refused.items()))
+        console.print(
+            "connections refused or lost: "
+            + ", ".join(f"{n} {reason}" for reason, n in refused.items())
+        )

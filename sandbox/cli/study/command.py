@@ -149,7 +149,7 @@ def _check(options: CheckOptions, console: Console) -> int:
 
 
 def _plan(options: PlanOptions, console: Console) -> int:
-    from sandbox.cli.study.plan_table import add_session, plan_table
+    from sandbox.cli.study.plan_table import add_session, own_limits, plan_table
     from sandbox.study.design.plan import duration, session_plan, trials_of
 
     design = _load(options.file)
@@ -167,6 +167,8 @@ def _plan(options: PlanOptions, console: Console) -> int:
         f"{sum(minutes) / 60:.1f} h; a trial taken as {design.expected:g} s"
         + (f"; {practice} of a session's trials are practice" if practice else "")
     )
+    if limits := own_limits(design):
+        console.print(limits, highlight=False)
     _say_cycle(design, count, console)
     say_power(design, options, console)
     return 0

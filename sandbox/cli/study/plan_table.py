@@ -8,8 +8,10 @@ from itertools import groupby
 from rich.table import Table
 
 from sandbox.study.design.balance import confounded, cycle_line, nearest_cycles
+from sandbox.study.design.conditions import tasks_of
 from sandbox.study.design.design import Design
 from sandbox.study.design.plan import Step, trials_of
+from sandbox.study.design.toml_lines import TomlLines
 
 
 def plan_table(design: Design) -> Table:
@@ -51,6 +53,20 @@ def _order(levels: Sequence[str]) -> str:
     if len(runs) > 2 * len(set(levels)):
         return f"{', '.join(runs[: len(set(levels))])}, ... ({len(runs)} changes)"
     return ", ".join(runs)
+
+
+def own_limits(design: Design) -> str:
+    """Line on tasks that end before the time limit that the design asks for; empty without any."""
+    if not TomlLines(design.text).has(("trials", "time_limit_s")):
+        return ""
+    limits = {name: task.time_limit for name, task in tasks_of(design).items()}
+    short = [f"{name} {limit:g} s" for name, limit in limits.items() if limit < design.time_limit]
+    if not short:
+        return ""
+    return (
+        f"time_limit_s = {design.time_limit:g} is longer than the own limits of tasks, which end "
+        f"their trials: {', '.join(short)}"
+    )
 
 
 def cycle_lines(design: Design, people: int) -> list[str]:

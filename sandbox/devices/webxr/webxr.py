@@ -116,7 +116,7 @@ class HeadsetDevice(HandDevice, PageDevice):
         at = time.monotonic()
         for frame, seq, arrived in waiting:
             self.applied = max(self.applied, seq)
-            self.latency.add("waited", 1000.0 * (at - arrived))
+            self.latency.take_in(arrived, at)
             self.second.waiting.append(frame)
         return [frame for frame, _, _ in waiting]
 

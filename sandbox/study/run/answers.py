@@ -42,8 +42,13 @@ def hint(item: Item, language: str = "") -> str:
         called = [item.called(c, language) if language else c for c in item.choices]
         return "(" + " / ".join(called) + ")"
     if item.kind in ("scale", "number"):
-        return f"({item.low:g} to {item.high:g})"
+        return f"({item.low:g} to {item.high:g}{steps(item)})"
     return ""
+
+
+def steps(item: Item) -> str:
+    """Step between the allowed values of a scale, to append to its ends; empty for steps of 1."""
+    return f" in steps of {item.step:g}" if item.kind == "scale" and item.step != 1 else ""
 
 
 def read_answer(item: Item, text: str, language: str = "") -> Any:
@@ -116,7 +121,7 @@ def _number(item: Item, value: float, given: str) -> Any:
             "the number is not allowed here",
             where=item.name,
             got=given,
-            expected=f"{item.low:g} to {item.high:g} in steps of {item.step:g}",
+            expected=f"{item.low:g} to {item.high:g}{steps(item)}",
         )
     return int(value) if value == int(value) else value
 

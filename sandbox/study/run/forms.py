@@ -14,7 +14,7 @@ import numpy as np
 
 from models.errors import StudyError
 from sandbox.study.design.design import Form, Item
-from sandbox.study.run.answers import Answers, Draft, hint, read_answer
+from sandbox.study.run.answers import Answers, Draft, hint, read_answer, steps
 from sandbox.study.run.controls import Terminal
 from sandbox.words.words import words_in
 
@@ -99,7 +99,7 @@ class TerminalForms:
                 for value, end in zip((item.low, item.high), item.ends, strict=True)
             )
         )
-        self._show(f"{item.ask[language]} {ends or hint(item, language)}")
+        self._show(f"{item.ask[language]} {ends + steps(item) if ends else hint(item, language)}")
         while True:
             text = self._line(poll)
             try:

@@ -119,6 +119,7 @@ class SessionRunner:
             self._wait_while_paused()
             if self._leave_key == "s":
                 session.write("skip", step=step.id, reason=self._leave_reason)
+                self._say_left(step)
             elif not self._leave_key:
                 self._run_step(step)
             if self._leave_key == "q":
@@ -136,6 +137,7 @@ class SessionRunner:
             return
         language, session = self.session.person.language, self.session
         design = session.study.design
+        self._announce(step)
         try:
             match step:
                 case ConsentStep():
@@ -165,7 +167,6 @@ class SessionRunner:
                     )
                 case FormStep():
                     began = time.monotonic()
-                    self.say(f"{session.person.ppid}  form {step.form.name}")
                     draft = Draft(
                         dict(session.state.drafts.get(step.id, {})),
                         lambda item, answer: session.write(
@@ -188,7 +189,7 @@ class SessionRunner:
                     self.forms.rest(step.least, self._poll_form)
                     session.write("step_done", step=step.id)
         except _StepLeft:
-            self.say("left this step")
+            self._say_left(step)
 
     def _run_trial(self, trial: TrialStep) -> None:
         session, person = self.session, self.session.person
@@ -197,7 +198,7 @@ class SessionRunner:
         try:
             settings = self.fit(trial, settings, self._poll_form)
         except _StepLeft:
-            self.say("left this step")
+            self._say_left(trial)
             return
         learns = self._learning_hands(trial, settings)
         known = session.state.learned
@@ -272,6 +273,7 @@ class SessionRunner:
             session.break_off(trial, played.broken)
             if self._leave_key == "s":
                 session.write("skip", step=trial.id, trial=trial.number, reason=played.broken)
+            self._say_left(trial)
             return
         session.finish(trial, played.result)
         self._last = trial
@@ -317,6 +319,15 @@ class SessionRunner:
         self.say(f"{session.person.ppid}, session {session.number}: {count} records, digest {head}")
         if self.witness is not None:
             add_witnesses(self.witness, witnesses_of(session))
+
+    def _announce(self, step: Step) -> None:
+        """Says which step begins."""
+        self.say(f"{self.session.person.ppid}  {_called(step)}")
+
+    def _say_left(self, step: Step) -> None:
+        """Says what became of a step that the experimenter left."""
+        done = {"s": "skipped", "q": "left"}.get(self._leave_key, "begins again")
+        self.say(f"  {_called(step)}: {done}")
 
     def _poll_trial(self) -> str:
         """Implements `Watch` for players."""
@@ -388,7 +399,7 @@ class SessionRunner:
         """Progress of the session."""
         done, of = self.session.state.done(self.session.steps)
         left = [s for s in self.session.steps if s.id not in self.session.state.finished]
-        now = self._step.id if self._step else "the beginning"
+        now = _called(self._step) if self._step else "the beginning"
         pause = ", paused" if self.controls.paused else ""
         return (
             f"{self.session.person.ppid}: {done} of {of} trials, at {now}{pause}; {len(left)} "
@@ -413,6 +424,23 @@ def _calibrated(
         for hand in settings.hands
     )
     return replace(settings, hands=hands)
+
+
+def _called(step: Step) -> str:
+    """Name of a step for the experimenter."""
+    match step:
+        case TrialStep():
+            return f"trial {step.number}"
+        case FormStep():
+            return f"form {step.form.name}"
+        case BreakStep():
+            return f"break of {step.least:g} s or longer"
+        case InstructionStep():
+            return "instructions"
+        case CalibrationStep():
+            return "measuring the hand"
+        case _:
+            return "consent"
 
 
 def _trial_summary(result: TrialResult) -> str:

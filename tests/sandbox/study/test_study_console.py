@@ -7,6 +7,7 @@ import io
 import threading
 import time
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from queue import SimpleQueue
 
@@ -22,7 +23,7 @@ from sandbox.study.record.journal import read_journal
 from sandbox.study.record.session_folder import SessionFolder
 from sandbox.study.record.state import SessionState
 from sandbox.study.record.stored_sessions import session_path
-from sandbox.study.run.answers import read_answer
+from sandbox.study.run.answers import hint, read_answer
 from sandbox.study.run.controls import Command, Controls, Terminal, parse_command
 from sandbox.study.run.forms import SimulatedForms, TerminalForms
 from sandbox.study.run.players import HeadlessPlayer
@@ -250,6 +251,13 @@ def test_check_plan_new_and_simulate_say_what_they_should(
     assert main(["study", "plan", str(file), "--power", "--participants", "3"]) == 0
     told = capsys.readouterr().out
     assert "no mistakes" in told and "no full cycle" in told and "standard deviation over" in told
+    # 20 s is the own limit of wrench-turn, and box-to-goal has 30 s.
+    assert "own limits of tasks" not in told
+    file.write_text(file.read_text().replace("time_limit_s = 20", "time_limit_s = 25"))
+    assert main(["study", "plan", str(file)]) == 0
+    told = " ".join(capsys.readouterr().out.split())
+    assert "time_limit_s = 25 is longer than the own limits of tasks" in told
+    assert "trials: wrench-turn 20 s" in told
     file.write_text(file.read_text().replace("latin", "lattin"))
     assert main(["study", "check", str(file)]) == 2
     assert "Did you mean latin" in capsys.readouterr().err
@@ -280,3 +288,24 @@ def test_an_answer_is_kept_as_given_or_refused(value: int) -> None:
 def test_what_is_no_number_is_no_answer(text: str) -> None:
     with pytest.raises(StudyError):
         read_answer(Item("x", "number", {"en": "?"}), text)
+
+
+def test_a_scale_tells_its_steps_before_an_answer_is_refused() -> None:
+    item = Item("x", "scale", {"en": "?"}, step=5.0)
+    assert hint(item) == "(0 to 100 in steps of 5)"
+    with pytest.raises(StudyError, match="0 to 100 in steps of 5"):
+        read_answer(item, "13")
+    number = replace(item, kind="number")
+    assert hint(number) == "(0 to 100)" and read_answer(number, "13") == 13
+
+
+def test_the_experimenter_reads_which_step_begins_and_what_became_of_a_skipped_one(
+    tmp_path: Path,
+) -> None:
+    _, state, _, typist = run_with(tmp_path, {8: "i", 60: "s broken chair"})
+    (skipped,) = state.skipped
+    assert skipped.startswith("trial:")
+    trial = skipped.removeprefix("trial:")
+    assert f"  trial {trial}: skipped" in typist.said
+    assert any(line.endswith("  consent") for line in typist.said)
+    assert any(f" of {TRIALS} trials, at trial 1; " in line for line in typist.said)

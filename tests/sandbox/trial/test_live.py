@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Sequence
 
 import pytest
@@ -9,6 +10,7 @@ import pytest
 from models.errors import DeviceError
 from models.frames import TouchFrame
 from models.surface import Surface
+from sandbox.server.web import WebDevice
 from sandbox.session.device import Device
 from sandbox.trial.assembly import build
 from sandbox.trial.driver import Trial
@@ -54,3 +56,18 @@ def test_a_device_that_breaks_ends_the_session_and_is_no_trial_that_was_played(
     until(lambda: live.over)
     live.stop()
     assert live.failure is error and not session.over
+
+
+def test_a_touch_from_before_time_went_on_is_none_that_waited_for_a_step() -> None:
+    session = build(RunSettings(), (lambda _task, surface: WebDevice(surface),))
+    latency = session.first_rig.device.latency
+    assert latency is not None
+    live = LiveTrial(Trial(session))
+    live.pause(True)
+    live.start()
+    before = time.monotonic()
+    live.pause(False)
+    until(lambda: session.time > 0.0)
+    live.stop()
+    latency.take_in(before, before + 60.0)
+    assert latency.percentiles() == {}

@@ -214,3 +214,14 @@ def test_without_a_window_it_plays_what_needs_none(
 def test_build_opens_a_followed_device() -> None:
     session = build(RunSettings(), (timed(lambda t, s: MouseDevice(s), Timing(LatencyLog())),))
     assert session.rigs[0].device.name == "mouse" and session.lift(0) is None
+
+
+def test_touches_that_came_while_time_stood_still_did_not_wait_for_a_step() -> None:
+    log = LatencyLog()
+    log.take_in(0.0, 1.0)
+    log.resume()
+    log.take_in(0.5, 61.0)
+    arrived = time.monotonic()
+    log.take_in(arrived, arrived + 0.25)
+    waited = log.percentiles()["waited"]
+    assert (waited.n, waited.largest) == (2, 1000.0)

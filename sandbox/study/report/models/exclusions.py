@@ -70,6 +70,28 @@ def unfinished(data: StudyData) -> list[str]:
     return [str(p) for p in data.people.loc[done != 1, "ppid"]]
 
 
+def gaps(data: StudyData) -> list[str]:
+    """Sentences on sessions that are not finished, and on trials that were skipped."""
+    missing, told = unfinished(data), []
+    if missing:
+        told.append(f"Not finished yet: {', '.join(missing)}. Their finished trials are used.")
+    counts = ("trials_planned", "trials_done")
+    if "complete" in data.people.columns and set(counts) <= set(data.people.columns):
+        whole = data.people.loc[to_numbers(data.people["complete"]) == 1]
+        planned, done = (to_numbers(whole[name]) for name in counts)
+        skipped = [
+            f"{person} {int(n)}"
+            for person, n in zip(whole["ppid"], planned - done, strict=True)
+            if n > 0
+        ]
+        if skipped:
+            told.append(
+                f"Trials that were skipped, practice included: {', '.join(skipped)}. They have no "
+                "row in trial_results.csv."
+            )
+    return told
+
+
 def endings(data: StudyData) -> dict[str, dict[str, int]]:
     """Numbers of used trials by condition and status at their end."""
     used = data.used

@@ -8,7 +8,7 @@ from __future__ import annotations
 from sandbox.study.report.models.analysis import Analysis
 from sandbox.study.report.models.answers import ScaleAnswers
 from sandbox.study.report.models.data import StudyData
-from sandbox.study.report.models.exclusions import flow, unfinished
+from sandbox.study.report.models.exclusions import flow, gaps
 from sandbox.study.report.page import formats
 from sandbox.study.report.page.parts import Section, Table
 
@@ -88,11 +88,8 @@ def _used(data: StudyData) -> Section:
         + (f". Left out: {'; '.join(gone)}. " if gone else ". ")
         + "Nothing is deleted: trial_results.csv has all trials."
     )
-    missing = unfinished(data)
-    if missing:
-        section.say(
-            f"Not finished yet: {', '.join(missing)}. Their finished trials are used.", "note"
-        )
+    for sentence in gaps(data):
+        section.say(sentence, "note")
     return section
 
 

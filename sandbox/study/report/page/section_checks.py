@@ -9,7 +9,7 @@ import numpy as np
 
 from sandbox.study.report.models.analysis import Analysis, MeasureModel
 from sandbox.study.report.models.answers import ScaleAnswers
-from sandbox.study.report.models.exclusions import endings, flow, unfinished
+from sandbox.study.report.models.exclusions import endings, flow, gaps
 from sandbox.study.report.models.family import Family
 from sandbox.study.report.models.intervals import Estimate
 from sandbox.study.report.models.joint_order import confounded_pairs, design_orders
@@ -50,11 +50,8 @@ def exclusions_section(analysis: Analysis) -> Section:
             "Excluded data are not deleted: trial_results.csv has all trials.",
         )
     )
-    missing = unfinished(data)
-    if missing:
-        section.say(
-            f"Not finished yet: {', '.join(missing)}. Their finished trials are used.", "note"
-        )
+    for sentence in gaps(data):
+        section.say(sentence, "note")
     kinds = list(next(iter(endings(data).values()), {}))
     if kinds:
         section.parts.append(

@@ -282,6 +282,22 @@ def test_one_person_has_a_page_that_compares_nothing(tmp_path: Path) -> None:
     assert all(cell in page.text for cell in cells)
 
 
+@pytest.mark.parametrize("people", [1, 4])
+def test_trials_that_were_skipped_are_told_with_whose_they_were(
+    tmp_path: Path, people: int
+) -> None:
+    planted(tmp_path, Truth(people=people, repetitions=2))
+    names = sorted({row["ppid"] for row in rows_of(tmp_path / "trial_results.csv")})
+    counts = [
+        {"ppid": name, "complete": "1", "trials_done": str(9 - 3 * (not i)), "trials_planned": "9"}
+        for i, name in enumerate(names)
+    ]
+    columns = ("ppid", "complete", "trials_done", "trials_planned")
+    (tmp_path / "participants.csv").write_bytes(csv_bytes(counts, columns))
+    told = f"Trials that were skipped, practice included: {names[0]} 3. They have no row"
+    assert told in report(tmp_path).text
+
+
 def test_one_of_two_people_who_is_excluded_leaves_the_other_s_page(tmp_path: Path) -> None:
     rows = planted(tmp_path, Truth(people=2, repetitions=1))
     for row in rows:
