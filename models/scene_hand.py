@@ -93,7 +93,10 @@ class SceneHand(Protocol):
 
     @property
     def links(self) -> tuple[Link, ...]:
-        """Links of the five fingers, finger by finger, from the palm outwards; two or more each."""
+        """Links of its fingers, finger by finger, from the palm outwards; two or more each.
+
+        A finger that the hand lacks has no links, and never becomes solid.
+        """
         ...
 
     @property
@@ -139,7 +142,8 @@ class SceneHand(Protocol):
         ...
 
     def tips_of(self) -> Callable[[Array], Array]:
-        """Function from a pose (48,) to the intended positions (5, 3) m of the fingertips.
+        """Function from a pose (48,) to the intended positions (5, 3) m of the fingertips; those of
+        fingers that it lacks have no meaning.
 
         The function may use buffers of its own, so it serves one thread at a time.
         """

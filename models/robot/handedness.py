@@ -1,6 +1,6 @@
 """Handedness: which side a hand is of, by the volume that its fingers span, with its sign.
 
-Three directions of a hand are as long as one: across the knuckles from the little finger to the
+Three directions of a hand are as long as one: across the knuckles from its last finger to the
 index, along the straight fingers, and the way that fingertips go when fingers bend. Their triple
 product is a volume between -1 and 1, positive for right hands and negative for left ones. It does
 not depend on the size of the hand or its proportions, which differ between robots and people more
@@ -12,6 +12,7 @@ from __future__ import annotations
 import numpy as np
 
 from models.arithmetic.arrays import Array
+from models.frames import FINGERS
 from models.one_pose import OnePose
 from models.pose import JOINTS, POSE_SIZE
 from models.robot.robot_model import RobotModel
@@ -25,9 +26,9 @@ def volume(knuckles: Array, straight: Array, bent: Array) -> float:
     """The volume with its sign, -1 to 1.
 
     Args:
-        knuckles: (4, 3) m, where the fingers begin, index to little finger.
-        straight: (4, 3) m, their tips when they are straight.
-        bent: (4, 3) m, their tips when they are bent.
+        knuckles: (n, 3) m, where the fingers begin, from the index finger on.
+        straight: (n, 3) m, their tips when they are straight.
+        bent: (n, 3) m, their tips when they are bent.
     """
     across = knuckles[0] - knuckles[-1]
     along = np.mean(straight - knuckles, axis=0)
@@ -43,11 +44,12 @@ def robot_volume(robot: RobotModel) -> float:
     return volume(knuckles[1:], straight[1:], robot.bent(BENT)[1][1:])
 
 
-def person_volume(person: Skeleton) -> float:
-    """The volume of a person's hand."""
+def person_volume(person: Skeleton, fingers: int = len(FINGERS)) -> float:
+    """The volume of a person's hand, by the first of its fingers, the thumb among them."""
     knuckles = np.array([person.bones[bone].anchor for bone in person.first_bone])
     straight, bent = (OnePose(person).tips(flexed(person, share)) for share in (STRAIGHT, BENT))
-    return volume(knuckles[1:], straight[1:], bent[1:])
+    own = slice(1, fingers)
+    return volume(knuckles[own], straight[own], bent[own])
 
 
 def flexed(person: Skeleton, share: float) -> Array:

@@ -7,11 +7,12 @@ from pathlib import Path
 from models.errors import InputError
 from models.robot.mapping import RobotMapping, load_mapping
 
-ROBOTS = ("shadow", "adroit", "inspire")
+ROBOTS = ("shadow", "adroit", "inspire", "allegro", "leap")
 """Hands that are known by name. The first two are in the package gymnasium-robotics, the extra
 `robots`: the Shadow Dexterous Hand, and Adroit, which is a Shadow Hand on an arm with other limits.
 The Inspire Hand is in the package robosuite, whose other needs clash with ours, so no extra brings
-it."""
+it. The Allegro Hand and the LEAP Hand, which have no little finger, are in mujoco_menagerie, which
+no package index has: it is looked for where the package robot_descriptions keeps it."""
 
 
 def find_robot(name: str) -> RobotMapping:

@@ -18,7 +18,9 @@
 from __future__ import annotations
 
 import hashlib
+import os
 import tomllib
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from importlib.util import find_spec
 from pathlib import Path
@@ -37,6 +39,13 @@ REMEDIES = {
 }
 """Package -> command that installs it. Of robosuite, the files of its models are enough; what it
 needs to run asks for NumPy before 2."""
+MENAGERIE = "mujoco_menagerie"
+"""Models by Google DeepMind: no package, but a repository, which the package robot_descriptions
+loads into a folder of its own."""
+
+
+LEAST_FINGERS = 3
+"""Fingers, the thumb among them, that a hand must have: with fewer, its side cannot be told."""
 
 
 @dataclass(frozen=True)
@@ -45,16 +54,18 @@ class RobotMapping:
 
     Attributes:
         model: MJCF file of the robot: a path relative to the mapping file, or `package:path` for a
-            file inside an installed package.
+            file inside an installed package or in mujoco_menagerie.
         side: `right` or `left`.
         palm: Name of the body that carries all fingers.
-        tips: Names of the sites or bodies at the middle of the fingertips, thumb first.
-        radii: (5,) m of the fingertips.
-        scales: (5,) length of each finger relative to that of a person's.
+        tips: Names of the sites or bodies at the middle of the fingertips, thumb first: n of them,
+            three to five. A hand with four lacks the little finger, one with three the ring finger
+            too.
+        radii: (n,) m of the fingertips.
+        scales: (n,) length of each finger relative to that of a person's.
         offset: (3,) m, origin of the robot's palm in the frame of a person's hand of trained size.
         turn: (4,) quaternion (w, x, y, z): a person's hand from the robot's palm.
         coupled: Joints that follow others: name -> name of the other, and the ratio of angles.
-        places: (5,) of (3,) m, the middle of the fingertips in the frames of the bodies that `tips`
+        places: (n,) of (3,) m, the middle of the fingertips in the frames of the bodies that `tips`
             names; empty where `tips` are sites, or bodies that begin there.
         file: Where it was read from.
     """
@@ -72,19 +83,21 @@ class RobotMapping:
     file: str = ""
 
     def __post_init__(self) -> None:
-        for what, values in (("tips", self.tips), ("radii", self.radii), ("scales", self.scales)):
-            if len(values) != len(FINGERS):
+        check_tips(self.tips, self.file or "mapping")
+        for what, values in (("radii", self.radii), ("scales", self.scales)):
+            if len(values) != len(self.tips):
                 raise InputError(
-                    f"a hand needs five {what}, thumb to little finger",
+                    f"a hand needs as many {what} as tips",
                     where=self.file or "mapping",
                     got=len(values),
-                    expected=str(len(FINGERS)),
+                    expected=str(len(self.tips)),
                 )
-        if len(self.places) not in (0, len(FINGERS)):
+        if len(self.places) not in (0, len(self.tips)):
             raise InputError(
-                "a hand needs five places of tips, thumb to little finger, or none",
+                "a hand needs as many places of tips as tips, or none",
                 where=self.file or "mapping",
                 got=len(self.places),
+                expected=str(len(self.tips)),
             )
         for what, numbers in (("radii", self.radii), ("scales", self.scales)):
             if not all(0.0 < number < 10.0 for number in numbers):
@@ -137,6 +150,22 @@ class RobotMapping:
         return "\n".join(lines) + "\n"
 
 
+def check_tips(tips: Sequence[str], where: str) -> None:
+    """Refuses names of fingertips that are too few or too many for a hand.
+
+    Raises:
+        InputError: They are.
+    """
+    if not LEAST_FINGERS <= len(tips) <= len(FINGERS):
+        raise InputError(
+            "a hand needs three to five fingertips: the thumb's, then those of index, middle, ring "
+            "and little finger, as far as it has them",
+            where=where,
+            got=len(tips),
+            expected=f"{LEAST_FINGERS} to {len(FINGERS)}",
+        )
+
+
 def located(model: str, folder: Path) -> Path:
     """The file of a model.
 
@@ -149,7 +178,17 @@ def located(model: str, folder: Path) -> Path:
     """
     package, _, inside = model.partition(":")
     path = folder / model
-    if inside and len(package) > 1:
+    if inside and package == MENAGERIE:
+        path = menagerie() / inside
+        if not path.is_file():
+            raise InputError(
+                "mujoco_menagerie with this hand's model is not there",
+                where="--robot",
+                got=str(path),
+                remedy="git clone --depth 1 https://github.com/google-deepmind/mujoco_menagerie "
+                f"{menagerie()}",
+            )
+    elif inside and len(package) > 1:
         spec = find_spec(package)
         if spec is None or not spec.submodule_search_locations:
             raise InputError(
@@ -161,6 +200,12 @@ def located(model: str, folder: Path) -> Path:
     if not path.is_file():
         raise InputError("this robot's model is not there", where="--robot", got=str(path))
     return path
+
+
+def menagerie() -> Path:
+    """Folder of mujoco_menagerie, where the package robot_descriptions puts it."""
+    cache = os.environ.get("ROBOT_DESCRIPTIONS_CACHE") or "~/.cache/robot_descriptions"
+    return Path(cache).expanduser() / MENAGERIE
 
 
 def load_mapping(path: Path) -> RobotMapping:

@@ -17,11 +17,10 @@ import numpy as np
 
 from models.arithmetic.arrays import Array
 from models.errors import InputError
-from models.frames import FINGERS
 from models.one_pose import OnePose
 from models.pose import JOINTS, POSE_SIZE
 from models.robot.handedness import flexed, person_volume, robot_volume
-from models.robot.mapping import RobotMapping
+from models.robot.mapping import RobotMapping, check_tips
 from models.robot.retargeting import Retargeter
 from models.robot.robot_hand import RobotHand
 from models.robot.robot_model import RobotModel, compiled
@@ -56,7 +55,7 @@ class MappingFit:
 
     Attributes:
         mapping: The mapping.
-        errors: (poses, 5) m, distance of each fingertip from the person's, the palm held.
+        errors: (poses, n) m, distance of each fingertip from the person's, the palm held.
         shape: m, root mean square distance of knuckles and fingertips of the hands, laid over each
             other and bent alike.
         mirrored: m, the same for the person's other hand.
@@ -79,7 +78,8 @@ def fit_mapping(
 
     Args:
         path: MJCF file of the robot.
-        tips: Names of the sites or bodies at the middle of the fingertips, thumb first.
+        tips: Names of the sites or bodies at the middle of the n fingertips, thumb first; a hand
+            with four lacks the little finger, one with three the ring finger too.
         palm: Name of the body that carries all fingers; empty finds it.
         model: The model's place as the mapping will have it; empty takes the file's name.
         ends: Whether `tips` are the bodies of last links, whose meshes end with the fingertips.
@@ -87,20 +87,15 @@ def fit_mapping(
     Raises:
         InputError: The model cannot be used.
     """
-    if len(tips) != len(FINGERS):
-        raise InputError(
-            "a hand needs five fingertips, thumb to little finger",
-            where="--tips",
-            got=len(tips),
-            expected=str(len(FINGERS)),
-        )
+    check_tips(tips, "--tips")
     palm = palm or _carrier(path, tips)
     rounded = tip_ends(compiled(path), tips) if ends else []
     places = tuple(end.place for end in rounded)
     robot = RobotModel(path, palm, tips, places)
     people = {"right": ADULT, "left": ADULT.mirrored()}
     own = robot_volume(robot)
-    apart = {side: abs(own - person_volume(person)) for side, person in people.items()}
+    volumes = {side: person_volume(person, len(tips)) for side, person in people.items()}
+    apart = {side: abs(own - volume) for side, volume in volumes.items()}
     side, other = sorted(apart, key=lambda name: apart[name])
     laid = {name: _laid_over(robot, person) for name, person in people.items()}
     start = RobotMapping(
@@ -137,7 +132,7 @@ class _Laid(NamedTuple):
 
 
 def _moved(mapping: RobotMapping, person: Skeleton) -> tuple[RobotMapping, Array]:
-    """The mapping with its palm where it is best, and errors (poses, 5) m with the palm held."""
+    """The mapping with its palm where it is best, and errors (poses, n) m with the palm held."""
     poses = _poses(person)
     for _ in range(ROUNDS):
         follow = _retargeter(mapping, person, READY)
@@ -149,7 +144,7 @@ def _moved(mapping: RobotMapping, person: Skeleton) -> tuple[RobotMapping, Array
             turns.append(qpos[3:7])
         # The scales move the palm away from the fingertips; the offset is what is left.
         scales = np.array(mapping.scales)[:, None]
-        tips = [OnePose(person).tips(q) for q in poses]
+        tips = [OnePose(person).tips(q)[: len(scales)] for q in poses]
         rest = [p - np.mean((1.0 - scales) * t, axis=0) for p, t in zip(places, tips, strict=True)]
         offset = np.mean(rest, axis=0) / np.mean(scales)
         turn = _mean_turn(np.array(turns))
@@ -182,12 +177,13 @@ def _poses(person: Skeleton) -> list[Array]:
 
 def _laid_over(robot: RobotModel, person: Skeleton) -> _Laid:
     """The robot's hand laid over the person's, by knuckles and fingertips of bent hands."""
-    knuckles = np.array([person.bones[i].anchor for i in person.first_bone])
+    fingers = len(robot.tips)
+    knuckles = np.array([person.bones[i].anchor for i in person.first_bone])[:fingers]
     theirs, own = [], []
     for share in _BENT:
         # Thumbs have joints of other kinds in every hand: where they begin says enough.
         bases, tips = robot.bent(share)
-        theirs += [knuckles, OnePose(person).tips(flexed(person, share))[1:]]
+        theirs += [knuckles, OnePose(person).tips(flexed(person, share))[1:fingers]]
         own += [bases, tips[1:]]
     there, here = np.concatenate(theirs), np.concatenate(own)
     centre, middle = there.mean(axis=0), here.mean(axis=0)
@@ -276,7 +272,7 @@ def _radii(robot: RobotModel) -> tuple[float, ...]:
 def _scales(robot: RobotModel, person: Skeleton) -> tuple[float, ...]:
     """Length of each finger, relative to the person's."""
     out = []
-    for finger in range(len(FINGERS)):
+    for finger in range(len(robot.tips)):
         theirs = sum(bone.length for bone in person.bones if bone.finger == finger)
         out.append(round(robot.reach(finger, _MOST_LINKS) / theirs, 4))
     return tuple(out)

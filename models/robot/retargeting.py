@@ -66,16 +66,17 @@ class Retargeter:
 
     Args:
         model: MuJoCo's model of the robot's hand alone: a palm on three slides and a ball joint,
-            hinges, and sites at the fingertips, with their fingers' names.
+            hinges, and sites at the fingertips, with their fingers' names: of n fingers, thumb
+            first.
         skeleton: The person's hand.
-        scales: (5,) length of each finger relative to that of the person.
+        scales: (n,) length of each finger relative to that of the person.
         offset: (3,) m, origin of the robot's palm in the frame of the person's hand.
         turn: (4,) quaternion, person's hand from robot's palm.
         followers: Joints that follow others: (n,) number of the other, or its own; and the ratio.
         palm: m2 and rad2, how readily the palm leaves its place.
 
     Attributes:
-        off: (5,) m, distance of each fingertip from its place after the last step.
+        off: (n,) m, distance of each fingertip from its place after the last step.
     """
 
     def __init__(
@@ -111,17 +112,21 @@ class Retargeter:
         self._weights = np.concatenate(
             [np.full(3, palm[0]), np.full(3, palm[1]), np.where(self._free, 1.0, 0.0)]
         )
-        self._raw = np.zeros((3 * len(FINGERS), count))
-        self._sites = [int(model.site(name).id) for name in FINGERS]
+        self._fingers = len(scales)
+        self._raw = np.zeros((3 * self._fingers, count))
+        self._sites = [int(model.site(name).id) for name in FINGERS[: self._fingers]]
         self._rows = [(self._raw[3 * f : 3 * f + 3], s) for f, s in enumerate(self._sites)]
-        self.off = np.zeros(len(FINGERS))
+        self.off = np.zeros(self._fingers)
         self._last: Array | None = None
         self._touching: tuple[int, ...] = ()
+        self._lacking: frozenset[int] = frozenset()
 
     @property
     def missed(self) -> frozenset[int]:
-        """Labels of the fingers that touch and could not be where they should be."""
-        return frozenset(f for f in self._touching if self.off[f] > REACHED)
+        """Labels of the fingers that touch and could not be where they should be, or that this hand
+        lacks."""
+        off = (f for f in self._touching if self.off[f] > REACHED)
+        return frozenset(off) | self._lacking
 
     def reset(self) -> None:
         """Forgets the last result; the next pose is met from nowhere."""
@@ -134,10 +139,12 @@ class Retargeter:
             q: The pose.
             fingers: Labels of the fingers that touch: theirs are the tips that matter.
         """
-        targets = self._tips(q)
+        targets = self._tips(q)[: self._fingers]
         place, turn = self._palm(q, targets)
-        damping = np.full(3 * len(FINGERS), IN_THE_AIR)
-        for finger in fingers:
+        self._touching = touching = tuple(sorted(f for f in fingers if f < self._fingers))
+        self._lacking = frozenset(fingers) - frozenset(touching)
+        damping = np.full(3 * self._fingers, IN_THE_AIR)
+        for finger in touching:
             damping[3 * finger : 3 * finger + 3] = TOUCHING
         qpos = self._data.qpos
         steps = STEPS
@@ -154,7 +161,6 @@ class Retargeter:
             qpos[:] = now
             qpos[:3] = place + (now[:3] - before)
             mujoco.mju_mulQuat(qpos[3:7], turn, away)
-        self._touching = touching = tuple(sorted(fingers))
         for _ in range(steps):
             errors = self._errors(targets)
             if self._last is not None and touching and self._worst(touching) < CLOSE:
@@ -177,10 +183,10 @@ class Retargeter:
             place = place + row
         turn = np.empty(4)
         mujoco.mju_mulQuat(turn, quaternion_exp(q[ROOT_ROTATION]), self._turn)
-        return place / len(FINGERS), turn
+        return place / self._fingers, turn
 
     def _errors(self, targets: Array) -> Array:
-        """(15,) m, ways of the fingertips to their places."""
+        """(3 n,) m, ways of the fingertips to their places."""
         mujoco.mj_kinematics(self._model, self._data)
         errors = targets - self._data.site_xpos.take(self._sites, 0)
         self.off = np.sqrt(squared_lengths(errors))

@@ -90,9 +90,9 @@ class RobotHand:
 
     @cached_property
     def links(self) -> tuple[Link, ...]:
-        """Links of the five fingers, each with a body of its own that has y along the link."""
+        """Links of its fingers, each with a body of its own that has y along the link."""
         out: list[Link] = []
-        for finger, label in enumerate(FINGERS):
+        for finger, label in enumerate(FINGERS[: len(self.mapping.tips)]):
             own = [link for link in self.robot.links if link.finger == finger]
             for i, link in enumerate(own):
                 name = f"{self.name}_{label}_link{i}"

@@ -131,7 +131,7 @@ class RobotModel:
         return out
 
     def bent(self, share: float) -> tuple[Array, Array]:
-        """Where fingers begin, and fingertips, (5, 3) m each in the palm's frame.
+        """Where fingers begin, and fingertips, (n, 3) m each in the palm's frame.
 
         Args:
             share: How far joints are bent that bend one way only, of their range; the others are

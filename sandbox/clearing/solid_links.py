@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import mujoco
 
-from models.frames import FINGERS
 from models.scene import Scene
 from sandbox.clearing.hand_distances import HandDistances
 
@@ -33,13 +32,11 @@ class SolidLinks:
         links, geom = scene.spec.hands[hand].links, scene.model.geom
         self._parts = tuple(scene.parts(hand))
         # Of each finger: its links from the palm outwards, and the solid end of the last.
-        self._links = [
-            [geom(k.geom).id for k in links if k.finger == f] for f in range(len(FINGERS))
-        ]
-        self._ends = [
-            [geom(k.tip_geom).id for k in links if k.finger == f][-1] for f in range(len(FINGERS))
-        ]
-        of_fingers = {g for own in self._links for g in own} | set(self._ends)
+        self._links: dict[int, list[int]] = {}
+        for link in links:
+            self._links.setdefault(link.finger, []).append(geom(link.geom).id)
+        self._ends = {link.finger: geom(link.tip_geom).id for link in links}
+        of_fingers = {g for own in self._links.values() for g in own} | set(self._ends.values())
         self._palm = [g for g in self._parts if g not in of_fingers]
         self.fingers: frozenset[int] = frozenset()
         self._touching: frozenset[int] = frozenset()
@@ -68,9 +65,7 @@ class SolidLinks:
             self._solid = solid
             self._scene.set_solid_geoms(self._hand, solid)
             self.fingers = frozenset(
-                f
-                for f in range(len(FINGERS))
-                if self._links[f][-1] in solid or self._ends[f] in solid
+                f for f in self._links if self._links[f][-1] in solid or self._ends[f] in solid
             )
 
     def _joined(
@@ -82,14 +77,14 @@ class SolidLinks:
         anew = touching ^ self._touching
         solid = {
             part
-            for f in range(len(FINGERS))
+            for f in self._links
             if f not in anew and (f in pressing or f not in touching)
             for part in (*self._links[f], self._ends[f])
             if part in self._solid
         }
         solid.update(part for part in self._palm if part in self._solid)
         missing = {part for part in self._palm if part not in solid}
-        for f in range(len(FINGERS)):
+        for f in self._links:
             if f in pressing or f not in touching:
                 missing.update(part for part in self._links[f] if part not in solid)
             if f in pressing and self._links[f][-1] not in solid:
@@ -98,13 +93,13 @@ class SolidLinks:
             return frozenset(solid)
         parts, distances, _ = self._distances.near(data)
         blocked = {p for p, far in zip(parts, distances, strict=True) if far < CLEARANCE}
-        for f in range(len(FINGERS)):
+        for f in self._links:
             last, end = self._links[f][-1], self._ends[f]
             if f not in pressing and end in blocked:
                 # The whole last link of a finger that does not touch must be out.
                 blocked.add(last)
         solid |= missing - blocked
-        for f in range(len(FINGERS)):
+        for f in self._links:
             if self._links[f][-1] in solid and self._ends[f] != self._links[f][-1]:
                 # The whole link takes the place of its end.
                 solid.discard(self._ends[f])

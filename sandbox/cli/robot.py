@@ -41,8 +41,9 @@ def fit(
 
     Args:
         model: MJCF file of the robot, or PACKAGE:PATH inside an installed package.
-        tips: Names of five sites or bodies in the middle of the fingertips, thumb to little finger,
-            with commas between.
+        tips: Names of sites or bodies in the middle of the fingertips, thumb to little finger, with
+            commas between. A hand with four lacks the little finger, one with three the ring finger
+            too.
         palm: Name of the body that carries all fingers. Default: the last above all fingertips.
         ends: The names are those of the fingers' last bodies, and a fingertip is where the mesh of
             its body ends: for models without sites at the fingertips.

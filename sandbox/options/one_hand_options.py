@@ -82,7 +82,7 @@ class OneHandOptions:
     hand: Literal["right", "left"] | None = None
     """Which hand. Default: that of the recording or profile, else right."""
 
-    robot: Annotated[str, tyro.conf.arg(metavar="{shadow,adroit,inspire,FILE}")] = ""
+    robot: Annotated[str, tyro.conf.arg(metavar="{shadow,adroit,inspire,allegro,leap,FILE}")] = ""
     """Robot whose hand is in the place of yours (docs/robots.md): one of the extra `robots`, or
     FILE.xml with a mapping by `sandbox robot fit` beside it. Default: our own hand."""
 

@@ -19,6 +19,7 @@ from models.arithmetic.products import squared_lengths
 from models.frames import FINGERS
 from models.messages.message import Message
 from models.scene import CONTROL_PERIOD, BodyPoses, Scene
+from models.scene_hand import Link
 from sandbox.clearing.solid_links import SolidLinks
 from sandbox.session.messages import MOVE_APART
 from sandbox.session.pose_track import bits
@@ -94,7 +95,12 @@ class CollisionGate:
         self._parts = parts
         links = scene.spec.hands[hand].links
         body = scene.model.body
-        fingers = [[link for link in links if link.finger == f] for f in range(len(FINGERS))]
+        self._has = frozenset(link.finger for link in links)
+        # A finger that the hand lacks is at its palm, and never solid.
+        palm = [Link(0, scene.spec.hands[hand].palm, 0.0, 0.0, "", "")] * 2
+        fingers = [
+            [link for link in links if link.finger == f] or palm for f in range(len(FINGERS))
+        ]
         last = [own[-1] for own in fingers]
         self._bodies = np.array([body(link.body).id for link in last])
         # At most two links of a finger are checked before they become solid.
@@ -129,7 +135,7 @@ class CollisionGate:
         return mine if self._parts is None else mine + self._parts.signature
 
     def tips(self, data: BodyPoses) -> Array:
-        """(5, 3) m, fingertips of the simulated hand."""
+        """(5, 3) m, fingertips of the simulated hand; of a finger that it lacks, its palm."""
         return self._along(data, 1.0)
 
     def links(self, data: mujoco.MjData) -> Array:
@@ -159,7 +165,7 @@ class CollisionGate:
         """
         low = _LOW if self._rules.from_above else (Phase.DOWN,)
         arrived = reconstruction.phase in low and not ghost
-        wanted = reconstruction.fingers if arrived else GHOST
+        wanted = reconstruction.fingers & self._has if arrived else GHOST
         staying = self.fingers & wanted
         joining = wanted - staying
         stuck: dict[int, int] = {}

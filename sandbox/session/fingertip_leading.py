@@ -69,21 +69,21 @@ class FingertipLeading:
     def __init__(self, scene: Scene, hand: int, surface: Surface, gate: CollisionGate) -> None:
         self._scene, self._surface, self._gate = scene, surface, gate
         last = {link.finger: link for link in scene.spec.hands[hand].links}
-        self._radius = [last[f].radius for f in range(len(FINGERS))]
+        self._radius = {f: link.radius for f, link in last.items()}
         # In the world, of a step to the right and of one down on the surface.
         self._right, self._down = surface.rotation[:, 0], -surface.rotation[:, 1]
         self._right_of, self._down_of = self._right.tolist(), self._down.tolist()
         self._corner = surface.corner.tolist()
         # Of the part that becomes solid, seen from its touch, and as far as it may be led.
-        reach = [
-            (1.0 - link.solid_from) * link.length + 2 * link.radius + REACH
-            for link in (last[f] for f in range(len(FINGERS)))
-        ]
+        reach = {
+            f: (1.0 - link.solid_from) * link.length + 2 * link.radius + REACH
+            for f, link in last.items()
+        }
         self._things = [
             (
                 thing,
                 scene.object_bodies[thing.name],
-                [(scene.object_radius(thing.name) + far) ** 2 for far in reach],
+                {f: (scene.object_radius(thing.name) + far) ** 2 for f, far in reach.items()},
             )
             for thing in scene.spec.objects
         ]
@@ -100,7 +100,9 @@ class FingertipLeading:
             reconstruction: Current reconstruction from touches.
             ghost: The person wants the hand to pass through things, so none is in its way.
         """
-        self._before, self._touches = self._touches, reconstruction.touches
+        # A finger that the hand lacks holds nothing.
+        touches = {f: xy for f, xy in reconstruction.touches.items() if f in self._radius}
+        self._before, self._touches = self._touches, touches
         self._near = {} if ghost else self._things_near(data)
         return self._grip.step(self._touches, self._gate.fingers if self._near else GHOST)
 

@@ -60,7 +60,8 @@ def draw_beside(mapping: RobotMapping, picture: Path) -> None:
                 q[JOINTS][::3] = (person.upper + share * (person.lower - person.upper))[::3]
                 qpos[scene.qpos_slice(i)] = scene.pose_to_qpos(i, q)
                 tips = hands[i].tips_of()(q)
-                views.append(HandView(q, tips, frozenset(range(5)), "down", ()))
+                fingers = frozenset(link.finger for link in hands[i].links)
+                views.append(HandView(q, tips, fingers, "down", ()))
             shot = Snapshot(0.0, 0, qpos, tuple(views), {}, (), Score())
             pictures.append(np.asarray(renderer.without_texts(shot)))
     try:

@@ -172,6 +172,42 @@ def test_a_mirrored_hand_is_found_out(tmp_path: Path) -> None:
         assert fitted.other_side > 5 * fitted.side
 
 
+@pytest.mark.parametrize("fingers", [3, 4])
+@pytest.mark.parametrize("side", ["right", "left"])
+def test_a_hand_with_fewer_fingers_lacks_the_last_ones(
+    fingers: int, side: str, tmp_path: Path
+) -> None:
+    path = hinge_hand(tmp_path, side, tips=fingers)
+    fitted = fit_mapping(path, TIPS[:fingers])
+    assert fitted.mapping.side == side and fitted.other_side > 5 * fitted.side
+    path.with_suffix(".toml").write_text(fitted.mapping.as_toml())
+    person = ADULT if side == "right" else ADULT.mirrored()
+    hand = RobotHand(side, find_robot(str(path)), person)
+    assert {link.finger for link in hand.links} == set(range(fingers))
+    retargeter = hand.retargeter()
+    retargeter.follow(np.zeros(POSE_SIZE), {0, 1, 4})
+    assert retargeter.missed == {4} and len(retargeter.off) == fingers
+    retargeter.follow(np.zeros(POSE_SIZE), {0, 1})
+    assert retargeter.missed == frozenset()
+    q = np.zeros(POSE_SIZE)
+    off = np.linalg.norm(held_tips(hand, q) - hand.tips_of()(q)[:fingers], axis=1)
+    assert off.max() < 0.005
+
+
+def test_hands_of_mujoco_menagerie_are_looked_for_where_robot_descriptions_keeps_them(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("ROBOT_DESCRIPTIONS_CACHE", str(tmp_path))
+    for robot, file in (("allegro", "wonik_allegro"), ("leap", "leap_hand")):
+        mapping = find_robot(robot)
+        with pytest.raises(InputError, match=f"git clone .* {tmp_path}/mujoco_menagerie"):
+            _ = mapping.path
+        model = tmp_path / "mujoco_menagerie" / file / "right_hand.xml"
+        model.parent.mkdir(parents=True)
+        model.write_text("<mujoco/>")
+        assert mapping.path == model
+
+
 def test_a_mapping_is_read_as_it_was_written(mapping: RobotMapping, tmp_path: Path) -> None:
     file = tmp_path / "again.toml"
     file.write_text(mapping.as_toml())
@@ -208,20 +244,25 @@ def test_another_model_or_mapping_has_another_digest(mapping: RobotMapping, tmp_
 def bad_mappings() -> dict[str, tuple[str, str, str]]:
     """What is wrong -> text in the mapping, its replacement, and what the error says."""
     return {
-        "too few tips": ('"thumb_tip", ', "", "five tips"),
+        "too few tips": ('"thumb_tip", ', "", "as many radii as tips .got 5, expected 4"),
+        "one tip": ('"thumb_tip", "index_tip", "middle_tip", "ring_tip", ', "", "three to five"),
         "no such palm": ('palm = "palm"', 'palm = "fist"', "no body of this name for its palm"),
         "no such tip": ("index_tip", "index_top", "no site or body of this name"),
         "no such side": ('side = "right"', 'side = "upper"', "no such side"),
         "not TOML": ("tips = [", "tips = ", "not a mapping"),
         "a word for a number": ("scales = [", 'scales = ["long", ', "not a mapping"),
         "no model": ("right_hinges.xml", "wrong_hinges.xml", "is not there"),
-        "too few places": ("radii = [", "places = [[0, 0, 0]]\nradii = [", "five places"),
+        "too few places": (
+            "radii = [",
+            "places = [[0, 0, 0]]\nradii = [",
+            "as many places of tips",
+        ),
         "a package that is not there": (
             "right_hinges.xml",
             "no_such_hands:hand.xml",
             "the package with this hand is not installed: no_such_hands",
         ),
-        "a scale of nothing": ("radii = [", "radii = [-1, ", "five radii"),
+        "a radius too many": ("radii = [", "radii = [0.01, ", "as many radii as tips"),
     }
 
 
@@ -242,8 +283,9 @@ def test_models_that_are_no_hands_are_refused(tmp_path: Path) -> None:
     path = hinge_hand(tmp_path, tips=4)
     with pytest.raises(InputError, match="no site or body"):
         fit_mapping(path, TIPS)
-    with pytest.raises(InputError, match="five fingertips"):
-        fit_mapping(path, TIPS[:4])
+    for wrong in (TIPS[:2], (*TIPS, TIPS[0])):
+        with pytest.raises(InputError, match="three to five fingertips"):
+            fit_mapping(path, wrong)
     whole = hinge_hand(tmp_path).read_text(encoding="utf-8")
     path.write_text(whole.replace('range="0 90"', 'range="90 0"', 1))
     with pytest.raises(InputError, match=r"greater to a smaller number .got 'thumb_mcp'"):

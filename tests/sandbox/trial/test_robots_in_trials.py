@@ -8,7 +8,9 @@ from pathlib import Path
 import pytest
 
 from models.errors import RecordingError
+from models.robot.mapping_fit import fit_mapping
 from sandbox import TrialRun, replay_recording, run_trial
+from tests.models.robot.hinge_hand import TIPS, hinge_hand
 from tests.support.needs import require
 
 SEED = 3
@@ -50,3 +52,32 @@ def test_a_recording_of_another_model_or_mapping_is_refused(
     with pytest.raises(RecordingError, match="another") as error:
         replay_recording(file)
     assert "\n" not in str(error.value)
+
+
+@pytest.fixture(scope="module")
+def four_fingers(tmp_path_factory: pytest.TempPathFactory) -> str:
+    """A hand without a little finger, with its mapping."""
+    path = hinge_hand(tmp_path_factory.mktemp("four"), tips=4)
+    path.with_suffix(".toml").write_text(fit_mapping(path, TIPS[:4]).mapping.as_toml())
+    return str(path)
+
+
+def test_a_hand_without_a_little_finger_brings_the_box_to_its_goal_and_replays(
+    four_fingers: str, tmp_path: Path
+) -> None:
+    file = tmp_path / "run.jsonl"
+    run = run_trial("box-to-goal", SEED, record=file, robot=four_fingers, fingers=3)
+    assert run.success and run.result["unreached"] < 0.05
+    again = replay_recording(file, trajectories=False)
+    assert again.verification is not None and again.verification.exact
+    assert again.state_hash == run.state_hash
+
+
+def test_a_finger_that_the_robot_lacks_is_never_solid_and_is_counted_as_unreached(
+    four_fingers: str,
+) -> None:
+    run = run_trial("dial", SEED, robot=four_fingers, fingers=5)
+    assert run.trajectories is not None
+    (hand,) = run.trajectories.hands
+    assert hand.solid[:, :4].any() and not hand.solid[:, 4].any()
+    assert run.result["unreached"] > 0.3
