@@ -40,109 +40,105 @@ UNRECORDED = Phrases(
             r"((do|does|will|shall) (not|never)|don't|doesn't|won't|never) (record|store|save|"
             r"measure|"
             rf"log|keep|collect|track|time)\b((?!\b({_OTHER})\b)[^.;,])*?\b(touch(es)?|movements?|"
-            r"gestures?|motions?|fingers?|times?|speed|performance|how (fast|long|quick\w*))\b"
-            r"(?! [\w ]*\b(name|face|voice)\b)|"
-            r"(no|neither|not any|none of your) (touch(es)?|movements?|gestures?|motions?|times?|"
-            r"durations?|timing|measurements?|data)( (of any kind|at all|whatsoever|or \w+|nor \w+|"
+            r"gestures?|motions?|fingers?|times?|speed|performance|how (fast|long|quick\w*))\b(?! "
+            r"[\w ]*\b(name|face|voice)\b)|(no|neither|not any|none of your) (touch(es)?|"
+            r"movements?|gestures?|motions?|times?|durations?|timing|measurements?|data)( (of any "
+            r"kind|at all|whatsoever|or \w+|nor \w+|"
             rf"about how \w+ you are))* (is|are|will be|gets?) ({_KEPT_EN})\b{_NOT_HERE}|"
             rf"nothing (\w+ ){{0,5}}(is|will be|gets) ({_KEPT_EN})\b{_NOT_HERE}|"
             r"only (your |the )?(\w+ )?(answers|questionnaires?|ratings|responses|opinions?)"
             rf"((?!\b(touch\w*|movements?|times?)\b)[^.;])* (is|are|will be) ({_KEPT_EN})\b|"
             r"(record|store|save|keep|collect)s? (only|nothing but|solely|exclusively|just) (your |"
-            r"the )?(\w+ )?(answers|questionnaires?|ratings|responses|opinions?)\b(?! (and|,))"
+            r"the )?(\w+ )?(answers|questionnaires?|ratings|responses|opinions?)\b(?! (and|,))|the "
+            r"only (thing|data) (that )?(we|the program|it) (\w+ )?(keep|record|store|save)s? (is|"
+            r"are) (your |the )?(\w+ )?(answers|questionnaires?|ratings|responses)|no recordings? "
+            r"(is|are|will be) made\b(?! (of|with) (your )?(face|voice|name))|no data (about|on|"
+            r"from|of) you (is|are|will be) (\w+ )?(collected|recorded|stored|saved|kept)\b(?! "
+            r"(with|on|in|after|beyond))"
         ),
         "de": (
             r"(beruhrung\w*|bewegung\w*|finger\w*|geste\w*|zeit\w*|dauer|durchgang\w*|leistung\w*|"
             r"geschwindigkeit\w*|was sie tun)\b((?!\b(gesicht\w*|stimme\w*|name\w*|bild\w*|"
-            r"video\w*|"
-            r"ton|kamera|pausen?|ubung\w*|bevor|ohne|aufgezeichnet|gespeichert|gemessen|erfasst)\b)"
-            r"[^.;,])*?\b(nicht|nie|niemals|weder)( auch| irgendwie| weiter)? (aufgezeichnet|"
-            r"gespeichert|gemessen|erfasst|protokolliert|festgehalten|aufgenommen|erhoben|"
-            r"registriert|gestoppt)|"
-            r"kein\w* (\w+ )?(zeit(en)?|beruhrung\w*|bewegung\w*|daten|dauer|messung\w*|"
-            r"geschwindigkeit\w*|gesten)\b((?!\b(im|in|auf|an|ausserhalb|uber)\b)[^.;,])*"
-            r"(gemessen|aufgezeichnet|gespeichert|erfasst|erhoben|gestoppt|genommen)|"
-            r"(?<!ausser )(es wird )?nichts( davon| weiter)? (aufgezeichnet|gespeichert|gemessen|"
-            r"erfasst|erhoben)|"
-            r"(nur|ausschliesslich|lediglich|allein) (ihre|die|deine) (\w+ )?(antworten|angaben|"
-            r"fragebog\w*|einschatzung\w*)((?!\b(und|sowie)\b)[^.;])*(gespeichert|aufgezeichnet|"
-            r"erfasst|erhoben|festgehalten)|"
+            r"video\w*|ton|kamera|pausen?|ubung\w*|bevor|ohne|aufgezeichnet|gespeichert|gemessen|"
+            r"erfasst)\b)[^.;,])*?\b(nicht|nie|niemals|weder)( auch| irgendwie| weiter)? "
+            r"(aufgezeichnet|gespeichert|gemessen|erfasst|protokolliert|festgehalten|aufgenommen|"
+            r"erhoben|registriert|gestoppt)|kein\w* (\w+ )?(zeit(en)?|beruhrung\w*|bewegung\w*|"
+            r"daten|dauer|messung\w*|geschwindigkeit\w*|gesten)\b((?!\b(im|in|auf|an|ausserhalb|"
+            r"uber)\b)[^.;,])*(gemessen|aufgezeichnet|gespeichert|erfasst|erhoben|gestoppt|"
+            r"genommen)|(?<!ausser )(es wird )?nichts( davon| weiter)? (aufgezeichnet|gespeichert|"
+            r"gemessen|erfasst|erhoben)|(nur|ausschliesslich|lediglich|allein) (ihre|die|deine) "
+            r"(\w+ )?(antworten|angaben|fragebog\w*|einschatzung\w*)((?!\b(und|"
+            r"sowie)\b)[^.;])*(gespeichert|aufgezeichnet|erfasst|erhoben|festgehalten)|"
             r"(gespeichert|aufgezeichnet|erfasst|erhoben|festgehalten|speichern|erfassen|erheben) "
-            r"(werden |wird |wir )?(nur|ausschliesslich|lediglich|allein) (ihre |die )?(\w+ )?"
-            r"(antworten|angaben|fragebog\w*|einschatzung\w*)\b(?!,? (und|sowie))"
+            r"(werden |wird |wir )?(nur|ausschliesslich|lediglich|allein) (ihre |die )?(\w+ "
+            r")?(antworten|angaben|fragebog\w*|einschatzung\w*)\b(?!,? (und|sowie))|(zeichn|"
+            r"speicher|mess|stopp|erfass|protokollier|erheb)\w* (wir |das programm |hier )?(gar |"
+            r"uberhaupt )?(nichts\b(?! ausser|,? was| uber)|kein\w* (\w+ )?(zeit|beruhrung|"
+            r"bewegung|daten\b|geste|dauer))|(zeichn|speicher|mess|erfass|erheb)\w* (wir |das "
+            r"programm )?(nur|ausschliesslich|lediglich),? (das, )?was [^.]*(frageb|antwort|"
+            r"ankreuz)"
         ),
         "fr": (
             r"(toucher\w*|contacts?|mouvements?|gestes?|doigts?|temps|durees?|essais?|vitesse|"
-            r"performances?)\b((?!\b(visage|voix|noms?|image\w*|video|camera|enregistre\w*)\b)"
-            r"[^.;,])*?\b(ne |n')\w+ (pas|jamais|plus)( ete)? (enregistre|mesure|conserve|"
-            r"chronometre|stocke|collecte|garde|note)\w*(?! (avec|sous|pendant|durant|avant|"
-            r"au-dela))|"
-            r"(aucune?|ni) (temps|durees?|mouvements?|gestes?|touchers?|contacts?|donnees?|"
-            r"mesures?|"
-            r"vitesse)\b[^.;,]*\b(n'est|ne sera|ne sont|n'etait)( \w+)? (enregistre|mesure|"
-            r"conserve|"
-            r"stocke|collecte|chronometre|prise?)\w*|"
-            r"rien (de cela |d'autre )?(n'est|ne sera) (enregistre|mesure|conserve|collecte)\w*|"
-            r"n'(enregistr|mesur|conserv|collect|chronometr)\w+ (pas|ni|aucun\w*|jamais) ([\w']+ )?"
-            r"(touchers?|contacts?|mouvements?|gestes?|temps|durees?|vitesse)|ne (mesurons|gardons|"
-            r"conservons|collectons|chronometrons) (pas|ni|aucun\w*) ([\w']+ )?(touchers?|"
-            r"contacts?|"
-            r"mouvements?|gestes?|temps|durees?|vitesse)|"
-            r"(seules|uniquement|seulement|exclusivement) (vos|les) reponses\b((?!\bet\b)[^.;])*"
-            r"(enregistre|conserve|stocke|collecte|garde)|n'(enregistrons|conservons|collectons) "
-            r"que "
-            r"(vos|les) reponses|(enregistrons|conservons|collectons) (uniquement|seulement) (vos|"
-            r"les) reponses\b(?! et)"
+            r"performances?)\b((?!\b(visage|voix|noms?|image\w*|video|camera|"
+            r"enregistre\w*)\b)[^.;,])*?\b(ne |n')\w+ (pas|jamais|plus)( ete)? (enregistre|mesure|"
+            r"conserve|chronometre|stocke|collecte|garde|note)\w*(?! (avec|sous|pendant|durant|"
+            r"avant|au-dela))|(aucune?|ni) (temps|durees?|mouvements?|gestes?|touchers?|contacts?|"
+            r"donnees?|mesures?|vitesse)\b[^.;,]*\b(n'est|ne sera|ne sont|n'etait)( \w+)? "
+            r"(enregistre|mesure|conserve|stocke|collecte|chronometre|prise?)\w*|rien (de cela |"
+            r"d'autre )?(n'est|ne sera) (enregistre|mesure|conserve|collecte)\w*|n'(enregistr|"
+            r"mesur|conserv|collect|chronometr)\w+ (pas|ni|aucun\w*|jamais) ([\w']+ )?(touchers?|"
+            r"contacts?|mouvements?|gestes?|temps|durees?|vitesse)|ne (mesurons|gardons|conservons|"
+            r"collectons|chronometrons) (pas|ni|aucun\w*) ([\w']+ )?(touchers?|contacts?|"
+            r"mouvements?|gestes?|temps|durees?|vitesse)|(seules|uniquement|seulement|"
+            r"exclusivement) (vos|les) reponses\b((?!\bet\b)[^.;])*(enregistre|conserve|stocke|"
+            r"collecte|garde)|n'(enregistrons|conservons|collectons) que (vos|les) reponses|"
+            r"(enregistrons|conservons|collectons) (uniquement|seulement) (vos|les) reponses\b(?! "
+            r"et)|ne (memoris|retien|mesur|gard|conserv|collect|chronometr|stock)\w* (rien\b|(pas|"
+            r"ni|aucun\w*) ([\w']+ )?(touchers?|contacts?|mouvements?|gestes?|temps|durees?|"
+            r"vitesse))|n'enregistr\w+ rien\b"
         ),
         "es": (
             r"(toques?|movimientos?|gestos?|dedos|tiempos?|duracion\w*|ensayos?|velocidad|"
             r"rendimiento)\b((?!\b(rostro|cara|voz|nombres?|imagen\w*|video|camara|registr\w+|"
             r"grab\w+)\b)[^.;,])*?\b(no|nunca) (se )?(sera\w* |son |estan |queda\w* )?(registr|"
-            r"grab|"
-            r"guard|mid|med|almacen|recog|cronometr)\w*(?! (con|bajo|durante|antes|fuera))|"
-            r"no (se )?(le )?(registr|grab|guard|mid|med|almacen|recog|cronometr|tom)\w* "
+            r"grab|guard|mid|med|almacen|recog|cronometr)\w*(?! (con|bajo|durante|antes|fuera))|no "
+            r"(se )?(le )?(registr|grab|guard|mid|med|almacen|recog|cronometr|tom)\w* "
             r"((?!\b(rostro|cara|voz|nombres?|imagen\w*|video|camara)\b)[^.;,])*?\b(toques?|"
-            r"movimientos?|gestos?|tiempos?|dedos|velocidad|duracion)\b|"
-            r"(nada (se|sera) (registr|grab|guard|almacen)\w*|no (se )?(registr|grab|guard|"
-            r"almacen)\w* "
-            r"nada)|ningun\w* (dato|tiempo|movimiento|toque|gesto)s? (se|sera|es)\b[^.;,]*(registr|"
-            r"grab|guard|mid|almacen)\w*|"
-            r"(solo|solamente|unicamente|exclusivamente) (se )?(guard|registr|grab|almacen|"
-            r"recog)\w* "
-            r"(sus|tus|las) respuestas\b(?! y)|(solo|solamente|unicamente|exclusivamente) (sus|tus|"
-            r"las) "
-            r"respuestas\b((?! y )[^.;])*(guard|registr|grab|almacen|recog)"
+            r"movimientos?|gestos?|tiempos?|dedos|velocidad|duracion)\b|(nada (se|sera) (registr|"
+            r"grab|guard|almacen)\w*|no (se )?(registr|grab|guard|almacen)\w* nada)|ningun\w* "
+            r"(dato|tiempo|movimiento|toque|gesto)s? (se|sera|es)\b[^.;,]*(registr|grab|guard|mid|"
+            r"almacen)\w*|(solo|solamente|unicamente|exclusivamente) (se )?(guard|registr|grab|"
+            r"almacen|recog)\w* (sus|tus|las) respuestas\b(?! y)|(solo|solamente|unicamente|"
+            r"exclusivamente) (sus|tus|las) respuestas\b((?! y )[^.;])*(guard|registr|grab|almacen|"
+            r"recog)|no (se )?(mid|cronometr|registr)\w* (cuanto|como)\b"
         ),
         "it": (
             r"(tocch\w*|movimenti|gesti|dita|temp[oi]|durat\w*|prove|velocita)\b((?!\b(volto|viso|"
             r"voce|nome|immagin\w*|video)\b)[^.;,])*?\bnon (viene|vengono|sono|e|sara|saranno) "
-            r"(registrat|misurat|salvat|conservat|raccolt|memorizzat|cronometrat)\w*|"
-            r"non (registr|misur|salv|conserv|raccogl)\w* ((?!\b(volto|viso|voce|nome)\b)[^.;,])*?"
-            r"\b(tocch\w*|movimenti|gesti|temp[oi]|durata|velocita)\b|nessun\w* (tempo|movimento|"
-            r"tocco|"
-            r"gesto|dato) (viene|e|sara) (registrat|misurat|salvat|conservat|raccolt)\w*|"
-            r"(solo|soltanto|esclusivamente|unicamente) le (sue |tue )?risposte\b(?! e)"
+            r"(registrat|misurat|salvat|conservat|raccolt|memorizzat|cronometrat)\w*|non (registr|"
+            r"misur|salv|conserv|raccogl)\w* ((?!\b(volto|viso|voce|nome)\b)[^.;,])*?\b(tocch\w*|"
+            r"movimenti|gesti|temp[oi]|durata|velocita)\b|nessun\w* (tempo|movimento|tocco|gesto|"
+            r"dato) (viene|e|sara) (registrat|misurat|salvat|conservat|raccolt)\w*|(solo|soltanto|"
+            r"esclusivamente|unicamente) le (sue |tue )?risposte\b(?! e)"
         ),
         "nl": (
             r"(aanraking\w*|beweging\w*|gebaren|vingers?|tijd\w*|duur|snelheid)\b((?!\b(gezicht|"
-            r"stem|"
-            r"naam|beeld|video)\b)[^.;,])*?\bniet (opgenomen|opgeslagen|gemeten|vastgelegd|bewaard|"
-            r"geregistreerd)|geen (tijd\w*|aanraking\w*|beweging\w*|gegevens|data) (\w+ ){0,2}"
-            r"(opgenomen|opgeslagen|gemeten|vastgelegd|bewaard)|(alleen|uitsluitend) (uw|je|de) "
-            r"antwoorden\b(?! en)"
+            r"stem|naam|beeld|video)\b)[^.;,])*?\bniet (opgenomen|opgeslagen|gemeten|vastgelegd|"
+            r"bewaard|geregistreerd)|geen (tijd\w*|aanraking\w*|beweging\w*|gegevens|data) (\w+ "
+            r"){0,2}(opgenomen|opgeslagen|gemeten|vastgelegd|bewaard)|(alleen|uitsluitend) (uw|je|"
+            r"de) antwoorden\b(?! en)"
         ),
         "pt": (
             r"(toques?|movimentos?|gestos?|dedos|tempos?|duracao|velocidade)\b((?!\b(rosto|voz|"
-            r"nome|"
-            r"imagem|video)\b)[^.;,])*?\bnao (sao|sera|serao|e) (registrad|gravad|guardad|medid|"
-            r"armazenad|recolhid|coletad)\w*|(so|somente|apenas|exclusivamente) (as )?(suas )?"
-            r"respostas\b(?! e)"
+            r"nome|imagem|video)\b)[^.;,])*?\bnao (sao|sera|serao|e) (registrad|gravad|guardad|"
+            r"medid|armazenad|recolhid|coletad)\w*|(so|somente|apenas|exclusivamente) (as )?(suas "
+            r")?respostas\b(?! e)"
         ),
         "zh": (
             r"(不|没有|不会)(会)?(记录|保存|测量|收集|存储)(您的|任何)?(触摸|动作|时间|移动|手指|"
-            r"数据)|"
-            r"(触摸|动作|时间|手指)[^。，]{0,6}(不|不会)(被)?(记录|保存|测量)|"
-            r"(只|仅)(会)?(记录|保存|收集)(您的)?(回答|答案|问卷)(?!和|与|、)"
+            r"数据)|(触摸|动作|时间|手指)[^。，]{0,6}(不|不会)(被)?(记录|保存|测量)|(只|"
+            r"仅)(会)?(记录|保存|收集)(您的)?(回答|答案|问卷)(?!和|与|、)"
         ),
         "ja": (
             r"(タッチ|動き|動作|時間|指)[^。、]{0,6}(記録|測定|保存|計測)(は)?(しません|されません|"
@@ -174,10 +170,9 @@ PERSON = Phrases(
     {
         "en": (
             r"(another|(the |a )?second|(the |an )?other|a fellow|a real|a human) (participant|"
-            r"person|"
-            r"player|student|volunteer|human|partner|user)|someone else|somebody else|(your|a|the) "
-            r"(human )?partner\b|(next|other|different|adjacent|neighbou?ring) room|next door|"
-            r"(a|your|my) colleague|team ?mate"
+            r"person|player|student|volunteer|human|partner|user)|someone else|somebody else|(your|"
+            r"a|the) (human )?partner\b|(next|other|different|adjacent|neighbou?ring) room|next "
+            r"door|(a|your|my) colleague|team ?mate"
         ),
         "de": (
             r"(eine?[rnm]?|die|der|den|dem|ihr[em]?) (andere|zweite|weitere|echte|reale)[rnms]? "
@@ -188,15 +183,12 @@ PERSON = Phrases(
         "fr": (
             r"(une? autre|l'autre|une? seconde?|une? vraie?) (participant|personne|joueu|etudiant|"
             r"partenaire)\w*|(votre|un|une) partenaire|(piece|salle|chambre) (voisine|d'a cote|a "
-            r"cote)|"
-            r"quelqu'un d'autre|coequipier\w*"
+            r"cote)|quelqu'un d'autre|coequipier\w*"
         ),
         "es": (
             r"(otr[oa]|segund[oa]) (participante|persona|jugador|estudiante|voluntari)\w*|(su|un|"
-            r"una|"
-            r"tu) (companer[oa]|pareja)|(sala|habitacion|cuarto) (de al lado|contigu[oa]|"
-            r"vecin[oa])|"
-            r"alguien mas"
+            r"una|tu) (companer[oa]|pareja)|(sala|habitacion|cuarto) (de al lado|contigu[oa]|"
+            r"vecin[oa])|alguien mas"
         ),
         "it": (
             r"(un altro|un'altra|un secondo|una seconda) (partecipante|persona|giocat|studente)\w*|"
@@ -217,9 +209,24 @@ PERSON = Phrases(
     }
 )
 """People beside the participant."""
+LEADER = Phrases(
+    {
+        "en": r"experimenter|researcher|investigator|assistant|supervisor|staff",
+        "de": r"versuchsleit\w*|untersuch\w*|forsch\w*|studienleit\w*|assistent\w*",
+        "fr": r"experimentat\w*|chercheu\w*|responsable|assistant\w*",
+        "es": r"investigador\w*|experimentador\w*|responsable|asistente",
+        "it": r"sperimentat\w*|ricercat\w*|responsabile|assistente",
+        "nl": r"onderzoek\w*|proefleid\w*|begeleid\w*",
+        "pt": r"investigador\w*|pesquisador\w*|responsavel|assistente",
+    }
+)
+"""Those who run a study, who may wait next door."""
 SHARED = Phrases(
     {
-        "en": r"\w*hand\b|mov\w+|carr\w+|together|control\w*|steer\w*|lift\w*|hold\w*|play\w*|room",
+        "en": (
+            r"\w*hand\b|mov\w+|carr\w+|together|control\w*|steer\w*|lift\w*|hold\w*|play\w*|room|"
+            r"team\w*|partner|next door"
+        ),
         "de": (
             r"\w*hand\b|beweg\w*|trag\w*|gemeinsam|zusammen|steuer\w*|heb\w*|halt\w*|spiel\w*|"
             r"\w*raum"
@@ -243,44 +250,35 @@ MACHINE = Phrases(
         "en": (
             r"(simulated|virtual|artificial|automatic|automated|programmed|computer\w*|robot\w*|"
             r"machine|ai)([ -](controlled|generated|driven|moved|based))? (partner|person|user|"
-            r"player|"
-            r"participant|agent|human|colleague|team ?mate|helper)|(partner|second hand|other hand|"
-            r"it)\b"
-            r"[^.]*\b(is|was|are|were) (\w+ )?(simulated|controlled by|moved by|steered by|played "
-            r"by|a "
-            r"(computer|program|robot|machine|simulation)|software|not (a |another )?(person|human|"
-            r"real))|(computer|program|software|algorithm|robot|simulation|machine|ai) (itself )?"
-            r"(moves?|controls?|steers?|plays?|guides?|moved|controlled|steered|played|guided|"
-            r"takes?|"
-            r"took|carries|helps)|by (a|the|our|an) (\w+ )?(computer|program|software|algorithm|"
-            r"robot|"
-            r"machine|simulation|ai)\b|no (human|(other |second )?person)\b"
+            r"player|participant|agent|human|colleague|team ?mate|helper)|(partner|second hand|"
+            r"other hand|it)\b[^.]*\b(is|was|are|were) (\w+ )?(simulated|controlled by|moved by|"
+            r"steered by|played by|a (computer|program|robot|machine|simulation)|software|not (a |"
+            r"another )?(person|human|real))|(computer|program|software|algorithm|robot|simulation|"
+            r"machine|ai) (itself )?(moves?|controls?|steers?|plays?|guides?|moved|controlled|"
+            r"steered|played|guided|takes?|took|carries|helps)|by (a|the|our|an) (\w+ )?(computer|"
+            r"program|software|algorithm|robot|machine|simulation|ai)\b|no (human|(other |second "
+            r")?person)\b"
         ),
         "de": (
             r"(simulierte|virtuelle|kunstliche|computergesteuerte|automatische)\w* (partner|person|"
             r"mitspieler|mensch|spieler|teilnehm|agent)\w*|(computer|programm|rechner|software|"
             r"algorithmus|roboter|simulation|ki)\b[^.]*(bewegt|steuert|fuhrt|ubernimmt|spielt|"
-            r"tragt|"
-            r"gesteuert)|(vom|von eine[rm]|durch (ein|einen|das|den)|von der) (\w+ )?(computer|"
-            r"programm|"
-            r"rechner|algorithmus|roboter|software|simulation|ki)\w*|(zweite|andere) hand[^.]*"
-            r"simuliert|kein mensch|keine (andere )?person"
+            r"tragt|gesteuert)|(vom|von eine[rm]|durch (ein|einen|das|den)|von der) (\w+ "
+            r")?(computer|programm|rechner|algorithmus|roboter|software|simulation|ki)\w*|(zweite|"
+            r"andere) hand[^.]*simuliert|kein mensch|keine (andere )?person"
         ),
         "fr": (
             r"(partenaire|personne|joueur|participant\w*) (simule|virtuel|artificiel)\w*|"
-            r"(ordinateur|"
-            r"programme|logiciel|algorithme|robot|machine|simulation)\b[^.]*(guid|dirig|boug|"
-            r"deplac|"
-            r"command|control|jou|pilot|port|bouge)\w*|par (l'ordinateur|un ordinateur|(le|un) "
-            r"(programme|logiciel|robot|algorithme))|(seconde|autre|deuxieme) main[^.]*simule"
+            r"(ordinateur|programme|logiciel|algorithme|robot|machine|simulation)\b[^.]*(guid|"
+            r"dirig|boug|deplac|command|control|jou|pilot|port|bouge)\w*|par (l'ordinateur|un "
+            r"ordinateur|(le|un) (programme|logiciel|robot|algorithme))|(seconde|autre|deuxieme) "
+            r"main[^.]*simule"
         ),
         "es": (
             r"(companer[oa]|persona|pareja|participante) (simulad|virtual|artificial)\w*|"
-            r"(ordenador|"
-            r"computador\w*|programa|robot|algoritmo|simulacion)\b[^.]*(muev|movi|guia|control|"
-            r"manej|"
-            r"dirig|llev)\w*|por (el|un|una|la) (ordenador|computador\w*|programa|robot|algoritmo)|"
-            r"(segunda|otra) mano[^.]*simulad"
+            r"(ordenador|computador\w*|programa|robot|algoritmo|simulacion)\b[^.]*(muev|movi|guia|"
+            r"control|manej|dirig|llev)\w*|por (el|un|una|la) (ordenador|computador\w*|programa|"
+            r"robot|algoritmo)|(segunda|otra) mano[^.]*simulad"
         ),
         "it": (
             r"(compagn[oa]|persona|partner|partecipante) (simulat|virtual|artificial)\w*|(computer|"
@@ -294,9 +292,8 @@ MACHINE = Phrases(
         ),
         "pt": (
             r"(parceir[oa]|pessoa|participante) (simulad|virtual|artificial)\w*|(computador|"
-            r"programa|"
-            r"robo|algoritmo)\b[^.]*(mov|gui|control|lev)\w*|(pelo|por um) (computador|programa|"
-            r"robo)"
+            r"programa|robo|algoritmo)\b[^.]*(mov|gui|control|lev)\w*|(pelo|por um) (computador|"
+            r"programa|robo)"
         ),
         "zh": (
             r"(模拟|虚拟|电脑|计算机|程序|机器人|人工智能)(的)?(搭档|伙伴|参与者|用户|控制|移动|"
@@ -315,44 +312,40 @@ MACHINE = Phrases(
 TOUCHING = Phrases(
     {
         "en": (
-            r"(touch|tap|press|place|put|rest|lay)\w* [^.;]*\b(on|onto) (the|your|a) "
-            r"(touch ?)?(screen|tablet|glass|surface)|touch the (screen|tablet|glass|surface)"
+            r"(touch|tap|press|place|put|rest|lay)\w* [^.;]*\b(on|onto) (the|your|a) (touch "
+            r"?)?(screen|tablet|glass|surface)|touch the (screen|tablet|glass|surface)"
         ),
         "de": (
-            r"(leg|setz|tipp|druck|beruhr)\w* [^.;]*\b(auf|den) (den |das |die )?"
-            r"(\w*bildschirm|tablet|glas|oberflache)"
+            r"(leg|setz|tipp|druck|beruhr)\w* [^.;]*\b(auf|den) (den |das |die )?(\w*bildschirm|"
+            r"tablet|glas|oberflache)"
         ),
         "fr": (
-            r"(pos|appuy|mett|touch)\w* [^.;]*\b(sur|l') ?(l'|la |le )?(ecran|"
-            r"tablette|"
-            r"vitre|surface)"
+            r"(pos|appuy|mett|touch)\w* [^.;]*\b(sur|l') ?(l'|la |le )?(ecran|tablette|vitre|"
+            r"surface)"
         ),
         "es": (
-            r"(pon|toqu|puls|coloqu|apoy)\w* [^.;]*\b(en|sobre|la) (la |el )?(pantalla|"
-            r"tableta|superficie)"
+            r"(pon|toqu|puls|coloqu|apoy)\w* [^.;]*\b(en|sobre|la) (la |el )?(pantalla|tableta|"
+            r"superficie)"
         ),
     }
 )
 HOVERING = Phrases(
     {
         "en": (
-            r"(hold|keep|place|move|put|raise)\w* [^.;]*\b(over|above|in front of|"
-            r"before) "
-            r"(the|a) (\w+ )?(sensor|camera|webcam|leap|controller)"
+            r"(hold|keep|place|move|put|raise)\w* [^.;]*\b(over|above|in front of|before) (the|a) "
+            r"(\w+ )?(sensor|camera|webcam|leap|controller)"
         ),
         "de": (
-            r"(halt|beweg|heb)\w* [^.;]*\b(uber|vor) (den|die|der|das|dem|"
-            r"eine[rnm]?) "
-            r"(\w+ )?(sensor|\w*kamera|webcam|leap)"
+            r"(halt|beweg|heb)\w* [^.;]*\b(uber|vor) (den|die|der|das|dem|eine[rnm]?) (\w+ "
+            r")?(sensor|\w*kamera|webcam|leap)"
         ),
         "fr": (
-            r"(ten|gard|plac|boug|mett|lev)\w* [^.;]*\b(au-dessus du|devant (la|le)|"
-            r"face a la) (capteur|camera|webcam|leap)"
+            r"(ten|gard|plac|boug|mett|lev)\w* [^.;]*\b(au-dessus du|devant (la|le)|face a la) "
+            r"(capteur|camera|webcam|leap)"
         ),
         "es": (
-            r"(manten|pon|muev|coloqu|sosten)\w* [^.;]*\b(sobre|encima d|delante d|"
-            r"frente "
-            r"a)(el|e la| el| la|e el)? ?(sensor|camara|webcam|leap)"
+            r"(manten|pon|muev|coloqu|sosten)\w* [^.;]*\b(sobre|encima d|delante d|frente a)(el|e "
+            r"la| el| la|e el)? ?(sensor|camara|webcam|leap)"
         ),
     }
 )
@@ -440,7 +433,8 @@ def _hidden_partner(design: Design) -> Iterator[Flaw]:
             continue
         for told in _said(design):
             for sentence in sentences(told.text[language]):
-                if PERSON.match(sentence, language) and SHARED.match(sentence, language):
+                shared = PERSON.match(sentence, language) and SHARED.match(sentence, language)
+                if shared and not LEADER.match(sentence, language):
                     yield Flaw(
                         told.path,
                         "people are told of somebody who moves the second hand; it is simulated, "

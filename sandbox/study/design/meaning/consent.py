@@ -16,64 +16,60 @@ FORCED = Phrases(
             r"(?<!nobody )(?<!no one )(?<!no-one )(is|are|be|am) (strictly )?(required|obliged|"
             r"obligated|compelled|forced) to (take part|participate|attend|complete|finish|stay|"
             r"continue)|(participation|taking part|attendance) (in [\w ]+ )?is (mandatory|"
-            r"compulsory|required|obligatory|not voluntary|not optional)|(mandatory|"
-            r"compulsory) (participation|part of)|withdraw\w*[^.,;]* (is|are) (not (possible|"
-            r"allowed|permitted)|impossible|excluded)|(?<!not )(?<!n't )(must|have to|"
-            r"need to) (take part|participate|(complete|finish|do) (all|every|the whole|"
-            r"the entire))|(you|participants?|students?|nobody|no one|who\w*)[^.,;]* (must not|"
-            r"may not|cannot|can ?not|can't|can no longer|are not (allowed|permitted|free|"
-            r"able) to|is (not )?allowed to) (stop|quit|leave|withdraw|drop out|break off|"
-            r"change your mind|end)|(no|without (a|any|the)) (right|possibility|way) (to|"
-            r"of) (stop|quit|leav|withdraw)|(consent|agreement) (cannot|can ?not|"
-            r"can't) be (withdrawn|revoked)|(?<!not )(?<!nobody )"
-            r"(?<!no one )(?<!without )(fails?|failing|failed) "
-            r"(the|this|that|your|a) (course|class|exercise|module|exam|seminar|assignment)|"
-            r"(participation|taking part|attendance) (in [\w ]+ )?is (a |an )?(condition|"
-            r"precondition|prerequisite|requirement|duty)|(treatment|therapy|care|grade|mark|job|"
-            r"contract|promotion|place)\b[^.;]*\b(?<!not )depends? on (your )?(participation|"
-            r"taking "
-            r"part|whether you|this study)"
+            r"compulsory|required|obligatory|not voluntary|not optional)|(mandatory|compulsory) "
+            r"(participation|part of)|withdraw\w*[^.,;]* (is|are) (not (possible|allowed|"
+            r"permitted)|impossible|excluded)|(?<!not )(?<!n't )(must|have to|need to) (take part|"
+            r"participate|(complete|finish|do) (all|every|the whole|the entire))|(you|"
+            r"participants?|students?|nobody|no one|who\w*)[^.,;]* (must not|may not|cannot|can "
+            r"?not|can't|can no longer|are not (allowed|permitted|free|able) to|is (not )?allowed "
+            r"to) (stop|quit|leave|withdraw|drop out|break off|change your mind|end)|(no|without "
+            r"(a|any|the)) (right|possibility|way) (to|of) (stop|quit|leav|withdraw)|(consent|"
+            r"agreement) (cannot|can ?not|can't) be (withdrawn|revoked)|(?<!not )(?<!nobody "
+            r")(?<!no one )(?<!without )(fails?|failing|failed) (the|this|that|your|a) (course|"
+            r"class|exercise|module|exam|seminar|assignment)|(participation|taking part|"
+            r"attendance) (in [\w ]+ )?is (a |an )?(condition|precondition|prerequisite|"
+            r"requirement|duty)|(treatment|therapy|care|grade|mark|job|contract|promotion|"
+            r"place)\b[^.;]*\b(?<!not )depends? on (your )?(participation|taking part|whether you|"
+            r"this study)"
         ),
         "de": (
             r"(teilnahme|mitmachen|anwesenheit) ist ((?!nicht|kein)\w+ ){0,4}(verpflichtend|"
             r"pflicht|obligatorisch|vorgeschrieben|nicht freiwillig)|(?<!niemand )(sind|bist|ist|"
-            r"seid) (sie |du |ihr )?(?!nicht|keines)(\w+ )?verpflichtet|(mussen|musst|"
-            r"muss) ((?!nicht|kein)\w+ )?(teilnehmen|(alle|samtliche|jeden) [^.,;]*(abschliessen|"
-            r"beenden|machen|absolvieren|erledigen)|bis zum (ende|schluss))|(durfen|konnen|darf|"
-            r"kann|kannst|darfst)[^.,;]* nicht (mehr )?(\w+ ){0,2}(aufhoren|abbrechen|"
-            r"zurucktreten|widerrufen|zuruckgezogen|aussteigen|gehen)|kein (recht|widerruf|"
-            r"rucktritt|abbruch)|(widerruf|rucktritt|abbruch)\w* ist (nicht|aus)|"
-            r"(?<!nicht )(als|gilt|gelten|haben|hat) (\w+ ){0,3}nicht bestanden|"
-            r"(?<!nicht )(durchfallen|durchgefallen)|"
-            r"teilnahme ist (die |eine? )?(voraussetzung|bedingung|pflicht)|(behandlung|therapie|"
-            r"note|stelle|vertrag|versorgung)\b[^.;]*\b(hangt|hangen) (?!nicht)[^.;]*(teilnahme|"
-            r"teilnehmen|mitmachen)"
+            r"seid) (sie |du |ihr )?(?!nicht|keines)(\w+ )?verpflichtet|(mussen|musst|muss) "
+            r"((?!nicht|kein)\w+ )?(teilnehmen|(alle|samtliche|jeden) [^.,;]*(abschliessen|beenden|"
+            r"machen|absolvieren|erledigen)|bis zum (ende|schluss))|(durfen|konnen|darf|kann|"
+            r"kannst|darfst)[^.,;]* nicht (mehr )?(\w+ ){0,2}(aufhoren|abbrechen|zurucktreten|"
+            r"widerrufen|zuruckgezogen|aussteigen|gehen)|kein (recht|widerruf|rucktritt|abbruch)|"
+            r"(widerruf|rucktritt|abbruch)\w* ist (nicht|aus)|(?<!nicht )(als|gilt|gelten|haben|"
+            r"hat) (\w+ ){0,3}nicht bestanden|(?<!nicht )(durchfallen|durchgefallen)|teilnahme ist "
+            r"(die |eine? )?(voraussetzung|bedingung|pflicht)|(behandlung|therapie|note|stelle|"
+            r"vertrag|versorgung)\b[^.;]*\b(hangt|hangen) (?!nicht)[^.;]*(teilnahme|teilnehmen|"
+            r"mitmachen)"
         ),
         "fr": (
             r"participation (\w+ ){0,4}est obligatoire|(etes|es|est) ((?!pas)\w+ )?(tenue?s?|"
-            r"obligee?s?) d[e']|(vous|tu) ne (pouvez|pourrez|devez|peux|pourras) (pas|"
-            r"plus) (\w+ )?(arreter|interrompre|vous retirer|te retirer|quitter|abandonner)|"
-            r"(devez|dois) (participer|terminer|finir)|(cours|module|examen|unite|exercice|tp|"
-            r"td)[^.;]* ne (sera|seront|serez)[^.;]* valide|participation est (une |la )?"
-            r"condition|(echouer|echouez) (au|a la|a l')|(traitement|therapie|note|contrat|"
-            r"soins)\b[^.;]* depend\w* de (votre|ta) participation"
+            r"obligee?s?) d[e']|(vous|tu) ne (pouvez|pourrez|devez|peux|pourras) (pas|plus) (\w+ "
+            r")?(arreter|interrompre|vous retirer|te retirer|quitter|abandonner)|(devez|dois) "
+            r"(participer|terminer|finir)|(cours|module|examen|unite|exercice|tp|td)[^.;]* ne "
+            r"(sera|seront|serez)[^.;]* valide|participation est (une |la )?condition|(echouer|"
+            r"echouez) (au|a la|a l')|(traitement|therapie|note|contrat|soins)\b[^.;]* depend\w* "
+            r"de (votre|ta) participation"
         ),
         "es": (
-            r"participacion ((?!no\b)\w+ ){0,4}es obligatoria|(?<!no )(esta|estas|"
-            r"estan) obligad[oa]s? a|no (puede|podra|puedes|podras|pueden) (detener|parar|retirar|"
+            r"participacion ((?!no\b)\w+ ){0,4}es obligatoria|(?<!no )(esta|estas|estan) "
+            r"obligad[oa]s? a|no (puede|podra|puedes|podras|pueden) (detener|parar|retirar|"
             r"abandonar|interrumpir|dejar)|(debe|debes|tiene que|tienes que) (participar|"
-            r"(completar|terminar|hacer) tod[oa]s)|(?<!no )suspend(e|era|eran|en) "
-            r"(la|el) (asignatura|curso|practica|examen)|no (aprobara|superara) "
-            r"(la|el) (asignatura|curso|practica|examen)|"
-            r"participacion es (una |un |la )?(condicion|requisito)|(tratamiento|terapia|nota|"
-            r"contrato)\b[^.;]* (?<!no )depende\w* de (su|tu) participacion"
+            r"(completar|terminar|hacer) tod[oa]s)|(?<!no )suspend(e|era|eran|en) (la|el) "
+            r"(asignatura|curso|practica|examen)|no (aprobara|superara) (la|el) (asignatura|curso|"
+            r"practica|examen)|participacion es (una |un |la )?(condicion|requisito)|(tratamiento|"
+            r"terapia|nota|contrato)\b[^.;]* (?<!no )depende\w* de (su|tu) participacion"
         ),
         "it": (
             r"partecipazione ((?!non)\w+ ){0,4}e obbligatoria|(?<!non )e (tenut|obbligat)[oai] a|"
-            r"non (puo|puoi|potra|potrai) (interrompere|ritirar|smettere|fermar|abbandonare)|"
-            r"(deve|devi) (partecipare|(completare|finire) tutt[ei])|(corso|esame|modulo)[^.;]* "
-            r"non (sara|verra|viene|e) (superato|valid|approvat)\w*|"
-            r"partecipazione e (una |la )?condizione"
+            r"non (puo|puoi|potra|potrai) (interrompere|ritirar|smettere|fermar|abbandonare)|(deve|"
+            r"devi) (partecipare|(completare|finire) tutt[ei])|(corso|esame|modulo)[^.;]* non "
+            r"(sara|verra|viene|e) (superato|valid|approvat)\w*|partecipazione e (una |la "
+            r")?condizione"
         ),
         "nl": (
             r"deelname (\w+ ){0,4}is verplicht|(bent|ben) (u |je )?verplicht|(kunt|mag|kan|"
@@ -97,11 +93,11 @@ FORCED = Phrases(
 LEAVES = Phrases(
     {
         "en": (
-            r"stop|stops|stopping|leaving|quitting|quit|quits|leave early|leaves|withdraw\w*|"
-            r"drop out|drops out|break off|(do|does|did) not (finish|complete|take part|"
-            r"participate|agree)|declin\w+|refus\w+|not (finishing|completing|taking part)|"
-            r"incomplete|only (those|people|participants|students)?[^.]*(finish|complet)|(if|"
-            r"when) (you|they) (finish|complete)"
+            r"stop|stops|stopping|leaving|quitting|quit|quits|leave early|leaves|withdraw\w*|drop "
+            r"out|drops out|break off|(do|does|did) not (finish|complete|take part|participate|"
+            r"agree)|declin\w+|refus\w+|not (finishing|completing|taking part)|incomplete|only "
+            r"(those|people|participants|students)?[^.]*(finish|complet)|(if|when) (you|they) "
+            r"(finish|complete)"
         ),
         "de": (
             r"aufhor\w*|abbrech\w*|abbrich\w*|abbruch|nicht (bis|teilnehm|zustimm|beend|"
@@ -119,26 +115,36 @@ PUNISHED = Phrases(
             r"(lose|loses|forfeit\w*)|(get|receive|earn)s? (no|neither|nothing)|(not|never) (get|"
             r"receive|be (paid|compensated|rewarded|credited))|(is|are) not (paid|compensated|"
             r"rewarded|credited)|no (payment|pay|credit|credits|compensation|reward|money|voucher|"
-            r"points?) |no (payment|pay|credits?|compensation|reward|money|voucher|points?)$|"
-            r"fail (the|this) (course|class)|(points|marks|grade|money) (is|are|"
-            r"will be) (deducted|lowered)|(is|are|will be) (fined|penali[sz]ed|reported|punished|"
-            r"noted|marked)|(paid|payment|credits?|reward|voucher|compensat\w+|"
-            r"money)[^.]* only [^.]*(finish|complet)|only [^.]*(finish|complet)[^.]*(paid|payment|"
-            r"credits?|reward|voucher|compensat|money)|(lower|worse) (grade|mark)|(teacher|"
-            r"supervisor|boss|employer|lecturer|manager|professor)[^.]*(told|informed|know)|(tell|"
-            r"inform) your (teacher|supervisor|boss|employer|lecturer|manager|professor)"
+            r"points?) |no (payment|pay|credits?|compensation|reward|money|voucher|points?)$|fail "
+            r"(the|this) (course|class)|(points|marks|grade|money) (is|are|will be) (deducted|"
+            r"lowered)|(is|are|will be) (fined|penali[sz]ed|reported|punished|noted|marked)|(paid|"
+            r"payment|credits?|reward|voucher|compensat\w+|money)[^.]* only [^.]*(finish|complet)|"
+            r"only [^.]*(finish|complet)[^.]*(paid|payment|credits?|reward|voucher|compensat|"
+            r"money)|(lower|worse) (grade|mark)|(teacher|supervisor|boss|employer|lecturer|manager|"
+            r"professor)[^.]*(told|informed|know)|(tell|inform) your (teacher|supervisor|boss|"
+            r"employer|lecturer|manager|professor)|(teacher|supervisor|boss|employer|lecturer|"
+            r"manager|professor)[^.]*(hear|notified|learns?\b)|costs? (you )?(half|part|a (part|"
+            r"third|quarter)|\d+ \w+|the (payment|reward))|(only|just) half (of )?(the|your) (pay|"
+            r"payment|reward|money)"
         ),
         "de": (
             r"verlier\w*|(erhal|bekomm)\w+ (\w+ ){0,2}(kein\w*|nichts)|(entfallt|verfallt|"
             r"abgezogen)|kein\w* (vergutung|geld|punkt\w*|bezahlung|aufwandsentschadigung|"
             r"versuchspersonenstund\w*)|nur wer|nicht (bezahlt|vergutet|angerechnet|"
-            r"gutgeschrieben)|gemeldet|bestraft|durchgefallen"
+            r"gutgeschrieben)|gemeldet|bestraft|durchgefallen|(vorgesetzt|chef|lehr|dozent|"
+            r"arbeitgeber|professor)\w* (\w+ )?(erfahrt|wird (\w+ )?(informiert|benachrichtigt))|"
+            r"kostet sie|nur (die halfte|einen teil)"
         ),
         "fr": (
             r"perd\w*|(aucune?|pas de|sans) (remuneration|paiement|credit|point)|signal|penali|"
-            r"sanction"
+            r"sanction|(chef|professeur|enseignant|superieur|employeur)\w* (\w+ )?(saura|sera "
+            r"(informe|averti)|l'apprendra)|(seulement|que) la moitie"
         ),
-        "es": r"perder\w*|pierd\w*|no (recib|cobr)\w*|sin (pago|creditos?|remuneracion)|penaliz\w*",
+        "es": (
+            r"perder\w*|pierd\w*|no (recib|cobr)\w*|sin (pago|creditos?|remuneracion)|penaliz\w*|"
+            r"(jef[ea]|profesor|superior|empleador)\w* (\w+ )?(sabra|se enterara|sera informad)|"
+            r"solo la mitad"
+        ),
         "it": r"perd\w*|non ricev\w*|nessun (compenso|credito|pagamento)|penalizzat\w*",
         "nl": r"verlie\w*|geen (vergoeding|punten|geld|betaling)|bestraft|gemeld",
     }
@@ -155,8 +161,8 @@ SPARED = Phrases(
             r"trotzdem|dennoch|auch wenn|jedenfalls|auch (dann|in diesem fall)"
         ),
         "fr": (
-            r"(sans|ne|aucun\w*) (\w+ ){0,3}(perd|consequence|penalite|prejudice|sanction)|"
-            r"quand meme|meme si"
+            r"(sans|ne|aucun\w*) (\w+ ){0,3}(perd|consequence|penalite|prejudice|sanction)|quand "
+            r"meme|meme si"
         ),
         "es": (
             r"(sin|no|ningun\w*) (\w+ ){0,3}(perder|pierd|consecuencia|penaliza|perjuicio)|"
@@ -172,22 +178,21 @@ KEPT = Phrases(
     {
         "en": (
             r"(data|recordings?|answers|everything|results|information|records?|it|they|"
-            r"that)\b[^.;]*(cannot|can ?not|can't|can no longer|could not|will not|won't|"
-            r"will never|may not|must not|never) be (deleted|removed|erased|withdrawn|destroyed|"
-            r"taken back)|no (right|possibility|way) (to|of) (\w+ ){0,4}(delet|eras|remov)"
+            r"that)\b[^.;]*(cannot|can ?not|can't|can no longer|could not|will not|won't|will "
+            r"never|may not|must not|never) be (deleted|removed|erased|withdrawn|destroyed|taken "
+            r"back)|no (right|possibility|way) (to|of) (\w+ ){0,4}(delet|eras|remov)"
         ),
         "de": (
-            r"(daten|aufzeichnungen|antworten|ergebnisse|was|alles)[^.;]*(nicht|nie) (mehr |"
-            r"wieder )?(geloscht|entfernt|vernichtet|zuruckgezogen)|(kein|"
-            r"keine) (recht auf )?loschung"
+            r"(daten|aufzeichnungen|antworten|ergebnisse|was|alles)[^.;]*(nicht|nie) (mehr |wieder "
+            r")?(geloscht|entfernt|vernichtet|zuruckgezogen)|(kein|keine) (recht auf )?loschung"
         ),
         "fr": (
             r"(donnees|enregistrements|reponses)[^.;]*ne (peuvent|pourront|seront|sont) (pas|plus|"
             r"jamais) (etre )?(effac|supprim|detrui|retir)"
         ),
         "es": (
-            r"(datos|grabaciones|respuestas)[^.;]*no (se )?(podran|pueden|podra|puede|"
-            r"seran)[^.;]* ?(borra|elimina|suprimi|retira)"
+            r"(datos|grabaciones|respuestas)[^.;]*no (se )?(podran|pueden|podra|puede|seran)[^.;]* "
+            r"?(borra|elimina|suprimi|retira)"
         ),
         "it": (
             r"(dati|registrazioni|risposte)[^.;]*non (possono|potranno|saranno)[^.;]*(cancellat|"
@@ -219,9 +224,14 @@ NAMELESS = Phrases(
 NAMED = Phrases(
     {
         "en": (
-            r"(with|under|next to|beside|alongside) your (full |real |own |first |last )?names?\b"
+            r"(with|under|next to|beside|alongside) your (full |real |own |first |last )?names?\b|"
+            r"names? and (results|data|answers|scores|times)|your name (is|will be) (written|"
+            r"stored|kept|saved|noted|put) (next|beside|with|on the|in the)"
         ),
-        "de": r"(unter|mit|neben|bei) (ihrem|deinem) (vollen |echten |eigenen )?namen\b",
+        "de": (
+            r"(unter|mit|neben|bei) (ihrem|deinem) (vollen |echten |eigenen )?namen\b|(ihr|dein) "
+            r"name (steht|wird|ist)\b[^.;]*\b(neben|bei|mit|zusammen|zu) "
+        ),
         "fr": r"(sous|avec|a cote de) (votre|ton) (vrai |propre )?nom\b",
         "es": r"(con|bajo|junto a) (su|tu) (propio )?nombre\b",
         "it": r"(con|sotto|accanto a)l? (il )?(suo|tuo) nome\b",
@@ -236,36 +246,37 @@ PASSED_ON = Phrases(
     {
         "en": (
             r"(results?|scores?|times|performance|data|answers|recordings|how (well|"
-            r"fast))\b[^.;]*\b"
-            r"(shown|given|passed|sent|reported|available|told|forwarded|communicated|visible|"
-            r"disclosed) (on )?to (your|the) (\w+ )?(employer|teacher|lecturer|professor|"
-            r"supervisor|"
-            r"manager|boss|insur\w+|doctor|trainer|coach|company|school|team leader)|(employer|"
-            r"teacher|"
-            r"lecturer|professor|supervisor|manager|boss|insur\w+|trainer|coach|company|school)\b"
-            r"[^.;]*\b(gets|receives|sees|will (get|receive|see)) (your |the |all )?(\w+ "
-            r")?(results?|"
-            r"scores?|times|data|answers|recordings)"
+            r"fast))\b[^.;]*\b(shown|given|passed|sent|reported|available|told|forwarded|"
+            r"communicated|visible|disclosed) (on )?to (your|the) (\w+ )?(employer|teacher|"
+            r"lecturer|professor|supervisor|manager|boss|insur\w+|doctor|trainer|coach|company|"
+            r"school|team leader)|(employer|teacher|lecturer|professor|supervisor|manager|boss|"
+            r"insur\w+|trainer|coach|company|school)\b[^.;]*\b(gets|receives|sees|will (get|"
+            r"receive|see)) (your |the |all )?(\w+ )?(results?|scores?|times|data|answers|"
+            r"recordings)|(data|recordings|answers|results) [^.;]*\bbe sold\b|sell (your |the "
+            r")?(data|recordings)"
         ),
         "de": (
             r"(ergebnis|leistung|daten|zeiten|antworten|aufzeichnung)\w*\b[^.;]*\b(arbeitgeber|"
             r"lehr(er|kraft)|lehrerin|dozent|professor|vorgesetzt|chef|versicherung|krankenkasse|"
             r"trainer|schule|firma|betrieb)\w*[^.;]*(gezeigt|weitergegeben|weitergeleitet|"
-            r"mitgeteilt|"
-            r"ubermittelt|gemeldet|vorgelegt|zugesandt)|(arbeitgeber|lehrer|lehrkraft|dozent|"
-            r"vorgesetzt|chef|versicherung|krankenkasse|trainer)\w*[^.;]*(erhalt|bekommt|sieht|"
-            r"erfahrt)[^.;]*(ergebnis|leistung|daten|zeiten|antworten)"
+            r"mitgeteilt|ubermittelt|gemeldet|vorgelegt|zugesandt)|(arbeitgeber|lehrer|lehrkraft|"
+            r"dozent|vorgesetzt|chef|versicherung|krankenkasse|trainer)\w*[^.;]*(erhalt|bekommt|"
+            r"sieht|erfahrt)[^.;]*(ergebnis|leistung|daten|zeiten|antworten)|(daten|"
+            r"aufzeichnungen)[^.;]*verkauf"
         ),
         "fr": (
             r"(resultats?|performances?|donnees|temps|reponses)\b[^.;]*(transmis|communiqu|montr|"
             r"envoy|remis)\w* (a|au) (votre |l'|la |le )?(employeur|professeur|enseignant|"
-            r"superieur|"
-            r"assur|medecin|chef|entraineur|ecole|entreprise)\w*"
+            r"superieur|assur|medecin|chef|entraineur|ecole|entreprise)\w*|donnees[^.;]*vend(u|re)|"
+            r"(professeur|employeur|chef|enseignant|medecin)\w* (\w+ )?(recevra|"
+            r"verra)[^.;]*(resultats?|donnees|temps|performances?)"
         ),
         "es": (
             r"(resultados?|datos|tiempos|respuestas|rendimiento)\b[^.;]*(mostr|envi|entreg|comunic|"
             r"inform|transmit)\w* (a|al) (su |la |tu )?(jef[ea]|profesor|empleador|empresa|"
-            r"aseguradora|medic|superior|entrenador|escuela)\w*"
+            r"aseguradora|medic|superior|entrenador|escuela)\w*|datos[^.;]*vend|(profesor|jef[ea]|"
+            r"empleador|empresa|medic)\w* (\w+ )?(recibira|vera|tendra)[^.;]*(resultados?|datos|"
+            r"tiempos|rendimiento)"
         ),
     }
 )
@@ -289,26 +300,26 @@ FREE = Phrases(
     {
         "en": (
             r"not (required|obliged|mandatory)|stop|stops|withdraw\w*|quit|leave|leaving|"
-            r"voluntar\w*|break off|drop out|discontinu\w*|interrupt|free to|freely|any ?time|"
-            r"any (moment|point|stage)|whenever|end (the|your|this)|sheet|leaflet|information|"
-            r"paper|document|letter|brochure"
+            r"voluntar\w*|break off|drop out|discontinu\w*|interrupt|free to|freely|any ?time|any "
+            r"(moment|point|stage)|whenever|end (the|your|this)|sheet|leaflet|information|paper|"
+            r"document|letter|brochure"
         ),
         "de": (
-            r"nicht verpflicht\w*|aufhor\w*|abbrech\w*|abbruch|beenden|zuruckzieh\w*|"
-            r"zurucktret\w*|widerruf\w*|freiwillig\w*|jederzeit|unterbrech\w*|aussteig\w*|"
-            r"\w*blatt|\w*schreiben|unterlagen|aufklarung\w*|\w*information\w*"
+            r"nicht verpflicht\w*|aufhor\w*|abbrech\w*|abbruch|beenden|zuruckzieh\w*|zurucktret\w*|"
+            r"widerruf\w*|freiwillig\w*|jederzeit|unterbrech\w*|aussteig\w*|\w*blatt|\w*schreiben|"
+            r"unterlagen|aufklarung\w*|\w*information\w*"
         ),
         "fr": (
             r"arret\w*|interromp\w*|retir\w*|quitt\w*|volont\w*|benevol\w*|tout moment|librement|"
             r"libre|abandon\w*|notice|feuille|lettre|document|information\w*"
         ),
         "es": (
-            r"parar|deten\w*|retir\w*|abandon\w*|interrump\w*|volunt\w*|cualquier momento|"
-            r"libre\w*|dejar\w*|hoja|carta|documento|informacion"
+            r"parar|deten\w*|retir\w*|abandon\w*|interrump\w*|volunt\w*|cualquier momento|libre\w*|"
+            r"dejar\w*|hoja|carta|documento|informacion"
         ),
         "it": (
-            r"interromp\w*|ritir\w*|smett\w*|abbandon\w*|volontari\w*|qualsiasi momento|"
-            r"ogni momento|liber\w*|foglio|lettera|documento|informa\w*|ferma\w*"
+            r"interromp\w*|ritir\w*|smett\w*|abbandon\w*|volontari\w*|qualsiasi momento|ogni "
+            r"momento|liber\w*|foglio|lettera|documento|informa\w*|ferma\w*"
         ),
         "nl": (
             r"stop\w*|ophoud\w*|terugtrek\w*|vrijwillig\w*|elk moment|altijd|vrij|afbrek\w*|brief|"

@@ -22,32 +22,32 @@ JUDGED = Phrases(
         "en": (
             r"(better|best|superior|improved|enhanced|innovative|inferior|worse|worst|faster|"
             r"quicker|easier|simpler|slower|clumsy|clumsier|tiring|annoying|cumbersome|intuitive|"
-            r"outdated|old-fashioned|state[- ]of[- ]the[- ]art|cutting[- ]edge|advanced|"
-            r"more (accurate|precise|efficient|comfortable|natural|difficult|powerful)\w*|"
-            r"less (accurate|precise|efficient|comfortable|natural|difficult|effort|tiring))\b|"
-            r"our (own|new|novel) |(the|this) (old|new|novel|conventional) (and \w+ )?(way|method|"
-            r"system|technique|version|encoder|algorithm|approach|hand|control|design|"
-            r"interface)\b|slow and |harder to "
+            r"outdated|old-fashioned|state[- ]of[- ]the[- ]art|cutting[- ]edge|advanced|more "
+            r"(accurate|precise|efficient|comfortable|natural|difficult|powerful)\w*|less "
+            r"(accurate|precise|efficient|comfortable|natural|difficult|effort|tiring))\b|our (own|"
+            r"new|novel) |(the|this) (old|new|novel|conventional) (and \w+ )?(way|method|system|"
+            r"technique|version|encoder|algorithm|approach|hand|control|design|interface)\b|slow "
+            r"and |harder to "
         ),
         "de": (
             r"(besser\w*|beste[rnms]?|uberlegen\w*|unterlegen\w*|verbessert\w*|innovativ\w*|"
             r"neuartig\w*|fortschrittlich\w*|schlechter\w*|schneller\w*|leichter\w*|einfacher\w*|"
-            r"langsamer\w*|muhsam\w*|umstandlich\w*|veraltet\w*|intuitiv\w*|genauer\w*|"
-            r"bequemer\w*|anstrengend\w*)\b|unsere?[rnms]? (eigen|neu)\w* |(die|das|der|den|"
-            r"dem) (alte|neue|herkommliche)[rnms]? (\w*(weise|art|methode|verfahren|steuerung|"
-            r"system|technik|version|encoder|hand))\b"
+            r"langsamer\w*|muhsam\w*|umstandlich\w*|veraltet\w*|intuitiv\w*|genauer\w*|bequemer\w*|"
+            r"anstrengend\w*)\b|unsere?[rnms]? (eigen|neu)\w* |(die|das|der|den|dem) (alte|neue|"
+            r"herkommliche)[rnms]? (\w*(weise|art|methode|verfahren|steuerung|system|technik|"
+            r"version|encoder|hand))\b"
         ),
         "fr": (
-            r"(meilleure?s?|mieux|ameliore\w*|innovant\w*|superieur\w*|inferieur\w*|(plus|"
-            r"moins) (rapid|facil|simpl|efficac|lent|difficil|precis|confortabl|fatig|intuiti)\w*|"
-            r"pire|depasse\w*|obsolete\w*)\b|notre nouve\w*|l'ancienne (methode|version)|(la|le|"
-            r"une?) nouve\w* (methode|version|systeme|technique|commande)"
+            r"(meilleure?s?|mieux|ameliore\w*|innovant\w*|superieur\w*|inferieur\w*|(plus|moins) "
+            r"(rapid|facil|simpl|efficac|lent|difficil|precis|confortabl|fatig|intuiti)\w*|pire|"
+            r"depasse\w*|obsolete\w*)\b|notre nouve\w*|l'ancienne (methode|version)|(la|le|une?) "
+            r"nouve\w* (methode|version|systeme|technique|commande)"
         ),
         "es": (
-            r"(mejor\w*|peor\w*|innovador\w*|superior|inferior|anticuad\w*|obsolet\w*|(mas|"
-            r"menos) (rapid|facil|sencill|efica|eficient|lent|dificil|precis|comod|cansad|"
-            r"intuitiv)\w*)\b|nuestr[oa] nuev\w*|(el|la|un|una) (nuev|antigu)[oa] (metodo|sistema|"
-            r"version|tecnica|control)"
+            r"(mejor\w*|peor\w*|innovador\w*|superior|inferior|anticuad\w*|obsolet\w*|(mas|menos) "
+            r"(rapid|facil|sencill|efica|eficient|lent|dificil|precis|comod|cansad|intuitiv)\w*)\b|"
+            r"nuestr[oa] nuev\w*|(el|la|un|una) (nuev|antigu)[oa] (metodo|sistema|version|tecnica|"
+            r"control)"
         ),
         "it": (
             r"(miglior\w*|peggior\w*|innovativ\w*|superior\w*|inferior\w*|superat\w*|obsolet\w*|"
@@ -63,8 +63,8 @@ JUDGED = Phrases(
         ),
         "pt": (
             r"(melhor\w*|pior\w*|inovador\w*|superior|inferior|ultrapassad\w*|(mais|menos) (rapid|"
-            r"facil|facei|simples|eficien|lent|dificil|precis|comod|cansativ)\w*)\b|"
-            r"noss[oa] nov[oa]|(o|a|um|uma) (nov|antig)[oa] (metodo|sistema|versao|tecnica)"
+            r"facil|facei|simples|eficien|lent|dificil|precis|comod|cansativ)\w*)\b|noss[oa] "
+            r"nov[oa]|(o|a|um|uma) (nov|antig)[oa] (metodo|sistema|versao|tecnica)"
         ),
         "zh": (
             r"更(好|快|容易|简单|轻松|准确|慢|差|难)|改进|先进|落后|我们的新|优于|旧(的)?(方法|"
@@ -81,20 +81,26 @@ JUDGED = Phrases(
 EXPECTED = Phrases(
     {
         "en": (
-            r"(we|i|the (researchers|experimenters|authors|team|designers)) (\w+ )?(expect|"
-            r"believe|think|hope|predict|assume|anticipate|suspect|hypothesi[sz]e|are (sure|"
-            r"convinced|confident))\b(?! (you|everybody|everyone) (to|will enjoy))[^.]*\b(better|"
-            r"worse|fast|faster|quick|quicker|slow|slower|easy|easier|hard|harder|simpler|(more|"
-            r"less|fewer) (?!than|about|of|on|in|information|details?)\w+|improve\w*|"
-            r"outperform\w*|prefer\w*|superior)\b|hypothes[ie]s (is|are|says?)\b|(study|"
-            r"experiment|research|aim|goal|purpose|want|hope|wish)\b[^.]* (show|prove|demonstrate|"
-            r"confirm) (that|how much) |(is|are) (expected|supposed|known|believed|designed|meant|"
-            r"said) to (be|make|give|let|work)\b[^.]*\b(better|worse|faster|slower|easier|harder|"
-            r"quicker|simpler|(more|less|fewer) (?!than)\w+)\b|(many|most|other) (people|"
-            r"participants|users|students) (prefer\w*|liked?) |(many|most|other|earlier|"
-            r"previous) (people|participants|users|students)[^.,;]* (found|find|prefer\w*|liked?|"
-            r"said|say|were|are)\b[^.]*\b(better|worse|faster|slower|easier|harder|slow|easy|hard|"
-            r"tiring|prefer\w*|like\w*|best)\b"
+            r"(we|i|the (researchers|experimenters|authors|team|designers)) (\w+ )?(expect|believe|"
+            r"think|hope|predict|assume|anticipate|suspect|hypothesi[sz]e|are (sure|convinced|"
+            r"confident))\b(?! (you|everybody|everyone) (to|will enjoy))[^.]*\b(better|worse|fast|"
+            r"faster|quick|quicker|slow|slower|easy|easier|hard|harder|simpler|(more|less|fewer) "
+            r"(?!than|about|of|on|in|information|details?)\w+|improve\w*|outperform\w*|prefer\w*|"
+            r"superior)\b|hypothes[ie]s (is|are|says?)\b|(study|experiment|research|aim|goal|"
+            r"purpose|want|hope|wish)\b[^.]* (show|prove|demonstrate|confirm) (that|how much) |(is|"
+            r"are) (expected|supposed|known|believed|designed|meant|said) to (be|make|give|let|"
+            r"work)\b[^.]*\b(better|worse|faster|slower|easier|harder|quicker|simpler|(more|less|"
+            r"fewer) (?!than)\w+)\b|(many|most|other) (people|participants|users|students) "
+            r"(prefer\w*|liked?) |(many|most|other|earlier|previous) (people|participants|users|"
+            r"students)[^.,;]* (found|find|prefer\w*|liked?|said|say|were|are)\b[^.]*\b(better|"
+            r"worse|faster|slower|easier|harder|slow|easy|hard|tiring|prefer\w*|like\w*|best)\b|"
+            r"(the |this )?(first|second|third|other|next|new|old) (part|method|way|version|one|"
+            r"hand|condition|encoder|block|round) (is|will|works?|feels?|makes?|"
+            r"was)\b[^.]*\b(better|worse|easier|harder|faster|slower|simpler|(more|less) (accurate|"
+            r"precise|comfortable|natural|pleasant|tiring|difficult|reliable))\b|you will (see|"
+            r"find|notice|feel) that[^.]*\b(better|worse|easier|harder|faster|slower|simpler)\b|"
+            r"(everybody|everyone|people|users) (complain\w*|hate[sd]?|love[sd]?|dislike[sd]?|"
+            r"struggle\w*)"
         ),
         "de": (
             r"(wir|ich|die forsch\w+)[^.,;]{0,12} ?(erwarten|erwarte|glauben|glaube|hoffen|hoffe|"
@@ -102,31 +108,43 @@ EXPECTED = Phrases(
             r"uberzeugt))\b[^.]*\b(besser|schlechter|schneller|langsamer|leichter|schwerer|"
             r"einfacher|(mehr|weniger) (?!uber|als|dazu|von|daruber)\w+|bevorzug\w*|lieber|"
             r"uberlegen)\b|hypothese (ist|lautet)|(studie|versuch|ziel|wollen|"
-            r"mochten)\b[^.]*(zeigen|beweisen|belegen), (dass|wie viel)|(viele|die meisten|"
-            r"andere) [^.,;]*(fanden|finden|bevorzug|mochten)"
+            r"mochten)\b[^.]*(zeigen|beweisen|belegen), (dass|wie viel)|(viele|die meisten|andere) "
+            r"[^.,;]*(fanden|finden|bevorzug|mochten)|(im|der|die|das|mit dem|mit der) (ersten?|"
+            r"zweiten?|dritten?|anderen?|nachsten?|neuen?|alten?) (teil|methode|variante|version|"
+            r"verfahren|steuerung|bedingung|hand|durchgang)\w*[^.]*\b(besser|schlechter|leichter|"
+            r"schwerer|einfacher|schneller|langsamer|angenehmer)\b|sie werden (sehen|merken|"
+            r"feststellen|spuren), dass[^.]*\b(besser|schlechter|leichter|schwerer|einfacher|"
+            r"schneller|langsamer|angenehmer)\b"
         ),
         "fr": (
             r"(nous|on|je) (nous )?(pens|esper|attend|croy|croi|suppos|prevo|"
             r"presum)\w*[^.]*\b(mieux|meilleur\w*|(plus|moins) (?!de|d'|sur|que)\w+|pire|"
             r"prefer\w*)\b|hypothese est|(etude|but|objectif|voulons|souhaitons|"
-            r"cherchons)\b[^.]*(montrer|prouver|demontrer) que|(la plupart|"
-            r"beaucoup) des? [^.,;]*(prefer|trouv)"
+            r"cherchons)\b[^.]*(montrer|prouver|demontrer) que|(la plupart|beaucoup) des? "
+            r"[^.,;]*(prefer|trouv)|vous (verrez|sentirez|remarquerez|constaterez) "
+            r"que[^.]*\b(mieux|meilleur\w*|pire|(plus|moins) \w+)|(la|le) (premiere?|seconde?|"
+            r"deuxieme|autre|nouvelle) (methode|partie|version|variante|commande|main|"
+            r"technique)[^.]*\b(mieux|meilleur\w*|pire|(plus|moins) (facil|rapid|agreab|precis|"
+            r"naturel|fiab|fatig|difficil|lent)\w*)"
         ),
         "es": (
-            r"(esperamos|creemos|pensamos|suponemos|prevemos)[^.]*\b(mejor\w*|peor\w*|(mas|"
-            r"menos) (?!de|sobre|que)\w+|prefer\w*)\b|hipotesis es|(estudio|objetivo|queremos|"
-            r"deseamos)\b[^.]*(mostrar|probar|demostrar) que|(la mayoria|"
-            r"muchas personas)[^.,;]*prefi"
+            r"(esperamos|creemos|pensamos|suponemos|prevemos)[^.]*\b(mejor\w*|peor\w*|(mas|menos) "
+            r"(?!de|sobre|que)\w+|prefer\w*)\b|hipotesis es|(estudio|objetivo|queremos|"
+            r"deseamos)\b[^.]*(mostrar|probar|demostrar) que|(la mayoria|muchas "
+            r"personas)[^.,;]*prefi|(vera|notara|sentira|comprobara) que[^.]*\b(mejor|peor|(mas|"
+            r"menos) \w+)|(el|la) (primer|primera|segund[oa]|otr[oa]|nuev[oa]) (metodo|parte|"
+            r"version|variante|control|mano|tecnica)[^.]*\b(mejor|peor|(mas|menos) (facil|rapid|"
+            r"comod|agradab|precis|natural|fiab|cansad|dificil|lent)\w*)"
         ),
         "it": (
             r"(ci aspettiamo|crediamo|pensiamo|speriamo|riteniamo|supponiamo)[^.]*\b(miglior\w*|"
-            r"peggior\w*|meglio|(piu|meno) (?!di|su|sul\w*|che)\w+|prefer\w*)\b|ipotesi e |"
-            r"(studio|scopo|obiettivo|vogliamo)\b[^.]*(mostrare|provare|dimostrare) che"
+            r"peggior\w*|meglio|(piu|meno) (?!di|su|sul\w*|che)\w+|prefer\w*)\b|ipotesi e |(studio|"
+            r"scopo|obiettivo|vogliamo)\b[^.]*(mostrare|provare|dimostrare) che"
         ),
         "nl": (
             r"(wij|we|ik)[^.,;]{0,6} ?(verwacht|denk|geloof|gelov|hoop|hop|"
-            r"vermoed)\w*[^.]*\b(beter|slechter|sneller|langzamer|trager|makkelijker|(meer|"
-            r"minder) (?!over|dan|van)\w+|voorkeur)\b|hypothese (is|luidt)|(onderzoek|studie|doel|"
+            r"vermoed)\w*[^.]*\b(beter|slechter|sneller|langzamer|trager|makkelijker|(meer|minder) "
+            r"(?!over|dan|van)\w+|voorkeur)\b|hypothese (is|luidt)|(onderzoek|studie|doel|"
             r"willen)\b[^.]*(laten zien|bewijzen|aantonen) dat"
         ),
         "pt": (
@@ -156,8 +174,8 @@ BALANCED = Phrases(
             r"(nicht|kein\w*|weder|ob|welche\w*|wie|gleich|versuchen|bitte|ihr bestes|moglichst)\b"
         ),
         "fr": (
-            r"(ne|pas|aucun\w*|ni|si|quel\w*|lequel|laquelle|comment|essayez|votre mieux|"
-            r"le mieux)\b|n'"
+            r"(ne|pas|aucun\w*|ni|si|quel\w*|lequel|laquelle|comment|essayez|votre mieux|le "
+            r"mieux)\b|n'"
         ),
         "es": r"(no|ningun\w*|ni|si|cual|que tan|como|intente|lo mejor|tan)\b",
         "it": r"(non|nessun\w*|ne|se|quale|come|provi|cerchi|del suo meglio)\b",
@@ -172,22 +190,19 @@ BALANCED = Phrases(
 LEADING = Phrases(
     {
         "en": (
-            r"how much (better|faster|easier|more|quicker|worse|slower|harder|less)|(don't you|"
-            r"do you not|would you not|wouldn't you|surely|of course)\b|"
-            r"(do|would) you agree that\b|isn't it (true )?that|(is|was|did|does|do|are|were)n't "
-            r"(it|you|they|he|she)\?|as (most|many|other) (people|users|participants) (say|said|"
-            r"think|"
-            r"found|find)|, right\?"
+            r"how much (better|faster|easier|more|quicker|worse|slower|harder|less)|(don't you|do "
+            r"you not|would you not|wouldn't you|surely|of course)\b|(do|would) you agree that\b|"
+            r"isn't it (true )?that|(is|was|did|does|do|are|were)n't (it|you|they|he|she)\?|as "
+            r"(most|many|other) (people|users|participants) (say|said|think|found|find)|, right\?"
         ),
         "de": (
             r"(wie viel|um wie viel|wieviel) (besser|schneller|leichter|mehr|einfacher|schlechter|"
             r"langsamer|schwerer|weniger)|(finden|meinen|denken|glauben) sie nicht|stimmen sie "
-            r"(mir |"
-            r"uns )?zu, dass|nicht wahr\?|, oder\?|wie die meisten"
+            r"(mir |uns )?zu, dass|nicht wahr\?|, oder\?|wie die meisten"
         ),
         "fr": (
-            r"(combien|a quel point) [^?]*(mieux|meilleur|plus (rapide|facile))|ne (trouvez|"
-            r"pensez|croyez)-vous pas|n'est-ce pas|comme la plupart"
+            r"(combien|a quel point) [^?]*(mieux|meilleur|plus (rapide|facile))|ne (trouvez|pensez|"
+            r"croyez)-vous pas|n'est-ce pas|comme la plupart"
         ),
         "es": (
             r"cuanto (mejor|peor|mas (rapid|facil))|no (cree|piensa|le parece) (usted )?que|"
@@ -203,13 +218,13 @@ PRAISED = Phrases(
     {
         "en": (
             r"(our|the|this|your) (own |new |brand-new )?(improved|enhanced|innovative|outdated|"
-            r"state[- ]of[- ]the[- ]art|cutting[- ]edge|advanced|clumsy|annoying|awkward)\b|"
-            r"our (own|new|novel|better)\b"
+            r"state[- ]of[- ]the[- ]art|cutting[- ]edge|advanced|clumsy|annoying|awkward)\b|our "
+            r"(own|new|novel|better)\b"
         ),
         "de": (
             r"(die|der|das|den|dem|des|diese\w*|unsere?\w*|eine?\w*) (neue\w* )?(verbesserte|"
-            r"innovative|neuartige|uberlegene|fortschrittliche|veraltete|umstandliche|lastige)"
-            r"[nrms]? |unsere?[rnms]? (eigene|neue|bessere)[nrms]?\b"
+            r"innovative|neuartige|uberlegene|fortschrittliche|veraltete|umstandliche|"
+            r"lastige)[nrms]? |unsere?[rnms]? (eigene|neue|bessere)[nrms]?\b"
         ),
         "fr": (
             r"(main|systeme|commande|version|methode|technique) (amelioree?|innovante?|obsolete|"
@@ -232,8 +247,7 @@ GROUPED = Phrases(
     {
         "en": (
             r"(control|placebo|experimental|treatment|comparison) (group|condition)|placebo|"
-            r"baseline "
-            r"(condition|group)"
+            r"baseline (condition|group)"
         ),
         "de": r"(kontroll|placebo|experimental|versuchs|vergleichs)(gruppe|bedingung)\w*|placebo",
         "fr": r"(groupe|condition) (de )?(controle|temoin|placebo|experimental\w*)|placebo",

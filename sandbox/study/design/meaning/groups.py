@@ -11,14 +11,14 @@ from sandbox.study.design.told.flaw import Flaw
 from sandbox.study.design.told.plain import plain
 
 TRAITS = re.compile(
-    r"(?<!\w)(?:age|ages|age ?groups?|generation|gender|sex|handedness|expertise|profession|"
-    r"occupation|"
-    r"nationality|ethnicity|diagnosis|disease|disability|impairment|personality|alter|"
-    r"altersgruppen?|geschlecht|handigkeit|berufe?|nationalitat|krankheit|diagnose|personlichkeit|"
-    r"tranche d age|groupe d age|sexe|genre|lateralite|metier|maladie|edad|grupo de edad|grupos de "
-    r"edad|sexo|genero|lateralidad|profesion|enfermedad|eta|fascia d eta|sesso|genere|leeftijd|"
-    r"leeftijdsgroep|geslacht|handvoorkeur|idade|faixa etaria)(?!\w)|年龄|性别|年齢|性別|العمر|"
-    r"الجنس"
+    r"(?<!\w)(?:age|ages|age ?groups?|experience|education|culture|cohorts?|erfahrung|bildung|"
+    r"kultur|kohorten?|experiencia|educacion|cultura|esperienza|ervaring|generation|gender|sex|"
+    r"handedness|expertise|profession|occupation|nationality|ethnicity|diagnosis|disease|"
+    r"disability|impairment|personality|alter|altersgruppen?|geschlecht|handigkeit|berufe?|"
+    r"nationalitat|krankheit|diagnose|personlichkeit|tranche d age|groupe d age|sexe|genre|"
+    r"lateralite|metier|maladie|edad|grupo de edad|grupos de edad|sexo|genero|lateralidad|"
+    r"profesion|enfermedad|eta|fascia d eta|sesso|genere|leeftijd|leeftijdsgroep|geslacht|"
+    r"handvoorkeur|idade|faixa etaria)(?!\w)|年龄|性别|年齢|性別|العمر|الجنس"
 )
 """Names of factors that are properties of people."""
 
@@ -28,31 +28,36 @@ KINDS = tuple(
     re.compile(rf"(?:{words})$")
     for words in (
         r"(?:the )?(?:young\w*|youths?|old(?:er)?|elderly|seniors?|aged|adults?|children|kids|"
-        r"teens?|"
-        r"teenagers|over \d+|under \d+|below \d+|above \d+|jung\w*|alt|alte|altere\w*|senior\w*|"
-        r"kinder|erwachsene\w*|jugendliche\w*|jeunes?|agee?s?|vieux|aines|enfants?|adultes?|"
-        r"jovenes?|"
-        r"joven|mayores|ancianos|adultos|ninos|giovani|anziani|adulti|bambini|jong\w*|oud|oude|"
-        r"ouderen|kinderen|volwassenen|jovens|idosos|criancas)(?: (?:adults?|people|persons?|group|"
+        r"teens?|teenagers|over \d+|under \d+|below \d+|above \d+|jung\w*|alt|alte|altere\w*|"
+        r"senior\w*|kinder|erwachsene\w*|jugendliche\w*|jeunes?|agee?s?|vieux|aines|enfants?|"
+        r"adultes?|jovenes?|joven|mayores|ancianos|adultos|ninos|giovani|anziani|adulti|bambini|"
+        r"jong\w*|oud|oude|ouderen|kinderen|volwassenen|jovens|idosos|criancas)(?: (?:adults?|"
+        r"people|persons?|group|"
         rf"participants?|erwachsene|personen|menschen|adultes|adultos|adulti))?|{_YEARS}|"
         r"老年人?|年轻人?|青年人?|若年者?|高齢者?|儿童|成人|شباب|كبار السن",
         r"males?|females?|men|women|man|woman|boys|girls|m|f|w|manner|frauen|mannlich|weiblich|"
-        r"jungen|"
-        r"madchen|hommes?|femmes?|garcons|filles|hombres?|mujeres|mujer|chicos|chicas|uomini|donne|"
+        r"jungen|madchen|hommes?|femmes?|garcons|filles|hombres?|mujeres|mujer|chicos|chicas|"
+        r"uomini|donne|"
         r"mannen|vrouwen|homens|mulheres|男性?|女性?|ذكور|إناث",
         r"(?:left|right)[ -]?hand(?:ed|ers?)(?: people)?|(?:links|rechts)hander\w*|gauchers?|"
         r"droitiers?|zurdos?|diestros?|mancini|destrimani|destrorsi|(?:links|rechts)handig\w*|"
         r"canhotos|destros|左利き|右利き",
         r"novices?|experts?|beginners?|lay ?people|professionals?|experienced|inexperienced|"
-        r"amateurs?|"
-        r"anfanger\w*|experten|expertinnen|laien|profis?|erfahrene?|unerfahrene?|debutants?|"
-        r"confirmes?|novatos?|expertos?|principiantes|profesionales|esperti|principianti|"
+        r"amateurs?|anfanger\w*|experten|expertinnen|laien|profis?|erfahrene?|unerfahrene?|"
+        r"debutants?|confirmes?|novatos?|expertos?|principiantes|profesionales|esperti|"
+        r"principianti|"
         r"gevorderden|experten|leken|iniciantes|especialistas|新手|专家|初心者|専門家",
+        r"retire\w+|pensioners|(?:un)?employed|workers|employees|students?|school|university|"
+        r"rentner\w*|studierende|studenten|schuler\w*|berufstatige|retraites?|etudiants?|salaries|"
+        r"jubilados?|"
+        r"estudiantes|pensionati|studenti|gepensioneerden|scholieren",
+        r"(?:no|non|without|ohne|sans|sin|mit|with|avec|con)? ?(?:glasses|brille|lunettes|gafas)",
         r"(?:non|nicht|no|not)?[ -]?(?:musicians?|gamers?|patients?|surgeons?|dancers?|athletes?|"
         r"smokers?|musiker\w*|patient\w*|spieler\w*|chirurg\w*|musicien\w*|joueur\w*|pacientes?|"
         r"musicos?|jugadores|pazienti|musicisti|patienten|muzikanten|students?|studierende|"
         r"etudiants?|"
-        r"estudiantes)|healthy(?: \w+)?|controls?|gesunde\w*|sains?|sanos|sani|gezonde|kontrollen",
+        r"estudiantes)|healthy(?: \w+)?|controls?|control group|kontrollgruppe|gesunde\w*|sains?|"
+        r"sanos|sani|gezonde|kontrollen",
     )
 )
 """Names of levels that are people of one kind, without accents."""
@@ -83,11 +88,15 @@ def group_flaws(design: Design) -> Iterator[Flaw]:
 def _is_trait(design: Design, factor: Factor) -> bool:
     if factor.order != "between" and not sets_nothing(design, factor):
         return False
-    if TRAITS.search(_words(factor.name)):
+    if any(TRAITS.search(words) for words in _words(factor.name)):
         return True
     names = [_words(level.name) for level in factor.levels]
-    return any(all(kind.match(name) for name in names) for kind in KINDS)
+    return any(
+        all(any(kind.match(words) for words in spellings) for spellings in names) for kind in KINDS
+    )
 
 
-def _words(name: str) -> str:
-    return plain(name).replace("_", " ").replace("-", " ").strip()
+def _words(name: str) -> tuple[str, str]:
+    """A name without accents and hyphens, and with umlauts that are written as two letters."""
+    words = plain(name).replace("_", " ").replace("-", " ").strip()
+    return words, re.sub("([aou])e", r"\1", words)

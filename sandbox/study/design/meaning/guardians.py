@@ -16,12 +16,13 @@ ADULT = 18
 
 _CHILDREN = (
     r"(?<!\w)(?:child|children|kids?|pupils?|school ?children|school ?(?:boy|girl)s?|teenagers?|"
-    r"adolescents?|minors|toddlers?|preschool\w*|(?:primary|elementary|secondary|high) school|"
-    r"\w+ graders|kinder\w*|kindern|schuler\w*|jugendliche\w*|minderjahrig\w*|grundschul\w*|"
+    r"adolescents?|minors|toddlers?|preschool\w*|(?:primary|elementary|secondary|high) school|\w+ "
+    r"graders|kinder\w*|kindern|schuler\w*|jugendliche\w*|minderjahrig\w*|grundschul\w*|"
     r"vorschul\w*|enfants?|eleves?|ecoliers?|ecolieres?|collegiens?|lyceens?|mineurs|nin[oa]s?|"
-    r"escolares|adolescentes?|menores(?: de edad)?|bambin[ieoa]|ragazz[ie]|adolescenti|minorenni|"
-    r"alunni|scolari|kinderen|leerlingen|scholieren|jongeren|tieners|minderjarig\w*|criancas?)"
-    r"(?!\w)|儿童|小学生|中学生|孩子|青少年|未成年|子ども|子供|児童|اطفال|الاطفال|تلاميذ"
+    r"escolares|alumn[oa]s de (?:primaria|secundaria)|(?:escuela|educacion) (?:primaria|"
+    r"secundaria)|adolescentes?|menores(?: de edad)?|bambin[ieoa]|ragazz[ie]|adolescenti|minorenni|"
+    r"alunni|scolari|kinderen|leerlingen|scholieren|jongeren|tieners|minderjarig\w*|"
+    r"criancas?)(?!\w)|儿童|小学生|中学生|孩子|青少年|未成年|子ども|子供|児童|اطفال|الاطفال|تلاميذ"
 )
 _CARED_FOR = (
     r"(?<!\w)(?:dementia|alzheimer\w*|intellectual disabilit\w*|learning disabilit\w*|"
@@ -35,8 +36,8 @@ _WHO = (
     (re.compile(_CARED_FOR), "people who may not be able to consent"),
 )
 _AGES = re.compile(
-    r"(?<![\d.,-])(\d{1,2})(?:-| )*(?:to|and|bis|und|a|et|y|e|en|tot|–|-|~|至|から)[ -]*(\d{1,2})"
-    r"[ -]*(?:years?\b|jahre?n?\b|ans\b|anos\b|anni\b|jaar\b|jahrig\w*|year-olds?|jarigen?|岁|歳)|"
+    r"(?<![\d.,-])(\d{1,2})(?:-| )*(?:to|and|bis|und|a|et|y|e|en|tot|–|-|~|至|から)[ -]*(\d{1,2})[ "
+    r"-]*(?:years?\b|jahre?n?\b|ans\b|anos\b|anni\b|jaar\b|jahrig\w*|year-olds?|jarigen?|岁|歳)|"
     r"(?<![\d.,-])(\d{1,2})[ -]*(?:year-olds?|jahrig\w*|jarigen?)\b"
 )
 
@@ -51,8 +52,7 @@ GUARDIANS = Phrases(
         ),
         "fr": (
             r"parent\w*|tuteur\w*|tutrice\w*|mere|pere|representant\w*|responsables? lega\w*|"
-            r"curateur\w*|"
-            r"proches?\b"
+            r"curateur\w*|proches?\b"
         ),
         "es": r"padres?|madres?|tutor\w*|representante\w*|progenitor\w*|familia\w*",
         "it": r"genitor\w*|madre|padre|tutor\w*|rappresentant\w*|famil\w*",
@@ -68,16 +68,13 @@ NEEDLESS = Phrases(
     {
         "en": (
             r"needs? not|(do|does|will) not (need|have) to|(don't|doesn't) (need|have) to|no need|"
-            r"not "
-            r"(necessary|needed|required|asked|told|informed)|without (asking|telling|the (consent|"
-            r"permission|knowledge))|(is|are) enough|suffices"
+            r"not (necessary|needed|required|asked|told|informed)|without (asking|telling|the "
+            r"(consent|permission|knowledge))|(is|are) enough|suffices"
         ),
         "de": (
             r"(mussen|muss|musst|brauchen|braucht|brauchst)\b[^.]*\bnicht|nicht (\w+ )?(notig|"
-            r"notwendig|"
-            r"erforderlich|gefragt|fragen|informiert|erfahren)|ohne (\w+ )?(zustimmung|wissen|"
-            r"erlaubnis|"
-            r"einwilligung)|genugt|reicht"
+            r"notwendig|erforderlich|gefragt|fragen|informiert|erfahren)|ohne (\w+ )?(zustimmung|"
+            r"wissen|erlaubnis|einwilligung)|genugt|reicht"
         ),
         "fr": (
             r"pas (besoin|necessaire|oblige)|(n'est|n'ont) pas|inutile|sans (l'accord|en parler|"

@@ -67,7 +67,7 @@ UNHURRIED = Phrases(
 
 PRACTICE = Phrases(
     {
-        "en": r"practi[cs]\w*|break\w*|questions?|read\w*|rest\b",
+        "en": r"practi[cs]\w*|breaks?\b|questions?|read\b",
         "de": r"\w*ubung\w*|ube\w*|pause\w*|frage\w*|les\w*",
         "fr": r"entrain\w*|pauses?|questions?|lire|lisez",
         "es": r"practic\w*|pausas?|preguntas?|lea|leer",
@@ -247,7 +247,14 @@ def _hurry(design: Design) -> Iterator[Flaw]:
         for language, text in told.text.items():
             if told.kind not in (INSTRUCTION, GOAL) or told.at == END:
                 continue
-            slow = next((s for s in sentences(text) if UNHURRIED.match(s, language)), None)
+            slow = next(
+                (
+                    s
+                    for s in sentences(text)
+                    if UNHURRIED.match(s, language) and not PRACTICE.match(s, language)
+                ),
+                None,
+            )
             if slow is not None and timed:
                 yield Flaw(
                     told.path,
@@ -257,7 +264,7 @@ def _hurry(design: Design) -> Iterator[Flaw]:
                 )
                 break
             fast = _fast(design, language) if told.at in ("", START) else None
-            if slow is not None and fast is not None and not PRACTICE.match(slow, language):
+            if slow is not None and fast is not None:
                 yield Flaw(
                     told.path,
                     f"people are told to be quick ({quoted(fast)}), and that time does not matter: "

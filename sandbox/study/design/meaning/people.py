@@ -7,6 +7,7 @@ from collections.abc import Iterator
 
 from sandbox.study.design.conditions import sets_nothing
 from sandbox.study.design.design import END, START, Design
+from sandbox.study.design.meaning.consent import DENIES
 from sandbox.study.design.meaning.questions.identifying import asks_for, birth_parts
 from sandbox.study.design.meaning.translations import CARE, SPEED
 from sandbox.study.design.told.flaw import Flaw
@@ -26,16 +27,16 @@ ASKED = {
     "advice": Phrases(
         {
             "en": (
-                r"(hint|tip|trick|advice|it helps|we (advise|recommend|suggest)|you should|"
-                r"works best|saves? (a lot of )?time|make sure|avoid|best way)\b"
+                r"(hint|tip|trick|advice|it helps|we (advise|recommend|suggest)|you should|works "
+                r"best|saves? (a lot of )?time|make sure|avoid|best way)\b"
             ),
             "de": (
-                r"(tipp|trick|hinweis|rat|ratschlag|es hilft|wir (raten|empfehlen)|sie sollten|"
-                r"am besten|spart|achten sie|vermeiden)\b"
+                r"(tipp|trick|hinweis|rat|ratschlag|es hilft|wir (raten|empfehlen)|sie sollten|am "
+                r"besten|spart|achten sie|vermeiden)\b"
             ),
             "fr": (
-                r"(conseil|astuce|il est utile|nous (conseillons|recommandons)|vous devriez|"
-                r"evitez|veillez)\b"
+                r"(conseil|astuce|il est utile|nous (conseillons|recommandons)|vous devriez|evitez|"
+                r"veillez)\b"
             ),
             "es": r"(consejo|truco|recomendamos|aconsejamos|conviene|deberia|evite|procure)\b",
             "it": r"(consiglio|trucco|consigliamo|raccomandiamo|conviene|dovrebbe|eviti)\b",
@@ -49,32 +50,47 @@ ASKED = {
 
 AGE = "Remove it; keep names and addresses apart, beside the pseudonym; ask for an age"
 
+JUDGING = Phrases(
+    {
+        "en": (
+            r"watch(ed|ing|es)?\b|observ\w*|filmed|rank(ing|ed|s)|punish\w*|penali\w*|competit\w*|"
+            r"compared with|audience|look at your|shown (to|on)|best list|high ?score"
+        ),
+        "de": (
+            r"beobacht\w*|gefilmt|rangliste\w*|bestraf\w*|strafe|verglichen|wettbewerb|zuschau\w*|"
+            r"bestenliste"
+        ),
+        "fr": r"observ\w*|film\w*|classement|puni\w*|penali\w*|compare\w*|competition|public\b",
+        "es": r"observ\w*|film\w*|clasificacion|castig\w*|penali\w*|compar\w*|compet\w*|publico\b",
+        "it": r"osserv\w*|film\w*|classifica|puni\w*|penali\w*|confront\w*|competi\w*",
+        "nl": r"bekeken|gefilmd|ranglijst|bestraf\w*|vergeleken|wedstrijd",
+        "zh": r"观察|排名|惩罚|比赛",
+        "ja": r"観察|順位|罰|競争",
+    }
+)
+"""Being watched, ranked or punished, which changes how people do."""
+
 PAID = Phrases(
     {
         "en": (
             r"bonus\w*|reward\w*|prizes?|earn\w*|wins?|cents?|pence|euros?|dollars?|pounds|"
-            r"vouchers?|paid|"
-            r"payments?|pays?|credits?|lottery|raffle"
+            r"vouchers?|paid|payments?|pays?|credits?|lottery|raffle"
         ),
         "de": (
             r"bonus|pramie\w*|belohn\w*|gewinn\w*|preise?|verdien\w*|cent|euro|gutschein\w*|"
-            r"vergut\w*|"
-            r"bezahl\w*|verlos\w*|zulage"
+            r"vergut\w*|bezahl\w*|verlos\w*|zulage"
         ),
         "fr": (
             r"bonus|primes?|recompens\w*|gagn\w*|centimes?|euros?|bons? d'achat|remuner\w*|pay(e|"
-            r"ee|es|ees|"
-            r"ons)?\b|tombola"
+            r"ee|es|ees|ons)?\b|tombola"
         ),
         "es": (
             r"bonos?|bonus|primas?|premi\w*|recompens\w*|gan(a|ara|aras|an)\b|centimos?|euros?|"
-            r"vales?\b|"
-            r"pag(o|a|amos|aran|ado|ada)s?\b|remuner\w*|sorteo|cobr\w*"
+            r"vales?\b|pag(o|a|amos|aran|ado|ada)s?\b|remuner\w*|sorteo|cobr\w*"
         ),
         "it": (
             r"bonus|premi\w*|ricompens\w*|guadagn\w*|vinc\w*|centesim\w*|euro|buon[oi] |pag(a|ato|"
-            r"amento)|"
-            r"compenso"
+            r"amento)|compenso"
         ),
         "nl": (
             r"bonus|belon\w*|premie|win(t|nen)\b|verdien\w*|cent|euro|bon\b|cadeaubon|betaal\w*|"
@@ -106,8 +122,7 @@ UNPAID = Phrases(
 )
 _SUM = re.compile(
     r"(?:[€$£¥] ?(\d+(?:[.,]\d+)?)|(\d+(?:[.,]\d+)?) ?(?:[€$£¥]|euros?|cents?|dollars?|pounds|"
-    r"pence|"
-    r"centimes?|centimos?|centesimi|chf|eur|usd|元|円))"
+    r"pence|centimes?|centimos?|centesimi|chf|eur|usd|元|円))"
 )
 """A sum of money."""
 
@@ -133,8 +148,8 @@ AHEAD = Phrases(
         "it": r"(prossim|seguent)\w* (prov|compit|part)|il piu (veloce|rapida)\w* possibile|"
         r"(metta|appoggi) le dita",
         "nl": (
-            r"(volgende|komende) (taak|taken|poging\w*|deel)|zo (snel|nauwkeurig) mogelijk|"
-            r"leg uw vingers"
+            r"(volgende|komende) (taak|taken|poging\w*|deel)|zo (snel|nauwkeurig) mogelijk|leg uw "
+            r"vingers"
         ),
     }
 )
@@ -226,6 +241,18 @@ def _uneven(by_level: dict[str, str], language: str) -> tuple[str, str] | None:
         rest = [level for level in by_level if level not in asks]
         if asks and rest:
             return asks[0], f"{what} is said before {asks[0]}, and not before {rest[0]}"
+    judged = [
+        level
+        for level, text in by_level.items()
+        if any(
+            JUDGING.match(s, language) and not DENIES.match(s, language) for s in sentences(text)
+        )
+    ]
+    rest = [level for level in by_level if level not in judged]
+    if judged and rest:
+        return judged[
+            0
+        ], f"being watched or ranked is said before {judged[0]}, not before {rest[0]}"
     return _paid(by_level, language)
 
 

@@ -14,49 +14,43 @@ from sandbox.study.design.told.texts import Phrases, quoted, sentences
 TAUGHT = re.compile(
     r"(?<!\w)(?:teach\w*|taught|train(?:ed|ing)|tuition|coach\w*|tutorials?|instruct\w*|lessons?|"
     r"learn(?:ed|t|ing)|strateg\w*|explain\w*|explanations?|demonstrat\w*|demo|knowledge|knows?|"
-    r"informed|told|tips?|hints?|advice|advised|trick\w*|schulung\w*|geschult\w*|anleitung\w*|"
-    r"angeleitet\w*|unterweis\w*|unterwiesen\w*|unterricht\w*|einweis\w*|eingewiesen\w*|"
-    r"trainiert\w*|"
-    r"gelernt\w*|erklart\w*|erklarung\w*|tipps?|hinweise?|wissen\w*|formation|forme\w*|"
-    r"apprentissage|"
-    r"appris\w*|enseign\w*|entraine\w*|explication\w*|explique\w*|consignes?|astuces?|conseils?|"
-    r"ensen\w*|entrenamiento|entrenad\w*|formacion|instruccion\w*|instruid\w*|explicacion\w*|"
-    r"explicad\w*|consejos?|trucos?|addestra\w*|insegna\w*|istru\w*|formazione|spiegazion\w*|"
-    r"consigli\w*|uitleg|instructie\w*|geinstrueerd\w*|getraind\w*|onderwijs|onderwezen|advies|"
-    r"ensino|ensinad\w*|trein\w*|instruc\w*|dicas?)(?!\w)|教|训练|培训|讲解|指導|訓練|教示|تعليم|"
-    r"تدريب"
+    r"informed|told|videos?|films?|instruiert\w*|informiert\w*|tips?|hints?|advice|advised|"
+    r"trick\w*|schulung\w*|geschult\w*|anleitung\w*|angeleitet\w*|unterweis\w*|unterwiesen\w*|"
+    r"unterricht\w*|einweis\w*|eingewiesen\w*|trainiert\w*|gelernt\w*|erklart\w*|erklarung\w*|"
+    r"tipps?|hinweise?|wissen\w*|formation|forme\w*|apprentissage|appris\w*|enseign\w*|entraine\w*|"
+    r"explication\w*|explique\w*|consignes?|astuces?|conseils?|ensen\w*|entrenamiento|entrenad\w*|"
+    r"formacion|instruccion\w*|instruid\w*|explicacion\w*|explicad\w*|consejos?|trucos?|"
+    r"addestra\w*|insegna\w*|istru\w*|formazione|spiegazion\w*|consigli\w*|uitleg|instructie\w*|"
+    r"geinstrueerd\w*|getraind\w*|onderwijs|onderwezen|advies|ensino|ensinad\w*|trein\w*|"
+    r"instruc\w*|dicas?)(?!\w)|教|训练|培训|讲解|指導|訓練|教示|تعليم|تدريب"
 )
 """Names of factors and levels of which people know more afterwards."""
 UNTAUGHT = re.compile(
     r"(?<!\w)(?:untaught|untrained|uninstructed|uninformed|unadvised|untold|unaware|naive|none|no|"
-    r"not|"
-    r"without|control|off|free|self|before|baseline|spontaneous|ohne|kein\w*|nicht|un(?:geschult|"
-    r"trainiert|gelernt|angeleitet|wissend)\w*|naiv|kontrolle|frei|spontan\w*|vorher|sans|aucun\w*|"
-    r"non|naif|naive|temoin|libre|avant|sin|ningun\w*|ingenuo|control|senza|nessun\w*|libero|"
-    r"zonder|"
-    r"geen|niet|ongetraind\w*|vrij|controle|sem|nenhum\w*|livre)(?!\w)|无|未|没有|なし|بدون"
+    r"not|without|control|off|free|self|before|baseline|spontaneous|ohne|kein\w*|nicht|"
+    r"un(?:geschult|trainiert|gelernt|angeleitet|wissend)\w*|naiv|kontrolle|frei|spontan\w*|vorher|"
+    r"sans|aucun\w*|non|naif|naive|temoin|libre|avant|sin|ningun\w*|ingenuo|control|senza|"
+    r"nessun\w*|libero|zonder|geen|niet|ongetraind\w*|vrij|controle|sem|nenhum\w*|livre)(?!\w)|无|"
+    r"未|没有|なし|بدون"
 )
 """Names of levels without it."""
 FREELY = Phrases(
     {
         "en": (
             r"(in )?(whatever|any) way|as you (like|please|wish|want|prefer|see fit)|however you|"
-            r"in your "
-            r"own way|no (right or wrong|particular|special) way|comes? (naturally )?to you|(find|"
-            r"work) "
-            r"(it )?out (for )?yourself"
+            r"in your own way|no (right or wrong|particular|special) way|comes? (naturally )?to "
+            r"you|(find|work) (it )?out (for )?yourself"
         ),
         "de": (
             r"(so )?wie (sie|du) (\w+ )?(mochten|wollen|mogen|wunschen|mochtest|willst)|wie es "
-            r"ihnen|auf "
-            r"(ihre|deine) (eigene )?(art|weise)|beliebig\w*|nach belieben|ganz frei|frei wahlen|"
-            r"keine "
-            r"(richtige|besondere|bestimmte)"
+            r"ihnen|auf (ihre|deine) (eigene )?(art|weise)|beliebig\w*|nach belieben|ganz frei|"
+            r"frei wahlen|keine (richtige|besondere|bestimmte)|wie es ihnen|ganz nach (ihrem "
+            r")?(gefuhl|geschmack)"
         ),
         "fr": (
             r"comme (vous|tu) (\w+ )?(voul|prefer|souhait|voud|veu)\w*|a votre (maniere|facon|"
-            r"guise)|"
-            r"librement|comme (il|cela) vous|n'importe comment|pas de bonne"
+            r"guise)|librement|comme (il|cela) vous|n'importe comment|pas de bonne|comme bon vous|"
+            r"a votre gre"
         ),
         "es": (
             r"como (\w+ )?(quiera|prefiera|desee|guste|quieras|prefieras)\w*|a su (manera|modo)|"
@@ -80,21 +74,20 @@ TECHNIQUE = Phrases(
     {
         "en": (
             r"thumbs?|fingers?|fingertips?|grip\w*|grasp\w*|hold|pinch\w*|technique|tricks?|"
-            r"strateg\w*|"
-            r"hints?|tips?|from (the side|above|below|behind)|edges?|corners?"
+            r"strateg\w*|hints?|tips?|from (the side|above|below|behind)|edges?|corners?|shown|"
+            r"taught|learn\w*"
         ),
         "de": (
             r"daumen|\w*finger\w*|\w*griff\w*|greif\w*|halten|fass\w*|technik|tricks?|tipps?|"
-            r"strategie\w*|"
-            r"von der seite|von oben|kante\w*|ecke\w*"
+            r"strategie\w*|von der seite|von oben|kante\w*|ecke\w*|gezeigt|gelernt|anleitung"
         ),
         "fr": (
             r"pouce|index|doigts?|prise|ten(ez|ir)|saisi\w*|pinc\w*|technique|astuce|strategie|"
-            r"conseil|bords?"
+            r"conseil|bords?|montre\w*|enseign\w*"
         ),
         "es": (
             r"pulgar|indice|dedos?|agarr\w*|sujet\w*|pinz\w*|tecnica|truco|estrategia|consejo|"
-            r"bordes?"
+            r"bordes?|ensen\w*|mostrad\w*"
         ),
         "it": (
             r"pollice|indice|dita|presa|afferr\w*|teng\w*|tecnica|trucco|strategia|consiglio|"
@@ -113,46 +106,40 @@ CONTROLS = Phrases(
     {
         "en": (
             r"how (to|you (can )?|the hand )(control|move|grasp|grip|release|operate|use|works?|"
-            r"follows?|"
-            r"pick|lift|hold)|this is how|works (like|as) (this|follows)|in order to (grasp|"
-            r"release|"
-            r"control|let go|pick|lift)|to (control|grasp|release|let go|close|open|pick up|"
-            r"grip)\b|(place|"
-            r"put|rest) [^.]*(fingers?|thumb|hand)|(hand|palm) (follows|closes|opens|copies)"
+            r"follows?|pick|lift|hold)|this is how|works (like|as) (this|follows)|in order to "
+            r"(grasp|release|control|let go|pick|lift)|to (control|grasp|release|let go|close|open|"
+            r"pick up|grip)\b|(place|put|rest) [^.]*(fingers?|thumb|hand)|(hand|palm) (follows|"
+            r"closes|opens|copies)|(bring|move|spread) (your|the) (fingers|thumb)"
         ),
         "de": (
             r"so (steuer|beweg|bedien|greif|funktionier|geht)\w*|wie (sie|man|die hand|du) "
-            r"[^.]*(steuer|"
-            r"greif|bedien|beweg|funktionier)\w*|(legen|setzen) sie [^.]*(finger|daumen|hand)|hand "
-            r"(folgt|schliesst|offnet)|zum (greifen|loslassen|steuern)|um (zu greifen|loszulassen|"
-            r"die hand)"
+            r"[^.]*(steuer|greif|bedien|beweg|funktionier)\w*|(legen|setzen) sie [^.]*(finger|"
+            r"daumen|hand)|hand (folgt|schliesst|offnet)|zum (greifen|loslassen|steuern)|um (zu "
+            r"greifen|loszulassen|die hand)|(finger|daumen) (zusammen|auseinander)|hand (zu|"
+            r"auf)zumachen|hand (zu )?(schliessen|offnen)"
         ),
         "fr": (
             r"comment|posez [^.]*(doigt|pouce|main)|la main (vous )?(suit|se ferme|s'ouvre)|pour "
-            r"(lacher|"
-            r"saisir|commander|attraper|prendre|relacher)"
+            r"(lacher|saisir|commander|attraper|prendre|relacher)|(rapproch|ecart)\w+ (les|vos) "
+            r"doigts|(fermer|ouvrir) la main"
         ),
         "es": (
             r"asi se|como (se |puede )?(manej|control|mov|muev|us|agarr|funcion)\w*|pon(ga|gan)? "
-            r"[^.]*"
-            r"(dedo|pulgar|mano)|la mano (le |les |lo )?(sigue|se cierra|se abre)|para (soltar|"
-            r"agarrar|"
-            r"coger|manejar|mover)"
+            r"[^.]*(dedo|pulgar|mano)|la mano (le |les |lo )?(sigue|se cierra|se abre)|para "
+            r"(soltar|agarrar|coger|manejar|mover)|(junt|separ|acer)\w+ [^.]*dedos|(cerrar|abrir) "
+            r"la mano"
         ),
         "it": (
             r"(cosi|come) (si|puo) \w+|(metta|appoggi|posi) [^.]*(dita|pollice|mano)|la mano (la "
-            r")?(segue|"
-            r"si chiude|si apre)|per (lasciare|afferrare|muovere)"
+            r")?(segue|si chiude|si apre)|per (lasciare|afferrare|muovere)"
         ),
         "nl": (
             r"(zo|hoe) (bestuur|beweeg|werk|pak|gebruik)\w*|leg [^.]*(vinger|duim|hand)|de hand "
-            r"(volgt|"
-            r"sluit|opent)|om (te pakken|los te laten|te bewegen)"
+            r"(volgt|sluit|opent)|om (te pakken|los te laten|te bewegen)"
         ),
         "pt": (
             r"(assim|como) (se|pode|controlar|mover|usar)|ponha [^.]*(dedo|polegar|mao)|a mao "
-            r"(segue|fecha|"
-            r"abre)|para (soltar|agarrar|pegar|mover)"
+            r"(segue|fecha|abre)|para (soltar|agarrar|pegar|mover)"
         ),
         "zh": r"(如何|怎么|怎样)(控制|移动|抓|操作|使用)|把[^。]*(手指|手)放|手会(跟随|张开|合)",
         "ja": r"(操作|動かし|つかみ|使い)(方|かた)|指を[^。]*(置|乗せ)|手(は|が)[^。]*(動|閉|開)",

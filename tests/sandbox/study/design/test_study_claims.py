@@ -4,29 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from sandbox.study.design.meaning.findings import findings
-from tests.sandbox.study.design.test_study_scales import CONSENT, spoken
-from tests.support.study_files import design
+from tests.sandbox.study.design.spoken_designs import CONSENT, TOGETHER, consenting, one, spoken
 
-TOGETHER = (
-    'name = "two"\nparticipants = 24\nlanguages = ["{code}"]\n[settings]\n'
-    'task = "carry-together"\nsecond_device = "simulated"\n[[factors]]\nname = "contact"\n'
-    'order = "latin"\nlevels = ["hard", "soft"]\n[trials]\npractice = 2\n'
-    'practice_each = "contact"\n[consent]\ntext = "{consent} {told}"\n'
-)
 AGE = '\n[[demographics]]\nname = "years"\nkind = "number"\nlow = {}\nhigh = {}\nask = "{}"\n'
-
-
-def one(text: str, wanted: str) -> None:
-    found = [f.mistake for f in findings(design(text)) if f.mistake.where != "languages"]
-    assert len(found) == bool(wanted), found
-    assert all(wanted in mistake.what and mistake.remedy for mistake in found), found
-
-
-def consenting(text: str, code: str = "en") -> str:
-    told = spoken(code)
-    assert CONSENT[code] in told
-    return told.replace(CONSENT[code], f"{CONSENT[code]} {text}")
 
 
 @pytest.mark.parametrize(
@@ -52,6 +32,12 @@ def consenting(text: str, code: str = "en") -> str:
         ("Os seus movimentos não são gravados.", "pt", True),
         ("我们不会记录您的动作。", "zh", True),
         ("動作は記録しません。", "ja", True),
+        ("The only thing we keep is your questionnaire.", "en", True),
+        ("No recordings are made of your hand.", "en", True),
+        ("Das Programm zeichnet nichts auf.", "de", True),
+        ("Wir speichern nur, was Sie im Fragebogen ankreuzen.", "de", True),
+        ("La tablette ne mémorise ni vos gestes ni vos temps.", "fr", True),
+        ("No se mide cuánto tarda.", "es", True),
         ("Your name and your face are not recorded.", "en", False),
         ("Touches and times are recorded, but your voice is not recorded.", "en", False),
         ("Times are not recorded with your name.", "en", False),
@@ -89,6 +75,8 @@ def test_what_is_recorded_is_told_in_instructions_too() -> None:
         ("Votre partenaire porte l'objet avec vous.", "fr", True),
         ("Otra persona mueve la segunda mano desde la sala de al lado.", "es", True),
         ("另一位参与者移动第二只手。", "zh", True),
+        ("Your teammate is another student sitting next door.", "en", True),
+        ("The experimenter waits in the next room.", "en", False),
         ("The second hand is moved by a program.", "en", False),
         ("A simulated partner moves the second hand.", "en", False),
         ("Your partner is played by the computer, and holds the other side.", "en", False),
@@ -164,6 +152,9 @@ def test_who_takes_part_is_told_by_the_title(title: str, wanted: str) -> None:
         ("Vos résultats seront transmis à votre employeur.", "fr", True),
         ("Los datos se guardan con su nombre.", "es", True),
         ("Sus tiempos se enviarán a su jefe.", "es", True),
+        ("We keep a list of names and results.", "en", True),
+        ("Your data may be sold to other companies.", "en", True),
+        ("El profesor recibirá una lista con los resultados.", "es", True),
         ("Touches are stored without your name.", "en", False),
         ("Your results are never shown to your employer.", "en", False),
         ("Ihre Ergebnisse werden nicht Ihrem Vorgesetzten mitgeteilt.", "de", False),
@@ -182,6 +173,9 @@ def test_data_stay_apart_from_names_and_superiors(text: str, code: str, exposes:
         ("Die weitere Behandlung hängt von der Teilnahme ab.", "de", True),
         ("Votre traitement dépend de votre participation.", "fr", True),
         ("La nota depende de su participación.", "es", True),
+        ("You may stop, but then your supervisor will hear of it.", "en", True),
+        ("Stopping costs half of the payment.", "en", True),
+        ("Votre chef saura si vous avez arrêté.", "fr", True),
         ("Your treatment does not depend on your participation.", "en", False),
         ("Die Behandlung hängt nicht von der Teilnahme ab.", "de", False),
         ("Votre traitement ne dépend pas de votre participation.", "fr", False),

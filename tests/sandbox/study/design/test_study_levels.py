@@ -5,18 +5,12 @@ from __future__ import annotations
 import pytest
 
 from sandbox.study.design.meaning.findings import findings
-from tests.sandbox.study.design.test_study_scales import spoken
+from tests.sandbox.study.design.spoken_designs import one, spoken
 from tests.support.study_files import SOUND, design
 
 FACTOR = 'name = "contact"\norder = "latin"\nlevels = ["hard", "soft"]\n'
 TEXT = '\n[[instructions]]\nat = "{}"\nlevel = "{}"\ntext = "{}"\n'
 LATER = '\n[[instructions]]\nat = "start"\n{}text = "{}"\n'
-
-
-def one(text: str, wanted: str) -> None:
-    found = [f.mistake for f in findings(design(text)) if f.mistake.where != "languages"]
-    assert len(found) == bool(wanted), found
-    assert all(wanted in mistake.what and mistake.remedy for mistake in found), found
 
 
 def varied(name: str, order: str, levels: str, code: str = "en") -> str:
@@ -40,7 +34,7 @@ def unlike(one_name: str, other: str) -> str:
     [
         ("groupe", "between", same("jeunes", "seniors"), True),
         ("age-group", "between", same("a", "b"), True),
-        ("gruppe", "between", unlike("maenner", "frauen"), False),
+        ("gruppe", "between", unlike("maenner", "frauen"), True),
         ("gruppe", "between", unlike("Männer", "Frauen"), True),
         ("who", "between", unlike("left-handed", "right-handed"), True),
         ("group", "between", unlike("novices", "experts"), True),
@@ -48,6 +42,9 @@ def unlike(one_name: str, other: str) -> str:
         ("group", "between", same("musicians", "non-musicians"), True),
         ("group", "between", unlike("18-30", "65-80"), True),
         ("geschlecht", "latin", same("eins", "zwei"), True),
+        ("kohorte", "between", same("a", "b"), True),
+        ("gruppe", "between", same("junge-erwachsene", "aeltere-erwachsene"), True),
+        ("people", "between", unlike("students", "retirees"), True),
         ("version", "between", unlike("old", "new"), False),
         ("version", "latin", unlike("novice", "expert"), False),
         ("feel", "between", unlike("hard", "soft"), False),
@@ -80,6 +77,14 @@ def test_nobody_is_assigned_to_an_age_or_a_sex(
             same("a", "b"),
             ("Greifen Sie, wie Sie möchten.", "Greifen Sie mit Daumen und Zeigefinger."),
             "de",
+            True,
+        ),
+        ("gruppe", same("naiv", "instruiert"), ("Los.", "Also los."), "de", True),
+        (
+            "partie",
+            same("a", "b"),
+            ("Faites comme bon vous semble.", "Utilisez la technique que nous avons montrée."),
+            "fr",
             True,
         ),
         ("priority", same("a", "b"), ("Be quick.", "Be accurate."), "en", False),
@@ -178,6 +183,22 @@ def test_levels_that_never_meet_are_not_compared(
 def test_pay_is_the_same_at_all_levels(hard: str, soft: str, code: str, wanted: str) -> None:
     told = TEXT.format("contact", "hard", hard) + TEXT.format("contact", "soft", soft)
     one(spoken(code) + told, wanted)
+
+
+@pytest.mark.parametrize(
+    ("hard", "soft", "code", "watched"),
+    [
+        ("Now the next part.", "Your results are shown on a ranking.", "en", True),
+        ("Nun der nächste Teil.", "In diesem Teil werden Sie beobachtet.", "de", True),
+        ("Voici la suite.", "Un classement sera affiché.", "fr", True),
+        ("Nobody watches you.", "Now the next part.", "en", False),
+    ],
+)
+def test_nobody_is_watched_at_one_level_alone(
+    hard: str, soft: str, code: str, watched: bool
+) -> None:
+    told = TEXT.format("contact", "hard", hard) + TEXT.format("contact", "soft", soft)
+    one(spoken(code) + told, "being watched or ranked" if watched else "")
 
 
 @pytest.mark.parametrize(

@@ -5,19 +5,9 @@ from __future__ import annotations
 import pytest
 
 from sandbox.study.design.meaning.findings import findings
-from tests.support.study_files import SOUND, design
+from tests.sandbox.study.design.spoken_designs import CONSENT, one, spoken
+from tests.support.study_files import design
 
-CONSENT = {
-    "en": "Your touches are recorded. You may stop at any time.",
-    "de": "Ihre Berührungen werden aufgezeichnet. Sie können jederzeit aufhören.",
-    "fr": "Vos contacts sont enregistrés. Vous pouvez arrêter à tout moment.",
-    "es": "Sus toques se registran. Puede parar en cualquier momento.",
-    "it": "I Suoi tocchi vengono registrati. Può interrompere in qualsiasi momento.",
-    "nl": "Uw aanrakingen worden opgenomen. U kunt op elk moment stoppen.",
-    "pt": "Os seus toques são registados. Pode parar a qualquer momento.",
-    "zh": "我们会记录数据，您可以随时停止。",
-    "ja": "データを記録します。いつでも中止できます。",
-}
 MUCH = {
     "en": ("not at all", "extremely"),
     "de": ("gar nicht", "sehr"),
@@ -29,14 +19,6 @@ MUCH = {
     "zh": ("一点也不", "非常"),
     "ja": ("まったくない", "非常に"),
 }
-
-
-def spoken(code: str) -> str:
-    """A sound design in one language, without its questionnaire."""
-    text = SOUND[: SOUND.index("[[questionnaires]]")]
-    old = "Your touches are recorded. You may stop at any time. Do you agree?"
-    assert old in text
-    return text.replace(old, CONSENT[code]).replace("seed = 3", f'seed = 3\nlanguages = ["{code}"]')
 
 
 def asking(
@@ -64,12 +46,6 @@ def asking(
     )
 
 
-def one(text: str, wanted: str) -> None:
-    found = [f.mistake for f in findings(design(text)) if f.mistake.where != "languages"]
-    assert len(found) == bool(wanted), found
-    assert all(wanted in mistake.what and mistake.remedy for mistake in found), found
-
-
 @pytest.mark.parametrize(
     ("asks", "code", "reverse", "wanted"),
     [
@@ -84,6 +60,10 @@ def one(text: str, wanted: str) -> None:
         (("Was het vermoeiend?", "Was het prettig?"), "nl", (), "i1 run against i0"),
         (("Foi cansativo ou doloroso?", "Sentiu-se relaxado?"), "pt", (), "i1 run against i0"),
         (("您感到疲劳吗？", "您感到轻松吗？"), "zh", (), "i1 run against i0"),
+        (("I was in control.", "It did things that I did not intend."), "en", (), "i1 run"),
+        (("Ich fühlte mich gehetzt.", "Alles war unter Kontrolle."), "de", (), "i1 run against i0"),
+        (("La main obéissait.", "La main était lente."), "fr", (), "i1 run against i0"),
+        (("La mano hacía lo que yo quería.", "Fue incómodo."), "es", (), "i1 run against i0"),
         (("How tired were you?", "How relaxed were you?"), "en", (1,), ""),
         (("How tired were you?", "How tense were you?"), "en", (1,), "i1 run against i0"),
         (("How tired were you?", "How often did you lose the box?"), "en", (), ""),
@@ -148,6 +128,11 @@ def test_items_of_a_score_have_the_same_range(bounds: list[tuple[int, int]], wan
         ("Para verificar que está a ler, marque o 5.", "pt", True),
         ("请选择数字3。", "zh", True),
         ("ここでは3を選んでください。", "ja", True),
+        ("Leave this one at 1, please.", "en", True),
+        ("For quality control, please answer 'extremely' here.", "en", True),
+        ("Zur Kontrolle: bitte hier ganz links ankreuzen.", "de", True),
+        ("Merci de cocher la case tout à droite.", "fr", True),
+        ("Si está leyendo esto, pulse la última opción.", "es", True),
         ("How hard did you press with two fingers?", "en", False),
         ("Select how it felt (1 for bad, 7 for good).", "en", False),
         ("How much attention did it take?", "en", False),

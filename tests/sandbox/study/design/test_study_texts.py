@@ -126,6 +126,20 @@ def test_nobody_is_told_which_level_is_better(text: str, code: str, judges: bool
     assert ["expected to be better" in what for what in found] == [True] * judges
 
 
+@pytest.mark.parametrize(
+    ("text", "code"),
+    [
+        ("Most people find the second part much easier.", "en"),
+        ("The first method is the one that everybody complains about.", "en"),
+        ("Im zweiten Teil wird es Ihnen leichter fallen.", "de"),
+        ("Vous verrez que la seconde méthode est plus agréable.", "fr"),
+    ],
+)
+def test_what_others_found_is_not_told(text: str, code: str) -> None:
+    (what,) = told(instructed(text, "start", code))
+    assert "expected to be better" in what
+
+
 def test_a_hypothesis_is_found_in_any_text_before_trials() -> None:
     (what,) = told(instructed("We expect that soft things are easier to hold."))
     assert "expected to be better" in what

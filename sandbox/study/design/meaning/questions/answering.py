@@ -45,20 +45,18 @@ SLIGHT = Phrases(
 _NOT = {
     "en": re.compile(
         r"\b(?:not|never|no|nothing|nobody|cannot|without|\w+n't)\b[^,.;]*\b(?:not|never|no|"
-        r"nothing|"
-        r"nobody|without|unable|impossible|lack|failed|un(?:comfort|predict|reli|pleas|natur|cert|"
-        r"easy|sure|safe|control)\w*|in(?:accurat|secur|precis|convenient)\w*|imprecise\w*)\b"
+        r"nothing|nobody|without|unable|impossible|lack|failed|un(?:comfort|predict|reli|pleas|"
+        r"natur|cert|easy|sure|safe|control)\w*|in(?:accurat|secur|precis|convenient)\w*|"
+        r"imprecise\w*)\b"
     ),
     "de": re.compile(
         r"\b(?:nicht|nie|niemals|kein\w*|nichts|ohne)\b[^,.;]*\b(?:nicht|nie|niemals|kein\w*|"
-        r"nichts|"
-        r"ohne|un(?:angenehm|bequem|zuverlass|genau|sicher|naturlich|vorherseh|kontroll|klar|"
-        r"moglich|fahig)\w*)\b"
+        r"nichts|ohne|un(?:angenehm|bequem|zuverlass|genau|sicher|naturlich|vorherseh|kontroll|"
+        r"klar|moglich|fahig)\w*)\b"
     ),
     "fr": re.compile(
         r"\b(?:pas|jamais|sans|aucun\w*)\b[^,.;]*\b(?:in(?:confort|precis|certain|stabl|"
-        r"capable)\w*|"
-        r"imprevis\w*|impossib\w*|desagreab\w*|sans)\b"
+        r"capable)\w*|imprevis\w*|impossib\w*|desagreab\w*|sans)\b"
     ),
     "es": re.compile(
         r"\b(?:no|nunca|sin)\b[^,.;]*\b(?:in(?:comod|segur|establ|capaz)\w*|impre(?:cis|vis)\w*|"

@@ -14,17 +14,17 @@ from sandbox.study.design.toml_lines import Path
 MORE = Phrases(
     {
         "en": (
-            r"((very |extremely )?(good|well|easy|easily|comfortabl\w+|pleasant\w*|satisf\w+|"
-            r"happy|fast|quick\w*|high\w*|much|often|always|strong\w* agree|agree|natural\w*|"
-            r"accurate\w*|precise\w*|clear\w*|useful|intuitive\w*|reliabl\w+|calm|relaxed|"
-            r"likely|perfect\w*|excellent\w*|best|true|important|confident|rested|yes))\b"
+            r"((very |extremely )?(good|well|easy|easily|comfortabl\w+|pleasant\w*|satisf\w+|happy|"
+            r"fast|quick\w*|high\w*|much|often|always|strong\w* agree|agree|natural\w*|accurate\w*|"
+            r"precise\w*|clear\w*|useful|intuitive\w*|reliabl\w+|calm|relaxed|likely|perfect\w*|"
+            r"excellent\w*|best|true|important|confident|rested|yes))\b"
         ),
         "de": (
             r"(gut|leicht|einfach|angenehm|bequem|komfortabel|zufrieden|schnell|hoch|hohe?|viel|"
             r"stark|oft|haufig|immer|stimme\w* (\w+ ){0,3}zu|zustimm\w*|trifft \w* ?\w* ?zu|"
             r"zutreffend|naturlich|genau|prazise|klar|nutzlich|intuitiv|zuverlassig|ruhig|"
-            r"entspannt|wahrscheinlich|perfekt|ausgezeichnet|hervorragend|beste\w*|wichtig|"
-            r"sicher|ausgeruht|ja)\b"
+            r"entspannt|wahrscheinlich|perfekt|ausgezeichnet|hervorragend|beste\w*|wichtig|sicher|"
+            r"ausgeruht|ja)\b"
         ),
         "fr": (
             r"(bien|bonne?|facile(ment)?|confortable|agreable|satisfaite?|content|rapide(ment)?|"
@@ -46,27 +46,23 @@ LESS = Phrases(
             r"(bad|badly|poor\w*|difficult|hard|uncomfortabl\w+|unpleasant\w*|dissatisf\w+|"
             r"unsatisf\w+|unhappy|slow\w*|low\w*|little|never|rarely|seldom|disagree|unnatural\w*|"
             r"inaccurate\w*|imprecise\w*|unclear\w*|useless|unintuitive|unreliabl\w+|tense|"
-            r"stressed|unlikely|terrib\w+|awful\w*|worst|false|unimportant|unsure|tired|none|"
-            r"no)\b"
+            r"stressed|unlikely|terrib\w+|awful\w*|worst|false|unimportant|unsure|tired|none|no)\b"
         ),
         "de": (
             r"(schlecht|schwer|schwierig|unangenehm|unbequem|unkomfortabel|unzufrieden|langsam|"
-            r"niedrig\w*|gering|wenig|schwach|nie|niemals|selten|lehne \w* ?ab|unnaturlich|"
-            r"ungenau|unprazise|unklar|nutzlos|unzuverlassig|angespannt|gestresst|"
-            r"unwahrscheinlich|furchtbar|schrecklich|schlechteste\w*|unwichtig|unsicher|mude|"
-            r"nein|keine?)\b"
+            r"niedrig\w*|gering|wenig|schwach|nie|niemals|selten|lehne \w* ?ab|unnaturlich|ungenau|"
+            r"unprazise|unklar|nutzlos|unzuverlassig|angespannt|gestresst|unwahrscheinlich|"
+            r"furchtbar|schrecklich|schlechteste\w*|unwichtig|unsicher|mude|nein|keine?)\b"
         ),
         "fr": (
             r"(mal|mauvaise?|difficile(ment)?|inconfortable|desagreable|insatisfaite?|mecontent|"
             r"lente?(ment)?|faible|basse?|peu|jamais|rarement|pas d'accord|desaccord|imprecis\w*|"
-            r"confuse?|inutile|tendue?|stressee?|improbable|terrible|pire|fatiguee?|aucune?|"
-            r"non)\b"
+            r"confuse?|inutile|tendue?|stressee?|improbable|terrible|pire|fatiguee?|aucune?|non)\b"
         ),
         "es": (
-            r"(mal|mal[oa]|dificil(mente)?|incomod[oa]|desagradable|insatisfech[oa]|"
-            r"descontent[oa]|lent[oa](mente)?|baj[oa]|poco|nunca|raramente|en desacuerdo|"
-            r"imprecis[oa]|confus[oa]|inutil|tens[oa]|estresad[oa]|improbable|terrible|peor|"
-            r"cansad[oa]|ningun[oa]?|no)\b"
+            r"(mal|mal[oa]|dificil(mente)?|incomod[oa]|desagradable|insatisfech[oa]|descontent[oa]|"
+            r"lent[oa](mente)?|baj[oa]|poco|nunca|raramente|en desacuerdo|imprecis[oa]|confus[oa]|"
+            r"inutil|tens[oa]|estresad[oa]|improbable|terrible|peor|cansad[oa]|ningun[oa]?|no)\b"
         ),
     }
 )

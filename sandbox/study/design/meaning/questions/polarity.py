@@ -19,27 +19,31 @@ NEAR = 4
 GOOD = Phrases(
     {
         "en": (
-            r"(relax\w*|effortless\w*|eas[ey]|easily|easier|comfortabl\w*|pleasant\w*|natural\w*|"
+            r"((what|as|how) i (had )?(want|intend|expect|plan)\w*|obey\w*|under control|relax\w*|"
+            r"effortless\w*|eas[ey]|easily|easier|comfortabl\w*|pleasant\w*|natural\w*|"
             r"predictab\w*|reliab\w*|accurate\w*|precise\w*|secure\w*|confident\w*|calm\w*|"
             r"clear\w*|useful\w*|helpful\w*|fun|enjoy\w*|happy|satisf\w*|good|well|smooth\w*|"
             r"fluent\w*|intuitiv\w*|rested|fresh|simple|fast|quick\w*|responsive\w*|trust\w*|rely|"
             r"in control|pleased|safe\w*|excellent\w*|perfect\w*|great|outstanding|painless\w*)\b"
         ),
         "de": (
-            r"(entspann\w*|muhelos\w*|leicht\w*|einfach\w*|bequem\w*|angenehm\w*|naturlich\w*|"
-            r"vorherseh\w*|vorhersag\w*|zuverlassig\w*|genau\w*|prazise\w*|sicher\w*|ruhig\w*|"
-            r"klar|nutzlich\w*|hilfreich\w*|spass|freude|zufrieden\w*|gute?|flussig\w*|intuitiv\w*|"
+            r"((was|wie) ich (es )?(wollte|will|erwartet\w*)|gehorch\w*|unter kontrolle|kontrolle "
+            r"uber|entspann\w*|muhelos\w*|leicht\w*|einfach\w*|bequem\w*|angenehm\w*|naturlich\w*|"
+            r"vorherseh\w*|vorhersag\w*|zuverlassig\w*|genau\w*|prazise\w*|sicher\w*|ruhig\w*|klar|"
+            r"nutzlich\w*|hilfreich\w*|spass|freude|zufrieden\w*|gute?|flussig\w*|intuitiv\w*|"
             r"ausgeruht|frisch\w*|wach|munter|fit|schnell\w*|locker\w*|schmerzfrei|problemlos|wohl|"
             r"gelassen|ausgezeichnet|hervorragend|perfekt)\b"
         ),
         "fr": (
-            r"(detend\w*|repose\w*|facil\w*|a l'aise|confortab\w*|agreab\w*|naturel\w*|previsib\w*|"
+            r"((ce que|comme) je (le )?(voul|souhait)\w*|obe(i|it|iss)\w*|controlais|maitris\w*|"
+            r"detend\w*|repose\w*|facil\w*|a l'aise|confortab\w*|agreab\w*|naturel\w*|previsib\w*|"
             r"fiab\w*|precis\w*|confiance|calme\w*|clair\w*|util\w*|plaisir|satisf\w*|content\w*|"
             r"bien|bonn?e?s?|fluid\w*|intuiti\w*|rapid\w*|simple\w*|serein\w*|excellent\w*|"
             r"parfait\w*)\b"
         ),
         "es": (
-            r"(relajad\w*|descansad\w*|facil\w*|comod\w*|agradab\w*|natural\w*|previsib\w*|"
+            r"((lo que|como) (yo )?(queria|quise|esperaba)|obedec\w*|bajo control|controlaba|"
+            r"relajad\w*|descansad\w*|facil\w*|comod\w*|agradab\w*|natural\w*|previsib\w*|"
             r"predecib\w*|fiab\w*|precis\w*|segur[oa]s?|tranquil\w*|clar[oa]s?|util\w*|divert\w*|"
             r"disfrut\w*|satisf\w*|satisfech\w*|content\w*|bien|buen\w*|fluid\w*|intuitiv\w*|"
             r"rapid\w*|sencill\w*|excelente\w*|perfect\w*)\b"
@@ -71,45 +75,44 @@ GOOD = Phrases(
 BAD = Phrases(
     {
         "en": (
-            r"(tired|tiredness|tiring|fatigu\w*|exhaust\w*|weary|weariness|tens(e|ion|ed)|"
-            r"stress\w*|"
-            r"strain\w*|strenuous\w*|pain(?!less|-?free)\w*|ach(e|es|ed|ing)|hurts?|sore\w*|"
-            r"stiff\w*|cramp\w*|numb\w*|frustrat\w*|annoy\w*|irritat\w*|bored\w*|boring|confus\w*|"
-            r"difficult\w*|hard(?! (contact|objects?|boxes|did you|do you))|uncomfortabl\w*|"
-            r"unpleasant\w*|awkward\w*|clums\w*|cumbersome|slow\w*|sluggish\w*|unnatural\w*|"
-            r"unpredictab\w*|unreliab\w*|inaccurate\w*|imprecise\w*|insecure\w*|unsure|"
-            r"uncertain\w*|"
-            r"nervous\w*|anxious\w*|worried|discouraged|effort|demanding|burden\w*|complicated|"
-            r"unclear|useless|disturb\w*|distract\w*|struggl\w*|trouble\w*|problems?|bad|badly|"
-            r"poor\w*|worse|worst|dissatisf\w*|unhappy|dizzy|nause\w*|hurried|rushed|overwhelm\w*|"
-            r"helpless\w*|terrib\w*|awful\w*)\b"
+            r"(i (did not|didn't|had not|hadn't|never) (want|intend|expect|mean)\w*|unexpected\w*|"
+            r"unwanted|gave up|tired|tiredness|tiring|fatigu\w*|exhaust\w*|weary|weariness|tens(e|"
+            r"ion|ed)|stress\w*|strain\w*|strenuous\w*|pain(?!less|-?free)\w*|ach(e|es|ed|ing)|"
+            r"hurts?|sore\w*|stiff\w*|cramp\w*|numb\w*|frustrat\w*|annoy\w*|irritat\w*|bored\w*|"
+            r"boring|confus\w*|difficult\w*|hard(?! (contact|objects?|boxes|did you|do you))|"
+            r"uncomfortabl\w*|unpleasant\w*|awkward\w*|clums\w*|cumbersome|slow\w*|sluggish\w*|"
+            r"unnatural\w*|unpredictab\w*|unreliab\w*|inaccurate\w*|imprecise\w*|insecure\w*|"
+            r"unsure|uncertain\w*|nervous\w*|anxious\w*|worried|discouraged|effort|demanding|"
+            r"burden\w*|complicated|unclear|useless|disturb\w*|distract\w*|struggl\w*|trouble\w*|"
+            r"problems?|bad|badly|poor\w*|worse|worst|dissatisf\w*|unhappy|dizzy|nause\w*|hurried|"
+            r"rushed|overwhelm\w*|helpless\w*|terrib\w*|awful\w*)\b"
         ),
         "de": (
-            r"(mude\w*|mudigkeit|ermud\w*|erschopf\w*|angespannt\w*|verspannt\w*|anspannung|"
-            r"stress\w*|gestresst\w*|anstreng\w*|muhsam\w*|muhe|schmerz(?!frei|los)\w*|weh|"
-            r"steif\w*|"
-            r"verkrampf\w*|krampf\w*|frustr\w*|arger\w*|verarger\w*|genervt|nervig|nervte|gereizt|"
-            r"langweil\w*|gelangweilt|verwirr\w*|schwierig\w*|schwer|unangenehm\w*|unbequem\w*|"
-            r"umstandlich\w*|trage|langsam\w*|unnaturlich\w*|unvorherseh\w*|unzuverlassig\w*|"
-            r"ungenau\w*|unsicher\w*|nervos\w*|angstlich|beschwer\w*|belast\w*|kompliziert\w*|"
-            r"unklar\w*|nutzlos|storend|storte|uberfordert|hilflos|probleme?|unzufrieden\w*|"
-            r"schlecht\w*|gehetzt|furchtbar\w*|schrecklich\w*)\b"
+            r"(ich nicht (wollte|will)|unerwartet\w*|ungewollt\w*|aufgegeben|mude\w*|mudigkeit|"
+            r"ermud\w*|erschopf\w*|angespannt\w*|verspannt\w*|anspannung|stress\w*|gestresst\w*|"
+            r"anstreng\w*|muhsam\w*|muhe|schmerz(?!frei|los)\w*|weh|steif\w*|verkrampf\w*|"
+            r"krampf\w*|frustr\w*|arger\w*|verarger\w*|genervt|nervig|nervte|gereizt|langweil\w*|"
+            r"gelangweilt|verwirr\w*|schwierig\w*|schwer|unangenehm\w*|unbequem\w*|umstandlich\w*|"
+            r"trage|langsam\w*|unnaturlich\w*|unvorherseh\w*|unzuverlassig\w*|ungenau\w*|"
+            r"unsicher\w*|nervos\w*|angstlich|beschwer\w*|belast\w*|kompliziert\w*|unklar\w*|"
+            r"nutzlos|storend|storte|uberfordert|hilflos|probleme?|unzufrieden\w*|schlecht\w*|"
+            r"gehetzt|furchtbar\w*|schrecklich\w*)\b"
         ),
         "fr": (
-            r"(fatig\w*|epuis\w*|tendue?s?|crisp\w*|stress\w*|tension|efforts?|penible\w*|"
-            r"douleur\w*|"
-            r"douloureu\w*|mal|raid\w*|crampes?|frustr\w*|agac\w*|enerv\w*|irrit\w*|ennuy\w*|"
-            r"confus\w*|difficil\w*|inconfortab\w*|desagreab\w*|maladroit\w*|lente?s?|lentement|"
-            r"imprevisib\w*|imprecis\w*|incertain\w*|nerveu\w*|inquiet\w*|gene[es]?|genant\w*|"
-            r"complique\w*|inutil\w*|perturb\w*|problemes?|insatisf\w*|mauvais\w*|terrible\w*)\b"
+            r"(je ne voulais pas|inattendu\w*|abandonn\w*|fatig\w*|epuis\w*|tendue?s?|crisp\w*|"
+            r"stress\w*|tension|efforts?|penible\w*|douleur\w*|douloureu\w*|mal|raid\w*|crampes?|"
+            r"frustr\w*|agac\w*|enerv\w*|irrit\w*|ennuy\w*|confus\w*|difficil\w*|inconfortab\w*|"
+            r"desagreab\w*|maladroit\w*|lente?s?|lentement|imprevisib\w*|imprecis\w*|incertain\w*|"
+            r"nerveu\w*|inquiet\w*|gene[es]?|genant\w*|complique\w*|inutil\w*|perturb\w*|"
+            r"problemes?|insatisf\w*|mauvais\w*|terrible\w*)\b"
         ),
         "es": (
-            r"(cansad\w*|cansanci\w*|cans(a|o|aba|aron|ar)|fatig\w*|agotad\w*|tens[oa]s?|tension|"
-            r"estres\w*|esfuerzos?|dolor\w*|doli\w*|duel\w*|rigid\w*|calambres?|frustr\w*|"
-            r"molest\w*|"
-            r"irrit\w*|aburr\w*|confus\w*|dificil\w*|incomod\w*|desagradab\w*|torpe\w*|lent[oa]s?|"
-            r"lentamente|imprevisib\w*|imprecis\w*|insegur\w*|nervios\w*|inquiet\w*|complicad\w*|"
-            r"inutil\w*|problemas?|insatisf\w*|mal[oa]?|terribl\w*)\b"
+            r"((yo )?no queria|inesperad\w*|sin querer|cansad\w*|cansanci\w*|cans(a|o|aba|aron|ar)|"
+            r"fatig\w*|agotad\w*|tens[oa]s?|tension|estres\w*|esfuerzos?|dolor\w*|doli\w*|duel\w*|"
+            r"rigid\w*|calambres?|frustr\w*|molest\w*|irrit\w*|aburr\w*|confus\w*|dificil\w*|"
+            r"incomod\w*|desagradab\w*|torpe\w*|lent[oa]s?|lentamente|imprevisib\w*|imprecis\w*|"
+            r"insegur\w*|nervios\w*|inquiet\w*|complicad\w*|inutil\w*|problemas?|insatisf\w*|"
+            r"mal[oa]?|terribl\w*)\b"
         ),
         "it": (
             r"(stanc\w*|affatic\w*|fatic\w*|esaust\w*|tes[oaie]|tension\w*|stress\w*|sforz\w*|"
@@ -129,10 +132,8 @@ BAD = Phrases(
         "pt": (
             r"(cansad\w*|cansaco|fatig\w*|exaust\w*|tens[oa]s?|tensao|stress\w*|estress\w*|esforco|"
             r"dor|dores|dolor\w*|rigid\w*|frustr\w*|irrit\w*|aborrec\w*|entedi\w*|confus\w*|"
-            r"dificil|"
-            r"dificeis|dificuldade|desconfort\w*|desagradav\w*|lent[oa]s?|imprevisiv\w*|"
-            r"imprecis\w*|"
-            r"insegur\w*|nervos\w*|complicad\w*|inutil|mal|mau|ma)\b"
+            r"dificil|dificeis|dificuldade|desconfort\w*|desagradav\w*|lent[oa]s?|imprevisiv\w*|"
+            r"imprecis\w*|insegur\w*|nervos\w*|complicad\w*|inutil|mal|mau|ma)\b"
         ),
         "zh": r"累|疲劳|疲惫|疲倦|紧张|压力|费力|吃力|疼|痛|僵硬|沮丧|烦|无聊|困惑|困难|难|慢|糟",
     }

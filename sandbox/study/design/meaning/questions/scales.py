@@ -33,9 +33,13 @@ CHECKS = Phrases(
             )
             + r"|(show|check|prove|verify|make sure|see|test|ensure|confirm)\w* (us )?(that |if |"
             r"whether )?you (are|were|re|have|really|actually|do|still) ?(\w+ )?(reading|read|"
-            r"paying|"
-            r"pay|attentive|awake)|attention check|control question|"
-            r"leave this (item|question|one) (blank|empty|as it is)|do not answer this"
+            r"paying|pay|attentive|awake)|attention check|control question|leave this (item|"
+            r"question|one) (blank|empty|as it is)|do not answer this|quality (control|check)|"
+            r"leave (this|it|the slider)\b[^.?]* (blank|empty|as it is|at \d|on \d)|(?<!you "
+            r")(?<!to )(choose|select|click|answer|pick|mark|tick)\b[^.?]{0,40}\b(first|last|"
+            r"leftmost|rightmost|far (left|right)) (answer|option|box|point|value)|(?<!you )(?<!to "
+            r")(choose|select|answer|pick|mark|tick)\b (\w+ ){0,3}['“‘][\w ]+['”’](?! ?(if|when|"
+            r"for))"
         ),
         "de": (
             r"(kreuzen|wahlen|markieren|klicken|tippen|geben|stellen|antworten|setzen|schieben|"
@@ -46,7 +50,9 @@ CHECKS = Phrases(
             )
             + r"|(zeigen|prufen|kontroll\w*|sicherstell\w*|uberpruf\w*|sicher ?gehen)[^.?]*"
             r"(aufmerksam|lesen|gelesen)|aufmerksamkeits(test|prufung|kontrolle)|kontrollfrage|"
-            r"kreuzen sie hier"
+            r"kreuzen sie hier|zur kontrolle|(hier|bitte)\b[^.?]*\b(links|rechts|\d+) (an(kreuzen|"
+            r"klicken|tippen)|(aus)?wahlen|markieren)|(wahlen|markieren|klicken|kreuzen) sie "
+            r"[^.?]{0,40}(erste|letzte|ausserst|ganz (links|recht))"
         ),
         "fr": (
             r"(cochez|choisissez|selectionnez|marquez|cliquez|indiquez|repondez|mettez|appuyez|"
@@ -56,7 +62,9 @@ CHECKS = Phrases(
                 "pour|si|quand|signifie|a|ou|et|fois",
             )
             + r"|(verifi|montr|prouv|control|assur)\w* que vous (\w+ )?(lisez|etes attenti|avez lu|"
-            r"suivez)|question de controle|test d'attention"
+            r"suivez)|question de controle|test d'attention|(merci de|veuillez|priere de|il faut) "
+            r"(cocher|choisir|selectionner|marquer|cliquer|repondre|indiquer)|(cochez|choisissez|"
+            r"cliquez|selectionnez)\b [^.?]{0,40}(premiere|derniere|tout a (gauche|droite))"
         ),
         "es": (
             r"(marque|elija|seleccione|escoja|pulse|indique|responda|ponga|marca|elige|selecciona|"
@@ -66,7 +74,10 @@ CHECKS = Phrases(
                 "para|si|cuando|significa|a|o|y|veces",
             )
             + r"|(comprob|verific|demostr|mostr|muestr|asegur|compruebe)\w* que (\w+ ){0,2}?(lee|"
-            r"leyendo|leido|lees|atent|presta|atencion)\w*|pregunta de control|control de atencion"
+            r"leyendo|leido|lees|atent|presta|atencion)\w*|pregunta de control|control de atencion|"
+            r"control de calidad|si (usted )?(esta|estas) leyendo|(marque|elija|seleccione|pulse|"
+            r"escoja)\b [^.?]{0,40}((primera|ultima) (opcion|respuesta|casilla)|la (izquierda|"
+            r"derecha))"
         ),
         "it": (
             r"(segni|scelga|selezioni|clicchi|indichi|prema|risponda|metta|barri|tocchi)\b "
@@ -89,13 +100,11 @@ CHECKS = Phrases(
         ),
         "zh": (
             r"请(在此|在这里|务必|直接)?(选|点击|标记|勾选)[^。]{0,8}[0-9一二三四五六七]|"
-            r"注意力(检查|测试|检测)|"
-            r"(检查|证明|确认|确保)[^。]*(阅读|认真)"
+            r"注意力(检查|测试|检测)|(检查|证明|确认|确保)[^。]*(阅读|认真)"
         ),
         "ja": (
             r"[0-9一二三四五六七](番)?(を|に)(選|クリック|押|マーク|タップ|印)|注意(力)?(チェック|"
-            r"確認)|"
-            r"(読んで|読まれて)[^。]*(確認|確かめ)"
+            r"確認)|(読んで|読まれて)[^。]*(確認|確かめ)"
         ),
         "ar": r"(اختر|اختاري|ضع|حدد|علم)[^.]{0,20}[0-9٠-٩]|للتحقق من (أنك|انك|انتباه)",
     }
@@ -103,8 +112,7 @@ CHECKS = Phrases(
 """Questions that check whether people read; their answer is given."""
 _NAMED = re.compile(
     r"\b(?:attention|catch|trap|instructed|instructional|control)[ _-]?(?:check|item|question|"
-    r"trial)"
-    r"s?\b|aufmerksamkeits?(?:test|check)|kontrollfrage|\bimc\b|controlevraag"
+    r"trial)s?\b|aufmerksamkeits?(?:test|check)|kontrollfrage|\bimc\b|controlevraag"
 )
 
 
