@@ -80,12 +80,16 @@ class Regression:
             AssertionError: A loss beyond chance, or trials that crashed.
             InputError: What is asked for cannot be run or compared.
         """
+        __tracebackhide__ = True  # pytest then shows the line of the test, and what was lost
         plan = RegressionPlan(
             find_tasks([self._beside(task)]) if isinstance(task, str) else (task,),
             parse_seeds(seeds),
             differing({"encoder": self._encoder(encoder), **scene}),
         )
-        old = self._baseline(baseline, plan, across_encoders)
+        try:
+            old = self._baseline(baseline, plan, across_encoders)
+        except InputError as error:
+            raise error.with_traceback(None) from None
         executor = Processes(self.workers) if self.workers > 1 else Serial()
         trials = list(executor.run(plan.jobs()))
         if baseline is not None and self.update and not across_encoders:
@@ -148,6 +152,7 @@ class Regression:
 
 
 def _assert(report: Report, at_least: float | None) -> None:
+    __tracebackhide__ = True
     reasons = list(report.reasons)
     for task in report.tasks if at_least is not None else ():
         p = statistics.falls_short(task.successes, task.n, float(at_least or 0.0))

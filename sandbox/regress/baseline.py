@@ -18,6 +18,8 @@ from sandbox.trial.result import KeptIn, kept_fields
 SCHEMA = 1
 """Version of the file's layout."""
 KIND = "baseline of sandbox regress"
+ANEW = "--update-baseline, in pytest --sandbox-update-baseline, makes it anew"
+"""Way out where a baseline cannot be compared with."""
 
 _NAMES_ONLY = {"encoder", "settings.encoder"}
 """Settings that name an encoder, such as its file's path; its digest identifies it."""
@@ -109,7 +111,7 @@ class Baseline:
                 where=str(self.path),
                 got="; ".join(f"{k} {there.get(k, 'missing')}" for k in other[:4]),
                 expected="; ".join(f"{k} {here.get(k, 'missing')}" for k in other[:4]),
-                remedy="Give the run the baseline's (got); --update-baseline makes it anew"
+                remedy=f"Give the run the baseline's (got); {ANEW}"
                 + ("; --across-encoders compares the two" if set(other) <= _ENCODER else ""),
             )
         for name in set(self.tasks) & set(versions):
@@ -119,7 +121,7 @@ class Baseline:
                     where=str(self.path),
                     got=f"version {self.tasks[name].version}",
                     expected=f"version {versions[name]}",
-                    remedy="They do not compare; --update-baseline makes it anew",
+                    remedy=f"They do not compare; {ANEW}",
                 )
         if not set(self.tasks) & set(versions):
             raise InputError(
@@ -232,7 +234,7 @@ def load_baseline(path: Path) -> Baseline:
         InputError,
         what="not a baseline of `sandbox regress`",
         where=where,
-        remedy="--update-baseline makes it anew",
+        remedy=ANEW,
     )
     document = decoded(
         data,

@@ -118,6 +118,20 @@ def test_the_plugin_makes_a_baseline_and_then_compares_in_processes(tmp_path: Pa
         assert load_baseline(tmp_path / "base.json").tasks["quick"].trials.keys() == {1, 2}
 
 
+def test_a_test_that_fails_shows_its_own_line_and_none_of_the_plugin(tmp_path: Path) -> None:
+    (tmp_path / "test_ours.py").write_text(
+        PLUGIN_TEST
+        + """
+def test_idle(regression):
+    regression(Quick, "1:7", at_least=1.0, user="idle")
+"""
+    )
+    shown = failures(tmp_path)
+    assert "2 failed" in shown
+    assert "no such baseline" in shown and "fewer than 100% beyond chance" in shown
+    assert "sandbox/regress" not in shown
+
+
 @pytest.mark.full
 def test_the_example_for_a_lab_makes_its_baseline_and_passes_it(tmp_path: Path) -> None:
     source = (ROOT / "examples" / "test_my_lab.py").read_text()
