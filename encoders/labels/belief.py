@@ -47,6 +47,9 @@ from models.surface import METRES_PER_INCH
 CERTAIN = 0.99
 """Least probability at which a layout of five fingers is kept."""
 
+IMPOSSIBLE = -700.0
+"""Log weight of names that a hand cannot have; its exponential is still a number."""
+
 _LOOK_AGAIN = 0.5
 """Share of a layout that must be new before contacts that stay are evaluated again."""
 
@@ -88,6 +91,8 @@ class BeliefLabels:
 
     Attributes:
         own: The person's own layouts so far.
+        fingers: Fingers, the thumb first, whose names are given to as many contacts: a robot's hand
+            may lack the others. With more contacts all names are.
     """
 
     remembers = True
@@ -99,6 +104,7 @@ class BeliefLabels:
         self.evidence = trained.evidence
         self.known = known or OwnLayouts()
         self.learns = learns
+        self.fingers = len(FINGERS)
         self.restart()
 
     def restart(self) -> None:
@@ -126,7 +132,8 @@ class BeliefLabels:
         """See `Labeller.assign`.
 
         Fixed labels restrict the answer but not the belief: evidence from the touches is kept even
-        where fixed labels contradict it for now. The probability is the belief's own.
+        where fixed labels contradict it for now. The probability is the belief's own, among the
+        fingers that the hand has.
         """
         if self._answered and fixed == self._answered[0] and self._nothing_new(contacts):
             # In nearly every frame: repeat the last answer.
@@ -134,20 +141,28 @@ class BeliefLabels:
             return self._answered[1]
         ids, xy = arranged(contacts, fixed)
         self._take_in(ids, dict(zip(ids, xy, strict=True)))
-        candidates = self._belief
+        belief = self._among_fingers(len(ids))
+        candidates = belief
         if fixed:
-            candidates = np.where(allowed(ids, fixed), self._belief, -np.inf)
+            candidates = np.where(allowed(ids, fixed), belief, -np.inf)
         best = int(np.argmax(candidates))
         labels = hypotheses(len(ids))[best].tolist()
         labelling = Labelling(
             dict(zip(ids, labels, strict=True)),
-            exp(self._belief[best]),
-            partial(_marginals, ids, self._belief),
+            exp(belief[best]),
+            partial(_marginals, ids, belief),
         )
         if self.learns and len(ids) == len(FINGERS):
             self._learn(ids, xy)
         self._answered = dict(fixed), labelling
         return labelling
+
+    def _among_fingers(self, count: int) -> Array:
+        """The belief (P,) about `count` contacts, if they are by fingers that the hand has."""
+        if not count <= self.fingers < len(FINGERS):
+            return self._belief
+        lacking = (hypotheses(count) >= self.fingers).any(axis=1)
+        return normalised(np.where(lacking, IMPOSSIBLE, self._belief))
 
     def _learn(self, ids: tuple[int, ...], xy: Array) -> None:
         """Keeps a layout of five fingers whose names are certain, whatever the fixed labels say."""

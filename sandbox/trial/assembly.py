@@ -143,7 +143,16 @@ def make_labeller(
 
 
 def _belief(settings: RunSettings, hand: HandSettings | None = None) -> BeliefLabels | None:
-    """The belief over labels that the settings name; None for the paper's rule."""
+    """The belief over labels that the settings name, about the fingers that a robot's hand has;
+    None for the paper's rule."""
+    belief = _any_belief(settings, hand)
+    if belief and settings.robot:
+        belief.fingers = len(find_robot(settings.robot).tips)
+    return belief
+
+
+def _any_belief(settings: RunSettings, hand: HandSettings | None = None) -> BeliefLabels | None:
+    """The same for a hand with five fingers."""
     if settings.labels == "paper":
         return None
     known = known_layouts(hand.layouts, hand.size) if hand and hand.layouts else None

@@ -297,3 +297,26 @@ def test_the_chance_of_one_finger_is_its_marginal_even_for_labels_that_must_be_k
 
 def test_a_labelling_without_marginals_gives_the_chance_of_all_labels() -> None:
     assert Labelling({3: 1}, 0.7).chance(3) == 0.7
+
+
+@given(touches(), st.integers(3, 4))
+def test_a_hand_with_fewer_fingers_gets_their_names_in_proportion_to_what_is_believed(
+    contacts: Contacts, fingers: int
+) -> None:
+    whole, fewer = builtin_belief(), builtin_belief()
+    fewer.fingers = fingers
+    ids = list(contacts)
+    believed = whole.assign(contacts, {})
+    labelling = fewer.assign(contacts, {})
+    # What is believed of five fingers is kept: a hand that has them all would name them so.
+    assert fewer.marginals().keys() == whole.marginals().keys()
+    if len(ids) > fingers:
+        assert labelling.labels == believed.labels
+        assert labelling.probability == believed.probability
+        return
+    shares = {labels: share for labels, share in table(whole, ids).items() if max(labels) < fingers}
+    best = max(shares, key=lambda labels: shares[labels])
+    assert tuple(labelling.labels[i] for i in ids) == best
+    assert labelling.probability == pytest.approx(shares[best] / sum(shares.values()))
+    for i in ids:
+        assert labelling.chance(i) <= 1.0 + 1e-12
