@@ -4,12 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from sandbox.study.design.conditions import PARTNER, combinations, uses_camera, values_of
+from sandbox.study.design.conditions import (
+    PARTNER,
+    combinations,
+    tasks_of,
+    uses_camera,
+    values_of,
+)
 from sandbox.study.design.design import END, Design
 from sandbox.study.design.meaning.consent import DENIES
 from sandbox.study.design.told.flaw import Flaw
 from sandbox.study.design.told.texts import (
     CONSENT,
+    GOAL,
     INSTRUCTION,
     Phrases,
     Told,
@@ -352,11 +359,58 @@ HOVERING = Phrases(
 """Texts that tell people to touch a screen, and to hold a hand before a sensor."""
 
 
+_BOXES = ("box-to-goal", "slalom", "stack", "stack-three", "stack-vertical")
+THINGS = (
+    (
+        Phrases(
+            {
+                "en": (
+                    r"(?<!tick the )(?<!tick a )(?<!check the )(?<!text )(box|boxes|blocks?|"
+                    r"cubes?)\b"
+                ),
+                "de": r"(kiste|kisten|klotz|klotze|block|blocke|quader|wurfel)\b",
+                "fr": r"(boites?|caisses?|cubes?|blocs?)\b",
+                "es": r"(cajas?|cubos?|bloques?)\b",
+            }
+        ),
+        (*_BOXES, "gather"),
+    ),
+    (
+        Phrases(
+            {
+                "en": r"(wrench|wrenches|spanners?)\b",
+                "de": r"(schraub\w*)?schlussel\b",
+                "fr": r"(cle|clef|cles)\b(?! (de|du|des|d')\b)",
+                "es": r"llaves?\b(?! de\b)",
+            }
+        ),
+        ("wrench-turn", "wrench-slide"),
+    ),
+    (
+        Phrases(
+            {
+                "en": r"(stack|stacks|stacking|pile up)\b",
+                "de": r"stapel(n|t|e)?\b",
+                "fr": r"empil\w*",
+                "es": r"apil\w*",
+            }
+        ),
+        ("stack", "stack-three", "stack-vertical"),
+    ),
+    (
+        Phrases({"en": r"tray\b", "de": r"tablett\b", "fr": r"plateau\b", "es": r"bandeja\b"}),
+        ("carry-together",),
+    ),
+)
+"""Things that people are told of, and the tasks that have them."""
+
+
 def claim_flaws(design: Design) -> Iterator[Flaw]:
     """Flaws of what people are told about the study, one line for each cause."""
     yield from _unrecorded(design)
     yield from _hidden_partner(design)
     yield from _other_device(design)
+    yield from _other_task(design)
 
 
 def _said(design: Design, at_end: bool = False) -> Iterator[Told]:
@@ -420,6 +474,37 @@ def _other_device(design: Design) -> Iterator[Flaw]:
                     "Describe the device of [settings], or change it there",
                 )
                 break
+
+
+def _other_task(design: Design) -> Iterator[Flaw]:
+    """Texts that describe a task which is not played."""
+    tasks = set(tasks_of(design))
+    if not tasks <= {task for _, some in THINGS for task in some}:
+        return
+    goals = list(design.page.goals)
+    for told in told_texts(design):
+        played = tasks
+        if told.kind == GOAL and isinstance(told.path[1], int):
+            played = {goals[told.path[1]]}
+        elif told.kind not in (CONSENT, INSTRUCTION) or told.at == END:
+            continue
+        for language, text in told.text.items():
+            named = [some for phrases, some in THINGS if phrases.match(text, language)]
+            if named and not any(played & set(some) for some in named):
+                yield Flaw(
+                    told.path,
+                    f"it tells of another task than {' and '.join(sorted(played))}: "
+                    + quoted(_telling(text, language)),
+                    "Describe the task that is played, or change the task",
+                )
+                break
+
+
+def _telling(text: str, language: str) -> str:
+    """The first sentence that names a thing."""
+    return next(
+        s for s in sentences(text) if any(phrases.match(s, language) for phrases, _ in THINGS)
+    )
 
 
 def _hidden_partner(design: Design) -> Iterator[Flaw]:

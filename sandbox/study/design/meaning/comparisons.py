@@ -10,8 +10,8 @@ from typing import Any
 
 from models.errors import HandSandboxError
 from sandbox.study.design.balance import confounded, nearest_cycles
+from sandbox.study.design.conditions import PARTNER, differences, run_settings, values_of
 from sandbox.study.design.conditions import combinations as combinations_of
-from sandbox.study.design.conditions import differences, run_settings, values_of
 from sandbox.study.design.design import Design, Factor, Level
 from sandbox.study.design.meaning.groups import assigned_traits
 from sandbox.study.design.meaning.teaching import carry_over
@@ -22,6 +22,8 @@ from sandbox.study.design.toml_lines import Path
 
 DEVICES = ("device", "second_device", "webcam", "leap_at")
 """Settings of the real devices, which settings of a trial do not tell apart."""
+OF_TOUCHES = {"encoder", "labels"}
+"""Settings of how touches become a hand; one that a device sees in the air needs neither."""
 FEWEST = 2
 """People in a group of which a spread can be told."""
 UNEVEN = 0.5
@@ -60,6 +62,9 @@ def _levels(design: Design, i: int, factor: Factor) -> Iterator[Flaw]:
     explained = factor in assigned_traits(design) or any(
         factor is other for other, _, _ in carry_over(design)
     )
+    unread = _unread(design, factor)
+    if unread:
+        yield unread
     for a, b in combinations(factor.levels, 2):
         given = differences(design, a, b)
         pairs[a.name, b.name] = effective = _effective(design, factor, a, b, given)
@@ -69,7 +74,7 @@ def _levels(design: Design, i: int, factor: Factor) -> Iterator[Flaw]:
                 f"{a.name} and {b.name} are the same: they set the same values",
                 "Change one of them, or remove it",
             )
-        elif given and not effective:
+        elif given and not effective and not unread:
             yield Flaw(
                 path,
                 f"{a.name} and {b.name} are the same: of {' and '.join(given)}, one sets what is "
@@ -127,6 +132,30 @@ def _effective(design: Design, factor: Factor, a: Level, b: Level, given: list[s
         ]
     except HandSandboxError:
         return given
+
+
+def _unread(design: Design, factor: Factor) -> Flaw | None:
+    """Levels that set how touches are read, with hands in the air, which have none."""
+    given = {name for level in factor.levels for name in level.settings}
+    if not given <= OF_TOUCHES:
+        return None
+    devices: dict[bool, set[str]] = {True: set(), False: set()}
+    for levels in combinations_of(design):
+        values = values_of(design, levels)
+        used = [values.get("device", "touch"), values.get("second_device", PARTNER)]
+        real = [device for device in used if device != PARTNER]
+        devices["touch" in real].update(real)
+    if not devices[False]:
+        return None
+    in_air = " and ".join(sorted(devices[False]))
+    return Flaw(
+        ("factors", design.factors.index(factor), "levels"),
+        f"the levels of {factor.name} are the same with device {in_air}: only touches are read by "
+        + " and ".join(sorted(given)),
+        'Write device = "touch", or compare something else'
+        if not devices[True]
+        else "Compare them by touch alone",
+    )
 
 
 def _with(outside: dict[str, Any], a: Level, b: Level, name: str) -> dict[str, Any]:

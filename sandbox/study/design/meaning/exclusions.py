@@ -40,6 +40,24 @@ LEAST_DELAY = 1.0
 """Milliseconds; a bound above that is smaller than that was meant in seconds."""
 
 
+def joint_flaws(design: Design) -> Iterator[Flaw]:
+    """Rules that exclude everything together, though none of them does alone."""
+    for i, one in enumerate(design.exclusions):
+        for other in design.exclusions[:i]:
+            low, high = (one, other) if one.below is not None else (other, one)
+            alike = (one.measure, one.of) == (other.measure, other.of)
+            if not alike or low.below is None or high.above is None or high.above >= low.below:
+                continue
+            if low.above is None and high.below is None:
+                yield Flaw(
+                    ("exclusions", i),
+                    f"{other.name} and {one.name} exclude everything together: every number is "
+                    f"below {low.below:g} or above {high.above:g}",
+                    "Change one of the bounds",
+                    error=True,
+                )
+
+
 def exclusion_flaws(design: Design, path: Path, rule: Exclusion) -> Iterator[Flaw]:
     """Flaws of one rule."""
     low, high = _range(design, rule.measure)

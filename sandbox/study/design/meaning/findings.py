@@ -10,7 +10,7 @@ from sandbox.study.design.meaning.claims import claim_flaws
 from sandbox.study.design.meaning.comparisons import comparison_flaws
 from sandbox.study.design.meaning.consent import consent_flaws
 from sandbox.study.design.meaning.detection import detection_flaws
-from sandbox.study.design.meaning.exclusions import exclusion_flaws
+from sandbox.study.design.meaning.exclusions import exclusion_flaws, joint_flaws
 from sandbox.study.design.meaning.expectations import expectation_flaws
 from sandbox.study.design.meaning.groups import group_flaws
 from sandbox.study.design.meaning.guardians import guardian_flaws
@@ -84,5 +84,6 @@ def _all(design: Design) -> Iterator[Flaw]:
     yield from answering_flaws(design)
     yield from language_flaws(design)
     yield from translation_flaws(design)
+    yield from joint_flaws(design)
     for i, rule in enumerate(design.exclusions):
         yield from exclusion_flaws(design, ("exclusions", i), rule)

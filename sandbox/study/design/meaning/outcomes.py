@@ -106,6 +106,8 @@ ACCURATE = Phrases(
     }
 )
 """Titles that ask for speed, and for accuracy."""
+MANY = 6
+"""Confirmatory outcomes, of which more are a search and no test; a rule of thumb."""
 CLEARED = 10
 """Expected durations of a trial that a time limit may be before nearly all succeed."""
 
@@ -159,6 +161,14 @@ def outcome_flaws(design: Design) -> Iterator[Flaw]:
                 f"a session, and there are {design.repetitions}",
                 f"Write repetitions = {2 * MOVES} or more",
             )
+    if len(design.primary) > MANY:
+        yield Flaw(
+            path,
+            f"{len(design.primary)} outcomes are confirmatory, and each makes the others' tests "
+            "stricter",
+            "Choose the one or two that the question is about; the report shows the others as "
+            "exploratory",
+        )
     yield from _places(design)
     yield from _untouched(design)
     yield from _once(design)

@@ -206,3 +206,32 @@ def test_people_are_told_of_the_device_that_they_use(
     told = spoken(code).replace('encoder = "linear"', f'device = "{device}"')
     told = told.replace('"tests/support/regress_tasks.py:Quick"', '"box-to-goal"')
     one(told + f'\n[[instructions]]\nat = "start"\ntext = "{text}"\n', wanted)
+
+
+@pytest.mark.parametrize(
+    ("task", "text", "code", "other"),
+    [
+        ("wrench-turn", "Move the box to the marked place.", "en", True),
+        ("box-to-goal", "Turn the wrench.", "en", True),
+        ("box-to-goal", "Drehen Sie den Schraubenschlüssel.", "de", True),
+        ("wrench-turn", "Empilez les boîtes.", "fr", True),
+        ("wrench-turn", "Lleve la caja a su sitio.", "es", True),
+        ("stack", "Put one block on the other.", "en", False),
+        ("wrench-turn", "Turn the wrench; no box is in its way.", "en", False),
+        ("wrench-turn", "Tick the box when you have finished.", "en", False),
+        ("box-to-goal", "Do what the page says.", "en", False),
+        ("dial", "Turn the knob, not the box.", "en", False),
+    ],
+)
+def test_people_are_told_of_the_task_that_they_play(
+    task: str, text: str, code: str, other: bool
+) -> None:
+    told = spoken(code).replace("tests/support/regress_tasks.py:Quick", task)
+    told += f'\n[[instructions]]\nat = "start"\ntext = "{text}"\n'
+    one(told, f"another task than {task}" if other else "")
+
+
+def test_the_goal_of_a_task_tells_of_its_things() -> None:
+    goal = '\n[[tasks]]\ntask = "{}"\nname = "It"\ngoal = "Turn the wrench."\n'
+    told = spoken("en").replace("tests/support/regress_tasks.py:Quick", "box-to-goal")
+    one(told + goal.format("box-to-goal"), "another task than box-to-goal")

@@ -304,3 +304,18 @@ def test_a_hand_in_the_air_rests_sooner() -> None:
     text = text.replace("repetitions = 2", "repetitions = 30\nexpected_s = 15")
     one(text, "with the hand in the air")
     one(text.replace('"leap"', '"touch"'), "")
+
+
+@pytest.mark.parametrize(
+    ("device", "levels", "wanted"),
+    [
+        ("leap", '["paper", "best"]', "are the same with device leap"),
+        ("webcam", '["paper", "best"]', "are the same with device webcam"),
+        ("touch", '["paper", "best"]', ""),
+        ("leap", '[{name = "a", contact = "hard"}, {name = "b", contact = "soft"}]', ""),
+    ],
+)
+def test_only_touches_go_through_an_encoder(device: str, levels: str, wanted: str) -> None:
+    text = varied("encoder", "latin", levels)
+    text = text.replace('encoder = "linear"', f'device = "{device}"')
+    one(text.replace('"tests/support/regress_tasks.py:Quick"', '"box-to-goal"'), wanted)

@@ -26,6 +26,7 @@ APART = changed("seed = 3", "seed = 3\nsessions = 2").replace(
 )
 
 
+MANY = ("time_s", "success", "grasps", "palm_path_m", "palm_sparc", "away_s", "object_path_m")
 BUILT_IN = changed('"tests/support/regress_tasks.py:Quick"', '"box-to-goal"')
 
 
@@ -106,6 +107,24 @@ BUILT_IN = changed('"tests/support/regress_tasks.py:Quick"', '"box-to-goal"')
             .replace('encoder = "linear"', 'contact = "none"'),
             "the hand passes through everything",
         ),
+        (
+            SOUND
+            + RULE.replace('"rule"', '"low"')
+            + 'measure = "drops"\nbelow = 3\n'
+            + RULE
+            + 'measure = "drops"\nabove = 2\n',
+            "low and rule exclude everything together",
+        ),
+        (
+            SOUND
+            + RULE.replace('"rule"', '"low"')
+            + 'measure = "drops"\nbelow = 1\n'
+            + RULE
+            + 'measure = "drops"\nabove = 2\n',
+            "",
+        ),
+        (SOUND + primary(*MANY), "7 outcomes are confirmatory"),
+        (SOUND + primary(*MANY[:3]), ""),
         (SOUND + SUS + 'at = "start"\n', "before anything was done"),
         (SOUND + SUS + 'at = "end"\n', ""),
         (changed("practice = 1", "practice = 1\nshows = []"), "nobody is told what to do"),

@@ -250,3 +250,41 @@ def bilingual(asks: tuple[str, str], english: tuple[str, str], german: tuple[str
         '[[questionnaires]]\nname = "own"\nat = "end"\ntitle = {en = "Now", de = "Jetzt"}\n'
         f'[[questionnaires.items]]\nname = "q"\nkind = "scale"\n{item}'
     )
+
+
+@pytest.mark.parametrize(
+    ("asked", "wanted"),
+    [
+        ((("i0", "i1"), ("i0", "i2"), ("i1", "i2")), ""),
+        ((("i0", "i1"), ("i0", "i2"), ("i0", "i1")), "i0 is in 3 comparisons of score, and i2"),
+    ],
+)
+def test_weights_come_from_equally_many_comparisons(
+    asked: tuple[tuple[str, str], ...], wanted: str
+) -> None:
+    text = asking(["How tired were you?", "How tense were you?", "How sore were you?"])
+    scale = text.index("[[questionnaires.scales]]")
+    pairs = "".join(
+        f'[[questionnaires.items]]\nname = "p{i}"\nkind = "choice"\n'
+        f'choices = ["{one_of}", "{other}"]\nask = "Which one?"\n'
+        for i, (one_of, other) in enumerate(asked)
+    )
+    rule = 'rule = "weighted"\npairs = ["p0", "p1", "p2"]'
+    one(text[:scale] + pairs + text[scale:].replace('rule = "mean"', rule), wanted)
+
+
+@pytest.mark.parametrize(
+    ("ask", "code", "wanted"),
+    [
+        ("How was the second part?", "en", "it asks about one part"),
+        ("Wie war der erste Teil?", "de", "it asks about one part"),
+        ("Comment était la seconde partie ?", "fr", "it asks about one part"),
+        ("How was the second hand?", "en", ""),
+        ("How was this part?", "en", ""),
+    ],
+)
+def test_a_question_after_every_level_is_about_every_level(
+    ask: str, code: str, wanted: str
+) -> None:
+    one(asking([ask], code), wanted)
+    one(asking([ask], code, at="end"), "")

@@ -85,10 +85,35 @@ COMPARES = Phrases(
 """Comparisons of methods that somebody has used; not of hands, nor of answers to choose from."""
 
 
+ORDINAL = Phrases(
+    {
+        "en": (
+            r"(first|second|third|1st|2nd|3rd) (part|method|version|condition|half|way|technique|"
+            r"encoder|system|variant)\b"
+        ),
+        "de": (
+            r"(erste|zweite|dritte)[rnms]? (teil|methode|variante|version|halfte|verfahren|"
+            r"steuerung|"
+            r"bedingung|technik)\w*"
+        ),
+        "fr": (
+            r"(premiere?|seconde?|deuxieme|troisieme) (partie|methode|version|variante|technique|"
+            r"moitie|condition)\b"
+        ),
+        "es": (
+            r"(primera?|segund[oa]|tercera?) (parte|metodo|version|variante|tecnica|mitad|"
+            r"condicion)\b"
+        ),
+    }
+)
+"""Parts by their place, of which there is one each."""
+
+
 def comparing_flaws(design: Design) -> Iterator[Flaw]:
     """Flaws of questions that compare levels."""
     factors = [factor for factor in design.factors if len(factor.levels) > 1]
     between = [factor for factor in factors if factor.order == "between"]
+    yield from _one_part(design)
     for path, form in asked_forms(design):
         if form.at != START and not between:
             continue
@@ -114,4 +139,21 @@ def comparing_flaws(design: Design) -> Iterator[Flaw]:
                     f"it compares levels, and everybody meets only one of {names}: {asked}",
                     "Ask how it was, of each group alone, or let everybody meet all levels: order "
                     "latin",
+                )
+
+
+def _one_part(design: Design) -> Iterator[Flaw]:
+    """Questions about one part, which are asked after every level."""
+    several = {factor.name for factor in design.factors if len(factor.levels) > 1}
+    for path, form in asked_forms(design):
+        for i, item in enumerate(form.items if form.at in several else ()):
+            language = next(
+                (code for code, text in item.ask.items() if ORDINAL.match(text, code)), None
+            )
+            if language is not None and not COMPARES.match(item.ask[language], language):
+                yield Flaw(
+                    (*path, "items", i, "ask"),
+                    f"it asks about one part, and is asked after each level of {form.at}: "
+                    f"{quoted(item.ask[language])}",
+                    "Ask about what has just been done, or ask it once, at the end",
                 )

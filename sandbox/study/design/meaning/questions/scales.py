@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Iterator
 
 from sandbox.study.design.design import Design, Form, Item
@@ -125,6 +126,7 @@ def scale_flaws(design: Design) -> Iterator[Flaw]:
             place = (*path, "scales", i)
             yield from _checks(place, scale, used)
             yield from _ranges(place, scale, used)
+            yield from _pairs(place, scale, items)
             if is_own(form):
                 yield from _opposite(design, place, scale, used)
         if is_own(form):
@@ -160,6 +162,21 @@ def _ranges(path: Path, scale: Scale, items: list[Item]) -> Iterator[Flaw]:
             f"{least.low:g} to {least.high:g}, so that the score of {scale.name} is mostly that of "
             f"{widest.name}",
             "Give all items the same low and high, or make a scale of each",
+        )
+
+
+def _pairs(path: Path, scale: Scale, items: dict[str, Item]) -> Iterator[Flaw]:
+    """Weights from comparisons in which some items occur more often than others."""
+    if not scale.pairs:
+        return
+    met = Counter(name for pair in scale.pairs for name in items[pair].choices)
+    most, least = max(scale.items, key=lambda n: met[n]), min(scale.items, key=lambda n: met[n])
+    if met[most] != met[least]:
+        yield Flaw(
+            (*path, "pairs"),
+            f"{most} is in {met[most]} comparisons of {scale.name}, and {least} in "
+            f"{met[least]}, so that their weights are no fair ones",
+            "Compare every item with each other one, once",
         )
 
 
