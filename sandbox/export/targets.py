@@ -116,6 +116,12 @@ FORMATS: dict[str, Format] = {
 }
 
 
+_FROM_BLENDER = (
+    "Blender writes it: `sandbox stream --script blender > hand_sandbox_blender.py`, run that with "
+    "--out FILE, and stream the recording to it (docs/stream.md)"
+)
+
+
 def format_of(path: Path) -> Format:
     """Returns the format of a file's suffix.
 
@@ -129,6 +135,7 @@ def format_of(path: Path) -> Format:
             where=str(path),
             got=path.suffix or "no ending",
             expected=", ".join(FORMATS),
+            remedy=_FROM_BLENDER if path.suffix.lower() in (".fbx", ".blend") else None,
         )
     return export_format
 

@@ -64,8 +64,8 @@ def own_limits(design: Design) -> str:
     if not short:
         return ""
     return (
-        f"time_limit_s = {design.time_limit:g} is longer than the own limits of tasks, which end "
-        f"their trials: {', '.join(short)}"
+        f"trials end sooner than time_limit_s = {design.time_limit:g}, by their task's own limit: "
+        f"{', '.join(short)}"
     )
 
 
