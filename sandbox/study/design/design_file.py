@@ -27,7 +27,11 @@ from sandbox.study.design.design import (
 )
 from sandbox.study.design.orders import MOST_FACTORIAL
 from sandbox.study.design.page_settings import read_page_settings
-from sandbox.study.design.questionnaires import read_form, read_item
+from sandbox.study.design.questionnaires import (
+    read_form,
+    read_item,
+    scored_by_its_question,
+)
 from sandbox.study.design.reading import DesignError, Mistake, Reader, TomlTable
 from sandbox.study.measures.registry import measures, rule_measures
 from sandbox.trial.settings import DEFAULT_LABELS
@@ -126,6 +130,9 @@ def _design(top: TomlTable, text: str, path: Path) -> Design:
     trials, breaks, consent = top.table("trials"), top.table("breaks"), top.table("consent")
     analysis = top.table("analysis")
     forms = tuple(read_form(t, names, path.parent) for t in top.tables("questionnaires"))
+    named = analysis.strings("primary") if analysis.has("primary") else None
+    # Whoever names a questionnaire of one question means its answer.
+    forms = tuple(scored_by_its_question(f) if f.name in (named or ()) else f for f in forms)
     design = Design(
         name=top.name("name"),
         title=_title(top, languages),
@@ -153,7 +160,7 @@ def _design(top: TomlTable, text: str, path: Path) -> Design:
         demographics=tuple(read_item(t) for t in top.tables("demographics")),
         questionnaires=forms,
         exclusions=tuple(_exclusion(t) for t in top.tables("exclusions")),
-        primary=_primary(analysis, forms),
+        primary=_primary(analysis, forms, named),
         digest=_digest(text, forms),
         text=text,
         path=path,
@@ -354,14 +361,21 @@ def _instruction(table: TomlTable, factors: tuple[Factor, ...]) -> Instruction:
     return instruction
 
 
-def _primary(table: TomlTable, forms: tuple[Form, ...]) -> tuple[str, ...]:
-    """Names of the confirmatory outcomes: measures, and questionnaires for their scores."""
-    given = table.has("primary")
-    names = table.strings("primary")
+def _primary(
+    table: TomlTable, forms: tuple[Form, ...], named: tuple[str, ...] | None
+) -> tuple[str, ...]:
+    """Names of the confirmatory outcomes: measures, and questionnaires for their scores.
+
+    Args:
+        table: The table `analysis`, for its mistakes.
+        forms: All questionnaires.
+        named: What it names; None if it names nothing.
+    """
+    names = named or ()
     known = ("time_s", "success", *(m.name for m in measures() if not m.words))
     scored = {form.name: form for form in forms if form.scales}
     between = [name for name, form in scored.items() if form.at not in (START, END)]
-    if given and not names:
+    if named is not None and not names:
         table.add_mistake(
             "primary", "the list is empty", "Name an outcome, or remove it to test all of them"
         )
@@ -374,7 +388,7 @@ def _primary(table: TomlTable, forms: tuple[Form, ...]) -> tuple[str, ...]:
             what = f"{name} is asked once, so its score is not compared"
             remedy = f"Ask {name} at a factor, after each of its levels, or remove it here"
         elif name in {form.name for form in forms}:
-            what = f"{name} has no score, and single questions are not tested"
+            what = f"{name} has several questions and no score"
             in_file = next(form.source for form in forms if form.name == name) is not None
             where = "[[scales]] in its file" if in_file else "[[questionnaires.scales]]"
             remedy = (

@@ -73,6 +73,16 @@ def read_form(table: TomlTable, factors: list[str], folder: Path) -> Form:
     return Form(name, title, items, at, scales, origin, sessions, wording)
 
 
+def scored_by_its_question(form: Form) -> Form:
+    """The form with its answer as its score, where it asks for one number and has no scale."""
+    numbers = [item for item in form.items if item.kind in ("scale", "number")]
+    if form.scales or len(numbers) != 1:
+        return form
+    (item,) = numbers
+    scale = Scale(item.name, "mean", (item.name,), ((item.low, item.high),))
+    return replace(form, scales=(scale,))
+
+
 def _causes(mistakes: list[Mistake]) -> list[str]:
     """One line a cause: a language that a whole file lacks is one."""
     by_cause: dict[str, list[Mistake]] = {}

@@ -94,10 +94,13 @@ def test_simulate_shows_them_before_it_begins(
     assert warning.startswith("warning, line 15") and warning in capsys.readouterr().out
 
 
-def test_a_confirmatory_question_hides_no_flaw_of_its_words(
-    capsys: pytest.CaptureFixture[str],
+def test_a_mistake_in_the_outcomes_hides_no_flaw_of_words(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert main(["study", "check", str(FOLDER / "36-two-things-in-one.toml")]) == 2
+    text = (FOLDER / "36-two-things-in-one.toml").read_text(encoding="utf-8")
+    design = tmp_path / "design.toml"
+    design.write_text(text.replace('primary = ["opinion"]', 'primary = ["opinions"]'))
+    assert main(["study", "check", str(design)]) == 2
     told = "".join(capsys.readouterr())
-    assert "two things at once" in told and "single questions are not tested" in told
+    assert "two things at once" in told and "unknown outcome 'opinions'" in told
     assert read_draft(FOLDER / "34-no-waiting.toml") is None

@@ -9,6 +9,7 @@ import pytest
 
 from sandbox.study.design.design_file import parse_design
 from sandbox.study.design.reading import DesignError
+from sandbox.study.design.scoring import scores
 from sandbox.study.report.models.analysis import analyse
 from sandbox.study.report.models.data import load_study
 from sandbox.study.report.models.family import CONFIRMATORY, EXPLORATORY
@@ -39,6 +40,18 @@ title = "And"
 name = "calm"
 kind = "scale"
 ask = "How calm were you?"
+[[questionnaires]]
+name = "mood"
+at = "encoder"
+title = "Mood"
+[[questionnaires.items]]
+name = "glad"
+kind = "scale"
+ask = "How glad were you?"
+[[questionnaires.items]]
+name = "sad"
+kind = "scale"
+ask = "How sad were you?"
 """
 )
 
@@ -121,14 +134,22 @@ def test_a_primary_outcome_without_data_is_named(tmp_path: Path) -> None:
         ("time", "Did you mean time_s?"),
         ("sus", "sus is asked once"),
         ("sus", "Ask sus at a factor, after each of its levels"),
-        ("calm", "calm has no score, and single questions are not tested"),
-        ("calm", "Give calm a scale, [[questionnaires.scales]] (docs/questionnaires.md)"),
+        ("mood", "mood has several questions and no score"),
+        ("mood", "Give mood a scale, [[questionnaires.scales]] (docs/questionnaires.md)"),
     ],
 )
 def test_the_check_refuses_outcomes_that_cannot_be_compared(name: str, said: str) -> None:
     with pytest.raises(DesignError) as error:
         parse_design(with_primary("success", name), Path("design.toml"), try_out=False)
     assert said in str(error.value) and "analysis.primary" in str(error.value)
+
+
+def test_a_questionnaire_of_one_question_that_is_primary_has_its_answer_as_its_score() -> None:
+    design = parse_design(with_primary("calm"), Path("design.toml"), try_out=False)
+    (form,) = [form for form in design.questionnaires if form.name == "calm"]
+    assert [s.value for s in scores(form.scales, {"calm": 63.0})] == [63.0]
+    plain = parse_design(SCALED, Path("design.toml"), try_out=False)
+    assert not next(form for form in plain.questionnaires if form.name == "calm").scales
 
 
 def test_primary_outcomes_are_part_of_the_lock() -> None:
