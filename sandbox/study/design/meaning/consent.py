@@ -281,6 +281,56 @@ PASSED_ON = Phrases(
     }
 )
 """Data of a person that go to people who have power over them."""
+UNLINKED = Phrases(
+    {
+        "en": (
+            r"not even (we|the (researchers|experimenters))|nobody,? (not even|including) (us|we)|"
+            r"impossible to (link|trace)|(fully|completely|totally|strictly) anonymous"
+        ),
+        "de": (
+            r"auch wir (\w+ )?nicht|nicht einmal wir|(vollstandig|vollig|komplett|absolut|strikt) "
+            r"anonym"
+        ),
+        "fr": (
+            r"pas meme nous|(entierement|totalement|completement|strictement) anonymes?|impossible "
+            r"de (relier|remonter)"
+        ),
+        "es": (
+            r"ni siquiera nosotros|(totalmente|completamente|absolutamente|estrictamente) "
+            r"anonim\w*|imposible (vincular|relacionar)"
+        ),
+    }
+)
+ERASED = Phrases(
+    {
+        "en": (
+            r"(delet|eras|remov)\w*[^.]*\b(code|later|afterwards|number|pseudonym)|(code|later|"
+            r"afterwards|number|pseudonym)\b[^.]*\b(delet|eras|remov)"
+        ),
+        "de": (
+            r"(losch)\w*[^.]*\b(kurzel\w*|code\w*|nachtraglich|spater|pseudonym\w*)|(kurzel\w*|"
+            r"code\w*|nachtraglich|spater|pseudonym\w*)\b[^.]*losch"
+        ),
+        "fr": (
+            r"(effac|supprim)\w*[^.]*\b(code|plus tard|pseudonyme)|(code|plus tard|"
+            r"pseudonyme)\b[^.]*(effac|supprim)"
+        ),
+        "es": (
+            r"(borr|elimin|suprim)\w*[^.]*\b(codigo|despues|mas tarde|seudonimo)|(codigo|despues|"
+            r"mas tarde|seudonimo)\b[^.]*(borr|elimin|suprim)"
+        ),
+    }
+)
+"""That nobody knows whose data are whose, and that data of one person are deleted."""
+LATER = Phrases(
+    {
+        "en": r"after\w*|then|later|once|until|as soon as",
+        "de": r"danach|nach\b|spater|sobald|dann|bis\b",
+        "fr": r"apres|ensuite|des que|jusqu|alors",
+        "es": r"despues|luego|una vez|hasta|tras",
+    }
+)
+"""A time from which on this is so."""
 DENIES = Phrases(
     {
         "en": r"(not|never|without|no|nobody|neither|nor|apart|separate\w*|\w+n't)\b",
@@ -375,6 +425,24 @@ def consent_flaws(design: Design) -> Iterator[Flaw]:
                 PLACE,
                 f"consent{where} exposes people where it says {quoted(bare)}",
                 "Keep data under a pseudonym, and give nobody else the data of one person",
+            )
+            continue
+        unlinked = next(
+            (
+                s
+                for s in sentences(text)
+                if UNLINKED.match(s, language) and not LATER.match(s, language)
+            ),
+            None,
+        )
+        again = design.sessions > 1 or ERASED.match(text, language)
+        if unlinked is not None and again and not ERASED.match(unlinked, language):
+            yield Flaw(
+                PLACE,
+                f"consent{where} is untrue where it says {quoted(unlinked)}: a code links the "
+                + ("sessions" if design.sessions > 1 else "data that are to be deleted")
+                + " to the person",
+                "Write that data are kept under a code, and who knows it",
             )
             continue
         texts = [t.text[language] for t in told_texts(design) if t.kind == CONSENT or t.at == START]

@@ -27,7 +27,8 @@ JUDGED = Phrases(
             r"(accurate|precise|efficient|comfortable|natural|difficult|effort|tiring))\b|our (own|"
             r"new|novel) |(the|this) (old|new|novel|conventional) (and \w+ )?(way|method|system|"
             r"technique|version|encoder|algorithm|approach|hand|control|design|interface)\b|slow "
-            r"and |harder to "
+            r"and |harder to |(smart|intelligent\w*|modern|powerful|basic|crude|primitive|"
+            r"unreliable|error-prone|buggy|faulty|award-winning|prototype)\b"
         ),
         "de": (
             r"(besser\w*|beste[rnms]?|uberlegen\w*|unterlegen\w*|verbessert\w*|innovativ\w*|"
@@ -35,19 +36,23 @@ JUDGED = Phrases(
             r"langsamer\w*|muhsam\w*|umstandlich\w*|veraltet\w*|intuitiv\w*|genauer\w*|bequemer\w*|"
             r"anstrengend\w*)\b|unsere?[rnms]? (eigen|neu)\w* |(die|das|der|den|dem) (alte|neue|"
             r"herkommliche)[rnms]? (\w*(weise|art|methode|verfahren|steuerung|system|technik|"
-            r"version|encoder|hand))\b"
+            r"version|encoder|hand))\b|(modern\w*|intelligent\w*|kluge?[rnms]?|neueste[rnms]?|"
+            r"ausgereift\w*|primitiv\w*|fehlerhaft\w*|fehleranfallig\w*|altmodisch\w*|"
+            r"preisgekront\w*|unzuverlassig\w*)\b"
         ),
         "fr": (
             r"(meilleure?s?|mieux|ameliore\w*|innovant\w*|superieur\w*|inferieur\w*|(plus|moins) "
             r"(rapid|facil|simpl|efficac|lent|difficil|precis|confortabl|fatig|intuiti)\w*|pire|"
             r"depasse\w*|obsolete\w*)\b|notre nouve\w*|l'ancienne (methode|version)|(la|le|une?) "
-            r"nouve\w* (methode|version|systeme|technique|commande)"
+            r"nouve\w* (methode|version|systeme|technique|commande)|(moderne\w*|intelligent\w*|"
+            r"derniere generation|rudimentaire\w*|primiti\w*|peu fiable\w*|defectueu\w*)\b"
         ),
         "es": (
             r"(mejor\w*|peor\w*|innovador\w*|superior|inferior|anticuad\w*|obsolet\w*|(mas|menos) "
             r"(rapid|facil|sencill|efica|eficient|lent|dificil|precis|comod|cansad|intuitiv)\w*)\b|"
             r"nuestr[oa] nuev\w*|(el|la|un|una) (nuev|antigu)[oa] (metodo|sistema|version|tecnica|"
-            r"control)"
+            r"control)|(modern[oa]s?|inteligente\w*|ultima generacion|rudimentari\w*|primitiv\w*|"
+            r"defectuos\w*|poco fiable\w*)\b"
         ),
         "it": (
             r"(miglior\w*|peggior\w*|innovativ\w*|superior\w*|inferior\w*|superat\w*|obsolet\w*|"

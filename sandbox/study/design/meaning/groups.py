@@ -55,8 +55,8 @@ KINDS = tuple(
         r"(?:non|nicht|no|not)?[ -]?(?:musicians?|gamers?|patients?|surgeons?|dancers?|athletes?|"
         r"smokers?|musiker\w*|patient\w*|spieler\w*|chirurg\w*|musicien\w*|joueur\w*|pacientes?|"
         r"musicos?|jugadores|pazienti|musicisti|patienten|muzikanten|students?|studierende|"
-        r"etudiants?|"
-        r"estudiantes)|healthy(?: \w+)?|controls?|control group|kontrollgruppe|gesunde\w*|sains?|"
+        r"etudiants?|estudiantes)|healthy(?: \w+)?|controls?|control group|kontrollgruppe|"
+        r"gesunde\w*|sains?|"
         r"sanos|sani|gezonde|kontrollen",
     )
 )

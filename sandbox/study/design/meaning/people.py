@@ -13,6 +13,7 @@ from sandbox.study.design.meaning.translations import CARE, SPEED
 from sandbox.study.design.told.flaw import Flaw
 from sandbox.study.design.told.plain import plain
 from sandbox.study.design.told.texts import (
+    CONSENT,
     Phrases,
     asked_items,
     quoted,
@@ -45,6 +46,30 @@ ASKED = {
     ),
     "speed": SPEED,
     "care": CARE,
+    "effort": Phrases(
+        {
+            "en": (
+                r"(try|work) (\w+ )?hard|do your best|(special|extra) effort|concentrate|your "
+                r"best\b"
+            ),
+            "de": r"strengen sie sich|ihr bestes|konzentrier\w*|geben sie sich (\w+ )?muhe",
+            "fr": r"de votre mieux|effort|concentrez|appliquez-vous",
+            "es": r"esfuerce\w*|concentre\w*|lo mejor (que|posible)|esmere\w*",
+        }
+    ),
+    "reassurance": Phrases(
+        {
+            "en": (
+                r"(do not|don't) (worry|be (frustrated|discouraged|disappointed|surprised|upset))"
+            ),
+            "de": (
+                r"keine sorge|nicht (entmutig|frustrier|arger|verzag|wunder)\w*|machen sie sich "
+                r"nichts"
+            ),
+            "fr": r"ne vous (decouragez|inquietez|enervez|etonnez)",
+            "es": r"no se (preocupe|desanime|frustre|extrane)",
+        }
+    ),
 }
 """Advice and demands, which every level is to have alike."""
 
@@ -126,6 +151,50 @@ _SUM = re.compile(
 )
 """A sum of money."""
 
+LIMBS = Phrases(
+    {
+        "en": (
+            r"thumbs?|index|forefingers?|middle fingers?|ring fingers?|little fingers?|(one|two|"
+            r"three|four|five|all|both) (\w+ )?(fingers?|hands?)|(left|right|dominant|other) hand|"
+            r"standing|stand up|sitting|sit down"
+        ),
+        "de": (
+            r"daumen|zeigefinger|mittelfinger|ringfinger|kleine\w* finger|(einem|ein|zwei|drei|"
+            r"vier|funf|allen?|beiden?) (\w+ )?(finger|hand|hande)n?|(linke|rechte|dominante)[rn]? "
+            r"hand|im (stehen|sitzen)|stehen sie auf|setzen sie sich"
+        ),
+        "fr": (
+            r"pouces?|index|majeur|annulaire|auriculaire|(un|deux|trois|quatre|cinq) doigts?|tous "
+            r"les doigts|(main (gauche|droite)|deux mains)|debout|assise?"
+        ),
+        "es": (
+            r"pulgar\w*|indice|(un|dos|tres|cuatro|cinco) dedos?|todos los dedos|mano (izquierda|"
+            r"derecha)|(dos|ambas) manos|de pie|sentad[oa]"
+        ),
+    }
+)
+"""Fingers, hands and postures with which people are told to do it."""
+
+HANDLED_OTHERWISE = {"task", "device", "second_device", "second_hand", "one_surface", "surface"}
+"""Settings of what people do with which fingers."""
+
+JARGON = Phrases(
+    {
+        "en": (
+            r"(encoders?|servos?|mujoco|inverse kinematics|degrees? of freedom|regression|latin "
+            r"square|(within|between)-(subjects?|participants?)|(in)?dependent variables?|"
+            r"quadratic|posterior)\b"
+        ),
+        "de": (
+            r"(encoder\w*|servo\w*|freiheitsgrad\w*|regression\w*|(un)?abhangige variable\w*|"
+            r"quadratisch\w*|lateinische\w* quadrat\w*)\b"
+        ),
+        "fr": r"(encodeurs?|servo\w*|degres? de liberte|regression|carre latin|quadratiques?)\b",
+        "es": r"(codificador\w*|servo\w*|grados? de libertad|regresion|cuadratic[oa]s?)\b",
+    }
+)
+"""Words of this program and of its field, which people who take part do not know."""
+
 UNWRITTEN = re.compile(
     r"\b(?:TODO|TBD|TBA|FIXME|XXX+|[Ll]orem ipsum|to be (?:written|added|completed|translated))\b|"
     r"\[(?:your|name|insert|add|university|contact|amount|date|number|title|text|"
@@ -167,6 +236,7 @@ def people_flaws(design: Design) -> Iterator[Flaw]:
     yield from _told_of_some_levels(design)
     yield from _told_more_of_one(design)
     yield from _unready(design)
+    yield from _jargon(design)
     for path, item in asked_items(design):
         if asked := asks_for(item):
             yield Flaw(path, f"{item.name} identifies people: it asks for {asked}", AGE)
@@ -178,6 +248,22 @@ def people_flaws(design: Design) -> Iterator[Flaw]:
             f"{names} identify people: they are a birth date together",
             AGE,
         )
+
+
+def _jargon(design: Design) -> Iterator[Flaw]:
+    """Questions and instructions in words that nobody knows, one line for each word."""
+    named: set[str] = set()
+    for told in told_texts(design):
+        for language, text in told.text.items() if told.kind != CONSENT else ():
+            word = JARGON.match(text, language)
+            if word is not None and word[0] not in named:
+                named.add(word[0])
+                yield Flaw(
+                    told.path,
+                    f"people who take part do not know the word {word[0]!r}",
+                    "Say what they see or do, such as: the way in which the hand moves",
+                )
+                break
 
 
 def _unready(design: Design) -> Iterator[Flaw]:
@@ -210,13 +296,17 @@ def _told_more_of_one(design: Design) -> Iterator[Flaw]:
         if sets_nothing(design, factor):
             # Then words are what is compared.
             continue
+        # Other tasks and devices need other fingers.
+        alike = not {n for level in factor.levels for n in level.settings} & HANDLED_OTHERWISE
         if {level.name for level in factor.levels} <= told and len(told) > 1:
             for language in design.languages:
                 by_level = {
                     name: " ".join(t.text[language] for _, t in texts if t.level == name)
                     for name in (level.name for level in factor.levels)
                 }
-                wrong = _uneven(by_level, language)
+                wrong = _uneven(by_level, language) or (
+                    _limbs(by_level, language) if alike else None
+                )
                 if wrong is not None:
                     level, what = wrong
                     first = next(i for i, t in texts if t.level == level)
@@ -254,6 +344,23 @@ def _uneven(by_level: dict[str, str], language: str) -> tuple[str, str] | None:
             0
         ], f"being watched or ranked is said before {judged[0]}, not before {rest[0]}"
     return _paid(by_level, language)
+
+
+def _limbs(by_level: dict[str, str], language: str) -> tuple[str, str] | None:
+    """The level before which other fingers are asked for than before another; None if none is."""
+    limbs = {
+        level: {match[0] for match in LIMBS.all_matches(text, language)}
+        for level, text in by_level.items()
+    }
+    for level, some in limbs.items():
+        for other, others in limbs.items():
+            if some and others and some != others:
+                return (
+                    level,
+                    f"{' and '.join(sorted(some))} is asked for before {level}, and "
+                    f"{' and '.join(sorted(others))} before {other}",
+                )
+    return None
 
 
 def _paid(by_level: dict[str, str], language: str) -> tuple[str, str] | None:

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
+from sandbox.study.design.design_file import parse_design
 from sandbox.study.design.meaning.findings import findings
-from tests.support.study_files import SOUND, design
+from tests.support.study_files import SOUND
 
 CONSENT = {
     "en": "Your touches are recorded. You may stop at any time.",
@@ -43,6 +46,7 @@ def consenting(text: str, code: str = "en") -> str:
 
 def one(text: str, wanted: str) -> None:
     """Asserts that a design has one finding, which says something; none if nothing is wanted."""
-    found = [f.mistake for f in findings(design(text)) if f.mistake.where != "languages"]
+    read = parse_design(text, Path("design.toml"), try_out=False)
+    found = [f.mistake for f in findings(read) if f.mistake.where != "languages"]
     assert len(found) == bool(wanted), found
     assert all(wanted in mistake.what and mistake.remedy for mistake in found), found

@@ -235,3 +235,56 @@ def test_the_goal_of_a_task_tells_of_its_things() -> None:
     goal = '\n[[tasks]]\ntask = "{}"\nname = "It"\ngoal = "Turn the wrench."\n'
     told = spoken("en").replace("tests/support/regress_tasks.py:Quick", "box-to-goal")
     one(told + goal.format("box-to-goal"), "another task than box-to-goal")
+
+
+@pytest.mark.parametrize(
+    ("text", "code", "untrue"),
+    [
+        (
+            "Nobody, not even we, can tell whose data are whose. Tell us your code, and we delete "
+            "them.",
+            "en",
+            True,
+        ),
+        (
+            "Die Daten sind vollständig anonym. Mit Ihrem Kürzel können Sie sie löschen lassen.",
+            "de",
+            True,
+        ),
+        (
+            "Vos données sont totalement anonymes. Donnez votre code pour les faire effacer.",
+            "fr",
+            True,
+        ),
+        ("Data are kept under a code. Tell us your code, and we delete them.", "en", False),
+        ("Data are completely anonymous, and cannot be deleted.", "en", False),
+        (
+            "Tell us your code, and we delete them. After a year not even we can tell whose they "
+            "are.",
+            "en",
+            False,
+        ),
+    ],
+)
+def test_what_nobody_can_link_nobody_can_delete(text: str, code: str, untrue: bool) -> None:
+    one(consenting(text, code), "a code links the data" if untrue else "")
+
+
+def test_sessions_of_a_person_are_linked() -> None:
+    text = consenting("Everything is completely anonymous.")
+    one(text, "")
+    one(text.replace("seed = 3", "seed = 3\nsessions = 2"), "a code links the sessions")
+
+
+@pytest.mark.parametrize(
+    ("text", "code", "word"),
+    [
+        ("How good was the encoder?", "en", "encoder"),
+        ("Wie gut war der Encoder?", "de", "encoder"),
+        ("Comment était l'encodeur ?", "fr", "encodeur"),
+        ("How good was the hand?", "en", ""),
+    ],
+)
+def test_people_know_the_words_of_a_question(text: str, code: str, word: str) -> None:
+    item = '\n[[demographics]]\nname = "q"\nkind = "text"\noptional = true\n'
+    one(spoken(code) + f'{item}ask = "{text}"\n', f"the word '{word}'" if word else "")

@@ -319,3 +319,33 @@ def test_only_touches_go_through_an_encoder(device: str, levels: str, wanted: st
     text = varied("encoder", "latin", levels)
     text = text.replace('encoder = "linear"', f'device = "{device}"')
     one(text.replace('"tests/support/regress_tasks.py:Quick"', '"box-to-goal"'), wanted)
+
+
+@pytest.mark.parametrize(
+    ("hard", "soft", "code", "wanted"),
+    [
+        ("Now the next part.", "Please try especially hard.", "en", "effort is said before soft"),
+        ("Nun der nächste Teil.", "Strengen Sie sich an.", "de", "effort is said before soft"),
+        ("Now the next part.", "Do not be frustrated.", "en", "reassurance is said before soft"),
+        ("Use your thumb.", "Use two fingers.", "en", "thumb is asked for before hard"),
+        ("Mit dem Daumen.", "Mit drei Fingern.", "de", "daumen is asked for before hard"),
+        ("Do it standing.", "Do it sitting.", "en", "standing is asked for before hard"),
+        ("Use two fingers.", "Again, use two fingers.", "en", ""),
+        ("Now let it stand there.", "Now let it go.", "en", ""),
+        ("Now comes the smart hand.", "Now comes the other.", "en", "expected to be better"),
+    ],
+)
+def test_people_are_told_to_do_the_same_at_all_levels(
+    hard: str, soft: str, code: str, wanted: str
+) -> None:
+    told = TEXT.format("contact", "hard", hard) + TEXT.format("contact", "soft", soft)
+    one(spoken(code) + told, wanted)
+
+
+def test_tasks_need_other_fingers() -> None:
+    text = varied("task", "latin", '["box-to-goal", "stack"]').replace(
+        'task = "tests/support/regress_tasks.py:Quick"\n', ""
+    )
+    told = TEXT.format("task", "box-to-goal", "Use your thumb.")
+    told += TEXT.format("task", "stack", "Use two fingers.")
+    one(text + told, "")
