@@ -72,6 +72,13 @@ def test_what_is_not_there_is_refused_by_a_line_that_says_what_is(
     with pytest.raises(RecordingError, match="no such recording") as error:
         find_recordings(wanted, study.path.parent)
     assert "\n" not in str(error.value)
+    assert "add --out" in str(error.value)
+
+
+def test_a_file_that_is_not_there_is_not_taken_for_a_trial_of_a_study(tmp_path: Path) -> None:
+    with pytest.raises(RecordingError, match="no such recording") as error:
+        find_recordings("run.jsonl", tmp_path)
+    assert "--out" not in str(error.value)
 
 
 def test_all_trials_of_a_participant_are_compared_and_one_changed_state_is_told(
