@@ -364,13 +364,10 @@ THINGS = (
     (
         Phrases(
             {
-                "en": (
-                    r"(?<!tick the )(?<!tick a )(?<!check the )(?<!text )(box|boxes|blocks?|"
-                    r"cubes?)\b"
-                ),
-                "de": r"(kiste|kisten|klotz|klotze|block|blocke|quader|wurfel)\b",
-                "fr": r"(boites?|caisses?|cubes?|blocs?)\b",
-                "es": r"(cajas?|cubos?|bloques?)\b",
+                "en": r"(?<!tick the )(?<!tick a )(?<!check the )(?<!text )(box|boxes|cubes?)\b",
+                "de": r"(kiste|kisten|klotz|klotze|quader|wurfel)\b",
+                "fr": r"(boites?|caisses?|cubes?)\b",
+                "es": r"(cajas?|cubos?)\b",
             }
         ),
         (*_BOXES, "gather"),
@@ -486,7 +483,7 @@ def _other_task(design: Design) -> Iterator[Flaw]:
         played = tasks
         if told.kind == GOAL and isinstance(told.path[1], int):
             played = {goals[told.path[1]]}
-        elif told.kind not in (CONSENT, INSTRUCTION) or told.at == END:
+        elif told.kind != INSTRUCTION or told.at == END:
             continue
         for language, text in told.text.items():
             named = [some for phrases, some in THINGS if phrases.match(text, language)]

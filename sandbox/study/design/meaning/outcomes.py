@@ -327,6 +327,9 @@ def _untested(design: Design) -> Iterator[Flaw]:
     tested = {forms[name].at for name in design.primary}
     title = re.findall(r"\w+", plain(f"{design.title} {design.name}"))
     for factor in design.factors:
+        if all(set(level.settings) == {"task"} for level in factor.levels):
+            # Several tasks are often there to generalise over.
+            continue
         named = [level.name for level in factor.levels if plain(level.name) in title]
         stem = plain(factor.name)
         titled = len(named) > 1 or any(word.startswith(stem) for word in title)

@@ -62,6 +62,21 @@ DONE = Phrases(
     }
 )
 """Questions about trials that are over."""
+LAST = Phrases(
+    {
+        "en": r"(last|previous|preceding) (\w+ )?(trials?|part|block)\b|this (part|block)\b",
+        "de": (
+            r"(letzten|vorigen|vorherigen|vorangegangenen) (\w+ )?(durchg|teil|block)\w*|"
+            r"diese[rnms]? "
+            r"(teil|block)(s|es)?\b"
+        ),
+        "fr": r"(dernier|precedent)\w* (essai|partie|bloc)\w*|cette partie|ce bloc",
+        "es": r"(ultim|anterior)\w* (ensayo|parte|bloque)\w*|esta parte|este bloque",
+        "it": r"(ultim|precedent)\w* (prov|part|blocc)\w*|questa parte|questo blocco",
+        "nl": r"(laatste|vorige|voorgaande) (\w+ )?(poging|deel|blok|proev)\w*|dit (deel|blok)",
+    }
+)
+"""Questions about the last of several parts."""
 
 
 def session_flaws(design: Design) -> Iterator[Flaw]:
@@ -134,15 +149,27 @@ def _own_limits(design: Design) -> Iterator[Flaw]:
 
 def _forms(design: Design, plans: list[list[Step]]) -> Iterator[Flaw]:
     """Forms and instructions that come too early, too often, or for some levels only."""
+    several = [
+        factor.name
+        for factor in design.factors
+        if len(factor.levels) > 1 and factor.order != "between" and not factor.one_a_session
+    ]
     apart = {factor.name for factor in design.factors if factor.one_a_session}
     for i, form in enumerate(design.questionnaires):
         path = ("questionnaires", i)
         early = form.at == START and (not form.sessions or 1 in form.sessions)
-        if early and (form.name in instruments() or _looks_back(form)):
+        if early and (form.name in instruments() or _asks(form, DONE)):
             yield Flaw(
                 path,
                 f"{form.name} asks about what was done, and is asked before anything was done",
                 'Write at = "end", or a factor',
+            )
+        if form.at == END and several and _asks(form, LAST):
+            yield Flaw(
+                path,
+                f"{form.name} asks about the last part alone, and is asked once, after all levels "
+                f"of {several[0]}",
+                f'Write at = "{several[0]}", or ask about all of it',
             )
         if form.at in apart and form.sessions and len(form.sessions) < design.sessions:
             yield Flaw(
@@ -180,10 +207,10 @@ def _forms(design: Design, plans: list[list[Step]]) -> Iterator[Flaw]:
         )
 
 
-def _looks_back(form: Form) -> bool:
-    """True if a questionnaire asks about trials that are over."""
+def _asks(form: Form, phrases: Phrases) -> bool:
+    """True if the title or a question of a form has some words."""
     texts = [form.title, *(item.ask for item in form.items)]
-    return any(DONE.match(text, code) for some in texts for code, text in some.items())
+    return any(phrases.match(text, code) for some in texts for code, text in some.items())
 
 
 def _lengths(design: Design, plans: list[list[Step]]) -> Iterator[Flaw]:

@@ -220,6 +220,7 @@ def test_people_are_told_of_the_device_that_they_use(
         ("wrench-turn", "Turn the wrench; no box is in its way.", "en", False),
         ("wrench-turn", "Tick the box when you have finished.", "en", False),
         ("box-to-goal", "Do what the page says.", "en", False),
+        ("wrench-turn", "There are three blocks of trials.", "en", False),
         ("dial", "Turn the knob, not the box.", "en", False),
     ],
 )

@@ -298,6 +298,24 @@ def test_nobody_is_asked_about_trials_that_are_still_to_come(
     one(spoken(code) + form.format("contact", title, ask), "")
 
 
+@pytest.mark.parametrize(
+    ("title", "code", "last"),
+    [
+        ("About the last trials", "en", True),
+        ("How was this part?", "en", True),
+        ("Zu den letzten Durchgängen", "de", True),
+        ("À propos des derniers essais", "fr", True),
+        ("About all trials", "en", False),
+        ("Zum Schluss", "de", False),
+    ],
+)
+def test_a_form_at_the_end_asks_about_all_parts(title: str, code: str, last: bool) -> None:
+    form = '\n[[questionnaires]]\nname = "own"\nat = "end"\ntitle = "{}"\n'
+    form += '[[questionnaires.items]]\nname = "i"\nkind = "text"\noptional = true\nask = "?"\n'
+    one(spoken(code) + form.format(title), "the last part alone" if last else "")
+    one(varied("contact", "between", '["hard", "soft"]', code) + form.format(title), "")
+
+
 def test_a_hand_in_the_air_rests_sooner() -> None:
     text = spoken("en").replace('encoder = "linear"', 'device = "leap"')
     text = text.replace('"tests/support/regress_tasks.py:Quick"', '"box-to-goal"')

@@ -135,6 +135,11 @@ def test_items_of_a_score_have_the_same_range(bounds: list[tuple[int, int]], wan
         ("Si está leyendo esto, pulse la última opción.", "es", True),
         ("How hard did you press with two fingers?", "en", False),
         ("Select how it felt (1 for bad, 7 for good).", "en", False),
+        ("How tired? Answer from 1 to 7.", "en", False),
+        ("Bitte einen Wert von 1 bis 7 ankreuzen.", "de", False),
+        ("Kreuzen Sie einen Wert von 1 bis 7 an.", "de", False),
+        ("Cochez une valeur de 1 à 7.", "fr", False),
+        ("Marque un valor del 1 al 7.", "es", False),
         ("How much attention did it take?", "en", False),
         ("Wählen Sie 1 für nie und 7 für immer.", "de", False),
         ("Wie aufmerksam waren Sie?", "de", False),
@@ -280,7 +285,7 @@ def test_weights_come_from_equally_many_comparisons(
         ("Wie war der erste Teil?", "de", "it asks about one part"),
         ("Comment était la seconde partie ?", "fr", "it asks about one part"),
         ("How was the second hand?", "en", ""),
-        ("How was this part?", "en", ""),
+        ("How was it?", "en", ""),
     ],
 )
 def test_a_question_after_every_level_is_about_every_level(

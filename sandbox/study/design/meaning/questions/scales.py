@@ -14,7 +14,10 @@ from sandbox.study.design.told.plain import plain
 from sandbox.study.design.told.texts import Phrases, asked_forms, is_own
 from sandbox.study.design.toml_lines import Path
 
-_GIVEN = r"(\d+|{words})\b(?! ?(=|-|–|\(|(?:{explains})\b))"
+_GIVEN = (
+    r"(?<! to )(?<! bis )(?<! a )(?<! al )(?<! tot )(?<! ate )(?<! and )(?<! und )(?<!-)(?<!–)"
+    r"(\d+|{words})\b(?! ?(=|-|–|\(|(?:{explains})\b))"
+)
 """An answer that is asked for; not one that is explained, as in "mark 1 for never"."""
 
 
@@ -51,7 +54,8 @@ CHECKS = Phrases(
             )
             + r"|(zeigen|prufen|kontroll\w*|sicherstell\w*|uberpruf\w*|sicher ?gehen)[^.?]*"
             r"(aufmerksam|lesen|gelesen)|aufmerksamkeits(test|prufung|kontrolle)|kontrollfrage|"
-            r"kreuzen sie hier|zur kontrolle|(hier|bitte)\b[^.?]*\b(links|rechts|\d+) (an(kreuzen|"
+            r"kreuzen sie hier|zur kontrolle|(hier|bitte)\b[^.?]*\b(links|rechts|(?<!bis )\d+) "
+            r"(an(kreuzen|"
             r"klicken|tippen)|(aus)?wahlen|markieren)|(wahlen|markieren|klicken|kreuzen) sie "
             r"[^.?]{0,40}(erste|letzte|ausserst|ganz (links|recht))"
         ),
@@ -72,7 +76,7 @@ CHECKS = Phrases(
             r"escoge|pulsa)\b (\w+,? ){0,6}?[\"'“«]?"
             + _given(
                 "dos|tres|cuatro|cinco|seis|siete|muy|nada",
-                "para|si|cuando|significa|a|o|y|veces",
+                "para|si|cuando|significa|al?|hasta|o|y|veces",
             )
             + r"|(comprob|verific|demostr|mostr|muestr|asegur|compruebe)\w* que (\w+ ){0,2}?(lee|"
             r"leyendo|leido|lees|atent|presta|atencion)\w*|pregunta de control|control de atencion|"
