@@ -8,7 +8,8 @@ retargeted as in a session, with the fingers that touch named; a tip is out of r
 than 5 mm off. *Trials*: the simulated user with three fingers, seeds of training from --first on,
 or with --judged the first judged seeds. Finished trials are kept in a file of JSON lines and not
 run again. *The other hand*: the same model fitted to a person's left hand, which it is not. Prints
-Markdown. The Inspire Hand needs `pip install --no-deps robosuite==1.5.2` besides the extra.
+Markdown. Fingers that a hand lacks are left out of *tips*. The Inspire Hand needs `pip install
+--no-deps robosuite==1.5.2` besides the extra, and Allegro and LEAP need mujoco_menagerie.
 """
 
 from __future__ import annotations
@@ -53,8 +54,9 @@ def tips(robot: str, frames: int) -> dict[str, Any]:
             retargeter.reset()
             take = trial
         retargeter.follow(q, np.flatnonzero(down).tolist())
-        touching.append(retargeter.off[down])
-        in_the_air.append(retargeter.off[~down])
+        own = down[: len(retargeter.off)]
+        touching.append(retargeter.off[own])
+        in_the_air.append(retargeter.off[~own])
     spent = process_time() - begun
     return {
         "touching": np.concatenate(touching),
