@@ -38,6 +38,8 @@ from sandbox.trial.settings import DEFAULT_LABELS
 
 MOST_SESSIONS = 99
 """Largest number of sessions of one participant."""
+PRIMARY = "analysis.primary"
+"""Place of the confirmatory outcomes, without which all else can be read."""
 
 
 def load_design(path: Path, try_out: bool = True) -> Design:
@@ -99,7 +101,8 @@ def parse_design(text: str, path: Path, try_out: bool = True) -> Design:
 
 
 def read_draft(path: Path) -> Design | None:
-    """The design of a file whose only mistakes are its confirmatory outcomes, without these.
+    """The design of a file whose mistakes leave all else readable: texts that lack a language, and
+    confirmatory outcomes, of which the draft then has none.
 
     None if there are other mistakes, or none at all. So that `check` can look at its meaning, too.
 
@@ -109,11 +112,13 @@ def read_draft(path: Path) -> Design | None:
     try:
         load_design(path, try_out=False)
     except DesignError as error:
-        if any(mistake.where != "analysis.primary" for mistake in error.mistakes):
+        unknown = any(mistake.where == PRIMARY for mistake in error.mistakes)
+        if any(not mistake.alone and mistake.where != PRIMARY for mistake in error.mistakes):
             return None
         text = path.read_text(encoding="utf-8")
         reader = Reader(text)
-        return replace(_design(TomlTable(reader, tomllib.loads(text)), text, path), primary=())
+        draft = _design(TomlTable(reader, tomllib.loads(text)), text, path)
+        return replace(draft, primary=()) if unknown else draft
     return None
 
 

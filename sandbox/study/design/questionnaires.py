@@ -67,7 +67,8 @@ def read_form(table: TomlTable, factors: list[str], folder: Path) -> Form:
         source.done()
         remedy = "Copy it to a file and translate it there" if use else "Correct that file"
         for cause in _causes(source.reader.mistakes):
-            table.add_mistake("use" if use else "file", f"{use or file}, {cause}", remedy)
+            alone = all(mistake.alone for mistake in source.reader.mistakes)
+            table.add_mistake("use" if use else "file", f"{use or file}, {cause}", remedy, alone)
     table.done()
     origin = (file, text) if file and text else None
     return Form(name, title, items, at, scales, origin, sessions, wording)

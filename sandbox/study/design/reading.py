@@ -20,12 +20,17 @@ Text = dict[str, str]
 
 @dataclass(frozen=True)
 class Mistake:
-    """A mistake in a file: its line, the value, what is wrong, and what to do."""
+    """A mistake in a file: its line, the value, what is wrong, and what to do.
+
+    Attributes:
+        alone: True if all else in the file can be read as it is meant.
+    """
 
     line: int
     where: str
     what: str
     remedy: str
+    alone: bool = False
 
     def __str__(self) -> str:
         where = f"{self.where}: " if self.where else ""
@@ -61,12 +66,12 @@ class Reader:
         self.languages: tuple[str, ...] = ("en",)
         self.sessions = 1
 
-    def add_mistake(self, path: Path, what: str, remedy: str) -> None:
-        """Adds a mistake."""
+    def add_mistake(self, path: Path, what: str, remedy: str, alone: bool = False) -> None:
+        """Adds a mistake; `alone` if all else can be read as it is meant."""
         where = ""
         for part in path:
             where += f"[{part + 1}]" if isinstance(part, int) else f".{part}" if where else part
-        self.mistakes.append(Mistake(self.lines.of(path), where, what, remedy))
+        self.mistakes.append(Mistake(self.lines.of(path), where, what, remedy, alone))
 
 
 class TomlTable:
@@ -87,9 +92,9 @@ class TomlTable:
         """Returns True if a value is given and has not been taken out."""
         return key in self._values
 
-    def add_mistake(self, key: str, what: str, remedy: str) -> None:
-        """Adds a mistake in one of the values."""
-        self.reader.add_mistake((*self.path, *([key] if key else [])), what, remedy)
+    def add_mistake(self, key: str, what: str, remedy: str, alone: bool = False) -> None:
+        """Adds a mistake in one of the values; `alone` if all else can be read as it is meant."""
+        self.reader.add_mistake((*self.path, *([key] if key else [])), what, remedy, alone)
 
     def raw(self, key: str, default: Any = None) -> Any:
         """Takes a value of any kind."""
@@ -194,6 +199,7 @@ class TomlTable:
                     key,
                     f"the text is missing in {', '.join(missing)}",
                     f'Add {missing[0]} = "..." or remove the language',
+                    alone=True,
                 )
             return {lang: value.get(lang, "") for lang in languages}
         example = ", ".join(f'{lang} = "..."' for lang in languages)
@@ -204,8 +210,11 @@ class TomlTable:
             what = f"there is only one text for {len(languages)} languages"
         else:
             what = f"got {value!r}"
-        self.add_mistake(key if value is not None else "", what, f"Write {key} = {wanted}")
-        return dict.fromkeys(languages, "")
+        one = isinstance(value, str)
+        self.add_mistake(
+            key if value is not None else "", what, f"Write {key} = {wanted}", alone=one
+        )
+        return dict.fromkeys(languages, "") | ({languages[0]: value} if one else {})
 
     def table(self, key: str) -> TomlTable:
         """Takes a table; empty by default."""

@@ -410,6 +410,9 @@ RECORDED = Phrases(
 def consent_flaws(design: Design) -> Iterator[Flaw]:
     """Flaws of the consent form, one line for each."""
     for language, text in design.consent.items():
+        if not text:
+            # The language is missing, which is a mistake of form.
+            continue
         forced = next((s for s in sentences(text) if _forces(s, language)), None)
         where = f" in {language}" if len(design.languages) > 1 else ""
         if forced is not None:

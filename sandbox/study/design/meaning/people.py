@@ -304,6 +304,9 @@ def _told_more_of_one(design: Design) -> Iterator[Flaw]:
                     name: " ".join(t.text[language] for _, t in texts if t.level == name)
                     for name in (level.name for level in factor.levels)
                 }
+                if not all(text.strip() for text in by_level.values()):
+                    # A level's text lacks this language, which is a mistake of form.
+                    continue
                 wrong = _uneven(by_level, language) or (
                     _limbs(by_level, language) if alike else None
                 )

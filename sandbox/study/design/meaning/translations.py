@@ -83,8 +83,9 @@ def translation_flaws(design: Design) -> Iterator[Flaw]:
 
 
 def _differences(told: Told) -> Iterator[tuple[str, str]]:
-    first, *others = told.text.items()
-    for one, two in ((first, other) for other in others if base(first[0]) != base(other[0])):
+    written = [(language, text) for language, text in told.text.items() if text.strip()]
+    pairs = ((written[0], other) for other in written[1:])
+    for one, two in (pair for pair in pairs if base(pair[0][0]) != base(pair[1][0])):
         (a, text_a), (b, text_b) = one, two
         if text_a.strip() == text_b.strip() and len(text_a.strip()) >= COPIED:
             yield f"the text is the same in {a} and {b}", f"Translate it, in {b} or in {a}"

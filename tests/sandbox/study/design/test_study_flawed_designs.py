@@ -15,6 +15,7 @@ import pytest
 from sandbox.cli.main import main
 from sandbox.study.design.design_file import load_design, read_draft
 from sandbox.study.design.meaning.findings import findings
+from tests.sandbox.study.design.spoken_designs import CONSENT, spoken
 
 FOLDER = Path(__file__).with_name("flawed")
 FOUND = {
@@ -104,3 +105,23 @@ def test_a_mistake_in_the_outcomes_hides_no_flaw_of_words(
     told = "".join(capsys.readouterr())
     assert "two things at once" in told and "unknown outcome 'opinions'" in told
     assert read_draft(FOLDER / "34-no-waiting.toml") is None
+
+
+def test_a_text_that_lacks_a_language_hides_no_flaw_of_words(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    in_two = (
+        '\n[[questionnaires]]\nname = "q"\nat = "end"\ntitle = {en = "Q", fr = "Q"}\n'
+        '[[questionnaires.items]]\nname = "i"\nkind = "scale"\n'
+        'low_means = {en = "not at all"}\nhigh_means = {en = "very", fr = "beaucoup"}\n'
+        'ask = {en = "Was it quick?", fr = "Était-ce rapide et agréable ?"}\n'
+    )
+    consent = f'text = {{en = "{CONSENT["en"]}"}}'
+    text = re.sub('text = "[^"]*"', consent, spoken("en")).replace('["en"]', '["en", "fr"]')
+    text = text.replace('ask = "How old are you?"', 'ask = {en = "Your age?", fr = "Âge ?"}')
+    design = tmp_path / "design.toml"
+    design.write_text(text + in_two + '[[questionnaires]]\nuse = "sus"\nat = "end"\n', "utf-8")
+    assert main(["study", "check", str(design)]) == 2
+    told = "".join(capsys.readouterr())
+    assert "two things at once" in told and told.count("warning") == 1
+    assert "3 mistakes" in told and "the text is missing in fr" in told

@@ -6,6 +6,8 @@ import pytest
 
 from sandbox.study.design.meaning.findings import findings
 from sandbox.study.design.reading import DesignError
+from tests.sandbox.study.design.spoken_designs import one as spoken_one
+from tests.sandbox.study.design.spoken_designs import spoken
 from tests.support.study_files import SOUND, design
 
 ITEM = (
@@ -183,3 +185,65 @@ def test_choices_in_several_languages_are_told_how_they_are_written() -> None:
     (mistake,) = caught.value.mistakes
     assert "stored values" in mistake.what
     assert 'means = [{en = "..."}, ...]' in mistake.remedy
+
+
+@pytest.mark.parametrize(
+    ("code", "text", "double"),
+    [
+        ("en", "How quick to move and how pleasant to touch were the boxes?", True),
+        ("en", "How fast was the hand, and how easy was it to use?", True),
+        ("en", "Was the box easy to grasp and comfortable to hold?", True),
+        ("en", "How easy was it to see the box and how it turned?", False),
+        ("en", "How easy was it to move the box and to let go?", False),
+        ("de", "Wie schnell bewegten sich die Dinge und wie angenehm waren sie?", True),
+        ("de", "War die Kiste leicht zu greifen und angenehm anzufassen?", True),
+        ("de", "Wie leicht war es, die Kiste zu greifen und zu drehen?", False),
+        (
+            "fr",
+            "À quel point la main était-elle rapide et à quel point était-elle agréable ?",
+            True,
+        ),
+        ("fr", "Les objets étaient-ils rapides à déplacer et agréables à toucher ?", True),
+        ("fr", "À quel point était-il facile de saisir la boîte et de la tourner ?", False),
+        ("es", "¿Cómo de rápida era la mano y cómo de agradable era usarla?", True),
+        ("es", "¿Eran los objetos fáciles de mover y agradables de tocar?", True),
+        ("es", "¿Cómo de fácil era coger la caja y girarla?", False),
+    ],
+)
+def test_a_question_with_two_judgements_is_found(code: str, text: str, double: bool) -> None:
+    asked = ITEM.format("end") + MUCH + f'ask = "{text}"\n'
+    spoken_one(spoken(code) + asked, "two things at once" if double else "")
+
+
+@pytest.mark.parametrize(
+    ("code", "text", "relative"),
+    [
+        ("en", "Compared with the previous hand, how easy was it?", True),
+        ("en", "Was this way easier than the one before?", True),
+        ("en", "How much effort was it, relative to the previous hand?", True),
+        ("en", "Are you more tired than before the study?", False),
+        ("en", "Compared with the last week, how did you sleep?", False),
+        ("de", "Verglichen mit der vorigen Hand: Wie leicht war es?", True),
+        ("de", "War es leichter als bei der vorherigen?", True),
+        ("de", "Wie leicht war es, verglichen mit dem, was Sie erwarteten?", False),
+        ("fr", "Par rapport à la main précédente, était-ce facile ?", True),
+        ("fr", "Était-ce plus facile qu'avec celle d'avant ?", True),
+        ("fr", "Par rapport à une vraie main, était-ce facile ?", False),
+        ("es", "En comparación con la mano anterior, ¿fue fácil?", True),
+        ("es", "¿Fue más fácil que con la anterior?", True),
+        ("es", "¿Fue más fácil de lo que esperaba?", False),
+    ],
+)
+def test_a_comparison_with_the_level_before_is_found(code: str, text: str, relative: bool) -> None:
+    asked = ITEM + MUCH + f'ask = "{text}"\n'
+    wanted = "the one before" if relative else ""
+    spoken_one(spoken(code) + asked.format("contact"), wanted)
+    spoken_one(spoken(code) + asked.format("end"), "")
+
+
+def test_choices_with_both_of_their_ends_do_not_overlap() -> None:
+    choices = '"less than 1 hour", "1 hour or more, less than 3", "3 hours or more, less than 5"'
+    asked = f'\n[[demographics]]\nname = "h"\nkind = "choice"\nchoices = [{choices}]\n'
+    one(SOUND + asked + 'ask = "How long do you use tablets?"\n', "")
+    wider = asked.replace("more, less than 3", "more, less than 4")
+    one(SOUND + wider + 'ask = "How long do you use tablets?"\n', "3 fits two choices")

@@ -62,6 +62,8 @@ _BELOW = re.compile(
     r"(?:under|below|less than|younger than|fewer than|unter|weniger als|junger als|moins de|"
     r"menos de|menor de|meno di|minder dan|jonger dan|<)\s*(\d+)"
 )
+_BETWEEN = re.compile(rf"^(?:[a-z]+ ){{0,2}}(\d+)\D+(?:{_BELOW.pattern})")
+"""A choice with both of its ends: "1 hour or more, less than 3"."""
 _ALONE = re.compile(r"^(\d+)$")
 
 _AGES = r"(?P<{}>\d{{2}})(?: ?(?:-|–|to|and|bis|und|a|et|y|e|en|tot) ?(?P<{}>\d{{2}}))?(?!\d)"
@@ -167,6 +169,8 @@ def _ranges(item: Item) -> list[tuple[float, float]]:
 def _range_of(text: str) -> tuple[float, float] | None:
     if match := _RANGE.search(text):
         return float(match[1]), float(match[2])
+    if match := _BETWEEN.search(text):
+        return float(match[1]), float(match[2]) - 1
     if match := _OPEN.search(text):
         return float(match[1]), inf
     if match := _ABOVE.search(text):
@@ -211,7 +215,7 @@ def _of_meanings(item: Item) -> Wrong:
                     f"nobody is told what {item.low:g} and {item.high:g} of {item.name} mean",
                     'Write low_means = "..." and high_means = "..."',
                 )
-        elif any(item.ends[0][language] == text for language, text in item.ends[1].items()):
+        elif any(text and text == item.ends[0][code] for code, text in item.ends[1].items()):
             return (
                 f"both ends of {item.name} have the same words",
                 "Change low_means or high_means",
@@ -219,7 +223,7 @@ def _of_meanings(item: Item) -> Wrong:
     for language in item.means[0] if item.means else ():
         texts = Counter(plain(means[language]).strip() for means in item.means)
         text, count = texts.most_common(1)[0]
-        if count > 1:
+        if text and count > 1:
             return (
                 f"two choices of {item.name} are both called {text!r} in {language}",
                 "Give each choice a text of its own",
@@ -261,7 +265,7 @@ def _twice(design: Design) -> Iterator[Flaw]:
             if item.kind == "choice":
                 continue
             text = tuple(plain(text) for text in item.ask.values())
-            if text in seen:
+            if text in seen and any(text):
                 yield Flaw(
                     (*path, i),
                     f"{item.name} asks the same as {seen[text]}",

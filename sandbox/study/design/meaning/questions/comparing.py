@@ -107,6 +107,32 @@ ORDINAL = Phrases(
     }
 )
 """Parts by their place, of which there is one each."""
+BEFORE = Phrases(
+    {
+        "en": (
+            r"(compared (to|with)|in comparison (to|with)|relative to|than|as opposed to) (with |"
+            r"in |on |to )?(the |your |that of the )?((previous|preceding|last)(?! (day|night|week|"
+            r"month|year|session|time)s?\b)|one (just )?before|(hand|way|method|version|encoder|"
+            r"part|one) (just )?(before|(that )?you (have )?(used|had|tried|did) before))\b"
+        ),
+        "de": (
+            r"(verglichen (mit|zu)|im vergleich (mit|zur?|zum)|gegenuber|als) (bei |mit |in |an )?"
+            r"(der|dem|den|die|das)? ?((vorig|vorherig|vorangegangen|vorhergehend|letzt)e[nrms]?"
+            r"(?! (tag|nacht|woche|monat|jahr|sitzung|mal)\w*)|(hand|art|methode|steuerung|teil|"
+            r"zuordnung|bedingung)\w* (da)?vor\b)"
+        ),
+        "fr": (
+            r"(par rapport (a|au|aux)|comparee?s? (a|au|avec)|en comparaison (de|avec|du)|que|qu'avec) "
+            r"(avec |dans |pour )?(la |le |l'|celle |celui )?(?!(jour|semaine|mois|annee|seance)"
+            r"\w*)([\w']+ )?(precedente?|d'avant)\b"
+        ),
+        "es": (
+            r"(en comparacion con|comparad[oa]s? con|(con )?respecto a|frente a|que) (con |en )?"
+            r"(la|el|lo) (?!(dia|noche|semana|mes|ano|sesion)\w*)(\w+ )?(anterior|previ[oa])\b"
+        ),
+    }
+)
+"""Comparisons with what was used just before, which is another thing in every order."""
 
 
 def comparing_flaws(design: Design) -> Iterator[Flaw]:
@@ -114,6 +140,7 @@ def comparing_flaws(design: Design) -> Iterator[Flaw]:
     factors = [factor for factor in design.factors if len(factor.levels) > 1]
     between = [factor for factor in factors if factor.order == "between"]
     yield from _one_part(design)
+    yield from _the_last_one(design)
     for path, form in asked_forms(design):
         if form.at != START and not between:
             continue
@@ -156,4 +183,26 @@ def _one_part(design: Design) -> Iterator[Flaw]:
                     f"it asks about one part, and is asked after each level of {form.at}: "
                     f"{quoted(item.ask[language])}",
                     "Ask about what has just been done, or ask it once, at the end",
+                )
+
+
+def _the_last_one(design: Design) -> Iterator[Flaw]:
+    """Questions that compare with the level before, of which the first one has none."""
+    within = {f.name for f in design.factors if len(f.levels) > 1 and f.order != "between"}
+    for path, form in asked_forms(design):
+        for i, item in enumerate(form.items if form.at in within else ()):
+            language = next(
+                (code for code, text in item.ask.items() if BEFORE.match(text, code)), None
+            )
+            titled = next(
+                (code for code, text in form.title.items() if BEFORE.match(text, code)), None
+            )
+            if language is not None or (titled is not None and i == 0):
+                place = (*path, "items", i, "ask") if language is not None else (*path, "title")
+                asked = item.ask[language] if language is not None else form.title[titled or ""]
+                yield Flaw(
+                    place,
+                    "it compares with the one before, which the first has not, and which differs "
+                    f"from order to order: {quoted(asked)}",
+                    f"Ask about this level of {form.at} alone; the report compares the answers",
                 )

@@ -47,6 +47,27 @@ TWO = Phrases(
     }
 )
 """Two judgements of one thing."""
+_EACH = {
+    "en": (
+        r"how (?:{0})\b[^.;:?]{{0,40}}\band how (?:{0})\b|"
+        r"(?:{0}) to (?:\w+ ){{1,3}}and (?:{0}) to\b"
+    ),
+    "de": (
+        r"wie (?:{0})(?:e[nrs]?)?\b[^.;:?]{{0,40}}\bund wie (?:{0})\b|"
+        r"(?:{0}) (?:zu \w+|\w+zu\w+),? und (?:{0}) (?:zu \w+|\w*zu\w+)"
+    ),
+    "fr": (
+        r"(?:a quel point|combien|dans quelle mesure)\b[^.;:?]*\b(?:{0})s?\b[^.;:?]*\bet "
+        r"(?:a quel point|combien|dans quelle mesure)\b[^.;:?]*\b(?:{0})s?\b|"
+        r"(?:{0})s? (?:a|de) (?:\w+ ){{1,3}}et (?:{0})s? (?:a|de)\b"
+    ),
+    "es": (
+        r"(?:como de|que tan|cuan) (?:{0})s?\b[^.;:?]*\b[ye] (?:(?:como de|que tan|cuan) )"
+        r"(?:{0})s?\b|(?:{0})(?:e?s)? (?:de|para) (?:\w+ ){{1,3}}[ye] (?:{0})(?:e?s)? (?:de|para)\b"
+    ),
+}
+EACH = Phrases({code: words.format(_GOOD[code]) for code, words in _EACH.items()})
+"""Two judgements, each with words of its own: "how quick to move and how pleasant to touch"."""
 CLAUSES = Phrases(
     {
         "en": (
@@ -99,7 +120,7 @@ def double_flaws(design: Design) -> Iterator[Flaw]:
 def _double(item: Item) -> str | None:
     """The text of a question that asks for two things; None if it does not, or this is unsure."""
     for language, text in item.ask.items():
-        if TWO.match(text, language):
+        if TWO.match(text, language) or EACH.match(text, language):
             return text
         agreed = item.ends is not None and any(
             AGREES.match(end[language], language) for end in item.ends
