@@ -122,7 +122,8 @@ BEFORE = Phrases(
             r"zuordnung|bedingung)\w* (da)?vor\b)"
         ),
         "fr": (
-            r"(par rapport (a|au|aux)|comparee?s? (a|au|avec)|en comparaison (de|avec|du)|que|qu'avec) "
+            r"(par rapport (a|au|aux)|comparee?s? (a|au|avec)|en comparaison (de|avec|du)|que|"
+            r"qu'avec) "
             r"(avec |dans |pour )?(la |le |l'|celle |celui )?(?!(jour|semaine|mois|annee|seance)"
             r"\w*)([\w']+ )?(precedente?|d'avant)\b"
         ),
