@@ -9,7 +9,8 @@ before.
 
 All of it is one least-squares problem of 48 unknowns, solved by a few Gauss-Newton steps from the
 pose before. Landmarks that fit badly count less (Cauchy's weights). Joints stay in their ranges: a
-joint at its end that would go on is held there, and the others make up for it.
+joint at its end that would go on is held there, and the others make up for it. A few steps more
+bend the thumb alone, which a pinch takes far from its middle.
 """
 
 from __future__ import annotations
@@ -40,6 +41,11 @@ from models.skeleton import Skeleton
 
 _POINTS = list(OF_POINTS)
 _DEGREE = radians(1.0)
+_THUMB_POINTS = [2, 15]
+"""The thumb's second joint and its tip among the fitted points."""
+_THUMB_JOINTS = slice(0, 6)
+_THUMB = slice(JOINTS.start, JOINTS.start + 6)
+"""The thumb's joints in the 42 joint values, and in a pose."""
 
 
 @dataclass(frozen=True)
@@ -56,13 +62,17 @@ class FitSettings:
         play: degrees, of twist and sideways play of the other joints.
         bend: degrees, of flexion about what is usual.
         usual: degrees of flexion that is usual at a finger's first and middle joint.
-        thumb: degrees, of the thumb's joints about their middle.
+        thumb: degrees, of the thumb's joints about their middle, while all joints are fitted.
+        thumb_bend: degrees, of their flexion once the rest of the hand is fitted and keeps still.
+            A pinch bends them to the ends of their ranges; a thumb so free in the first fit would
+            turn the palm, since the engine's landmarks of it are poor.
         follow: degrees, of the last joint's flexion about the one that follows from the middle one.
         neighbour: degrees, between the flexions of neighbouring fingers.
         coupling: Flexion of the last joint by that of the middle one.
         linear, toward, angular: m/s of the wrist across and along the camera's axis, and rad/s of
             wrist and joints: what changes between two pictures are expected to be like.
         steps, first_steps: Gauss-Newton steps of a picture after another, and of a first one.
+        thumb_steps: Steps of the thumb after them.
         doubt: m of a picture's error beyond which the fit begins again from the first guess, and
             keeps the better of both.
     """
@@ -77,6 +87,7 @@ class FitSettings:
     bend: float = 45.0
     usual: tuple[float, float] = (15.0, 25.0)
     thumb: float = 12.0
+    thumb_bend: float = 35.0
     follow: float = 12.0
     neighbour: float = 40.0
     coupling: Coupling = TWO_THIRDS
@@ -84,6 +95,7 @@ class FitSettings:
     toward: float = 1.5
     angular: float = 8.0
     steps: int = 4
+    thumb_steps: int = 3
     first_steps: int = 15
     doubt: float = 0.010
 
@@ -116,6 +128,9 @@ class LandmarkFit:
         self._palm_size = _spread(self._palm)
         self._lower, self._upper = skeleton.lower, skeleton.upper
         self._prior, self._usual = _prior(skeleton, s)
+        self._thumb_usual = self._usual[_THUMB_JOINTS]
+        free = np.array([s.thumb_bend, s.thumb, s.thumb, s.thumb_bend, s.play, s.play])
+        self._thumb_prior = 1.0 / (free * _DEGREE * free * _DEGREE)
         # Landmarks: the wrist and the thumb's root are loose.
         weight = np.full(self._points.count, 1.0 / s.picture)
         weight[:2] = 1.0 / s.loose
@@ -128,7 +143,8 @@ class LandmarkFit:
 
     @property
     def pose(self) -> Array | None:
-        """The pose (48,) of the last picture, in the camera's frame; None before the first."""
+        """The pose (48,) of the last picture, in the camera's frame, before the thumb's own steps;
+        None before the first."""
         return self._pose
 
     def fit(self, rays: Array, world: Array, dt: float) -> Fit:
@@ -151,8 +167,9 @@ class LandmarkFit:
             if solution.error > s.doubt:
                 again = self._solve(self._guess(rays, world), rays, depth, None, s.first_steps)
                 solution = again if again.error < _BETTER * solution.error else solution
+        # The next picture begins from the pose before the thumb's own steps.
         self._pose = solution.pose
-        return solution
+        return self._with_thumb(solution.pose, rays)
 
     def _guess(self, rays: Array, world: Array) -> Array:
         toward = _turn_to_ray(rays)
@@ -202,6 +219,35 @@ class LandmarkFit:
         points = self._points.points(q)
         z = np.maximum(points[:, 2], _NEAREST)
         aside = (points[:, :2] / z[:, None] - seen) * z[:, None]
+        return Fit(q, sqrt(float(squared_lengths(aside).mean())))
+
+    def _with_thumb(self, pose: Array, rays: Array) -> Fit:
+        """The pose (48,) with a freer thumb; the rest of the hand keeps still."""
+        s, q = self.settings, pose
+        seen = rays[_POINTS][_THUMB_POINTS]
+        for _ in range(s.thumb_steps):
+            points, jacobian = self._points.points_and_jacobian(q)
+            points, jacobian = points[_THUMB_POINTS], jacobian[_THUMB_POINTS][:, :, _THUMB]
+            z = np.maximum(points[:, 2], _NEAREST)
+            along = points[:, :2] / z[:, None]
+            aside = (along - seen) * z[:, None]
+            weight = self._weight[_THUMB_POINTS]
+            weight = weight * _cauchy(squared_lengths(aside), s.outlier * s.picture)
+            rows = (jacobian[:, :2] - along[:, :, None] * jacobian[:, 2:]) * weight[:, None, None]
+            rows = np.ascontiguousarray(rows.reshape(-1, len(self._thumb_prior)))
+            square, down = np.eye(POSE_SIZE), np.zeros(POSE_SIZE)
+            square[_THUMB, _THUMB] = transposed_times(rows, rows)
+            square[_THUMB, _THUMB] += np.diag(self._thumb_prior)
+            misses = (aside * weight[:, None]).reshape(-1, 1)
+            down[_THUMB] = transposed_times(rows, np.ascontiguousarray(misses))[:, 0]
+            down[_THUMB] += self._thumb_prior * (q[_THUMB] - self._thumb_usual)
+            step = bounded_step(q, square, down, self._lower, self._upper)
+            q = self._stepped(q, step)
+            if float(np.abs(step).max()) < _STILL:
+                break
+        points = self._points.points(q)
+        z = np.maximum(points[:, 2], _NEAREST)
+        aside = (points[:, :2] / z[:, None] - rays[_POINTS]) * z[:, None]
         return Fit(q, sqrt(float(squared_lengths(aside).mean())))
 
     def _stepped(self, q: Array, step: Array) -> Array:
