@@ -67,6 +67,14 @@ def find_measure(name: str) -> TrialMeasure | None:
     return next((measure for measure in measures() if measure.name == name), None)
 
 
+def is_time(name: str) -> bool:
+    """True if an outcome is a duration or a speed: `time_s`, a measure in s, or a throughput."""
+    measure = find_measure(name)
+    return name == "time_s" or (
+        measure is not None and (measure.unit == "s" or name.startswith("throughput"))
+    )
+
+
 def measure_columns() -> tuple[str, ...]:
     """Names of the measures that are not fields of the trial's result."""
     of_result = kept_fields(KeptIn.TABLE)

@@ -12,7 +12,6 @@ from sandbox.study.design.conditions import (
     values_of,
 )
 from sandbox.study.design.design import END, Design
-from sandbox.study.design.meaning.consent import DENIES
 from sandbox.study.design.told.flaw import Flaw
 from sandbox.study.design.told.texts import (
     CONSENT,
@@ -24,6 +23,7 @@ from sandbox.study.design.told.texts import (
     sentences,
     told_texts,
 )
+from sandbox.study.design.told.words import DENIES, LEADER
 
 _OTHER = (
     "recorded|stored|saved|measured|logged|kept|face|faces|voice|voices|names?|video|pictures?|"
@@ -216,18 +216,6 @@ PERSON = Phrases(
     }
 )
 """People beside the participant."""
-LEADER = Phrases(
-    {
-        "en": r"experimenter|researcher|investigator|assistant|supervisor|staff",
-        "de": r"versuchsleit\w*|untersuch\w*|forsch\w*|studienleit\w*|assistent\w*",
-        "fr": r"experimentat\w*|chercheu\w*|responsable|assistant\w*",
-        "es": r"investigador\w*|experimentador\w*|responsable|asistente",
-        "it": r"sperimentat\w*|ricercat\w*|responsabile|assistente",
-        "nl": r"onderzoek\w*|proefleid\w*|begeleid\w*",
-        "pt": r"investigador\w*|pesquisador\w*|responsavel|assistente",
-    }
-)
-"""Those who run a study, who may wait next door."""
 SHARED = Phrases(
     {
         "en": (

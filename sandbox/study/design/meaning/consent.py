@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from sandbox.study.design.design import START, Design
 from sandbox.study.design.told.flaw import Flaw
 from sandbox.study.design.told.texts import CONSENT, Phrases, quoted, sentences, told_texts
+from sandbox.study.design.told.words import DENIES
 
 PLACE = ("consent", "text")
 
@@ -331,20 +332,6 @@ LATER = Phrases(
     }
 )
 """A time from which on this is so."""
-DENIES = Phrases(
-    {
-        "en": r"(not|never|without|no|nobody|neither|nor|apart|separate\w*|\w+n't)\b",
-        "de": r"(nicht|nie|niemals|ohne|kein\w*|niemand\w*|weder|getrennt)\b",
-        "fr": r"(pas|jamais|sans|aucun\w*|ni|separe\w*)\b",
-        "es": r"(no|nunca|sin|ningun\w*|ni|tampoco|separad\w*)\b",
-        "it": r"(non|mai|senza|nessun\w*|ne)\b",
-        "nl": r"(niet|nooit|zonder|geen|apart)\b",
-        "pt": r"(nao|nunca|sem|nenhum\w*|nem)\b",
-        "zh": r"不|没|无",
-        "ja": r"ない|ません|なし",
-    }
-)
-"""Words of sentences that say that something is not so."""
 
 FREE = Phrases(
     {

@@ -8,6 +8,10 @@ from dataclasses import dataclass
 from sandbox.study.design.design import Design
 from sandbox.study.design.meaning.claims import claim_flaws
 from sandbox.study.design.meaning.comparisons import comparison_flaws
+from sandbox.study.design.meaning.conduct.choosing import choosing_flaws
+from sandbox.study.design.meaning.conduct.concluding import concluding_flaws
+from sandbox.study.design.meaning.conduct.during import during_flaws
+from sandbox.study.design.meaning.conduct.owing import owing_flaws
 from sandbox.study.design.meaning.consent import consent_flaws
 from sandbox.study.design.meaning.detection import detection_flaws
 from sandbox.study.design.meaning.exclusions import exclusion_flaws, joint_flaws
@@ -73,6 +77,10 @@ def _all(design: Design) -> Iterator[Flaw]:
     yield from people_flaws(design)
     yield from consent_flaws(design)
     yield from guardian_flaws(design)
+    yield from choosing_flaws(design)
+    yield from during_flaws(design)
+    yield from owing_flaws(design)
+    yield from concluding_flaws(design)
     yield from claim_flaws(design)
     yield from promise_flaws(design)
     yield from expectation_flaws(design)

@@ -19,9 +19,10 @@ from sandbox.study.design.told.texts import (
     sentences,
     told_texts,
 )
+from sandbox.study.design.told.words import PRACTICE
 from sandbox.study.design.toml_lines import TomlLines
 from sandbox.study.measures.measure import LABELS, PLACES
-from sandbox.study.measures.registry import find_measure
+from sandbox.study.measures.registry import find_measure, is_time
 
 SAME = (
     ("success", "held", "instant", "final", "progress", "first_attempt_success"),
@@ -65,19 +66,6 @@ UNHURRIED = Phrases(
 )
 """Texts that tell people not to hurry."""
 
-PRACTICE = Phrases(
-    {
-        "en": r"practi[cs]\w*|breaks?\b|questions?|read\b",
-        "de": r"\w*ubung\w*|ube\w*|pause\w*|frage\w*|les\w*",
-        "fr": r"entrain\w*|pauses?|questions?|lire|lisez",
-        "es": r"practic\w*|pausas?|preguntas?|lea|leer",
-        "it": r"pratic\w*|paus[ae]|domand\w*|legg\w*",
-        "nl": r"oefen\w*|pauze\w*|vra(ag|gen)|lees|lezen",
-        "zh": r"练习|休息|阅读|问题",
-        "ja": r"練習|休|読|質問",
-    }
-)
-"""Texts about other things than trials that count."""
 
 FASTER = Phrases(
     {
@@ -238,7 +226,7 @@ def _once(design: Design) -> Iterator[Flaw]:
 
 def _clock(design: Design) -> Iterator[Flaw]:
     """Time goes on while the page is away, and counts."""
-    timed = [name for name in design.primary if _is_time(name)] or (
+    timed = [name for name in design.primary if is_time(name)] or (
         [] if design.primary else ["time_s"]
     )
     removed = any(rule.measure in ("away_s", "away") for rule in design.exclusions)
@@ -252,7 +240,7 @@ def _clock(design: Design) -> Iterator[Flaw]:
 
 def _hurry(design: Design) -> Iterator[Flaw]:
     """Time is an outcome or speed is asked for, and people are told that it does not matter."""
-    timed = [name for name in design.primary if _is_time(name)]
+    timed = [name for name in design.primary if is_time(name)]
     for told in told_texts(design):
         for language, text in told.text.items():
             if told.kind not in (INSTRUCTION, GOAL) or told.at == END:
@@ -306,7 +294,7 @@ def _title(design: Design) -> Iterator[Flaw]:
         if any(phrases.match(design.title, language) for language in design.languages)
     ]
     measured = {
-        "speed": "m/s" in units or any(_is_time(name) for name in design.primary),
+        "speed": "m/s" in units or any(is_time(name) for name in design.primary),
         "accuracy": bool(units & {"m", "deg", "0/1", "0 to 1"}) or "success" in design.primary,
     }
     for name, _ in asked:
@@ -361,10 +349,3 @@ def _ceiling(design: Design) -> Iterator[Flaw]:
 
 def _joined(design: Design) -> str:
     return " and ".join(design.primary)
-
-
-def _is_time(name: str) -> bool:
-    measure = find_measure(name)
-    return name == "time_s" or (
-        measure is not None and (measure.unit == "s" or name.startswith("throughput"))
-    )

@@ -7,7 +7,6 @@ from collections.abc import Iterator
 
 from sandbox.study.design.conditions import sets_nothing
 from sandbox.study.design.design import END, START, Design
-from sandbox.study.design.meaning.consent import DENIES
 from sandbox.study.design.meaning.questions.identifying import asks_for, birth_parts
 from sandbox.study.design.meaning.translations import CARE, SPEED
 from sandbox.study.design.told.flaw import Flaw
@@ -20,6 +19,7 @@ from sandbox.study.design.told.texts import (
     sentences,
     told_texts,
 )
+from sandbox.study.design.told.words import DENIES, PAID
 
 MORE, MORE_LETTERS = 1.8, 60
 """How many times as long, and by how many letters, a text before one level says more."""
@@ -95,42 +95,6 @@ JUDGING = Phrases(
 )
 """Being watched, ranked or punished, which changes how people do."""
 
-PAID = Phrases(
-    {
-        "en": (
-            r"bonus\w*|reward\w*|prizes?|earn\w*|wins?|cents?|pence|euros?|dollars?|pounds|"
-            r"vouchers?|paid|payments?|pays?|credits?|lottery|raffle"
-        ),
-        "de": (
-            r"bonus|pramie\w*|belohn\w*|gewinn\w*|preise?|verdien\w*|cent|euro|gutschein\w*|"
-            r"vergut\w*|bezahl\w*|verlos\w*|zulage"
-        ),
-        "fr": (
-            r"bonus|primes?|recompens\w*|gagn\w*|centimes?|euros?|bons? d'achat|remuner\w*|pay(e|"
-            r"ee|es|ees|ons)?\b|tombola"
-        ),
-        "es": (
-            r"bonos?|bonus|primas?|premi\w*|recompens\w*|gan(a|ara|aras|an)\b|centimos?|euros?|"
-            r"vales?\b|pag(o|a|amos|aran|ado|ada)s?\b|remuner\w*|sorteo|cobr\w*"
-        ),
-        "it": (
-            r"bonus|premi\w*|ricompens\w*|guadagn\w*|vinc\w*|centesim\w*|euro|buon[oi] |pag(a|ato|"
-            r"amento)|compenso"
-        ),
-        "nl": (
-            r"bonus|belon\w*|premie|win(t|nen)\b|verdien\w*|cent|euro|bon\b|cadeaubon|betaal\w*|"
-            r"vergoed\w*"
-        ),
-        "pt": (
-            r"bonus|premi\w*|recompens\w*|ganh\w*|centimos?|euros?|vales?\b|pag(o|a|amento)|"
-            r"remuner\w*"
-        ),
-        "zh": r"奖金|奖励|奖品|报酬|\d元",
-        "ja": r"ボーナス|報酬|賞|\d円|謝礼",
-        "ar": r"مكافأ|جائز|يورو|دولار|ريال",
-    }
-)
-"""Pay, of which every level is to promise the same."""
 UNPAID = Phrases(
     {
         "en": r"(no|not|nothing|without|unchanged|fixed|usual|none|\w+n't|same)\b",

@@ -1,0 +1,1 @@
+"""How a study treats those who take part: whom it chooses, what it has them do, and owes them."""
