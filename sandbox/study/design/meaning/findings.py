@@ -28,7 +28,9 @@ from sandbox.study.design.meaning.questions.answers import answer_flaws
 from sandbox.study.design.meaning.questions.comparing import comparing_flaws
 from sandbox.study.design.meaning.questions.double import double_flaws
 from sandbox.study.design.meaning.questions.ends import end_flaws
+from sandbox.study.design.meaning.questions.gain import gain_flaws
 from sandbox.study.design.meaning.questions.scales import scale_flaws
+from sandbox.study.design.meaning.questions.unknown import unknown_flaws
 from sandbox.study.design.meaning.session import session_flaws
 from sandbox.study.design.meaning.teaching import teaching_flaws
 from sandbox.study.design.meaning.translations import translation_flaws
@@ -90,6 +92,8 @@ def _all(design: Design) -> Iterator[Flaw]:
     yield from double_flaws(design)
     yield from scale_flaws(design)
     yield from answering_flaws(design)
+    yield from unknown_flaws(design)
+    yield from gain_flaws(design)
     yield from language_flaws(design)
     yield from translation_flaws(design)
     yield from joint_flaws(design)

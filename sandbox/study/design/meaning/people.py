@@ -70,8 +70,34 @@ ASKED = {
             "es": r"no se (preocupe|desanime|frustre|extrane)",
         }
     ),
+    "rest": Phrases(
+        {
+            "en": r"rest (for|a|your|until)|relax\b|(have|take) (a|some) (\w+ )?(rest|break|pause)",
+            "de": r"ruhen sie|ausruhen|erhol\w*|(machen|legen) sie (\w+ ){0,2}(pause|rast)",
+            "fr": r"reposez|reposer|detendez|faites (\w+ )?pause",
+            "es": r"descans(e|ar|a)\b|relaj\w*|(haga|tome) (\w+ )?(pausa|descanso)",
+        }
+    ),
+    "food": Phrases(
+        {
+            "en": r"coffee|tea\b|chocolate|snacks?|sweets|drink\b|eat\b|food|lunch",
+            "de": r"kaffee|tee\b|schokolade|imbiss|sussigkeit\w*|trinken|essen|snack\w*",
+            "fr": r"cafe|the\b|chocolat|collation|boi(re|vez)|mang(er|ez)|gouter",
+            "es": r"cafe|te\b(?= (con|caliente|frio))|chocolate|tentempie|beb(a|er)|com(a|er)\b",
+        }
+    ),
+    "help": Phrases(
+        {
+            "en": (
+                r"(experimenter|assistant|we|somebody|someone) (\w+ )?helps? you|may ask for help"
+            ),
+            "de": r"(hilft|helfen|unterstutzt) ihnen|(hilft|unterstutzt) sie|um hilfe bitten",
+            "fr": r"(vous aide|vous aidera|vous aidons)|demander de l'aide",
+            "es": r"le (ayuda|ayudara|ayudamos)|pedir ayuda",
+        }
+    ),
 }
-"""Advice and demands, which every level is to have alike."""
+"""Advice, demands and comforts, which every level is to have alike."""
 
 AGE = "Remove it; keep names and addresses apart, beside the pseudonym; ask for an age"
 

@@ -353,3 +353,28 @@ def test_equality_that_is_concluded_from_a_difference_test_is_found(
 ) -> None:
     titled = spoken(code).replace("seed = 3", f'title = "{title}"\nseed = 3')
     one(titled, "does not show that there is none" if wrong else "")
+
+
+@pytest.mark.parametrize(
+    ("code", "comfort", "what"),
+    [
+        ("en", "Please rest for five minutes.", "rest"),
+        ("en", "Have a coffee.", "food"),
+        ("en", "The assistant helps you.", "help"),
+        ("de", "Ruhen Sie sich aus.", "rest"),
+        ("de", "Es gibt Kaffee.", "food"),
+        ("de", "Die Leitung hilft Ihnen.", "help"),
+        ("fr", "Reposez-vous un peu.", "rest"),
+        ("fr", "Prenez un café.", "food"),
+        ("fr", "L'assistant vous aide.", "help"),
+        ("es", "Descanse un poco.", "rest"),
+        ("es", "Tome un café.", "food"),
+        ("es", "El asistente le ayuda.", "help"),
+    ],
+)
+def test_a_comfort_before_one_level_alone_is_found(code: str, comfort: str, what: str) -> None:
+    before = '\n[[instructions]]\nat = "contact"\nlevel = "{}"\ntext = "2 {}"\n'
+    one(
+        spoken(code) + before.format("hard", comfort) + before.format("soft", ""), f"{what} is said"
+    )
+    one(spoken(code) + before.format("hard", comfort) + before.format("soft", comfort), "")

@@ -247,3 +247,76 @@ def test_choices_with_both_of_their_ends_do_not_overlap() -> None:
     one(SOUND + asked + 'ask = "How long do you use tablets?"\n', "")
     wider = asked.replace("more, less than 3", "more, less than 4")
     one(SOUND + wider + 'ask = "How long do you use tablets?"\n', "3 fits two choices")
+
+
+@pytest.mark.parametrize(
+    ("code", "text", "wrong"),
+    [
+        ("en", "Please choose 4 if you do not know.", True),
+        ("en", "If it does not apply to you, tick the middle.", True),
+        ("en", "Choose a point from 1 to 7; if you do not know, leave it out.", False),
+        ("en", "Choose the first answer that comes to your mind, from 1 to 7.", False),
+        ("de", "Wählen Sie 4, wenn Sie es nicht wissen.", True),
+        ("de", "Was nicht zutrifft, kreuzen Sie in der Mitte an.", True),
+        ("de", "Wenn Sie es nicht wissen, lassen Sie die Frage aus.", False),
+        ("fr", "Choisissez 4 si vous ne savez pas.", True),
+        ("fr", "Cochez le milieu si cela ne vous concerne pas.", True),
+        ("fr", "Si vous ne savez pas, laissez la réponse vide.", False),
+        ("es", "Marque 4 si no lo sabe.", True),
+        ("es", "Elija el centro si no se aplica.", True),
+        ("es", "Si no lo sabe, deje la respuesta en blanco.", False),
+    ],
+)
+def test_a_point_for_those_who_do_not_know_is_found(code: str, text: str, wrong: bool) -> None:
+    wanted = "who does not know" if wrong else ""
+    asked = ITEM.format("end") + MUCH + 'ask = "?"\n'
+    spoken_one(spoken(code) + asked.replace('"Q"', f'"{text}"'), wanted)
+    told_before = f'[[instructions]]\nat = "end"\ntext = "{text}"\n'
+    spoken_one(spoken(code) + asked + told_before, wanted)
+    spoken_one(spoken(code) + told_before, "")
+
+
+@pytest.mark.parametrize(
+    ("end", "wrong"),
+    [("do not know", True), ("not applicable", True), ("not sure at all", False), ("none", False)],
+)
+def test_not_to_know_is_no_end_of_a_scale(end: str, wrong: bool) -> None:
+    asked = ITEM.format("end") + MUCH.replace("not at all", end) + 'ask = "Was it good?"\n'
+    one(SOUND + asked, "no amount" if wrong else "")
+
+
+_TWICE = (
+    '\n[[questionnaires]]\nname = "{}"\nat = "{}"\ntitle = "Q"\n[[questionnaires.items]]\n'
+    'name = "{}"\nkind = "scale"\nhigh = {}\nlow_means = "{}"\nhigh_means = "very"\nask = "{}"\n'
+)
+
+
+@pytest.mark.parametrize(
+    ("high", "low_means", "ask", "wanted"),
+    [
+        (10, "not at all", "How sure do you feel with tablets?", ""),
+        (10, "not at all", "How sure do you feel with tablets now?", ""),
+        (100, "not at all", "How sure do you feel with tablets?", "is from 0 to 100"),
+        (10, "not at all", "How much did the hand obey?", "asks something else"),
+        (10, "nothing", "How sure do you feel with tablets?", "other words"),
+    ],
+)
+@pytest.mark.parametrize(
+    ("first", "second", "title"),
+    [
+        ("trust-before", "trust-after", ""),
+        ("pre_trust", "post_trust", ""),
+        ("vertrauen-vorher", "vertrauen-nachher", ""),
+        ("a", "b", "Trust before and after a trial"),
+    ],
+)
+def test_before_and_after_are_asked_by_the_same_question(
+    high: int, low_means: str, ask: str, wanted: str, first: str, second: str, title: str
+) -> None:
+    same = "How sure do you feel with tablets?"
+    before = _TWICE.format(first, "start", "one", 10, "not at all", same)
+    after = _TWICE.format(second, "end", "two", high, low_means, ask)
+    titled = SOUND.replace("seed = 3", f'title = "{title}"\nseed = 3')
+    one(titled + before + after, wanted)
+    if not title:
+        one(SOUND + before.replace(first, "other") + after, "")

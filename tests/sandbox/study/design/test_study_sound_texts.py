@@ -30,7 +30,14 @@ CONSENTS = {
         "you like. "
         "We measure your time, but do not store your name, address or e-mail. "
         "Students may get a credit for their course, or write a short report instead. "
-        "Only the research team can read your answers."
+        "Only the research team can read your answers. "
+        "You do not give up any legal rights, and the university is insured for accidents. "
+        "You receive 12 euros an hour, however many trials you finish. "
+        "We invite people of all ages who have never used such a hand. "
+        "Whoever took part last year may take part again. "
+        "Some people find the second part easier than the first. "
+        "Please ask us if something is not clear before you begin. "
+        "The people who developed the program do not see who gave which answers."
     ),
     "de": (
         "Wir zeichnen Berührungen, Zeiten und Antworten auf, jedoch weder Bild noch Ton. "
@@ -44,7 +51,11 @@ CONSENTS = {
         "Nach der Veröffentlichung können die anonymen Daten nicht mehr gelöscht werden. "
         "Personen unter 18 Jahren können nicht teilnehmen. "
         "Der Versuchsleiter wartet im Nebenraum. "
-        "Bei Schmerzen hören Sie bitte sofort auf; das hat keine Folgen für Sie."
+        "Bei Schmerzen hören Sie bitte sofort auf; das hat keine Folgen für Sie. "
+        "Sie verzichten auf keine Rechte, und die Universität haftet für Schäden. "
+        "Sie erhalten 12 Euro pro Stunde, gleich wie viele Durchgänge Sie schaffen. "
+        "Eingeladen sind Personen, die noch nie mit so einer Hand gearbeitet haben. "
+        "Wer die Antworten gegeben hat, sehen die Entwickler nicht."
     ),
     "fr": (
         "Nous enregistrons vos contacts, vos temps et vos réponses, mais ni image ni son. "
@@ -53,7 +64,11 @@ CONSENTS = {
         "Les résultats ne seront pas transmis à votre employeur. "
         "Il n'y a ni bonne ni mauvaise réponse. "
         "La liste des noms est gardée à part, dans une armoire fermée. "
-        "L'expérimentateur attend dans la pièce voisine."
+        "L'expérimentateur attend dans la pièce voisine. "
+        "Vous ne renoncez à aucun droit, et l'université est assurée. "
+        "Vous recevez 12 euros par heure, quel que soit le nombre d'essais réussis. "
+        "Nous invitons des personnes qui n'ont jamais utilisé une telle main. "
+        "Dites-nous si quelque chose n'est pas clair."
     ),
     "es": (
         "Registramos sus toques, los tiempos y sus respuestas, pero no su voz ni su imagen. "
@@ -62,7 +77,11 @@ CONSENTS = {
         "Los resultados no se entregarán a su profesor. "
         "No hay respuestas correctas ni incorrectas. "
         "El investigador espera en la sala de al lado. "
-        "Los menores de 18 años no pueden participar."
+        "Los menores de 18 años no pueden participar. "
+        "Usted no renuncia a ningún derecho, y la universidad tiene un seguro. "
+        "Recibe 12 euros por hora, termine los ensayos que termine. "
+        "Invitamos a personas que nunca han usado una mano así. "
+        "Díganos si algo no está claro."
     ),
 }
 
@@ -81,7 +100,13 @@ INSTRUCTIONS = {
         "Try to be as good in the second part as in the first. "
         "Please hold the tablet still. Do not lean on the screen. "
         "Please use the same fingers in both parts. "
-        "Each part is followed by a questionnaire. Please answer all questions honestly."
+        "Each part is followed by a questionnaire. Please answer all questions honestly. "
+        "If you do not know an answer, leave it open. Choose a point from 1 to 7. "
+        "A trial that is too long ends by itself, and counts like the others. "
+        "After the trials we would like to hear what you think. "
+        "If you have a question during a trial, say so. You may skip questions. "
+        "Watch the second hand, too. Say stop whenever you like. "
+        "Between the parts you may stand up and rest as long as you want."
     ),
     "de": (
         "Bringen Sie die Kiste so schnell wie möglich an die markierte Stelle. "
@@ -91,20 +116,32 @@ INSTRUCTIONS = {
         "Die Hand kann sich in den Teilen verschieden verhalten. Sagen Sie uns danach, wie "
         "es war. "
         "In der Übung spielt Zeit keine Rolle. "
-        "Bitte benutzen Sie in beiden Teilen dieselben Finger."
+        "Bitte benutzen Sie in beiden Teilen dieselben Finger. "
+        "Wenn Sie eine Antwort nicht wissen, lassen Sie sie aus. "
+        "Ein Durchgang, der zu lange dauert, endet von selbst und zählt wie die anderen. "
+        "Nach den Durchgängen würden wir gern hören, was Sie denken. "
+        "Achten Sie auch auf die andere Hand. Fragen dürfen Sie überspringen."
     ),
     "fr": (
         "Amenez la boîte au but aussi vite que possible. "
         "Travaillez vite et avec précision. Prenez votre temps pour lire les questions. "
         "Il y a deux parties, chacune précédée d'un entraînement. "
         "Posez les doigts sur l'écran ; la main les suit. "
-        "La main peut se comporter autrement dans la seconde partie."
+        "La main peut se comporter autrement dans la seconde partie. "
+        "Si vous ne savez pas, laissez la réponse vide. "
+        "Un essai trop long se termine de lui-même et compte comme les autres. "
+        "Après les essais, dites-nous ce que vous en pensez. "
+        "Regardez aussi l'autre main."
     ),
     "es": (
         "Lleve la caja al lugar marcado tan rápido como pueda. "
         "Hay dos partes, cada una con unos ensayos de práctica. "
         "Ponga los dedos en la pantalla; la mano les sigue. "
-        "La mano puede comportarse de otro modo en la segunda parte."
+        "La mano puede comportarse de otro modo en la segunda parte. "
+        "Si no lo sabe, deje la respuesta en blanco. "
+        "Un ensayo demasiado largo termina por sí solo y cuenta como los demás. "
+        "Después de los ensayos nos gustaría oír lo que piensa. "
+        "Mire también la otra mano."
     ),
 }
 
