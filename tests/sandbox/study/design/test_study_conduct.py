@@ -18,6 +18,8 @@ def instructing(text: str, code: str) -> str:
     ("code", "text", "wrong"),
     [
         ("en", "Please think aloud in every trial.", True),
+        ("en", "Keep talking during the trials and say whatever you think.", True),
+        ("de", "Kommentieren Sie jeden Schritt, während Sie arbeiten.", True),
         ("en", "While you move the boxes, tell us what you are doing and why.", True),
         ("en", "After the last trial, please tell us aloud what you think.", False),
         ("en", "Please do not speak while you move a box.", False),
@@ -44,6 +46,8 @@ def test_thinking_aloud_beside_a_measured_time_is_found(code: str, text: str, wr
     [
         ("en", "If a trial is too hard, say so: we skip it.", True),
         ("en", "You may leave a task out if you like.", True),
+        ("de", "Wenn Ihnen ein Durchgang nicht gefällt, können Sie ihn überspringen.", True),
+        ("es", "Si un ensayo le resulta difícil, puede saltárselo.", True),
         ("en", "If a box does not come, wait; no trial is skipped because it is too long.", False),
         ("en", "You may skip any question that is too personal, also after a task.", False),
         ("de", "Zu schwere Durchgänge kommen nicht vor, und keiner wird übersprungen.", False),
@@ -65,6 +69,9 @@ def test_trials_that_people_may_have_left_out_are_found(code: str, text: str, wr
     ("code", "text", "wrong"),
     [
         ("en", "One of you plays, and the other person watches.", True),
+        ("en", "While you wait, watch how the others do it.", True),
+        ("fr", "Vous pouvez regarder les autres participants.", True),
+        ("es", "Puede mirar a los demás participantes.", True),
         ("en", "You first look on while the previous participant plays: watch closely.", True),
         ("en", "No other participant watches you.", False),
         ("en", "The experimenter watches the screen.", False),
@@ -116,6 +123,10 @@ def test_ratings_to_the_face_of_somebody_are_found(code: str, text: str, wrong: 
     ("code", "text", "wrong"),
     [
         ("en", "You waive all claims against the university.", True),
+        ("en", "You take part at your own risk.", True),
+        ("de", "Die Teilnahme erfolgt auf eigene Gefahr.", True),
+        ("fr", "Vous participez à vos propres risques.", True),
+        ("es", "Participa bajo su propia responsabilidad.", True),
         ("en", "By agreeing you give up your right to sue.", True),
         ("en", "The institute is not liable for any injury.", True),
         ("en", "You do not give up any rights by agreeing.", False),
@@ -171,6 +182,10 @@ def test_a_question_about_self_harm_without_help_is_found(code: str, ask: str, h
             True,
         ),
         ("en", "Most participants need 2 seconds for a trial.", "not true", True),
+        ("en", "Your result is worse than that of most people.", "not true", True),
+        ("de", "Ihr Ergebnis liegt unter dem Durchschnitt.", "erfunden", True),
+        ("fr", "Votre temps est au-dessous de la moyenne.", "inventé", True),
+        ("es", "Su tiempo está por debajo de la media.", "inventado", True),
         ("en", "Most trials take ten seconds.", "invented", False),
         ("en", "All participants play the same tasks.", "invented", False),
         ("de", "Die meisten Menschen schaffen das in 3 Sekunden.", "erfunden", True),
@@ -260,6 +275,7 @@ def test_people_who_are_chosen_by_an_extreme_result_are_found(
     [
         ("en", "We invite only those who solve most tasks to the second session.", True),
         ("en", "If you finish 20 trials in time, you may come back for the next visit.", True),
+        ("en", "Those who are slower than 10 s will not be invited again.", True),
         ("en", "We invite everybody to the second session, whatever they reach.", False),
         ("en", "You take part in the second session only if you want to.", False),
         ("de", "Zur zweiten Sitzung laden wir nur ein, wer 20 Durchgänge schafft.", True),
@@ -285,6 +301,7 @@ def test_a_later_session_of_the_good_alone_is_found(code: str, text: str, wrong:
     [
         ("en", "You have worked with the 'soft' contact for weeks.", True),
         ("en", "You have already used one of the ways in our course.", True),
+        ("en", "You know the hard contact from a course; the soft one is new to you.", True),
         ("en", "You have not worked with any of these ways.", False),
         ("en", "You have used the tablet before. One of the boxes is soft.", False),
         ("en", "You trained both the 'soft' and the 'hard' contact.", False),

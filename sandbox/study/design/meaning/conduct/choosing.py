@@ -61,7 +61,7 @@ EARLIER = Phrases(
             r"(in (january|february|march|april|may|june|july|august|september|october|november|"
             r"december|spring|summer|autumn|winter|an? (earlier|previous|first))|last (time|year|"
             r"month|week|spring|summer|autumn|winter|term)|earlier|previous\w*|then|pre-?test|"
-            r"before|ago)\b"
+            r"before|ago|in (our|the) (first|earlier|last))\b"
         ),
         "de": (
             r"(damals|im (januar|februar|marz|april|mai|juni|juli|august|september|oktober|"
@@ -93,11 +93,11 @@ AGAIN = Phrases(
     {
         "en": (
             r"(second|next|third|later|following|further|last) (session|visit|appointment|day|"
-            r"part|meeting)\w*|session (two|three|2|3)|come back|asked back"
+            r"part|meeting)\w*|invited again|session (two|three|2|3)|come back|asked back"
         ),
         "de": (
             r"(zweite|nachste|dritte|weitere|spatere|letzte)[nrms]? (sitzung|termin|besuch|tag|"
-            r"treffen)\w*|wiederkomm\w*|sitzung (zwei|2)"
+            r"treffen)\w*|zum zweiten\b|wiederkomm\w*|sitzung (zwei|2)"
         ),
         "fr": r"(deuxieme|seconde|prochaine|troisieme|derniere) (seance|session|visite)|revi?en\w*",
         "es": r"(segunda|siguiente|proxima|tercera|ultima) (sesion|visita|cita)|volver\w*|vuelv\w*",
@@ -120,10 +120,12 @@ WELL = Phrases(
         "en": (
             r"(finish|succe|solv|complet|reach|manag|master|pass|score)\w*\b[^.]*\b(trials?|tasks?|"
             r"attempts?|goals?|boxes|in time|points?|at least|per ?cent)|(did|do|does|done) (very |"
-            r"so )?well|(the )?(best|fastest)\b|(good|fast|quick) enough|success\w*|at least \d+ of"
+            r"so )?well|(the )?(best|fastest)\b|(good|fast|quick) enough|success\w*|at least \d+ "
+            r"of|slower than"
         ),
         "de": (
-            r"(durchg|aufgabe|versuch|punkt|rechtzeitig|mindestens|ziel)\w*\b[^.]*\b(schaff|los|"
+            r"(halfte|durchg|aufgabe|versuch|punkt|rechtzeitig|mindestens|ziel)\w*\b[^.]*\b(schaff|"
+            r"los|"
             r"beend|erreich|gelung|geling|abschl|abgeschl|besteh|bestand)\w*|(besten|schnellsten|"
             r"erfolgreich\w*)\b|gut (genug )?(abgeschnitten|abschneid\w*|waren|sind)|schnell genug"
         ),
@@ -143,13 +145,15 @@ WELL = Phrases(
 EXPERIENCED = Phrases(
     {
         "en": (
-            r"(have|had|has) (already |previously |long |often )?(taken part|trained|practi[cs]ed|"
+            r"(have|has) been (using|trained|taught)|(completed|attended)\b|you know\b|(have|had|"
+            r"has) (already |previously |long |often )?(taken part|trained|practi[cs]ed|"
             r"used|worked|learn(ed|t)|played)\b|(took part|trained|practi[cs]ed|worked|played|"
             r"learn(ed|t)|used)\b|already (know|knew|use|familiar)|(familiar|experienced|"
             r"experience|at home) with|know (it|them|this|that)"
         ),
         "de": (
-            r"(haben|hat|hatten|habt) [^.]*\b(gearbeitet|geubt|trainiert|benutzt|gespielt|gelernt|"
+            r"(kennen sie|sie kennen)\b|(haben|hat|hatten|habt) [^.]*\b(gearbeitet|geubt|trainiert|"
+            r"benutzt|gespielt|gelernt|"
             r"kennengelernt|teilgenommen|verwendet)|(gearbeitet|geubt|trainiert|benutzt|gespielt|"
             r"gelernt|verwendet|teilgenommen) haben|(schon|bereits) (\w+ ){0,3}(kennen|kennt|"
             r"vertraut|geubt|benutzt)|vertraut (mit|sind)|erfahrung\w* mit"
@@ -189,7 +193,7 @@ ONE_OF = Phrases(
 _MARKS = "\"'“”„‚‘»«`"
 
 PLAYS = {
-    "en": r"(play|practi[cs]e|train|try|exercise|go on|continue)\w*",
+    "en": r"(use (the|it|this)|play|practi[cs]e|train|try|exercise|go on|continue)\w*",
     "de": r"(\w*spiel|\w*uben|\w*ubt|trainier|\w*probier)\w*",
     "fr": r"(jou|entrain|exerc|pratiqu|continu|essay)\w*",
     "es": r"(jueg|jug|practi|practiqu|entren|ejercit|prob|prueb|siga)\w*",
@@ -197,7 +201,8 @@ PLAYS = {
 _APART = {
     "en": (
         r"(at home|between (the |your |our )?(\w+ )?(sessions|visits|appointments)|in the "
-        r"meantime|until (then|we (see|meet)|next|the (next|second))|in between)"
+        r"(meantime|(week|days|time) between)|until (then|we (see|meet)|next|the (next|second))|in "
+        r"between)"
     ),
     "de": (
         r"(zu hause|zuhause|daheim|zwischen den (\w+ )?(sitzungen|terminen)|bis (dahin|zu[mr] "
@@ -271,7 +276,7 @@ def _extremes(design: Design) -> Iterator[Flaw]:
 def _only_the_good(design: Design) -> Iterator[Flaw]:
     if design.sessions < 2:
         return
-    for told, _, statement in said(design, (INVITED, AGAIN, ONLY, WELL)):
+    for told, _, statement in said(design, (INVITED, AGAIN, ONLY, WELL), ()):
         yield Flaw(
             told.path,
             f"only those who did well are in the later session: {quoted(statement)}",

@@ -14,11 +14,13 @@ from sandbox.study.design.told.words import DENIES, LEADER, PRACTICE
 ALOUD = Phrases(
     {
         "en": (
-            r"(think|thinking) (out )?(loud|aloud)|(say|speak|talk|tell|comment|describe|explain|"
+            r"(think|thinking) (out )?(loud|aloud)|keep (on )?(talking|speaking)|(say|speak|talk|"
+            r"tell|comment|describe|explain|"
             r"report|verbali[sz]e)\w*\b[^.]*\b(aloud|out loud|what (you are|you're|you) (\w+ )?"
             r"(think|do|plan|try|feel)\w*|(your|all) thoughts|why you|what goes through)"
         ),
         "de": (
+            r"(kommentier|erlauter)\w*\b[^.]*\b(schritt|bewegung|vorgehen)\w*|"
             r"(denk\w*|sprech\w*|sag\w*|kommentier\w*|beschreib\w*|erklar\w*|erzahl\w*|"
             r"berichte\w*)\b[^.]*\b(laut\b|was sie (\w+ )?(denk|tun|mach|vorhab|plan)\w*|gedanken|"
             r"was ihnen (\w+ )?durch)|laut(es)? (zu )?denken"
@@ -29,7 +31,8 @@ ALOUD = Phrases(
             r"vos pensees|ce qui vous passe)"
         ),
         "es": (
-            r"(piens\w*|pens\w*|habl\w*|diga\w*|decir|coment\w*|describ\w*|expli\w*|verbali\w*)\b"
+            r"(piens\w*|pens\w*|diciendo|habl\w*|diga\w*|decir|coment\w*|describ\w*|expli\w*|"
+            r"verbali\w*)\b"
             r"[^.]*\b(en voz alta|lo que (\w+ )?(piens|hac|esta)\w*|sus pensamientos|que piensa)"
         ),
     }
@@ -88,9 +91,7 @@ SKIPS = Phrases(
             r"(wir|sie) [^.]*\b(aus|weg)\b"
         ),
         "fr": r"saut(er|ons|ez|e|era|erons|erez)\b|passe(r|z|rons|ons)? (directement )?au suivant",
-        "es": (
-            r"salt(ar|amos|arlo|arla|arse|arnos|e|a|aremos|emos)\b|pas(ar|amos|aremos) al siguiente"
-        ),
+        "es": (r"salt(ar\w*|amos|e|a|aremos|emos)\b|pas(ar|amos|aremos) al siguiente"),
     }
 )
 HARD = Phrases(
@@ -102,7 +103,8 @@ HARD = Phrases(
             r"often) as you|if you (like|want|wish|prefer)|at will"
         ),
         "de": (
-            r"zu (schwer|schwierig|lang\w*|anstrengend|muhsam|kompliziert)|nicht (mochten|wollen|"
+            r"nicht gefallt|zu (schwer|schwierig|lang\w*|anstrengend|muhsam|kompliziert)|nicht "
+            r"(mochten|wollen|"
             r"mogen|schaffen|gelingt|weiterkommen)|keine lust|nach belieben|wenn sie (mochten|"
             r"wollen)|so (viele|oft)"
         ),
@@ -111,7 +113,8 @@ HARD = Phrases(
             r"arriver)|n'y arriv\w* pas|autant|si vous (le )?(voulez|souhaitez|preferez)"
         ),
         "es": (
-            r"(demasiado|muy) (dificil|larg[oa]|dur[oa]|complicad[oa]|pesad[oa])|no (quier|le "
+            r"(demasiado|muy|resulta|parece) (dificil|larg[oa]|dur[oa]|complicad[oa]|pesad[oa])|no "
+            r"(quier|le "
             r"apetec|consig|logr)\w*|cuantos quiera|si (lo )?(quiere|desea|prefiere)"
         ),
     }
@@ -131,7 +134,10 @@ UNSKIPPED = Phrases(
 
 WATCHES = Phrases(
     {
-        "en": r"watch(es|ing)?\b|looks? on\b|looking on\b|look over|observ(e|es|ing)\b",
+        "en": (
+            r"watch(es|ing)?\b|see (how|what) the others|see each other|looks? on\b|looking on\b|"
+            r"look over|observ(e|es|ing)\b"
+        ),
         "de": (
             r"zuschau\w*|zuseh\w*|zusieht|zuschaut|beobacht\w*|(schau|sieh|seh)(t|en|en sie)\b[^.]*"
             r"\bzu\b"
@@ -143,7 +149,8 @@ WATCHES = Phrases(
 COMPANIONS = Phrases(
     {
         "en": (
-            r"(the|an|each) ?other (person|participant|player|student|volunteer)s?|each other|one "
+            r"the others (do|play|work|take)|(the|an|each) ?other (person|participant|player|"
+            r"student|volunteer)s?|each other|one "
             r"another|(first|second|next|previous) (person|participant|player|student)|one of you|"
             r"your (partner|friend|colleague|classmate|companion|sibling)|(participants?|people) "
             r"(before|after) you"
@@ -155,11 +162,13 @@ COMPANIONS = Phrases(
             r"ihnen|ihre?[nmr]? (partner|freund|kolleg|nachbar)\w*"
         ),
         "fr": (
-            r"(l'|une? )autre (personne|participant|joueu|etudiant)\w*|l'une? (de vous|l'autre)|"
+            r"les autres (participant|personne|joueu)\w*|(l'|une? )autre (personne|participant|"
+            r"joueu|etudiant)\w*|l'une? (de vous|l'autre)|"
             r"mutuellement|(votre|un|une) (partenaire|camarade|ami|amie|collegue)\b|"
             r"(participant|personne)\w* (suivant|precedent)\w*"
         ),
         "es": (
+            r"l[oa]s (demas|otr[oa]s) (participantes|personas|jugadores)|"
             r"(la |el )?(otr[oa]|siguiente|anterior) (persona|participante|jugador|estudiante)\w*|"
             r"un[oa] de (ustedes|vosotros)|mutuamente|(su|un|una) (companer|pareja|amig)\w*|entre "
             r"si\b"
@@ -171,6 +180,7 @@ COMPANIONS = Phrases(
 RATES = Phrases(
     {
         "en": (
+            r"(experimenter|researcher|developer|engineer)\b[^.]*\basks you\b[^.]*\bwrites? down|"
             r"(say|tell|call|read|speak|state|report|give|name|answer)\w*\b[^.]*\b(ratings?|"
             r"answers?"
             r"|scores?|marks?|questionnaires?|questions)\b[^.]*\b(aloud|out loud|orally|to (the|"
@@ -182,6 +192,8 @@ RATES = Phrases(
             r"|fills? in|types?|asks? (you )?for) [^.]*\b(ratings?|answers?|scores?|marks?)"
         ),
         "de": (
+            r"(bewertung|antwort|urteil)\w*\b[^.]*\b(nennen|sagen) sie\b[^.]*\b(laut\b|(dem|der) "
+            r"(versuchsleit|entwickl|ingenieur|forsch)\w*)|"
             r"(sag|nenn|teil|sprech|beantwort)\w*\b[^.]*\b(bewertung|antwort|wert|note|urteil|"
             r"frage|"
             r"einschatzung)\w*[^.]*\b(laut\b|mundlich|(der|dem|unser\w*) (versuchsleit|entwickl|"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import chain
 
 from sandbox.study.design.design import END, Design
 from sandbox.study.design.meaning.conduct.sayings import measures_time, said
@@ -21,19 +22,23 @@ WAIVES = Phrases(
         "en": (
             r"(release[sd]?|releasing|waiv(e|es|ing)|give up|giving up|renounc(e|es|ing)|forgo|"
             r"relinquish\w*|surrender)\b[^.]*\b(rights?|claims?|liabilit\w*|legal action|sue|"
-            r"lawsuits?)\b|hold (\w+ ){1,6}harmless|(agree|undertake|promise) not to (sue|claim)"
+            r"lawsuits?)\b|at your own risk|cannot (make|bring|raise) (any )?claims?|hold (\w+ "
+            r"){1,6}harmless|(agree|undertake|promise) not to (sue|claim)"
         ),
         "de": (
-            r"(verzicht\w*|entbind\w*|stell\w* [^.]*frei)\b[^.]*\b(\w*recht\w*|\w*anspruch\w*|"
+            r"auf eigene[sn]? (gefahr|risiko)|(verzicht\w*|entbind\w*|stell\w* "
+            r"[^.]*frei)\b[^.]*\b(\w*recht\w*|\w*anspruch\w*|"
             r"haftung\w*|klage\w*|forderung\w*)|(\w*recht|\w*anspruch|haftung|klage|forderung)\w*\b"
             r"[^.]*\b(verzicht\w*|entbind\w*|entbunden)"
         ),
         "fr": (
-            r"(renonc\w*|degag\w*|decharg\w*)\b[^.]*\b(droits?|recours|responsabilites?|"
+            r"a vos (propres )?risques|(renonc\w*|degag\w*|decharg\w*)\b[^.]*\b(droits?|recours|"
+            r"responsabilites?|"
             r"reclamations?|poursuites?|action en justice|indemnisation\w*)"
         ),
         "es": (
-            r"(renunci\w*|liber\w*|exim\w*|exoner\w*)\b[^.]*\b(derechos?|reclam\w*|"
+            r"bajo su propi[oa] (responsabilidad|riesgo)|(renunci\w*|liber\w*|exim\w*|"
+            r"exoner\w*)\b[^.]*\b(derechos?|reclam\w*|"
             r"responsabilidad\w*|demandas?|accion(es)? legal\w*|indemnizacion\w*)"
         ),
     }
@@ -111,11 +116,11 @@ SHARE = Phrases(
     {
         "en": (
             r"\d+ (out )?(of|in) (every )?\d+|\d+ ?(%|per ?cent)|(nearly |almost )?(all|everybody|"
-            r"everyone)\b|most|the average|a majority"
+            r"everyone)\b|most|(the|on) average|a majority"
         ),
         "de": (
             r"\d+ (von|der) \d+|\d+ ?(%|prozent)|(fast )?(alle|jede[rn]?)\b|die meisten|"
-            r"durchschnittlich\w*|die mehrheit"
+            r"durchschnittlich\w*|im (durchschnitt|mittel)|die mehrheit"
         ),
         "fr": r"sur (\d+|cent|dix)|\d+ ?(%|pour ?cent)|la plupart|presque tou\w*|en moyenne",
         "es": r"de cada \d+|\d+ ?(%|por ciento)|la mayoria|casi tod[oa]s|de media",
@@ -158,6 +163,31 @@ DOES = Phrases(
     }
 )
 """How many other people do how well."""
+RANKED = Phrases(
+    {
+        "en": (
+            r"you(r (\w+ )?(results?|scores?|times?|performance))?\b[^.]*\b(are|were|is|was|lies?|"
+            r"did)"
+            r"\b[^.]*\b((worse|slower|better|faster) than (that of |those of )?(the )?(most|"
+            r"others?|"
+            r"average)|(below|above) (the )?average)"
+        ),
+        "de": (
+            r"(unter|uber) dem (durchschnitt|mittel)|(schlechter|langsamer|besser|schneller) als "
+            r"(die (der )?meisten|(die )?anderen?\b|der durchschnitt)"
+        ),
+        "fr": (
+            r"au-des(sous|sus) de la moyenne|en dessous de la moyenne|(moins bien|moins bon\w*|"
+            r"plus "
+            r"lent\w*|mieux) que (la plupart|celui de|les autres)"
+        ),
+        "es": (
+            r"por (debajo|encima) de la media|(peor|mejor|mas (lent|rapid)[oa]) que (la mayoria|"
+            r"l[oa]s demas|el de)"
+        ),
+    }
+)
+"""How somebody does beside others."""
 TRUTH = Phrases(
     {
         "en": (
@@ -183,6 +213,7 @@ TRUTH = Phrases(
 BY_TIME = Phrases(
     {
         "en": (
+            r"(grows?|rises?|increases?) with the time|(per|for (each|every)) \d+ seconds|"
             r"(per|(for )?(each|every)) (\w+ )?minutes?\b|(per|for (each|every)) second\b(?! "
             r"(session|"
             r"visit|trial|part|day))|a minute\b|by the (minute|second)\b|the longer you|the more "
@@ -237,7 +268,10 @@ def _without_help(design: Design) -> Iterator[Flaw]:
 def _deceived(design: Design) -> Iterator[Flaw]:
     ends = [t for t in told_texts(design) if t.kind == INSTRUCTION and t.at == END]
     # A consent may say how long a session takes most people.
-    for told, language, statement in said(design, (SHARE, OTHERS, DOES), (DENIES,), (INSTRUCTION,)):
+    every = ((SHARE, OTHERS, DOES), (RANKED,))
+    for told, language, statement in chain.from_iterable(
+        said(design, all_of, (DENIES,), (INSTRUCTION,)) for all_of in every
+    ):
         if told.at != END and not any(TRUTH.match(text.text[language], language) for text in ends):
             yield Flaw(
                 told.path,

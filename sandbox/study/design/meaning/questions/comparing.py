@@ -112,14 +112,15 @@ BEFORE = Phrases(
         "en": (
             r"(compared (to|with)|in comparison (to|with)|relative to|than|as opposed to) (with |"
             r"in |on |to )?(the |your |that of the )?((previous|preceding|last)(?! (day|night|week|"
-            r"month|year|session|time)s?\b)|one (just )?before|(hand|way|method|version|encoder|"
+            r"month|year|session)s?\b)|others?\b(?! (hand|finger))|one (just )?before|(hand|way|"
+            r"method|version|encoder|"
             r"part|one) (just )?(before|(that )?you (have )?(used|had|tried|did) before))\b"
         ),
         "de": (
             r"(verglichen (mit|zu)|im vergleich (mit|zur?|zum)|gegenuber|als) (bei |mit |in |an )?"
             r"(der|dem|den|die|das)? ?((vorig|vorherig|vorangegangen|vorhergehend|letzt)e[nrms]?"
             r"(?! (tag|nacht|woche|monat|jahr|sitzung|mal)\w*)|(hand|art|methode|steuerung|teil|"
-            r"zuordnung|bedingung)\w* (da)?vor\b)"
+            r"zuordnung|bedingung)\w* (da)?vor\b|davor\b)"
         ),
         "fr": (
             r"(par rapport (a|au|aux)|comparee?s? (a|au|avec)|en comparaison (de|avec|du)|que|"

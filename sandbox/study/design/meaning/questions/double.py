@@ -50,6 +50,7 @@ TWO = Phrases(
 _EACH = {
     "en": (
         r"how (?:{0})\b[^.;:?]{{0,40}}\band how (?:{0})\b|"
+        r"to what extent\b[^.;:?]*\band to what extent\b|"
         r"(?:{0}) to (?:\w+ ){{1,3}}and (?:{0}) to\b"
     ),
     "de": (

@@ -24,7 +24,8 @@ UNKNOWN = Phrases(
             r"answer)\b|n/a\b"
         ),
         "de": (
-            r"(nicht|keine) (\w+ )?(wissen|wisst|beurteilen|sagen konnen|zutrifft|zutreffen|passt|"
+            r"(nicht|keine) (\w+ )?(wissen|wisst|beurteilen|beantworten|sagen konnen|zutrifft|"
+            r"zutreffen|passt|"
             r"angabe|meinung)|weiss (ich )?(es )?nicht"
         ),
         "fr": (
