@@ -103,7 +103,7 @@ def test_two_who_have_swapped_hands_close_it_too() -> None:
 @pytest.mark.parametrize(
     "alone", [{"second_user": "idle"}, {"user": "idle", "second_user": "skilled"}]
 )
-def test_one_simulated_user_alone_does_not_in_twice_the_time(alone: dict[str, str]) -> None:
+def test_one_simulated_user_alone_does_not_in_twice_the_time(alone: dict[str, Any]) -> None:
     two_need = 6.0
     chosen = plan(SceneOptions(task="close-case", seed=6400, **alone))
     with open_trial(chosen.settings, chosen.makers, about=chosen.about) as trial:
