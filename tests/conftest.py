@@ -30,7 +30,7 @@ SYSTEM = ROOT / "tests" / "system"
 DATA_ABSENT = "shared data absent"
 NODE_ABSENT = "device node absent"
 MOST_PROCESSES = 4
-EXAMPLES = 40
+EXAMPLES = 25
 """Examples of a hypothesis test that does not say itself how many."""
 LONG = "long"
 """Hypothesis' profile of `.ci/run --full`."""

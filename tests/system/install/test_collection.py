@@ -28,6 +28,7 @@ def test_no_test_file_trains_loads_or_builds_a_model_when_it_is_imported(tmp_pat
             "-m",
             "pytest",
             "--collect-only",
+            "--assert=plain",
             "-qq",
             "-n",
             "0",

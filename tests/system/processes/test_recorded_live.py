@@ -28,7 +28,7 @@ def free_port() -> int:
         return int(found.getsockname()[1])
 
 
-QUICK = replace(FROZEN_PAIRED, play=4.0, leap_rate=100.0, open_seconds=2.6)
+QUICK = replace(FROZEN_PAIRED, play=3.0, leap_rate=100.0, open_seconds=2.6)
 
 
 class Touching(threading.Thread):
