@@ -338,6 +338,7 @@ def test_a_level_that_people_know_from_before_is_found(code: str, text: str, wro
         ("fr", "Entre les séances, entraînez-vous si vous le souhaitez.", True),
         ("fr", "Ne jouez pas chez vous.", False),
         ("es", "Si quiere, puede seguir y jugar en casa.", True),
+        ("es", "Juegue en casa todo el tiempo.", True),
         ("es", "Puede practicar entre las sesiones.", True),
         ("es", "No practique en casa.", False),
     ],

@@ -238,9 +238,8 @@ AS_LIKED = Phrases(
             r"longtemps)|pouvez|librement|n'hesitez"
         ),
         "es": (
-            r"si (lo |le )?(quiere|desea|apetece|gusta)|cuanto quiera|(tantas veces|todo el "
-            r"tiempo) "
-            r"|puede|libremente|cuando quiera"
+            r"si (lo |le )?(quiere|desea|apetece|gusta)|cuanto quiera|tantas veces|todo el "
+            r"tiempo|puede|libremente|cuando quiera"
         ),
     }
 )
