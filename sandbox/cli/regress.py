@@ -19,6 +19,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 
 from encoders.regression.model_registry import DEFAULT_MODEL
 from models.errors import InputError
+from models.messages.wording import counted
 from sandbox.cli.common.json_out import TERMINAL, check_output
 from sandbox.cli.common.parse import parse, with_one_line_errors
 from sandbox.regress.breaking_off import BreakOff
@@ -319,7 +320,7 @@ def _kept(
             crashed = len(kept.crashed_before)
             again = f"; {crashed} more crashed and are run again" if crashed else ""
             console.print(
-                f"{len(kept.trials) - crashed} trials have ended before, in "
+                f"{counted(len(kept.trials) - crashed, 'trial')} ended before, in "
                 f"{escape(str(path))}{again}",
                 soft_wrap=True,
             )
@@ -357,7 +358,7 @@ def _run(
         by = f" by {wish.name}" if wish.name else ""
         rest = "; the same command with --resume runs the rest" if kept is not None else ""
         screen.print(
-            f"[yellow]stopped after {len(trials)} of {len(jobs)} trials{by}{rest}[/]",
+            f"[yellow]stopped after {len(trials)} of {counted(len(jobs), 'trial')}{by}{rest}[/]",
             soft_wrap=True,
         )
     return trials
@@ -385,7 +386,7 @@ def _update(
     new.save()
     kept = [name for name in new.tasks if name not in plan.names]
     also = f", as they were: {', '.join(kept)}" if kept else ""
-    console.print(f"baseline {options.baseline}: {len(report.trials)} trials{also}")
+    console.print(f"baseline {options.baseline}: {counted(len(report.trials), 'trial')}{also}")
     return True
 
 

@@ -17,6 +17,7 @@ from encoders.captures.population.population import PEOPLE
 from encoders.captures.subject import FROZEN, SEED, simulate
 from encoders.store import save_capture
 from models.errors import InputError
+from models.messages.wording import counted
 from sandbox.cli.common.parse import parse
 
 
@@ -135,8 +136,8 @@ def _population(argv: list[str]) -> int:
         ) from error
     frames = sum(len(person) for person in population.people)
     console.print(
-        f"{options.out}: {len(population.people):,} people, {frames:,} frames, digest "
-        f"{population.digest}, simulated",
+        f"{options.out}: {counted(len(population.people), 'person', 'people')}, "
+        f"{counted(frames, 'frame')}, digest {population.digest}, simulated",
         soft_wrap=True,
     )
     return 0

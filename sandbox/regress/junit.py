@@ -6,6 +6,7 @@ import re
 from pathlib import Path
 from xml.etree import ElementTree
 
+from models.messages.wording import counted
 from sandbox.regress.baseline import write_whole
 from sandbox.regress.report import Report, TaskResult
 
@@ -72,7 +73,7 @@ def save_junit(report: Report, path: Path) -> None:
 
 
 def _failed(report: Report, task: TaskResult) -> str:
-    lines = [f"{task.successes} of {task.n} trials succeeded"]
+    lines = [f"{task.successes} of {counted(task.n, 'trial')} succeeded"]
     lines += [
         f"seed {t['seed']}: {t['status']}, {t['reason']}\n  {report.command(t)}"
         for t in task.failed

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from statistics import fmean, median
 from typing import Any
 
+from models.messages.wording import counted
 from sandbox.recording.versions import differing_parts
 from sandbox.regress import statistics
 from sandbox.regress.baseline import Baseline, KeptTask
@@ -303,8 +304,8 @@ def make_report(
             notes.append("the run broke off: nothing is judged")
         else:
             reasons = [
-                f"{name}: {len(c.lost)} trials lost, {len(c.won)} won, a loss beyond chance "
-                f"(p = {c.p_holm:.2g})"
+                f"{name}: {counted(len(c.lost), 'trial')} lost, {len(c.won)} won, a loss beyond "
+                f"chance (p = {c.p_holm:.2g})"
                 for name, c in comparisons.items()
                 if c.significant
             ]
@@ -380,15 +381,16 @@ def _exact(comparisons: dict[str, Comparison]) -> tuple[list[str], list[str]]:
         if c.changed:
             some = ", ".join(map(str, c.changed[:8])) + (" ..." if len(c.changed) > 8 else "")
             reasons.append(
-                f"{name}: other states in {len(c.changed)} of {c.same_machine} trials, seeds {some}"
+                f"{name}: other states in {len(c.changed)} of {counted(c.same_machine, 'trial')}, "
+                f"seeds {some}"
             )
         elif c.same_machine:
-            notes.append(f"{name}: states of {c.same_machine} trials equal to the bit")
+            notes.append(f"{name}: states of {counted(c.same_machine, 'trial')} equal to the bit")
         elsewhere = c.pairs - c.same_machine - c.crashed
         if elsewhere:
             what = " and ".join(c.elsewhere) or "a part that the baseline does not name"
             notes.append(
-                f"{name}: {elsewhere} of {c.pairs} trials ran where what states depend on is not "
-                f"the baseline's, so only their success is compared. Other is {what}"
+                f"{name}: {elsewhere} of {counted(c.pairs, 'trial')} ran where what states depend "
+                f"on is not the baseline's, so only their success is compared. Other is {what}"
             )
     return reasons, notes

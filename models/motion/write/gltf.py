@@ -35,7 +35,8 @@ class GltfWriter(MotionWriter):
         path: Path of the file.
         armatures: The hands.
         rate: Hz of the keys.
-        names: Names of the hands; by default their sides.
+        names: Names of the hands; by default their sides. In a file of several hands they also
+            precede the names of the joints: programs that animate by name need each name once.
     """
 
     def __init__(
@@ -154,11 +155,13 @@ class GltfWriter(MotionWriter):
     def _joints(self, i: int, armature: Armature, start: int) -> list[dict[str, Any]]:
         """Nodes of a hand, posed at its first key."""
         root, turns = self._first[i]
+        hand = self._names[i].removesuffix(" hand").replace(" ", "_")
+        before = f"{hand}_" if len(self._armatures) > 1 else ""
         out = []
         for j, name in enumerate(armature.names):
             w, x, y, z = turns[j].tolist()
             node: dict[str, Any] = {
-                "name": name,
+                "name": before + name,
                 "rotation": [x, y, z, w],
                 "translation": (armature.offsets[j] if j else root).tolist(),
             }

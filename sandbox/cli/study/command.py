@@ -14,6 +14,7 @@ from rich.console import Console
 from rich.markup import escape
 
 from models.errors import InputError, StudyError
+from models.messages.wording import counted
 from sandbox.cli.common.parse import parse
 from sandbox.cli.study import data_commands
 from sandbox.cli.study.plan_options import PlanOptions, say_power
@@ -196,8 +197,9 @@ def _simulate(options: StudySimulateOptions, console: Console) -> int:
     count = options.participants or design.participants
     done = simulate(study, count, options.resume, sayer(console), options.witness)
     console.print(
-        f"{escape(str(study.path))}: {done['participants']} simulated participants, "
-        f"{done['trials']} trials that count, {done['excluded']} excluded"
+        f"{escape(str(study.path))}: {counted(done['participants'], 'simulated participant')}, "
+        f"{counted(done['trials'], 'trial that counts', 'trials that count')}, "
+        f"{done['excluded']} excluded"
     )
     return 0
 

@@ -15,6 +15,7 @@ from rich.console import Console
 from rich.markup import escape
 
 from models.errors import StudyError
+from models.messages.wording import counted
 from sandbox.cli.common.lsl_options import streaming
 from sandbox.cli.study.run_options import (
     StudyRunOptions,
@@ -81,7 +82,8 @@ def run(options: StudyRunOptions, console: Console) -> int:
     with SessionFolder(study, person, number) as session:
         done, of = session.state.done(session.steps)
         if session.resumed and not options.resume and not session.state.complete:
-            say(f"{person.ppid} has done {done} of {of} trials. Go on with the next? yes / no")
+            far = f"{done} of {counted(of, 'trial')}"
+            say(f"{person.ppid} has done {far}. Go on with the next? yes / no")
             if not _agreed(terminal, "--resume goes on"):
                 say("nothing was played; the session can be resumed later")
                 return 0

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from math import expm1, inf, log1p
 
 from models.errors import InputError
+from models.messages.wording import counted
 from sandbox.study.design.balance import whole_cycle
 from sandbox.study.design.design import Design
 from sandbox.study.design.planned import PlannedTests, family_size, planned_tests
@@ -117,7 +118,8 @@ def power_lines(
         return
     if pilot is not None:
         yield (
-            f"from {pilot.name} ({pilot.mode}): {pilot.people} people, {pilot.trials} trials, "
+            f"from {pilot.name} ({pilot.mode}): {counted(pilot.people, 'person', 'people')}, "
+            f"{counted(pilot.trials, 'trial')}, "
             f"{100 * pilot.success:.0f} % with success; its spread and success rates are used, its "
             "effects are not"
         )

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from models.errors import StudyError
+from models.messages.wording import counted
 from sandbox.study.design.balance import cycle_line
 from sandbox.study.design.conditions import combinations, tasks_of
 from sandbox.study.design.design import END, START, Design, Exclusion, Factor
@@ -149,7 +150,7 @@ def _form(design: Design, index: int) -> str:
     form = design.questionnaires[index]
     when = {START: "at the start", END: "at the end"}.get(form.at, f"after each level of {form.at}")
     score = f"its score is {form.scales[0].name}" if form.scales else "described only"
-    return f"- Questionnaire {form.name}, {when}: {len(form.items)} questions; {score}."
+    return f"- Questionnaire {form.name}, {when}: {counted(len(form.items), 'question')}; {score}."
 
 
 def _exclusion(rule: Exclusion) -> str:

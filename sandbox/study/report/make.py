@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from models.errors import StudyError
+from models.messages.wording import counted
 from sandbox.study.record.files import make_folder, write_atomically
 
 PAGE, SCRIPT = "report.html", "analysis.R"
@@ -46,7 +47,9 @@ def make_report(
     data = load_study(folder)
     for line in (*data.kept, *data.clock_steps):
         note(line)
-    say(f"models of {len(data.used)} trials of {len(data.ppids)} participants")
+    say(
+        f"models of {counted(len(data.used), 'trial')} of {counted(len(data.ppids), 'participant')}"
+    )
     analysis = analyse(data, measures)
     make_folder(out)
     say("plots and tables")

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from models.errors import InputError, StudyError
+from models.messages.wording import counted
 from sandbox.study.design.conditions import PARTNER, consent_text, run_settings
 from sandbox.study.design.plan import (
     BreakStep,
@@ -402,8 +403,8 @@ class SessionRunner:
         now = _called(self._step) if self._step else "the beginning"
         pause = ", paused" if self.controls.paused else ""
         return (
-            f"{self.session.person.ppid}: {done} of {of} trials, at {now}{pause}; {len(left)} "
-            "steps left, including this one"
+            f"{self.session.person.ppid}: {done} of {counted(of, 'trial')}, at {now}{pause}; "
+            f"{counted(len(left), 'step')} left, including this one"
         )
 
     def _under_way(self, trial: TrialStep) -> bool:

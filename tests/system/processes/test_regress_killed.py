@@ -120,7 +120,7 @@ def test_a_killed_worker_fails_the_run_and_its_trial_is_run_when_it_is_resumed(
     before = lines(run.folder)
     status, shown, errors = run.resumed()
     assert status == 0, errors
-    assert "7 trials have ended before" in shown and "1 more crashed" in shown
+    assert "7 trials ended before" in shown and "1 more crashed" in shown
     assert table(run.folder) == uninterrupted
     assert lines(run.folder)[: len(before)] == before and len(lines(run.folder)) == len(before) + 2
 
@@ -152,7 +152,7 @@ def check_sigterm(
     assert (run.folder / "out.xml").exists()
     status, shown, errors = run.resumed()
     assert status == 0, errors
-    assert "4 trials have ended before" in shown
+    assert "4 trials ended before" in shown
     assert table(run.folder) == uninterrupted
 
 

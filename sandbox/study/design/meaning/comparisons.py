@@ -9,6 +9,7 @@ from itertools import combinations
 from typing import Any
 
 from models.errors import HandSandboxError
+from models.messages.wording import counted
 from sandbox.study.design.balance import confounded, nearest_cycles
 from sandbox.study.design.conditions import PARTNER, differences, run_settings, values_of
 from sandbox.study.design.conditions import combinations as combinations_of
@@ -43,8 +44,8 @@ def comparison_flaws(design: Design) -> Iterator[Flaw]:
     if missing:
         yield Flaw(
             ("participants",),
-            f"{design.participants} people are no full cycle, so this is confounded: "
-            + "; ".join(missing),
+            f"{counted(design.participants, 'person', 'people')} make no full cycle, so this is "
+            "confounded: " + "; ".join(missing),
             f"Write {nearest_cycles(design, design.participants)}",
         )
 
@@ -210,8 +211,8 @@ def _order(design: Design, i: int, factor: Factor) -> Iterator[Flaw]:
     elif factor.order == "between" and design.participants < FEWEST * len(factor.levels):
         yield Flaw(
             path,
-            f"{design.participants} people in {len(factor.levels)} groups: what a level of "
-            f"{factor.name} does cannot be told from who met it",
+            f"{counted(design.participants, 'person', 'people')} in {len(factor.levels)} groups: "
+            f"what a level of {factor.name} does cannot be told from who met it",
             f"Write participants = {FEWEST * len(factor.levels)} or many more, or order latin",
         )
     elif factor.order == "random" and design.participants <= MOST_PEOPLE:

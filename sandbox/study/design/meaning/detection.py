@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from models.messages.wording import counted
 from sandbox.study.design.design import Design
 from sandbox.study.design.planned import family_size, planned_tests
 from sandbox.study.design.power import people_needed, power
@@ -33,8 +34,9 @@ def detection_flaws(design: Design) -> Iterator[Flaw]:
     enough = f"{first.participants_for(needed)}" if needed else "many more"
     yield Flaw(
         ("participants",),
-        f"{design.participants} people find even a large effect of {names} ({LARGE:g} standard "
-        f"deviations) with probability {max(best, 0.01):.2f} at most, in {family} "
+        f"{counted(design.participants, 'person', 'people')} can find even a large effect of "
+        f"{names} ({LARGE:g} standard deviations) with probability "
+        f"{max(best, 0.01):.2f} at most, in {family} "
         f"{'tests' if family > 1 else 'test'}",
         f"Write participants = {enough} or more"
         + (", or fewer outcomes in [analysis] primary" if family > 1 else "")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from models.messages.wording import counted
 from sandbox.study.design.conditions import combinations, tasks_of, values_of
 from sandbox.study.design.design import END, START, Design, Form
 from sandbox.study.design.plan import BreakStep, FormStep, Step, duration, session_plan
@@ -217,8 +218,8 @@ def _lengths(design: Design, plans: list[list[Step]]) -> Iterator[Flaw]:
     if design.break_every and not any(isinstance(s, BreakStep) for plan in plans for s in plan):
         yield Flaw(
             ("breaks", "every"),
-            f"no break ever comes: no session has more than {design.break_every} trials without "
-            "practice",
+            f"no break ever comes: no session has more than "
+            f"{counted(design.break_every, 'trial')} without practice",
             "Write a smaller number, or remove [breaks]",
         )
     elif design.break_every and not REST[0] <= design.break_time <= REST[1]:

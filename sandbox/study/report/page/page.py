@@ -5,6 +5,7 @@ from __future__ import annotations
 from importlib.resources import files
 from typing import Any
 
+from models.messages.wording import counted
 from sandbox.study.report.models.analysis import Analysis
 from sandbox.study.report.models.comparisons import Pair
 from sandbox.study.report.models.exclusions import flow
@@ -110,7 +111,9 @@ def _facts(analysis: Analysis) -> list[tuple[str, str, str]]:
     if analysis.success:
         rate = float(data.used["success"].mean())
         won = int(data.used["success"].sum())
-        facts.append(("Success", formats.percent(rate), f"{won} of {len(data.used)} trials"))
+        facts.append(
+            ("Success", formats.percent(rate), f"{won} of {counted(len(data.used), 'trial')}")
+        )
     if analysis.time:
         middle = float(data.used.loc[~data.used["censored"], "time_s"].median())
         facts.append(

@@ -33,7 +33,7 @@ BUILT_IN = changed('"tests/support/regress_tasks.py:Quick"', '"box-to-goal"')
 @pytest.mark.parametrize(
     ("text", "wanted"),
     [
-        (changed("participants = 24", "participants = 4"), "4 people find even a large effect"),
+        (changed("participants = 24", "participants = 4"), "4 people can find even a large effect"),
         (changed("participants = 24", "participants = 8") + primary("time_s"), ""),
         (
             changed("participants = 24", "participants = 8").replace('"latin"', '"between"'),
