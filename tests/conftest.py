@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import gc
 import os
+import re
 import signal
 from collections.abc import Callable, Generator
 from pathlib import Path
@@ -29,6 +30,9 @@ ROOT = Path(__file__).resolve().parent.parent
 SYSTEM = ROOT / "tests" / "system"
 DATA_ABSENT = "shared data absent"
 NODE_ABSENT = "device node absent"
+SLOW = "slow: runs with CI=true, or where its file is named"
+NAMED = re.compile(r"\.py(::|$)")
+"""What pytest was asked for is a file, or a test in it."""
 MOST_PROCESSES = 4
 EXAMPLES = 25
 """Examples of a hypothesis test that does not say itself how many."""
@@ -83,12 +87,17 @@ def pytest_xdist_auto_num_workers(config: pytest.Config) -> int:
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Puts tests of browsers, windows and processes first, and gives examples to a long search.
+    """Puts tests of browsers, windows and processes first, leaves out those that are marked slow
+    unless they are asked for, and gives examples to a long search.
 
-    Those tests wait, and their files have few tests: one of them at the end would keep one process
-    busy while the others have nothing left to do.
+    Tests that are put first wait, and their files have few tests: one of them at the end would
+    keep one process busy while the others have nothing left to do.
     """
     items.sort(key=lambda item: SYSTEM not in item.path.parents)
+    if not (IN_CI or any(NAMED.search(name) for name in config.args)):
+        for item in items:
+            if item.get_closest_marker("slow"):
+                item.add_marker(pytest.mark.skip(reason=SLOW))
     if config.getoption("hypothesis_profile", None) == LONG:
         for test in {getattr(item, "function", None) for item in items}:
             _search_longer(test)

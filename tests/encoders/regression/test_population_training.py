@@ -52,6 +52,7 @@ def grown(person: Capture, factor: float) -> Capture:
     return replace(person, xy=person.xy * factor, q=q, meta=person.meta | {"size": size})
 
 
+@pytest.mark.slow
 def test_a_larger_hand_in_the_same_posture_gets_the_same_joint_angles() -> None:
     person = few().of(group="choose").people[0]
     encoder = builtin("population").encoder

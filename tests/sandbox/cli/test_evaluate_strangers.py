@@ -39,6 +39,7 @@ def test_people_on_whom_nothing_was_trained_are_judged_with_and_without_a_look_a
     assert seen["angle_deg"] < plain["angle_deg"] and seen["wrist_cm"] < plain["wrist_cm"]
 
 
+@pytest.mark.slow
 def test_one_persons_models_are_judged_on_the_same_people(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
@@ -49,6 +50,7 @@ def test_one_persons_models_are_judged_on_the_same_people(
     assert first["frames"] == second["frames"] and first["angle_deg"] < second["angle_deg"]
 
 
+@pytest.mark.slow
 def test_a_generator_is_held_out(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     # People who are posed cost least.
     groups = {"train": {"posed": 30, "second": 1}}
@@ -78,6 +80,7 @@ def test_what_cannot_be_judged_costs_one_line(
     assert told in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_own_is_another_day_of_the_same_person(capsys: pytest.CaptureFixture[str]) -> None:
     line = ("--encoders", "mean", "--days", "1", "--no-copas")
     found = evaluated(capsys, *line, "--train", "own")

@@ -112,6 +112,7 @@ replace(names, eta=0.9 * names.eta, population="other people").save(data / "name
 OF_MODELS = ("encoder-best", "encoder-population", "encoder-pca-ik", "labels-history", "bare")
 
 
+@pytest.mark.slow
 def test_after_all_models_were_trained_anew_old_recordings_find_theirs(tmp_path: Path) -> None:
     tree = tmp_path / "tree"
     left_out = shutil.ignore_patterns("__pycache__", "node_modules", "page")

@@ -103,6 +103,7 @@ def test_who_is_there_first_is_told_what_is_missing(
             assert not any(s["surface"]["calibrated"] for s in scenes)
 
 
+@pytest.mark.slow
 def test_two_tablets_carry_a_tray_together(servers: tuple[PageServer, PageServer]) -> None:
     size = common([rectangle(PageScreen(**SCREEN))] * 2)
     chosen = plan(OPTIONS)

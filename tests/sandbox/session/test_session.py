@@ -44,7 +44,7 @@ def test_the_simulated_user_brings_the_box_to_its_goal(fingers: int) -> None:
     assert result.instant and result.progress == 1.0 and not result.reason
 
 
-@pytest.mark.parametrize("user", ["idle", "random"])
+@pytest.mark.parametrize("user", ["idle", pytest.param("random", marks=pytest.mark.slow)])
 def test_control_arms_do_not_succeed(user: str) -> None:
     results = [trial(seed=seed, user=user) for seed in range(3)]
     assert not any(r.success for r in results)

@@ -203,6 +203,7 @@ def test_without_consent_nothing_is_asked(running: OnPage) -> None:
     assert running.ended() is SessionOutcome.NO_CONSENT
 
 
+@pytest.mark.slow
 def test_the_experimenter_skips_pauses_and_repeats_while_forms_and_trials_are_on_the_page(
     running: OnPage,
 ) -> None:
@@ -281,7 +282,12 @@ def tapped_until_form(page: Page) -> dict[str, Any]:
     raise AssertionError("the trial does not end")
 
 
-@pytest.mark.parametrize("when", ["pause", "repeat", "mark"])
+SLOW = pytest.mark.slow
+
+
+@pytest.mark.parametrize(
+    "when", [pytest.param("pause", marks=SLOW), pytest.param("repeat", marks=SLOW), "mark"]
+)
 def test_a_tablet_that_is_gone_in_mid_trial_is_told_of_and_nothing_counts_twice(
     tmp_path: Path, when: str
 ) -> None:

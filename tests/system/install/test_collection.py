@@ -7,6 +7,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 from tests.support.processes import ROOT
 
 LOADING = """
@@ -17,6 +19,7 @@ def test() -> None: pass
 """A test file that loads a capture when it is imported."""
 
 
+@pytest.mark.slow
 def test_no_test_file_trains_loads_or_builds_a_model_when_it_is_imported(tmp_path: Path) -> None:
     """Collects all of them and one that does, in a process in which such work is refused."""
     loading = tmp_path / "test_loading.py"

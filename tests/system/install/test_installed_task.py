@@ -104,6 +104,7 @@ def test_an_installed_package_s_task_is_listed_run_recorded_and_replayed(
     assert "pip install 'tiny-lab==0.3'" in without.stderr and without.stderr.count("\n") == 1
 
 
+@pytest.mark.slow
 def test_an_installed_task_that_is_broken_is_refused_alone(installed: Path, tmp_path: Path) -> None:
     out = tmp_path / "out.json"
     ran = sandbox(

@@ -8,6 +8,8 @@ import shutil
 import subprocess
 from pathlib import Path
 
+import pytest
+
 from tests.support.processes import ROOT
 from tests.system.install.python import python
 
@@ -25,6 +27,8 @@ def test_data_elsewhere(): pytest.skip("shared data absent: so it says")
 def test_node(device_node): device_node("/dev/no-such-node")
 def test_usable_node(): pytest.skip("device node absent: /dev/null")
 def test_no_node(): pytest.skip("device node absent: /etc/no-such-node")
+@pytest.mark.slow
+def test_slow(): pass
 """
 """Ways to be skipped; what becomes of each is in the tests below."""
 
@@ -53,6 +57,7 @@ def test_ci_fails_a_skip_unless_what_it_lacks_may_be_lacking(tmp_path: Path) -> 
         "test_node": "SKIPPED",
         "test_usable_node": "FAILED",
         "test_no_node": "FAILED",
+        "test_slow": "PASSED",
     }
 
 
@@ -78,6 +83,7 @@ def test_ci_fails_a_whole_file_that_is_skipped(tmp_path: Path) -> None:
     assert "no display" in result.stdout
 
 
+@pytest.mark.slow
 def test_a_folder_is_tested_in_processes_where_a_skip_fails_too_and_a_file_in_one(
     tmp_path: Path,
 ) -> None:

@@ -52,6 +52,7 @@ class Touching(threading.Thread):
         self._out.close()
 
 
+@pytest.mark.slow
 def test_live_touches_and_a_live_leap_become_a_capture_of_the_same_fingers(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -102,6 +102,7 @@ def run(tmp_path: Path, request: pytest.FixtureRequest) -> Iterator[Run]:
         run.started.communicate()
 
 
+@pytest.mark.slow
 def test_a_killed_worker_fails_the_run_and_its_trial_is_run_when_it_is_resumed(
     run: Run, uninterrupted: dict[str, Any]
 ) -> None:
@@ -125,12 +126,14 @@ def test_a_killed_worker_fails_the_run_and_its_trial_is_run_when_it_is_resumed(
     assert lines(run.folder)[: len(before)] == before and len(lines(run.folder)) == len(before) + 2
 
 
+@pytest.mark.slow
 def test_sigterm_keeps_what_is_done_and_the_rest_is_run_when_it_is_resumed(
     run: Run, uninterrupted: dict[str, Any]
 ) -> None:
     check_sigterm(run, uninterrupted, os.kill)
 
 
+@pytest.mark.slow
 def test_sigterm_to_all_processes_kills_no_worker_before_its_trial_is_given_up(
     run: Run, uninterrupted: dict[str, Any]
 ) -> None:
@@ -177,6 +180,7 @@ def test_a_run_whose_main_process_is_killed_is_resumed_with_every_seed_once(
     assert lines(run.folder)[:5] == before
 
 
+@pytest.mark.slow
 def test_two_runs_never_write_the_same_file_of_trials(run: Run) -> None:
     before = lines(run.folder)
     other = Run.__new__(Run)

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 from models.errors import StudyError
 from sandbox.recording.recording_file import read_stored, stored
@@ -87,6 +88,7 @@ def test_backups_made_while_a_session_runs_hold_every_trial_they_tell_of(tmp_pat
     assert check_session(study, 0, TRIALS) == TRIALS
 
 
+@pytest.mark.slow
 def test_kills_in_both_sessions_lose_nothing_and_count_nothing_twice(tmp_path: Path) -> None:
     # Children inherit what is loaded here, and get somewhere before they are killed.
     simulate(

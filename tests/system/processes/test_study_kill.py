@@ -121,6 +121,7 @@ def test_a_kill_while_tables_are_rebuilt_leaves_them_whole(tmp_path: Path) -> No
     assert [r["excluded"] for r in rows] == ["0", "1", "0", "0", "0", "0"]
 
 
+@pytest.mark.slow
 def test_two_programs_that_are_killed_while_they_fill_one_study_do_not_disturb_each_other(
     tmp_path: Path,
 ) -> None:

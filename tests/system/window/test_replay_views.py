@@ -54,6 +54,7 @@ def start(recording: Path, *options: str, **more: str) -> subprocess.Popen[str]:
     )
 
 
+@pytest.mark.slow
 def test_the_page_shows_a_replay_at_real_time_and_can_pause_it_and_begin_again(
     recording: Path, program: list[subprocess.Popen[str]]
 ) -> None:

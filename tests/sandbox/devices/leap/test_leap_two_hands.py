@@ -66,6 +66,7 @@ def chosen(task: str, **options: Any) -> Plan:
     return plan(replace(SceneOptions(task=task), **options))
 
 
+@pytest.mark.slow
 def test_two_hands_over_one_leap_carry_a_tray_and_replay_to_the_bit(tmp_path: Path) -> None:
     made = chosen("carry-together", device="leap-simulated:v1", seed=1)
     assert [hand.in_air is not None for hand in made.settings.hands] == [True, True]
