@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import Any
 
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from models.scene import CONTROL_PERIOD
@@ -184,6 +184,7 @@ def test_every_success_has_more_points_than_any_failure_and_sooner_is_better(
 
 
 @given(first=stretches(80), then=stretches(80))
+@example(first=33 * [True], then=33 * [True])
 def test_what_has_to_be_held_first_is_held_before_the_goal_counts(
     first: list[bool], then: list[bool]
 ) -> None:
@@ -195,7 +196,8 @@ def test_what_has_to_be_held_first_is_held_before_the_goal_counts(
         if not begun:
             assert not score.instant and score.progress == 0.0
         begun = begun or longest_hold(first[:i], dt) >= HOLD - 1e-6
-    moment = next((i for i in range(len(first)) if longest_hold(first[:i], dt) >= HOLD - 1e-6), 0)
+    ends = range(len(first) + 1)
+    moment = next((i for i in ends if longest_hold(first[:i], dt) >= HOLD - 1e-6), 0)
     counted = then[moment : len(first)] if begun else []
     held = longest_hold(counted, dt) >= HOLD - 1e-6
     assert scorer.score.held == held
