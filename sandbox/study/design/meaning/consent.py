@@ -31,7 +31,10 @@ FORCED = Phrases(
             r"attendance) (in [\w ]+ )?is (a |an )?(condition|precondition|prerequisite|"
             r"requirement|duty)|(treatment|therapy|care|grade|mark|job|contract|promotion|"
             r"place)\b[^.;]*\b(?<!not )depends? on (your )?(participation|taking part|whether you|"
-            r"this study)"
+            r"this study)|(has|have|had) to (complete|finish|take part|participate|attend)\b[^.;]*"
+            r" (to|in order to) (pass|graduate|keep|get)|(who|if you|those that)[^.;]*(declin|"
+            r"refus|leav|stop|quit|withdraw|drop)\w*[^.;]* (have|has|need|must|will)( to)? "
+            r"(repeat|retake|redo|pay|make up|be reported)"
         ),
         "de": (
             r"(teilnahme|mitmachen|anwesenheit) ist ((?!nicht|kein)\w+ ){0,4}(verpflichtend|"
@@ -45,7 +48,8 @@ FORCED = Phrases(
             r"hat) (\w+ ){0,3}nicht bestanden|(?<!nicht )(durchfallen|durchgefallen)|teilnahme ist "
             r"(die |eine? )?(voraussetzung|bedingung|pflicht)|(behandlung|therapie|note|stelle|"
             r"vertrag|versorgung)\b[^.;]*\b(hangt|hangen) (?!nicht)[^.;]*(teilnahme|teilnehmen|"
-            r"mitmachen)"
+            r"mitmachen)|wer[^.;]*(ablehn|abbrich|aufhor|geht|aussteig)\w*[^.;]* muss\b[^.;]*"
+            r"(wiederhol|nachhol|zahl)\w*"
         ),
         "fr": (
             r"participation (\w+ ){0,4}est obligatoire|(etes|es|est) ((?!pas)\w+ )?(tenue?s?|"
@@ -53,8 +57,9 @@ FORCED = Phrases(
             r")?(arreter|interrompre|vous retirer|te retirer|quitter|abandonner)|(devez|dois) "
             r"(participer|terminer|finir)|(cours|module|examen|unite|exercice|tp|td)[^.;]* ne "
             r"(sera|seront|serez)[^.;]* valide|participation est (une |la )?condition|(echouer|"
-            r"echouez) (au|a la|a l')|(traitement|therapie|note|contrat|soins)\b[^.;]* depend\w* "
-            r"de (votre|ta) participation"
+            r"echouez) (au|a la|a l')|(refus|abandonn|quitt|part)\w*[^.;]* (devr|doi)\w*[^.;]* "
+            r"(repasser|redoubler|refaire|payer)|(traitement|therapie|note|contrat|"
+            r"soins)\b[^.;]* depend\w* de (votre|ta) participation"
         ),
         "es": (
             r"participacion ((?!no\b)\w+ ){0,4}es obligatoria|(?<!no )(esta|estas|estan) "
@@ -62,7 +67,9 @@ FORCED = Phrases(
             r"abandonar|interrumpir|dejar)|(debe|debes|tiene que|tienes que) (participar|"
             r"(completar|terminar|hacer) tod[oa]s)|(?<!no )suspend(e|era|eran|en) (la|el) "
             r"(asignatura|curso|practica|examen)|no (aprobara|superara) (la|el) (asignatura|curso|"
-            r"practica|examen)|participacion es (una |un |la )?(condicion|requisito)|(tratamiento|"
+            r"practica|examen)|quien\w* [^.;]*(rechac|abandon|dej|negar|niegu)\w*[^.;]* (debera|"
+            r"deberan|tendra|tendran)[^.;]* (repetir|recuperar|pagar)|participacion es (una |un |"
+            r"la )?(condicion|requisito)|(tratamiento|"
             r"terapia|nota|contrato)\b[^.;]* (?<!no )depende\w* de (su|tu) participacion"
         ),
         "it": (

@@ -87,8 +87,9 @@ EXPECTED = Phrases(
     {
         "en": (
             r"(we|i|the (researchers|experimenters|authors|team|designers)) (\w+ )?(expect|believe|"
-            r"think|hope|predict|assume|anticipate|suspect|hypothesi[sz]e|are (sure|convinced|"
-            r"confident))\b(?! (you|everybody|everyone) (to|will enjoy))[^.]*\b(better|worse|fast|"
+            r"think|trust|hope|predict|assume|anticipate|suspect|hypothesi[sz]e|are (sure|"
+            r"convinced|confident))\b(?! (you|everybody|everyone) (to|will "
+            r"enjoy))[^.]*\b(better|worse|fast|"
             r"faster|quick|quicker|slow|slower|easy|easier|hard|harder|simpler|(more|less|fewer) "
             r"(?!than|about|of|on|in|information|details?)\w+|improve\w*|outperform\w*|prefer\w*|"
             r"superior)\b|hypothes[ie]s (is|are|says?)\b|(study|experiment|research|aim|goal|"
@@ -108,8 +109,8 @@ EXPECTED = Phrases(
             r"struggle\w*)"
         ),
         "de": (
-            r"(wir|ich|die forsch\w+)[^.,;]{0,12} ?(erwarten|erwarte|glauben|glaube|hoffen|hoffe|"
-            r"vermuten|vermute|denken|annehmen|nehmen an|rechnen damit|sind (sicher|"
+            r"(wir|ich|die forsch\w+)[^.,;]{0,12} ?(erwarten|vertrauen|erwarte|glauben|glaube|"
+            r"hoffen|hoffe|vermuten|vermute|denken|annehmen|nehmen an|rechnen damit|sind (sicher|"
             r"uberzeugt))\b[^.]*\b(besser|schlechter|schneller|langsamer|leichter|schwerer|"
             r"einfacher|(mehr|weniger) (?!uber|als|dazu|von|daruber)\w+|bevorzug\w*|lieber|"
             r"uberlegen)\b|hypothese (ist|lautet)|(studie|versuch|ziel|wollen|"
@@ -122,8 +123,9 @@ EXPECTED = Phrases(
             r"schneller|langsamer|angenehmer)\b"
         ),
         "fr": (
-            r"(nous|on|je) (nous )?(pens|esper|attend|croy|croi|suppos|prevo|"
-            r"presum)\w*[^.]*\b(mieux|meilleur\w*|(plus|moins) (?!de|d'|sur|que)\w+|pire|"
+            r"(nous|on|je) (nous )?(pens|esper|attend|croy|croi|suppos|prevo|compt|"
+            r"sommes (surs|convaincus)|presum)\w*[^.]*\b(mieux|meilleur\w*|(plus|moins) "
+            r"(?!de|d'|sur|que)\w+|pire|"
             r"prefer\w*)\b|hypothese est|(etude|but|objectif|voulons|souhaitons|"
             r"cherchons)\b[^.]*(montrer|prouver|demontrer) que|(la plupart|beaucoup) des? "
             r"[^.,;]*(prefer|trouv)|vous (verrez|sentirez|remarquerez|constaterez) "
@@ -133,7 +135,8 @@ EXPECTED = Phrases(
             r"naturel|fiab|fatig|difficil|lent)\w*)"
         ),
         "es": (
-            r"(esperamos|creemos|pensamos|suponemos|prevemos)[^.]*\b(mejor\w*|peor\w*|(mas|menos) "
+            r"(esperamos|confiamos|creemos|pensamos|suponemos|prevemos|estamos (segur|"
+            r"convencid)[oa]s)[^.]*\b(mejor\w*|peor\w*|(mas|menos) "
             r"(?!de|sobre|que)\w+|prefer\w*)\b|hipotesis es|(estudio|objetivo|queremos|"
             r"deseamos)\b[^.]*(mostrar|probar|demostrar) que|(la mayoria|muchas "
             r"personas)[^.,;]*prefi|(vera|notara|sentira|comprobara) que[^.]*\b(mejor|peor|(mas|"

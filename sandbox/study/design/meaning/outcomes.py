@@ -94,6 +94,14 @@ ACCURATE = Phrases(
     }
 )
 """Titles that ask for speed, and for accuracy."""
+ASKED_BY = {
+    "nasa-tlx": ("workload", "load", "belastung", "beanspruchung", "charge", "carga"),
+    "nasa-tlx-raw": ("workload", "load", "belastung", "beanspruchung", "charge", "carga"),
+    "sus": ("usability", "gebrauchstauglichkeit", "utilisabilite", "usabilidad"),
+}
+"""Words for what published questionnaires ask for; of others, their own names tell."""
+STEM = 4
+"""Letters by which `tired` and `tiredness` are one word."""
 MANY = 6
 """Confirmatory outcomes, of which more are a search and no test; a rule of thumb."""
 CLEARED = 10
@@ -164,6 +172,7 @@ def outcome_flaws(design: Design) -> Iterator[Flaw]:
     yield from _hurry(design)
     yield from _title(design)
     yield from _untested(design)
+    yield from _aside(design)
     yield from _ceiling(design)
 
 
@@ -329,6 +338,28 @@ def _untested(design: Design) -> Iterator[Flaw]:
                 f"{asked}, so that no outcome is compared between levels of {factor.name}",
                 f'Write at = "{factor.name}", or choose another outcome',
             )
+
+
+def _aside(design: Design) -> Iterator[Flaw]:
+    """The title names what a questionnaire asks for, and only other outcomes are tested."""
+    several = {factor.name for factor in design.factors if len(factor.levels) > 1}
+    title = re.findall(r"[^\W\d_]{4,}", plain(design.title))
+    known = {word[:STEM] for name in (*several, *design.primary) for word in name.split("-")}
+    for form in design.questionnaires:
+        if not design.primary or form.name in design.primary or form.at not in several:
+            continue
+        names = ASKED_BY.get(form.name) or (form.name, *(item.name for item in form.items))
+        words = {w for name in names for w in re.findall(r"[^\W\d_]{4,}", plain(name))}
+        stems = {word[:STEM] for word in words} - known
+        named = next((word for word in title if word[:STEM] in stems), None)
+        if named is not None:
+            yield Flaw(
+                ("analysis", "primary"),
+                f"the title speaks of {named}, which {form.name} asks for, and only "
+                f"{_joined(design)} is tested",
+                f'Add "{form.name}" if its score answers the question, or change the title',
+            )
+            return
 
 
 def _ceiling(design: Design) -> Iterator[Flaw]:

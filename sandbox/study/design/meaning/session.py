@@ -7,7 +7,14 @@ from collections.abc import Iterator
 from models.messages.wording import counted
 from sandbox.study.design.conditions import combinations, tasks_of, values_of
 from sandbox.study.design.design import END, START, Design, Form
-from sandbox.study.design.plan import BreakStep, FormStep, Step, duration, session_plan
+from sandbox.study.design.plan import (
+    BreakStep,
+    FormStep,
+    InstructionStep,
+    Step,
+    duration,
+    session_plan,
+)
 from sandbox.study.design.questionnaires import instruments
 from sandbox.study.design.told.flaw import Flaw
 from sandbox.study.design.told.texts import Phrases
@@ -22,7 +29,7 @@ REST = (5.0, 900.0)
 LONGEST_IN_AIR = 900.0
 """s without a break of a hand that nothing supports, a rule of thumb as well."""
 OFTEN = 15
-"""Times that people answer one form in a session; a rule of thumb, too."""
+"""Times that people answer one form, or read one text, in a session; a rule of thumb, too."""
 CUT = 0.8
 """Share of the time limit that a trial may be expected to take; of longer ones, many are cut."""
 
@@ -183,6 +190,14 @@ def _forms(design: Design, plans: list[list[Step]]) -> Iterator[Flaw]:
             sum(isinstance(s, FormStep) and s.form.name == form.name for s in plan)
             for plan in plans
         )
+        if not often and form.at in several and design.repeat_inside:
+            yield Flaw(
+                path,
+                f"{form.name} is never asked: with repeat_inside, levels of {form.at} come again "
+                "in each round and have no end",
+                f'Write at = "{design.repeat_inside}" or "end", or remove repeat_inside',
+                error=True,
+            )
         if often > OFTEN:
             yield Flaw(
                 path,
@@ -198,6 +213,16 @@ def _forms(design: Design, plans: list[list[Step]]) -> Iterator[Flaw]:
                 f"only some levels of {instruction.at} are announced, since each session has "
                 "another one",
                 "Remove `sessions`",
+            )
+        often = max(
+            sum(isinstance(s, InstructionStep) and s.instruction == instruction for s in plan)
+            for plan in plans
+        )
+        if often > OFTEN:
+            yield Flaw(
+                ("instructions", i),
+                f"it is shown {often} times in a session, so that nobody reads it",
+                "Show it at an outer factor, or at the start",
             )
     told = any(text.at != END and 1 in (text.sessions or (1,)) for text in design.instructions)
     if not told and not {"task", "goal"} & set(design.page.shows):

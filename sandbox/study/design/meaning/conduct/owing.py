@@ -210,6 +210,48 @@ TRUTH = Phrases(
 )
 """Texts that tell afterwards what was not true."""
 
+ENDURED = Phrases(
+    {
+        "en": (
+            r"grit (your )?teeth|(pain|hurt|ache|soreness|discomfort|cramp)\w*\b[^.]*\b(normal|"
+            r"usual|natural|expected|part of it|ignore|endure|bear it|push through|(keep|go|carry) "
+            r"(on|going)|continue|nothing to worry)|(normal|usual|ignore|endure|bear|push "
+            r"through|despite|in spite of|(keep|go|carry) (on|going)|continue)\b[^.]*\b(pain|hurt|"
+            r"ache|soreness|discomfort|cramp)\w*"
+        ),
+        "de": (
+            r"zahne zusammen|(schmerz|krampf)\w*\b[^.]*\b(normal|ublich|gehor\w*|ignor\w*|"
+            r"aushalt\w*|durchhalt\w*|weiter\w*)|(normal|ublich|ignor\w*|trotz|aushalt\w*)\b[^.]*"
+            r"\b(schmerz\w*|krampf\w*|weh ?(tut|tun)|wehtut)"
+        ),
+        "fr": (
+            r"serr\w* les dents|(douleur|crampe|mal aux?)\w*\b[^.]*\b(normal\w*|habituel\w*|"
+            r"ignor\w*|support\w*|continu\w*)|(normal\w*|ignor\w*|malgre|support\w*)\b[^.]*\b"
+            r"(douleur\w*|crampe\w*|mal aux?|fasse mal)"
+        ),
+        "es": (
+            r"apriet\w* los dientes|(dolor|calambre|duel)\w*\b[^.]*\b(normal\w*|habitual\w*|"
+            r"ignor\w*|aguant\w*|sig[au]\w*|continu\w*)|(normal\w*|ignor\w*|aguant\w*|a pesar)"
+            r"\b[^.]*\b(dolor\w*|calambre\w*|duel\w*)"
+        ),
+    }
+)
+MAY_STOP = Phrases(
+    {
+        "en": (
+            r"stop|tell|say so|let us know|inform|call|not (go|carry|keep|continue|bear|endure|"
+            r"ignore)|don't|never|break off|rest\b|without pain|pain-?free|painless"
+        ),
+        "de": (
+            r"horen sie|aufhor\w*|abbrech\w*|brechen sie|sagen|melden|rufen|nicht (weiter|"
+            r"aushalt|ignor)\w*|nie\b|unterbrech\w*|schmerzfrei|ohne schmerz\w*"
+        ),
+        "fr": r"arret\w*|dites|signal\w*|prevenez|appel\w*|ne (continu|support|ignor)\w*|sans",
+        "es": r"par[ae]\b|detenga\w*|diga\w*|avis\w*|llam\w*|no (sig|continu|aguant|ignor)\w*|sin",
+    }
+)
+"""Pain that people are to bear, and what they may do about it."""
+
 BY_TIME = Phrases(
     {
         "en": (
@@ -235,6 +277,7 @@ BY_TIME = Phrases(
 def owing_flaws(design: Design) -> Iterator[Flaw]:
     """Flaws of what people are owed, one line for each cause."""
     yield from _rights(design)
+    yield from _endured(design)
     yield from _without_help(design)
     yield from _deceived(design)
     yield from _paid_for_time(design)
@@ -249,6 +292,16 @@ def _rights(design: Design) -> Iterator[Flaw]:
                 "Remove it; say who pays if something happens",
             )
             return
+
+
+def _endured(design: Design) -> Iterator[Flaw]:
+    for told, _, statement in said(design, (ENDURED,), (MAY_STOP, DENIES)):
+        yield Flaw(
+            told.path,
+            f"people are told to bear pain: {quoted(statement)}",
+            "Tell them to stop when something hurts, and to say so",
+        )
+        return
 
 
 def _without_help(design: Design) -> Iterator[Flaw]:
