@@ -46,15 +46,17 @@ UNHURRIED = Phrases(
         "en": r"(time|speed) (does not|doesn't|is not|isn't) (matter|important|of importance|"
         r"measured|count)|(time|speed) (is|are) (unimportant|irrelevant)|as slow(ly)? as you|(no|"
         r"not any) (hurry|rush|time pressure)|"
-        r"take (all )?your time(?!.*(read|break|question|answer|rest\b))",
+        r"take (all )?your time(?!.*(read|break|question|answer|rest\b|before|between))",
         "de": r"zeit (spielt|ist) (keine rolle|egal|unwichtig|nicht wichtig)|"
-        r"(nehmen|lassen) sie sich (alle |so viel )?zeit(?!.*(les|pause|frage))|"
+        r"(nehmen|lassen) sie sich (alle |so viel )?zeit(?!.*(les|pause|frage|"
+        r"bevor|vor (dem|jede)))|"
         r"(keine eile|ohne eile|ohne zeitdruck)",
         "fr": (
-            r"(temps|vitesse) (n'est pas|ne compte pas|n'a pas)|prenez (tout )?votre temps|"
-            r"sans hate"
+            r"(temps|vitesse) (n'est pas|ne compte pas|n'a pas)|prenez (tout )?votre "
+            r"temps(?!.*(avant|entre))|sans hate"
         ),
-        "es": r"tiempo no (importa|cuenta)|tome(se)? su tiempo|tome(se)? el tiempo|sin prisas?",
+        "es": r"tiempo no (importa|cuenta)|tome(se)? (su|el) tiempo(?!.*(antes|entre))|"
+        r"sin prisas?",
         "it": (
             r"tempo non (conta|importa|e importante)|si prenda (tutto )?il (suo )?tempo|"
             r"senza fretta"

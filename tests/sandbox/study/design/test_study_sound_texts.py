@@ -36,6 +36,7 @@ CONSENTS = {
         "We invite people of all ages who have never used such a hand. "
         "Whoever took part last year may take part again. "
         "Some people find the second part easier than the first. "
+        "Most people find the movements easy on the hand, but fingers can get tired. "
         "Please ask us if something is not clear before you begin. "
         "The people who developed the program do not see who gave which answers."
     ),
@@ -87,6 +88,7 @@ CONSENTS = {
 
 INSTRUCTIONS = {
     "en": (
+        "Take your time before you touch the screen. "
         "Bring the box to the marked place as fast as you can. "
         "Please work quickly and accurately. Take your time to read the questions between "
         "the parts. "
@@ -109,6 +111,7 @@ INSTRUCTIONS = {
         "Between the parts you may stand up and rest as long as you want."
     ),
     "de": (
+        "Lassen Sie sich Zeit, bevor Sie den Bildschirm berühren. "
         "Bringen Sie die Kiste so schnell wie möglich an die markierte Stelle. "
         "Arbeiten Sie zügig und genau. Nehmen Sie sich Zeit für die Fragebögen. "
         "Es gibt zwei Teile mit je einer Übung davor. "
@@ -134,6 +137,7 @@ INSTRUCTIONS = {
         "Regardez aussi l'autre main."
     ),
     "es": (
+        "Tómese el tiempo que quiera antes de cada ensayo. "
         "Lleve la caja al lugar marcado tan rápido como pueda. "
         "Hay dos partes, cada una con unos ensayos de práctica. "
         "Ponga los dedos en la pantalla; la mano les sigue. "
