@@ -41,7 +41,8 @@ myst_enable_extensions = ["colon_fence"]
 highlight_language = "text"
 # Docstrings of this project write code in single backticks.
 default_role = "code"
-autodoc_default_options = {"members": True, "show-inheritance": True}
+# A value such as a whole skeleton would be a page of numbers.
+autodoc_default_options = {"members": True, "show-inheritance": True, "no-value": True}
 autodoc_member_order = "bysource"
 autodoc_typehints = "signature"
 autodoc_type_aliases = {"Array": "Array", "ArrayLike": "ArrayLike"}
