@@ -31,10 +31,11 @@ FORCED = Phrases(
             r"attendance) (in [\w ]+ )?is (a |an )?(condition|precondition|prerequisite|"
             r"requirement|duty)|(treatment|therapy|care|grade|mark|job|contract|promotion|"
             r"place)\b[^.;]*\b(?<!not )depends? on (your )?(participation|taking part|whether you|"
-            r"this study)|(has|have|had) to (complete|finish|take part|participate|attend)\b[^.;]*"
-            r" (to|in order to) (pass|graduate|keep|get)|(who|if you|those that)[^.;]*(declin|"
-            r"refus|leav|stop|quit|withdraw|drop)\w*[^.;]* (have|has|need|must|will)( to)? "
-            r"(repeat|retake|redo|pay|make up|be reported)"
+            r"this study)|(?<!not )(?<!n't )(?<!nobody )(?<!no one )(?<!never )(has|have) to "
+            r"(complete|finish|take part|participate|attend)\b[^.;]* (to|in order to) (pass|"
+            r"graduate)\b|(who|if you|those that)[^.;]*(declin|refus|leav|stop|quit|withdraw|"
+            r"drop)\w*[^.;]* (?<!not )(?<!n't )(?<!we )(?<!never )(have to|has to|must) (repeat|"
+            r"retake|redo|pay)\b"
         ),
         "de": (
             r"(teilnahme|mitmachen|anwesenheit) ist ((?!nicht|kein)\w+ ){0,4}(verpflichtend|"
@@ -48,8 +49,8 @@ FORCED = Phrases(
             r"hat) (\w+ ){0,3}nicht bestanden|(?<!nicht )(durchfallen|durchgefallen)|teilnahme ist "
             r"(die |eine? )?(voraussetzung|bedingung|pflicht)|(behandlung|therapie|note|stelle|"
             r"vertrag|versorgung)\b[^.;]*\b(hangt|hangen) (?!nicht)[^.;]*(teilnahme|teilnehmen|"
-            r"mitmachen)|wer[^.;]*(ablehn|abbrich|aufhor|geht|aussteig)\w*[^.;]* muss\b[^.;]*"
-            r"(wiederhol|nachhol|zahl)\w*"
+            r"mitmachen)|wer[^.;]*(ablehn|abbrich|aufhor|geht|aussteig)\w*[^.;]* muss\b"
+            r"(?![^.;]*\b(nicht|kein))[^.;]*(wiederhol|nachhol|zahl)\w*"
         ),
         "fr": (
             r"participation (\w+ ){0,4}est obligatoire|(etes|es|est) ((?!pas)\w+ )?(tenue?s?|"
@@ -57,8 +58,8 @@ FORCED = Phrases(
             r")?(arreter|interrompre|vous retirer|te retirer|quitter|abandonner)|(devez|dois) "
             r"(participer|terminer|finir)|(cours|module|examen|unite|exercice|tp|td)[^.;]* ne "
             r"(sera|seront|serez)[^.;]* valide|participation est (une |la )?condition|(echouer|"
-            r"echouez) (au|a la|a l')|(refus|abandonn|quitt|part)\w*[^.;]* (devr|doi)\w*[^.;]* "
-            r"(repasser|redoubler|refaire|payer)|(traitement|therapie|note|contrat|"
+            r"echouez) (au|a la|a l')|(refus|abandonn|quitt)\w*[^.;]* (?<!ne )(devr|doi)\w* "
+            r"(?!pas|rien)[^.;]*(repasser|redoubler|refaire|payer)|(traitement|therapie|note|contrat|"
             r"soins)\b[^.;]* depend\w* de (votre|ta) participation"
         ),
         "es": (
@@ -67,9 +68,9 @@ FORCED = Phrases(
             r"abandonar|interrumpir|dejar)|(debe|debes|tiene que|tienes que) (participar|"
             r"(completar|terminar|hacer) tod[oa]s)|(?<!no )suspend(e|era|eran|en) (la|el) "
             r"(asignatura|curso|practica|examen)|no (aprobara|superara) (la|el) (asignatura|curso|"
-            r"practica|examen)|quien\w* [^.;]*(rechac|abandon|dej|negar|niegu)\w*[^.;]* (debera|"
-            r"deberan|tendra|tendran)[^.;]* (repetir|recuperar|pagar)|participacion es (una |un |"
-            r"la )?(condicion|requisito)|(tratamiento|"
+            r"practica|examen)|quien\w* [^.;]*(rechac|abandon|dej|negar|niegu)\w*[^.;]* (?<!no "
+            r")(debera|deberan|tendra|tendran)[^.;]* (repetir|recuperar|pagar)|participacion "
+            r"es (una |un |la )?(condicion|requisito)|(tratamiento|"
             r"terapia|nota|contrato)\b[^.;]* (?<!no )depende\w* de (su|tu) participacion"
         ),
         "it": (

@@ -97,13 +97,15 @@ ACCURATE = Phrases(
 )
 """Titles that ask for speed, and for accuracy."""
 ASKED_BY = {
-    "nasa-tlx": ("workload", "load", "belastung", "beanspruchung", "charge", "carga"),
-    "nasa-tlx-raw": ("workload", "load", "belastung", "beanspruchung", "charge", "carga"),
+    "nasa-tlx": ("workload", "belastung", "beanspruchung"),
+    "nasa-tlx-raw": ("workload", "belastung", "beanspruchung"),
     "sus": ("usability", "gebrauchstauglichkeit", "utilisabilite", "usabilidad"),
 }
-"""Words for what published questionnaires ask for; of others, their own names tell."""
+"""Whole words for what published questionnaires ask for; of others, their names tell."""
 STEM = 4
-"""Letters by which `tired` and `tiredness` are one word."""
+"""Letters by which `tires` and `tiredness` are one word."""
+VAGUE = ("after", "each", "form", "hand", "last", "post", "questions", "rating", "task", "touch")
+"""Words in names of questionnaires that say nothing of what they ask for."""
 MANY = 6
 """Confirmatory outcomes, of which more are a search and no test; a rule of thumb."""
 CLEARED = 10
@@ -346,18 +348,19 @@ def _aside(design: Design) -> Iterator[Flaw]:
     """The title names what a questionnaire asks for, and only other outcomes are tested."""
     several = {factor.name for factor in design.factors if len(factor.levels) > 1}
     title = re.findall(r"[^\W\d_]{4,}", plain(design.title))
-    known = {word[:STEM] for name in (*several, *design.primary) for word in name.split("-")}
+    named = plain(" ".join((*several, *design.primary, *VAGUE)).replace("-", " ")).split()
+    known = {word[:STEM] for word in named}
     for form in design.questionnaires:
         if not design.primary or form.name in design.primary or form.at not in several:
             continue
-        names = ASKED_BY.get(form.name) or (form.name, *(item.name for item in form.items))
-        words = {w for name in names for w in re.findall(r"[^\W\d_]{4,}", plain(name))}
-        stems = {word[:STEM] for word in words} - known
-        named = next((word for word in title if word[:STEM] in stems), None)
-        if named is not None:
+        asked = ASKED_BY.get(form.name, ())
+        own = () if asked else re.findall(r"[^\W\d_]{4,}", plain(form.name))
+        stems = {word[:STEM] for word in own} - known
+        told = next((word for word in title if word in asked or word[:STEM] in stems), None)
+        if told is not None:
             yield Flaw(
                 ("analysis", "primary"),
-                f"the title speaks of {named}, which {form.name} asks for, and only "
+                f"the title speaks of {told}, which {form.name} asks for, and only "
                 f"{_joined(design)} is tested",
                 f'Add "{form.name}" if its score answers the question, or change the title',
             )

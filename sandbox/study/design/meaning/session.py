@@ -243,7 +243,7 @@ def _lengths(design: Design, plans: list[list[Step]]) -> Iterator[Flaw]:
     if design.break_every and not any(isinstance(s, BreakStep) for plan in plans for s in plan):
         yield Flaw(
             ("breaks", "every"),
-            f"no break ever comes: no session has more than "
+            "no break ever comes: no session has more than "
             f"{counted(design.break_every, 'trial')} without practice",
             "Write a smaller number, or remove [breaks]",
         )

@@ -10,6 +10,11 @@ from tests.support.study_files import design
 
 CONSENTS = {
     "en": (
+        "If you stop early, we will pay you for the whole hour. "
+        "You do not have to finish to pass the course. "
+        "If you leave, you do not have to pay anything back. "
+        "You may feel slight discomfort, as after normal use of a tablet. "
+        "Pain is not expected. "
         "We record where and when you touch the screen, how long each trial takes, and your "
         "answers. We do not record sound or video. "
         "The program does not record your face. Nobody but the research team sees the data. "
@@ -41,6 +46,8 @@ CONSENTS = {
         "The people who developed the program do not see who gave which answers."
     ),
     "de": (
+        "Wer früher geht, muss nichts zurückzahlen. "
+        "Schmerzen sind nicht zu erwarten. "
         "Wir zeichnen Berührungen, Zeiten und Antworten auf, jedoch weder Bild noch Ton. "
         "Ihr Name wird nicht gespeichert; die Liste mit Namen und Kürzeln liegt getrennt und "
         "wird nach sechs Monaten vernichtet. "
@@ -59,6 +66,8 @@ CONSENTS = {
         "Wer die Antworten gegeben hat, sehen die Entwickler nicht."
     ),
     "fr": (
+        "Si vous abandonnez, vous ne devrez rien rembourser ni payer. "
+        "Les participants ne doivent rien payer. "
         "Nous enregistrons vos contacts, vos temps et vos réponses, mais ni image ni son. "
         "Votre nom n'est jamais enregistré avec les données. "
         "Vous recevrez 10 euros, même si vous arrêtez avant la fin. "
@@ -72,6 +81,7 @@ CONSENTS = {
         "Dites-nous si quelque chose n'est pas clair."
     ),
     "es": (
+        "Quien abandone no tendrá que pagar nada. "
         "Registramos sus toques, los tiempos y sus respuestas, pero no su voz ni su imagen. "
         "Su nombre no se guarda con los datos. "
         "Recibirá 10 euros aunque lo deje antes. "

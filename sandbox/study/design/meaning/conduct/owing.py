@@ -213,11 +213,10 @@ TRUTH = Phrases(
 ENDURED = Phrases(
     {
         "en": (
-            r"grit (your )?teeth|(pain|hurt|ache|soreness|discomfort|cramp)\w*\b[^.]*\b(normal|"
-            r"usual|natural|expected|part of it|ignore|endure|bear it|push through|(keep|go|carry) "
-            r"(on|going)|continue|nothing to worry)|(normal|usual|ignore|endure|bear|push "
-            r"through|despite|in spite of|(keep|go|carry) (on|going)|continue)\b[^.]*\b(pain|hurt|"
-            r"ache|soreness|discomfort|cramp)\w*"
+            r"grit (your )?teeth|(pain|hurt|ache|cramp)\w*\b[^.]*\b((is|are) (\w+ )?(normal|"
+            r"usual|natural)\b|part of it|ignore|endure|bear it|push through|(keep|go|carry) "
+            r"(on|going)|nothing to worry)|(it is (\w+ )?(normal|usual|natural)\b|ignore|endure|"
+            r"push through|despite|in spite of)\b[^.]*\b(pain|hurt|ache|cramp)\w*"
         ),
         "de": (
             r"zahne zusammen|(schmerz|krampf)\w*\b[^.]*\b(normal|ublich|gehor\w*|ignor\w*|"
