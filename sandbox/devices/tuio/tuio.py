@@ -10,6 +10,7 @@ from __future__ import annotations
 import contextlib
 import errno
 import math
+import os
 import socket
 import threading
 import time
@@ -34,6 +35,16 @@ LOOPBACK = "127.0.0.1"
 Transport = Literal["udp", "tcp", "websocket", "all"]
 """Transport of packets: each in a datagram, in a TCP stream after its length, or as a binary
 message of a WebSocket."""
+
+_SOCKETS: dict[Transport, tuple[socket.SocketKind, ...]] = {
+    "udp": (socket.SOCK_DGRAM,),
+    "tcp": (socket.SOCK_STREAM,),
+    "websocket": (),
+    "all": (socket.SOCK_DGRAM, socket.SOCK_STREAM),
+}
+
+_PORTS_TRIED = 64
+"""Number of ports that are free for UDP and are tried until one is free for TCP as well."""
 
 Tap = Callable[[float, str, bytes | None], None]
 
@@ -123,6 +134,7 @@ class TuioDevice(Device, Closeable):
         self._socket: socket.socket | None = None
         self._thread: threading.Thread | None = None
         self._streams: Streams | None = None
+        self._listens_tcp = False
         self.bind, self.port, self.websocket_port = bind, port, websocket_port
         self._open(transport, connect)
 
@@ -133,16 +145,15 @@ class TuioDevice(Device, Closeable):
             self._address = connect
             return
         try:
-            if transport in ("udp", "all"):
-                self._socket = _listen(self.bind, self.port)
-                self.bind, self.port = self._socket.getsockname()
+            sockets = _listen(self.bind, self.port, _SOCKETS[transport])
+            for opened in sockets.values():
+                self.bind, self.port = opened.getsockname()
+            self._socket = sockets.get(socket.SOCK_DGRAM)
+            tcp = sockets.get(socket.SOCK_STREAM)
+            self._listens_tcp = tcp is not None
             if transport != "udp":
-                ports = (
-                    self.port if transport in ("tcp", "all") else None,
-                    self.websocket_port if transport in ("websocket", "all") else None,
-                )
-                self._streams = Streams(self, self.bind, *ports)
-                self.port = self._streams.tcp_port or self.port
+                web_port = self.websocket_port if transport in ("websocket", "all") else None
+                self._streams = Streams(self, self.bind, tcp, web_port)
                 self.websocket_port = self._streams.websocket_port or self.websocket_port
         except DeviceError:
             self.close()
@@ -163,7 +174,7 @@ class TuioDevice(Device, Closeable):
         """The transports it listens for, as text for people."""
         listens = [
             "UDP" if self._socket is not None else "",
-            "TCP" if self._streams is not None and self._streams.tcp_port is not None else "",
+            "TCP" if self._listens_tcp else "",
             f"WebSocket at port {self.websocket_port}"
             if self._streams is not None and self._streams.websocket_port is not None
             else "",
@@ -315,18 +326,47 @@ def touch_frame(commit: Commit, surface: Surface, now: float) -> TouchFrame:
     return TouchFrame(now, tuple(contacts), None, commit.cancelled, commit.source)
 
 
-def _listen(bind: str, port: int) -> socket.socket:
-    """Opens a UDP socket whose `recvfrom` returns at least every tick."""
-    sock = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+def _listen(
+    bind: str, port: int, kinds: Sequence[socket.SocketKind]
+) -> dict[socket.SocketKind, socket.socket]:
+    """Opens one socket of each kind, all at one port; port 0 takes one that is free for all.
+
+    A port that is free for one kind only is held until the search ends, or the system might offer
+    it again.
+    """
+    with contextlib.ExitStack() as held:
+        for tries_left in reversed(range(_PORTS_TRIED)):
+            sockets: dict[socket.SocketKind, socket.socket] = {}
+            try:
+                for kind in kinds:
+                    chosen = [other.getsockname()[1] for other in sockets.values()]
+                    sockets[kind] = _bound(kind, bind, chosen[0] if chosen else port)
+                break
+            except DeviceError:
+                for opened in sockets.values():
+                    held.callback(opened.close)
+                if port != 0 or not sockets or not tries_left:
+                    raise
+    return sockets
+
+
+def _bound(kind: socket.SocketKind, bind: str, port: int) -> socket.socket:
+    """Opens a socket at an address; that of UDP returns from `recvfrom` at least every tick."""
+    sock = socket.socket(socket.AF_INET, kind)
     try:
-        sock.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, _SOCKET_BUFFER)
-        sock.settimeout(_TICK)
+        if kind == socket.SOCK_DGRAM:
+            sock.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, _SOCKET_BUFFER)
+            sock.settimeout(_TICK)
+        elif os.name == "posix":  # elsewhere two programs could share the port
+            sock.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         sock.bind((bind, port))
+        if kind == socket.SOCK_STREAM:
+            sock.listen()  # from here on nobody else gets the port
     except (OSError, OverflowError, UnicodeError) as error:
         sock.close()
         raise DeviceError(
             f"this address cannot be listened on: {error}",
-            where=f"UDP {bind}:{port}",
+            where=f"{'UDP' if kind == socket.SOCK_DGRAM else 'TCP'} {bind}:{port}",
             expected="an IPv4 address of this machine and a free port from 0 to 65535",
             remedy="Close the program that has the port, or choose another with --port"
             if getattr(error, "errno", None) == errno.EADDRINUSE

@@ -12,6 +12,7 @@ import contextlib
 import ipaddress
 import logging
 import queue
+import socket
 import threading
 from http import HTTPStatus
 from typing import NamedTuple, Protocol
@@ -95,8 +96,9 @@ class Streams:
 
     Args:
         receiver: Receiver of the packets.
-        bind: Address to listen on.
-        tcp_port: TCP port; 0 takes a free one, None does not listen for TCP.
+        bind: Address to listen on for WebSockets.
+        tcp: Bound socket to listen on for TCP, which is closed with the connections; None does not
+            listen for TCP.
         websocket_port: Port for WebSockets; 0 takes a free one, None does not listen for them.
         target: Address of a sender to connect to, instead of listening.
 
@@ -108,12 +110,13 @@ class Streams:
         self,
         receiver: PacketReceiver,
         bind: str = "127.0.0.1",
-        tcp_port: int | None = None,
+        tcp: socket.socket | None = None,
         websocket_port: int | None = None,
         target: SenderAddress | None = None,
     ) -> None:
         self._receiver = receiver
-        self.bind, self.tcp_port, self.websocket_port = bind, tcp_port, websocket_port
+        self.bind, self.websocket_port = bind, websocket_port
+        self._tcp = tcp
         self._target = target
         self._connections = 0
         self._ready: queue.Queue[Exception | None] = queue.Queue()
@@ -126,8 +129,8 @@ class Streams:
             self._thread.join()
             raise DeviceError(
                 f"this address cannot be listened on: {problem}",
-                where=f"TCP {bind}, ports {tcp_port} and {websocket_port}",
-                expected="an IPv4 address of this machine and free ports from 0 to 65535",
+                where=f"WebSockets at {bind}:{websocket_port}",
+                expected="an IPv4 address of this machine and a free port from 0 to 65535",
                 remedy="Close the program that has the port, or choose another with --port",
             ) from problem
 
@@ -174,10 +177,10 @@ class Streams:
             await asyncio.gather(*([calling] if calling else []), return_exceptions=True)
 
     async def _listen(self, stack: contextlib.AsyncExitStack) -> None:
-        if self.tcp_port is not None:
-            tcp = await asyncio.start_server(self._answer_tcp, self.bind, self.tcp_port)
+        if self._tcp is not None:
+            stack.callback(self._tcp.close)
+            tcp = await asyncio.start_server(self._answer_tcp, sock=self._tcp)
             stack.callback(tcp.close)
-            self.tcp_port = tcp.sockets[0].getsockname()[1]
         if self.websocket_port is not None:
             web = await serve(
                 self._answer_websocket,

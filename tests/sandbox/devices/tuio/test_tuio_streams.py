@@ -7,6 +7,8 @@ import contextlib
 import random
 import socket
 import struct
+import subprocess
+import sys
 import threading
 from collections.abc import Callable, Iterator
 from typing import Any
@@ -271,6 +273,38 @@ def test_a_port_that_is_taken_is_refused_and_gives_back_the_others() -> None:
                 )
     threads = [t for t in threading.enumerate() if t.name.startswith("tuio")]
     assert not threads
+
+
+CROWDED = """
+import resource, socket, sys
+
+sys.path[:0] = {path!r}
+from models.surface import Surface
+from sandbox.devices.tuio.tuio import TuioDevice
+
+most = resource.getrlimit(resource.RLIMIT_NOFILE)[1]
+resource.setrlimit(resource.RLIMIT_NOFILE, (min(most, 30_000), most))
+taken = []
+for port in range(32769, 61000, 2):
+    try:
+        taken.append(socket.socket())
+        taken[-1].bind(("127.0.77.1", port))
+    except OSError:
+        break
+for _ in range(30):
+    with TuioDevice(
+        Surface(), bind="127.0.77.1", port=0, transport="all", websocket_port=0
+    ) as device:
+        assert device.transports.startswith("UDP, TCP, WebSocket")
+print("always found")
+"""
+"""At an address that nobody else uses, up to half of all ports are taken for TCP, not for UDP."""
+
+
+def test_a_port_that_the_system_chooses_is_free_for_udp_and_tcp() -> None:
+    run = [sys.executable, "-c", CROWDED.format(path=sys.path)]
+    done = subprocess.run(run, capture_output=True, text=True, check=False)
+    assert (done.stdout, done.stderr) == ("always found\n", "")
 
 
 def test_a_closed_device_leaves_nothing_behind() -> None:
