@@ -13,7 +13,7 @@ from models.frames import FINGERS
 from models.surface import Surface
 from sandbox.datasets.demonstration import Demonstration
 from sandbox.learning.policy import BOUND, CHUNK, NUMBERS, STRIDE, UNIT, Policy
-from sandbox.learning.sight import places_of, sights
+from sandbox.learning.sight import in_first_slots, references, sights
 
 STEPS, BATCH = 5000, 256
 """Steps of the training and moments in each, the same for any number of demonstrations."""
@@ -82,16 +82,17 @@ def clone(episodes: Sequence[Demonstration], surface: Surface, seed: int = 0) ->
 
 
 def _moments(episodes: Sequence[Demonstration], surface: Surface) -> tuple[Array, Array, Array]:
-    """What was seen (N, n), what touched (N, K, 5), and where from the object (N, K, 5, 2) m."""
+    """What was seen (N, n), what touched (N, K, 5), and where (N, K, 5, 2) m from references."""
     seen, touch, places = [], [], []
     for episode in episodes:
-        actions = episode.actions.reshape(-1, len(FINGERS), NUMBERS)
+        observed, actions = in_first_slots(episode.observations, episode.actions)
+        actions = actions.reshape(-1, len(FINGERS), NUMBERS)
         touched = np.flatnonzero(actions[:, :, 0].max(axis=1) > 0.5)
         end = min(len(actions), int(touched[-1]) + REST if len(touched) else len(actions))
         moments = np.arange(0, end, EVERY)
         ahead = np.minimum(moments[:, None] + np.arange(0, CHUNK, STRIDE), len(actions) - 1)
-        box = places_of(episode.observations, surface)[moments]
-        seen.append(sights(episode.observations, surface)[moments])
+        start = references(observed, surface)[moments]
+        seen.append(sights(observed, surface)[moments])
         touch.append(actions[ahead, :, 0])
-        places.append(actions[ahead, :, 1:] - box[:, None, None])
+        places.append(actions[ahead, :, 1:] - start[:, None])
     return np.concatenate(seen), np.concatenate(touch), np.concatenate(places)

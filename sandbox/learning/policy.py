@@ -14,12 +14,12 @@ from models.arithmetic.arrays import Array
 from models.errors import InputError
 from models.frames import FINGERS
 from models.surface import Surface
-from sandbox.learning.sight import SEEN, places_of, recent, sights
+from sandbox.learning.sight import SEEN, recent, references, sights
 
 CHUNK, STRIDE = 24, 2
 """Control periods that a policy plans, and between two of the moments that it plans; the touches
 between them are on straight lines."""
-DONE_AT_ONCE = 16
+DONE_AT_ONCE = 20
 """Control periods of a plan that are carried out before the next one is made. A policy that plans
 anew at every moment never begins what people wait with: it only sees that nothing has begun."""
 LANDS, STAYS = 0.5, 0.25
@@ -49,7 +49,7 @@ class Policy:
             sight: (n,) what is seen now.
 
         Returns:
-            Probabilities (K, 5) that fingers touch, and places (K, 5, 2) m from the object.
+            Probabilities (K, 5) that fingers touch, and places (K, 5, 2) m from the references.
         """
         x = np.clip((sight - self.mean) / self.scale, -BOUND, BOUND)
         *hidden, last = zip(self.weights, self.biases, strict=True)
@@ -95,6 +95,9 @@ class Player:
         policy: The policy.
         surface: The touch surface.
         first: The first observation.
+
+    Raises:
+        InputError: The policy was trained on what another version sees.
     """
 
     def __init__(self, policy: Policy, surface: Surface, first: Mapping[str, Array]) -> None:
@@ -103,6 +106,14 @@ class Player:
         self._plan: list[Array] = []
         self._down = np.zeros(len(FINGERS), bool)
         self.see(first)
+        size = sights(recent(self._history), surface).shape[1]
+        if size != len(policy.mean):
+            raise InputError(
+                "this policy was trained by another version of Hand Sandbox",
+                got=f"{len(policy.mean)} numbers that it sees",
+                expected=str(size),
+                remedy="Train it again from its demonstrations",
+            )
 
     def see(self, observation: Mapping[str, Array]) -> None:
         """Takes in an observation."""
@@ -118,7 +129,7 @@ class Player:
     def _planned(self) -> list[Array]:
         seen = recent(self._history)
         touch, places = self._policy.plan(sights(seen, self._surface)[-1])
-        places = places + places_of(seen, self._surface)[-1]
+        places = places + references(seen, self._surface)[-1]
         actions = []
         for step in range(DONE_AT_ONCE):
             key, share = step // STRIDE, step % STRIDE / STRIDE

@@ -14,7 +14,7 @@ from models.arithmetic.arrays import Array
 from models.errors import InputError
 from models.surface import Surface
 from sandbox.learning.policy import CHUNK, DONE_AT_ONCE, STRIDE, Player, Policy
-from sandbox.learning.sight import sights
+from sandbox.learning.sight import in_first_slots, sights
 
 
 def moments(shift: Array, count: int = 40) -> dict[str, Array]:
@@ -32,6 +32,7 @@ def moments(shift: Array, count: int = 40) -> dict[str, Array]:
         "goals": np.tile([*(box + goal), 0.3], (count, 1, 1)),
         "tips": np.tile(box, (count, 5, 1)),
         "touches": rows,
+        "names": np.where(rows[:, :, 0] > 0.5, np.arange(5), -1),
         "solid": np.zeros((count, 5)),
         "phase": np.zeros((count, 5)),
         "contact": np.zeros((count, 5, 2)),
@@ -58,6 +59,54 @@ def test_what_is_seen_now_does_not_depend_on_what_comes_later() -> None:
     whole, surface = moments(np.zeros(2)), Surface()
     part = {name: values[:25] for name, values in whole.items()}
     assert np.array_equal(sights(whole, surface)[:25], sights(part, surface))
+
+
+def test_touches_that_carry_the_thing_to_its_goal_have_no_way_left() -> None:
+    # The first numbers are 50 times what is left to do for each touch, in m.
+    seen, surface = moments(np.zeros(2)), Surface()
+    left = sights(seen, surface)[-1, :6].reshape(3, 2) / 50.0
+    box, goal = seen["objects"][-1, 0], seen["goals"][-1, 0]
+    c, s = np.cos(goal[3]), np.sin(goal[3])
+    for touch, way in zip(seen["touches"][-1, :3, 1:], left, strict=True):
+        grip = surface.to_world(touch) - box[:3]
+        turned = np.array([c * grip[0] - s * grip[1], s * grip[0] + c * grip[1], grip[2]])
+        assert surface.to_surface(goal[:3] + turned) - touch == pytest.approx(way, abs=1e-12)
+
+
+def test_what_is_seen_does_not_depend_on_the_names_that_touches_were_given() -> None:
+    surface = Surface()
+    seen = moments(np.zeros(2))
+    order = np.array([0, 1, 2, 3, 4])
+    seen["tips"] = seen["tips"] + 0.01 * order[:, None]
+    other = {name: values.copy() for name, values in seen.items()}
+    other["names"][10:, :3] = [0, 2, 3]  # the same fingers of the person, named otherwise
+    other["tips"][:, [2, 3]] = seen["tips"][:, [1, 2]]
+    assert np.array_equal(sights(seen, surface), sights(other, surface))
+
+
+def test_fingers_of_a_demonstration_take_the_first_slots_and_do_the_same() -> None:
+    seen = moments(np.zeros(2), 61)
+    moved = np.array([0, 2, 3, 1, 4])  # thumb, middle and ring finger
+    actions = np.zeros((60, 5, 3))
+    actions[9:50, :3] = seen["touches"][10, :3]
+    seen["touches"][:] = 0.0
+    seen["touches"][1:] = actions
+    seen["names"] = np.where(seen["touches"][:, :, 0] > 0.5, moved, -1)
+    other = {name: values.copy() for name, values in seen.items()}
+    rows = np.zeros_like(actions)
+    rows[:, moved] = actions
+    other["touches"][:, moved], other["names"][:, moved] = seen["touches"], seen["names"]
+    back, done = in_first_slots(other, rows.reshape(60, -1))
+    assert np.array_equal(done.reshape(60, 5, 3), actions)
+    assert np.array_equal(back["touches"], seen["touches"])
+    assert np.array_equal(back["names"], seen["names"])
+
+
+def test_a_policy_of_another_version_is_refused() -> None:
+    seen = moments(np.zeros(2))
+    first = {name: values[0] for name, values in seen.items()}
+    with pytest.raises(InputError, match="trained by another version"):
+        Player(policy(12), Surface(), first)
 
 
 def test_it_is_read_as_it_was_written(tmp_path: Path) -> None:
