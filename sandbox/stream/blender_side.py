@@ -12,7 +12,12 @@ armature has them; start(chains=["thumb", "index"]) says another. Without a wind
 
     python hand_sandbox_blender.py --open rig.blend --armature Rig --chains thumb index --out a.glb
 
-It follows the right hand; start(side="left"), or --side left, lets it follow the left one.
+It follows the right hand; start(side="left"), or --side left, lets it follow the left one. For both
+hands, call start(side=..., armature=..., chains=[...]) once for each, or stream twice: with --side
+right and --out one.blend, then with --open one.blend and --side left.
+
+Keys are set at the scene's rate: what --fps says, that of the file that --open opens, or 60. A .glb
+or .fbx file has the armature, its skin and this motion; two streamed hands make two files.
 
 Chains may have any number of bones. They point where the fingers point and reach as far, as shares
 of their lengths; the joints between bend evenly. The bone above the chains follows the palm from
@@ -43,6 +48,7 @@ ENDINGS = (".bvh", ".glb", ".fbx", ".blend")
 hands: Dict[str, Any] = {}
 counts: Dict[str, int] = {"lines": 0, "lines refused": 0}
 streamed: Set[str] = set()  # sides of hands that came
+shown: Set[str] = set(SIDES)  # sides that get an armature of their own if no rig waits for them
 stopped: List[str] = []
 listener: Optional["Listener"] = None
 
@@ -99,7 +105,7 @@ def take(text: str) -> None:
             stopped.append(line.side)
         elif line.kind == "rig":
             streamed.add(line.side)
-            if line.side not in hands:
+            if line.side not in hands and line.side in shown:
                 hands[line.side] = OwnHand(line)
         elif line.side in hands:
             hands[line.side].update(line)
@@ -163,9 +169,15 @@ def _answer(guest: socket.socket) -> None:
 
 
 def export(path: str, armature: Any, frames: Sequence[int]) -> None:
-    """Writes an armature's motion, by the end of the name: .bvh, .glb, .fbx, .blend."""
+    """Writes an armature with its skin and this motion alone; .blend has the whole scene.
+
+    The end of the name says how: .bvh, .glb, .fbx, .blend.
+    """
+    if not path.endswith(".blend"):
+        bpy.context.scene.frame_start, bpy.context.scene.frame_end = frames
     bpy.ops.object.select_all(action="DESELECT")
-    armature.select_set(True)
+    for each in [armature, *_skins(armature)]:
+        each.select_set(True)
     bpy.context.view_layer.objects.active = armature
     if path.endswith(".bvh"):
         bpy.ops.export_anim.bvh(
@@ -177,11 +189,32 @@ def export(path: str, armature: Any, frames: Sequence[int]) -> None:
             root_transform_only=True,
         )
     elif path.endswith(".glb"):
-        bpy.ops.export_scene.gltf(filepath=path, use_selection=True)
+        # All actions of the file would go along otherwise, those of the other hand, too.
+        bpy.ops.export_scene.gltf(
+            filepath=path, use_selection=True, export_animation_mode="ACTIVE_ACTIONS"
+        )
     elif path.endswith(".fbx"):
-        bpy.ops.export_scene.fbx(filepath=path, use_selection=True)
+        bpy.ops.export_scene.fbx(
+            filepath=path,
+            use_selection=True,
+            bake_anim_use_all_actions=False,
+            bake_anim_use_nla_strips=False,
+        )
     else:
         bpy.ops.wm.save_as_mainfile(filepath=os.path.abspath(path))
+
+
+def _skins(armature: Any) -> List[Any]:
+    """The meshes that an armature moves."""
+    return [
+        each
+        for each in bpy.context.scene.objects
+        if each.type == "MESH"
+        and (
+            each.parent == armature
+            or any(m.type == "ARMATURE" and m.object == armature for m in each.modifiers)
+        )
+    ]
 
 
 def main(words: Sequence[str]) -> int:
@@ -201,7 +234,9 @@ def run(words: Sequence[str]) -> int:
     """Does what words of the command line ask for, and gives the exit status."""
     parser = argparse.ArgumentParser("hand_sandbox_blender.py")
     parser.add_argument("--port", type=int, default=PORT)
-    parser.add_argument("--fps", type=int, default=60)
+    parser.add_argument(
+        "--fps", type=int, help="default: 60, or the rate of the scene that was opened"
+    )
     parser.add_argument("--open", default="", metavar="FILE.blend")
     parser.add_argument("--armature", default="")
     parser.add_argument("--chains", nargs="*", default=[])
@@ -219,8 +254,10 @@ def run(words: Sequence[str]) -> int:
             raise Refused(" ".join(str(error).split())) from None
     else:
         bpy.ops.wm.read_factory_settings(use_empty=True)
-    bpy.context.scene.render.fps = asked.fps
+    if asked.fps or not asked.open:
+        bpy.context.scene.render.fps, bpy.context.scene.render.fps_base = asked.fps or 60, 1.0
     if asked.chains:
+        shown.clear()  # the rig alone is wanted
         start(asked.side, armature=asked.armature or None, chains=asked.chains)
     port = listen(asked.port)
     print("hand_sandbox: listening on 127.0.0.1:%d" % port.port, flush=True)

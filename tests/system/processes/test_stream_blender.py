@@ -6,6 +6,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import re
 import socket
@@ -13,6 +14,7 @@ import subprocess
 import sys
 import time
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -50,9 +52,18 @@ def python(tmp_path_factory: pytest.TempPathFactory) -> str:
 
 
 def streamed(
-    python: str, folder: Path, hand: HandLines, keys: Keys, *words: str, status: int = 0
+    python: str,
+    folder: Path,
+    hand: HandLines,
+    keys: Keys,
+    *words: str,
+    status: int = 0,
+    beside: HandLines | None = None,
 ) -> str:
-    """Streams keys into Blender, which ends with a status; what it said."""
+    """Streams keys into Blender, which ends with a status; what it said.
+
+    A second hand, `beside`, has them in reverse order.
+    """
     (folder / "side.py").write_text(script("blender"))
     side = subprocess.Popen(
         [python, "side.py", "--port", "0", *words],
@@ -66,12 +77,17 @@ def streamed(
         line = side.stdout.readline()
         assert line, said
         said += line
-    sender = Sender("127.0.0.1", int(line.rsplit(":", 1)[1]), [hand.rig])
+    hands = {"right": hand} if beside is None else {"right": hand, "left": beside}
+    sender = Sender("127.0.0.1", int(line.rsplit(":", 1)[1]), [h.rig for h in hands.values()])
     try:
         for i in range(len(keys.root)):
-            one = Keys(keys.root[i : i + 1], keys.turns[i : i + 1])
-            assert sender.show("right", lambda i=i, one=one: hand.lines(i / 60.0, one), PATIENT)  # type: ignore[misc]
-        sender.order(hand.stop)
+            for name, each in hands.items():
+                k = i if each is hand else len(keys.root) - 1 - i
+                one = Keys(keys.root[k : k + 1], keys.turns[k : k + 1])
+                made = lambda i=i, one=one, each=each: each.lines(i / 60.0, one)  # noqa: E731
+                assert sender.show(name, made, PATIENT)
+        for each in hands.values():
+            sender.order(each.stop)
         assert sender.flush(PATIENT)
         out, _ = side.communicate(timeout=PATIENT)
     finally:
@@ -140,6 +156,8 @@ def test_chains_of_any_number_of_bones_reach_as_far_and_point_as_the_fingers_do(
         "rig.blend",
         "--armature",
         "Rig",
+        "--fps",
+        "60",
         "--chains",
         *chains,
         "--out",
@@ -169,9 +187,86 @@ def test_a_left_hand_moves_a_rig_that_waits_for_it_and_ends(python: str, tmp_pat
     armature = Armature(Person("left").skeleton(ADULT))
     hand = HandLines(armature, "left", BLENDER)
     keys = armature.keys(moving(ADULT, 3, 5))
-    rig = ("--open", "rig.blend", "--armature", "Rig", "--chains", "chain1_0")
+    rig = ("--open", "rig.blend", "--fps", "60", "--armature", "Rig", "--chains", "chain1_0")
     said = streamed(python, tmp_path, hand, keys, *rig, "--side", "left", "--out", "theirs.bvh")
     assert "Rig, frames [1, 3]" in said and (tmp_path / "theirs.bvh").exists()
+
+
+READ = """
+import bpy, json, sys
+bpy.ops.wm.read_factory_settings(use_empty=True)
+file = sys.argv[1]
+load = bpy.ops.import_scene.fbx if file.endswith("fbx") else bpy.ops.import_scene.gltf
+load(filepath=file)
+rigs = [each for each in bpy.data.objects if each.type == "ARMATURE"]
+rig = rigs[0]
+actions = [each.name for each in bpy.data.actions]
+ends = [each.frame_range[:] for each in bpy.data.actions]
+wrists = []
+for frame in (ends[0][0], ends[0][1]):
+    bpy.context.scene.frame_set(int(frame))
+    bone = rig.pose.bones[0]
+    wrists.append(list((rig.matrix_world @ bone.matrix).translation))
+meshes = [each.name for each in bpy.data.objects if each.type == "MESH" and each.find_armature()]
+print(json.dumps([len(rigs), len(actions), ends, wrists, len(meshes)]))
+"""
+
+
+def read_back(python: str, file: Path) -> list[Any]:
+    """What another Blender finds in a file.
+
+    Numbers of armatures and of actions, first and last frames of these, places of the wrist in
+    those, and the number of skins.
+    """
+    read = [python, "-c", READ, file.name]
+    done = subprocess.run(read, cwd=file.parent, check=True, capture_output=True, text=True)
+    found: list[Any] = json.loads(done.stdout.splitlines()[-1])
+    return found
+
+
+@pytest.mark.parametrize("ending", ["fbx", "glb"])
+def test_each_of_two_hands_has_its_own_motion_in_a_file_of_its_own(
+    python: str, tmp_path: Path, ending: str
+) -> None:
+    armatures = [Armature(ADULT), Armature(Person("left").skeleton(ADULT))]
+    right, left = (
+        HandLines(a, side, BLENDER) for a, side in zip(armatures, ("right", "left"), strict=True)
+    )
+    keys = armatures[0].keys(moving(ADULT, 20, 3))
+    streamed(python, tmp_path, right, keys, "--out", f"hand.{ending}", beside=left)
+    for side, order in (("right", (0, -1)), ("left", (-1, 0))):
+        rigs, actions, _, wrists, _ = read_back(python, tmp_path / f"hand-{side}.{ending}")
+        assert (rigs, actions) == (1, 1)
+        assert np.abs(np.array(wrists) - keys.root[list(order)]).max() < 1e-4
+
+
+def test_a_rig_takes_its_skin_along_and_no_other_hand_and_keeps_the_rate_of_its_file(
+    python: str, tmp_path: Path
+) -> None:
+    skin = """
+mesh = bpy.data.meshes.new("Skin")
+mesh.from_pydata([(0, 1, 0), (1, 1, 0), (0, 2, 0)], [], [(0, 1, 2)])
+body = bpy.data.objects.new("Skin", mesh)
+bpy.context.scene.collection.objects.link(body)
+body.vertex_groups.new(name="chain1_0").add([0, 1, 2], 1.0, "ADD")
+body.modifiers.new("Armature", "ARMATURE").object = rig
+body.parent = rig
+bpy.context.scene.render.fps = 30
+bpy.ops.wm.save_as_mainfile(filepath="rig.blend")
+"""
+    (tmp_path / "rig.py").write_text(RIG + skin)
+    subprocess.run([python, "rig.py"], cwd=tmp_path, check=True, capture_output=True)
+    armatures = [Armature(ADULT), Armature(Person("left").skeleton(ADULT))]
+    right, left = (
+        HandLines(a, side, BLENDER) for a, side in zip(armatures, ("right", "left"), strict=True)
+    )
+    rig = ("--open", "rig.blend", "--armature", "Rig", "--chains", "chain1_0", "--side", "left")
+    keys = armatures[0].keys(moving(ADULT, 61, 5))
+    said = streamed(python, tmp_path, right, keys, *rig, "--out", "rig.glb", beside=left)
+    assert "Rig, frames [1, 31], rig.glb" in said  # a second at the file's 30 frames a second
+    assert [file.name for file in tmp_path.glob("*.glb")] == ["rig.glb"]
+    rigs, actions, _, _, skins = read_back(python, tmp_path / "rig.glb")
+    assert (rigs, actions, skins) == (1, 1, 1)
 
 
 def test_a_rig_whose_hand_never_comes_ends_with_a_line_that_says_so(
