@@ -1,6 +1,6 @@
 """Steps simulators for learning, ours and others, and asks them for the same states again.
 
-    python benchmarks/neighbours.py sandbox
+    python benchmarks/neighbours.py sandbox                 # the extra gym
     path/to/its/python benchmarks/neighbours.py robosuite
 
 Each is run with a Python that has it, so this file imports nothing of ours unless asked to. Printed
@@ -12,7 +12,7 @@ and not which simulator is quicker at the same thing. *-* means that it cannot b
 
 from __future__ import annotations
 
-import sys
+import argparse
 from collections.abc import Callable
 from importlib.metadata import PackageNotFoundError, version
 from time import process_time
@@ -144,7 +144,11 @@ def _states(made: Made) -> Any:
 
 def main() -> None:
     """Prints a row."""
-    (kind,) = sys.argv[1:]
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("name", choices=list(KINDS))
+    kind = parser.parse_args().name
     package = {"sandbox": "hand-sandbox"}.get(kind, kind)
     try:
         id, made = KINDS[kind]()

@@ -98,7 +98,7 @@ def main() -> None:
         try:
             frames = read_leap(path).frames[:: options.every]
         except InputError as error:
-            sys.exit(str(error))
+            sys.exit(f"{error}\n`sandbox leap formats` says where others have put recordings")
         seen = [layout(hand) for frame in frames for hand in frame.hands]
         layouts = [places for places in seen if places is not None]
         if not layouts:

@@ -52,11 +52,14 @@ class ContinuousEuler:
 
     Attributes:
         biggest_step: rad, largest change of any angle from one moment to the next.
+        biggest_at: The later of these two moments, counted from 0, and the joint.
     """
 
     def __init__(self, order: str) -> None:
         self.order = order
         self.biggest_step = 0.0
+        self.biggest_at = (0, 0)
+        self._count = 0
         self._last: Array | None = None
 
     def angles(self, rotations: Array) -> Array:
@@ -72,7 +75,13 @@ class ContinuousEuler:
             out[:, ~calm] = self._one_by_one(raw[:, ~calm], before[~calm])
         whole = out if self._last is None else np.concatenate([before[None], out])
         if len(whole) > 1:
-            self.biggest_step = max(self.biggest_step, float(np.abs(np.diff(whole, axis=0)).max()))
+            steps = np.abs(np.diff(whole, axis=0)).max(axis=-1)
+            if steps.max() > self.biggest_step:
+                self.biggest_step = float(steps.max())
+                moment, joint = np.unravel_index(int(steps.argmax()), steps.shape)
+                later = self._count + int(moment) + (self._last is None)
+                self.biggest_at = later, int(joint)
+        self._count += len(out)
         self._last = out[-1].copy()
         return out
 

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Literal
 
-import numpy as np
 import tyro
 from rich.console import Console
 from rich.progress import Progress
@@ -164,10 +163,10 @@ def main(argv: list[str]) -> int:
     )
     for writer, _ in exporter.writers:
         if isinstance(writer, BvhWriter):
-            step = float(np.rad2deg(writer.euler.biggest_step))
+            step, key, joint = writer.greatest_step
             console.print(
                 f"{writer.paths[0].name}: angles in {options.euler} order, greatest step "
-                f"between two keys {step:.1f} degrees",
+                f"between two keys {step:.1f} degrees ({joint}, at {key / options.rate:.2f} s)",
                 soft_wrap=True,
                 markup=False,
             )

@@ -117,7 +117,9 @@ def _plan(options: RestOptions) -> Plan:
     if not options.seconds > 0.0:
         raise InputError("expected a positive time", where="--seconds", got=options.seconds)
     if not options.out.absolute().parent.is_dir():
-        raise InputError("no such folder", where=f"--out {options.out}")
+        raise InputError(
+            "no such folder", where=f"--out {options.out}", remedy="Make it, or name another"
+        )
     if options.device == HEADSET:
         raise InputError(
             "a headset's hand is seen in a recording",

@@ -125,7 +125,8 @@ class StreamOptions(LeapOptions, PageOptions):
     over a Leap need none; with one, they stay above its table."""
 
     hand: Hand | None = None
-    """Which hand; both are for a Leap. Default: the right one, or all in a recording of a Leap."""
+    """Which hand of a Leap; both are for a live one, whose default is the right one. Recordings
+    stream all their hands, and only those of a Leap can stream one of them."""
 
     encoder: str = DEFAULT_MODEL
     """Encoder, as for `sandbox run`."""

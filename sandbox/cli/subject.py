@@ -86,7 +86,9 @@ def main(argv: list[str]) -> int:
         return _population(argv[1:])
     options = parse(SubjectOptions, "sandbox subject", argv)
     if not options.out.absolute().parent.is_dir():
-        raise InputError("no such folder", where=f"--out {options.out}")
+        raise InputError(
+            "no such folder", where=f"--out {options.out}", remedy="Make it, or name another"
+        )
     console = Console()
     bars = Console(stderr=True)
     with Progress(console=bars, transient=True, disable=not bars.is_terminal) as progress:
@@ -113,7 +115,9 @@ def main(argv: list[str]) -> int:
 def _population(argv: list[str]) -> int:
     options = parse(PopulationOptions, "sandbox subject population", argv)
     if not options.out.absolute().parent.is_dir():
-        raise InputError("no such folder", where=f"--out {options.out}")
+        raise InputError(
+            "no such folder", where=f"--out {options.out}", remedy="Make it, or name another"
+        )
     if not 0.0 < options.share <= 1.0:
         raise InputError("not a share", where="--share", got=options.share, expected="0 to 1")
     groups = {

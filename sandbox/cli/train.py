@@ -149,7 +149,9 @@ def main(argv: list[str]) -> int:
 
 def _one(options: TrainOptions, capture: Capture, console: Console) -> int:
     if not options.out.absolute().parent.is_dir():
-        raise InputError("no such folder", where=f"--out {options.out}")
+        raise InputError(
+            "no such folder", where=f"--out {options.out}", remedy="Make it, or name another"
+        )
     degree = 2 if options.degree is None and options.ridge is not None else options.degree
     bars = Console(stderr=True)
     # Without a terminal, a bar would leave an empty line beside an error.
@@ -173,7 +175,7 @@ def _one(options: TrainOptions, capture: Capture, console: Console) -> int:
 
 def _names(path: Path, out: Path, console: Console) -> int:
     if not out.absolute().parent.is_dir():
-        raise InputError("no such folder", where=f"--out {out}")
+        raise InputError("no such folder", where=f"--out {out}", remedy="Make it, or name another")
     population = load_population(path).of(group="train")
     people = population.people
     bars = Console(stderr=True)
@@ -193,7 +195,7 @@ def _names(path: Path, out: Path, console: Console) -> int:
 
 def _pose(path: Path, out: Path, console: Console) -> int:
     if not out.absolute().parent.is_dir():
-        raise InputError("no such folder", where=f"--out {out}")
+        raise InputError("no such folder", where=f"--out {out}", remedy="Make it, or name another")
     population = load_population(path).of(group="train")
     people = population.people
     about = {"digest": population.digest, **population.meta}

@@ -105,7 +105,10 @@ def _only_leaps(hand: Hand | None, calibration: Path | None, what: str) -> None:
     given = "--hand" if hand else "--calibration" if calibration else ""
     if given:
         raise InputError(
-            "this option is for recordings of a Leap", where=given, got=what, remedy="Leave it out"
+            "this option is for recordings of a Leap",
+            where=given,
+            got=what,
+            remedy="Leave it out: all hands are taken, each under its own name",
         )
 
 

@@ -165,7 +165,7 @@ class Exporter:
         chosen = format_of(path)
         self._open = ExitStack()
         if not path.absolute().parent.is_dir():
-            raise InputError("no such folder", where=str(path))
+            raise InputError("no such folder", where=str(path), remedy="Make it, or name another")
         self._sampler = Sampler(tuple(armatures), settings.rate)
         self.writers: list[tuple[MotionWriter, tuple[int, ...]]] = []
         with ExitStack() as undo:

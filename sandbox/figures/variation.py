@@ -31,7 +31,7 @@ def check_plot(path: Path) -> None:
     if path.suffix.lower() not in SUFFIXES:
         raise InputError("not a picture's name", where=where, expected=" or ".join(SUFFIXES))
     if not path.absolute().parent.is_dir():
-        raise InputError("no such folder", where=where)
+        raise InputError("no such folder", where=where, remedy="Make it, or name another")
     if find_spec("matplotlib") is None:
         raise InputError(
             "a picture needs matplotlib", where=where, remedy="pip install 'hand-sandbox[plots]'"

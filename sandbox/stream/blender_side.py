@@ -263,8 +263,8 @@ def run(words: Sequence[str]) -> int:
     print("hand_sandbox: listening on 127.0.0.1:%d" % port.port, flush=True)
     rigs = dict(hands)
     try:
-        # A rig whose hand never came has nothing to wait for.
-        while not stopped or streamed & set(hands):
+        # A rig whose hand never came has nothing to wait for; a hand that moves none stops, too.
+        while not stopped or streamed - set(stopped):
             if not port.poll():
                 time.sleep(0.001)
             rigs.update(hands)

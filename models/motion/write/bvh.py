@@ -54,6 +54,12 @@ class BvhWriter(MotionWriter):
         self._outputs[0].write(rows(values, self._line))
         self.frames += len(root)
 
+    @property
+    def greatest_step(self) -> tuple[float, int, str]:
+        """Largest change of an angle between two keys: degrees, the later key, the joint."""
+        key, joint = self.euler.biggest_at
+        return float(np.rad2deg(self.euler.biggest_step)), key, self._armature.names[joint]
+
     def finish(self) -> None:
         """Writes the number of frames into the header."""
         self._outputs[0].put(self._count_at, f"{self.frames:<{_COUNT}d}".encode("ascii"))

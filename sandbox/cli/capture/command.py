@@ -257,7 +257,9 @@ def _checked(options: CaptureOptions) -> Path:
     if options.sync == "tap" and options.touches is None and options.recorded is None:
         raise InputError("there are no touches to synchronise with", where="--sync tap")
     if not options.out.absolute().parent.is_dir():
-        raise InputError("no such folder", where=f"--out {options.out}")
+        raise InputError(
+            "no such folder", where=f"--out {options.out}", remedy="Make it, or name another"
+        )
     for name, value, greatest in (
         ("--rate", options.rate, 1000.0),
         ("--unit", 1.0 if options.unit is None else options.unit, 1000.0),

@@ -24,7 +24,9 @@ def check_output(path: Path | None, option: str = "--json") -> None:
     if path is None or path == TERMINAL:
         return
     if not path.absolute().parent.is_dir():
-        raise InputError("no such folder", where=f"{option} {path}")
+        raise InputError(
+            "no such folder", where=f"{option} {path}", remedy="Make it, or name another"
+        )
     if path.is_dir():
         raise InputError("this is a folder", where=f"{option} {path}", expected="a file")
 

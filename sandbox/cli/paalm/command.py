@@ -168,7 +168,7 @@ def calibrate(
     _check(file, device or (None if file else "leap"), frames, math.inf)
     own = out == Path(DEFAULT)
     if out is not None and not own and not out.absolute().parent.is_dir():
-        raise InputError("no such folder", where=f"--out {out}")
+        raise InputError("no such folder", where=f"--out {out}", remedy="Make it, or name another")
     source = _Source(file, address)
     paalm = Paalm()
     try:

@@ -31,7 +31,9 @@ def check_picture(path: Path | None) -> None:
     if path is None:
         return
     if not path.absolute().parent.is_dir():
-        raise InputError("no such folder", where=f"--picture {path}")
+        raise InputError(
+            "no such folder", where=f"--picture {path}", remedy="Make it, or name another"
+        )
     if path.suffix.lower() not in PICTURES:
         raise InputError(
             "this is not a picture's name", where=f"--picture {path}", expected=", ".join(PICTURES)

@@ -150,6 +150,8 @@ def test_angles_never_jump_in_any_order(order: str, seed: int) -> None:
     assert np.rad2deg(np.abs(np.diff(angles[:, 1:], axis=0)).max()) < 25
     assert np.rad2deg(np.abs(np.diff(angles[:, 0], axis=0)).max()) < 25
     assert euler.biggest_step == np.abs(np.diff(angles, axis=0)).max()
+    moment, joint = euler.biggest_at
+    assert np.abs(angles[moment, joint] - angles[moment - 1, joint]).max() == euler.biggest_step
 
 
 def test_the_first_angle_of_a_finger_is_its_flexion_and_the_last_its_spread() -> None:
