@@ -55,7 +55,7 @@ def test_the_readme_is_a_screen_and_a_half() -> None:
     text = (ROOT / "README.md").read_text(encoding="utf-8")
     # A screen of 1440 x 900 px shows about 50 lines.
     assert len(text.splitlines()) <= 80
-    assert text.index("18 strangers") < text.index("another day of the person")
+    assert text.index("| strangers (") < text.index("another day of the person")
 
 
 def test_the_picture_of_the_steps_is_the_one_that_its_command_draws() -> None:
