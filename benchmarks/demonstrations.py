@@ -3,12 +3,16 @@
     python -m benchmarks.demonstrations --sources best --sizes 10 50 200 --judged 100
     python -m benchmarks.demonstrations --sources paper names shadow --sizes 200 --judged 100
     python -m benchmarks.demonstrations --table --plot out/demonstrations/curve.png
+    python -m benchmarks.demonstrations --sources best --check 1000 --workers 2
 
 The simulated user plays box-to-goal on seeds of training until there are as many successful trials
 as the largest size asks for. Of each source and size, a policy is trained by behaviour cloning, and
 plays judged seeds in the environment of its demonstrations: with the same encoder, labels and hand.
 Resumable: trials, policies and judged episodes are kept in a folder and not made again. Everything
 is simulated. Prints Markdown. Training needs the extra `learn`.
+
+`--check` reads kept demonstrations from their files and plays every action through the environment
+that they name, in processes of their own, and compares every state with the recorded one.
 """
 
 from __future__ import annotations
@@ -16,10 +20,11 @@ from __future__ import annotations
 import argparse
 import json
 from collections.abc import Iterator
+from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 from pathlib import Path
-from time import process_time
+from time import monotonic, process_time
 from typing import Any
 
 import gymnasium
@@ -32,6 +37,7 @@ from sandbox import run_trial
 from sandbox.datasets.demonstration import Demonstration
 from sandbox.datasets.export import export_data_set
 from sandbox.datasets.npz_file import read_npz
+from sandbox.datasets.playback import first_difference
 from sandbox.gym import learning_id
 from sandbox.learning.cloning import clone
 from sandbox.learning.policy import Policy, play
@@ -164,6 +170,36 @@ class Learner:
         )
 
 
+@cache
+def _environment(source: Source) -> Any:
+    """The environment of a source, one in every process."""
+    return source.environment()
+
+
+def _played_back(source: Source, file: Path) -> tuple[int, bool, int]:
+    """States of a demonstration, whether all are as recorded, and bytes of its file."""
+    (episode,) = read_npz(file).episodes
+    env = _environment(source)
+    differs = first_difference(env, episode.seed, episode.actions, episode.hashes)
+    return len(episode.hashes), differs is None, file.stat().st_size
+
+
+def check(source: Source, count: int, workers: int) -> str:
+    """Reads and plays back the first demonstrations of a source; what came of it."""
+    files = sorted(source.trials.glob("*.npz"), key=lambda file: int(file.stem))[:count]
+    spent = sum(source.notes()[int(file.stem)]["cpu"] for file in files)
+    begun = monotonic()
+    with ProcessPoolExecutor(workers) as pool:
+        found = list(pool.map(_played_back, [source] * len(files), files))
+    minutes = (monotonic() - begun) / 60
+    states, equal, size = (sum(column) for column in zip(*found, strict=True))
+    return (
+        f"{source.name}: {equal} of {len(files)} demonstrations read and played back with every "
+        f"one of {states} states as recorded, {minutes:.1f} min in {workers} processes; "
+        f"{size / 1e6:.0f} MB. Playing and writing them took {spent / 60:.1f} min of processor."
+    )
+
+
 def table(learners: list[Learner]) -> Iterator[str]:
     """The result as Markdown."""
     yield (
@@ -213,8 +249,14 @@ def main() -> None:
     parser.add_argument("--out", type=Path, default=Path("out/demonstrations"))
     parser.add_argument("--table", action="store_true", help="only print what is there")
     parser.add_argument("--plot", type=Path, help="draws the curves, .png or .svg")
+    parser.add_argument("--check", type=int, metavar="N", help="plays back N of each source")
+    parser.add_argument("--workers", type=int, default=2, help="processes of --check")
     options = parser.parse_args()
     sources = [Source(name, options.out) for name in options.sources]
+    if options.check:
+        print(f"{describe_machine()}\n")
+        print("\n".join(check(source, options.check, options.workers) for source in sources))
+        return
     learners = [Learner(source, size) for source in sources for size in sorted(options.sizes)]
     if not options.table:
         seeds = judged_seeds(options.judged, TASK)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
+from numpy.typing import NDArray
 
 from models.arithmetic.arrays import Array
 from models.scene import CONTROL_PERIOD
@@ -126,17 +127,16 @@ def in_first_slots(
         observations: Name -> (T + 1, ...) parts of observations with one hand.
         actions: (T, 15) the touches of each control period.
     """
-    rows = actions.reshape(len(actions), -1, 3).copy()
-    seen = {name: observations[name].copy() for name in ("touches", "names")}
+    rows = actions.reshape(len(actions), -1, 3)
     order = _orders(rows[:, :, 0] > 0.5)
     rows = np.take_along_axis(rows, order[:, :, None], axis=1)
     order = np.concatenate([order[:1], order])
-    touches = np.take_along_axis(seen["touches"], order[:, :, None], axis=1)
-    names = np.take_along_axis(seen["names"], order, axis=1)
+    touches = np.take_along_axis(observations["touches"], order[:, :, None], axis=1)
+    names = np.take_along_axis(observations["names"], order, axis=1)
     return {**observations, "touches": touches, "names": names}, rows.reshape(actions.shape)
 
 
-def _orders(down: Array) -> Array:
+def _orders(down: NDArray[np.bool_]) -> NDArray[np.intp]:
     """(T, 5) old slot of each new slot, the same from a first touch to the end of the last one."""
     order = np.tile(np.arange(down.shape[1]), (len(down), 1))
     any_down = np.concatenate([[False], down.any(axis=1), [False]])
