@@ -11,7 +11,8 @@ anything is measured, and take turns in each round, the first one of a round las
 several processes get more of it than one, so the ratio by the clock says too much. That *by
 processors* does not depend on it: the time that one process computes for the steps, over the time
 that the other way's processes compute for them, evenly on all processors, plus that of the process
-that asks. On a quiet machine the ratio by the clock is this one, but for what processes wait.
+that asks. Where the process that asks has a share of the environments, it is the longer of the two.
+On a quiet machine the ratio by the clock is this one, but for what processes wait.
 
 *Physics alone* are control periods of the same scene without hands' reconstruction, observation and
 reward, by `mujoco.rollout` on one thread and on one a processor. Prints Markdown.
@@ -61,10 +62,17 @@ class Way:
         name: Its name.
         step: Steps all of them once.
         pids: Its processes besides this one.
+        shared: This process steps some of the environments while the others do.
     """
 
-    def __init__(self, name: str, step: Callable[[], object], pids: Sequence[int] = ()) -> None:
-        self.name, self._step, self._pids = name, step, pids
+    def __init__(
+        self,
+        name: str,
+        step: Callable[[], object],
+        pids: Sequence[int] = (),
+        shared: bool = False,
+    ) -> None:
+        self.name, self._step, self._pids, self._shared = name, step, pids, shared
         self.spent: list[float] = []
         self.alone: list[float] = []
 
@@ -78,7 +86,7 @@ class Way:
         own = process_time() - own
         others = [used(p) - then for p, then in zip(self._pids, before, strict=True)]
         side_by_side = max(sum(others) / cores, *others) if others else 0.0
-        self.alone.append(own + side_by_side)
+        self.alone.append(max(own, side_by_side) if self._shared else own + side_by_side)
 
 
 def used(pid: int) -> float:
@@ -97,7 +105,7 @@ def ways(count: int, cores: int) -> Iterator[Way]:
     actions = np.tile(action(), (count, 1))
     many = ManyEnvs(learning_id("box-to-goal"), count, cores, observe="all")
     many.reset(seed=seeds)
-    yield Way(f"together, {cores} processes", lambda: many.step(actions), many.pids)
+    yield Way(f"together, {cores} processes", lambda: many.step(actions), many.pids, True)
     each: Any = gymnasium.vector.AsyncVectorEnv([make] * count)
     each.reset(seed=seeds)
     yield Way("a process each", lambda: each.step(actions), [p.pid for p in each.processes])

@@ -15,22 +15,25 @@ from gymnasium.vector.utils import batch_space
 
 from models.arithmetic.arrays import Array
 from models.errors import InputError
+from sandbox.gym.several import Answer, Several
 
 
 class ManyEnvs(gymnasium.vector.VectorEnv):
     """Equal environments, which are stepped together.
 
-    Each process has several environments and steps them one after another. A process for each
-    environment, as in `gymnasium.vector.AsyncVectorEnv`, makes processors change from one to the
-    next several times a step. Episodes are those of one environment alone: same seeds and actions,
-    same states. An environment that is over starts anew at the next step (Gymnasium's
-    `AutoresetMode.NEXT_STEP`), and its action of that step is left out.
+    Each process has several environments and steps them one after another. The process that asks
+    has its share, too, as it would only wait for the others. A process for each environment, as in
+    `gymnasium.vector.AsyncVectorEnv`, makes processors change from one to the next several times a
+    step. Episodes are those of one environment alone: same seeds and actions, same states. An
+    environment that is over starts anew at the next step (Gymnasium's `AutoresetMode.NEXT_STEP`),
+    and its action of that step is left out.
 
     Args:
         id: An environment's id, such as `hand_sandbox/BoxToGoalLearn-v1`. What registers another id
             is named before it, `MODULE:ID`, since every process imports it.
         count: Number of environments.
-        processes: Number of processes; None takes as many as there are processors to use.
+        processes: Number of processes, with this one; None takes as many as there are processors to
+            use.
         **options: Options of the environment.
 
     Raises:
@@ -47,7 +50,10 @@ class ManyEnvs(gymnasium.vector.VectorEnv):
         for what, number in (("environments", count), ("processes", processes)):
             if number < 1:
                 raise InputError(f"there must be {what}", where="many", got=number, expected=">= 1")
-        first = _make(id, options)
+        shares = [len(part) for part in np.array_split(np.arange(count), processes)]
+        own, *others = [share for share in shares if share]
+        self._several = Several(id, own, options)
+        first = self._several.first
         self.spec = first.spec
         self.num_envs = count
         self.single_observation_space = first.observation_space
@@ -56,14 +62,12 @@ class ManyEnvs(gymnasium.vector.VectorEnv):
         self._parts = [(name, shape, int(np.prod(shape))) for name, shape in parts]
         self.observation_space = batch_space(self.single_observation_space, count)
         self.action_space = batch_space(self.single_action_space, count)
-        first.close()
         # Processes begin from nothing: threads and OpenGL of this one do not come along.
         context = get_context("spawn")
-        self._shares = [len(part) for part in np.array_split(np.arange(count), processes)]
-        self._shares = [share for share in self._shares if share]
+        self._shares = others
         self._pipes: list[Connection] = []
         self._processes = []
-        for share in self._shares:
+        for share in others:
             ours, theirs = context.Pipe()
             process = context.Process(target=_work, args=(theirs, id, share, options), daemon=True)
             process.start()
@@ -73,7 +77,7 @@ class ManyEnvs(gymnasium.vector.VectorEnv):
 
     @property
     def pids(self) -> list[int]:
-        """Numbers of the processes."""
+        """Numbers of the other processes."""
         return [process.pid or 0 for process in self._processes]
 
     def reset(
@@ -117,7 +121,8 @@ class ManyEnvs(gymnasium.vector.VectorEnv):
         return seen, rewards.copy(), ended > 0.0, cut > 0.0, self._told(infos)
 
     def close_extras(self, **kwargs: Any) -> None:
-        """Ends the processes."""
+        """Ends the other processes."""
+        self._several.close()
         for pipe in self._pipes:
             pipe.close()
         for process in self._processes:
@@ -126,11 +131,12 @@ class ManyEnvs(gymnasium.vector.VectorEnv):
     def _together(self, what: str, each: Any) -> tuple[dict[str, Array], Array, list[Any]]:
         """What all environments answer to what each is asked: what is seen, rewards and ends
         (count, 3), and infos."""
-        begun = 0
+        own = begun = self.num_envs - sum(self._shares)
         for pipe, share in zip(self._pipes, self._shares, strict=True):
             self._kept(partial(pipe.send, (what, each[begun : begun + share])))
             begun += share
-        answers = [self._kept(pipe.recv) for pipe in self._pipes]
+        answers: list[Answer] = [self._several.answer(what, each[:own])]
+        answers += [self._kept(pipe.recv) for pipe in self._pipes]
         for error, *_ in answers:
             if error is not None:
                 raise error
@@ -171,37 +177,13 @@ class ManyEnvs(gymnasium.vector.VectorEnv):
         return out
 
 
-def _make(id: str, options: Mapping[str, Any]) -> Any:
-    return gymnasium.make(id if ":" in id else f"sandbox.gym:{id}", **options)
-
-
 def _work(pipe: Connection, id: str, count: int, options: Mapping[str, Any]) -> None:
     """Steps environments in a process of their own, until the pipe is closed."""
-    envs = [_make(id, options) for _ in range(count)]
-    over, names = [False] * count, list(envs[0].observation_space)
+    several = Several(id, count, options)
     while True:
         try:
             what, each = pipe.recv()
         except (EOFError, KeyboardInterrupt):
             break
-        flat: list[Array] = []
-        outcomes, infos = np.zeros((count, 3)), list[dict[str, Any]]()
-        error: Exception | None = None
-        try:
-            for i, (env, asked) in enumerate(zip(envs, each, strict=True)):
-                if what == "reset":
-                    seen, info = env.reset(seed=asked[0], options=asked[1])
-                    over[i] = False
-                elif over[i]:
-                    seen, info = env.reset()
-                    over[i] = False
-                else:
-                    seen, *outcomes[i], info = env.step(asked)
-                    over[i] = bool(outcomes[i, 1:].any())
-                flat.append(np.concatenate([seen[name].ravel() for name in names]))
-                infos.append(info)
-        except Exception as raised:  # for the process that asks, which raises it
-            error = raised
-        pipe.send((error, np.array(flat), outcomes, infos))
-    for env in envs:
-        env.close()
+        pipe.send(several.answer(what, each))
+    several.close()

@@ -88,11 +88,21 @@ def test_what_is_wrong_is_said_here(three: ManyEnvs) -> None:
         ManyEnvs(ID, 2, 0)
 
 
+def test_the_process_that_asks_has_its_share() -> None:
+    alone = ManyEnvs(ID, 2, 1)
+    assert alone.pids == []
+    alone.close()
+    many = ManyEnvs(ID, 3, 8)
+    assert len(many.pids) == 2
+    many.close()
+
+
 def test_a_process_that_has_ended_is_one_clear_error() -> None:
     many = ManyEnvs(ID, 2, 2)
     many.reset(seed=1)
-    many._processes[1].kill()
-    many._processes[1].join()
+    (other,) = many._processes
+    other.kill()
+    other.join()
     with pytest.raises(InputError, match="has ended") as error:
         many.step(np.zeros((2, 15)))
     assert "\n" not in str(error.value)
