@@ -4,8 +4,9 @@
     python -m benchmarks.demonstrations --sources paper names shadow --sizes 200 --judged 100
     python -m benchmarks.demonstrations --table --plot out/demonstrations/curve.png
     python -m benchmarks.demonstrations --sources best --check 1000 --workers 2
+    python -m benchmarks.demonstrations --task insert --sources best --out out/insert
 
-The simulated user plays box-to-goal on seeds of training until there are as many successful trials
+The simulated user plays a task on seeds of training until there are as many successful trials
 as the largest size asks for. Of each source and size, a policy is trained by behaviour cloning, and
 plays judged seeds in the environment of its demonstrations: with the same encoder, labels and hand.
 Resumable: trials, policies and judged episodes are kept in a folder and not made again. Everything
@@ -43,7 +44,8 @@ from sandbox.learning.cloning import clone
 from sandbox.learning.policy import Policy, play
 from sandbox.regress.statistics import wilson
 
-TASK = "box-to-goal"
+TASKS = ("box-to-goal", "insert")
+"""Tasks that a policy of `sandbox.learning` can see."""
 SOURCES: dict[str, dict[str, Any]] = {
     "best": {},
     "paper": {"encoder": "paper"},
@@ -63,10 +65,12 @@ class Source:
     Args:
         name: One of `SOURCES`.
         folder: Folder of all that is kept.
+        task: One of `TASKS`.
     """
 
     name: str
     folder: Path
+    task: str
 
     @cached_property
     def trials(self) -> Path:
@@ -104,12 +108,14 @@ class Source:
         (file, *_) = sorted(self.trials.glob("*.npz"))
         kept = {"id", "task"}
         options = {k: v for k, v in read_npz(file).environment.items() if k not in kept}
-        return gymnasium.make(learning_id(TASK), **options).unwrapped
+        return gymnasium.make(learning_id(self.task), **options).unwrapped
 
     def _try(self, seed: int) -> bool:
         begun, recording = process_time(), self.trials / f"{seed}.jsonl"
         recording.unlink(missing_ok=True)
-        trial = run_trial(TASK, seed, record=recording, trajectories=False, **SOURCES[self.name])
+        trial = run_trial(
+            self.task, seed, record=recording, trajectories=False, **SOURCES[self.name]
+        )
         differ = None
         if trial.success:
             differ = len(export_data_set([recording], self.trials / f"{seed}.npz").differing)
@@ -230,7 +236,7 @@ def draw(learners: list[Learner], path: Path) -> None:
             errors = 100 * np.array([rates - lows, highs - rates])
             axes.errorbar(sizes, 100 * rates, errors, marker="o", capsize=3, label=name)
     axes.set(xscale="log", ylim=(0, 102), ylabel="success on judged seeds, %")
-    axes.set(xlabel="successful demonstrations (simulated user)", title=TASK)
+    axes.set(xlabel="successful demonstrations (simulated user)", title=learners[0].source.task)
     ticks = sorted({learner.size for learner in learners})
     axes.set_xticks(ticks, [str(tick) for tick in ticks], minor=False)
     axes.minorticks_off()
@@ -244,6 +250,7 @@ def main() -> None:
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--sources", nargs="+", choices=list(SOURCES), default=list(SOURCES))
+    parser.add_argument("--task", choices=TASKS, default=TASKS[0])
     parser.add_argument("--sizes", nargs="+", type=int, default=[10, 50, 200])
     parser.add_argument("--judged", type=int, default=100, help="the first N judged seeds")
     parser.add_argument("--out", type=Path, default=Path("out/demonstrations"))
@@ -252,14 +259,14 @@ def main() -> None:
     parser.add_argument("--check", type=int, metavar="N", help="plays back N of each source")
     parser.add_argument("--workers", type=int, default=2, help="processes of --check")
     options = parser.parse_args()
-    sources = [Source(name, options.out) for name in options.sources]
+    sources = [Source(name, options.out, options.task) for name in options.sources]
     if options.check:
         print(f"{describe_machine()}\n")
         print("\n".join(check(source, options.check, options.workers) for source in sources))
         return
     learners = [Learner(source, size) for source in sources for size in sorted(options.sizes)]
     if not options.table:
-        seeds = judged_seeds(options.judged, TASK)
+        seeds = judged_seeds(options.judged, options.task)
         for learner in learners:
             learner.source.collect(learner.size)
             learner.judge(seeds)

@@ -11,7 +11,7 @@ from models.arithmetic.arrays import Array
 from models.scene import CONTROL_PERIOD
 from models.surface import Surface
 
-SEEN = ("objects", "goals", "tips", "touches", "names", "solid", "phase", "contact")
+SEEN = ("objects", "goals", "things", "tips", "touches", "names", "solid", "phase", "contact")
 """Parts of an observation that it uses."""
 LAGS = (0, 6, 15, 30)
 """Control periods ago at which touches are seen as well; the longest is half a second."""
@@ -25,7 +25,8 @@ less."""
 NEAR, STRAIGHT = (0.01, 0.0025), np.deg2rad([10.0, 2.5])
 """m and rad, within which differences from the goal are seen in more detail: people let go of a
 thing that is within 2 mm of its goal, after they have moved it by 80."""
-_QUARTER = np.pi / 2
+SQUARE = 0.01
+"""Share by which two edges of a square thing differ at most."""
 
 
 def places_of(observations: Mapping[str, Array], surface: Surface) -> Array:
@@ -47,8 +48,10 @@ def sights(observations: Mapping[str, Array], surface: Surface) -> Array:
     """(T, n) what is seen at each of T moments, from those moments and the ones before.
 
     Places are relative to the first object, in m times a factor that makes them about 1. A turn is
-    the shortest one to a goal that looks the same every quarter turn, as that of a box does. Of the
-    hand, a touch shows the finger that follows it, by whatever name.
+    the shortest one to a goal that looks the same every quarter turn, if the thing is as long as
+    wide, and else every half turn. Of a longer thing it is also seen how far it is from its goal
+    along the goal and across it, as for what has to be lined up with a slot. Of the hand, a touch
+    shows the finger that follows it, by whatever name.
 
     Args:
         observations: Name -> (T, ...) parts of observations with one hand.
@@ -58,7 +61,9 @@ def sights(observations: Mapping[str, Array], surface: Surface) -> Array:
     objects, goals = observations["objects"][:, 0], observations["goals"][:, 0]
     w, x, y, z = objects[:, 3:7].T
     yaw = np.arctan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
-    turn = (goals[:, 3] - yaw + _QUARTER / 2) % _QUARTER - _QUARTER / 2
+    equal = _equal_turns(observations["things"][:, 0, 1:3])
+    apart = 2.0 * np.pi / equal
+    turn = (goals[:, 3] - yaw + apart / 2) % apart - apart / 2
     way = surface.to_surface(goals[:, :3]) - box
     touches = observations["touches"]
     down, places = touches[:, :, 0], touches[:, :, 1:]
@@ -75,7 +80,7 @@ def sights(observations: Mapping[str, Array], surface: Surface) -> Array:
         *(np.tanh(way / near) for near in NEAR),
         4.0 * turn[:, None],
         np.tanh(turn[:, None] / STRAIGHT),
-        np.stack([np.cos(4.0 * yaw), np.sin(4.0 * yaw)], axis=1),
+        np.stack([np.cos(equal * yaw), np.sin(equal * yaw)], axis=1),
         10.0 * box,
         20.0 * objects[:, 2:3],
         10.0 * objects[:, 7:9],
@@ -88,12 +93,29 @@ def sights(observations: Mapping[str, Array], surface: Surface) -> Array:
         np.log1p(force),
         2.0 * _clocks(down, places),
     ]
+    if (equal < 4.0).all():
+        lined = _along(goals, objects)
+        parts += [50.0 * lined, *(np.tanh(lined / near) for near in NEAR)]
     for lag in LAGS:
         before = np.maximum(np.arange(count) - lag, 0)
         then = down[before]
         apart = then[..., None] * (places[before] - box[:, None])
         parts += [then, 20.0 * apart.reshape(count, -1), 50.0 * (box - box[before])]
     return np.concatenate(parts, axis=1)
+
+
+def _equal_turns(half: Array) -> Array:
+    """(T,) number of turns in which a thing looks the same from above, by half its edges (T, 2)
+    m."""
+    low, high = half.min(axis=1), half.max(axis=1)
+    return np.where(high - low <= SQUARE * high, 4.0, 2.0)
+
+
+def _along(goals: Array, objects: Array) -> Array:
+    """(T, 2) m from a thing to its goal, along the goal's first axis and across it."""
+    x, y = (goals[:, :2] - objects[:, :2]).T
+    c, s = np.cos(goals[:, 3]), np.sin(goals[:, 3])
+    return np.stack([c * x + s * y, c * y - s * x], axis=1)
 
 
 def _fingers_of_touches(

@@ -30,6 +30,7 @@ def moments(shift: Array, count: int = 40) -> dict[str, Array]:
     return {
         "objects": np.tile(state, (count, 1, 1)),
         "goals": np.tile([*(box + goal), 0.3], (count, 1, 1)),
+        "things": np.tile([0.1, 0.025, 0.025, 0.025], (count, 1, 1)),
         "tips": np.tile(box, (count, 5, 1)),
         "touches": rows,
         "names": np.where(rows[:, :, 0] > 0.5, np.arange(5), -1),
@@ -71,6 +72,41 @@ def test_touches_that_carry_the_thing_to_its_goal_have_no_way_left() -> None:
         grip = surface.to_world(touch) - box[:3]
         turned = np.array([c * grip[0] - s * grip[1], s * grip[0] + c * grip[1], grip[2]])
         assert surface.to_surface(goal[:3] + turned) - touch == pytest.approx(way, abs=1e-12)
+
+
+@pytest.mark.parametrize("edges, turns", [((0.025, 0.025), 4), ((0.0375, 0.0125), 2)])
+def test_a_thing_that_looks_the_same_is_seen_the_same(
+    edges: tuple[float, float], turns: int
+) -> None:
+    seen, surface = moments(np.zeros(2)), Surface()
+    seen["things"][:, 0, 1:3] = edges
+    for part in range(1, 2 * turns):
+        angle = np.pi * part / turns
+        turned = {name: values.copy() for name, values in seen.items()}
+        turned["objects"][:, 0, 3], turned["objects"][:, 0, 6] = (
+            np.cos(angle / 2),
+            np.sin(angle / 2),
+        )
+        same = np.allclose(sights(seen, surface), sights(turned, surface), atol=1e-9)
+        assert same == (part % 2 == 0)
+
+
+def test_a_long_thing_shows_how_far_it_is_along_its_goal_and_across_it() -> None:
+    seen, surface = moments(np.zeros(2)), Surface()
+    cube = sights(seen, surface).shape[1]
+    seen["things"][:, 0, 1:3] = 0.0375, 0.0125
+    along = np.array([np.cos(0.3), np.sin(0.3)])
+    before = sights(seen, surface)
+    seen["objects"][:, 0, :2] -= 0.02 * along
+    seen["touches"][10:, :3, 1:] += surface.to_surface(
+        np.array([*(-0.02 * along), 0.0])
+    ) - surface.to_surface(np.zeros(3))
+    after = sights(seen, surface)
+    assert before.shape[1] == after.shape[1] == cube + 6
+    changed = (after - before)[-1]
+    # Farther back along the goal by 20 mm, and no farther aside.
+    assert np.isclose(changed, 50.0 * 0.02, atol=1e-9).sum() == 1
+    assert np.isfinite(after).all()
 
 
 def test_what_is_seen_does_not_depend_on_the_names_that_touches_were_given() -> None:
