@@ -22,7 +22,7 @@ from sandbox.regress import statistics
 from sandbox.regress.baseline import Baseline, load_baseline
 from sandbox.regress.execute import CRASHED, Processes, Serial
 from sandbox.regress.plan import RegressionPlan, differing, find_tasks, parse_seeds
-from sandbox.regress.report import Report, make_report
+from sandbox.regress.report import Report, make_report, without_baseline
 from tasks.task import Task
 
 UPDATE = "--sandbox-update-baseline"
@@ -98,6 +98,13 @@ class Regression:
             old.updated(report.configuration, plan.versions(), trials).save()
         else:
             report = make_report(plan, trials, old, exact, across_encoders, allow_crashes)
+            for name, comparison in report.comparisons.items():
+                if comparison.unpaired:
+                    warnings.warn(
+                        f"{name}: {without_baseline(comparison.unpaired)}. "
+                        f"`pytest -p sandbox.regression {UPDATE}` adds them",
+                        stacklevel=2,
+                    )
         _assert(report, at_least)
         return report
 

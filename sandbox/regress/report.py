@@ -89,6 +89,7 @@ class Comparison:
         same_machine: Number of pairs with the baseline's fingerprint.
         elsewhere: What states depend on and was different there, in words, for the other pairs.
         crashed: Number of pairs whose trial crashed now.
+        unpaired: Seeds that were run and that the baseline lacks.
         p: P value of the exact one-sided McNemar test.
         p_holm: The p value, adjusted for all tasks of the run.
         progress: Mean progress now minus mean progress before.
@@ -102,6 +103,7 @@ class Comparison:
     same_machine: int = 0
     elsewhere: tuple[str, ...] = ()
     crashed: int = 0
+    unpaired: list[int] = field(default_factory=list)
     p: float = 1.0
     p_holm: float = 1.0
     progress: float = 0.0
@@ -125,6 +127,7 @@ class Comparison:
             "lost": self.lost,
             "won": self.won,
             "neither": len(self.neither),
+            "without_baseline": self.unpaired,
             "p": self.p,
             "p_holm": self.p_holm,
             "significant_loss": self.significant,
@@ -299,6 +302,11 @@ def make_report(
         for task in tasks:
             if task.name not in comparisons:
                 notes.append(f"{task.name}: the baseline has none of these trials")
+            elif lacking := comparisons[task.name].unpaired:
+                notes.append(
+                    f"{task.name}: {without_baseline(lacking)}. To add them, run all seeds with "
+                    "--update-baseline"
+                )
         baseline.check_seeds(plan.names, plan.seeds)
         if not complete:
             notes.append("the run broke off: nothing is judged")
@@ -351,6 +359,7 @@ def _pairs(task: TaskResult, kept: KeptTask) -> Comparison:
         seed = trial["seed"]
         before = kept.trials.get(seed)
         if before is None:
+            c.unpaired.append(seed)
             continue
         kinds = {(True, True): c.both, (True, False): c.lost, (False, True): c.won}
         kinds.get((before.success, trial["success"]), c.neither).append(seed)
@@ -374,15 +383,24 @@ def _pairs(task: TaskResult, kept: KeptTask) -> Comparison:
     )
 
 
+def without_baseline(seeds: Sequence[int]) -> str:
+    """A clause about seeds that were run and that the baseline lacks."""
+    have = "seed has no baseline and is" if len(seeds) == 1 else "seeds have no baseline and are"
+    return f"{len(seeds)} {have} not compared: {_some(seeds)}"
+
+
+def _some(seeds: Sequence[int]) -> str:
+    return ", ".join(map(str, seeds[:8])) + (" ..." if len(seeds) > 8 else "")
+
+
 def _exact(comparisons: dict[str, Comparison]) -> tuple[list[str], list[str]]:
     """Pair (reasons why the gate does not hold, notes) for a run whose states must be equal."""
     reasons, notes = [], []
     for name, c in comparisons.items():
         if c.changed:
-            some = ", ".join(map(str, c.changed[:8])) + (" ..." if len(c.changed) > 8 else "")
             reasons.append(
                 f"{name}: other states in {len(c.changed)} of {counted(c.same_machine, 'trial')}, "
-                f"seeds {some}"
+                f"seeds {_some(c.changed)}"
             )
         elif c.same_machine:
             notes.append(f"{name}: states of {counted(c.same_machine, 'trial')} equal to the bit")

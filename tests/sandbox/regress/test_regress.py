@@ -153,6 +153,23 @@ def test_a_loss_beyond_chance_fails_and_is_named(
     assert ElementTree.parse(xml).find(".//testcase/failure") is not None
 
 
+def test_seeds_that_the_baseline_lacks_are_counted_and_named(
+    quick: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "out.json"
+    with registered(Quick):
+        assert quick_run("--baseline", quick, "--json", path, seeds="7:11") == 0
+    said = "quick: 2 seeds have no baseline and are not compared: 9, 10"
+    assert said in capsys.readouterr().out
+    found = json.loads(path.read_text())
+    compared = found["tasks"]["quick"]["baseline"]
+    assert (compared["pairs"], compared["without_baseline"]) == (2, [9, 10])
+    assert any(note.startswith(said) for note in found["notes"])
+    with registered(Quick):
+        assert quick_run("--baseline", quick, seeds="7:9") == 0
+    assert "no baseline" not in capsys.readouterr().out
+
+
 def test_four_losses_may_be_chance(quick: Path) -> None:
     with registered(Worse):
         assert quick_run("--baseline", quick, seeds="0:6") == 0

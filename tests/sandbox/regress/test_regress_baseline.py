@@ -240,6 +240,12 @@ def test_the_fixture_asserts_that_nothing_was_lost(tmp_path: Path) -> None:
     assert "seed 1: it fails now" in str(caught.value) and "python -c" in str(caught.value)
 
 
+def test_the_fixture_warns_of_seeds_that_the_baseline_lacks(tmp_path: Path) -> None:
+    Regression(tmp_path, tmp_path, update=True)(Quick, "0:3", baseline="base.json")
+    with pytest.warns(UserWarning, match="1 seed has no baseline and is not compared: 3"):
+        Regression(tmp_path, tmp_path)(Quick, "1:4", baseline="base.json")
+
+
 MINE = """
 from tests.support.regress_tasks import Quick
 
