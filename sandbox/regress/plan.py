@@ -139,18 +139,23 @@ class RegressionPlan:
             versions[kind.name] = kind.version
         return versions
 
-    def command(self, task: str, seed: int) -> str:
-        """One line that runs a trial again, records it and shows what happened."""
+    def command(self, task: str, seed: int, crashed: bool = False) -> str:
+        """One line that runs a trial again, records it and shows what happened.
+
+        Of a trial that crashed there is nothing to replay: the line runs it to its error.
+        """
         asked = next((t for t in self.tasks if _name(t) == task), task)
         if not isinstance(asked, str):
             return _python_command(asked, seed, self.scene)
         job = TrialJob(asked, seed, self.scene, self.record)
         kept = job.recording
+        run = ["sandbox", "run", asked, "--seed", str(seed), *options(self.scene)]
+        if crashed:
+            return shlex.join(run)
         if kept is not None:
             film = kept.with_suffix(".webp")
             return shlex.join(["sandbox", "replay", str(kept), "--film", str(film)])
         name = f"{task}-{seed}.jsonl"
-        run = ["sandbox", "run", asked, "--seed", str(seed), *options(self.scene)]
         again = shlex.join([*run, "--record", name])
         return f"{again} && {shlex.join(['sandbox', 'replay', name])}"
 

@@ -221,7 +221,7 @@ class Report:
         """The line that runs a trial again, or shows how it diverged."""
         if trial.get("dump"):
             return shlex.join(["sandbox", "replay", trial["dump"]])
-        return self.plan.command(trial["task"], trial["seed"])
+        return self.plan.command(trial["task"], trial["seed"], trial["status"] == CRASHED)
 
     def noise_floor(self) -> dict[str, Any]:
         """Smallest loss that a paired comparison of all these tasks and seeds can detect."""

@@ -164,7 +164,8 @@ class Sweep:
 
     def command(self, curve: Curve, point: Point, seed: int) -> str:
         """One line that runs a trial again."""
-        return varied(self.plan, curve.kind, point.value).command(curve.task, seed)
+        crashed = any(t["seed"] == seed for t in point.result.crashed)
+        return varied(self.plan, curve.kind, point.value).command(curve.task, seed, crashed)
 
     def crashes(self, allowed: int) -> Crashes:
         """Trials that crashed, each once."""

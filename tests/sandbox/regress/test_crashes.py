@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import shlex
+from itertools import pairwise
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -42,9 +44,12 @@ def test_one_crash_among_twelve_fails_the_run_and_is_named_with_its_error(
     assert (found["crashes"]["count"], found["crashes"]["allowed"]) == (1, 0)
     assert found["crashes"]["trials"][0]["seed"] == 1
     counts = {name: suite(xml).get(name) for name in ("tests", "errors", "failures", "skipped")}
-    assert counts == {"tests": "2", "errors": "1", "failures": "0", "skipped": "0"}
-    error = suite(xml).find("testcase[@name='raising seed 1']/error")
-    assert error is not None and "a lab's own bug" in error.get("message", "")
+    assert counts == {"tests": "1", "errors": "1", "failures": "0", "skipped": "0"}
+    [case] = suite(xml).findall("testcase")
+    error = case.find("error")
+    assert case.get("name") == "raising" and error is not None
+    assert error.get("message", "").startswith("seed 1 crashed: ZeroDivisionError: a lab's own bug")
+    assert (error.text or "").splitlines()[-1] == "sandbox run raising --seed 1"
 
 
 def test_as_many_crashes_as_are_allowed_pass_and_the_report_says_so(
@@ -58,9 +63,31 @@ def test_as_many_crashes_as_are_allowed_pass_and_the_report_says_so(
     found = json.loads(out.read_text())
     assert found["passed"] and found["crashes"]["count"] == found["crashes"]["allowed"] == 1
     assert "--allow-crashes permits 1" in found["notes"][0]
-    assert suite(xml).get("errors") == "0" and suite(xml).get("skipped") == "1"
-    skipped = suite(xml).find("testcase[@name='raising seed 1']/skipped")
-    assert skipped is not None and "--allow-crashes 1" in skipped.get("message", "")
+    assert suite(xml).get("errors") == suite(xml).get("skipped") == "0"
+    output = suite(xml).findtext("testcase/system-out") or ""
+    assert "seed 1: crashed, ZeroDivisionError" in output
+
+
+def test_junit_has_one_test_a_task_and_no_value_that_is_none(tmp_path: Path) -> None:
+    xml = tmp_path / "out.xml"
+    assert regress(Raising, "--seeds", "1,3", "--junit", xml) == 1
+    [case] = suite(xml).findall("testcase")
+    values = {p.get("name"): p.get("value") for p in case.iter("property")}
+    assert "time_s" not in values and values["crashed"] == "1" and values["successes"] == "0"
+    assert "None" not in xml.read_text() and case.get("time") is None
+
+
+def test_the_line_of_a_crashed_trial_runs_it_to_its_error(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for more in ((), ("--record", tmp_path / "failed")):
+        assert regress(Raising, *more) == 1
+        lines = capsys.readouterr().out.splitlines()
+        [line] = [after for line, after in pairwise(lines) if line == "raising seed 1: crashed"]
+        words = shlex.split(line)
+        assert words == ["sandbox", "run", "raising", "--seed", "1"]
+    with registered(Raising), pytest.raises(ZeroDivisionError, match="a lab's own bug"):
+        main(words[1:])
 
 
 def test_a_run_without_crashes_has_none_to_tell_of(
