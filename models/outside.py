@@ -14,6 +14,7 @@ import traceback
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
+from difflib import get_close_matches
 from functools import cache
 from hashlib import blake2b
 from importlib.metadata import EntryPoint, entry_points
@@ -179,8 +180,22 @@ class OutsideKind:
         with self.guarded(place.source):
             # Asking may fail too: a folder on the way may be somebody else's.
             if not path.is_file():
-                raise self.error("no such file", where=f"the {self.noun}'s file", got=place.source)
+                raise self.error(
+                    "no such file",
+                    where=f"the {self.noun}'s file",
+                    got=place.source,
+                    remedy=_missing(path),
+                )
             return load_file(path)
+
+
+def _missing(path: Path) -> str:
+    """The next step for whoever named a file that is not there."""
+    looked = f"It was looked for in {path.parent}"
+    if not path.parent.is_dir():
+        return f"{looked}, and there is no such folder"
+    near = get_close_matches(path.name, [p.name for p in path.parent.glob("*.py")], 1)
+    return f"{looked}. Did you mean {near[0]}?" if near else looked
 
 
 def offered(group: str) -> dict[str, list[EntryPoint]]:

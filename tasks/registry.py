@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from difflib import get_close_matches
 from importlib import import_module
+from pathlib import Path
 from typing import Any
 
 from models.errors import HandSandboxError, InputError
@@ -55,7 +57,10 @@ def find_task(name: str) -> type[Task]:
     if not is_place(name):
         task = load_offered(name)
         if task is None:
-            raise InputError("no such task", got=name, expected=", ".join(task_names()))
+            names = task_names()
+            raise InputError(
+                "no such task", got=name, expected=", ".join(names), remedy=_near(name, names)
+            )
         return task
     task = load_place(name)
     if TASKS.get(task.name, task) is not task:
@@ -66,6 +71,16 @@ def find_task(name: str) -> type[Task]:
             remedy="Give it a name of its own",
         )
     return task
+
+
+def _near(name: str, names: tuple[str, ...]) -> str:
+    """The next step for whoever asked for a task that there is not."""
+    # Somebody's own file may be meant, whose name has underscores.
+    near = get_close_matches(name.replace("_", "-"), names, 1)
+    files = [path.name for path in Path().glob("*.py")]
+    near += [file for file in get_close_matches(f"{name}.py", files, 1, 0.8) if not near]
+    hint = f"Did you mean {near[0]}? " if near else ""
+    return f"{hint}A task of your own is named by its file: FILE.py or FILE.py:CLASS"
 
 
 def task_names() -> tuple[str, ...]:

@@ -258,10 +258,34 @@ def test_tasks_are_found_by_module_and_class_as_well(tmp_path: Path) -> None:
     assert all(origin(name) == {} for name in TASKS)
     with pytest.raises(InputError, match=r"nothing of this name.*A, B"):
         find_task(f"{path}:C")
-    with pytest.raises(InputError, match="no such file"):
+    with pytest.raises(InputError, match=r"no such file.*It was looked for in ") as caught:
         find_task(str(tmp_path / "other.py"))
+    assert str(caught.value).endswith(str(tmp_path))
+    with pytest.raises(InputError, match=r"Did you mean lab\.py\?"):
+        find_task(str(tmp_path / "labs.py"))
+    with pytest.raises(InputError, match="and there is no such folder"):
+        find_task(str(tmp_path / "folder" / "lab.py"))
     with pytest.raises(InputError, match=r"this task cannot be loaded.*too long"):
         find_task(f"{'long' * 100}.py")
+
+
+@pytest.mark.parametrize(
+    ("name", "hint"),
+    [
+        ("box_to_gaol", "Did you mean box-to-goal?"),
+        ("lab_task", "Did you mean lab_task.py?"),
+        ("zzz", "A task of your own is named by its file: FILE.py or FILE.py:CLASS"),
+    ],
+)
+def test_a_name_that_no_task_has_gets_the_nearest_name_or_file(
+    name: str, hint: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "lab_task.py").touch()
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(InputError) as caught:
+        find_task(name)
+    assert hint in str(caught.value) and "FILE.py:CLASS" in str(caught.value)
+    assert ("Did you mean" in str(caught.value)) == ("Did you mean" in hint)
 
 
 def test_a_task_without_our_base_class_gets_defaults_for_missing_members(tmp_path: Path) -> None:

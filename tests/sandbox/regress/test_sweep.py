@@ -214,3 +214,17 @@ def test_options_that_do_not_go_together_are_refused_before_anything_is_run(
     with pytest.raises(InputError):
         heavy_regress(*words)
     assert not list(tmp_path.iterdir())
+
+
+def test_the_line_of_a_varied_trial_that_crashed_runs_it_and_replays_nothing() -> None:
+    def crashing(plan: RegressionPlan) -> list[dict[str, Any]]:
+        status = {True: "held", False: "crashed"}
+        return [{**t, "status": status[t["success"]]} for t in limited(plan)]
+
+    with registered(Heavy):
+        found = found_by("heavy", "mass=4", runner=crashing)
+        (curve,) = found.curves
+        whole, broken = curve.points
+        command = found.command(curve, broken, broken.lost[0])
+        assert command == "sandbox run heavy --seed 0 --vary mass=4"
+        assert "replay" in found.command(curve, whole, 0)
