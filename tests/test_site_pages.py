@@ -9,6 +9,7 @@ import pytest
 
 from tasks.registry import TASKS
 from tools.docs.measured_tables import MeasuredTable, tables_of
+from tools.docs.owner import BEGINNINGS, CLONED, with_address
 from tools.docs.task_films import FILMS, film_of
 from tools.docs.versions import released
 
@@ -78,3 +79,12 @@ def test_released_versions_are_the_tags_newest_first(tmp_path: Path) -> None:
     for tag in ("v0.9.0", "v0.10.0", "v0.2.0", "vwrong", "v1.0.0-draft"):
         git("tag", tag)
     assert released(tmp_path) == ["0.10.0", "0.9.0", "0.2.0"]
+
+
+@pytest.mark.parametrize("name", BEGINNINGS)
+def test_pages_to_begin_with_say_how_to_clone_by_the_address_once_there_is_one(name: str) -> None:
+    text = (ROOT / name).read_text(encoding="utf-8")
+    assert CLONED in text and with_address(text, "") == text
+    known = with_address(text, "https://example.org/hand-sandbox")
+    assert "git clone https://example.org/hand-sandbox hand-sandbox" in known
+    assert "ADDRESS" not in known and "no public address" not in known

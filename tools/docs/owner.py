@@ -12,6 +12,12 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 SETTINGS = ROOT / "site" / "settings.toml"
 PAPER = ROOT / "paper" / "paper.md"
+CLONED = "git clone ADDRESS"
+"""Stands in pages for the command with the address of the public repository."""
+BEGINNINGS = ("README.md", "docs/getting-started.md")
+"""Pages that have it."""
+_NO_ADDRESS = re.compile(r"^ADDRESS is .*\n\n", re.M)
+"""What a page says as long as there is none."""
 _PLACEHOLDER = re.compile(r"<([^<>\n]+)>")
 
 
@@ -19,6 +25,13 @@ def settings() -> dict[str, str]:
     """Settings of the site; empty where the owner has not filled them in."""
     values = tomllib.loads(SETTINGS.read_text(encoding="utf-8"))
     return {n: "" if _PLACEHOLDER.fullmatch(str(v)) else str(v) for n, v in values.items()}
+
+
+def with_address(text: str, address: str) -> str:
+    """A page with the address of the public repository; as it is if that is not known yet."""
+    if not address:
+        return text
+    return _NO_ADDRESS.sub("", text.replace(CLONED, f"git clone {address}"))
 
 
 def to_fill_in() -> list[str]:
@@ -30,4 +43,7 @@ def to_fill_in() -> list[str]:
     for cited in ("CITATION.cff", "docs/comparison.md"):
         if "Hand Sandbox developers" in (ROOT / cited).read_text(encoding="utf-8"):
             left.append(f"{cited}: authors are to be filled in")
+    for page in BEGINNINGS:
+        if CLONED in (ROOT / page).read_text(encoding="utf-8"):
+            left.append(f"{page}: ADDRESS is to be filled in (the site takes that of its settings)")
     return left

@@ -25,7 +25,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from tools.docs.owner import settings, to_fill_in
+from tools.docs.owner import settings, to_fill_in, with_address
 from tools.docs.versions import build_released, released
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -76,9 +76,11 @@ def stage(folder: Path) -> None:
             path = (page.parent / link).resolve().relative_to(folder.resolve())
             (folder / path).parent.mkdir(parents=True, exist_ok=True)
             shutil.copy(ROOT / path, folder / path)
-    # Titles of pages in the place of their files' names.
+    # Titles of pages in the place of their files' names, and the address to clone from.
+    address = settings()["repository"]
     for page in (*folder.glob("*.md"), *(folder / "docs").rglob("*.md")):
-        page.write_text(NAMED.sub("[]", page.read_text(encoding="utf-8")), encoding="utf-8")
+        text = with_address(page.read_text(encoding="utf-8"), address)
+        page.write_text(NAMED.sub("[]", text), encoding="utf-8")
     (folder / "api").mkdir()
     for package in PACKAGES:
         (folder / "api" / f"{package}.rst").write_text(reference(package), encoding="utf-8")

@@ -6,7 +6,6 @@ import json
 import shlex
 import sys
 from collections.abc import Iterable
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -19,7 +18,6 @@ from encoders.regression.model_registry import DEFAULT_MODEL
 from models.errors import InputError
 from sandbox.cli.common.parse import parse
 from sandbox.cli.main import main
-from sandbox.cli.regress import parse_known
 from sandbox.options.scene_options import SceneOptions, plan
 from sandbox.recording.recording import load_recording
 from sandbox.recording.versions import DECISIVE
@@ -35,7 +33,6 @@ from sandbox.regress.plan import (
 )
 from sandbox.trial.headless import run_trial
 from tasks.registry import TASKS
-from tests.support.processes import ROOT
 from tests.support.regress_tasks import Quick, Raising, Stopping, Worse
 
 
@@ -313,17 +310,3 @@ def test_a_task_of_ones_own_cannot_take_anothers_name() -> None:
     with registered(Quick):
         assert TASKS["quick"] is Quick
     assert "quick" not in TASKS
-
-
-def test_the_workflow_to_copy_gives_options_that_there_are() -> None:
-    text = (ROOT / "examples" / "regression.yml").read_text()
-    line = text[text.index("          sandbox regress") :].partition("\n      - ")[0]
-    found, more = parse_known(shlex.split(line)[2:])
-    assert found.baseline and found.junit and found.json and more == []
-    assert parse_seeds(found.seeds) == tuple(range(120))
-    (making,) = [line for line in text.splitlines() if line.startswith("#   sandbox regress")]
-    made, more = parse_known(shlex.split(making)[3:])
-    assert made.update_baseline and more == []
-    # What makes the baseline runs what the job compares with it.
-    made = replace(made, update_baseline=False)
-    assert replace(made, json=found.json, junit=found.junit, record=found.record) == found
