@@ -33,6 +33,8 @@ TABLE_PRIORITY = 1
 class PaintedRing:
     """A ring that is painted on the table: everybody sees it, and nothing touches it.
 
+    Nothing but rings can be painted: no lines and no texts.
+
     Attributes:
         name: Name of its geom.
         middle: (2,) m in the world.

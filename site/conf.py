@@ -3,13 +3,19 @@
 from __future__ import annotations
 
 import os
+import re
 import tomllib
 from datetime import date
 from pathlib import Path
 from typing import Any
 
+from sphinx.util.inspect import TypeAliasForwardRef
+
 _HERE = Path(os.environ["HAND_SANDBOX_SITE"])
 _SETTINGS = tomllib.loads((_HERE / "settings.toml").read_text(encoding="utf-8"))
+_ARRAY = re.compile(
+    r"~?numpy\.ndarray\[tuple\[~?(?:typing\.)?Any, \.\.\.\], ~?numpy\.dtype\[~?numpy\.(\w+)\]\]"
+)
 _PROJECT = tomllib.loads((_HERE.parent / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 
 
@@ -45,10 +51,14 @@ default_role = "code"
 autodoc_default_options = {"members": True, "show-inheritance": True, "no-value": True}
 autodoc_member_order = "bysource"
 autodoc_typehints = "signature"
+# A default by its name in the source, where it has one, and not by its value.
+autodoc_preserve_defaults = True
 autodoc_type_aliases = {"Array": "Array", "ArrayLike": "ArrayLike"}
 napoleon_google_docstring = True
 napoleon_numpy_docstring = False
 napoleon_use_ivar = True
+# Or names of attributes lose the underscore at their end.
+strip_signature_backslash = True
 
 html_theme = "furo"
 html_title = project
@@ -73,6 +83,31 @@ html_context = {
 html_theme_options = {"source_repository": _known("repository")} if _known("repository") else {}
 
 
+def _plain(text: str) -> str:
+    """Arrays as the sources name them, in the place of NumPy's long types, and `...` for a default
+    that is made anew each time, since `<factory>` cannot be read as Python."""
+    text = text.replace("<factory>", "...")
+    return _ARRAY.sub(lambda m: "Array" if m[1] == "float64" else f"NDArray[{m[1]}]", text)
+
+
+def _plain_signature(
+    app: Any,
+    kind: str,
+    name: str,
+    thing: Any,
+    options: Any,
+    signature: str | None,
+    gives: str | None,
+) -> tuple[str | None, str | None]:
+    return signature and _plain(signature), gives and _plain(gives)
+
+
+def _plain_docstring(
+    app: Any, kind: str, name: str, thing: Any, options: Any, lines: list[str]
+) -> None:
+    lines[:] = map(_plain, lines)
+
+
 def _for_everybody(app: Any, page: str, template: str, context: dict[str, Any], tree: Any) -> None:
     """Headings of the menu get the level that Sphinx leaves out; keys reach wide blocks."""
     menu = context.get("furo_navigation_tree", "")
@@ -88,4 +123,9 @@ def _for_everybody(app: Any, page: str, template: str, context: dict[str, Any], 
 
 def setup(app: Any) -> None:
     """Called by Sphinx."""
+    # Sphinx shows an alias that is a part of another type, such as tuple[Array, Array], by this.
+    setattr(TypeAliasForwardRef, "__repr__", lambda alias: alias.name)  # noqa: B010
+    app.connect("autodoc-process-signature", _plain_signature)
+    # After what makes fields of the sections.
+    app.connect("autodoc-process-docstring", _plain_docstring, priority=900)
     app.connect("html-page-context", _for_everybody, priority=900)

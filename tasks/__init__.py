@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from models import lazy_names  # before NumPy: `models` pins the BLAS kernel
 
 if TYPE_CHECKING:
+    from models.scene import PaintedRing
     from tasks.custom_task import CustomTask, judge, two_places
     from tasks.registry import draw_task, find_task, task_names
     from tasks.score import Score, Status
@@ -22,6 +23,7 @@ else:
             "Goal": "tasks.task",
             "Measure": "tasks.task",
             "CustomTask": "tasks.custom_task",
+            "PaintedRing": "models.scene",
             "Score": "tasks.score",
             "Sensing": "tasks.sensing",
             "Sight": "tasks.user",
@@ -41,6 +43,7 @@ __all__ = [
     "CustomTask",
     "Goal",
     "Measure",
+    "PaintedRing",
     "Score",
     "Sensing",
     "Sight",

@@ -32,9 +32,11 @@ class UserConfiguration:
             an object whose faces have no room for as many.
         reaction: s, range from which each trial's delay between seeing and acting is drawn.
         peak_speed: m/s, highest speed of a fingertip.
-        movement_base, movement_slope: s; a movement of d metres takes base + slope log2(d / 2 mm),
-        or longer because of the peak speed. end_noise: Share of a movement's length by which it
-        misses. tremor: m, slow correlated noise of every finger (standard deviation per axis).
+        movement_base: s; a movement of d metres takes base + slope log2(d / 2 mm), or longer
+            because of the peak speed.
+        movement_slope: s, the slope of that rule.
+        end_noise: Share of a movement's length by which it misses.
+        tremor: m, slow correlated noise of every finger (standard deviation per axis).
         tremor_time: s, correlation time of the tremor.
         noise: m, uncorrelated noise of every finger; together with the tremor 1 mm.
         aim_error: m per axis, error of a first touch, common to all fingers of the hand: the screen

@@ -123,7 +123,9 @@ class PcaIkEncoder(TouchIkEncoder):
         components_: (48, n) principal directions of the training poses, in order of variance;
             orthonormal in centimetres and degrees.
         explained_: (n,) share of the variance in the first 1, 2, .. n of them.
-        mean_, pad_height_, tip_misfit_: See `TouchIkEncoder`.
+        mean_: See `TouchIkEncoder`.
+        pad_height_: See `TouchIkEncoder`.
+        tip_misfit_: See `TouchIkEncoder`.
     """
 
     def __init__(

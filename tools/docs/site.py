@@ -44,6 +44,10 @@ LINK = re.compile(
 NAMED = re.compile(r"\[[\w./-]+\.md\](?=\((?!https?:))")
 """Links to pages that show the name of the page's file."""
 
+ARRAYS = """`Array` is an array of NumPy with numbers of 64 bits (float64); texts tell its shape and
+unit. A default of `...` is made anew each time."""
+"""What signatures of the reference name without saying it."""
+
 NEEDED = ("sphinx", "furo", "myst_parser", "sphinx_copybutton", "sphinx_design", "gymnasium")
 """What the extra `site` brings."""
 
@@ -127,6 +131,7 @@ def reference(package: str) -> str:
     """A page, in reStructuredText, with the public names of a package and their docstrings."""
     module = importlib.import_module(package)
     text = [*heading(package, "="), f".. automodule:: {package}", "   :no-members:", ""]
+    text += [ARRAYS, ""]
     for name in sorted(module.__all__, key=str.lower):
         thing = getattr(module, name)
         kind = "autoclass" if isinstance(thing, type) else "autodata"

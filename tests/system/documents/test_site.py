@@ -112,3 +112,11 @@ def test_no_docstring_is_taken_for_a_numbered_list() -> None:
     lists = 'class="loweralpha', 'class="upperalpha', 'class="lowerroman', 'class="upperroman'
     texts = {page.name: page.read_text(encoding="utf-8") for page in pages()}
     assert [name for name, text in texts.items() if any(one in text for one in lists)] == []
+
+
+@pytest.mark.needs("site")
+@pytest.mark.parametrize("package", ["models", "encoders", "tasks", "sandbox"])
+def test_signatures_name_types_as_the_sources_do(package: str) -> None:
+    text = (SITE / "api" / f"{package}.html").read_text(encoding="utf-8")
+    for machinery in ("ForwardRef", "numpy.ndarray", "~typing", "factory&gt;"):
+        assert machinery not in text
