@@ -11,6 +11,10 @@ from xml.etree import ElementTree
 
 import pytest
 
+from models.surface import Surface
+from sandbox.trial.assembly import place_surface
+from tasks.box_to_goal import BoxToGoal
+from tools.docs import axes
 from tools.docs.how_it_works import drawing
 
 ROOT = Path(__file__).parents[1]
@@ -62,6 +66,27 @@ def test_the_picture_of_the_steps_is_the_one_that_its_command_draws() -> None:
     drawn = ElementTree.fromstring(drawing())
     kept = (ROOT / "docs" / "pictures" / "how-it-works.svg").read_text(encoding="utf-8")
     assert ElementTree.tostring(drawn) == ElementTree.tostring(ElementTree.fromstring(kept))
+
+
+def test_the_picture_of_the_axes_is_the_one_that_its_command_draws() -> None:
+    kept = (ROOT / "docs" / "pictures" / "axes.svg").read_text(encoding="utf-8")
+    assert kept == axes.drawing()
+
+
+def test_the_page_on_tasks_says_where_the_surface_is() -> None:
+    class Front(BoxToGoal):
+        plane = "front"
+
+    text = (ROOT / "docs" / "write-a-task.md").read_text(encoding="utf-8")
+    flat, front = place_surface(Surface(), BoxToGoal), place_surface(Surface(), Front)
+    width, height = flat.size
+    left, top, over = flat.to_world((0.0, 0.0))
+    assert f"x = ±{-left:.3f} and y = ±{top:.3f}" in text
+    assert (left, top, over) == pytest.approx((-width / 2, height / 2, BoxToGoal.touch_height))
+    # Right on the surface is right in the world, and down on it is towards the person.
+    assert flat.to_world((width, height)) == pytest.approx((-left, -top, over))
+    assert front.to_world((0.0, height)) == pytest.approx((left, -BoxToGoal.touch_height, -0.015))
+    assert "its lower edge 0.015 m below the table's top" in text
 
 
 def test_the_menu_of_the_site_has_every_page_once() -> None:

@@ -38,6 +38,12 @@ ROWS = (86, 214)
 GAP = 40
 """px between boxes."""
 INK, GROUND, FILL, LINE, FAINT = "#17212b", "#f7f9fb", "#ffffff", "#1f6fb5", "#51606e"
+HEAD = (
+    "<defs><marker id='h' viewBox='0 0 10 10' refX='9' refY='5' markerWidth='7' "
+    f"markerHeight='7' orient='auto'><path d='M 0 0 L 10 5 L 0 10 z' fill='{LINE}'/></marker>"
+    "</defs>"
+)
+"""Definition of the head of an arrow."""
 FONT = "font-family='DejaVu Sans, Verdana, sans-serif'"
 
 
@@ -62,9 +68,7 @@ def drawing() -> str:
         f"<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 {WIDTH} {HEIGHT}' "
         f"width='{WIDTH}' height='{HEIGHT}' role='img' {FONT}>",
         "<title>How touches move the simulated hand, in six steps</title>",
-        "<defs><marker id='h' viewBox='0 0 10 10' refX='9' refY='5' markerWidth='7' "
-        f"markerHeight='7' orient='auto'><path d='M 0 0 L 10 5 L 0 10 z' fill='{LINE}'/></marker>"
-        "</defs>",
+        HEAD,
         f"<rect width='{WIDTH}' height='{HEIGHT}' rx='14' fill='{GROUND}'/>",
     ]
     for index, (number, name, lines) in enumerate(STEPS):
