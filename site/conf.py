@@ -11,6 +11,8 @@ from typing import Any
 
 from sphinx.util.inspect import TypeAliasForwardRef
 
+from tools.docs.html.for_everybody import for_everybody
+
 _HERE = Path(os.environ["HAND_SANDBOX_SITE"])
 _SETTINGS = tomllib.loads((_HERE / "settings.toml").read_text(encoding="utf-8"))
 _ARRAY = re.compile(
@@ -39,6 +41,7 @@ extensions = [
 ]
 templates_path = ["templates"]
 html_static_path = ["static"]
+html_favicon = "static/favicon.svg"
 html_css_files = ["site.css"]
 exclude_patterns = ["examples/**/*.md", "paper/*.md"]
 myst_heading_anchors = 4
@@ -109,16 +112,13 @@ def _plain_docstring(
 
 
 def _for_everybody(app: Any, page: str, template: str, context: dict[str, Any], tree: Any) -> None:
-    """Headings of the menu get the level that Sphinx leaves out; keys reach wide blocks."""
+    """Headings of the menu get the level that Sphinx leaves out; see also `for_everybody`."""
     menu = context.get("furo_navigation_tree", "")
     context["furo_navigation_tree"] = menu.replace(
         'role="heading"', 'role="heading" aria-level="2"'
     )
     if "body" in context:
-        body = context["body"].replace("<pre>", '<pre tabindex="0">')
-        context["body"] = body.replace(
-            '<div class="table-wrapper', '<div tabindex="0" class="table-wrapper'
-        )
+        context["body"] = for_everybody(context["body"])
 
 
 def setup(app: Any) -> None:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import re
 import subprocess
 from pathlib import Path
 
 import pytest
 
 from tasks.registry import TASKS
+from tools.docs.html.for_everybody import for_everybody
 from tools.docs.measured_tables import MeasuredTable, tables_of
 from tools.docs.owner import BEGINNINGS, CLONED, with_address
 from tools.docs.task_films import FILMS, film_of
@@ -88,3 +90,47 @@ def test_pages_to_begin_with_say_how_to_clone_by_the_address_once_there_is_one(n
     known = with_address(text, "https://example.org/hand-sandbox")
     assert "git clone https://example.org/hand-sandbox hand-sandbox" in known
     assert "ADDRESS" not in known and "no public address" not in known
+
+
+TABLE = '<div class="table-wrapper docutils container"><table><td><p>{}</p></td></table></div>'
+
+
+def test_every_table_of_a_page_has_a_name_of_its_own_and_keys_reach_it() -> None:
+    cell = TABLE.format("1")
+    page = f"<h2>Spaces<a>¶</a></h2>{cell}<p><a>Every &lt;task&gt;</a>:</p>\n{cell}<p>So.</p>{cell}"
+    found = re.findall(r'<div tabindex="0" role="group" aria-label="([^"]*)"', for_everybody(page))
+    assert found == [
+        "Table: Spaces, 1 of 2",
+        "Table: Every &lt;task&gt;",
+        "Table: Spaces, 2 of 2",
+    ]
+    assert for_everybody("<p>no table</p>") == "<p>no table</p>"
+
+
+@pytest.mark.parametrize(
+    ("code", "shown"),
+    [
+        ("--seeds", "--seeds"),
+        ("hand_sandbox/CarryTogether-v1", "hand_sandbox/<wbr>CarryTogether-v1"),
+        ("serial|processes|ray,x", "serial|<wbr>processes|<wbr>ray,<wbr>x"),
+        ("noticeable_drop_with_churn", "noticeable_<wbr>drop_<wbr>with_<wbr>churn"),
+        ("a&lt;b&gt;c&lt;d&gt;", "a&lt;b&gt;c&lt;d&gt;"),
+    ],
+)
+def test_long_code_in_cells_is_broken_between_its_parts_alone(code: str, shown: str) -> None:
+    whole = f'<code><span class="pre">{code}</span></code>'
+    assert f">{shown}</span>" in for_everybody(TABLE.format(whole))
+    assert f">{code}</span>" in for_everybody(f"<p>{whole}</p>")
+
+
+def test_cells_of_prose_are_marked() -> None:
+    assert '<td class="prose"><p>word' in for_everybody(TABLE.format("word " * 20))
+    assert "prose" not in for_everybody(TABLE.format("word"))
+
+
+@pytest.mark.parametrize("name", TASKS)
+def test_links_to_what_was_measured_are_told_apart(name: str) -> None:
+    from tools.docs.task_pages import page_of
+
+    links = re.findall(r"^\[(.*)\]\(\.\./docs/measured/", page_of(TASKS[name], measured()), re.M)
+    assert len(set(links)) == len(links)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import inspect
 import re
+from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -190,8 +191,15 @@ def _measured(name: str, tables: list[MeasuredTable]) -> list[str]:
         if part is None:
             continue
         link = f"../docs/measured/{table.page.name}"
-        parts.append(f"[{table.heading}]({link}):\n\n{markdown_table(part.columns, part.rows)}")
+        parts.append((table.heading, link, markdown_table(part.columns, part.rows)))
     if not parts:
         return ["Nothing has been measured yet."]
     note = "All of the simulated user, with the commands on the linked pages; no person took part."
-    return [note, *parts]
+    times, numbers = Counter(heading for heading, *_ in parts), Counter[str]()
+    shown = []
+    for heading, link, text in parts:
+        numbers[heading] += 1
+        # Links that read alone are told apart.
+        which = f", table {numbers[heading]} of {times[heading]}" if times[heading] > 1 else ""
+        shown.append(f"[{heading}{which}]({link}):\n\n{text}")
+    return [note, *shown]

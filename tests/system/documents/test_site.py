@@ -120,3 +120,48 @@ def test_signatures_name_types_as_the_sources_do(package: str) -> None:
     text = (SITE / "api" / f"{package}.html").read_text(encoding="utf-8")
     for machinery in ("ForwardRef", "numpy.ndarray", "~typing", "factory&gt;"):
         assert machinery not in text
+
+
+@pytest.mark.needs("site")
+def test_the_search_page_says_what_to_type_until_something_is_searched_for(
+    browser: Browser, address: str
+) -> None:
+    tab = browser.open(address + "search.html", width=390, height=844)
+    tab.wait("document.readyState === 'complete'")
+    assert "Try baseline seeds" in tab.text()
+    assert tab.evaluate("document.querySelector('form.words label').htmlFor") == "words"
+    tab.go(address + "search.html?q=baseline")
+    tab.wait("document.querySelectorAll('#search-results li').length > 0")
+    assert "Try baseline seeds" not in tab.text()
+    assert tab.evaluate("document.getElementById('words').value") == "baseline"
+    tab.close()
+
+
+@pytest.mark.needs("site")
+def test_drawings_are_dark_on_dark_pages_and_as_they_are_on_light_ones(
+    browser: Browser, address: str
+) -> None:
+    tab = browser.open(address + "docs/feel.html", width=1440, height=900)
+    for scheme, filtered in (("dark", True), ("light", False)):
+        feature = {"name": "prefers-color-scheme", "value": scheme}
+        tab.call("Emulation.setEmulatedMedia", features=[feature])
+        tab.wait("document.readyState === 'complete'")
+        how = tab.evaluate("getComputedStyle(document.querySelector('article img')).filter")
+        assert ("invert" in how) == filtered
+    tab.close()
+
+
+@pytest.mark.needs("site")
+def test_ids_of_gymnasium_keep_their_parts_whole_on_a_phone(browser: Browser, address: str) -> None:
+    tab = browser.open(address + "tasks/carry-together.html", width=390, height=844)
+    tab.wait("document.readyState === 'complete'")
+    lines = tab.evaluate(
+        "(() => { const word = [...document.querySelectorAll('td code .pre')]"
+        ".find((e) => e.textContent === 'hand_sandbox/CarryTogether-v1');"
+        "const range = document.createRange(); range.selectNodeContents(word);"
+        "return new Set([...range.getClientRects()].map((r) => Math.round(r.top))).size })()"
+    )
+    assert lines == 2
+    icon = tab.evaluate("document.querySelector('link[rel~=icon]').href")
+    assert icon.endswith("favicon.svg")
+    tab.close()
