@@ -12,6 +12,7 @@ from xml.etree import ElementTree
 import pytest
 
 from models.surface import Surface
+from sandbox.recording.versions import DECISIVE
 from sandbox.trial.assembly import place_surface
 from tasks.box_to_goal import BoxToGoal
 from tools.docs import axes
@@ -71,6 +72,17 @@ def test_the_picture_of_the_steps_is_the_one_that_its_command_draws() -> None:
 def test_the_picture_of_the_axes_is_the_one_that_its_command_draws() -> None:
     kept = (ROOT / "docs" / "pictures" / "axes.svg").read_text(encoding="utf-8")
     assert kept == axes.drawing()
+
+
+@pytest.mark.parametrize("page", ["physics", "releases"])
+def test_pages_say_in_the_same_words_where_a_recording_replays_to_the_bit(page: str) -> None:
+    text = " ".join((ROOT / "docs" / f"{page}.md").read_text(encoding="utf-8").split())
+    said = (
+        "is the recording's: MuJoCo's version, the architecture and the values of the system's libm",
+        "It also holds the operating system and a digest of values computed in our order of sums",
+    )
+    assert all(words in text for words in said)
+    assert list(DECISIVE) == ["mujoco", "machine", "libm", "arithmetic"]
 
 
 def test_the_page_on_tasks_says_where_the_surface_is() -> None:

@@ -182,13 +182,14 @@ def main(argv: list[str]) -> int:
 def parse_known(argv: list[str]) -> tuple[RegressOptions, list[str]]:
     """Our options, and those that are left for `sandbox run`."""
     parsed: tuple[RegressOptions, list[str]] = with_one_line_errors(
-        lambda: tyro.cli(
+        lambda words: tyro.cli(
             RegressOptions,
             prog="sandbox regress",
-            args=argv,
+            args=words,
             config=(tyro.conf.OmitArgPrefixes,),
             return_unknown_args=True,
         ),
+        argv,
         "sandbox regress",
     )
     return parsed

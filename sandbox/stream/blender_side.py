@@ -3,7 +3,7 @@
     blender -P hand_sandbox_blender.py                    # a window that listens on port 7004
     python hand_sandbox_blender.py --out hand.bvh         # no window: the module bpy, until a stop
 
-    sandbox stream --device run.jsonl --blender :7004     # in another terminal
+    sandbox stream run.jsonl --blender :7004              # in another terminal
 
 A streamed hand makes an armature of its own, hand_sandbox_right, that does what the hand does,
 joint by joint, keyed. To move an armature of yours, select the first bones of one to five chains

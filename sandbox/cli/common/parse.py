@@ -8,7 +8,7 @@ import inspect
 import io
 import re
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Container, Mapping
 from dataclasses import fields, is_dataclass
 from typing import Any, TypeVar
 
@@ -24,6 +24,8 @@ _SIDES, _RULE = "│|╭╰╮╯+ ", set("─-+╭╰╮╯")
 _HELP_STARTS = ("Argument helptext:", "For full helptext", "Descriptions of")
 """Beginnings of lines at which the error ends and help follows."""
 _MEANT = "Perhaps you meant"
+_LACKING = re.compile(r"missing value for argument '(--[\w-]+)'")
+"""The error of an option at the end of the line, or before another one."""
 
 
 def parse(options: type[T], prog: str, argv: list[str], append: bool = True) -> T:
@@ -42,12 +44,20 @@ def parse(options: type[T], prog: str, argv: list[str], append: bool = True) -> 
         argv = with_second_names(argv)
     config = (tyro.conf.OmitArgPrefixes, *((tyro.conf.UseAppendAction,) if append else ()))
     return with_one_line_errors(
-        lambda: tyro.cli(options, prog=prog, args=argv, config=config), prog
+        lambda words: tyro.cli(options, prog=prog, args=words, config=config), argv, prog
     )
 
 
-def with_one_line_errors(call: Callable[[], T], prog: str) -> T:
+def with_one_line_errors(
+    call: Callable[[list[str]], T], argv: list[str], prog: str, commands: Container[str] = ()
+) -> T:
     """Runs tyro's parser and turns its errors, which are boxes of several lines, into one line.
+
+    Args:
+        call: Parses the words of a command line.
+        argv: The words.
+        prog: What stands before them.
+        commands: Names of commands, of which the first word is one.
 
     Raises:
         InputError: The options are invalid.
@@ -55,14 +65,29 @@ def with_one_line_errors(call: Callable[[], T], prog: str) -> T:
     errors, screen = io.StringIO(), HelpBuffer(sys.stdout)
     try:
         with contextlib.redirect_stderr(errors), contextlib.redirect_stdout(screen), OPTIONS:
-            return call()
+            return call(argv)
     except SystemExit as end:
         if not end.code:
             screen.show()
             sys.stderr.write(errors.getvalue())
             raise
         error = _error_text(errors.getvalue())
-    raise InputError(error, remedy=f"`{prog} --help` lists all options")
+    command = argv[:1] if argv and argv[0] in commands else []
+    if lacking := _LACKING.fullmatch(error):
+        value = _value_of(lacking[1], lambda: call([*command, "--help"]))
+        error = f"{lacking[1]}: its value is missing" + (f" (expected {value})" if value else "")
+    remedy = f"`{' '.join([prog, *command])} --help` lists all options"
+    raise InputError(error, remedy=remedy)
+
+
+def _value_of(option: str, show_help: Callable[[], object]) -> str:
+    """What stands behind an option in the help, such as HOST:PORT; empty if nothing does."""
+    screen = io.StringIO()
+    with contextlib.redirect_stdout(screen), OPTIONS, contextlib.suppress(SystemExit):
+        show_help()
+    # The list of options has two columns before each; the text above it names some without.
+    found = re.search(rf"^[│| ] (?:-\w, )?{re.escape(option)} (\S+)", screen.getvalue(), re.M)
+    return found[1] if found else ""
 
 
 def subcommand(
@@ -87,13 +112,15 @@ def subcommand(
         return wrapper
 
     run: Callable[[], int] = with_one_line_errors(
-        lambda: tyro.extras.subcommand_cli_from_dict(
+        lambda words: tyro.extras.subcommand_cli_from_dict(
             {name: deferred(function) for name, function in commands.items()},
             prog=prog,
             description=description,
-            args=argv,
+            args=words,
         ),
-        f"{prog} {argv[0]}" if argv and argv[0] in commands else prog,
+        argv,
+        prog,
+        commands,
     )
     return int(run())
 

@@ -91,13 +91,15 @@ def main(argv: list[str]) -> int:
         return formats()
     commands: dict[str, Callable[..., Any]] = {**kinds, "formats": formats}
     asked = with_one_line_errors(
-        lambda: tyro.extras.subcommand_cli_from_dict(
+        lambda words: tyro.extras.subcommand_cli_from_dict(
             commands,
             prog="sandbox touches",
             description="Shows, records and sends the touches of a tablet or touch table.",
-            args=argv,
+            args=words,
         ),
-        f"sandbox touches {argv[0]}" if argv and argv[0] in commands else "sandbox touches",
+        argv,
+        "sandbox touches",
+        commands,
     )
     return doing[argv[0]](asked)
 
