@@ -78,7 +78,7 @@ def test_the_picture_of_the_axes_is_the_one_that_its_command_draws() -> None:
 def test_pages_say_in_the_same_words_where_a_recording_replays_to_the_bit(page: str) -> None:
     text = " ".join((ROOT / "docs" / f"{page}.md").read_text(encoding="utf-8").split())
     said = (
-        "is the recording's: MuJoCo's version, the architecture and the values of the system's libm",
+        "the recording's: MuJoCo's version, the architecture and the values of the system's libm",
         "It also holds the operating system and a digest of values computed in our order of sums",
     )
     assert all(words in text for words in said)
