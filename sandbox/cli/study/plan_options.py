@@ -69,18 +69,24 @@ def say_power(design: Design, options: PlanOptions, console: Console) -> None:
                 expected="--power",
             )
         return
-    from sandbox.study.planning.needed import change_of, power_lines
+    from sandbox.study.planning.needed import NO_PEOPLE, TO_WRITE, change_of, power_lines
 
     change = change_of(options.detect) if options.detect else None
     people = options.participants or design.participants
-    lines = list(power_lines(design, people, _pilot(design, options), options.spread, change))
+    about = (design, people, _pilot(design, options), options.spread, change)
     if options.power:
-        for line in lines:
-            console.print(line, highlight=False, markup=False)
+        for line in power_lines(*about):
+            colour = "yellow" if line == NO_PEOPLE else None
+            console.print(line, style=colour, highlight=False, markup=False)
     if options.preregistration is not None:
         from sandbox.study.planning.preregistration import write_preregistration
 
+        lines = list(power_lines(*about, marked=True))
         write_preregistration(options.preregistration, design, people, lines)
+        if not options.power:
+            for line in lines:
+                if line == NO_PEOPLE or line.startswith(TO_WRITE):
+                    console.print(line, style="yellow", highlight=False, markup=False)
         console.print(f"{options.preregistration}: read it and complete it", markup=False)
 
 

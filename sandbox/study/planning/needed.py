@@ -13,8 +13,17 @@ from sandbox.study.design.design import Design
 from sandbox.study.design.planned import PlannedTests, family_size, planned_tests
 from sandbox.study.design.power import detectable, people_needed
 from sandbox.study.planning.pilot import CAUTION, Pilot, Spread
+from sandbox.study.record.folder import SIMULATED
 from sandbox.study.report.models.quantities import LOG, SHARE
 
+TO_WRITE = "TO BE WRITTEN"
+"""Mark in a preregistration of what no design and no pilot says."""
+NO_PEOPLE = (
+    "no person took part in this pilot: its participants are simulated, and their spread says "
+    "nothing about people; a pilot with people is `sandbox study run DESIGN --participant new "
+    "--pilot`"
+)
+"""What is said of a pilot of simulated participants."""
 WANTED = 0.8
 """Probability with which an effect is to be detected."""
 REPETITIONS = (1, 2, 3, 5, 10, 20)
@@ -102,6 +111,7 @@ def power_lines(
     pilot: Pilot | None = None,
     guess: float = 0.3,
     change: float | None = None,
+    marked: bool = False,
 ) -> Iterator[str]:
     """Lines that say what can be detected.
 
@@ -111,6 +121,7 @@ def power_lines(
         pilot: What is known of the spread; None uses the guess.
         guess: See `needs`.
         change: Wanted effect; None tells no numbers of participants.
+        marked: True marks every comparison without power as to be written, as in a preregistration.
     """
     some = needs(design, pilot, guess)
     if not some:
@@ -123,6 +134,8 @@ def power_lines(
             f"{100 * pilot.success:.0f} % with success; its spread and success rates are used, its "
             "effects are not"
         )
+        if pilot.mode == SIMULATED:
+            yield NO_PEOPLE
         yield (
             f"cautious: with the upper limit of the spread, below which it is with probability "
             f"{CAUTION:g}, as a pilot of few people may show too little"
@@ -134,13 +147,21 @@ def power_lines(
         + ("" if design.primary else " (the design names no primary outcome, so all are tested)")
     )
     for one in some:
-        yield from _lines(design, one, participants, change)
+        if not isinstance(one.spread, str):
+            yield from _lines(design, one, participants, change)
+        elif marked:
+            yield unknown_power(one)
+        else:
+            yield f"{one.title}: {one.spread}"
+
+
+def unknown_power(one: Needs) -> str:
+    """Line of a preregistration on a comparison without power, whose spread is a reason."""
+    return f"{TO_WRITE}: power of {one.title}, because {one.spread}"
 
 
 def _lines(design: Design, one: Needs, participants: int, change: float | None) -> Iterator[str]:
-    if isinstance(one.spread, str):
-        yield f"{one.title}: {one.spread}"
-        return
+    assert isinstance(one.spread, Spread)
     spread, trials = one.spread, one.tests.trials
     known = spread.people > 0
     groups = " in groups" if one.tests.between else ""
@@ -169,8 +190,10 @@ def _lines(design: Design, one: Needs, participants: int, change: float | None) 
 
 
 def _said(scale: str, effect: float) -> str:
+    if effect == inf:
+        return "no change" if scale == LOG else "no difference"
     if scale == LOG:
-        return f"a change of {100 * effect:.0f} %" if effect < inf else "no change"
+        return f"a change of {100 * effect:.0f} %"
     if scale == SHARE:
         return f"a difference of {100 * effect:.0f} points"
     return f"a difference of {effect:.3g}"

@@ -14,14 +14,18 @@ from pathlib import Path
 import numpy as np
 
 from models.errors import StudyError
+from models.messages.wording import counted
 from sandbox.study.design.planned import PlannedTests
 from sandbox.study.report.models.data import StudyData, load_study, to_numbers
 from sandbox.study.report.models.fitted import Fitted
-from sandbox.study.report.models.mixed import Mixed
+from sandbox.study.report.models.mixed import FEWEST_PEOPLE, Mixed
 from sandbox.study.report.models.quantities import PLAIN, SHARE, Quantity, quantity, rows_with
 
 CAUTION = 0.8
 """Probability that the true deviation is below the cautious one (Browne 1995)."""
+FEWEST_SUCCESSFUL = 2
+"""Smallest number of people who succeed in a condition whose times are compared: without one of
+them, the others must still tell its mean."""
 
 
 @dataclass(frozen=True)
@@ -112,13 +116,19 @@ def _has(data: StudyData, name: str) -> bool:
 
 def _spread(fitted: Fitted, test: PlannedTests) -> Spread | str:
     """Spread of the differences between the levels of a factor, without their means."""
+    met = next((f for f in fitted.data.factors if f.name == test.factor.name), None)
+    if met is None or len(met.levels) < 2:
+        return "the pilot does not compare these levels"
+    people = len(fitted.data.ppids)
+    if people < FEWEST_PEOPLE:
+        had = counted(people, "person", "people")
+        return f"the pilot has {had} and at least {FEWEST_PEOPLE} are needed"
     some = [d for d in fitted.pairs(test.outcome) if d.pair.factor.name == test.factor.name]
     deviations = [d.spread for d in some if np.isfinite(d.spread)]
     if not deviations:
-        return "the pilot does not compare these levels, or has too few people"
+        return _unknown(fitted, test.outcome)
     if some[0].pair.factor.within == test.between:
         return "the pilot compares these levels within people, the design between, or the reverse"
-    people = len(fitted.data.ppids)
     total = float(np.mean(np.square(deviations)))
     what = next((q for q in fitted.asked if q.name == test.outcome), None)
     if what is None:
@@ -132,6 +142,38 @@ def _spread(fitted: Fitted, test: PlannedTests) -> Spread | str:
     # A variance of differences below that of its trials is chance: people do not differ then.
     own = max(0.0, total - sides * single / trials)
     return Spread(what.scale, people, own, single, test.between, max(success, 0.01))
+
+
+def _unknown(fitted: Fitted, outcome: str) -> str:
+    """Why the pilot does not tell the spread of an outcome, although it compares the levels."""
+    measures = {"time_s", "success", *(what.name for what in fitted.asked)}
+    if outcome not in fitted.outcomes or (outcome == "time_s" and fitted.time is None):
+        return f"the pilot has no {'successes' if outcome == 'time_s' else f'numbers of {outcome}'}"
+    if outcome == "time_s" and (few := _few_successes(fitted.data)):
+        return few
+    what = next((q for q in fitted.asked if q.name == outcome), fitted.time)
+    model = fitted.compared(what).model if what is not None and outcome in measures else ""
+    if isinstance(model, str) and model:
+        return f"the pilot is too small: {model}"
+    return (
+        "its people do not tell how much others differ: too few of them met both levels, or all "
+        "differ equally"
+    )
+
+
+def _few_successes(data: StudyData) -> str:
+    """Which conditions have the successes of too few people; empty if there are none."""
+    won = data.used[~data.used["censored"]].groupby("condition")["ppid"].nunique()
+    few = {name: int(won.get(name, 0)) for name in data.conditions}
+    told = [
+        f"{count or 'none'} with {name}" for name, count in few.items() if count < FEWEST_SUCCESSFUL
+    ]
+    if not told:
+        return ""
+    return (
+        f"too few people of the pilot succeeded ({', '.join(told)}) and at least "
+        f"{FEWEST_SUCCESSFUL} are needed with each"
+    )
 
 
 def _single(fitted: Fitted, what: Quantity) -> float:

@@ -13,11 +13,9 @@ from sandbox.study.design.conditions import combinations, tasks_of
 from sandbox.study.design.design import END, START, Design, Exclusion, Factor
 from sandbox.study.design.plan import duration, session_plan, trials_of
 from sandbox.study.design.planned import PlannedTests, family_size, planned_tests
+from sandbox.study.planning.needed import TO_WRITE
 from sandbox.study.record.build import build_of
 from sandbox.study.record.folder import StudyFolder
-
-TO_WRITE = "TO BE WRITTEN"
-"""Mark of what no design says."""
 
 
 def write_preregistration(
@@ -210,5 +208,5 @@ def _analysis(design: Design, tests: Sequence[PlannedTests]) -> list[str]:
 
 def _told(value: object) -> str:
     if isinstance(value, dict):
-        return "; ".join(f"{k} {_told(v)}" for k, v in sorted(value.items()))
+        return "; ".join(f"{k} {_told(v)}" for k, v in sorted(value.items()) if v not in ("", None))
     return str(value)

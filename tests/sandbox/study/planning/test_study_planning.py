@@ -14,7 +14,7 @@ from sandbox.study.design.design import Design
 from sandbox.study.design.design_file import parse_design
 from sandbox.study.design.planned import family_size, planned_tests
 from sandbox.study.design.power import people_needed, power
-from sandbox.study.planning.needed import change_of, needs, power_lines
+from sandbox.study.planning.needed import NO_PEOPLE, change_of, needs, power_lines
 from sandbox.study.planning.pilot import Pilot, Spread, read_pilot
 from sandbox.study.planning.preregistration import lock_of, preregistration
 from sandbox.study.record.folder import SIMULATED, StudyFolder
@@ -52,6 +52,8 @@ below = 0.5
 primary = ["time_s", "success"]
 """
 EVERY = Truth(people=12, times=(10.0, 8.5), repetitions=3, losses=(1e-9, 1e-9), limit=3600.0)
+
+THREE = replace(EVERY, people=3)
 
 
 def plan(text: str = PLANNED) -> Design:
@@ -133,6 +135,68 @@ def test_levels_that_a_pilot_does_not_compare_are_said_to_be_unknown(tmp_path: P
     assert any("time_s by feel: the pilot does not compare these levels" in x for x in lines)
 
 
+@pytest.mark.parametrize(("people", "had"), [(1, "1 person"), (2, "2 people")])
+def test_a_pilot_of_too_few_people_says_how_many_it_has_and_how_many_are_needed(
+    tmp_path: Path, people: int, had: str
+) -> None:
+    found = pilot(tmp_path, replace(EVERY, people=people))
+    assert set(found.spreads.values()) == {f"the pilot has {had} and at least 3 are needed"}
+    assert all(isinstance(one, Spread) for one in pilot(tmp_path / "3", THREE).spreads.values())
+
+
+def test_a_pilot_with_too_few_successes_says_with_what_and_how_many_are_needed(
+    tmp_path: Path,
+) -> None:
+    rows = planted(tmp_path, THREE)
+    lost = {"success": 0, "held": 0, "status": "timeout", "time_s": 20.0}
+    with_b = [r for r in rows if r["factor_encoder"] == "b" and r["factor_task"] == "task1"]
+    slow = [r for r in with_b if r["ppid"] != "P001"]
+    put(tmp_path, [{**r, **lost} if r in slow else r for r in rows])
+    found = read_pilot(tmp_path, planned_tests(plan()))
+    assert found.spreads["time_s", "encoder"] == (
+        "too few people of the pilot succeeded (1 with b / task1) and at least 2 are needed with "
+        "each"
+    )
+    assert isinstance(found.spreads["success", "encoder"], Spread)
+    put(tmp_path, [{**r, **lost} for r in rows])
+    found = read_pilot(tmp_path, planned_tests(plan()))
+    assert found.spreads["time_s", "encoder"] == "the pilot has no successes"
+
+
+def test_a_preregistration_marks_what_has_no_power_and_a_plan_says_why(tmp_path: Path) -> None:
+    found = pilot(tmp_path, replace(EVERY, people=1))
+    assert (
+        "TO BE WRITTEN: power of time_s by encoder, because the pilot has 1 person and at least 3 "
+        "are needed"
+    ) in power_lines(plan(), 24, found, marked=True)
+    told = list(power_lines(plan(), 24, found))
+    assert "time_s by encoder: the pilot has 1 person and at least 3 are needed" in told
+    enough = power_lines(plan(), 24, pilot(tmp_path / "3", THREE), marked=True)
+    assert not any("TO BE WRITTEN" in line for line in enough)
+
+
+def test_too_few_participants_are_said_to_detect_no_difference(tmp_path: Path) -> None:
+    lines = list(power_lines(plan(), 2, pilot(tmp_path, THREE)))
+    assert any("success by encoder: 2 participants detect no difference" in x for x in lines)
+    assert any("time_s by encoder: 2 participants detect no change" in x for x in lines)
+
+
+def test_a_simulated_pilot_is_called_one_in_the_terminal_and_in_the_file(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    study = StudyFolder(tmp_path, design(), SIMULATED)
+    simulate(study, 1, False, lambda text: None)
+    out = tmp_path / "prereg.md"
+    command = ["study", "plan", str(study.path / "design.toml"), "--from", str(study.path)]
+    assert main([*command, "--preregistration", str(out)]) == 0
+    told = capsys.readouterr().out
+    assert NO_PEOPLE in told and NO_PEOPLE in out.read_text()
+    marked = "TO BE WRITTEN: power of time_s by contact, because the pilot has 1 person"
+    assert marked in told and marked in out.read_text()
+    assert main([*command, "--power"]) == 0
+    assert NO_PEOPLE in capsys.readouterr().out
+
+
 def test_the_planned_tests_are_those_of_the_report(tmp_path: Path) -> None:
     study = StudyFolder(tmp_path, design(), SIMULATED)
     simulate(study, 3, False, lambda text: None)
@@ -180,6 +244,11 @@ def test_a_preregistration_says_design_number_power_exclusions_analysis_and_lock
     ):
         assert part in text
     assert "nasa-tlx-raw by" not in text, "it is not primary"
+
+
+def test_a_preregistration_leaves_out_the_labels_of_an_encoder_without_any() -> None:
+    lock = {"encoders": {"paper": {"encoder": "3575d95f", "labels": ""}}}
+    assert "- encoders: paper encoder 3575d95f\n" in preregistration(plan(), 24, [], lock)
 
 
 def test_a_preregistration_says_the_limit_of_a_task_that_is_shorter_than_the_designs() -> None:
