@@ -25,9 +25,11 @@ from sandbox.study.record.build import code_digest
 from sandbox.study.record.chain import Record
 from sandbox.study.record.files import LOCK_FILES, TEMPORARY, json_bytes
 from sandbox.study.record.folder import (
+    ANONYMISED,
     DESIGN_FILE,
     STUDY_FILE,
     STUDY_JOURNAL,
+    WITHDRAWN,
     Participant,
     StudyFolder,
     about_of,
@@ -40,8 +42,8 @@ from sandbox.study.record.trial_files import TRIALS
 from sandbox.study.record.witness import Witness
 from sandbox.study.share.export_log import COPIED, COPIES
 from sandbox.study.share.merge import MERGED, sites_bytes
-from sandbox.study.share.privacy import ABOUT, ANONYMISED
-from sandbox.study.share.withdraw import SITES, WITHDRAWN
+from sandbox.study.share.privacy import ABOUT
+from sandbox.study.share.withdraw import SITES
 from sandbox.study.tables.tables import SOURCES
 
 PARTS = (TRIALS, TRACKERS, INFO)

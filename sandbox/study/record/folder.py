@@ -65,6 +65,10 @@ class Participant:
     user: dict[str, Any] | None = None
 
 
+WITHDRAWN = "withdrawn"
+"""Kind of the record that takes the place of a participant's who withdrew consent."""
+ANONYMISED = "anonymised"
+"""Kind of the last record of an anonymous copy: what was done, and how many had withdrawn."""
 LOCK = "study"
 """Kind of the first record of a study's journal: what the study is, and what it is locked to."""
 STUDY_JOURNAL, STUDY_FILE, DESIGN_FILE = "study.jsonl", "study.json", "design.toml"
@@ -334,6 +338,13 @@ def participants_of(records: list[Record]) -> list[Participant]:
         for record in records
         if record["kind"] == "participant"
     ]
+
+
+def withdrawals_of(records: list[Record]) -> int:
+    """Number of participants who withdrew, by a study's journal or that of an anonymous copy."""
+    gone = {record["ppid"] for record in records if record["kind"] == WITHDRAWN}
+    before = [r["about"].get(WITHDRAWN, 0) for r in records if r["kind"] == ANONYMISED]
+    return len(gone) + sum(before)  # any order: whole numbers
 
 
 def read_study_json(path: Path) -> dict[str, Any]:

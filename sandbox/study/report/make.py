@@ -47,6 +47,8 @@ def make_report(
     data = load_study(folder)
     for line in (*data.kept, *data.clock_steps):
         note(line)
+    if data.withdrawn:
+        note(data.withdrawals)
     say(
         f"models of {counted(len(data.used), 'trial')} of {counted(len(data.ppids), 'participant')}"
     )

@@ -192,7 +192,10 @@ def tables(analysis: Analysis) -> dict[str, bytes]:
         "learning.csv": [{**vars(p), **_interval(p.mean)} for p in analysis.learning],
         "scores.csv": _scores(analysis),
         "score_comparisons.csv": _score_comparisons(analysis),
-        "exclusions.csv": [{**vars(s), "step": s.what} for s in flow(analysis.data)],
+        "exclusions.csv": [
+            *_withdrawn(analysis),
+            *({**vars(s), "step": s.what} for s in flow(analysis.data)),
+        ],
         "endings.csv": [
             {"condition": c, "ending": e, "trials": n}
             for c, kinds in endings(analysis.data).items()
@@ -206,6 +209,15 @@ def tables(analysis: Analysis) -> dict[str, bytes]:
     files["trials.csv"] = csv_bytes(trials, names)
     files["codebook.csv"] = _codebook(analysis, names)
     return files
+
+
+def _withdrawn(analysis: Analysis) -> list[Row]:
+    """Row on people who withdrew; none if the study's folder does not tell."""
+    count = analysis.data.withdrawn
+    if count is None:
+        return []
+    step = "withdrew, in no other number"
+    return [{"step": step, "participants": count, "trials": 0, "remains": False}]
 
 
 def csv_bytes(rows: Sequence[Row], columns: Sequence[str]) -> bytes:

@@ -44,6 +44,7 @@ from sandbox.study.record.folder import (
     SCHEMA,
     STUDY_FILE,
     STUDY_JOURNAL,
+    WITHDRAWN,
     StudyFolder,
     write_design,
 )
@@ -53,7 +54,7 @@ from sandbox.study.record.stored_sessions import JOURNAL, session_folders, sessi
 from sandbox.study.record.trial_files import TRIALS
 from sandbox.study.share.export_folder import new_folder
 from sandbox.study.share.privacy_records import RecordingEnd
-from sandbox.study.share.withdraw import REMOVED, SITES, WITHDRAWN, withdrawn
+from sandbox.study.share.withdraw import REMOVED, SITES, withdrawn
 from sandbox.study.tables.column import csv_bytes
 from sandbox.study.tables.tables import rebuild_all
 

@@ -24,10 +24,13 @@ from sandbox.study.record.chain import DIGEST, Record
 from sandbox.study.record.file_digests import recording_digests, tables_of
 from sandbox.study.record.files import json_bytes, make_folder, remove_locks, write_atomically
 from sandbox.study.record.folder import (
+    ANONYMISED,
     LOCK,
     STUDY_FILE,
     STUDY_JOURNAL,
+    WITHDRAWN,
     StudyFolder,
+    withdrawals_of,
     write_design,
 )
 from sandbox.study.record.journal import journal_bytes, read_journal
@@ -53,8 +56,7 @@ HAND_SIZE_BIN = 0.1
 """Bin width of the size of hands, unless another one is given. Over people it has a standard
 deviation of about 0.07 (`sandbox.study.run.simulate`)."""
 ABOUT = "anonymised.json"
-ANONYMISED = "anonymised"
-"""Kind of the record that says what was done; `anonymised.json` has the same content."""
+"""File that says what was done; the record `ANONYMISED` has the same content."""
 
 Say = Callable[[str], object]
 
@@ -138,8 +140,8 @@ def anonymise(study: StudyFolder, out: Path, masking: Masking, say: Say) -> Anon
                 _write_session(work, session, person_masking, masking, old in tell_hands)
         copied = [(names[old], agreed[old]) for old in sorted(agreed, key=names.__getitem__)]
         exact = {names[old]: size for old, size in sizes.items()}
-        without = len(sessions) - len(agreed)
-        anonymised = _finish(work, about, copied, masking, without, exact)
+        left_out = len(sessions) - len(agreed), withdrawals_of(study.records())
+        anonymised = _finish(work, about, copied, masking, left_out, exact)
     starts = [
         in_the_air(r["values"]) or ppid in tell_hands
         for ppid, some in agreed.items()
@@ -293,10 +295,20 @@ def _finish(
     study: Record,
     copied: Sequence[tuple[str, list[StoredSession]]],
     masking: Masking,
-    without_consent: int,
+    left_out: tuple[int, int],
     exact: Mapping[str, float],
 ) -> Anonymised:
-    """Builds all tables from the written files, and documents the anonymisation in the folder."""
+    """Builds all tables from the written files, and documents the anonymisation in the folder.
+
+    Args:
+        work: Folder of the copy.
+        study: Content of its `study.json`.
+        copied: Sessions by new pseudonym.
+        masking: Settings of the copy.
+        left_out: Numbers of participants who did not agree, and who withdrew.
+        exact: Exact sizes of hands by new pseudonym.
+    """
+    without_consent, withdrawn = left_out
     records = _study_records(work, study, copied, masking)
     _write_study_journal(work, records)
     copy = StudyFolder.at(work)
@@ -330,6 +342,7 @@ def _finish(
     about = {
         "participants": len(people),
         "left_out_without_consent": without_consent,
+        WITHDRAWN: withdrawn,
         "words_kept": masking.words,
         "left_out": list(masking.drop),
         "rounded_down_to": {HAND_SIZE: HAND_SIZE_BIN, **(masking.bins or {})},

@@ -25,15 +25,15 @@ from sandbox.study.record.chain import (
     replaced,
 )
 from sandbox.study.record.files import LOCK_FILES, locked, study_error, write_atomically
-from sandbox.study.record.folder import STUDY_JOURNAL, StudyFolder
+from sandbox.study.record.folder import STUDY_JOURNAL, WITHDRAWN, StudyFolder
 from sandbox.study.record.journal import now, read_journal
 from sandbox.study.record.stored_sessions import session_folders
 from sandbox.study.share.export_log import COPIES, Copy, copies
 from sandbox.study.tables.tables import rebuild_study
 from sandbox.system.durable_files import sync_folder
 
-WITHDRAWN, REMOVED = "withdrawn", "removed"
-"""Kinds of records: the tombstone, and the replacement of other records of the participant."""
+REMOVED = "removed"
+"""Kind of the record that takes the place of every other one of the participant."""
 SITES = "sites.csv"
 
 

@@ -62,6 +62,29 @@ def test_a_backup_an_export_and_a_withdrawal_follow_each_other(
     assert people_of(folder) == [stays] and not (folder / gone).exists()
 
 
+def test_a_report_counts_who_withdrew_and_so_does_that_of_an_anonymous_copy(
+    folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    shared = tmp_path / "shared"
+    assert main(["study", "report", str(folder)]) == 0
+    page = folder / "report" / "report.html"
+    assert "Nobody withdrew." in page.read_text() and "withdrew" not in capsys.readouterr().out
+    gone = people_of(folder)[0]
+    assert main(["study", "withdraw", str(folder), "--participant", gone, "--yes"]) == 0
+    assert main(["study", "export", str(folder), "--anonymise", "--out", str(shared)]) == 0
+    assert gone not in "".join(p.read_text() for p in shared.glob("*.json*"))
+    for copy in (folder, shared):
+        capsys.readouterr()
+        assert main(["study", "report", str(copy)]) == 0
+        told = "1 person withdrew. All their data were deleted"
+        assert told in capsys.readouterr().out
+        text = (copy / "report" / "report.html").read_text()
+        assert told in text and "of 1 who began; 1 more withdrew" in text and gone not in text
+        first = next(csv.DictReader((copy / "report" / "exclusions.csv").open()))
+        assert (first["step"], first["participants"]) == ("withdrew, in no other number", "1")
+    assert main(["replay", str(shared), "--verify"]) == 0
+
+
 def test_without_a_yes_nothing_is_deleted(
     folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -1,7 +1,8 @@
 """Reads a study's tables from a folder, and selects the used trials.
 
 Only the CSV files are read, so that a report can be made from any copy; `study.json`, if present,
-only gives the name and kind of a study without trials.
+only gives the name and kind of a study without trials, and `study.jsonl` the number of people who
+withdrew.
 """
 
 from __future__ import annotations
@@ -16,8 +17,11 @@ from msgspec import Struct
 
 from models.errors import StudyError
 from models.json_input import decoded, read_bytes
+from models.messages.wording import counted
 from sandbox.study.measures.kept import DIFFERS, WORDING, kept_lines
 from sandbox.study.measures.measure import PRIMARY
+from sandbox.study.record.folder import STUDY_JOURNAL, withdrawals_of
+from sandbox.study.record.journal import read_journal
 from sandbox.study.record.session_clock import CLOCK_STEPS
 
 if TYPE_CHECKING:
@@ -88,6 +92,8 @@ class StudyData:
         by_session: True if the session was added as a factor.
         wordings: What the codebook says of questionnaires that have not the published wording.
         digest: SHA-256 of `trial_results.csv`.
+        withdrawn: Number of people who withdrew, and of whom nothing else is here; None if the
+            folder has no sound journal of the study.
     """
 
     name: str
@@ -104,6 +110,7 @@ class StudyData:
     by_session: bool = False
     digest: str = ""
     wordings: dict[str, str] = field(default_factory=dict)
+    withdrawn: int | None = None
 
     @property
     def ppids(self) -> list[str]:
@@ -127,6 +134,18 @@ class StudyData:
             f"The wall clock made steps during sessions ({told}), and no time here depends on it: "
             "all come from a clock that nobody sets"
         ]
+
+    @property
+    def withdrawals(self) -> str:
+        """Sentence on people who withdrew; empty if the folder does not tell."""
+        if self.withdrawn is None:
+            return ""
+        if not self.withdrawn:
+            return "Nobody withdrew."
+        return (
+            f"{counted(self.withdrawn, 'person', 'people')} withdrew. All their data were deleted, "
+            "and no other number here counts them."
+        )
 
     @property
     def kept(self) -> list[str]:
@@ -199,6 +218,7 @@ def load_study(folder: Path) -> StudyData:
         by_session=by_session,
         digest=sha256(path.read_bytes()).hexdigest(),
         wordings=told,
+        withdrawn=_withdrawn(folder),
     )
 
 
@@ -282,6 +302,15 @@ def _about(folder: Path) -> _StudyInfo:
         return decoded(data, _StudyInfo, StudyError, what=what, where=str(path))
     except StudyError:
         return _StudyInfo()
+
+
+def _withdrawn(folder: Path) -> int | None:
+    """Number of people who withdrew; None if the study's journal is missing or damaged."""
+    path = folder / STUDY_JOURNAL
+    try:
+        return withdrawals_of(read_journal(path)) if path.is_file() else None
+    except StudyError:
+        return None
 
 
 def _codebook(folder: Path) -> tuple[dict[str, tuple[str, str]], tuple[str, ...]]:

@@ -88,7 +88,7 @@ def _used(data: StudyData) -> Section:
         + (f". Left out: {'; '.join(gone)}. " if gone else ". ")
         + "Nothing is deleted: trial_results.csv has all trials."
     )
-    for sentence in gaps(data):
+    for sentence in filter(None, (data.withdrawals, *gaps(data))):
         section.say(sentence, "note")
     return section
 

@@ -104,8 +104,9 @@ def _facts(analysis: Analysis) -> list[tuple[str, str, str]]:
     steps = flow(data)
     began, used = steps[0], steps[-1]
     count = next(s for s in steps if s.what == "trials that count")
+    gone = f"; {data.withdrawn} more withdrew" if data.withdrawn else ""
     facts = [
-        ("Participants used", str(used.participants), f"of {began.participants} who began"),
+        ("Participants used", str(used.participants), f"of {began.participants} who began{gone}"),
         ("Trials used", str(used.trials), f"of {count.trials} that count"),
     ]
     if analysis.success:

@@ -50,7 +50,7 @@ def exclusions_section(analysis: Analysis) -> Section:
             "Excluded data are not deleted: trial_results.csv has all trials.",
         )
     )
-    for sentence in gaps(data):
+    for sentence in filter(None, (data.withdrawals, *gaps(data))):
         section.say(sentence, "note")
     kinds = list(next(iter(endings(data).values()), {}))
     if kinds:

@@ -15,6 +15,7 @@ import pytest
 from models.errors import StudyError
 from sandbox.cli.main import main
 from sandbox.study.record.folder import REAL, SIMULATED, StudyFolder
+from sandbox.study.record.journal import journal_bytes
 from sandbox.study.report.make import make_report
 from sandbox.study.report.models.analysis import analyse
 from sandbox.study.report.models.censored import Censored, censored_differences, fit_censored
@@ -127,6 +128,22 @@ def test_every_exclusion_is_stated_and_sums_agree(tmp_path: Path) -> None:
     assert left["finished attempts"] == len(rows) == left["used here"] + gone
     assert [s["participants"] for s in steps if s["step"].endswith("never")] == ["1"]
     assert len(rows_of(tmp_path / "report" / "trials.csv")) == left["used here"]
+
+
+def test_people_who_withdrew_are_counted_where_the_journal_of_the_study_tells(
+    tmp_path: Path,
+) -> None:
+    planted(tmp_path, Truth(people=3, repetitions=1))
+    assert "withdrew" not in report(tmp_path).text
+    head = {"time": "2026-11-26T00:00:00.000+00:00", "clock": 0.0, "kind": "withdrawn"}
+    tombs = [{**head, "ppid": name} for name in ("ABCDEF", "GHJKMN")]
+    (tmp_path / "study.jsonl").write_bytes(journal_bytes(tombs))
+    page = report(tmp_path)
+    assert "of 3 who began; 2 more withdrew" in page.text
+    assert "2 people withdrew. All their data were deleted" in page.text
+    assert "ABCDEF" not in page.text
+    (tmp_path / "study.jsonl").write_bytes(b"no journal\n{}\n")
+    assert "withdrew" not in report(tmp_path).text
 
 
 def test_a_column_that_the_codebook_explains_is_in_every_file(plain: Path) -> None:
