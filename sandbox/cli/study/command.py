@@ -34,7 +34,8 @@ First steps:
   sandbox study simulate design.toml --out out --participants 2
   sandbox study report out/my-study-simulated
 
-docs/studies.md explains the rest."""
+`sandbox study COMMAND --help` explains each command. The page "User studies" of the site explains
+the rest; in the repository it is docs/studies.md."""
 
 File = Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="DESIGN")]
 
@@ -170,9 +171,18 @@ def _plan(options: PlanOptions, console: Console) -> int:
     )
     if limits := own_limits(design):
         console.print(limits, highlight=False)
+    _say_breaks(design, count, console)
     _say_cycle(design, count, console)
     say_power(design, options, console)
     return 0
+
+
+def _say_breaks(design: Design, people: int, console: Console) -> None:
+    """Prints where breaks come."""
+    from sandbox.cli.study.plan_table import break_lines
+
+    for i, line in enumerate(break_lines(design, people)):
+        console.print(line, style="yellow" if i else None, highlight=False, markup=False)
 
 
 def _say_cycle(design: Design, people: int, console: Console) -> None:

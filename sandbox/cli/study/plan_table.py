@@ -7,10 +7,12 @@ from itertools import groupby
 
 from rich.table import Table
 
+from models.messages.wording import counted
 from sandbox.study.design.balance import confounded, cycle_line, nearest_cycles
 from sandbox.study.design.conditions import tasks_of
 from sandbox.study.design.design import Design
-from sandbox.study.design.plan import Step, trials_of
+from sandbox.study.design.meaning.practice import parting_breaks
+from sandbox.study.design.plan import BreakStep, Step, session_plan, trials_of
 from sandbox.study.design.toml_lines import TomlLines
 
 
@@ -67,6 +69,35 @@ def own_limits(design: Design) -> str:
         f"trials end sooner than time_limit_s = {design.time_limit:g}, by their task's own limit: "
         f"{', '.join(short)}"
     )
+
+
+def break_lines(design: Design, people: int) -> list[str]:
+    """Lines on breaks: after how many trials they come, and which of them part practice from its
+    trials; none without breaks."""
+    places = {}
+    for session in range(1, design.sessions + 1):
+        steps = session_plan(design, 0, session)
+        breaks = [i for i, step in enumerate(steps) if isinstance(step, BreakStep)]
+        measured = [sum(not t.practice for t in trials_of(steps[:i])) for i in breaks]
+        if measured:
+            places[" and ".join(map(str, measured))] = None
+    if not places:
+        return []
+    lines = [
+        f"a break of {design.break_time:g} s or longer comes after {', or '.join(places)} trials "
+        "of a session, practice not counted"
+    ]
+    parting = parting_breaks(design, people)
+    if parting:
+        person, session, trial = parting[0]
+        among = len({one for one, _, _ in parting})
+        where = f" of session {session}" if design.sessions > 1 else ""
+        lines.append(
+            "breaks come between practice and its trials in the sessions of "
+            f"{counted(among, 'participant')}, first after trial {trial}{where} of participant "
+            f"{person}: write another number for breaks.every"
+        )
+    return lines
 
 
 def cycle_lines(design: Design, people: int) -> list[str]:

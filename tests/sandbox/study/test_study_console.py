@@ -258,6 +258,12 @@ def test_check_plan_new_and_simulate_say_what_they_should(
     told = " ".join(capsys.readouterr().out.split())
     assert "trials end sooner than time_limit_s = 25" in told
     assert "own limit: wrench-turn 20 s" in told
+    assert "a break of 30 s or longer comes after 4 and 8 trials of a session" in told
+    assert "breaks come between practice" not in told
+    file.write_text(file.read_text().replace("every = 4", "every = 6"))
+    assert main(["study", "plan", str(file), "--participants", "3"]) == 0
+    told = " ".join(capsys.readouterr().out.split())
+    assert "its trials in the sessions of 3 participants, first after trial 10 of part" in told
     file.write_text(file.read_text().replace("latin", "lattin"))
     assert main(["study", "check", str(file)]) == 2
     assert "Did you mean latin" in capsys.readouterr().err

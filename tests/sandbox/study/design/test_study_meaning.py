@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import re
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
 
 from sandbox.cli.main import main
 from sandbox.study.design.meaning.findings import findings
+from sandbox.study.design.plan import BreakStep, TrialStep, session_plan
 from sandbox.study.design.reading import DesignError
 from tests.support.study_files import SOUND as DESIGN
 from tests.support.study_files import design
@@ -99,6 +102,23 @@ def test_a_mistake_of_meaning_is_one_line_with_its_remedy(
     (found,) = findings(design(text))
     assert found.error is error and told in found.mistake.what and found.mistake.remedy
     assert 1 <= found.mistake.line <= text.count("\n") + 1
+
+
+@pytest.mark.parametrize("repetitions", [2, 3, 6])
+def test_a_break_after_practice_is_found_and_the_remedy_s_number_avoids_it(
+    repetitions: int,
+) -> None:
+    text = DESIGN.replace("repetitions = 2", f"repetitions = {repetitions}")
+    (found,) = findings(design(f"{text}\n[breaks]\nevery = {repetitions}\n"))
+    assert "a break comes between the practice of a level of contact and" in found.mistake.what
+    better = int(re.findall(r"Write (\d+)", found.mistake.remedy)[0])
+    plan = session_plan(design(f"{text}\n[breaks]\nevery = {better}\n"), 0)
+    after = [a for a, b in pairwise(plan) if isinstance(b, BreakStep)]
+    assert after and all(isinstance(step, TrialStep) and not step.practice for step in after)
+    at_once = text.replace('practice_each = "contact"\n', "").replace(
+        "practice = 1", "practice = 2"
+    )
+    assert findings(design(f"{at_once}\n[breaks]\nevery = {repetitions}\n")) == []
 
 
 def test_a_sound_design_has_none() -> None:
