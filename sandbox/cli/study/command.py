@@ -22,6 +22,7 @@ from sandbox.cli.study.recover import RecoverOptions, recover
 from sandbox.cli.study.report import ReportOptions, report
 from sandbox.cli.study.run import run, say_findings, say_noted, sayer
 from sandbox.cli.study.run_options import StudyRunOptions
+from sandbox.cli.study.sheet import SheetOptions, sheet
 
 if TYPE_CHECKING:
     from sandbox.study.design.design import Design
@@ -31,6 +32,7 @@ First steps:
 
   sandbox study new design.toml
   sandbox study check design.toml
+  sandbox study sheet design.toml
   sandbox study simulate design.toml --out out --participants 2
   sandbox study report out/my-study-simulated
 
@@ -218,6 +220,7 @@ ACTIONS: dict[str, tuple[Any, Callable[[Any, Console], int]]] = {
     "new": (NewOptions, _new),
     "check": (CheckOptions, _check),
     "plan": (PlanOptions, _plan),
+    "sheet": (SheetOptions, sheet),
     "run": (StudyRunOptions, run),
     "simulate": (StudySimulateOptions, _simulate),
     "report": (ReportOptions, report),

@@ -74,7 +74,7 @@ def own_limits(design: Design) -> str:
 def break_lines(design: Design, people: int) -> list[str]:
     """Lines on breaks: after how many trials they come, and which of them part practice from its
     trials; none without breaks."""
-    places = {}
+    places: dict[str, None] = {}
     for session in range(1, design.sessions + 1):
         steps = session_plan(design, 0, session)
         breaks = [i for i, step in enumerate(steps) if isinstance(step, BreakStep)]

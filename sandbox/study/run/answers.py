@@ -51,6 +51,17 @@ def steps(item: Item) -> str:
     return f" in steps of {item.step:g}" if item.kind == "scale" and item.step != 1 else ""
 
 
+def question(item: Item, language: str) -> str:
+    """An item as a line: the question, and the allowed answers."""
+    if item.ends is None:
+        return f"{item.ask[language]} {hint(item, language)}".rstrip()
+    ends = " to ".join(
+        f"{value:g} ({end[language]})"
+        for value, end in zip((item.low, item.high), item.ends, strict=True)
+    )
+    return f"{item.ask[language]} {ends}{steps(item)}"
+
+
 def read_answer(item: Item, text: str, language: str = "") -> Any:
     """Converts a typed answer to the stored one.
 

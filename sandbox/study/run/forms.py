@@ -14,7 +14,7 @@ import numpy as np
 
 from models.errors import StudyError
 from sandbox.study.design.design import Form, Item
-from sandbox.study.run.answers import Answers, Draft, hint, read_answer, steps
+from sandbox.study.run.answers import Answers, Draft, question, read_answer
 from sandbox.study.run.controls import Terminal
 from sandbox.words.words import words_in
 
@@ -91,15 +91,8 @@ class TerminalForms:
             self._show(f"{left:.0f} s more, please")
 
     def _item(self, item: Item, language: str, poll: Poll) -> Any:
-        ends = (
-            ""
-            if item.ends is None
-            else " to ".join(
-                f"{value:g} ({end[language]})"
-                for value, end in zip((item.low, item.high), item.ends, strict=True)
-            )
-        )
-        self._show(f"{item.ask[language]} {ends + steps(item) if ends else hint(item, language)}")
+        skips = " [optional: Enter alone skips it]" if item.optional else ""
+        self._show(question(item, language) + skips)
         while True:
             text = self._line(poll)
             try:

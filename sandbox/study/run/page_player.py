@@ -21,6 +21,7 @@ from sandbox.session.session import Session
 from sandbox.study.design.page_settings import PageSettings
 from sandbox.study.run.players import PlayedAttempt, RunningAttempt, TrialRequest
 from sandbox.study.run.study_page import TICK, StudyPage, beside_lift, inches, is_too_small
+from sandbox.study.run.task_texts import task_texts
 from sandbox.trial.driver import View
 from sandbox.trial.lift import lifts
 from sandbox.trial.live import LiveTrial
@@ -105,11 +106,9 @@ class PagePlayer:
         side = request.settings.hands[hand].side
         message = describe_scene(server.next_scene(), scene, session.task, surface, side, "")
         options, name = self._options, request.settings.task
-        words = page.texts
-        goal = words.get(f"goal_{message.task}", message.goal)
-        goal = options.goals.get(name, {}).get(self._language, goal)
-        title = words.get(f"task_{message.task}", _readable(message.task))
-        title = options.names.get(name, {}).get(self._language, title)
+        title, goal = task_texts(
+            options, name, message.task, message.goal, self._language, page.texts
+        )
         message = msgspec.structs.replace(message, task=title, goal=goal)
         apart = len(session.rigs) > 1 and not request.settings.one_surface
         skins = [pack_skin(hand) for hand in scene.spec.hands]
@@ -247,9 +246,3 @@ def on_both_screens(settings: RunSettings, other: RunSettings) -> RunSettings:
 def page_device(page: StudyPage, surface: Surface) -> WebDevice:
     """Creates the device of a trial on the page."""
     return page.use_device(WebDevice(surface, page.server.latency))
-
-
-def _readable(task: str) -> str:
-    """Name of a task as words: `box-to-goal` becomes `Box to goal`."""
-    words = task.replace("-", " ").replace("_", " ")
-    return words[:1].upper() + words[1:]

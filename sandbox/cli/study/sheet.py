@@ -1,0 +1,76 @@
+"""`sandbox study sheet`: what a participant will meet, in order, before anybody takes part."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated
+
+import tyro
+from rich.console import Console
+
+from models.errors import InputError, StudyError
+
+
+@dataclass(frozen=True)
+class SheetOptions:
+    """Prints what a participant will meet in order: texts, questions, practice, trials, breaks.
+
+    Nothing is run and nothing is written down. The steps and texts are those of the session.
+
+    sandbox study sheet design.toml
+
+    sandbox study sheet design.toml --participant-number 2 --out sheet.html
+    """
+
+    file: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="DESIGN")]
+    """Design file."""
+
+    participant_number: Annotated[int, tyro.conf.arg(metavar="N")] = 1
+    """Number of the participant in order of arrival, which determines the orders."""
+
+    language: str = ""
+    """Language of the participant. Default: the first one of the design."""
+
+    out: Annotated[Path | None, tyro.conf.arg(metavar="FILE.html")] = None
+    """Write a page to print instead. An existing file is never overwritten."""
+
+
+def sheet(options: SheetOptions, console: Console) -> int:
+    """`sandbox study sheet`."""
+    from sandbox.study.design.design_file import load_design
+    from sandbox.study.run.sheet import session_sheet, sheet_lines
+
+    if options.out is not None and options.out.suffix != ".html":
+        raise InputError(
+            "not the name of a page", where="--out", got=str(options.out), expected="FILE.html"
+        )
+    design = load_design(options.file)
+    sheets = [
+        session_sheet(design, options.participant_number, number, options.language)
+        for number in range(1, design.sessions + 1)
+    ]
+    if options.out is not None:
+        from sandbox.study.run.sheet_page import sheet_page
+
+        _write(options.out, sheet_page(sheets))
+        console.print(f"{options.out}: open it in a browser, and print it there", markup=False)
+        return 0
+    for i, one in enumerate(sheets):
+        for line in ("", *sheet_lines(one)) if i else sheet_lines(one):
+            console.print(line, markup=False, highlight=False)
+    return 0
+
+
+def _write(path: Path, text: str) -> None:
+    try:
+        with path.open("x", encoding="utf-8") as file:
+            file.write(text)
+    except FileExistsError:
+        raise StudyError(
+            "the file exists already", where=str(path), remedy="Choose another name"
+        ) from None
+    except OSError as error:
+        raise StudyError(
+            "the file cannot be written", where=str(path), got=error.strerror
+        ) from None

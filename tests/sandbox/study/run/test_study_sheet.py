@@ -1,0 +1,219 @@
+"""The sheet of a session tells the steps and texts that a session really has, in their order."""
+
+from __future__ import annotations
+
+from html.parser import HTMLParser
+from pathlib import Path
+
+import pytest
+
+from sandbox.cli.main import main
+from sandbox.study.design.design import Form
+from sandbox.study.record.journal import read_journal
+from sandbox.study.record.session_folder import SessionFolder
+from sandbox.study.run.answers import Answers, Draft
+from sandbox.study.run.controls import Controls
+from sandbox.study.run.forms import Poll, SimulatedForms
+from sandbox.study.run.players import HeadlessPlayer
+from sandbox.study.run.runner import SessionOutcome, SessionRunner
+from sandbox.study.run.sheet import SessionSheet, session_sheet, sheet_lines
+from sandbox.study.run.simulate import simulated_devices, simulated_person
+from tests.support.study_files import DESIGN, TWICE, design, open_study
+
+TEXTS = """
+[breaks]
+every = 1
+least_s = 7
+[[instructions]]
+at = "start"
+text.en = "Move it."
+text.de = "Bewegen Sie es."
+[[instructions]]
+at = "contact"
+level = "soft"
+text.en = "Now <softly>."
+text.de = "Jetzt <sanft>."
+[[questionnaires]]
+name = "liking"
+at = "end"
+title = "Q & A"
+[[questionnaires.items]]
+name = "one"
+kind = "choice"
+choices = ["a", "b", "c"]
+shuffle = true
+optional = true
+ask = "Which?"
+[[questionnaires.items]]
+name = "two"
+kind = "text"
+shuffle = true
+ask = "Why?"
+"""
+BOTH = 'seed = 3\nlanguages = ["en", "de"]'
+STEPS = {"consent", "step_done", "answers", "calibration"}
+"""Kinds of the records that end a step that is no trial."""
+
+
+def both_languages(text: str) -> str:
+    """A design in English and German, each text with its language in front."""
+    lines = []
+    for line in text.replace("seed = 3", BOTH).splitlines():
+        key, _, told = line.partition(" = ")
+        if key in ("ask", "text", "title"):
+            line = f'{key} = {{en = "en {told[1:-1]}", de = "de {told[1:-1]}"}}'
+        lines.append(line)
+    return "\n".join(lines) + "\n"
+
+
+class Witness(SimulatedForms):
+    """A simulated participant who keeps what was shown."""
+
+    def __init__(self) -> None:
+        super().__init__(1)
+        self.shown: list[str] = []
+
+    def consent(self, text: str, poll: Poll) -> bool:
+        self.shown.append(text)
+        return super().consent(text, poll)
+
+    def instruct(self, text: str, poll: Poll) -> None:
+        self.shown.append(text)
+        super().instruct(text, poll)
+
+    def rest(self, least: float, poll: Poll) -> None:
+        self.shown.append(f"{least:g} s")
+        super().rest(least, poll)
+
+    def ask(self, form: Form, language: str, poll: Poll, draft: Draft) -> Answers:
+        self.shown += [item.ask[language] for item in form.items]
+        return super().ask(form, language, poll, draft)
+
+
+def told(sheet: SessionSheet) -> list[str]:
+    """What a sheet says is shown, in the words of `Witness`."""
+    found = []
+    for part in sheet.parts:
+        if part.form is not None:
+            found += [item.ask[sheet.language] for item in part.form.items]
+        elif part.heading.startswith("break of "):
+            found.append(part.heading.removeprefix("break of ").removesuffix(" or longer"))
+        elif not part.steps[0].startswith("trial:"):
+            found.append(part.texts[0])
+    return found
+
+
+@pytest.mark.parametrize("base", [DESIGN, TWICE])
+@pytest.mark.parametrize("number", [1, 2])
+def test_a_sheet_has_the_steps_and_texts_of_the_session_that_is_run(
+    tmp_path: Path, base: str, number: int
+) -> None:
+    study = open_study(tmp_path, both_languages(base + TEXTS))
+    person = study.add(number - 1, **simulated_person(study.design, number - 1))
+    assert person.language == ("en", "de")[number - 1]
+    for n in range(1, study.design.sessions + 1):
+        forms = Witness()
+        with SessionFolder(study, person, n) as session:
+            runner = SessionRunner(
+                session,
+                HeadlessPlayer(),
+                simulated_devices(person),
+                forms,
+                Controls(),
+                lambda text: None,
+            )
+            assert runner.run() is SessionOutcome.COMPLETE
+            records = read_journal(session.path / "journal.jsonl")
+        taken = [
+            f"trial:{r['trial']}" if r["kind"] == "trial_start" else r["step"]
+            for r in records
+            if r["kind"] in STEPS or r["kind"] == "trial_start"
+        ]
+        sheet = session_sheet(study.design, number, n, person.language)
+        assert [step for part in sheet.parts for step in part.steps] == taken
+        met = [
+            ("practice, " * r["practice"], f"contact = {r['levels']['contact']}")
+            for r in records
+            if r["kind"] == "trial_start"
+        ]
+        named = [
+            ("practice, " * part.heading.startswith("practice, "), part.heading.partition(": ")[2])
+            for part in sheet.parts
+            for step in part.steps
+            if step.startswith("trial:")
+        ]
+        assert named == met
+        assert told(sheet) == forms.shown and len(forms.shown) > 5
+        breaks = [step for step in taken if step.startswith("break:")]
+        assert sum("break of 7 s" in line for line in sheet_lines(sheet)) == len(breaks) > 0
+
+
+def test_a_sheet_names_conditions_practice_questions_and_what_may_be_left_out() -> None:
+    plain = "\n".join(line for line in TEXTS.splitlines() if not line.startswith("text.de"))
+    lines = list(sheet_lines(session_sheet(design(DESIGN + plain), 1)))
+    text = "\n".join(lines)
+    assert lines[0].startswith("quick: participant number 1, language en, about ")
+    for line in (
+        "1. consent\n   Do you agree?\n   [I agree]  [I do not agree]\n",
+        "   - How old are you? (18 to 100)",
+        "practice, trial 1: contact = ",
+        "effort, 1 question, about contact = hard\n   About what you have just done\n",
+        "   - How much effort was it? (0 to 100 in steps of 5)",
+        "[may be left out]",
+    ):
+        assert line in text
+
+
+class Words(HTMLParser):
+    """The words of a page, its tags, and whether it names anything to fetch."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.words = ""
+        self.tags: set[str] = set()
+        self.feed(text)
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.tags.add(tag)
+        assert not {name for name, _ in attrs} & {"src", "href"}
+
+    def handle_data(self, data: str) -> None:
+        self.words += data
+
+
+def test_the_page_to_print_has_all_that_the_terminal_shows(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file, out = tmp_path / "design.toml", tmp_path / "sheet.html"
+    file.write_text(both_languages(TWICE + TEXTS))
+    command = ["study", "sheet", str(file), "--participant-number", "2", "--language", "de"]
+    assert main(command) == 0
+    shown = capsys.readouterr().out
+    assert "Jetzt <sanft>." in shown and "session 2 of 2" in shown and "softly" not in shown
+    assert main([*command, "--out", str(out)]) == 0
+    assert "open it in a browser" in capsys.readouterr().out
+    page = Words(out.read_text(encoding="utf-8"))
+    assert "script" not in page.tags
+    for line in shown.splitlines():
+        plain = line.strip().removeprefix("- ").replace(" [freiwillig]", "")
+        assert plain in page.words
+    assert main([*command, "--out", str(out)]) == 2
+    assert "exists already" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (["--participant-number", "0"], "1 for the first who comes"),
+        (["--language", "fr"], "no texts in this language (got 'fr', expected en)"),
+        (["--out", "sheet.pdf"], "expected FILE.html"),
+    ],
+)
+def test_a_mistake_is_one_line_that_says_what_to_write(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], words: list[str], told: str
+) -> None:
+    file = tmp_path / "design.toml"
+    file.write_text(DESIGN)
+    assert main(["study", "sheet", str(file), *words]) == 2
+    error = capsys.readouterr().err
+    assert told in error and len(error.splitlines()) == 1
