@@ -82,7 +82,7 @@ class WithdrawOptions:
     participant: Annotated[str, tyro.conf.arg(metavar="ID")]
     """Pseudonym of the participant."""
 
-    reason: str = "the participant's wish"
+    reason: str = "wish of the participant"
     """Reason, stored in the tombstone record."""
 
     yes: tyro.conf.FlagCreatePairsOff[bool] = False
@@ -181,7 +181,11 @@ def withdraw(options: WithdrawOptions, console: Console) -> int:
     from sandbox.study.share.withdraw import withdrawn
 
     study = StudyFolder.at(options.folder)
-    ppid = read_pseudonym(options.participant)
+    try:
+        ppid = read_pseudonym(options.participant)
+    except StudyError:
+        # One line for every id that nobody here has, whether it is whole or not.
+        ppid = options.participant
     if ppid not in withdrawn(study):
         study.find(ppid)
     if not options.yes:

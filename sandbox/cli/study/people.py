@@ -24,7 +24,9 @@ def find_participant(options: StudyRunOptions, study: StudyFolder, console: Cons
         StudyError: The options name no known participant, or are not valid for a new one.
     """
     if options.participant and options.participant != "new":
-        return study.find(read_pseudonym(options.participant))
+        return study.find(
+            read_pseudonym(options.participant), "`--participant new` adds a participant"
+        )
     unfinished = [person.ppid for person in study.participants() if not _finished(study, person)]
     if not options.participant:
         raise StudyError(

@@ -164,8 +164,12 @@ class StudyFolder:
         """All participants so far, in order of arrival."""
         return participants_of(self.records())
 
-    def find(self, ppid: str) -> Participant:
+    def find(self, ppid: str, remedy: str = "") -> Participant:
         """Finds a participant by pseudonym.
+
+        Args:
+            ppid: The pseudonym.
+            remedy: What to do if there is no such participant; empty says where all are listed.
 
         Raises:
             StudyError: The participant does not exist.
@@ -174,11 +178,12 @@ class StudyFolder:
         participant = next((p for p in known if p.ppid == ppid), None)
         if participant is None:
             raise StudyError(
-                "no such participant",
+                "no such participant in this study",
                 where=str(self.path),
                 got=ppid,
-                expected=", ".join(p.ppid for p in known[-8:]) or "new",
-                remedy="`--participant new` adds a participant",
+                expected=", ".join(p.ppid for p in known[-8:]) or None,
+                remedy=remedy
+                or "Look for a typing error: the column ppid of participants.csv there lists all",
             )
         return participant
 

@@ -85,6 +85,25 @@ def test_a_report_counts_who_withdrew_and_so_does_that_of_an_anonymous_copy(
     assert main(["replay", str(shared), "--verify"]) == 0
 
 
+def test_an_unknown_participant_cannot_be_withdrawn_and_is_not_called_new(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for wrong in ("ZZZZZZ", "000000", "new"):
+        assert main(["study", "withdraw", str(folder), "--participant", wrong, "--yes"]) == 2
+        said = capsys.readouterr().err
+        assert "no such participant in this study" in said and "--participant new" not in said
+        assert ", ".join(people_of(folder)) in said and "expected new" not in said
+
+
+def test_the_help_of_a_withdrawal_has_no_quotes_of_a_shell(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    with pytest.raises(SystemExit):
+        main(["study", "withdraw", "--help"])
+    told = " ".join(capsys.readouterr().out.replace("│", " ").split())
+    assert "(default: 'wish of the participant')" in told and "\"'\"" not in told
+
+
 def test_without_a_yes_nothing_is_deleted(
     folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -143,7 +162,8 @@ def test_two_folders_are_merged_by_a_command(
         (["backup", "{}"], "a study and an archive are needed"),
         (["backup", "--check", "{}/design.toml"], "the backup is damaged"),
         (["backup", "--check", "{}/nowhere"], "the backup is damaged"),
-        (["withdraw", "{}", "--participant", "ABCDEF"], "not the id of a participant"),
+        (["withdraw", "{}", "--participant", "ABCDEF"], "no such participant in this study"),
+        (["withdraw", "{}", "--participant", "ZZZZZZ"], "of participants.csv there lists all"),
         (["merge", "{}", "{}", "--out", "x"], "the same folder"),
     ],
 )
