@@ -101,7 +101,7 @@ def test_the_help_of_a_withdrawal_has_no_quotes_of_a_shell(
     with pytest.raises(SystemExit):
         main(["study", "withdraw", "--help"])
     told = " ".join(capsys.readouterr().out.replace("│", " ").split())
-    assert "(default: 'wish of the participant')" in told and "\"'\"" not in told
+    assert "(default: 'wish of the participant')" in told and '"\'"' not in told
 
 
 def test_without_a_yes_nothing_is_deleted(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from importlib.resources import files
+from math import isfinite
 from typing import Any
 
 from models.messages.wording import counted
@@ -136,7 +137,7 @@ def _findings(analysis: Analysis) -> list[str]:
             ends = formats.interval(formats.change(d.estimate.low), formats.change(d.estimate.high))
             out.append(
                 f"{d.pair.second} took {formats.less_or_more(d.estimate, 'less', 'more')} time "
-                f"than {d.pair.first} (95 % interval {ends}; {_verdict(family, 'time_s', d.pair)})."
+                f"than {d.pair.first} ({_certainty(ends, _verdict(family, 'time_s', d.pair))})."
             )
     if out and analysis.with_unseen:
         out[-1] += " Trials without success are assumed to take longer than they lasted."
@@ -146,8 +147,8 @@ def _findings(analysis: Analysis) -> list[str]:
             out.append(
                 f"{s.pair.second} succeeded in {formats.percent(s.second.value)} of trials, "
                 f"{s.pair.first} in {formats.percent(s.first.value)}: "
-                f"{formats.points(s.estimate.value)} points (95 % interval {ends}; "
-                f"{_verdict(family, 'success', s.pair)})."
+                f"{formats.points(s.estimate.value)} points "
+                f"({_certainty(ends, _verdict(family, 'success', s.pair))})."
             )
     out += [
         f"{test.pair.title}: {test.outcome} differs ({_verdict(family, test.outcome, test.pair)})."
@@ -159,10 +160,19 @@ def _findings(analysis: Analysis) -> list[str]:
     return out
 
 
+def _certainty(ends: str, verdict: str) -> str:
+    """What follows from a difference: its interval and verdict, or nothing without an interval."""
+    if ends == formats.UNKNOWN:
+        return "too few people for an interval, so that nothing follows for others"
+    return f"95 % interval {ends}; {verdict}"
+
+
 def _verdict(family: Family, outcome: str, pair: Pair) -> str:
     """Verdict of the test of a pair, in a few words."""
     test = family.test(outcome, pair)
     if test is None:
         return "exploratory"
+    if not isfinite(test.p_holm):
+        return "too few people for a test"
     said = f"p, Holm {formats.p_value(test.p_holm)}"
     return said if test.found else f"{said}: there may be no difference"

@@ -21,6 +21,7 @@ from sandbox.study.report.models.analysis import analyse
 from sandbox.study.report.models.censored import Censored, censored_differences, fit_censored
 from sandbox.study.report.models.data import load_study
 from sandbox.study.report.models.intervals import Estimate
+from sandbox.study.report.page.formats import UNKNOWN
 from sandbox.study.report.page.page import head
 from sandbox.study.report.page.plots import lines_by_person
 from sandbox.study.run.simulate import simulate
@@ -144,6 +145,30 @@ def test_people_who_withdrew_are_counted_where_the_journal_of_the_study_tells(
     assert "ABCDEF" not in page.text
     (tmp_path / "study.jsonl").write_bytes(b"no journal\n{}\n")
     assert "withdrew" not in report(tmp_path).text
+
+
+def test_too_few_people_for_an_interval_are_said_to_be_so_and_show_nothing(
+    tmp_path: Path,
+) -> None:
+    lost = {"success": 0, "held": 0, "status": "timeout", "time_s": 20.0}
+    put(
+        tmp_path,
+        [
+            {**r, **(lost if r["factor_encoder"] != "a" and r["ppid"] != "P001" else {})}
+            for r in planted(tmp_path, Truth(people=3, repetitions=2))
+        ],
+    )
+    said = head(analyse(load_study(tmp_path)))["findings"]
+    times = [sentence for sentence in said if " time than " in sentence]
+    assert times and all(
+        "(too few people for an interval, so that nothing follows for others)" in sentence
+        for sentence in times
+    )
+    for sentence in said:
+        assert UNKNOWN not in sentence
+    planted(tmp_path / "6")
+    enough = head(analyse(load_study(tmp_path / "6")))["findings"]
+    assert enough and not any("too few people" in sentence for sentence in enough)
 
 
 def test_a_column_that_the_codebook_explains_is_in_every_file(plain: Path) -> None:
