@@ -191,7 +191,7 @@ def withdraw(options: WithdrawOptions, console: Console) -> int:
     if not options.yes:
         console.print(
             f"Everything of {ppid} in {escape(str(study.path))} will be deleted; this "
-            "cannot be undone. yes / no"
+            "cannot be undone. Type yes or no, then Enter"
         )
         try:
             answer = input()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 import sys
 import time
 import webbrowser
@@ -74,7 +75,7 @@ def run(options: StudyRunOptions, console: Console) -> int:
     if number > 1 and options.session is None and not has_begun(study, person, number):
         say(
             f"{person.ppid} has finished session {number - 1} of {design.sessions}. Begin the "
-            "next? yes / no"
+            "next? Type yes or no, then Enter"
         )
         if not _agreed(terminal, f"--session {number} begins it"):
             say(f"session {number} was not begun")
@@ -83,7 +84,7 @@ def run(options: StudyRunOptions, console: Console) -> int:
         done, of = session.state.done(session.steps)
         if session.resumed and not options.resume and not session.state.complete:
             far = f"{done} of {counted(of, 'trial')}"
-            say(f"{person.ppid} has done {far}. Go on with the next? yes / no")
+            say(f"{person.ppid} has done {far}. Go on with the next? Type yes or no, then Enter")
             if not _agreed(terminal, "--resume goes on"):
                 say("nothing was played; the session can be resumed later")
                 return 0
@@ -105,6 +106,8 @@ def run(options: StudyRunOptions, console: Console) -> int:
     say(f"{person.ppid}{of_several}: {outcome}")
     if outcome == "stopped":
         say(f"to go on: {again(options, person.ppid)}")
+    say(f"the data are in {study.path}")
+    say(f"what was found so far: {shlex.join(['sandbox', 'study', 'report', str(study.path)])}")
     return 0
 
 
@@ -231,17 +234,21 @@ def _play(
 
     person, name = session.person, options.touches
     touch, second = touch_options(options), second_touch_options(options)
+    say, leap, repeated = sayer(console), options.leap_address, again(options, person.ppid)
+    # A simulated hand in the air differs in every trial, so it is not measured.
+    simulated = options.device == "simulated"
     forms: Forms
     if page is not None and options.forms != "terminal":
         forms = PageForms(page, lambda: controls.paused)
     else:
-        forms = TerminalForms(terminal, lambda text: console.print(text, markup=False))
+        if simulated:
+            say("questions come here in the terminal; `sandbox study simulate` asks nobody")
+        forms = TerminalForms(terminal, lambda text: console.print(text, markup=False), repeated)
     player = _player(options, session, page)
-    say, leap = sayer(console), options.leap_address
     own = session.study.design.page.words.get(person.language)
-    # A simulated hand in the air differs in every trial, so it is not measured.
-    simulated = options.device == "simulated"
-    calibrate = _average if simulated else hand_measurer(forms, person, leap, say, own=own)
+    calibrate = (
+        _average if simulated else hand_measurer(forms, person, leap, say, own=own, again=repeated)
+    )
     other = second.device if second else name
     runner = SessionRunner(
         session,

@@ -68,7 +68,8 @@ class StudyRunOptions:
 
     view: Literal["window", "none"] = "window"
     """none: trials without a window, for example if another program shows them. With --device web,
-    trials are on the page in any case."""
+    trials are on the page in any case. Questions are still asked: `sandbox study simulate` runs a
+    study with nobody there."""
 
     forms: Literal["auto", "page", "terminal"] = "auto"
     """Place of consent, instructions, questions and breaks. auto: on the page, or in the terminal

@@ -56,10 +56,13 @@ class TerminalForms:
     Args:
         terminal: Terminal in which answers are typed.
         show: Prints a text.
+        again: Command that continues the session, for the error at the end of the input.
     """
 
-    def __init__(self, terminal: Terminal, show: Callable[[str], object]) -> None:
-        self._terminal, self._show = terminal, show
+    def __init__(
+        self, terminal: Terminal, show: Callable[[str], object], again: str = "the same command"
+    ) -> None:
+        self._terminal, self._show, self._again = terminal, show, again
 
     def consent(self, text: str, poll: Poll) -> bool:
         self._show(text)
@@ -102,7 +105,7 @@ class TerminalForms:
 
     def _choose(self, options: tuple[str, ...], poll: Poll) -> str:
         while True:
-            self._show(" / ".join(options))
+            self._show(f"type {' or '.join(options)}, then Enter")
             text = self._line(poll).strip().lower()
             if text in options:
                 return text
@@ -113,7 +116,8 @@ class TerminalForms:
             raise StudyError(
                 "the input has ended, so that questions cannot be answered",
                 where="the terminal",
-                remedy="Run the command in a terminal; the session resumes at this step",
+                remedy=f"In a terminal, `{self._again}` resumes the session at this step. Nobody "
+                "needs to answer in `sandbox study simulate`",
             )
         return text
 

@@ -17,7 +17,7 @@ from sandbox.words.words import words_in
 
 TRIES = 2
 """Number of frames read for every wanted frame, since half of them may not show an open hand."""
-AGAIN = "Run the command again; the session resumes at this step"
+AGAIN = "`{}` resumes the session at this step"
 
 
 def hand_measurer(
@@ -27,6 +27,7 @@ def hand_measurer(
     say: Callable[[str], object],
     wanted: int = PAPER_FRAMES,
     own: dict[str, str] | None = None,
+    again: str = "the same command",
 ) -> Callable[[Poll], dict[str, Any]]:
     """Returns a function that measures the participant's hand.
 
@@ -40,6 +41,7 @@ def hand_measurer(
         say: Prints the result for the experimenter.
         wanted: Number of frames with five fingers; 1000 in the paper, about ten seconds.
         own: The design's own words in the participant's language, by key.
+        again: Command that continues the session, for the error if the service falls silent.
     """
     text = words_in(person.language, own)["measure_hand"]
     side = cast(Literal["right", "left"], person.hand)
@@ -49,7 +51,7 @@ def hand_measurer(
             forms.instruct(text, poll)
             device = open_leap(address)
             try:
-                frames = islice(device.follow(poll, AGAIN), TRIES * wanted)
+                frames = islice(device.follow(poll, AGAIN.format(again)), TRIES * wanted)
                 calibration = Paalm().calibrate(frames, side, wanted)[side]
             except EncoderError as error:
                 say(f"measuring again: {error}")

@@ -17,13 +17,13 @@ from hypothesis import strategies as st
 
 from models.errors import StudyError
 from sandbox.cli.main import main
-from sandbox.study.design.design import Item
+from sandbox.study.design.design import Form, Item
 from sandbox.study.record.folder import StudyFolder
 from sandbox.study.record.journal import read_journal
 from sandbox.study.record.session_folder import SessionFolder
 from sandbox.study.record.state import SessionState
 from sandbox.study.record.stored_sessions import session_path
-from sandbox.study.run.answers import hint, read_answer
+from sandbox.study.run.answers import Draft, hint, read_answer
 from sandbox.study.run.controls import Command, Controls, Terminal, parse_command
 from sandbox.study.run.forms import SimulatedForms, TerminalForms
 from sandbox.study.run.players import HeadlessPlayer
@@ -183,7 +183,10 @@ def test_a_session_in_the_terminal_asks_plays_and_hears_the_experimenter(
     assert main([*command, "--participant", "new"]) == 0
     told = capsys.readouterr().out
     assert "Do you agree?" in told and "the number is not allowed" in told and "complete" in told
+    assert told.count("type yes or no, then Enter") == 2, "`maybe` was asked again"
     folder = tmp_path / "quick-pilot"
+    assert f"the data are in {folder}\n" in told
+    assert f"what was found so far: sandbox study report {folder}\n" in told
     assert [r["answer"] for r in rows_of(folder / "questionnaires.csv")] == ["33", "25", "95"]
     assert {r["mode"] for r in rows_of(folder / "trial_results.csv")} == {"pilot"}
     notes = [
@@ -204,8 +207,12 @@ def test_a_question_that_nobody_can_answer_is_an_error_with_a_way_out_and_loses_
     command += ["simulated", "--view", "none", "--participant"]
     monkeypatch.setattr("sys.stdin", Patient("yes\n17\n33\n"))
     assert main([*command, "new"]) == 2
-    assert "the session resumes at this step" in capsys.readouterr().err
+    left = capsys.readouterr()
     ppid = StudyFolder.at(tmp_path / "quick-pilot").participants()[0].ppid
+    again = f"`sandbox study run {file} --participant {ppid} --out {tmp_path} --pilot --device "
+    assert again + "simulated --view none` resumes the session at this step" in left.err
+    assert "`sandbox study simulate`" in left.err and len(left.err.splitlines()) == 1
+    assert "questions come here in the terminal; `sandbox study simulate` asks" in left.out
     journal = next((tmp_path / "quick-pilot").glob("*/S001/journal.jsonl"))
     before = [r for r in read_journal(journal) if r["kind"] == "trial_end"]
     monkeypatch.setattr("sys.stdin", io.StringIO(""))
@@ -223,6 +230,15 @@ def test_a_question_that_nobody_can_answer_is_an_error_with_a_way_out_and_loses_
     assert "complete" in told and "How old" not in told
     ends = [r["trial"] for r in read_journal(journal) if r["kind"] == "trial_end"]
     assert sorted(ends) == list(range(1, TRIALS + 1))
+
+
+def test_a_question_that_may_be_left_out_says_that_enter_skips_it() -> None:
+    controls, shown = Controls(), list[str]()
+    forms = TerminalForms(Terminal(controls, Patient("\n33\n")), shown.append)
+    one = Item("glasses", "text", {"en": "Which glasses?"}, optional=True)
+    form = Form("f", {"en": ""}, (one, Item("effort", "scale", {"en": "Effort?"})), "end")
+    assert forms.ask(form, "en", lambda: None, Draft()) == {"glasses": None, "effort": 33}
+    assert shown == ["Which glasses? [optional: Enter alone skips it]", "Effort? (0 to 100)"]
 
 
 def test_the_next_session_is_not_begun_where_nobody_can_answer(

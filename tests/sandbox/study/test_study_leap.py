@@ -124,9 +124,13 @@ def test_a_sensor_that_falls_silent_ends_the_session_with_one_clear_line(
     monkeypatch.setattr("sandbox.devices.leap.leap.SILENCE", 0.5)
     server = FakeLeapd(open_hand()[:30], port=0, rate=1000.0)
     person = Participant("3B5G5T", 0)
-    measure = hand_measurer(SimulatedForms(1), person, server.address, lambda text: None, 1000)
+    measure = hand_measurer(
+        SimulatedForms(1), person, server.address, lambda text: None, 1000, again="run it"
+    )
     try:
-        with pytest.raises(DeviceError, match=r"is silent.*the session resumes at this step"):
+        with pytest.raises(
+            DeviceError, match=r"is silent.*`run it` resumes the session at this step"
+        ):
             measure(lambda: None)
     finally:
         server.close()
