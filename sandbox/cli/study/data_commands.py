@@ -13,6 +13,7 @@ from rich.console import Console
 from rich.markup import escape
 
 from models.errors import InputError, StudyError
+from models.messages.wording import counted
 
 if TYPE_CHECKING:
     from sandbox.study.record.folder import StudyFolder
@@ -32,7 +33,8 @@ class StudyExportOptions:
 
     --anonymise assigns new pseudonyms without keeping a list of them, dates every session to 1
     January 2000, and leaves out free text, names of folders, and participants who did not agree to
-    sharing. docs/privacy.md explains what can still be found out.
+    sharing. The page "What becomes of a study's data" of the site (docs/privacy.md in the
+    repository) explains what can still be found out.
     """
 
     folder: Folder
@@ -116,8 +118,8 @@ class MergeOptions:
 
     Try: sandbox study merge siteA/NAME siteB/NAME --out both/NAME
 
-    Both must be locked to the same design and program. docs/privacy.md explains what happens to
-    equal pseudonyms.
+    Both must be locked to the same design and program. Two people with one pseudonym stay two: the
+    second one gets another, and the command names both.
     """
 
     first: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="A")]
@@ -326,7 +328,8 @@ def _bids(study: StudyFolder, out: Path, console: Console) -> None:
 def _tell(done: Anonymised, out: Path, console: Console) -> None:
     from sandbox.study.share.privacy_groups import SMALLEST
 
-    console.print(f"{escape(str(out))}: {done.people} participants without names or dates")
+    people = counted(done.people, "participant")
+    console.print(f"{escape(str(out))}: {people} without names or dates")
     if done.without_consent:
         console.print(f"  {done.without_consent} who did not agree are left out")
     if done.hands:
@@ -334,13 +337,25 @@ def _tell(done: Anonymised, out: Path, console: Console) -> None:
             f"  {done.hands} recordings are left out: they hold the lengths of fingers, or a size "
             "of the hand that few share; --keep-hands keeps them"
         )
-    group_sizes = done.groups
-    if group_sizes.exposed:
+    sizes = done.groups
+    if not sizes.exposed:
+        others = sizes.smallest - 1
         console.print(
-            f"[yellow]k = {group_sizes.smallest}: {group_sizes.exposed} people share their "
-            f"{', '.join(group_sizes.columns)} with fewer than {SMALLEST - 1} others, and may be "
-            "recognised by who knows them. --bin ITEM:WIDTH and --drop ITEM make groups "
-            "larger[/]"
+            f"  k = {sizes.smallest}: everybody shares hand, language and demographic answers with "
+            f"{others} others or more"
+        )
+    elif not sizes.columns:
+        console.print(
+            f"[yellow]k = {sizes.smallest}: the copy has fewer than {SMALLEST} people, who may be "
+            "recognised by who knows that they took part. Only more participants change that[/]"
+        )
+    else:
+        several = sizes.exposed != 1
+        console.print(
+            f"[yellow]k = {sizes.smallest}: {counted(sizes.exposed, 'person', 'people')} "
+            f"{'share' if several else 'shares'} their {', '.join(sizes.columns)} with fewer than "
+            f"{SMALLEST - 1} others, and may be recognised by who knows them. --bin ITEM:WIDTH and "
+            "--drop ITEM make groups larger[/]"
         )
 
 

@@ -39,9 +39,7 @@ class Groups:
 
 
 def groups(people: Sequence[Mapping[str, Any]], columns: Sequence[str]) -> Groups:
-    """Groups people who have equal values in all given columns."""
-    if not columns:
-        return Groups((), len(people), ())
+    """Groups people who have equal values in all given columns; without columns, all are one."""
     counted = Counter(tuple(person.get(name) for name in columns) for person in people)
     few = tuple((what, n) for what, n in counted.items() if n < SMALLEST)
     return Groups(tuple(columns), min(counted.values(), default=0), few)

@@ -14,7 +14,7 @@ import pytest
 from sandbox.cli.main import main
 from sandbox.study.record.folder import SIMULATED, StudyFolder
 from sandbox.study.record.journal import read_journal
-from sandbox.study.run.simulate import simulate
+from sandbox.study.run.simulate import simulate, simulated_person
 from tests.support.study_files import DESIGN, TRIALS, design
 
 
@@ -60,6 +60,36 @@ def test_a_backup_an_export_and_a_withdrawal_follow_each_other(
     said = capsys.readouterr().out
     assert "files deleted" in said and str(archive) in said and str(shared) in said
     assert people_of(folder) == [stays] and not (folder / gone).exists()
+
+
+@pytest.mark.parametrize(
+    ("people", "sizes", "told"),
+    [
+        (1, (1.0,), "k = 1: the copy has fewer than 5 people"),
+        (4, (1.0,) * 4, "k = 4: the copy has fewer than 5 people"),
+        (5, (1.0,) * 5, "k = 5: everybody shares hand, language and demographic answers with 4"),
+        (6, (1.0,) * 5 + (0.8,), "k = 1: 1 person shares their hand_size with fewer than 4 others"),
+    ],
+)
+def test_an_export_always_tells_the_size_of_the_smallest_group(
+    tmp_path: Path,
+    people: int,
+    sizes: tuple[float, ...],
+    told: str,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    text = DESIGN[: DESIGN.index("[[demographics]]")]
+    text = text.replace("repetitions = 2", "repetitions = 1").replace(', "soft"', "")
+    study = StudyFolder(tmp_path, design(text), SIMULATED)
+    for number, size in enumerate(sizes):
+        about = {**simulated_person(study.design, number), "hand": "right", "hand_size": size}
+        study.add(number, **about)
+    simulate(study, people, True, lambda said: None)
+    out = tmp_path / "shared"
+    assert main(["study", "export", str(study.path), "--anonymise", "--out", str(out)]) == 0
+    said = " ".join(capsys.readouterr().out.split())
+    assert told in said and f"{people} participant" in said
+    assert "1 participants" not in said
 
 
 def test_a_report_counts_who_withdrew_and_so_does_that_of_an_anonymous_copy(
