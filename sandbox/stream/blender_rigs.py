@@ -7,6 +7,7 @@ import math
 from typing import Any, Dict, List, Optional, Sequence, Tuple
 
 import bpy
+import mathutils
 
 from sandbox.stream.guest_line import Line
 from sandbox.stream.guest_math import (
@@ -28,6 +29,8 @@ from sandbox.stream.guest_math import (
     unit,
 )
 
+TURNED, AT_ONCE = math.radians(90.0), 0.1
+"""rad and s: a palm that turns farther in less time was seen wrongly, before or after it."""
 BY_COUNT = {1: (1,), 2: (0, 1), 3: (0, 1, 2), 4: (1, 2, 3, 4), 5: (0, 1, 2, 3, 4)}
 NOTHING: Quaternion = (1.0, 0.0, 0.0, 0.0)
 
@@ -55,12 +58,16 @@ class Keyed:
         self.start: Tuple[float, float] = (0.0, 0.0)  # frame, and s of the stream
         self.frames: List[int] = []  # first and last
         self.last: Dict[str, Quaternion] = {}
+        self.absolute = True
+        self.palm: Optional[Tuple[Quaternion, float]] = None  # its turn at the last moment, and s
+        self.jumps: List[Tuple[float, int]] = []  # turns beyond TURNED, rad, and their frames
 
     def begin(self, line: Line) -> bool:
         """True if the stream has begun again with this line."""
         if line.run == self.run:
             return False
         self.run, self.start = line.run, (float(bpy.context.scene.frame_current), line.time)
+        self.palm = None
         return True
 
     def frame_of(self, line: Line) -> int:
@@ -71,6 +78,11 @@ class Keyed:
         self.frames = [min([frame, *self.frames]), max([frame, *self.frames])]
         if not bpy.app.background and scene.frame_current != frame:
             scene.frame_set(frame)
+        before, since = self.palm or (line.turn, line.time)
+        angle = apart(line.turn, before)
+        if angle > TURNED and line.time - since < AT_ONCE:
+            self.jumps.append((angle, frame))
+        self.palm = line.turn, line.time
         return frame
 
     def put(self, name: str, turn: Quaternion, frame: int, place: Optional[Vector] = None) -> None:
@@ -149,6 +161,7 @@ class OtherRig(Keyed):
         side: str,
         root: Optional[str],
         scale: Optional[float],
+        absolute: bool = False,
     ) -> None:
         super().__init__(armature)
         if len(firsts) not in BY_COUNT:
@@ -171,7 +184,7 @@ class OtherRig(Keyed):
         self.frame = palm_frame(places, self.fingers, side, (0.0, 0.0, 1.0))
         above = {bones[name].parent.name if bones[name].parent else "" for name in firsts}
         self.root = root if root is not None else above.pop() if len(above) == 1 else ""
-        self.scale = scale
+        self.scale, self.absolute = scale, absolute
         self.first: Tuple[Vector, Quaternion] = ((0.0, 0.0, 0.0), NOTHING)
 
     def _chain(self, name: str) -> List[str]:
@@ -208,18 +221,34 @@ class OtherRig(Keyed):
         return (dot(rows[0], a), dot(rows[1], a), dot(rows[2], a))
 
     def _follow(self, line: Line, frame: int) -> None:
+        rest = self.rest(self.root)
+        turned, moved = self._placed(line) if self.absolute else self._moved(line)
+        self.put(
+            self.root,
+            product(product(inverse(rest), turned), rest),
+            frame,
+            rotated(inverse(rest), moved),
+        )
+
+    def _moved(self, line: Line) -> Tuple[Quaternion, Vector]:
+        """Turn and way of the palm from rest, in the armature: those of the streamed hand since its
+        first moment."""
         there = unit(self.armature.matrix_world.to_quaternion())
         size = self.armature.matrix_world.median_scale or 1.0
         turned = product(line.turn, inverse(self.first[1]))
         turned = product(product(inverse(there), turned), there)
         moved = times(minus(line.place, self.first[0]), float(self.scale or 1.0) / size)
-        rest = self.rest(self.root)
-        self.put(
-            self.root,
-            product(product(inverse(rest), turned), rest),
-            frame,
-            rotated(inverse(rest), rotated(inverse(there), moved)),
-        )
+        return turned, rotated(inverse(there), moved)
+
+    def _placed(self, line: Line) -> Tuple[Quaternion, Vector]:
+        """Turn and way of the palm from rest, in the armature, that bring it where the streamed
+        hand is."""
+        there = unit(self.armature.matrix_world.to_quaternion())
+        palm = unit(mathutils.Matrix(self.frame).to_quaternion())
+        turned = product(product(inverse(there), line.turn), inverse(palm))
+        world = mathutils.Vector(times(line.place, float(self.scale or 1.0)))
+        place = tuple(self.armature.matrix_world.inverted() @ world)
+        return turned, minus(place, tuple(self.armature.data.bones[self.root].head_local))
 
     def _bend(
         self, chain: List[str], bones: List[Any], way: Vector, back: Vector, frame: int
@@ -233,6 +262,11 @@ class OtherRig(Keyed):
             turn = product(product(inverse(above), now), rest)
             self.put(name, product(inverse(rest), turn), frame)
             above = now
+
+
+def apart(a: Quaternion, b: Quaternion) -> float:
+    """rad between two turns."""
+    return 2.0 * math.acos(min(1.0, abs(sum(x * y for x, y in zip(a, b)))))
 
 
 def bent(sizes: Sequence[float], way: Vector, back: Vector) -> List[Vector]:

@@ -17,16 +17,20 @@ hands, call start(side=..., armature=..., chains=[...]) once for each, or stream
 right and --out one.blend, then with --open one.blend and --side left.
 
 Keys are set at the scene's rate: what --fps says, that of the file that --open opens, or 60. A .glb
-or .fbx file has the armature, its skin and this motion; two streamed hands make two files.
+or .fbx file has the armature, its skin and this motion; two streamed hands make two files, but one
+.blend.
 
 Chains may have any number of bones. They point where the fingers point and reach as far, as shares
 of their lengths; the joints between bend evenly. The bone above the chains follows the palm from
-where it stands. Keys go straight onto the bones: there is nothing to bake. stop() lets go.
+where it stands, by what the palm moves and turns after its first moment. If that moment was seen
+wrongly, the whole take is turned: start(absolute=True), or --absolute, puts the palm where the
+streamed one is. Keys go straight onto the bones: there is nothing to bake. stop() lets go.
 """
 
 from __future__ import annotations
 
 import argparse
+import math
 import os
 import select
 import socket
@@ -123,6 +127,7 @@ def start(
     fingers: Optional[Sequence[int]] = None,
     root: Optional[str] = None,
     scale: Optional[float] = None,
+    absolute: bool = False,
 ) -> None:
     """Lets the selected chains, or named ones, follow a streamed hand."""
     if side not in SIDES:
@@ -133,7 +138,7 @@ def start(
         said = "no armature has the name %s" % armature if armature else "no armature is selected"
         raise Refused("%s; the file has: %s" % (said, ", ".join(there) or "none"))
     names = chains or [bone.name for bone in bpy.context.selected_pose_bones or []]
-    hands[side] = OtherRig(rig, names, fingers, side, root, scale)
+    hands[side] = OtherRig(rig, names, fingers, side, root, scale, absolute)
 
 
 def stop(side: Optional[str] = None) -> None:
@@ -199,9 +204,26 @@ def export(path: str, armature: Any, frames: Sequence[int]) -> None:
             use_selection=True,
             bake_anim_use_all_actions=False,
             bake_anim_use_nla_strips=False,
+            bake_anim_simplify_factor=0.0,
+            add_leaf_bones=False,
         )
     else:
         bpy.ops.wm.save_as_mainfile(filepath=os.path.abspath(path))
+
+
+def _warn(rig: Any) -> None:
+    """Says where a rig's palm turned at once, as a hand does not."""
+    if rig.jumps:
+        angle, frame = max(rig.jumps)
+        print(
+            "hand_sandbox: the palm turned by %.0f degrees at once at frame %d, so it was seen "
+            "wrongly before or after it%s"
+            % (
+                math.degrees(angle),
+                frame,
+                "" if rig.absolute else "; if the rig stands the wrong way round, use --absolute",
+            )
+        )
 
 
 def _skins(armature: Any) -> List[Any]:
@@ -241,6 +263,11 @@ def run(words: Sequence[str]) -> int:
     parser.add_argument("--armature", default="")
     parser.add_argument("--chains", nargs="*", default=[])
     parser.add_argument("--side", choices=SIDES, default="right", help="hand that moves the chains")
+    parser.add_argument(
+        "--absolute",
+        action="store_true",
+        help="puts the palm where the streamed one is, not on from where the rig stands",
+    )
     parser.add_argument("--out", default="", metavar="FILE")
     asked = parser.parse_args(list(words))
     if asked.out and not asked.out.endswith(ENDINGS):
@@ -258,7 +285,12 @@ def run(words: Sequence[str]) -> int:
         bpy.context.scene.render.fps, bpy.context.scene.render.fps_base = asked.fps or 60, 1.0
     if asked.chains:
         shown.clear()  # the rig alone is wanted
-        start(asked.side, armature=asked.armature or None, chains=asked.chains)
+        start(
+            asked.side,
+            armature=asked.armature or None,
+            chains=asked.chains,
+            absolute=asked.absolute,
+        )
     port = listen(asked.port)
     print("hand_sandbox: listening on 127.0.0.1:%d" % port.port, flush=True)
     rigs = dict(hands)
@@ -280,11 +312,12 @@ def run(words: Sequence[str]) -> int:
         )
     for side, rig in rigs.items():
         path = asked.out
-        if path and len(rigs) > 1:
+        if len(rigs) > 1 and path and not path.endswith(".blend"):
             path = ("-%s" % side).join(os.path.splitext(path))
         if path and rig.frames:
             export(path, rig.armature, rig.frames)
         print("hand_sandbox: %s, frames %s, %s" % (rig.armature.name, rig.frames, path or "kept"))
+        _warn(rig)
     return 0 if rigs and not idle else 1
 
 

@@ -181,6 +181,39 @@ def test_chains_of_any_number_of_bones_reach_as_far_and_point_as_the_fingers_do(
         assert np.abs(found - way).max() < 1e-3, c
 
 
+def test_a_rig_in_the_place_of_the_hand_does_not_depend_on_a_first_moment_seen_wrongly(
+    python: str, tmp_path: Path
+) -> None:
+    (tmp_path / "rig.py").write_text(RIG)
+    subprocess.run([python, "rig.py"], cwd=tmp_path, check=True, capture_output=True)
+    armature = Armature(ADULT)
+    keys = armature.keys(moving(ADULT, 40, 5))
+    # The palm is first seen the wrong way round, as first frames of a Leap are.
+    turns = keys.turns.copy()
+    turns[:6, 0] = turns[:6, 0] @ np.diag([-1.0, 1.0, -1.0])
+    wrong = Keys(keys.root, turns)
+    hand = HandLines(armature, "right", BLENDER)
+    chains = [f"chain{c}_0" for c in range(3)]
+    rig = ["--open", "rig.blend", "--armature", "Rig", "--fps", "60", "--chains", *chains]
+    said = streamed(python, tmp_path, hand, wrong, *rig, "--absolute", "--out", "theirs.bvh")
+    assert "the palm turned by 180 degrees at once at frame 7" in said
+    assert "use --absolute" not in said
+    assert "use --absolute" in streamed(python, tmp_path, hand, wrong, *rig, "--out", "on.bvh")
+    joints, tips = armature.place(keys)
+    theirs = read_bvh(tmp_path / "theirs.bvh")
+    placed = theirs.place()
+    for c, bones in enumerate((1, 2, 5)):
+        bone = 1 + int(ADULT.first_bone[c])
+        size = sum(b.length for b in ADULT.bones if b.finger == c)
+        way = (tips[:, c] - joints[:, bone]) / size
+        a = placed.positions[:, theirs.index(f"chain{c}_0")]
+        b = placed.ends[:, theirs.index(f"chain{c}_{bones - 1}")]
+        found = (b - a) / bones
+        if bones == 1:
+            way /= np.linalg.norm(way, axis=1, keepdims=True)
+        assert np.abs(found - way)[6:].max() < 1e-3, c
+
+
 def test_a_left_hand_moves_a_rig_that_waits_for_it_and_ends(python: str, tmp_path: Path) -> None:
     (tmp_path / "rig.py").write_text(RIG)
     subprocess.run([python, "rig.py"], cwd=tmp_path, check=True, capture_output=True)
