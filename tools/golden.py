@@ -25,7 +25,7 @@ from typing import Any
 from sandbox.cli.main import COMMANDS, main
 
 SUBCOMMANDS = {
-    "study": "new check plan run simulate report recover export backup merge withdraw",
+    "study": "new check plan sheet run simulate report recover export backup merge withdraw",
     "touches": "show record send formats",
     "paalm": "show calibrate",
     "leap": "fake simulate formats",
