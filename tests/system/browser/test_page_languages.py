@@ -90,7 +90,7 @@ def test_the_example_study_in_german_has_no_english_word(browser: Browser, tmp_p
         ('practice = 1\npractice_each = "task"\n', ""),
         ("time_limit_s = 30", "time_limit_s = 1"),
         ("least_s = 30", "least_s = 1"),
-        ("every = 6", "every = 2"),
+        ("every = 7", "every = 2"),
         ("[trials]\n", '[trials]\nshows = ["task", "goal", "time", "progress", "fingers"]\n'),
     ):
         assert long in text
