@@ -1,8 +1,9 @@
 """Names of strangers: people and generators that took no part in the training.
 
+    python -m benchmarks.strangers --people 6      # a quick look at the names that ship
+    python -m benchmarks.strangers                 # all people to judge on
     sandbox subject population --group train --out people.npz
-    python -m benchmarks.strangers --population people.npz
-    python -m benchmarks.strangers --population people.npz --days 2 --people 6      # a quick look
+    python -m benchmarks.strangers --population people.npz      # and both generators held out
 
 Three questions. Both frozen subjects by names that were trained on people of the other sources
 alone (held-out generator). People to judge on, drawn with the digest of the names that ship, at
@@ -19,12 +20,12 @@ from pathlib import Path
 
 import numpy as np
 from rich.console import Console
-from rich.progress import track
+from rich.progress import Progress, track
 from rich.table import Table
 
 from benchmarks.one_line import run
 from encoders.capture import Capture
-from encoders.captures.population import load_population, simulate_population
+from encoders.captures.population import Population, load_population, simulate_population
 from encoders.captures.population.names import train_names
 from encoders.captures.population.population import PEOPLE
 from encoders.evaluation.subjects import subject
@@ -124,16 +125,43 @@ def tracked(captures: Iterable[Capture], what: str, total: int) -> Iterable[Capt
     return track(captures, what, total, console=_BARS)
 
 
+def trained_without(held: str, train: Population) -> PopulationBelief:
+    """Names trained on people of the other sources."""
+    others = train.of(without=held)
+    with Progress(console=_BARS, transient=True) as bars:
+        bar = bars.add_task(f"training without the {held} generator", total=1.0)
+        return train_names(
+            others.people, others.digest, lambda share, _: bars.update(bar, completed=share)
+        )
+
+
+def held_out(table: Table, train: Population, count: int) -> None:
+    """Adds the rows of both frozen subjects.
+
+    Args:
+        table: The table.
+        train: People to train on, of all sources.
+        count: Number of judged days of each subject.
+    """
+    for held in ("first", "second"):
+        belief, one = trained_without(held, train), subject(held)
+        days = [one.day(day, None) for day in one.judged_days(count, DAY_SEED)]
+        judged = list(tracked(days, f"{held} subject", len(days)))
+        row(table, f"{held} subject, generator held out", [answers(c, of(belief)) for c in judged])
+        row(table, f"{held} subject, by `history`", [answers(c, shipped_before) for c in judged])
+
+
 def main() -> None:
     """Prints the table."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("--population", type=Path, required=True, help="people to train on")
+    parser.add_argument(
+        "--population", type=Path, help="people to train on, for generators held out"
+    )
     parser.add_argument("--days", type=int, default=12, help="judged days of each frozen subject")
     parser.add_argument("--people", type=int, default=None, help="people of each generator")
     options = parser.parse_args()
-    train = load_population(options.population).of(group="train")
     table = Table(
         "names, % of frames right",
         "2",
@@ -146,15 +174,8 @@ def main() -> None:
         "error of p",
         title="simulated people; sure: claims 0.99 or more",
     )
-    for held in ("first", "second"):
-        others = train.of(without=held)
-        with _BARS.status(f"training without the {held} generator"):
-            belief = train_names(others.people, others.digest)
-        one = subject(held)
-        days = [one.day(day, None) for day in one.judged_days(options.days, DAY_SEED)]
-        judged = list(tracked(days, f"{held} subject", len(days)))
-        row(table, f"{held} subject, generator held out", [answers(c, of(belief)) for c in judged])
-        row(table, f"{held} subject, by `history`", [answers(c, shipped_before) for c in judged])
+    if options.population is not None:
+        held_out(table, load_population(options.population).of(group="train"), options.days)
     count = options.people
     groups = {g: count if count is not None else n for g, n in PEOPLE["judge"].items() if n}
     salt = builtin_population_belief().trained.digest

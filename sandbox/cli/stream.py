@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import signal
 import threading
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -399,6 +399,16 @@ def _reporting_connection(sender: Sender, console: Console) -> Iterator[None]:
         thread.join()
 
 
+def _sent(moments: int, counts: Mapping[str, int]) -> str:
+    """What came of the moments, in a sentence; what the other program answered is in the JSON."""
+    sent, dropped = counts.get("moments sent", 0), counts.get("moments dropped", 0)
+    if not sent:
+        return f"{moments} moments; nothing was sent"
+    if not dropped:
+        return f"{moments} moments; all were sent"
+    return f"{moments} moments; {sent} were sent, {dropped} dropped for newer ones"
+
+
 def _report(
     options: StreamOptions,
     player: StreamPlayer,
@@ -426,6 +436,5 @@ def _report(
     ):
         if warning:
             console.print(warning, style="yellow", soft_wrap=True, markup=False)
-    counted = ", ".join(f"{what}: {n}" for what, n in counts.items())
-    console.print(f"{player.moments} moments; {counted or 'nothing was sent'}", soft_wrap=True)
+    console.print(_sent(player.moments, counts), soft_wrap=True)
     write_json(options.json, result)
