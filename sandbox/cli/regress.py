@@ -97,11 +97,11 @@ class RegressOptions:
     """The baseline may be another encoder's: whether this one is worse is the question."""
 
     vary: Annotated[
-        tuple[str, ...], tyro.conf.arg(metavar="NAME[=V1,V2]", help_behavior_hint="")
-    ] = ()
+        tuple[str, ...] | None, tyro.conf.arg(metavar="NAME[=V1,V2]", help_behavior_hint="")
+    ] = None
     """Success against size, mass, resistance, friction, start, hand-size, noise, dropped, ghosts or
-    latency,
-    with the values given, or with ever worse ones until it breaks. Instead of a baseline."""
+    latency, with the values given, or with ever worse ones until it breaks. Instead of a
+    baseline."""
 
     plot: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
     """Draws what --vary found, .png or .svg; the extra `plots`."""
@@ -310,7 +310,7 @@ def _kept(
         yield None
         return
     path = trials_path(output)
-    with TrialsFile(path, identity(plan, options.vary), options.resume) as kept:
+    with TrialsFile(path, identity(plan, options.vary or ()), options.resume) as kept:
         if kept.set_aside is not None:
             console.print(
                 f"[yellow]an earlier run did not finish: its trials are in "
@@ -409,7 +409,7 @@ def check_vary(options: RegressOptions) -> None:
     Raises:
         InputError: An option does not go with another.
     """
-    if not options.vary:
+    if options.vary is None:
         if options.plot is not None:
             raise InputError("there is nothing to plot", where="--plot", remedy="Add --vary NAME")
         return
@@ -422,6 +422,10 @@ def check_vary(options: RegressOptions) -> None:
             )
     from sandbox.regress.sweep import parse_wanted
 
+    if not options.vary:
+        raise InputError(
+            "it is not said what to vary", where="--vary", remedy="`--vary size`, for instance"
+        )
     parse_wanted(options.vary)
     if options.plot is not None:
         from sandbox.figures.variation import check_plot
@@ -451,7 +455,7 @@ def run_vary(
     from sandbox.regress.sweep import parse_wanted, sweep
 
     began = perf_counter()
-    result = sweep(plan, parse_wanted(options.vary), run)
+    result = sweep(plan, parse_wanted(options.vary or ()), run)
     wall_s = perf_counter() - began
     show_sweep(result, console)
     crashes = result.crashes(options.allow_crashes)

@@ -204,6 +204,7 @@ def test_equal_findings_are_drawn_alike_to_the_byte(suffix: str, tmp_path: Path)
         ("--vary", "mass=2", "--plot", "picture.txt"),
         ("--vary", "mass=2", "--plot", "no/such/folder.png"),
         ("--plot", "picture.png"),
+        ("--vary",),
         ("--vary", "weight"),
     ],
 )
