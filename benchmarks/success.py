@@ -69,8 +69,11 @@ PARTS: dict[str, dict[str, Any]] = {
     },
 }
 
-SOLID: dict[str, dict[str, Any]] = {"whole hand": {"solid": "hand"}}
-"""As shipped, with palm and all links solid."""
+SOLID: dict[str, dict[str, Any]] = {
+    "whole hand": {"solid": "hand"},
+    "whole hand, true labels": {"solid": "hand", "tell_labels": True},
+}
+"""As shipped, with palm and all links solid; and with the user's fingers known, as a bound."""
 
 GROUPS = {"encoders": ENCODERS, "controls": CONTROLS, "parts": PARTS, "solid": SOLID}
 ROWS = PARTS | ENCODERS | CONTROLS | SOLID
