@@ -62,7 +62,7 @@ MOST_FILES = 18
 """Python files in one folder, `__init__.py` aside."""
 GUESTS = {
     "sandbox/stream/maya_side.py": {"maya", "__main__"},
-    "sandbox/stream/blender_rigs.py": {"bpy"},
+    "sandbox/stream/blender_rigs.py": {"bpy", "mathutils"},
     "sandbox/stream/blender_side.py": {"bpy"},
 }
 """Files that run inside other programs, and what these bring along."""
