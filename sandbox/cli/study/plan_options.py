@@ -73,10 +73,12 @@ def say_power(design: Design, options: PlanOptions, console: Console) -> None:
 
     change = change_of(options.detect) if options.detect else None
     people = options.participants or design.participants
-    about = (design, people, _pilot(design, options), options.spread, change)
+    pilot = _pilot(design, options)
+    about = (design, people, pilot, options.spread, change)
+    nobody = {NO_PEOPLE} if pilot is None else {NO_PEOPLE, pilot.rehearsed}
     if options.power:
         for line in power_lines(*about):
-            colour = "yellow" if line == NO_PEOPLE else None
+            colour = "yellow" if line in nobody else None
             console.print(line, style=colour, highlight=False, markup=False)
     if options.preregistration is not None:
         from sandbox.study.planning.preregistration import write_preregistration
@@ -85,7 +87,7 @@ def say_power(design: Design, options: PlanOptions, console: Console) -> None:
         write_preregistration(options.preregistration, design, people, lines)
         if not options.power:
             for line in lines:
-                if line == NO_PEOPLE or line.startswith(TO_WRITE):
+                if line in nobody or line.startswith(TO_WRITE):
                     console.print(line, style="yellow", highlight=False, markup=False)
         console.print(f"{options.preregistration}: read it and complete it", markup=False)
 

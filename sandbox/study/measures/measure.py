@@ -33,6 +33,8 @@ HIGH, LOW = "high", "low"
 
 PRIMARY = "primary"
 """Role of a confirmatory outcome in a study's codebook."""
+SIMULATED_USER = "simulated user"
+"""Source of the true fingers where a simulated user, and no person, played a trial."""
 
 
 @dataclass(frozen=True)

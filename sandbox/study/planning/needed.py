@@ -136,6 +136,8 @@ def power_lines(
         )
         if pilot.mode == SIMULATED:
             yield NO_PEOPLE
+        elif pilot.rehearsed:
+            yield pilot.rehearsed
         yield (
             f"cautious: with the upper limit of the spread, below which it is with probability "
             f"{CAUTION:g}, as a pilot of few people may show too little"

@@ -74,6 +74,7 @@ class Pilot:
         people, trials: Numbers used.
         success: Share of trials that succeeded.
         spreads: By outcome and factor; or the reason why there is none.
+        rehearsed: Sentence on trials that a simulated user played; empty if there are none.
     """
 
     name: str
@@ -82,6 +83,7 @@ class Pilot:
     trials: int
     success: float
     spreads: dict[tuple[str, str], Spread | str]
+    rehearsed: str = ""
 
 
 def read_pilot(folder: Path, tests: Sequence[PlannedTests]) -> Pilot:
@@ -107,6 +109,7 @@ def read_pilot(folder: Path, tests: Sequence[PlannedTests]) -> Pilot:
         len(data.used),
         float(data.used["success"].mean()),
         {(t.outcome, t.factor.name): _spread(fitted, t) for t in tests},
+        data.rehearsed,
     )
 
 

@@ -49,6 +49,8 @@ def make_report(
         note(line)
     if data.withdrawn:
         note(data.withdrawals)
+    if data.rehearsed:
+        note(data.rehearsed)
     say(
         f"models of {counted(len(data.used), 'trial')} of {counted(len(data.ppids), 'participant')}"
     )

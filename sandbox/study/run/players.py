@@ -12,6 +12,7 @@ from typing import Any, Protocol
 from sandbox.session.messages import Snapshot
 from sandbox.session.own_layouts import learned_layouts
 from sandbox.session.session import Session
+from sandbox.study.measures.measure import SIMULATED_USER
 from sandbox.study.tables.frames import FrameTable
 from sandbox.trial.device_makers import DeviceMakers
 from sandbox.trial.driver import Trial, View, ViewMaker, open_trial
@@ -222,10 +223,10 @@ class RunningAttempt:
             }
         truths = [dict(rig.device.truth or {}) for rig in session.rigs]
         if any(truths):
-            self.table.truths, self.table.truth_by = truths, "simulated user"
+            self.table.truths, self.table.truth_by = truths, SIMULATED_USER
             names = ("fingers", "second_fingers")
             fields |= {k: sorted(t.items()) for k, t in zip(names, truths, strict=False)}
-            fields["fingers_by"] = "simulated user"
+            fields["fingers_by"] = SIMULATED_USER
         if self.broken:
             session.scorer.abort(Status.INPUT_ENDED, self.broken)
             fields["broken_off"] = self.broken

@@ -183,7 +183,7 @@ class StudyPage:
                 f"the screen of {self._whose} is too small for the trials: it has "
                 f"{inches(screen)}{known}, and the design's touch rectangle "
                 f"{wanted[0]:g} x {wanted[1]:g} in{beside_lift(self.needed_lifts)}. "
-                "Rotate it, or use a larger one"
+                "Rotate it, use a larger one, or make the design's `surface` smaller"
             )
         elif before:
             self.say(f"the screen of {self._whose} is large enough for the trials now")

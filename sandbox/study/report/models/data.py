@@ -19,8 +19,8 @@ from models.errors import StudyError
 from models.json_input import decoded, read_bytes
 from models.messages.wording import counted
 from sandbox.study.measures.kept import DIFFERS, WORDING, kept_lines
-from sandbox.study.measures.measure import PRIMARY
-from sandbox.study.record.folder import STUDY_JOURNAL, withdrawals_of
+from sandbox.study.measures.measure import PRIMARY, SIMULATED_USER
+from sandbox.study.record.folder import SIMULATED, STUDY_JOURNAL, withdrawals_of
 from sandbox.study.record.journal import read_journal
 from sandbox.study.record.session_clock import CLOCK_STEPS
 
@@ -42,6 +42,8 @@ NUMBERS = (
     "trial_num_in_block",
     "repetition",
 )
+LABEL_TRUTH = "label_truth"
+"""Column with the source of the true fingers."""
 FACTOR = "factor_"
 SESSION = "session"
 """Name of the factor that is added if participants repeat the same levels in several sessions."""
@@ -134,6 +136,21 @@ class StudyData:
             f"The wall clock made steps during sessions ({told}), and no time here depends on it: "
             "all come from a clock that nobody sets"
         ]
+
+    @property
+    def rehearsed(self) -> str:
+        """Sentence on trials that a simulated user played although these are not simulated data, as
+        in a rehearsal; empty if there are none."""
+        if self.mode == SIMULATED or LABEL_TRUTH not in self.used:
+            return ""
+        # A trial without touches does not tell.
+        telling = [source for source in self.used[LABEL_TRUTH] if source]
+        count = telling.count(SIMULATED_USER)
+        if not count:
+            return ""
+        if count == len(telling):
+            return "No person took part: a simulated user played all trials."
+        return f"A simulated user, and no person, played {count} of {len(self.used)} trials."
 
     @property
     def withdrawals(self) -> str:

@@ -78,7 +78,7 @@ def head(analysis: Analysis) -> dict[str, Any]:
         "mode": mode,
         "kind": kind,
         "title": title.format(data.name),
-        "warning": warning,
+        "warning": " ".join(filter(None, (warning, data.rehearsed))),
         "facts": _facts(analysis),
         "findings": [] if of_one_person(analysis.data) else _findings(analysis),
     }

@@ -197,6 +197,34 @@ def test_a_simulated_pilot_is_called_one_in_the_terminal_and_in_the_file(
     assert NO_PEOPLE in capsys.readouterr().out
 
 
+def test_a_rehearsal_that_a_simulated_user_played_is_never_taken_for_people(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    # As `study run --pilot --device simulated` writes it: data of a pilot.
+    rows = [{**row, "mode": "pilot"} for row in planted(tmp_path)]
+    nobody = "No person took part: a simulated user played all trials."
+    for name, source, telling in (
+        ("played", "simulated user", nobody),
+        ("some", "", "A simulated user, and no person, played 1 of"),
+        ("device", "device", ""),
+    ):
+        told = [{**row, "label_truth": source} for row in rows]
+        if name == "some":
+            counted = [row for row in told if row["counted"] == "1" and row["practice"] == "0"]
+            counted[0]["label_truth"] = "simulated user"
+            counted[1]["label_truth"] = "device"
+        folder = tmp_path / name
+        put(folder, told, tuple(told[0]))
+        data = load_study(folder)
+        assert data.rehearsed.startswith(telling) and bool(data.rehearsed) == bool(telling), name
+        assert main(["study", "report", str(folder)]) == 0
+        said = " ".join(capsys.readouterr().out.split())
+        page = (folder / "report" / "report.html").read_text(encoding="utf-8")
+        assert (data.rehearsed in said) and (data.rehearsed in page)
+        lines = list(power_lines(plan(), 20, read_pilot(folder, planned_tests(plan()))))
+        assert (nobody in lines) == (telling == nobody)
+
+
 def test_the_planned_tests_are_those_of_the_report(tmp_path: Path) -> None:
     study = StudyFolder(tmp_path, design(), SIMULATED)
     simulate(study, 3, False, lambda text: None)
