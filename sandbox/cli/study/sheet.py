@@ -9,7 +9,7 @@ from typing import Annotated
 import tyro
 from rich.console import Console
 
-from models.errors import InputError, StudyError
+from models.errors import InputError
 
 
 @dataclass(frozen=True)
@@ -51,26 +51,13 @@ def sheet(options: SheetOptions, console: Console) -> int:
         for number in range(1, design.sessions + 1)
     ]
     if options.out is not None:
+        from sandbox.study.record.files import write_new
         from sandbox.study.run.sheet_page import sheet_page
 
-        _write(options.out, sheet_page(sheets))
+        write_new(options.out, sheet_page(sheets))
         console.print(f"{options.out}: open it in a browser, and print it there", markup=False)
         return 0
     for i, one in enumerate(sheets):
         for line in ("", *sheet_lines(one)) if i else sheet_lines(one):
             console.print(line, markup=False, highlight=False)
     return 0
-
-
-def _write(path: Path, text: str) -> None:
-    try:
-        with path.open("x", encoding="utf-8") as file:
-            file.write(text)
-    except FileExistsError:
-        raise StudyError(
-            "the file exists already", where=str(path), remedy="Choose another name"
-        ) from None
-    except OSError as error:
-        raise StudyError(
-            "the file cannot be written", where=str(path), got=error.strerror
-        ) from None

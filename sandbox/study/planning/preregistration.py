@@ -15,6 +15,7 @@ from sandbox.study.design.plan import duration, session_plan, trials_of
 from sandbox.study.design.planned import PlannedTests, family_size, planned_tests
 from sandbox.study.planning.needed import TO_WRITE
 from sandbox.study.record.build import build_of
+from sandbox.study.record.files import write_new
 from sandbox.study.record.folder import StudyFolder
 
 
@@ -33,18 +34,7 @@ def write_preregistration(
         StudyError: The file exists or cannot be written, or the study beside the design is locked
             to another one.
     """
-    text = preregistration(design, participants, power, lock_of(design))
-    try:
-        with file.open("x", encoding="utf-8") as out:
-            out.write(text)
-    except FileExistsError:
-        raise StudyError(
-            "the file exists already", where=str(file), remedy="Choose another name"
-        ) from None
-    except OSError as error:
-        raise StudyError(
-            "the file cannot be written", where=str(file), got=error.strerror
-        ) from None
+    write_new(file, preregistration(design, participants, power, lock_of(design)))
 
 
 def lock_of(design: Design) -> dict[str, Any]:

@@ -66,6 +66,25 @@ def write_atomically(path: Path, data: bytes, durable: bool = True) -> bool:
     return True
 
 
+def write_new(path: Path, text: str) -> None:
+    """Writes a text to a file that is not there yet.
+
+    Raises:
+        StudyError: The file exists or cannot be written.
+    """
+    try:
+        with path.open("x", encoding="utf-8") as file:
+            file.write(text)
+    except FileExistsError:
+        raise StudyError(
+            "the file exists already", where=str(path), remedy="Choose another name"
+        ) from None
+    except OSError as error:
+        raise StudyError(
+            "the file cannot be written", where=str(path), got=error.strerror
+        ) from None
+
+
 def remove_locks(folder: Path) -> None:
     """Removes the lock files of a folder that nobody has open."""
     for name in LOCK_FILES:
