@@ -6,6 +6,7 @@ physics step, the deepest of each kind. A trial begins anew every 30 s of simula
 
     python -m benchmarks.soak --minutes 30
     python -m benchmarks.soak --minutes 2 --tasks box-to-goal --profiles safe
+    python -m benchmarks.soak --minutes 30 --profiles safe --solid hand
 """
 
 from __future__ import annotations
@@ -32,7 +33,7 @@ from sandbox.session.messages import Snapshot
 from sandbox.session.respawn import AWAY
 from sandbox.session.session import Session
 from sandbox.trial.assembly import build
-from sandbox.trial.settings import RunSettings
+from sandbox.trial.settings import SOLID, RunSettings
 from tasks.registry import find_task, hands_of, task_names
 
 TRIAL = 30.0
@@ -288,12 +289,14 @@ def main() -> None:
     parser.add_argument("--profiles", nargs="+", default=["safe", "paper"])
     parser.add_argument("--servo", default="orientation")
     parser.add_argument("--contact", default="hard")
+    parser.add_argument("--solid", choices=SOLID, default=SOLID[0], help="parts of the hand")
     parser.add_argument("--seed", type=int, default=0, help="of the first trial")
     args = parser.parse_args()
     console = Console(stderr=True)
     print(describe_machine())
     print(
-        f"{args.minutes:g} simulated minutes a row, {args.servo} servos, {args.contact} contacts;"
+        f"{args.minutes:g} simulated minutes a row, {args.servo} servos, {args.contact} contacts, "
+        f"solid {args.solid};"
     )
     print("penetration in mm at physics steps that had one: median, 99th percentile, deepest")
     print(
@@ -315,6 +318,7 @@ def main() -> None:
                 impulse=IMPULSE_PROFILES[profile],
                 servo=args.servo,
                 contact=args.contact,
+                solid=args.solid,
             )
             _print_row(task, profile, found)
 

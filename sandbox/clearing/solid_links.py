@@ -7,12 +7,17 @@ something then stays a ghost until it is out: it would throw the thing.
 from __future__ import annotations
 
 import mujoco
+import numpy as np
 
+from models.arithmetic.arrays import Array
 from models.scene import Scene
 from sandbox.clearing.hand_distances import HandDistances
 
 CLEARANCE = 0.0005
 """m, least distance of a part from things when it becomes solid."""
+
+_ALONG = np.linspace(-1.0, 1.0, 9)
+"""Shares of half a capsule's length, from its middle, at which a ball covers it."""
 
 
 class SolidLinks:
@@ -38,6 +43,8 @@ class SolidLinks:
         self._ends = {link.finger: geom(link.tip_geom).id for link in links}
         of_fingers = {g for own in self._links.values() for g in own} | set(self._ends.values())
         self._palm = [g for g in self._parts if g not in of_fingers]
+        sizes = scene.model.geom_size[list(self._parts)]
+        self._radii, self._halves = sizes[:, 0], sizes[:, 1]
         self.fingers: frozenset[int] = frozenset()
         self._touching: frozenset[int] = frozenset()
         self._solid: frozenset[int] = frozenset()
@@ -47,6 +54,14 @@ class SolidLinks:
         """Which parts are solid: state outside MuJoCo's that affects the next step."""
         mask = sum(1 << i for i, part in enumerate(self._parts) if part in self._solid)
         return mask.to_bytes((len(self._parts) + 7) // 8, "little")
+
+    def balls(self, data: mujoco.MjData) -> tuple[Array, Array]:
+        """Middles (n, 3) and radii (n,), m, of balls along all parts, which are capsules."""
+        parts = list(self._parts)
+        axes = data.geom_xmat[parts].reshape(-1, 3, 3)[:, :, 2]
+        along = _ALONG[:, None] * self._halves
+        middles = data.geom_xpos[parts] + along[:, :, None] * axes
+        return middles.reshape(-1, 3), np.tile(self._radii, len(_ALONG))
 
     def update(
         self, data: mujoco.MjData, pressing: frozenset[int], touching: frozenset[int]

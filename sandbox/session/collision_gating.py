@@ -29,6 +29,8 @@ CLEARANCE = 0.0005
 ARRIVED = 0.008
 """m, largest lag of the simulated fingertips behind the commanded ones when they become solid."""
 
+FINGERTIP = 0.010
+"""m, about the radius of a fingertip: it reaches so far beyond its touch."""
 ALONG = np.linspace(0.0, 1.0, 7)
 """Shares of a last link's length at which its distance to objects is checked. The thumb's last link
 is 52 mm long: with fewer points the corner of a box could lie 6 mm deep between two of them
@@ -142,6 +144,13 @@ class CollisionGate:
         """(35, 3) m, 7 points on the solid part of each last link; fingers vary fastest."""
         shares = self._inner + ALONG[:, None] * (1.0 - self._inner)
         return np.concatenate([self._along(data, share) for share in shares])
+
+    def balls(self, data: mujoco.MjData) -> tuple[Array, Array]:
+        """Middles (n, 3) and radii (n,), m, of balls that cover all that can be solid."""
+        if self._parts is not None:
+            return self._parts.balls(data)
+        points = self.links(data)
+        return points, np.full(len(points), FINGERTIP)
 
     def behind_tips(self, data: BodyPoses) -> Array:
         """(7, 5, 3) m, the points of `links`, seen from each finger's tip."""

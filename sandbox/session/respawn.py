@@ -21,11 +21,10 @@ from models.arithmetic.products import squared_lengths, stacked_applied
 from models.objects import MechanismPart, SceneObject
 from models.scene import CONTROL_PERIOD, Scene
 from models.surface import METRES_PER_INCH, Surface
+from sandbox.session.collision_gating import FINGERTIP
 
 AWAY = 0.5
 """s that an object must be out of reach before it returns: the person sees where it went."""
-FINGERTIP = 0.010
-"""m, about the radius of a fingertip, by which it reaches beyond its touch."""
 GRIP = 0.005
 """m, least depth at which the plane of the fingertips before an upright surface must cut an object
 for them to grip it."""
@@ -65,12 +64,13 @@ class Respawn:
         self._shifts = {place.name: self._reachable(place) for place in self._objects}
         self.counts: dict[str, int] = {}
 
-    def step(self, data: mujoco.MjData, tips: Callable[[], Array]) -> list[str]:
+    def step(self, data: mujoco.MjData, hands: Callable[[], tuple[Array, Array]]) -> list[str]:
         """Puts back the objects that have been away for long enough; call once per control period.
 
         Args:
             data: The simulation; changed, and brought up to date, if an object is put back.
-            tips: Returns (n, 3) m, points on fingers that must stay clear.
+            hands: Returns the middles (n, 3) and radii (n,), m, of balls that cover what can be
+                solid of the hands, and that must stay clear.
 
         Returns:
             Names of the objects that were put back.
@@ -79,7 +79,7 @@ class Respawn:
         for place in self._objects:
             out = not any(self._within(data, place, s) for s in self._surfaces)
             self._away[place.name] = self._away[place.name] + 1 if out else 0
-            if self._away[place.name] * CONTROL_PERIOD >= AWAY and self._put(data, place, tips()):
+            if self._away[place.name] * CONTROL_PERIOD >= AWAY and self._put(data, place, *hands()):
                 self._away[place.name] = 0
                 self.counts[place.name] = self.counts.get(place.name, 0) + 1
                 back.append(place.name)
@@ -116,7 +116,7 @@ class Respawn:
         rotation = data.xmat[place.body].reshape(3, 3)
         return bool(place.thing.clearance(points, position, rotation).min() < 0.0)
 
-    def _put(self, data: mujoco.MjData, place: _Place, tips: Array) -> bool:
+    def _put(self, data: mujoco.MjData, place: _Place, points: Array, radii: Array) -> bool:
         """Puts an object at the free place nearest to its start; False without a free place."""
         others = [p for p in self._all if p is not place and p.name not in place.together]
         shifts = self._shifts[place.name]
@@ -125,8 +125,8 @@ class Respawn:
             beside = np.sqrt(squared_lengths(place.home + shifts - data.xpos[other.body]))
             free &= beside > place.radius + other.radius + ROOM
         for shift in shifts[free]:
-            clear = place.thing.clearance(tips, place.home + shift, place.turn)
-            if np.all(clear > FINGERTIP + ROOM):
+            clear = place.thing.clearance(points, place.home + shift, place.turn)
+            if np.all(clear > radii + ROOM):
                 place.put(data, shift)
                 return True
         return False

@@ -377,9 +377,7 @@ class Session:
 
     def _bring_back(self) -> None:
         """Puts objects that have left back into the workspace."""
-        names = self._respawn.step(
-            self.data, lambda: np.concatenate([s.links(self.data) for s in self._gates])
-        )
+        names = self._respawn.step(self.data, self._balls)
         if names:
             self._respawn_notice = (
                 self.time,
@@ -387,6 +385,11 @@ class Session:
             )
             if self._recorder:
                 self._recorder.event(self.step, "respawn", objects=names)
+
+    def _balls(self) -> tuple[Array, Array]:
+        """Balls that cover what can be solid of the hands, as of `CollisionGate.balls`."""
+        middles, radii = zip(*(gate.balls(self.data) for gate in self._gates), strict=True)
+        return np.concatenate(middles), np.concatenate(radii)
 
     def _begin(self) -> None:
         for i, rig in enumerate(self.rigs):

@@ -16,6 +16,7 @@ from models.frames import Contact
 from models.hand import IMPULSE_PROFILES, SERVOS
 from sandbox.session.contact_modes import ContactMode
 from sandbox.session.session import Session
+from sandbox.trial.settings import SOLID
 from tasks.registry import TASKS, hands_of
 from tests.support.scripted import Touch, box_xy, scripted
 
@@ -129,16 +130,20 @@ def test_a_hand_told_to_stay_in_a_closing_gap_pushes_the_table_with_nothing() ->
 @pytest.mark.full
 @pytest.mark.parametrize("task", [name for name, t in TASKS.items() if hands_of(t) == 1])
 @pytest.mark.parametrize("profile", IMPULSE_PROFILES)
-def test_violent_touches_break_nothing_and_lose_nothing(task: str, profile: str) -> None:
-    found = soak(task, 120.0, first_seed=100, impulse=IMPULSE_PROFILES[profile])
+@pytest.mark.parametrize("solid", SOLID)
+def test_violent_touches_break_nothing_and_lose_nothing(
+    task: str, profile: str, solid: str
+) -> None:
+    found = soak(task, 120.0, first_seed=100, impulse=IMPULSE_PROFILES[profile], solid=solid)
     assert not found.diverged and not found.lost and not found.hand_table
-    assert found.steps == 60_000 and found.depth["hand-object"]
+    assert found.steps == 60_000 + found.respawned and found.depth["hand-object"]
     if profile == "safe":
         assert found.deepest("hand-object") < DEEPEST
 
 
-def test_a_few_seconds_of_violent_touches_break_nothing_either() -> None:
-    found = soak("box-to-goal", 8.0, first_seed=1, impulse=IMPULSE_PROFILES["safe"])
+@pytest.mark.parametrize("solid", SOLID)
+def test_a_few_seconds_of_violent_touches_break_nothing_either(solid: str) -> None:
+    found = soak("box-to-goal", 8.0, first_seed=1, impulse=IMPULSE_PROFILES["safe"], solid=solid)
     assert not found.diverged and not found.lost and not found.hand_table
-    assert found.steps == 4000 and found.depth["hand-object"]
+    assert found.steps == 4000 + found.respawned and found.depth["hand-object"]
     assert found.deepest("hand-object") < DEEPEST

@@ -16,6 +16,7 @@ from models.frames import Contact
 from models.objects import Box
 from models.scene import CONTROL_PERIOD
 from models.surface import Surface
+from sandbox.clearing.hand_distances import HandDistances
 from sandbox.recording.recording import load_recording
 from sandbox.session.messages import Snapshot
 from sandbox.session.respawn import AWAY, Respawn
@@ -111,6 +112,26 @@ def test_where_a_finger_is_in_the_way_the_nearest_free_place_is_taken() -> None:
     assert box.clearance(tip[None], at, session.scene.object_pose(session.data, "box")[1])[0] > 0.01
 
 
+def test_nothing_is_put_back_into_the_palm_of_a_hand_that_is_solid_all_over() -> None:
+    """It was put there, where no fingertip was near, and pressed 18 mm into the table."""
+    where: dict[str, Any] = {"contacts": []}
+    session = scripted(lambda now: where["contacts"], seed=1, solid="hand")
+    surface, box = session.rigs[0].reconstructor.surface, session.task.objects[0]
+    q, _ = joint(session, "box")
+    session.data.qpos[q : q + 3] = [0.8, 0.8, 0.025]
+    x, y = surface.to_surface(box.position)
+    # Thumb and index are far beyond the box's place, and the palm is over it.
+    where["contacts"] = [Contact(1, x - 0.05, y - 0.06, label=0), Contact(2, x, y - 0.08, label=1)]
+    session._respawn._away["box"] = -62
+    run(session, 1.45)
+    assert session.respawned == 0 and session.solid(0) >= {0, 1}
+    parts = HandDistances(session.scene, 0)
+    while not session.respawned:
+        session.advance()
+    near = parts.near(session.data)
+    assert not [far for far in near.distances if far < 0.004]
+
+
 @pytest.mark.parametrize("both", [False, True])
 def test_an_object_comes_back_beside_what_stands_in_its_place(both: bool) -> None:
     """The first one's place is taken by the second, which is away itself where both are."""
@@ -187,13 +208,14 @@ def test_an_object_for_which_there_is_no_room_holds_nobody_up(
     mujoco.mj_forward(session.scene.model, session.data)
     x, y = np.meshgrid(np.linspace(-0.2, 0.2, 41), np.linspace(-0.2, 0.2, 41))
     everywhere = np.column_stack([x.ravel(), y.ravel(), np.full(x.size, thing.position[2])])
+    full = everywhere, np.full(len(everywhere), 0.01)
     respawn = Respawn(session.scene, [surface])
     for _ in range(round(AWAY / CONTROL_PERIOD) + 2):
-        assert respawn.step(session.data, lambda: everywhere) == []
+        assert respawn.step(session.data, lambda: full) == []
     looked, to_surface = [], Surface.to_surface
     monkeypatch.setattr(
         Surface, "to_surface", lambda self, p: looked.append(p) or to_surface(self, p)
     )
-    assert respawn.step(session.data, lambda: everywhere) == []
+    assert respawn.step(session.data, lambda: full) == []
     assert len(looked) < 100
-    assert respawn.step(session.data, lambda: np.full((1, 3), 9.0)) == [thing.name]
+    assert respawn.step(session.data, lambda: (np.full((1, 3), 9.0), np.ones(1))) == [thing.name]
