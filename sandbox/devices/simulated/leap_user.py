@@ -15,6 +15,7 @@ from models.person import Person
 from models.skeleton import ADULT
 from sandbox.devices.simulated.air_user.carrier import AirCarrier
 from sandbox.devices.simulated.air_user.holds import check_holdable
+from sandbox.devices.simulated.air_user.patient import PatientPerson
 from sandbox.devices.simulated.air_user.person import AirHabits, AirPerson
 from sandbox.devices.simulated.leap_disturbance import LeapDisturbance
 from sandbox.devices.simulated.simulated import NEXT_PERSON
@@ -45,6 +46,7 @@ class SimulatedLeap(HandDevice):
         person: Side and size of the drawn hand.
         hand: Index of the user's hand in the scene.
         habits: Parameters of the user's way of working.
+        patient: The user works as `PatientPerson` does; for tasks of one hand.
         trouble: Disturbances of the device.
 
     Raises:
@@ -67,6 +69,7 @@ class SimulatedLeap(HandDevice):
         hand: int = 0,
         habits: AirHabits | None = None,
         trouble: LeapDisturbance | None = None,
+        patient: bool = False,
     ) -> None:
         self._trouble = trouble or LeapDisturbance()
         self._carried: float | None = None
@@ -78,7 +81,7 @@ class SimulatedLeap(HandDevice):
         two = hands_of(task) > 1
         for thing in task.objects:
             check_holdable(thing)
-        make = AirCarrier if two else AirPerson
+        make = AirCarrier if two else PatientPerson if patient else AirPerson
         # A left hand is simulated as a mirrored right one, with its home on the right.
         home = (HOME_OF_TWO, 0.0) if two or hand else (0.0, 0.0)
         radius = person.skeleton(ADULT).tip_radius

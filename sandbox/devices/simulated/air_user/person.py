@@ -106,6 +106,9 @@ class AirPerson:
         grasps: Number of grasps so far.
     """
 
+    _most_bent = 0.03
+    """m, farthest that a tip is led from its place in a pinch, along each axis."""
+
     def __init__(
         self,
         configuration: UserConfiguration,
@@ -216,7 +219,7 @@ class AirPerson:
         if self._correct(sight, wanted, self.habits.good, now):
             return
         aim = self._movement.aim
-        if self._off > self.habits.stuck:
+        if self._blocked(sight, hold):
             # Something is in the way: up again, with the hand as it was.
             self._offset = np.zeros(3)
             centre = np.array([*wanted[:2], self._highest(sight) + self.habits.over])
@@ -225,6 +228,10 @@ class AirPerson:
         gap = self._centres(hold.width - 2.0 * self.habits.squeeze)
         self._offset = aim.centre - wanted
         self._go(replace(aim, gap=gap), Stage.CLOSED, now, 1.3)
+
+    def _blocked(self, sight: Sight, hold: Hold) -> bool:
+        """True if the fingers do not stand about a thing so that they may close."""
+        return self._off > self.habits.stuck
 
     def _lift(self, sight: Sight, now: float) -> None:
         hold, goal = self._hold(sight), self._goal(sight)
@@ -306,7 +313,7 @@ class AirPerson:
         self._tries += 1
         error *= self.habits.share
         common = (error[0] + error[1:].mean(axis=0)) / 2.0
-        bent = np.clip(aim.bent + error - common, -0.03, 0.03)
+        bent = np.clip(aim.bent + error - common, -self._most_bent, self._most_bent)
         centre = aim.centre + small_product(rotation, common)
         self._go(replace(aim, centre=centre, bent=bent), self._stage, now)
         return True
