@@ -41,7 +41,6 @@ from encoders.webcam.camera import Camera
 from models.arithmetic.arrays import Array
 from models.frames import LandmarkFrame, SeenHand
 from models.surface import Surface
-from sandbox.devices.simulated.air_user.patient import PATIENT
 from sandbox.devices.simulated.leap_user import SimulatedLeap
 from sandbox.devices.webcam.installed import installed_engine
 from sandbox.options.webcam_devices import webcam_choice
@@ -203,7 +202,6 @@ def play(
             UserConfiguration(),
             seed,
             (0.0, 0.0, 0.0),
-            habits=PATIENT if patient else None,
             patient=patient,
         )
         made.append(DrawnPerson(user, camera, look, rate, late))

@@ -15,7 +15,7 @@ from models.person import Person
 from models.skeleton import ADULT
 from sandbox.devices.simulated.air_user.carrier import AirCarrier
 from sandbox.devices.simulated.air_user.holds import check_holdable
-from sandbox.devices.simulated.air_user.patient import PatientPerson
+from sandbox.devices.simulated.air_user.patient import PATIENT, PatientPerson
 from sandbox.devices.simulated.air_user.person import AirHabits, AirPerson
 from sandbox.devices.simulated.leap_disturbance import LeapDisturbance
 from sandbox.devices.simulated.simulated import NEXT_PERSON
@@ -46,7 +46,8 @@ class SimulatedLeap(HandDevice):
         person: Side and size of the drawn hand.
         hand: Index of the user's hand in the scene.
         habits: Parameters of the user's way of working.
-        patient: The user works as `PatientPerson` does; for tasks of one hand.
+        patient: The user works as `PatientPerson` does, by default with the habits `PATIENT`; for
+            tasks of one hand.
         trouble: Disturbances of the device.
 
     Raises:
@@ -85,6 +86,8 @@ class SimulatedLeap(HandDevice):
         # A left hand is simulated as a mirrored right one, with its home on the right.
         home = (HOME_OF_TWO, 0.0) if two or hand else (0.0, 0.0)
         radius = person.skeleton(ADULT).tip_radius
+        if patient:
+            habits = habits or PATIENT
         self.user = make(configuration, seed, radius, habits, home)
         self._eye = LeapEye(seed, person.hand, dialect, self._trouble.applied(FROZEN_LEAP))
 

@@ -20,9 +20,7 @@ from sandbox.devices.simulated.air_user.holds import Hold, stays_down
 from sandbox.devices.simulated.air_user.person import AirHabits, AirPerson, Stage
 from tasks.user import Sight
 
-PATIENT = AirHabits(
-    good=0.006, looks=4, placed=0.006, straight=radians(7.0), press=0.006, squeeze=0.008
-)
+PATIENT = AirHabits(good=0.006, looks=4, placed=0.006, straight=radians(7.0), press=0.006)
 """Habits of a person who knows that the drawn hand is not exact."""
 
 _FINGERS = (1, 2)
@@ -57,9 +55,13 @@ class PatientPerson(AirPerson):
     """m, height of the thing before it was gripped."""
     _above_goal = float("inf")
 
-    def _blocked(self, sight: Sight, hold: Hold) -> bool:
+    def _around(self, sight: Sight, now: float) -> None:
+        # A grasp begins anew.
         self._closed, self._raised, self._firm = 0, 0, False
-        self._foot, self._above_goal = float(hold.position[2]), float("inf")
+        self._foot, self._above_goal = float(self._hold(sight).position[2]), float("inf")
+        super()._around(sight, now)
+
+    def _blocked(self, sight: Sight, hold: Hold) -> bool:
         return super()._blocked(sight, hold) and not self._about(sight, hold)
 
     def _lift(self, sight: Sight, now: float) -> None:
