@@ -148,4 +148,6 @@ def _shorten(model: mujoco.MjModel, geom: int, share: float) -> None:
     half: float = model.geom_size[geom, 1]
     middle: NDArray[np.float64] = model.geom_pos[geom]
     model.geom_pos[geom] = share * middle
+    # MuJoCo takes a geom with the frame of its body's inertia to be there, wherever its own place.
+    model.geom_sameframe[geom] = mujoco.mjtSameFrame.mjSAMEFRAME_NONE
     model.geom_size[geom, 1] = max(share * half, 1e-6)

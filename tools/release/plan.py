@@ -42,6 +42,8 @@ def recordings(folder: str) -> dict[str, str]:
         "bare": "box-to-goal --seed 2 --bare",
         "left-hand": "wrench-turn --seed 3 --hand left --turn 180 --hand-size 0.9",
         "other-servos": "stack --seed 3 --servo position --impulse safe --contact soft",
+        "whole-hand": "stack --seed 1 --solid hand",
+        "whole-hand-slalom": "slalom --seed 2 --solid hand --fingers 5",
         "varied": "wrench-slide --seed 5 --fingers 5 --vary size=1.2",
         "device-leap-simulated": "box-to-goal --seed 2 --device leap-simulated",
         "device-leap-simulated-v1": "box-to-goal --seed 2 --device leap-simulated:v1",

@@ -182,6 +182,14 @@ def test_the_likeliest_correction_keeps_every_margin_however_many_there_are(seed
     session.close()
 
 
+def distance_from_box(scene: Scene, data: mujoco.MjData, geom: int, radius: float) -> float:
+    """m between the box and a capsule of the scene, by the box's own distances."""
+    half = np.array([[0.0, 0.0, s * scene.model.geom_size[geom, 1]] for s in SHARES])
+    points = data.geom_xpos[geom] + half @ data.geom_xmat[geom].reshape(3, 3).T
+    box = scene.spec.objects[0]
+    return float(box.clearance(points, *scene.object_pose(data, "box")).min() - radius)
+
+
 @pytest.mark.parametrize("height", [0.075, 0.09, 0.1])
 def test_every_part_within_reach_of_a_thing_is_measured(height: float) -> None:
     """The box's own distances are the independent reader."""
@@ -190,18 +198,38 @@ def test_every_part_within_reach_of_a_thing_is_measured(height: float) -> None:
     put(scene, data, np.concatenate([[0.0, 0.02, height], np.zeros(45)]))
     mujoco.mj_forward(scene.model, data)
     parts, found, _ = distances.near(data)
-    box = scene.spec.objects[0]
     checked = 0
     for link in scene.spec.hands[0].links:
         geom = scene.model.geom(link.tip_geom).id
-        half = np.array([[0.0, 0.0, s * scene.model.geom_size[geom, 1]] for s in SHARES])
-        points = data.geom_xpos[geom] + half @ data.geom_xmat[geom].reshape(3, 3).T
-        clear = box.clearance(points, *scene.object_pose(data, "box")).min() - link.radius
+        clear = distance_from_box(scene, data, geom, link.radius)
         if 0.0 < clear < REACH - 0.001:
             measured = min([d for p, d in zip(parts, found, strict=True) if p == geom], default=1.0)
             assert measured == pytest.approx(clear, abs=5e-4)
             checked += 1
     assert checked >= 3
+
+
+def test_the_two_parts_of_a_last_link_are_the_whole_of_it() -> None:
+    """Whichever way a finger stands to a thing: also with its last joint foremost."""
+    distances, data = hand_by_box()
+    scene = fresh_scene()
+    rng = np.random.default_rng(8)
+    middle, half = 0.5 * (ADULT.lower + ADULT.upper), 0.5 * (ADULT.upper - ADULT.lower)
+    checked = 0
+    for _ in range(80):
+        turn = rng.uniform(-np.pi, np.pi, 3)
+        at = rng.uniform([-0.04, 0.0, 0.03], [0.04, 0.12, 0.12])
+        put(scene, data, np.concatenate([at, turn, middle + rng.uniform(-1.0, 1.0, 42) * half]))
+        mujoco.mj_forward(scene.model, data)
+        parts, found, _ = distances.near(data)
+        for link in scene.spec.hands[0].links:
+            own = {scene.model.geom(name).id for name in (link.geom, link.tip_geom)}
+            clear = distance_from_box(scene, data, scene.model.geom(link.geom).id, link.radius)
+            if len(own) == 2 and -0.5 * link.radius < clear < REACH - 0.001:
+                measured = min([d for p, d in zip(parts, found, strict=True) if p in own])
+                assert measured == pytest.approx(clear, abs=5e-4)
+                checked += 1
+    assert checked >= 20
 
 
 def test_a_trial_of_a_solid_hand_replays_to_the_bit(tmp_path: Path) -> None:

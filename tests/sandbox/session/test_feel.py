@@ -138,8 +138,7 @@ def test_violent_touches_break_nothing_and_lose_nothing(
     assert not found.diverged and not found.lost and not found.hand_table
     assert found.steps == 60_000 + found.respawned and found.depth["hand-object"]
     if profile == "safe":
-        # With the whole hand solid the aim is missed by a quarter of a mm (docs/physics.md).
-        assert found.deepest("hand-object") < (DEEPEST if solid == SOLID[0] else 1.5 * DEEPEST)
+        assert found.deepest("hand-object") < DEEPEST
 
 
 @pytest.mark.parametrize("solid", SOLID)
