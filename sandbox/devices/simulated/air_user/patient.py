@@ -3,7 +3,8 @@
 What is seen of a hand from above tells badly how far fingers are bent and how high they are. This
 person does what people do then: keeps the fingers as in any pinch, closes although one of them is
 not where it should be, goes on closing until the drawn fingers are at the thing, raises it until it
-is up, and lets go once it sinks no further.
+is up, pushes it to its place once it sinks no further, and lets go. If it lies wrong then, the
+fingers are still about it, and close again.
 """
 
 from __future__ import annotations
@@ -14,10 +15,17 @@ from math import cos, radians, sin
 import numpy as np
 
 from models.arithmetic.arrays import Array
-from models.arithmetic.products import small_product
+from models.arithmetic.products import length, small_product
 from sandbox.devices.simulated.air_user.body import AXIS
-from sandbox.devices.simulated.air_user.holds import Hold, stays_down
+from sandbox.devices.simulated.air_user.holds import (
+    Hold,
+    at_goal,
+    pinch_motion,
+    remaining_motion,
+    stays_down,
+)
 from sandbox.devices.simulated.air_user.person import AirHabits, AirPerson, Stage
+from tasks.task import Goal
 from tasks.user import Sight
 
 PATIENT = AirHabits(good=0.006, looks=4, placed=0.006, straight=radians(7.0), press=0.006)
@@ -32,7 +40,7 @@ _CLOSER, _FIRM = 0.006, 0.014
 _NARROWEST = 0.010
 """m, smallest own gap."""
 _RISEN = 0.75
-"""Share of the height to be raised by at which a thing is up."""
+"""Share of the height to be raised by at which a thing is up, where others stand about."""
 _TIMES = 6
 """Most times that the hand is closed or raised further."""
 _LEAST = 0.005
@@ -40,6 +48,8 @@ _LEAST = 0.005
 _SINKS, _LOW = 0.002, 0.010
 """m by which a thing must have sunk to be lowered on, once it is lower than the second above its
 place."""
+_PUSHES = 2
+"""Most times that a thing is pushed to its place before it is let go."""
 _UNDER = 0.003
 """m below a thing's upper side at which a finger is beside it."""
 
@@ -49,17 +59,25 @@ class PatientPerson(AirPerson):
 
     _most_bent = 0.010
 
-    _closed = _raised = 0
-    _firm = False
+    _closed = _raised = _pushed = 0
+    _firm = _again = False
     _foot = 0.0
     """m, height of the thing before it was gripped."""
     _above_goal = float("inf")
+    _let_go: tuple[Array, float] | None = None
+    """Shift (2,) m and turn, rad, to the goal when the thing was let go last."""
+    _dragged: tuple[Array, float] | None = None
+    """Shift (2,) m and turn, rad, of a thing by letting go, as seen so far."""
 
     def _around(self, sight: Sight, now: float) -> None:
-        # A grasp begins anew.
-        self._closed, self._raised, self._firm = 0, 0, False
-        self._foot, self._above_goal = float(self._hold(sight).position[2]), float("inf")
+        self._begin(sight)
+        self._again = False
         super()._around(sight, now)
+
+    def _begin(self, sight: Sight) -> None:
+        """Begins a grasp anew."""
+        self._closed, self._raised, self._pushed, self._firm = 0, 0, 0, False
+        self._foot, self._above_goal = float(self._hold(sight).position[2]), float("inf")
 
     def _blocked(self, sight: Sight, hold: Hold) -> bool:
         return super()._blocked(sight, hold) and not self._about(sight, hold)
@@ -68,11 +86,16 @@ class PatientPerson(AirPerson):
         aim, hold = self._movement.aim, self._hold(sight)
         apart = self._apart(sight) - hold.width
         at = apart <= _AT
-        if not (at and self._firm) and self._closed < _TIMES and aim.gap > _NARROWEST:
+        firm = at and (self._firm or _alone(sight))
+        if not firm and self._closed < _TIMES and aim.gap > _NARROWEST:
             self._closed += 1
             self._firm = at
             gap = aim.gap - max(apart, 0.0) - (_FIRM if at else _CLOSER)
             self._go(replace(aim, gap=max(gap, _NARROWEST)), Stage.CLOSED, now, 1.3)
+            return
+        if self._again:
+            self._stage = Stage.LOWERED
+            self._push(sight, now)
             return
         super()._lift(sight, now)
 
@@ -80,7 +103,8 @@ class PatientPerson(AirPerson):
         hold = self._hold(sight)
         if not stays_down(self._thing(sight).shape) and self._holds(sight, hold):
             risen = float(hold.position[2]) - self._foot
-            if risen < _RISEN * self._held and self._raised < _TIMES:
+            low = not _alone(sight) and risen < _RISEN * self._held
+            if low and self._raised < _TIMES:
                 self._raised += 1
                 aim = self._movement.aim
                 up = np.array([0.0, 0.0, max(self._held - risen, _LEAST)])
@@ -92,11 +116,63 @@ class PatientPerson(AirPerson):
 
     def _lower(self, sight: Sight, now: float) -> None:
         above = float(self._thing(sight).position[2]) - self._goal(sight).position[2]
-        if above < _LOW and self._above_goal - above < _SINKS:
-            self._open(now)
+        if self._pushed or (above < _LOW and self._above_goal - above < _SINKS):
+            self._push(sight, now)
             return
         self._above_goal = above
         super()._lower(sight, now)
+
+    def _push(self, sight: Sight, now: float) -> None:
+        """Pushes a thing that is down to its place; lets go of one that is there."""
+        thing, goal, habits = self._thing(sight), self._goal(sight), self.habits
+        self._above_goal = float(thing.position[2]) - goal.position[2]
+        off, turn = remaining_motion(thing, goal)
+        near = length(off) < habits.placed and abs(turn) < habits.straight
+        if near or self._pushed >= _PUSHES:
+            self._let_go = remaining_motion(thing, super()._goal(sight))
+            self._open(now)
+            return
+        self._pushed += 1
+        aim = self._movement.aim
+        shift, turn = pinch_motion(thing, goal, (aim.centre - self._offset)[:2])
+        centre = aim.centre + np.append(shift, 0.0)
+        self._go(replace(aim, centre=centre, yaw=aim.yaw + turn), Stage.LOWERED, now, 1.2)
+
+    def _leave(self, sight: Sight, now: float) -> None:
+        thing, goal, hold = self._thing(sight), super()._goal(sight), self._hold(sight)
+        if self._let_go is not None:
+            self._learn(self._let_go, remaining_motion(thing, goal))
+            self._let_go = None
+        at_height = abs(float(thing.position[2]) - goal.position[2]) < _LOW
+        wrong = not at_goal(thing, goal) and at_height
+        if wrong and self.grasps < self.habits.attempts and self._about(sight, hold):
+            # The hand is still about it: it need not be raised again.
+            self.grasps += 1
+            self._begin(sight)
+            self._again = True
+            aim = self._movement.aim
+            self._offset = aim.centre - self._grip(hold, sight)
+            gap = self._centres(hold.width - 2.0 * self.habits.squeeze)
+            self._go(replace(aim, gap=gap), Stage.CLOSED, now, 1.3)
+            return
+        super()._leave(sight, now)
+
+    def _learn(self, before: tuple[Array, float], after: tuple[Array, float]) -> None:
+        """Remembers how letting go moved a thing."""
+        shift, turn = before[0] - after[0], before[1] - after[1]
+        if self._dragged is not None:
+            shift = (shift + self._dragged[0]) / 2.0
+            turn = (turn + self._dragged[1]) / 2.0
+        self._dragged = shift, turn
+
+    def _goal(self, sight: Sight) -> Goal:
+        """The goal, so far beside it that letting go brings the thing there."""
+        goal = super()._goal(sight)
+        if self._dragged is None:
+            return goal
+        (x, y), turn = self._dragged[0].tolist(), self._dragged[1]
+        at = goal.position
+        return replace(goal, position=(at[0] - x, at[1] - y, at[2]), yaw=goal.yaw - turn)
 
     # What the person sees.
 
@@ -126,3 +202,8 @@ class PatientPerson(AirPerson):
     def _holds(self, sight: Sight, hold: Hold) -> bool:
         """True if a thing is between the drawn thumb and a finger that are at it."""
         return self._apart(sight) - hold.width < _HELD and self._about(sight, hold)
+
+
+def _alone(sight: Sight) -> bool:
+    """True if a thing has the table to itself: held lightly, it is drawn less aside when let go."""
+    return len(sight.objects) == 1
