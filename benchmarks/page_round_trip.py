@@ -1,6 +1,6 @@
 """Measures how long a touch takes to come back as a frame, over a real socket with physics running.
 
-    python -m benchmarks.page_round_trip [--seconds 20] [--rate 60] [--pin]
+    python -m benchmarks.page_round_trip [--seconds 20] [--rate 60] [--pin] [--solid hand]
 
 A plain client in a process of its own sends touch messages at a steady rate, two fingers that move.
 The rows:
@@ -37,14 +37,15 @@ from sandbox.session.messages import Snapshot
 from sandbox.trial.assembly import build
 from sandbox.trial.driver import Trial
 from sandbox.trial.live import LiveTrial
-from sandbox.trial.settings import RunSettings
+from sandbox.trial.settings import SOLID, RunSettings
 from sandbox.trial.timing import TimedDevice, Timing
 from tasks.task import Task
 
 
-def served(server: PageServer) -> tuple[Trial, LiveTrial]:
+def served(server: PageServer, solid: str) -> tuple[Trial, LiveTrial]:
     """A session whose touches come from the server's page; not yet started."""
-    settings = replace(RunSettings(), surface_in=(1024 / PX_PER_IN, 768 / PX_PER_IN))
+    size = 1024 / PX_PER_IN, 768 / PX_PER_IN
+    settings = replace(RunSettings(), solid=solid, surface_in=size)
     timing = Timing(server.latency)
     device: list[WebDevice] = []
 
@@ -72,11 +73,12 @@ def main() -> None:
     parser.add_argument("--seconds", type=float, default=20.0)
     parser.add_argument("--rate", type=float, default=60.0)
     parser.add_argument("--pin", action="store_true")
+    parser.add_argument("--solid", choices=SOLID, default=SOLID[0], help="parts of the hand")
     given = parser.parse_args()
 
     cores = sorted(os.sched_getaffinity(0))
     server = PageServer()
-    trial, live = served(server)
+    trial, live = served(server, given.solid)
     live.start()
     context = multiprocessing.get_context("spawn")
     out = context.Queue()
@@ -95,7 +97,7 @@ def main() -> None:
     print(
         f"{platform.processor() or platform.machine()}, {len(cores)} cores"
         f"{', pinned' if given.pin else ''}, load {os.getloadavg()[0]:.1f}; "
-        f"{given.rate:g} touch messages a second"
+        f"{given.rate:g} touch messages a second; solid {given.solid}"
     )
     _row("touch to its frame", np.percentile(touches, [50, 95, 99]), len(touches))
     _row("there and back", np.percentile(echoes, [50, 95, 99]), len(echoes))

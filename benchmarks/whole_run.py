@@ -1,6 +1,6 @@
 """Measures a whole regression trial against real time, and where its time goes.
 
-    python -m benchmarks.whole_run
+    python -m benchmarks.whole_run [--solid hand]
 
 A trial is what `sandbox regress` runs for one seed, from its settings to its result: making the
 scene, the simulated user, the best encoder, reconstruction, physics, score and hash. Each number is
@@ -35,6 +35,7 @@ PARTS = (
     "rest of the reconstruction",
     "watching for turned hands",
     "solid fingers",
+    "free fingers led clear",
     "score",
     "state hash",
     "what views get",
@@ -99,7 +100,7 @@ def timed(clock: Clock, places: Sequence[tuple[Any, str, str]]) -> Iterator[None
             setattr(owner, name, method)
 
 
-def whole_trial(seed: int, fingers: int) -> tuple[float, float, float]:
+def whole_trial(seed: int, fingers: int, solid: str) -> tuple[float, float, float]:
     """Simulated s, processor s and wall s of a trial, from settings to result."""
     from sandbox.options.scene_options import SceneOptions, plan
     from sandbox.session.session import Session
@@ -112,7 +113,7 @@ def whole_trial(seed: int, fingers: int) -> tuple[float, float, float]:
         return []
 
     wall, own = time.perf_counter(), time.process_time()
-    chosen = plan(SceneOptions(seed=seed, fingers=fingers))
+    chosen = plan(SceneOptions(seed=seed, fingers=fingers, solid=solid))
     run_trial(
         chosen.settings,
         chosen.makers,
@@ -123,14 +124,14 @@ def whole_trial(seed: int, fingers: int) -> tuple[float, float, float]:
     return sessions[0].time, time.process_time() - own, time.perf_counter() - wall
 
 
-def parts_of_trial(seed: int, fingers: int) -> dict[str, float]:
+def parts_of_trial(seed: int, fingers: int, solid: str) -> dict[str, float]:
     """Processor s of every part in one control step, on average over a trial."""
     from sandbox.options.scene_options import SceneOptions, plan
     from sandbox.recording.dump import DivergenceRecorder
     from sandbox.trial.assembly import build
     from sandbox.trial.driver import Trial
 
-    chosen = plan(SceneOptions(seed=seed, fingers=fingers))
+    chosen = plan(SceneOptions(seed=seed, fingers=fingers, solid=solid))
     box = DivergenceRecorder({})
     session: Any = build(chosen.settings, chosen.makers, box)
     rig: Any = session.rigs[0]
@@ -154,6 +155,9 @@ def parts_of_trial(seed: int, fingers: int) -> dict[str, float]:
         (box, "state", "what a diverged trial keeps"),
         (box, "input", "what a diverged trial keeps"),
     ]
+    clearing = session._clearing[0]
+    if clearing is not None:
+        places.append((clearing, "step", "free fingers led clear"))
     with timed(clock, places):
         Trial(session, []).run()
     steps = session.step / session.scene.substeps
@@ -167,26 +171,27 @@ def main() -> None:
     )
     parser.add_argument("--fingers", type=int, nargs="+", default=[2, 3, 5])
     parser.add_argument("--seeds", type=int, default=8, help="trials of each")
+    parser.add_argument("--solid", choices=("fingertips", "hand"), default="fingertips")
     args = parser.parse_args()
     # As every executor of regression runs does.
     with threadpool_limits(1):
-        tables(args.fingers, range(args.seeds))
+        tables(args.fingers, range(args.seeds), args.solid)
 
 
-def tables(fingers: Sequence[int], seeds: Sequence[int]) -> None:
+def tables(fingers: Sequence[int], seeds: Sequence[int], solid: str) -> None:
     """Measures and prints."""
     from benchmarks.machine import describe_machine
 
     print(describe_machine())
-    print(f"box-to-goal, medians of {len(seeds)} trials, one core\n")
+    print(f"box-to-goal, solid {solid}, medians of {len(seeds)} trials, one core\n")
     print(
         "| fingers | simulated | processor time | wall time | times real time (processor) | "
         "times real time (wall) |"
     )
     print("|" + " --- |" * 6)
     for count in fingers:
-        whole_trial(0, count)
-        trials = [whole_trial(seed, count) for seed in seeds]
+        whole_trial(0, count, solid)
+        trials = [whole_trial(seed, count, solid) for seed in seeds]
         simulated, own, wall = (median(t[i] for t in trials) for i in range(3))
         real = [median(t[0] / t[i] for t in trials) for i in (1, 2)]
         print(
@@ -195,7 +200,7 @@ def tables(fingers: Sequence[int], seeds: Sequence[int]) -> None:
         )
     columns = []
     for count in fingers:
-        found = [parts_of_trial(seed, count) for seed in seeds]
+        found = [parts_of_trial(seed, count, solid) for seed in seeds]
         columns.append({part: median(f[part] for f in found) for part in PARTS})
     print("\nProcessor time in one control step of 16 ms, us (and against physics):\n")
     print("| part | " + " | ".join(f"{n} fingers" for n in fingers) + " |")

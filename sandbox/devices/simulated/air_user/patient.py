@@ -3,8 +3,8 @@
 What is seen of a hand from above tells badly how far fingers are bent and how high they are. This
 person does what people do then: keeps the fingers as in any pinch, closes although one of them is
 not where it should be, goes on closing until the drawn fingers are at the thing, raises it until it
-is up, pushes it to its place once it sinks no further, and lets go. If it lies wrong then, the
-fingers are still about it, and close again.
+is up, and lets go once it sinks no further. A thing that is alone on the table is held lightly and
+pushed to its place before; if it lies wrong then, the fingers are still about it, and close again.
 """
 
 from __future__ import annotations
@@ -116,8 +116,13 @@ class PatientPerson(AirPerson):
 
     def _lower(self, sight: Sight, now: float) -> None:
         above = float(self._thing(sight).position[2]) - self._goal(sight).position[2]
-        if self._pushed or (above < _LOW and self._above_goal - above < _SINKS):
+        down = above < _LOW and self._above_goal - above < _SINKS
+        if _alone(sight) and (self._pushed or down):
             self._push(sight, now)
+            return
+        if down:
+            # A push would move what it stands on.
+            self._open(now)
             return
         self._above_goal = above
         super()._lower(sight, now)
@@ -144,7 +149,7 @@ class PatientPerson(AirPerson):
             self._learn(self._let_go, remaining_motion(thing, goal))
             self._let_go = None
         at_height = abs(float(thing.position[2]) - goal.position[2]) < _LOW
-        wrong = not at_goal(thing, goal) and at_height
+        wrong = _alone(sight) and at_height and not at_goal(thing, goal)
         if wrong and self.grasps < self.habits.attempts and self._about(sight, hold):
             # The hand is still about it: it need not be raised again.
             self.grasps += 1
@@ -205,5 +210,5 @@ class PatientPerson(AirPerson):
 
 
 def _alone(sight: Sight) -> bool:
-    """True if a thing has the table to itself: held lightly, it is drawn less aside when let go."""
+    """True if a thing has the table to itself."""
     return len(sight.objects) == 1
