@@ -18,10 +18,12 @@ from contextlib import contextmanager
 from pathlib import Path
 from statistics import median
 from tempfile import gettempdir
-from typing import Any
+from typing import Any, Literal
 
 import mujoco
 from threadpoolctl import threadpool_limits
+
+Solid = Literal["fingertips", "hand"]
 
 GOAL = 20.0
 """Times real time that a whole trial is to be on one core."""
@@ -100,7 +102,7 @@ def timed(clock: Clock, places: Sequence[tuple[Any, str, str]]) -> Iterator[None
             setattr(owner, name, method)
 
 
-def whole_trial(seed: int, fingers: int, solid: str) -> tuple[float, float, float]:
+def whole_trial(seed: int, fingers: int, solid: Solid) -> tuple[float, float, float]:
     """Simulated s, processor s and wall s of a trial, from settings to result."""
     from sandbox.options.scene_options import SceneOptions, plan
     from sandbox.session.session import Session
@@ -124,7 +126,7 @@ def whole_trial(seed: int, fingers: int, solid: str) -> tuple[float, float, floa
     return sessions[0].time, time.process_time() - own, time.perf_counter() - wall
 
 
-def parts_of_trial(seed: int, fingers: int, solid: str) -> dict[str, float]:
+def parts_of_trial(seed: int, fingers: int, solid: Solid) -> dict[str, float]:
     """Processor s of every part in one control step, on average over a trial."""
     from sandbox.options.scene_options import SceneOptions, plan
     from sandbox.recording.dump import DivergenceRecorder
@@ -178,7 +180,7 @@ def main() -> None:
         tables(args.fingers, range(args.seeds), args.solid)
 
 
-def tables(fingers: Sequence[int], seeds: Sequence[int], solid: str) -> None:
+def tables(fingers: Sequence[int], seeds: Sequence[int], solid: Solid) -> None:
     """Measures and prints."""
     from benchmarks.machine import describe_machine
 
