@@ -16,6 +16,9 @@ from sandbox.clearing.hand_distances import HandDistances
 CLEARANCE = 0.0005
 """m, least distance of a part from things when it becomes solid."""
 
+INSIDE = 0.0015
+"""m, depth in a thing, by the thing's own distances, at which a part does not become solid."""
+
 _ALONG = np.linspace(-1.0, 1.0, 9)
 """Shares of half a capsule's length, from its middle, at which a ball covers it."""
 
@@ -83,6 +86,19 @@ class SolidLinks:
                 f for f in self._links if self._links[f][-1] in solid or self._ends[f] in solid
             )
 
+    def _inside(self, data: mujoco.MjData) -> frozenset[int]:
+        """Parts that are inside of things, whatever MuJoCo says.
+
+        It takes a capsule for clear of a box that its axis goes right through.
+        """
+        middles, radii = self.balls(data)
+        nearest = np.full(len(middles), np.inf)
+        for thing in self._scene.spec.objects:
+            position, rotation = self._scene.object_pose(data, thing.name)
+            nearest = np.minimum(nearest, thing.clearance(middles, position, rotation))
+        far = (nearest - radii).reshape(len(_ALONG), -1).min(axis=0)
+        return frozenset(part for part, d in zip(self._parts, far, strict=True) if d < -INSIDE)
+
     def _joined(
         self, data: mujoco.MjData, pressing: frozenset[int], touching: frozenset[int]
     ) -> frozenset[int]:
@@ -113,7 +129,8 @@ class SolidLinks:
             if f not in pressing and end in blocked:
                 # The whole last link of a finger that does not touch must be out.
                 blocked.add(last)
-        solid |= missing - blocked
+        joining = missing - blocked
+        solid |= joining - self._inside(data) if joining else joining
         for f in self._links:
             if self._links[f][-1] in solid and self._ends[f] != self._links[f][-1]:
                 # The whole link takes the place of its end.

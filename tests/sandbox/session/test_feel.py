@@ -147,3 +147,9 @@ def test_a_few_seconds_of_violent_touches_break_nothing_either(solid: str) -> No
     assert not found.diverged and not found.lost and not found.hand_table
     assert found.steps == 4000 + found.respawned and found.depth["hand-object"]
     assert found.deepest("hand-object") < DEEPEST
+
+
+def test_a_thumb_that_a_key_goes_right_through_stays_a_ghost() -> None:
+    """MuJoCo calls both parts of it clear there; it was solid at once, 7.7 mm deep."""
+    found = soak("chords", 9.0, first_seed=57, impulse=IMPULSE_PROFILES["safe"], solid="hand")
+    assert found.deepest("hand-object") < DEEPEST
