@@ -249,6 +249,9 @@ def main() -> None:
     parser.add_argument("--out", type=Path, default=Path("out/methods.jsonl"))
     parser.add_argument("--table", type=Path, nargs="+", help="only prints what these files have")
     options = parser.parse_args()
+    for path in options.table or ():
+        if not path.is_file():
+            parser.error(f"no such file: {path}")
     kept = KeptTrials(Job, Played, options.table or [options.out])
     if not options.table:
         first, end = map(int, options.seeds.split(":"))

@@ -18,7 +18,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from statistics import median
 from tempfile import gettempdir
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 import mujoco
 from threadpoolctl import threadpool_limits
@@ -173,7 +173,7 @@ def main() -> None:
     )
     parser.add_argument("--fingers", type=int, nargs="+", default=[2, 3, 5])
     parser.add_argument("--seeds", type=int, default=8, help="trials of each")
-    parser.add_argument("--solid", choices=("fingertips", "hand"), default="fingertips")
+    parser.add_argument("--solid", choices=get_args(Solid), default="fingertips")
     args = parser.parse_args()
     # As every executor of regression runs does.
     with threadpool_limits(1):

@@ -231,6 +231,15 @@ class Scene:
         body = self.object_bodies[name]
         return data.xpos[body].copy(), data.xmat[body].reshape(3, 3).copy()
 
+    def clearance(self, data: BodyPoses, points: Array) -> Array:
+        """Signed distances (n,) m of world points (n, 3) to the nearest object, negative inside;
+        infinite without objects."""
+        nearest = np.full(len(points), np.inf)
+        for thing in self.spec.objects:
+            position, rotation = self.object_pose(data, thing.name)
+            nearest = np.minimum(nearest, thing.clearance(points, position, rotation))
+        return nearest
+
     def object_radius(self, name: str) -> float:
         """Distance in m from an object's origin to its farthest point, at most."""
         model = self.model

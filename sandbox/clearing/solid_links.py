@@ -86,19 +86,6 @@ class SolidLinks:
                 f for f in self._links if self._links[f][-1] in solid or self._ends[f] in solid
             )
 
-    def _inside(self, data: mujoco.MjData) -> frozenset[int]:
-        """Parts that are inside of things, whatever MuJoCo says.
-
-        It takes a capsule for clear of a box that its axis goes right through.
-        """
-        middles, radii = self.balls(data)
-        nearest = np.full(len(middles), np.inf)
-        for thing in self._scene.spec.objects:
-            position, rotation = self._scene.object_pose(data, thing.name)
-            nearest = np.minimum(nearest, thing.clearance(middles, position, rotation))
-        far = (nearest - radii).reshape(len(_ALONG), -1).min(axis=0)
-        return frozenset(part for part, d in zip(self._parts, far, strict=True) if d < -INSIDE)
-
     def _joined(
         self, data: mujoco.MjData, pressing: frozenset[int], touching: frozenset[int]
     ) -> frozenset[int]:
@@ -130,9 +117,19 @@ class SolidLinks:
                 # The whole last link of a finger that does not touch must be out.
                 blocked.add(last)
         joining = missing - blocked
-        solid |= joining - self._inside(data) if joining else joining
+        if joining:
+            solid |= joining - self._inside(data)
         for f in self._links:
             if self._links[f][-1] in solid and self._ends[f] != self._links[f][-1]:
                 # The whole link takes the place of its end.
                 solid.discard(self._ends[f])
         return frozenset(solid)
+
+    def _inside(self, data: mujoco.MjData) -> frozenset[int]:
+        """Parts that are inside of things, whatever MuJoCo says.
+
+        It takes a capsule for clear of a box that its axis goes right through.
+        """
+        middles, radii = self.balls(data)
+        far = (self._scene.clearance(data, middles) - radii).reshape(len(_ALONG), -1).min(axis=0)
+        return frozenset(part for part, d in zip(self._parts, far, strict=True) if d < -INSIDE)

@@ -210,11 +210,7 @@ class CollisionGate:
     def _clear(self, data: mujoco.MjData) -> NDArray[np.bool_]:
         """(5,) bool, True if a finger's links are outside all objects."""
         points = np.concatenate([self.links(data), *self._inner_links(data)])
-        nearest = np.full(len(points), np.inf)
-        for thing in self._scene.spec.objects:
-            position, rotation = self._scene.object_pose(data, thing.name)
-            nearest = np.minimum(nearest, thing.clearance(points, position, rotation))
-        rows = nearest.reshape(-1, len(self._reach))
+        rows = self._scene.clearance(data, points).reshape(-1, len(self._reach))
         last, inner = rows[: len(ALONG)], rows[len(ALONG) :]
         clear = last.min(axis=0) - self._radius > CLEARANCE
         if len(inner):
