@@ -7,6 +7,7 @@ missing. Trials with PCA-IK run last, side by side in one process.
     python -m benchmarks.success --tasks all --seeds 600 --rows shipped
     python -m benchmarks.success --tasks all --seeds 100 --rows encoders
     python -m benchmarks.success --tasks box-to-goal --fingers 2 3 5 --seeds 100 --rows parts
+    python -m benchmarks.success --tasks all --seeds 600 --rows "whole hand"
     python -m benchmarks.success --tasks all --rows encoders --table
 """
 
@@ -27,6 +28,7 @@ from rich.progress import Progress
 from scipy.stats import binomtest
 
 from benchmarks.judged import JUDGED, judged_seeds
+from benchmarks.judged_hand import hand_seeds
 from benchmarks.lanes import in_lanes
 from benchmarks.one_line import run
 
@@ -72,8 +74,11 @@ PARTS: dict[str, dict[str, Any]] = {
 SOLID: dict[str, dict[str, Any]] = {
     "whole hand": {"solid": "hand"},
     "whole hand, true labels": {"solid": "hand", "tell_labels": True},
+    "whole hand, user does nothing": {"solid": "hand", "user": "idle"},
+    "whole hand, user touches at random": {"solid": "hand", "user": "random"},
 }
-"""As shipped, with palm and all links solid; and with the user's fingers known, as a bound."""
+"""As shipped, with palm and all links solid; with the user's fingers known, as a bound; and control
+arms. Their judged seeds are those of `benchmarks.judged_hand`."""
 
 GROUPS = {"encoders": ENCODERS, "controls": CONTROLS, "parts": PARTS, "solid": SOLID}
 ROWS = PARTS | ENCODERS | CONTROLS | SOLID
@@ -127,10 +132,11 @@ def cell(found: list[dict[str, Any]]) -> str:
 
 
 def table(
-    done: dict[Job, dict[str, Any]], fingers: list[int], seeds: dict[str, list[int]]
+    done: dict[Job, dict[str, Any]], fingers: list[int], tasks: list[str], n: int
 ) -> Iterator[str]:
-    """The result as a Markdown table: a column for each task (with its seeds) and finger count."""
-    columns = [(task, f) for task in seeds for f in fingers]
+    """The result of the first n seeds as a Markdown table: a column for each task and finger
+    count."""
+    columns = [(task, f) for task in tasks for f in fingers]
     names = [task if len(fingers) == 1 else f"{task}, {f} fingers" for task, f in columns]
     yield "| | " + " | ".join(names) + " |"
     yield "| --- |" + " --- |" * len(columns)
@@ -139,12 +145,19 @@ def table(
         found = [
             [
                 done[j]
-                for j in takewhile(done.__contains__, [(task, row, f, s) for s in seeds[task]])
+                for j in takewhile(
+                    done.__contains__, [(task, row, f, s) for s in seeds_of(row, task, n)]
+                )
             ]
             for task, f in columns
         ]
         if any(found):
             yield f"| {row} | " + " | ".join(map(cell, found)) + " |"
+
+
+def seeds_of(row: str, task: str, n: int) -> list[int]:
+    """The first n judged seeds of a task, by what is solid in a row."""
+    return (hand_seeds if row in SOLID else judged_seeds)(n, task)
 
 
 def chosen_rows(text: str) -> list[str]:
@@ -173,12 +186,12 @@ def main() -> None:
     for given, known in ((tasks, JUDGED), (rows, ROWS)):
         if unknown := [name for name in given if name not in known]:
             parser.error(f"there is no {', '.join(unknown)}; there are {', '.join(known)}")
-    seeds = {task: judged_seeds(args.seeds, task) for task in tasks}
+    seeds = {(task, row): seeds_of(row, task, args.seeds) for task in tasks for row in rows}
     args.out.parent.mkdir(parents=True, exist_ok=True)
     done = load(args.out)
     # Seed by seed, so that what is cut short has all tasks and rows to the same extent.
     jobs = [
-        (t, r, f, seeds[t][i])
+        (t, r, f, seeds[t, r][i])
         for i in range(args.seeds)
         for t in tasks
         for r in rows
@@ -199,7 +212,7 @@ def main() -> None:
             )
             for result in progress.track(results, total=len(missing)):
                 file.write(json.dumps(result).encode() + b"\n")
-    print("\n".join(table(load(args.out), args.fingers, seeds)))
+    print("\n".join(table(load(args.out), args.fingers, tasks, args.seeds)))
 
 
 if __name__ == "__main__":

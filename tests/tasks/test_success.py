@@ -10,6 +10,7 @@ import pytest
 
 from benchmarks.judged import configuration, freeze, frozen_seeds, judged_seeds
 from benchmarks.judged_air import air_seeds
+from benchmarks.judged_hand import hand_seeds
 from benchmarks.success import trial, wilson
 from models.arithmetic.arrays import Array
 from models.errors import InputError
@@ -26,7 +27,7 @@ def test_the_wilson_interval_is_the_published_one() -> None:
     assert np.allclose(np.array(wilson(0, 20)) / 100, (0.0, 0.1611), atol=5e-5)
 
 
-@pytest.mark.parametrize("drawn", [judged_seeds, air_seeds])
+@pytest.mark.parametrize("drawn", [judged_seeds, air_seeds, hand_seeds])
 def test_judged_seeds_follow_from_the_frozen_configuration_alone(
     drawn: Callable[[int, str], list[int]],
 ) -> None:
