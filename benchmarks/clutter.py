@@ -26,7 +26,7 @@ from sandbox.trial.result import TrialResult
 from tasks.registry import find_task
 from tasks.score import Status, points
 
-TASKS = ("slalom", "gather")
+TASKS = ("slalom", "gather", "books")
 Solid = Literal["fingertips", "hand"]
 Kind = Literal["skilled", "idle", "random"]
 SOLID: tuple[Solid, ...] = ("fingertips", "hand")

@@ -33,7 +33,7 @@ FIRST = (
 )
 """Tasks of the papers, and those that were made from them; they are judged in the air, too."""
 
-LATER = ("slalom", "gather", "dial", "chords", "insert", "close-case")
+LATER = ("slalom", "gather", "books", "dial", "chords", "insert", "close-case")
 """Tasks in which more of the hand counts; judged by touch alone."""
 
 JUDGED = FIRST + LATER

@@ -25,6 +25,7 @@ IN_ROOMS = (
     ("tasks.mechanisms.chords", "Chords"),
     ("tasks.mechanisms.dial", "Dial"),
     ("tasks.clutter.gather", "Gather"),
+    ("tasks.clutter.books", "Books"),
     ("tasks.mechanisms.insert", "Insert"),
     ("tasks.mechanisms.close_case", "CloseCase"),
     ("tasks.mechanisms.single_keys", "SingleKeys"),

@@ -47,6 +47,7 @@ TASKS = (
     "chords",
     "dial",
     "gather",
+    "books",
     "insert",
     "close-case",
     "single-keys",

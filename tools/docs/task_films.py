@@ -33,6 +33,8 @@ MOST_FRAMES = 60
 """Frames of a film; a longer one has fewer a second."""
 SEEDS = 20
 """Seeds that are tried until one succeeds."""
+WHOLE_HAND = ("books",)
+"""Tasks whose films show a hand that is solid all over, as they ask for it."""
 QUALITY = 55
 """Of WebP, 0 to 100."""
 
@@ -54,7 +56,8 @@ class TaskFilm:
     @property
     def command(self) -> str:
         """The command that plays the same trial and films it."""
-        return f"sandbox run {self.task} --seed {self.seed} --film {self.task}.webp"
+        solid = " --solid hand" if self.task in WHOLE_HAND else ""
+        return f"sandbox run {self.task} --seed {self.seed}{solid} --film {self.task}.webp"
 
 
 def film_of(task: str) -> TaskFilm | None:
@@ -73,7 +76,8 @@ def draw(task: str) -> TaskFilm:
         GraphicsError: This machine has no OpenGL.
     """
     for seed in range(SEEDS):
-        run = run_trial(task, seed=seed, pictures=SIZE, trajectories=False)
+        solid = "hand" if task in WHOLE_HAND else "fingertips"
+        run = run_trial(task, seed=seed, solid=solid, pictures=SIZE, trajectories=False)
         if not run.success:
             continue
         assert run.pictures is not None

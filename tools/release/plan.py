@@ -44,6 +44,7 @@ def recordings(folder: str) -> dict[str, str]:
         "other-servos": "stack --seed 3 --servo position --impulse safe --contact soft",
         "whole-hand": "stack --seed 1 --solid hand",
         "whole-hand-slalom": "slalom --seed 2 --solid hand --fingers 5",
+        "whole-hand-books": "books --seed 2 --solid hand",
         "varied": "wrench-slide --seed 5 --fingers 5 --vary size=1.2",
         "device-leap-simulated": "box-to-goal --seed 2 --device leap-simulated",
         "device-leap-simulated-v1": "box-to-goal --seed 2 --device leap-simulated:v1",

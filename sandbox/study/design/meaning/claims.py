@@ -347,7 +347,7 @@ HOVERING = Phrases(
 """Texts that tell people to touch a screen, and to hold a hand before a sensor."""
 
 
-_BOXES = ("box-to-goal", "slalom", "stack", "stack-three", "stack-vertical")
+_BOXES = ("box-to-goal", "slalom", "books", "stack", "stack-three", "stack-vertical")
 THINGS = (
     (
         Phrases(

@@ -1,0 +1,162 @@
+"""Push a box in between two standing books, with the wrist turned."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from math import cos, pi, radians, sin
+from typing import ClassVar
+
+import numpy as np
+
+from models.arithmetic.arrays import Array
+from models.arithmetic.products import distance, length
+from models.errors import SurfaceTooSmallError
+from models.messages.message import Message
+from models.objects import Box
+from models.surface import Surface
+from tasks.box_to_goal import BORDER, POSITION_TOLERANCE, missing
+from tasks.clutter.books_user import BooksUser
+from tasks.sensing import Sensing
+from tasks.task import Goal, Measure, TaskDefaults
+from tasks.user import UserMaker
+
+EDGE = 0.040
+"""m, edge of the box: of the boxes of the stacking tasks, the smallest."""
+MASS = (0.050, 0.150)
+"""kg, of the box."""
+
+BOOK = (0.110, 0.020, 0.178)
+"""m, length, thickness and height of a paperback of 350 pages that stands on the table: 110 x 178
+mm is a usual format. It falls when it is tilted sideways by 6 degrees."""
+BOOK_MASS = 0.200
+"""kg, of such a book."""
+COLOURS = ((0.34, 0.71, 0.91), (0.90, 0.62, 0.0))
+"""Colours of the books."""
+
+GAP = 0.100
+"""m between the books. A hand with its thumb is about as wide."""
+BEHIND = 0.100
+"""m from the goal back to the near ends of the books: the palm begins outside of the gap."""
+WAY = 0.060
+"""m from start to goal."""
+ASKEW = pi / 4
+"""rad from the way to the box's faces."""
+TO_THE_LEFT = (radians(60.0), radians(75.0))
+"""rad from straight away from the person to the direction of the gap. A right hand that points
+there is turned to the left by 30 to 45 degrees from where it is most comfortable."""
+
+MOVED = POSITION_TOLERANCE
+"""m, by which a book may be moved at most."""
+
+_TRIES = 20_000
+"""Number of draws after which a surface is reported as too small."""
+
+
+@dataclass(frozen=True)
+class Books(TaskDefaults):
+    """Push a box in between two standing books, without moving one.
+
+    Scene: a box of 4 cm, 50 to 150 g, before two paperbacks that stand on the table, 10 cm apart;
+    friction 0.5 against the table.
+    Goal: the box's ghost, 6 cm away, 10 cm inside of the gap.
+    Success: the box is at its goal as in `box-to-goal`: centre within 1 cm, yaw within 10 degrees
+    of the nearest equivalent, tilt under 5 degrees, on the table, slower than 1 cm/s and touched by
+    no hand, all for 0.5 s without a break, within 30 s. The trial is lost once the middle of a book
+    is 1 cm from where it stood; one that falls is.
+    Start: place uniform; the gap leads away from the person and to the left, by 60 to 75 degrees,
+    uniform, so that a right hand has to turn its wrist; redrawn until start and goal are 42 mm from
+    the border and the middles of the books on the surface. The box's faces are at 45 degrees to the
+    way, so that a hand that holds two of them points into the gap.
+    History: version 1.
+    """
+
+    name: ClassVar[str] = "books"
+    version: ClassVar[int] = 1
+    time_limit: ClassVar[float] = 30.0
+    hold_time: ClassVar[float] = 0.5
+    table_friction: ClassVar[float] = 0.5
+    touch_height: ClassVar[float] = 0.022
+    lift_range: ClassVar[float] = 0.0
+    plane: ClassVar[str] = "table"
+    user: ClassVar[UserMaker | None] = BooksUser
+
+    seed: int
+    objects: tuple[Box, ...]
+    goals: tuple[Goal, ...]
+
+    @classmethod
+    def draw(cls, seed: int, surface: Surface) -> Books:
+        """Draws the trial of a seed; the same seed and surface give the same trial.
+
+        Raises:
+            SurfaceTooSmallError: The surface has no room for the books and the way between them.
+        """
+        rng = np.random.default_rng([seed, cls.version, 47])
+        size = surface.size
+        for _ in range(_TRIES):
+            goal = rng.uniform((0.0, 0.0), size)
+            angle = pi / 2 + float(rng.uniform(*TO_THE_LEFT))
+            # On the surface, y points towards the person.
+            way = np.array([cos(angle), -sin(angle)])
+            across = np.array([-way[1], way[0]])
+            start = goal - WAY * way
+            books = [
+                goal + (BOOK[0] / 2 - BEHIND) * way + side * (GAP + BOOK[1]) / 2 * across
+                for side in (1.0, -1.0)
+            ]
+            if _within(np.stack([start, goal]), BORDER, size) and _within(
+                np.stack(books), 0.0, size
+            ):
+                break
+        else:
+            raise SurfaceTooSmallError(
+                cls.name, (surface.width_in, surface.height_in), "two books", (7.8, 5.9)
+            )
+        mass = float(rng.uniform(*MASS))
+        places = surface.to_world(np.stack([start, goal, *books]))[:, :2].tolist()
+        half, yaw = EDGE / 2, angle - ASKEW
+        box = Box("box", (half, half, half), mass, (*places[0], half), yaw)
+        length_, thickness, height = (edge / 2 for edge in BOOK)
+        standing = tuple(
+            Box(
+                f"book{i + 1}",
+                (length_, thickness, height),
+                BOOK_MASS,
+                (*place, height),
+                angle,
+                colour,
+            )
+            for i, (place, colour) in enumerate(zip(places[2:], COLOURS, strict=True))
+        )
+        return cls(seed, (box, *standing), (Goal("box", (*places[1], half), yaw),))
+
+    def with_room(self, factor: float) -> Books:
+        """The same trial with the books so much farther apart or nearer to each other."""
+        one, other = (np.array(book.position) for book in self.objects[1:])
+        middle, wider = (one + other) / 2, (factor * GAP + BOOK[1]) / (GAP + BOOK[1])
+        books = [
+            replace(book, position=tuple((middle + wider * (place - middle)).tolist()))
+            for book, place in zip(self.objects[1:], (one, other), strict=True)
+        ]
+        return replace(self, objects=(self.objects[0], *books))
+
+    def measure(self, sensing: Sensing) -> Measure:
+        """Tests whether the box is at its goal now, and both books stand where they stood."""
+        box, goal = sensing.object("box"), self.goals[0]
+        moved = max(
+            length(sensing.object(book.name).position - np.array(book.position))
+            for book in self.objects[1:]
+        )
+        lost = moved > MOVED
+        reason: str = missing(box, goal)
+        if lost:
+            reason = Message("book_moved", "a book has been moved")
+        off = distance(box.position.tolist(), goal.position)
+        travelled = 1.0 - max(off - POSITION_TOLERANCE, 0.0) / (WAY - POSITION_TOLERANCE)
+        progress = 1.0 if not reason else min(max(travelled, 0.0), 0.99)
+        return Measure(not reason, progress, reason, lost)
+
+
+def _within(places: Array, border: float, size: Array) -> bool:
+    """True if places (n, 2) m on the surface are so far from its border."""
+    return bool(np.all(places >= border) and np.all(places <= size - border))
