@@ -132,9 +132,9 @@ def cell(found: list[dict[str, Any]]) -> str:
 
 
 def table(
-    done: dict[Job, dict[str, Any]], fingers: list[int], tasks: list[str], n: int
+    done: dict[Job, dict[str, Any]], fingers: list[int], tasks: list[str], n: int, left_out: int
 ) -> Iterator[str]:
-    """The result of the first n seeds as a Markdown table: a column for each task and finger
+    """The result of the chosen seeds as a Markdown table: a column for each task and finger
     count."""
     columns = [(task, f) for task in tasks for f in fingers]
     names = [task if len(fingers) == 1 else f"{task}, {f} fingers" for task, f in columns]
@@ -146,7 +146,7 @@ def table(
             [
                 done[j]
                 for j in takewhile(
-                    done.__contains__, [(task, row, f, s) for s in seeds_of(row, task, n)]
+                    done.__contains__, [(task, row, f, s) for s in seeds_of(row, task, n, left_out)]
                 )
             ]
             for task, f in columns
@@ -155,9 +155,10 @@ def table(
             yield f"| {row} | " + " | ".join(map(cell, found)) + " |"
 
 
-def seeds_of(row: str, task: str, n: int) -> list[int]:
-    """The first n judged seeds of a task, by what is solid in a row."""
-    return (hand_seeds if row in SOLID else judged_seeds)(n, task)
+def seeds_of(row: str, task: str, n: int, left_out: int = 0) -> list[int]:
+    """The next n judged seeds of a task after those that are left out, by what is solid in a
+    row."""
+    return (hand_seeds if row in SOLID else judged_seeds)(left_out + n, task)[left_out:]
 
 
 def chosen_rows(text: str) -> list[str]:
@@ -174,6 +175,9 @@ def main() -> None:
     parser.add_argument("--tasks", nargs="+", default=["all"], help="all, or names")
     parser.add_argument("--seeds", type=int, default=600, help="the first N judged seeds")
     parser.add_argument(
+        "--leave-out", type=int, default=0, metavar="M", help="those that follow the first M"
+    )
+    parser.add_argument(
         "--rows", default="shipped", help="all, encoders, controls, parts, solid, or names; by ;"
     )
     parser.add_argument("--fingers", type=int, nargs="+", default=[3])
@@ -186,7 +190,11 @@ def main() -> None:
     for given, known in ((tasks, JUDGED), (rows, ROWS)):
         if unknown := [name for name in given if name not in known]:
             parser.error(f"there is no {', '.join(unknown)}; there are {', '.join(known)}")
-    seeds = {(task, row): seeds_of(row, task, args.seeds) for task in tasks for row in rows}
+    seeds = {
+        (task, row): seeds_of(row, task, args.seeds, args.leave_out)
+        for task in tasks
+        for row in rows
+    }
     args.out.parent.mkdir(parents=True, exist_ok=True)
     done = load(args.out)
     # Seed by seed, so that what is cut short has all tasks and rows to the same extent.
@@ -212,7 +220,7 @@ def main() -> None:
             )
             for result in progress.track(results, total=len(missing)):
                 file.write(json.dumps(result).encode() + b"\n")
-    print("\n".join(table(load(args.out), args.fingers, tasks, args.seeds)))
+    print("\n".join(table(load(args.out), args.fingers, tasks, args.seeds, args.leave_out)))
 
 
 if __name__ == "__main__":

@@ -35,9 +35,10 @@ class StackVertical(Stacking):
     only the ball of its tip is solid. A thumb that holds a box reaches down over the box below, and
     with the whole of its last link solid it pushes that box away. (2) As everywhere, a hand turns
     solid only when it is down, its simulated fingertips are where they should be, and none of them
-    is inside a box. (3) A box into which the fingers' plane no longer reaches by 5 mm, and which
-    nobody could grip any more, is put back into the plane after half a second. Until then boxes
-    move freely along the depth and turn freely out of the plane; nothing guides them.
+    is inside a box. (3) A box that nobody could grip any more is put back after half a second: one
+    into which the fingers' plane no longer reaches by 5 mm, and one whose middle is beyond a side
+    of the surface. Until then boxes move freely along the depth and turn freely out of the plane;
+    nothing guides them.
     Goal: the ghost of the second box on top of the base, wherever the base stands now.
     Success: as in `stack`: the second box stands on the base and touches neither the table nor
     anything else that bears it, its centre within 0.35 of the smaller edge of the base's centre

@@ -104,6 +104,10 @@ class Respawn:
             and abs(off) < (CEILING if flat else reach)
         )
         if near and not flat:
+            # Beyond a side of the surface, no finger gets to its outer face, and it stands on the
+            # table: nobody can grip it.
+            if not 0.0 < x < width:
+                return False
             # The person cannot see depth, and fingers close in one plane, which must cut it.
             foot = position - (off - PAD_HEIGHT) * surface.rotation[:, 2]
             rotation = data.xmat[place.body].reshape(3, 3)

@@ -89,6 +89,23 @@ def test_an_object_that_fingers_can_still_reach_is_left_where_it_is() -> None:
     np.testing.assert_allclose(place(session, "box")[:2], xy, atol=1e-3)
 
 
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_before_an_upright_surface_a_box_beyond_a_side_comes_back(side: float) -> None:
+    session = idle("stack-vertical")
+    q, _ = joint(session, "second")
+    surface = session.rigs[0].reconstructor.surface
+    middle = surface.to_world(surface.size / 2)[0]
+    half = surface.size[0] / 2
+    session.data.qpos[q] = middle + side * (half - 0.001)
+    run(session, 1.0)
+    # A finger on the surface still gets behind it.
+    assert session.respawned == 0
+    session.data.qpos[q] = middle + side * (half + 0.001)
+    run(session, 1.0)
+    assert session.respawned == 1
+    assert abs(place(session, "second")[0] - middle) < half - 0.025
+
+
 def test_where_a_finger_is_in_the_way_the_nearest_free_place_is_taken() -> None:
     where: dict[str, Any] = {}
     session = scripted(
