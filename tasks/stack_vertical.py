@@ -36,8 +36,8 @@ class StackVertical(Stacking):
     with the whole of its last link solid it pushes that box away. (2) As everywhere, a hand turns
     solid only when it is down, its simulated fingertips are where they should be, and none of them
     is inside a box. (3) A box that nobody could grip any more is put back after half a second: one
-    into which the fingers' plane no longer reaches by 5 mm, and one whose middle is beyond a side
-    of the surface. Until then boxes move freely along the depth and turn freely out of the plane;
+    into which the fingers' plane no longer reaches by 5 mm, and one that sticks out over a side of
+    the surface. Until then boxes move freely along the depth and turn freely out of the plane;
     nothing guides them.
     Goal: the ghost of the second box on top of the base, wherever the base stands now.
     Success: as in `stack`: the second box stands on the base and touches neither the table nor

@@ -104,9 +104,7 @@ class Respawn:
             and abs(off) < (CEILING if flat else reach)
         )
         if near and not flat:
-            # Beyond a side of the surface, no finger gets to its outer face, and it stands on the
-            # table: nobody can grip it.
-            if not 0.0 < x < width:
+            if self._over_a_side(data, place, surface, x, off):
                 return False
             # The person cannot see depth, and fingers close in one plane, which must cut it.
             foot = position - (off - PAD_HEIGHT) * surface.rotation[:, 2]
@@ -119,6 +117,29 @@ class Respawn:
         points = surface.to_world(_border(width, height), off)
         rotation = data.xmat[place.body].reshape(3, 3)
         return bool(place.thing.clearance(points, position, rotation).min() < 0.0)
+
+    def _over_a_side(
+        self, data: mujoco.MjData, place: _Place, surface: Surface, x: float, off: float
+    ) -> bool:
+        """True if an object before an upright surface sticks out over a side of it, where no finger
+        gets to its outer face, so that nobody can grip it.
+
+        Args:
+            data: The simulation.
+            place: The object.
+            surface: The surface.
+            x: m, where its middle is along the surface.
+            off: m, how far its middle is off the surface.
+        """
+        width, height = METRES_PER_INCH * surface.width_in, METRES_PER_INCH * surface.height_in
+        far = min(x, width - x)
+        if far <= 0.0 or far > place.radius:
+            return far <= 0.0
+        side = 0.0 if x < width / 2 else width
+        points = np.column_stack([np.full(len(_SHARES), side), height * _SHARES])
+        rotation = data.xmat[place.body].reshape(3, 3)
+        there = surface.to_world(points, off)
+        return bool(place.thing.clearance(there, data.xpos[place.body], rotation).min() < 0.0)
 
     def _put(self, data: mujoco.MjData, place: _Place, points: Array, radii: Array) -> bool:
         """Puts an object at the free place nearest to its start; False without a free place."""
@@ -205,9 +226,13 @@ def _inside(surface: Surface, positions: Array) -> NDArray[np.bool_]:
     return np.asarray(np.all((xy > BORDER) & (xy < size - BORDER), axis=1))
 
 
+_SHARES = np.linspace(0.0, 1.0, 50)
+"""Of the length of a side of a surface, at which its points are looked at."""
+
+
 def _border(width: float, height: float) -> Array:
     """(n, 2) m, points along the border of a surface of this size."""
-    share = np.linspace(0.0, 1.0, 50)[:, None]
+    share = _SHARES[:, None]
     corners = np.array([[0.0, 0.0], [width, 0.0], [width, height], [0.0, height], [0.0, 0.0]])
     sides: list[Array] = [a + share * (b - a) for a, b in pairwise(corners)]
     return np.asarray(np.concatenate(sides), float)

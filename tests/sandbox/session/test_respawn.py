@@ -90,20 +90,26 @@ def test_an_object_that_fingers_can_still_reach_is_left_where_it_is() -> None:
 
 
 @pytest.mark.parametrize("side", [-1.0, 1.0])
-def test_before_an_upright_surface_a_box_beyond_a_side_comes_back(side: float) -> None:
+def test_before_an_upright_surface_a_box_that_sticks_out_over_a_side_comes_back(
+    side: float,
+) -> None:
     session = idle("stack-vertical")
     q, _ = joint(session, "second")
     surface = session.rigs[0].reconstructor.surface
     middle = surface.to_world(surface.size / 2)[0]
     half = surface.size[0] / 2
-    session.data.qpos[q] = middle + side * (half - 0.001)
+    box = session.task.objects[1]
+    assert isinstance(box, Box)
+    session.data.qpos[joint(session, "base")[0]] = middle - side * 0.05
+    session.data.qpos[q] = middle + side * (half - box.half_size[0] - 0.001)
     run(session, 1.0)
-    # A finger on the surface still gets behind it.
     assert session.respawned == 0
-    session.data.qpos[q] = middle + side * (half + 0.001)
-    run(session, 1.0)
-    assert session.respawned == 1
-    assert abs(place(session, "second")[0] - middle) < half - 0.025
+    # A little over the side, and as a whole.
+    for times, beyond in enumerate((0.001, 2.0 * box.half_size[0])):
+        session.data.qpos[q] = middle + side * (half - box.half_size[0] + beyond)
+        run(session, 1.0)
+        assert session.respawned == times + 1
+        assert abs(place(session, "second")[0] - middle) < half - box.half_size[0]
 
 
 def test_where_a_finger_is_in_the_way_the_nearest_free_place_is_taken() -> None:
