@@ -1,4 +1,4 @@
-"""Push a box in between two standing books, with the wrist turned."""
+"""Push a box farther in between two standing books, with the wrist turned."""
 
 from __future__ import annotations
 
@@ -54,15 +54,15 @@ _TRIES = 20_000
 
 @dataclass(frozen=True)
 class Books(TaskDefaults):
-    """Push a box in between two standing books, without moving one.
+    """Push a box farther in between two standing books, without pushing one away.
 
-    Scene: a box of 4 cm, 50 to 150 g, before two paperbacks that stand on the table, 10 cm apart;
-    friction 0.5 against the table.
-    Goal: the box's ghost, 6 cm away, 10 cm inside of the gap.
+    Scene: two paperbacks stand on the table, 10 cm apart; a box of 4 cm, 50 to 150 g, stands 4 cm
+    inside of the gap; friction 0.5 against the table.
+    Goal: the box's ghost, 6 cm farther in.
     Success: the box is at its goal as in `box-to-goal`: centre within 1 cm, yaw within 10 degrees
     of the nearest equivalent, tilt under 5 degrees, on the table, slower than 1 cm/s and touched by
     no hand, all for 0.5 s without a break, within 30 s. The trial is lost once the middle of a book
-    is 1 cm from where it stood; one that falls is.
+    is more than 1 cm from where it stood, as that of a book that falls is.
     Start: place uniform; the gap leads away from the person and to the left, by 60 to 75 degrees,
     uniform, so that a right hand has to turn its wrist; redrawn until start and goal are 42 mm from
     the border and the middles of the books on the surface. The box's faces are at 45 degrees to the

@@ -1,4 +1,4 @@
-"""Simulated user who pushes a box in between standing things, with a hand that points there."""
+"""Simulated user who holds a box and slides it along, with a hand that points along the way."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ POINTS = pi / 4
 """rad, from the direction across a box, thumb to fingers, to that in which a hand points. Of eleven
 simulated people with thumb, index and middle finger on a screen: 42 degrees, median."""
 _STEP = 0.030
-"""m that the user pushes before the next look."""
+"""m that the user slides a box before the next look."""
 
 
 class PointingHandling(BoxHandling):
@@ -47,7 +47,7 @@ class PointingHandling(BoxHandling):
 
 
 class BooksUser(SkilledUser):
-    """Pushes a box to its goal in short steps, with a look after each.
+    """Slides a box to its goal in short steps, with a look after each.
 
     Args:
         configuration: Settings of the simulated user.

@@ -53,7 +53,7 @@ class Trial:
 
 
 @given(seed=seeds, surface=st.sampled_from([Surface(*s) for s in PRESETS.values() if s[1] > 5]))
-def test_the_way_leads_straight_between_two_books_that_are_on_the_surface(
+def test_the_way_leads_straight_in_between_two_books_that_are_on_the_surface(
     seed: int, surface: Surface
 ) -> None:
     task = Books.draw(seed, surface)
