@@ -41,6 +41,8 @@ GRID = 0.010
 """m between two candidate places."""
 FARTHEST = 0.40
 """m, largest distance of a candidate place from the start."""
+NEAREST = 16
+"""Candidate places at which contacts are looked at, where the balls around things leave no room."""
 
 
 class Respawn:
@@ -56,6 +58,7 @@ class Respawn:
 
     def __init__(self, scene: Scene, surfaces: Sequence[Surface]) -> None:
         self._scene, self._surfaces = scene, tuple(surfaces)
+        self._tried = mujoco.MjData(scene.model)
         # What cannot leave is in the way where an object is put down.
         self._all = [_Place(scene, t) for t in scene.spec.objects]
         self._objects = [place for place in self._all if place.can_leave]
@@ -142,7 +145,11 @@ class Respawn:
         return bool(place.thing.clearance(there, data.xpos[place.body], rotation).min() < 0.0)
 
     def _put(self, data: mujoco.MjData, place: _Place, points: Array, radii: Array) -> bool:
-        """Puts an object at the free place nearest to its start; False without a free place."""
+        """Puts an object at the free place nearest to its start; False without a free place.
+
+        Free is where the balls around things are apart, or, if they are nowhere, where things do
+        not touch.
+        """
         others = [p for p in self._all if p is not place and p.name not in place.together]
         shifts = self._shifts[place.name]
         free = np.ones(len(shifts), bool)
@@ -150,11 +157,43 @@ class Respawn:
             beside = np.sqrt(squared_lengths(place.home + shifts - data.xpos[other.body]))
             free &= beside > place.radius + other.radius + ROOM
         for shift in shifts[free]:
-            clear = place.thing.clearance(points, place.home + shift, place.turn)
-            if np.all(clear > radii + ROOM):
+            if self._clear_of_hands(place, shift, points, radii):
+                place.put(data, shift)
+                return True
+        if free.any():
+            return False
+        # A ball around a long thing is much larger than the thing.
+        mujoco.mj_copyData(self._tried, self._scene.model, data)
+        for shift in shifts[:NEAREST]:
+            if self._clear_of_hands(place, shift, points, radii) and self._touches_none(
+                place, shift, [other.body for other in others]
+            ):
                 place.put(data, shift)
                 return True
         return False
+
+    def _clear_of_hands(self, place: _Place, shift: Array, points: Array, radii: Array) -> bool:
+        """True if an object at its start, moved by a shift (3,) m, keeps clear of all balls."""
+        clear = place.thing.clearance(points, place.home + shift, place.turn)
+        return bool(np.all(clear > radii + ROOM))
+
+    def _touches_none(self, place: _Place, shift: Array, others: list[int]) -> bool:
+        """True if an object at its start, moved by a shift (3,) m, touches no other object.
+
+        Args:
+            place: The object.
+            shift: The shift.
+            others: Bodies of the other objects.
+        """
+        model, tried = self._scene.model, self._tried
+        place.put(tried, shift)
+        mujoco.mj_kinematics(model, tried)
+        mujoco.mj_collision(model, tried)
+        root = model.body_rootid
+        of_pairs = root[model.geom_bodyid[tried.contact.geom]]
+        mine = (of_pairs == root[place.body]).any(axis=1)
+        theirs = np.isin(of_pairs, root[others]).any(axis=1)
+        return not bool((mine & theirs).any())
 
     def _reachable(self, place: _Place) -> Array:
         """(n, 3) m, shifts from an object's start to candidate places; zero comes first."""
