@@ -7,6 +7,7 @@ this and not the task, because tasks only read the simulation.
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Callable, Sequence
 from itertools import pairwise
 from math import fsum
@@ -58,7 +59,6 @@ class Respawn:
 
     def __init__(self, scene: Scene, surfaces: Sequence[Surface]) -> None:
         self._scene, self._surfaces = scene, tuple(surfaces)
-        self._tried = mujoco.MjData(scene.model)
         # What cannot leave is in the way where an object is put down.
         self._all = [_Place(scene, t) for t in scene.spec.objects]
         self._objects = [place for place in self._all if place.can_leave]
@@ -136,8 +136,10 @@ class Respawn:
         """
         width, height = METRES_PER_INCH * surface.width_in, METRES_PER_INCH * surface.height_in
         far = min(x, width - x)
-        if far <= 0.0 or far > place.radius:
-            return far <= 0.0
+        if far <= 0.0:
+            return True
+        if far > place.radius:
+            return False
         side = 0.0 if x < width / 2 else width
         points = np.column_stack([np.full(len(_SHARES), side), height * _SHARES])
         rotation = data.xmat[place.body].reshape(3, 3)
@@ -163,10 +165,10 @@ class Respawn:
         if free.any():
             return False
         # A ball around a long thing is much larger than the thing.
-        mujoco.mj_copyData(self._tried, self._scene.model, data)
+        tried, bodies = copy.copy(data), [other.body for other in others]
         for shift in shifts[:NEAREST]:
             if self._clear_of_hands(place, shift, points, radii) and self._touches_none(
-                place, shift, [other.body for other in others]
+                tried, place, shift, bodies
             ):
                 place.put(data, shift)
                 return True
@@ -177,15 +179,18 @@ class Respawn:
         clear = place.thing.clearance(points, place.home + shift, place.turn)
         return bool(np.all(clear > radii + ROOM))
 
-    def _touches_none(self, place: _Place, shift: Array, others: list[int]) -> bool:
+    def _touches_none(
+        self, tried: mujoco.MjData, place: _Place, shift: Array, others: list[int]
+    ) -> bool:
         """True if an object at its start, moved by a shift (3,) m, touches no other object.
 
         Args:
+            tried: A copy of the simulation's state, in which the object is put there.
             place: The object.
             shift: The shift.
             others: Bodies of the other objects.
         """
-        model, tried = self._scene.model, self._tried
+        model = self._scene.model
         place.put(tried, shift)
         mujoco.mj_kinematics(model, tried)
         mujoco.mj_collision(model, tried)

@@ -8,7 +8,6 @@ from typing import ClassVar
 
 import numpy as np
 
-from models.arithmetic.arrays import Array
 from models.arithmetic.products import distance, length
 from models.errors import SurfaceTooSmallError
 from models.messages.message import Message
@@ -16,6 +15,7 @@ from models.objects import Box
 from models.surface import Surface
 from tasks.box_to_goal import BORDER, POSITION_TOLERANCE, missing
 from tasks.clutter.books_user import BooksUser
+from tasks.clutter.inside import inside
 from tasks.sensing import Sensing
 from tasks.task import Goal, Measure, TaskDefaults
 from tasks.user import UserMaker
@@ -104,9 +104,7 @@ class Books(TaskDefaults):
                 goal + (BOOK[0] / 2 - BEHIND) * way + side * (GAP + BOOK[1]) / 2 * across
                 for side in (1.0, -1.0)
             ]
-            if _within(np.stack([start, goal]), BORDER, size) and _within(
-                np.stack(books), 0.0, size
-            ):
+            if inside(np.stack([start, goal]), BORDER, size) and inside(np.stack(books), 0.0, size):
                 break
         else:
             raise SurfaceTooSmallError(
@@ -155,8 +153,3 @@ class Books(TaskDefaults):
         travelled = 1.0 - max(off - POSITION_TOLERANCE, 0.0) / (WAY - POSITION_TOLERANCE)
         progress = 1.0 if not reason else min(max(travelled, 0.0), 0.99)
         return Measure(not reason, progress, reason, lost)
-
-
-def _within(places: Array, border: float, size: Array) -> bool:
-    """True if places (n, 2) m on the surface are so far from its border."""
-    return bool(np.all(places >= border) and np.all(places <= size - border))

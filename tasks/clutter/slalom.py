@@ -8,13 +8,13 @@ from typing import ClassVar
 
 import numpy as np
 
-from models.arithmetic.arrays import Array
 from models.arithmetic.products import distance
 from models.errors import SurfaceTooSmallError
 from models.messages.message import Message
 from models.objects import Box, Cylinder
 from models.surface import Surface
 from tasks.box_to_goal import BORDER, POSITION_TOLERANCE, missing
+from tasks.clutter.inside import inside
 from tasks.clutter.slalom_user import SlalomUser
 from tasks.sensing import Sensing
 from tasks.task import Goal, Measure, TaskDefaults
@@ -103,7 +103,7 @@ class Slalom(TaskDefaults):
             angle = float(rng.uniform(-np.pi, np.pi))
             first, last = rng.uniform(*LEAD, 2).tolist()
             side = float(rng.choice((-1.0, 1.0)))
-            if not _within(start[None], BORDER, size):
+            if not inside(start[None], BORDER, size):
                 continue
             along = np.array([cos(angle), sin(angle)])
             across = np.array([-along[1], along[0]])
@@ -114,7 +114,7 @@ class Slalom(TaskDefaults):
             )
             out = OPENING / 2 + PIN_RADIUS
             pins = [middle + way * out * across for middle in middles for way in (1.0, -1.0)]
-            if _within(np.stack([start, end]), BORDER, size) and _within(
+            if inside(np.stack([start, end]), BORDER, size) and inside(
                 np.stack(pins), PIN_BORDER, size
             ):
                 break
@@ -173,8 +173,3 @@ class Slalom(TaskDefaults):
         travelled = 1.0 - max(off - POSITION_TOLERANCE, 0.0) / way
         progress = 1.0 if not reason else min(max(travelled, 0.0), 0.99)
         return Measure(not reason, progress, reason, lost)
-
-
-def _within(places: Array, border: float, size: Array) -> bool:
-    """True if places (n, 2) m on the surface are so far from its border."""
-    return bool(np.all(places >= border) and np.all(places <= size - border))
