@@ -132,22 +132,21 @@ def cell(found: list[dict[str, Any]]) -> str:
 
 
 def table(
-    done: dict[Job, dict[str, Any]], fingers: list[int], tasks: list[str], n: int, left_out: int
+    done: dict[Job, dict[str, Any]], fingers: list[int], seeds: dict[tuple[str, str], list[int]]
 ) -> Iterator[str]:
-    """The result of the chosen seeds as a Markdown table: a column for each task and finger
-    count."""
+    """The result as a Markdown table: a column for each task and finger count, a row for each row;
+    with the seeds of each task and row."""
+    tasks, rows = (list(dict.fromkeys(keys)) for keys in zip(*seeds, strict=True))
     columns = [(task, f) for task in tasks for f in fingers]
     names = [task if len(fingers) == 1 else f"{task}, {f} fingers" for task, f in columns]
     yield "| | " + " | ".join(names) + " |"
     yield "| --- |" + " --- |" * len(columns)
-    for row in ROWS:
+    for row in rows:
         # Up to the first that is missing: side by side, quick trials end before slow ones.
         found = [
             [
                 done[j]
-                for j in takewhile(
-                    done.__contains__, [(task, row, f, s) for s in seeds_of(row, task, n, left_out)]
-                )
+                for j in takewhile(done.__contains__, [(task, row, f, s) for s in seeds[task, row]])
             ]
             for task, f in columns
         ]
@@ -155,7 +154,7 @@ def table(
             yield f"| {row} | " + " | ".join(map(cell, found)) + " |"
 
 
-def seeds_of(row: str, task: str, n: int, left_out: int = 0) -> list[int]:
+def seeds_of(row: str, task: str, n: int, left_out: int) -> list[int]:
     """The next n judged seeds of a task after those that are left out, by what is solid in a
     row."""
     return (hand_seeds if row in SOLID else judged_seeds)(left_out + n, task)[left_out:]
@@ -220,7 +219,7 @@ def main() -> None:
             )
             for result in progress.track(results, total=len(missing)):
                 file.write(json.dumps(result).encode() + b"\n")
-    print("\n".join(table(load(args.out), args.fingers, tasks, args.seeds, args.leave_out)))
+    print("\n".join(table(load(args.out), args.fingers, seeds)))
 
 
 if __name__ == "__main__":
