@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import argparse
 import json
+from collections.abc import Callable
 from dataclasses import asdict
 from hashlib import sha256
 from pathlib import Path
@@ -106,12 +107,29 @@ def freeze(path: Path, now: dict[str, Any]) -> None:
     path.write_text(json.dumps(now, indent=1, sort_keys=True) + "\n")
 
 
-if __name__ == "__main__":
+def command(
+    about: str | None,
+    path: Path,
+    configuration: Callable[[], dict[str, Any]],
+    seeds: Callable[[int, str], list[int]],
+) -> None:
+    """The command of a module that freezes: writes the file if asked, and prints ten seeds a task.
+
+    Args:
+        about: The module's text.
+        path: What is frozen.
+        configuration: As it is in the code now, with all its tasks.
+        seeds: The first n judged seeds of a task.
+    """
     parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+        description=about, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("--freeze", action="store_true", help="write frozen.json")
+    parser.add_argument("--freeze", action="store_true", help=f"write {path.name}")
     if parser.parse_args().freeze:
-        freeze(FROZEN, configuration())
-    for name in JUDGED:
-        print(name, *judged_seeds(10, name))
+        freeze(path, configuration())
+    for name in configuration()["tasks"]:
+        print(name, *seeds(10, name))
+
+
+if __name__ == "__main__":
+    command(__doc__, FROZEN, configuration, judged_seeds)

@@ -8,12 +8,11 @@ what is solid. Change one of them, and the seeds are others.
 
 from __future__ import annotations
 
-import argparse
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from benchmarks.judged import FIRST, freeze, frozen_seeds, frozen_settings
+from benchmarks.judged import FIRST, command, frozen_seeds, frozen_settings
 from encoders.paalm.coupling import coupling_of
 from encoders.paalm.hand_reconstructor import HandReconstructorSettings
 from encoders.paalm.options import PaalmOptions
@@ -54,11 +53,4 @@ def air_seeds(n: int, task: str) -> list[int]:
 
 
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("--freeze", action="store_true", help="write frozen_air.json")
-    if parser.parse_args().freeze:
-        freeze(FROZEN, configuration())
-    for name in FIRST:
-        print(name, *air_seeds(10, name))
+    command(__doc__, FROZEN, configuration, air_seeds)

@@ -9,12 +9,11 @@ one of them, and the seeds are others.
 
 from __future__ import annotations
 
-import argparse
 from pathlib import Path
 from typing import Any
 
 from benchmarks import judged
-from benchmarks.judged import JUDGED, freeze, frozen_seeds
+from benchmarks.judged import command, frozen_seeds
 from sandbox.clearing import clearing, hand_distances, solid_links
 
 FROZEN = Path(__file__).with_name("frozen_hand.json")
@@ -44,11 +43,4 @@ def hand_seeds(n: int, task: str = "box-to-goal") -> list[int]:
 
 
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("--freeze", action="store_true", help="write frozen_hand.json")
-    if parser.parse_args().freeze:
-        freeze(FROZEN, configuration())
-    for name in JUDGED:
-        print(name, *hand_seeds(10, name))
+    command(__doc__, FROZEN, configuration, hand_seeds)
