@@ -89,7 +89,6 @@ class HandDistances:
         last = inside[-1]
         ends = model.jnt_dofadr[last + 1] if last + 1 < model.njnt else model.nv
         self.dofs = slice(start, int(ends))
-        self._signs: list[float] = []
 
     def near(self, data: mujoco.MjData, qpos: Array | None = None, ahead: float = 0.0) -> Near:
         """Parts of the hand that are near things, and how near.
@@ -114,7 +113,6 @@ class HandDistances:
         mine = self._parts
         # MuJoCo orders two geoms by their kind.
         first = [a in mine for a, _ in pairs]
-        self._signs = [1.0 if f else -1.0 for f in first]
         parts = [a if f else b for (a, b), f in zip(pairs, first, strict=True)]
         things = [b if f else a for (a, b), f in zip(pairs, first, strict=True)]
         return Near(parts, contact.dist.tolist(), things)
