@@ -133,8 +133,6 @@ class Sight(LazyFields):
 class User(Protocol):
     """Contract of simulated users, who look at the screen and touch it."""
 
-    configuration: UserConfiguration
-
     def look(self, sight: Sight) -> None: ...
 
     def touch(self, now: float) -> TouchFrame: ...

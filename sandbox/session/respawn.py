@@ -14,7 +14,7 @@ from math import fsum
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from encoders.correction import PAD_HEIGHT
 from models.arithmetic.arrays import Array
@@ -38,11 +38,13 @@ BORDER = 0.030
 elsewhere than at its start."""
 ROOM = 0.005
 """m, least gap between an object that is put down and its neighbours."""
+BESIDE_GOAL = 0.030
+"""m, least distance from a goal of an object that is put down nearer to it than it started."""
 GRID = 0.010
 """m between two candidate places."""
 FARTHEST = 0.40
 """m, largest distance of a candidate place from the start."""
-NEAREST = 16
+NEAREST = 64
 """Candidate places at which contacts are looked at, where the balls around things leave no room."""
 
 
@@ -52,18 +54,29 @@ class Respawn:
     Args:
         scene: The scene.
         surfaces: Touch surfaces, one per hand.
+        goals: (n, 3) m, where objects are to be brought to. Places that are no nearer to one than
+            the object's start come first, and none nearer than `BESIDE_GOAL` is taken.
 
     Attributes:
         counts: Number of returns of each object, by name; objects that never left are not in it.
     """
 
-    def __init__(self, scene: Scene, surfaces: Sequence[Surface]) -> None:
+    def __init__(self, scene: Scene, surfaces: Sequence[Surface], goals: ArrayLike = ()) -> None:
         self._scene, self._surfaces = scene, tuple(surfaces)
         # What cannot leave is in the way where an object is put down.
         self._all = [_Place(scene, t) for t in scene.spec.objects]
+        by_name = {place.name: place for place in self._all}
+        # A free mechanism is several objects that come and go together.
+        self._parts = {
+            place.name: [place, *(by_name[n] for n in place.together if n != place.name)]
+            if place.free
+            else [place]
+            for place in self._all
+        }
         self._objects = [place for place in self._all if place.can_leave]
         self._away = {place.name: 0 for place in self._objects}
         # Kept, because they are searched at every step while there is no room.
+        self._goals = np.asarray(goals, float).reshape(-1, 3)
         self._shifts = {place.name: self._reachable(place) for place in self._objects}
         self.counts: dict[str, int] = {}
 
@@ -80,7 +93,8 @@ class Respawn:
         """
         back = []
         for place in self._objects:
-            out = not any(self._within(data, place, s) for s in self._surfaces)
+            parts = self._parts[place.name]
+            out = not any(self._within(data, p, s) for p in parts for s in self._surfaces)
             self._away[place.name] = self._away[place.name] + 1 if out else 0
             if self._away[place.name] * CONTROL_PERIOD >= AWAY and self._put(data, place, *hands()):
                 self._away[place.name] = 0
@@ -149,35 +163,58 @@ class Respawn:
     def _put(self, data: mujoco.MjData, place: _Place, points: Array, radii: Array) -> bool:
         """Puts an object at the free place nearest to its start; False without a free place.
 
-        Free is where the balls around things are apart, or, if they are nowhere, where things do
-        not touch.
+        Its start is free where it touches nothing there. Another place is free where the balls
+        around things are apart, so that fingers have room between them, or, if they are nowhere,
+        where things do not touch.
         """
         others = [p for p in self._all if p is not place and p.name not in place.together]
         shifts = self._shifts[place.name]
+        tried, bodies = copy.copy(data), [other.body for other in others]
+
+        def apart(shift: Array) -> bool:
+            return self._clear_of_hands(tried, place, shift, points, radii) and self._touches_none(
+                tried, place, shift, bodies
+            )
+
+        start = np.zeros(3)
+        if apart(start):
+            place.put(data, start)
+            return True
         free = np.ones(len(shifts), bool)
         for other in others:
             beside = np.sqrt(squared_lengths(place.home + shifts - data.xpos[other.body]))
             free &= beside > place.radius + other.radius + ROOM
         for shift in shifts[free]:
-            if self._clear_of_hands(place, shift, points, radii):
+            if self._clear_of_hands(tried, place, shift, points, radii):
                 place.put(data, shift)
                 return True
-        if free.any():
-            return False
         # A ball around a long thing is much larger than the thing.
-        tried, bodies = copy.copy(data), [other.body for other in others]
         for shift in shifts[:NEAREST]:
-            if self._clear_of_hands(place, shift, points, radii) and self._touches_none(
-                tried, place, shift, bodies
-            ):
+            if apart(shift):
                 place.put(data, shift)
                 return True
         return False
 
-    def _clear_of_hands(self, place: _Place, shift: Array, points: Array, radii: Array) -> bool:
-        """True if an object at its start, moved by a shift (3,) m, keeps clear of all balls."""
-        clear = place.thing.clearance(points, place.home + shift, place.turn)
-        return bool(np.all(clear > radii + ROOM))
+    def _clear_of_hands(
+        self, tried: mujoco.MjData, place: _Place, shift: Array, points: Array, radii: Array
+    ) -> bool:
+        """True if an object at its start, moved by a shift (3,) m, keeps clear of all balls, and so
+        does what it carries. A copy of the state, `tried`, is changed for that."""
+        parts = self._parts[place.name]
+        if len(parts) == 1 and place.anywhere:
+            clear = place.thing.clearance(points, place.home + shift, place.turn)
+            return bool(np.all(clear > radii + ROOM))
+        place.put(tried, shift)
+        mujoco.mj_kinematics(self._scene.model, tried)
+        return all(
+            np.all(
+                part.thing.clearance(
+                    points, tried.xpos[part.body], tried.xmat[part.body].reshape(3, 3)
+                )
+                > radii + ROOM
+            )
+            for part in parts
+        )
 
     def _touches_none(
         self, tried: mujoco.MjData, place: _Place, shift: Array, others: list[int]
@@ -202,11 +239,21 @@ class Respawn:
 
     def _reachable(self, place: _Place) -> Array:
         """(n, 3) m, shifts from an object's start to candidate places; zero comes first."""
+        if not place.anywhere:
+            return _SHIFTS[:1]
         # Before an upright surface, and on rails, an object keeps its depth.
         anywhere = place.free and any(_flat(s) for s in self._surfaces)
         shifts = _SHIFTS if anywhere else _SHIFTS[_SHIFTS[:, 1] == 0.0]
         there = np.any([_inside(s, place.home + shifts) for s in self._surfaces], axis=0)
-        return np.asarray(shifts[there | ~shifts.any(axis=1)])
+        there |= ~shifts.any(axis=1)
+        if not len(self._goals):
+            return np.asarray(shifts[there])
+        # Whoever loses an object must not gain by it.
+        away = [squared_lengths(place.home + shifts - goal) for goal in self._goals]
+        nearest = np.min(away, axis=0)
+        fair = nearest >= nearest[0]
+        beside = ~fair & (nearest >= BESIDE_GOAL * BESIDE_GOAL)
+        return np.concatenate([shifts[there & fair], shifts[there & beside]])
 
 
 class _Place:
@@ -220,8 +267,11 @@ class _Place:
         types = model.jnt_type[joints]
         self.free = bool(np.any(types == mujoco.mjtJoint.mjJNT_FREE))
         slides = types == mujoco.mjtJoint.mjJNT_SLIDE
-        # An object hinged to the table cannot leave; one that slides along two axes can.
-        self.can_leave = self.free or int(slides.sum()) >= 2
+        # An object hinged to the table cannot leave. One that slides along two axes can, and so can
+        # one on a slide without ends.
+        endless = slides & (model.jnt_limited[joints] == 0)
+        self.anywhere = self.free or int(slides.sum()) >= 2
+        self.can_leave = self.anywhere or bool(endless.any())
         self.radius = scene.object_radius(thing.name)
         # What it carries goes along with it.
         self.together = thing.together if isinstance(thing, MechanismPart) else ()
@@ -232,6 +282,11 @@ class _Place:
         self._qpos = slice(int(model.jnt_qposadr[first]), int(end))
         end = model.nv if last + 1 == model.njnt else model.jnt_dofadr[last + 1]
         self._dofs = slice(int(model.jnt_dofadr[first]), int(end))
+        # What it carries comes to rest with it.
+        if self.free:
+            root = model.body_rootid
+            carried = int((root[model.dof_bodyid] == root[body]).sum())
+            self._dofs = slice(self._dofs.start, self._dofs.start + carried)
         rotation = np.empty(9)
         mujoco.mju_quat2Mat(rotation, model.body_quat[body])
         self.turn = rotation.reshape(3, 3)

@@ -171,7 +171,8 @@ class Session:
         self._contact = ContactModes(self.scene, contact_mode(contact))
         self._asked: ContactMode | None = None
         self._loads = FingerLoads(self.scene)
-        self._respawn = Respawn(self.scene, surfaces)
+        goals = [goal.position for goal in task.goals if goal.shown and goal.on is None]
+        self._respawn = Respawn(self.scene, surfaces, goals)
         self._respawn_notice: tuple[float, str] = (-np.inf, "")
         self.diverged = ""
         self._followers = [rig.hand.follower() for rig in rigs]

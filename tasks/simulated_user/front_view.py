@@ -67,7 +67,6 @@ class FrontUser:
 
     def __init__(self, user: User, view: FrontView) -> None:
         self.user, self._view = user, view
-        self.configuration = user.configuration
 
     def look(self, sight: Sight) -> None:
         """Shows the user the current content of the screen."""

@@ -111,7 +111,6 @@ class SeatedUser:
 
     def __init__(self, user: User, seat: Seat) -> None:
         self.user, self._seat = user, seat
-        self.configuration = user.configuration
 
     def look(self, sight: Sight) -> None:
         """Shows the user the current content of the screen."""

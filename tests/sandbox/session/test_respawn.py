@@ -19,7 +19,7 @@ from models.surface import Surface
 from sandbox.clearing.hand_distances import HandDistances
 from sandbox.recording.recording import load_recording
 from sandbox.session.messages import Snapshot
-from sandbox.session.respawn import AWAY, Respawn
+from sandbox.session.respawn import AWAY, BESIDE_GOAL, Respawn
 from sandbox.session.session import Session
 from sandbox.trial.driver import View
 from sandbox.trial.headless import run_trial
@@ -259,3 +259,114 @@ def test_an_object_for_which_there_is_no_room_holds_nobody_up(
     assert respawn.step(session.data, lambda: full) == []
     assert len(looked) < 100
     assert respawn.step(session.data, lambda: (np.full((1, 3), 9.0), np.ones(1))) == [thing.name]
+
+
+@pytest.mark.parametrize("task", ["stack-three", "slalom", "books", "insert", "gather"])
+@pytest.mark.parametrize("seed", [1, 2])
+def test_what_leaves_alone_comes_back_to_its_own_start_however_near_its_neighbours_are(
+    task: str, seed: int
+) -> None:
+    """Its start was passed over where a ball around a neighbour was near."""
+    for thing in idle(task, seed).task.objects:
+        session = idle(task, seed)
+        if thing.name not in {place.name for place in session._respawn._objects}:
+            continue
+        at, _ = joint(session, thing.name)
+        session.data.qpos[at : at + 3] = 0.6, 0.0, 0.3
+        mujoco.mj_forward(session.scene.model, session.data)
+        run(session, AWAY + 2 * CONTROL_PERIOD)
+        if session.over:  # A book that left has lost the trial.
+            continue
+        assert session.respawned == 1
+        np.testing.assert_allclose(place(session, thing.name), thing.position, atol=2e-3)
+
+
+@pytest.mark.parametrize("seed", range(1, 7))
+def test_nobody_gains_by_throwing_a_thing_off_the_table(seed: int) -> None:
+    """A die whose start is taken comes back outside of the ring."""
+    session = idle("gather", seed)
+    goals = [np.array(goal.position[:2]) for goal in session.task.goals]
+    one, other = session.task.objects[:2]
+    at, _ = joint(session, one.name)
+    session.data.qpos[at : at + 3] = 0.6, 0.0, 0.3
+    there, _ = joint(session, other.name)
+    session.data.qpos[there : there + 2] = one.position[:2]
+    mujoco.mj_forward(session.scene.model, session.data)
+    run(session, AWAY + 2 * CONTROL_PERIOD)
+    assert session.respawned == 1
+    now, start = place(session, one.name)[:2], np.array(one.position[:2])
+    assert np.linalg.norm(now - start) > 0.005
+    before, after = (min(np.linalg.norm(p - goal) for goal in goals) for p in (start, now))
+    assert after > min(before, BESIDE_GOAL) - 1e-3
+    assert session.scorer.score.progress == 0.0
+
+
+LAB = """
+from models import Mechanism
+from tasks import CustomTask, judge
+
+XML = '''<mujoco><worldbody><body>{free}
+  <geom type="box" size=".02 .02 .01" mass=".1"/>
+  <body name="arm"><joint type="slide" axis="1 0 0" {ends} frictionloss=".01"/>
+    <geom type="box" size=".01 .01 .01" pos=".035 0 0" mass=".02"/></body>
+</body></worldbody></mujoco>'''
+
+
+class Cab(CustomTask):
+    name = "test-cab"
+
+    @classmethod
+    def place(cls, rng, surface):
+        return Mechanism("cab", XML, (0.0, 0.0, 0.0101)).parts, []
+
+    def measure(self, sensing):
+        return judge(0.0, (True, "never"))
+"""
+
+
+def cab(folder: Path, free: str, ends: str) -> Session:
+    """A session with a base that carries an arm on a slide."""
+    file = folder / "cab.py"
+    file.write_text(LAB.replace("{free}", free).replace("{ends}", ends))
+    return idle(f"{file}:Cab")
+
+
+def test_a_mechanism_comes_back_with_all_it_carries_at_rest_and_clear_of_hands(
+    tmp_path: Path,
+) -> None:
+    session = cab(tmp_path, "<freejoint/>", 'range="0 .08"')
+    base, _ = joint(session, "cab")
+    arm, arm_speed = joint(session, "cab/arm")
+    session.data.qpos[base : base + 3] = 0.6, 0.0, 0.0101
+    session.data.qpos[arm] = 0.08
+    session.data.qvel[arm_speed] = -1.0
+    mujoco.mj_forward(session.scene.model, session.data)
+    respawn = Respawn(session.scene, [session.rigs[0].reconstructor.surface])
+    where_the_arm_would_be = np.array([[0.115, 0.0, 0.0101]]), np.array([0.008])
+    while not respawn.step(session.data, lambda: where_the_arm_would_be):
+        pass
+    mujoco.mj_forward(session.scene.model, session.data)
+    assert session.data.qvel[arm_speed] == 0.0
+    middles, radii = where_the_arm_would_be
+    assert float(session.scene.clearance(session.data, middles)[0] - radii[0]) > 0.0
+
+
+def test_a_mechanism_of_which_a_part_can_be_reached_is_left_where_it_is(tmp_path: Path) -> None:
+    session = cab(tmp_path, "<freejoint/>", 'range="0 .08"')
+    left = float(session.rigs[0].reconstructor.surface.corner[0])
+    base, _ = joint(session, "cab")
+    arm, _ = joint(session, "cab/arm")
+    session.data.qpos[base] = left - 0.045
+    session.data.qpos[arm] = 0.08
+    mujoco.mj_forward(session.scene.model, session.data)
+    run(session, AWAY + 0.2)
+    assert session.respawned == 0
+
+
+def test_what_slides_without_an_end_comes_back(tmp_path: Path) -> None:
+    session = cab(tmp_path, "", 'limited="false"')
+    arm, speed = joint(session, "cab/arm")
+    session.data.qvel[speed] = 3.0
+    run(session, 4.0)
+    assert session.respawned == 1
+    assert abs(session.data.qpos[arm]) < 0.01
