@@ -114,6 +114,13 @@ class Sensing:
         # speed, and its centre moves at the end of a lever; one that is fixed has none.
         self._speeds: dict[str, Array] = {}
         self._levers: dict[str, float] = {}
+        # What is carried by something that moves has more speed than that of its own joint.
+        fixed = {o.name for o in scene.spec.objects if isinstance(o, MechanismPart) and o.fixed}
+        self._carried = {
+            o.name: scene.object_bodies[o.name]
+            for o in scene.spec.objects
+            if isinstance(o, MechanismPart) and o.carrier and o.carrier not in fixed
+        }
         self._joints: dict[str, tuple[Array, Array, Joint]] = {}
         self._fingers: dict[str, list[tuple[str, int, Array]]] = {}
         for obj in scene.spec.objects:
@@ -159,10 +166,19 @@ class Sensing:
         return ObjectState(
             position,
             rotation,
-            self._levers[name] * length(self._speeds[name]),
+            self._speed(name),
             self.touching(name, TABLE),
             any(self.touching(name, hand) for hand in self._hands),
         )
+
+    def _speed(self, name: str) -> float:
+        """m/s, of an object's origin."""
+        body = self._carried.get(name)
+        if body is None:
+            return self._levers[name] * length(self._speeds[name])
+        kind, velocity = mujoco.mjtObj.mjOBJ_XBODY, np.empty(6)
+        mujoco.mj_objectVelocity(self._scene.model, self._data, kind, body, velocity, 0)
+        return length(velocity[3:])
 
     def joint(self, name: str) -> JointState:
         """Current state of the hinge or slide of a mechanism's part.

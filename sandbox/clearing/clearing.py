@@ -117,14 +117,17 @@ class Clearing:
         self._led: frozenset[int] = frozenset()
         self._before: tuple[tuple[int, ...], Array] | None = None
 
-    def step(self, data: mujoco.MjData, reconstruction: Reconstruction) -> Reconstruction:
+    def step(
+        self, data: mujoco.MjData, reconstruction: Reconstruction, ghost: bool = False
+    ) -> Reconstruction:
         """The reconstruction with the pose to command instead.
 
         Args:
             data: Current state of the simulation.
             reconstruction: Current reconstruction from touches.
+            ghost: True while the hand passes through everything: nothing has to be kept clear of.
         """
-        fingers = tuple(sorted(reconstruction.touches))
+        fingers = () if ghost else tuple(sorted(reconstruction.touches))
         wanted = self._wanted(data, reconstruction, fingers) if fingers else None
         if not fingers:
             self._before = None

@@ -81,9 +81,7 @@ class ContactModes:
     def __init__(self, scene: Scene, mode: ContactMode = ContactMode.HARD) -> None:
         self._model = model = scene.model
         hands = scene.spec.hands
-        # The solid end of a last link can be a geom of its own.
-        geoms = {g for h in hands for link in h.links for g in (link.geom, link.tip_geom)}
-        self._geoms = np.array(sorted(model.geom(name).id for name in geoms))
+        self._geoms = np.array(sorted(g for i in range(len(hands)) for g in scene.parts(i)))
         names = tuple(f"{h.name}_" for h in hands)
         self._actuators = np.array(
             [i for i in range(model.nactuator) if model.actuator(i).name.startswith(names)]

@@ -410,7 +410,7 @@ class Session:
         reconstruction = rig.reconstructor.step(frame)
         clearing = self._clearing[i]
         if clearing:
-            reconstruction = clearing.step(self.data, reconstruction)
+            reconstruction = clearing.step(self.data, reconstruction, self._contact.ghost)
         if rig.yaw:
             rig.yaw.step(self.time, reconstruction.u)
         follower = self._followers[i]

@@ -192,3 +192,18 @@ def test_a_mode_that_does_not_exist_is_refused() -> None:
     session = scripted(lambda now: (), seed=1)
     with pytest.raises(InputError, match="squishy"):
         session.set_contact("squishy")
+
+
+def test_a_soft_hand_that_is_solid_all_over_is_soft_all_over() -> None:
+    session = scripted(lambda now: (), seed=4, contact="soft", solid="hand")
+    softness = session.scene.model.geom_solref[session.scene.parts(0), 0]
+    assert len(softness) > 20
+    np.testing.assert_array_equal(softness, SOFT_SOLREF[0])
+
+
+def test_a_ghost_hand_keeps_clear_of_nothing() -> None:
+    poses = [
+        squeezing("none", solid=solid).reconstructions[0].q.tolist()
+        for solid in ("fingertips", "hand")
+    ]
+    assert poses[0] == poses[1]

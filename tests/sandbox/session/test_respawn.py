@@ -26,6 +26,7 @@ from sandbox.trial.headless import run_trial
 from sandbox.trial.replay import replay
 from sandbox.trial.result import TrialResult
 from sandbox.trial.settings import RunSettings
+from tasks.sensing import Sensing
 from tasks.task import Task
 from tests.support.scripted import Script, run, scripted
 
@@ -370,3 +371,14 @@ def test_what_slides_without_an_end_comes_back(tmp_path: Path) -> None:
     run(session, 4.0)
     assert session.respawned == 1
     assert abs(session.data.qpos[arm]) < 0.01
+
+
+def test_a_part_is_as_fast_as_what_carries_it(tmp_path: Path) -> None:
+    """A lid on a falling box is not at rest."""
+    session = cab(tmp_path, "<freejoint/>", 'range="0 .08"')
+    base, _ = joint(session, "cab")
+    session.data.qpos[base + 2] = 0.2
+    run(session, 0.1)
+    sensing = Sensing(session.scene, session.data)
+    assert sensing.object("cab").speed > 0.9
+    assert sensing.object("cab/arm").speed == pytest.approx(sensing.object("cab").speed, rel=0.05)
