@@ -1,8 +1,9 @@
 """Seeds that nobody chose: outputs of SHA-256 over the frozen configuration.
 
 A number is judged on seeds drawn after the configuration is frozen. `python -m benchmarks.judged
---freeze` writes everything that decides a run into `frozen.json`; the seeds follow from that file,
-so that tuning anything afterwards draws new ones.
+--freeze` writes settings, digests of models and versions of tasks into `frozen.json`. The seeds
+follow from that file, so that tuning any of these afterwards draws new ones. The code itself is not
+part of it: tables of results name its commit.
 """
 
 from __future__ import annotations
@@ -42,7 +43,7 @@ JUDGED = FIRST + LATER
 
 
 def configuration() -> dict[str, Any]:
-    """Everything that decides how a run of `best` goes, as it is in the code now."""
+    """Settings, models and versions of tasks that decide how a run goes, as they are now."""
     settings = RunSettings()
     return {
         "settings": frozen_settings(settings),

@@ -54,7 +54,7 @@ class KeptTrials(Generic[Job, Outcome]):
         self._file.parent.mkdir(parents=True, exist_ok=True)
         bars = Progress(console=Console(stderr=True))
         with self._file.open("ab") as file, bars, ProcessPoolExecutor(workers) as pool:
-            file.truncate(_whole(self._file))
+            file.truncate(whole_lines(self._file))
             played = zip(missing, pool.map(trial, missing), strict=True)
             for job, outcome in bars.track(played, total=len(missing)):
                 self.done[job] = outcome
@@ -63,7 +63,7 @@ class KeptTrials(Generic[Job, Outcome]):
                 file.flush()
 
 
-def _whole(file: Path) -> int:
+def whole_lines(file: Path) -> int:
     """Bytes of a file up to the end of its last whole line: a program that was killed may have torn
     the one after it."""
     return file.read_bytes().rfind(b"\n") + 1
@@ -71,4 +71,4 @@ def _whole(file: Path) -> int:
 
 def _lines(file: Path) -> Iterator[dict[str, Any]]:
     if file.exists():
-        yield from map(json.loads, file.read_bytes()[: _whole(file)].splitlines())
+        yield from map(json.loads, file.read_bytes()[: whole_lines(file)].splitlines())

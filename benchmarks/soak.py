@@ -17,6 +17,7 @@ from dataclasses import dataclass, field, replace
 
 import mujoco
 import numpy as np
+from numpy.typing import NDArray
 from rich.console import Console
 from rich.progress import Progress
 
@@ -28,9 +29,10 @@ from models.frames import Contact, TouchFrame
 from models.hand import IMPULSE_PROFILES
 from models.scene import CONTROL_PERIOD
 from models.surface import Surface
+from sandbox.session.collision_gating import FINGERTIP
 from sandbox.session.device import Device
 from sandbox.session.messages import Snapshot
-from sandbox.session.respawn import AWAY
+from sandbox.session.respawn import AWAY, FLOOR
 from sandbox.session.session import Session
 from sandbox.trial.assembly import build
 from sandbox.trial.settings import SOLID, RunSettings
@@ -235,6 +237,16 @@ def soak(
     return found
 
 
+def _out(session: Session, bodies: list[int], reach: Array) -> NDArray[np.bool_]:
+    """(n,) True for objects whose middle is farther off the surface than `reach` (n,), m, or below
+    the table. Once a trial is over, nothing is put back."""
+    surface, position = session.whole_surface, session.data.xpos[bodies]
+    xy = surface.to_surface(position)
+    beside = np.maximum(-xy, xy - surface.size).max(axis=1)
+    out: NDArray[np.bool_] = (beside > reach) | (position[:, 2] < FLOOR)
+    return out & (not session.over)
+
+
 def _trial(
     task: str,
     seed: int,
@@ -253,6 +265,7 @@ def _trial(
     names = list(session.scene.object_bodies)
     bodies = list(session.scene.object_bodies.values())
     away = np.zeros(len(names))
+    reach = np.array([session.scene.object_radius(name) for name in names]) + FINGERTIP
     steps = round(seconds / CONTROL_PERIOD)
     mujoco.set_mjcb_control(Depths(session, seed, found))
     try:
@@ -262,8 +275,7 @@ def _trial(
             told(CONTROL_PERIOD)
             speeds = np.linalg.norm(session.data.cvel[bodies][:, 3:], axis=1)
             found.fastest = max(found.fastest, float(speeds.max()))
-            position = session.data.xpos[bodies]
-            off = np.abs(position - [0.0, 0.0, 0.2]).max(axis=1) > 0.5
+            off = _out(session, bodies, reach)
             away = np.where(off, away + CONTROL_PERIOD, 0.0)
             if np.any(away > PATIENCE):
                 found.lost += [f"{names[i]}, seed {seed}" for i in np.flatnonzero(away > PATIENCE)]

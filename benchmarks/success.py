@@ -29,6 +29,7 @@ from scipy.stats import binomtest
 
 from benchmarks.judged import JUDGED, judged_seeds
 from benchmarks.judged_hand import hand_seeds
+from benchmarks.kept_trials import whole_lines
 from benchmarks.lanes import in_lanes
 from benchmarks.one_line import run
 
@@ -213,6 +214,7 @@ def main() -> None:
             Progress(console=Console(stderr=True)) as progress,
             ProcessPoolExecutor(args.workers) as pool,
         ):
+            file.truncate(whole_lines(args.out))
             results = chain(
                 pool.map(trial, [j for j in missing if j[1] != "pca-ik"]),
                 in_lanes(trial, [j for j in missing if j[1] == "pca-ik"]),

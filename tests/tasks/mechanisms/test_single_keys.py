@@ -80,8 +80,7 @@ def test_a_left_hand_plays_as_well() -> None:
     assert played(6_002, hand="left").success
 
 
-def test_who_presses_the_key_without_a_rest_has_not_begun() -> None:
-    # The user of chords puts down what is asked, and nothing else.
+def test_who_does_nothing_gets_nothing() -> None:
     idle = played(6_000, user="idle")
     assert not idle.instant and idle.progress == 0.0
 
