@@ -101,8 +101,11 @@ def _run(options: RunOptions, chosen: Plan, events: EventLog, console: Console) 
             clock.append(RealTime())
         clock[0].wait(snapshot.time)
 
+    # Without a person, nobody has to act on a notice: standard output is for the result.
+    notes = console if chosen.live else Console(stderr=True)
+
     def say(notice: str) -> None:
-        console.print(f"[yellow]{notice}[/]", soft_wrap=True)
+        notes.print(f"[yellow]{notice}[/]", soft_wrap=True)
 
     def announced(make: DeviceMaker) -> DeviceMaker:
         def make_device(task: Task, surface: Surface) -> Device:

@@ -31,3 +31,16 @@ def test_the_command_line_knows_the_hand(tmp_path: Path) -> None:
     )
     assert done.returncode == 2 and "--hand-size" in done.stderr
     assert len(done.stderr.splitlines()) == 1
+
+
+def test_standard_output_of_a_run_begins_with_its_result_whatever_was_noticed() -> None:
+    """The knob of this trial is turned farther than hands that were trained on."""
+    done = subprocess.run(
+        [sys.executable, "-m", SCRIPT, "run", "dial", "--seed", "3", "--solid", "hand"],
+        capture_output=True,
+        text=True,
+        timeout=240,
+        check=True,
+    )
+    assert done.stdout.startswith("dial: done after ")
+    assert "the hand seems turned" in done.stderr
