@@ -6,7 +6,8 @@
         @classmethod
         def place(cls, rng, surface):
             start, goal = two_places(rng, surface)
-            mug = MjcfObject.on_table("mug", "mug.xml", 0.2, start)
+            described = Path(__file__).parent / "mug.xml"
+            mug = MjcfObject.on_table("mug", described, 0.2, start)
             return [mug], [Goal("mug", (goal[0], goal[1], mug.height), 0.0)]
 
         def measure(self, sensing):

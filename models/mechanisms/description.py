@@ -52,7 +52,7 @@ def compile_mechanism(mjcf: str | Path, name: str) -> Compiled:
     """
     where = described_in(mjcf, name)
     try:
-        spec = read_mjcf(mjcf)
+        spec = read_mjcf(mjcf, "Mechanism")
         # Bodies welded to each other become one.
         spec.compiler.fusestatic = True
         roots = list(spec.worldbody.bodies)
@@ -72,7 +72,7 @@ def compile_mechanism(mjcf: str | Path, name: str) -> Compiled:
         probe.add_geom(name=PROBE, type=mujoco.mjtGeom.mjGEOM_SPHERE, size=size)
         model = spec.compile()
     except (ValueError, OSError) as error:
-        raise unreadable(where, error) from None
+        raise unreadable(mjcf, name, error) from None
     compiled = Compiled(model, fixed)
     _check_bodies(compiled, where)
     return compiled

@@ -56,7 +56,8 @@ class Mechanism:
 
     Attributes:
         name: Name of the first body. Another body is called NAME/BODY.
-        mjcf: A whole description, `<mujoco>...`, or the path of a file.
+        mjcf: A whole description, `<mujoco>...`, or the path of a file, such as
+            `Path(__file__).parent / "desk.xml"`; a relative one is from the current folder.
         position: (3,) m, origin of the first body.
         yaw: rad about the vertical, of the first body.
         start: rad or m, where a joint starts, by the name of its body in the description; joints

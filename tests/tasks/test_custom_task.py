@@ -243,6 +243,23 @@ def test_a_file_can_import_modules_from_its_own_folder(tmp_path: Path) -> None:
     assert sys.path == path
 
 
+def test_a_description_beside_a_task_is_found_from_any_folder(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "desk.xml").write_text(
+        '<mujoco><worldbody><body><geom size=".01"/></body></worldbody></mujoco>'
+    )
+    path = write(
+        tmp_path / "lab.py",
+        "from pathlib import Path\nfrom models import Mechanism\n"
+        "DESK = Path(__file__).parent / 'desk.xml'\nclass A(Slide):\n    name = 'lab-desk'\n"
+        "    place = classmethod(lambda *_: (Mechanism('desk', DESK, (0, 0, 0.02)).parts, []))\n",
+    )
+    monkeypatch.chdir("/")
+    task = draw_task(find_task(str(path)), 0, SURFACE)
+    assert [thing.name for thing in task.objects] == ["desk"]
+
+
 def test_an_error_in_a_file_beside_a_task_names_its_line(tmp_path: Path) -> None:
     (tmp_path / "broken_of_a_lab.py").write_text("x = 1\ny = x / 0\n")
     path = write(tmp_path / "lab.py", "import broken_of_a_lab\n")
