@@ -84,14 +84,25 @@ def _check_joints(spec: Any, where: str) -> None:
         for joint in body.joints:
             low, high = joint.range.tolist()
             endless = joint.limited == mujoco.mjtLimited.mjLIMITED_FALSE
-            if joint.type in (_HINGE, _SLIDE) and not endless and not low < high:
+            if joint.type not in (_HINGE, _SLIDE) or endless or low < high:
+                continue
+            called = body.name or "a body without a name"
+            if low > high:
                 raise InputError(
-                    f"the joint of {body.name or 'a body without a name'} has no range",
+                    f"the range of the joint of {called} begins with its highest value",
                     where=where,
-                    got=f"{low:g} to {high:g}",
-                    expected='its lowest and highest value, such as range="0 270"',
-                    remedy='Write limited="false" for a joint without end stops',
+                    got=f"{low:g} {high:g}",
+                    expected=f'the lowest value first, range="{high:g} {low:g}"',
                 )
+            example, unit = ("0 0.05", "m") if joint.type == _SLIDE else ("0 270", "degrees")
+            if joint.type == _HINGE and not joint.compiler.degree:
+                example, unit = "0 4.7", "rad"
+            raise InputError(
+                f"the {'slide' if joint.type == _SLIDE else 'hinge'} of {called} has no range",
+                where=where,
+                expected=f'its lowest and highest value in {unit}, such as range="{example}"',
+                remedy='Write limited="false" for a joint without end stops',
+            )
 
 
 def _check_bodies(compiled: Compiled, where: str) -> None:

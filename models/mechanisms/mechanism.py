@@ -38,6 +38,9 @@ TOUCH = 0.0005
 between two steps. Forces begin at the surface: in MuJoCo 4, contacts within a gap have none."""
 _FAR = 100.0
 """m, largest distance that is measured."""
+_LONGEST = 1.0
+"""m, longest range of a slide: longer than any reach: one written in mm or degrees by mistake."""
+_DEGREES = 'Angles in MJCF are degrees unless it says <compiler angle="radian"/>; a start is in rad'
 _FIXED_BITS = (CONTACT_OBJECT, CONTACT_HAND | CONTACT_OBJECT)
 _FREE_BITS = (CONTACT_OBJECT | CONTACT_TABLE, CONTACT_HAND | CONTACT_OBJECT | CONTACT_TABLE)
 """Collision bits. Parts of a fixed mechanism, such as a key, may move into the table's plane."""
@@ -68,7 +71,7 @@ class Mechanism:
 
     Raises:
         InputError: MuJoCo cannot compile the description, it is not a mechanism, a joint has no
-            range, or it starts outside of it.
+            range or starts outside of it, or a slide is longer than 1 m.
     """
 
     name: str
@@ -100,12 +103,20 @@ class Mechanism:
             )
         for body, joint in named.items():
             low, high = joint.range or (-np.inf, np.inf)
+            if joint.kind == "slide" and joint.range and high - low > _LONGEST:
+                raise InputError(
+                    f"the slide of {body or self.name} is too long",
+                    where=where,
+                    got=f"{low:g} to {high:g} m",
+                    expected=f'at most {_LONGEST:g} m from end to end, such as range="0 0.05"',
+                )
             if not low <= joint.start <= high:
                 raise InputError(
                     f"{body} starts outside of its range",
                     where=where,
-                    got=f"{joint.start:g}",
+                    got=f"{joint.start:g} {joint.unit}",
                     expected=f"{low:g} to {high:g} {joint.unit}",
+                    remedy=_DEGREES if joint.kind == "hinge" else None,
                 )
 
     @cached_property

@@ -159,6 +159,7 @@ def test_a_free_mechanism_falls_with_all_that_it_carries() -> None:
     assert scene.object_pose(data, "crate/drawer")[0][2] == pytest.approx(low + 0.02, abs=0.002)
 
 
+RADIAN = '<mujoco><compiler angle="radian"/>'
 DRAWER = '<joint type="slide" axis="0 -1 0" range="0 .06" frictionloss=".5"'
 
 
@@ -166,10 +167,26 @@ DRAWER = '<joint type="slide" axis="0 -1 0" range="0 .06" frictionloss=".5"'
     ("mjcf", "says"),
     [
         ("<mujoco><worldbody><bdy/></worldbody></mujoco>", "MuJoCo cannot read this object"),
-        (DESK.replace('range="0 .06"', ""), "the joint of drawer has no range"),
         (
-            DESK.replace('range="0 100"', 'range="100 0"'),
-            "the joint of lid has no range|cannot read",
+            DESK.replace('range="0 .06"', ""),
+            'the slide of drawer has no range .*in m, such as range="0 0.05".*limited="false"',
+        ),
+        (
+            DESK.replace('range="0 100"', ""),
+            'the hinge of lid has no range .*in degrees, such as range="0 270"',
+        ),
+        (
+            RADIAN + DESK.replace('range="0 100"', "").removeprefix("<mujoco>"),
+            'the hinge of lid has no range .*in rad, such as range="0 4.7"',
+        ),
+        (
+            DESK.replace('range="0 .06"', 'range=".04 0"'),
+            r"drawer begins with its highest value .*got '0.04 0', .*lowest value first, "
+            'range="0 0.04"',
+        ),
+        (
+            DESK.replace('range="0 .06"', 'range="0 60"'),
+            r"the slide of drawer is too long \(got '0 to 60 m', expected at most 1 m",
         ),
         (DESK.replace(' name="lid"', ""), "a body that moves needs a name"),
         (DESK.replace('type="hinge" axis="1 0 0"', 'type="ball"'), "lid is not joined by one"),
@@ -200,12 +217,25 @@ def test_what_is_no_mechanism_is_refused_in_one_line(mjcf: str, says: str) -> No
         ({"size": 0.0}, "size is out of range"),
         ({"resistance": -1.0}, "resistance is out of range"),
         ({"start": {"door": 0.0}}, "no such joint .*expected drawer, lid"),
-        ({"start": {"drawer": 0.07}}, "drawer starts outside of its range .*0 to 0.06 m"),
+        ({"start": {"drawer": 0.07}}, r"drawer starts outside of its range .*0 to 0.06 m\)$"),
+        (
+            {"start": {"lid": 80.0}},
+            r"lid starts outside of its range \(got '80 rad', expected 0 to 1.74533 rad\). Angles "
+            'in MJCF are degrees unless it says <compiler angle="radian"/>; a start is in rad',
+        ),
     ],
 )
 def test_values_out_of_range_are_refused(values: dict[str, Any], says: str) -> None:
     with pytest.raises(InputError, match=says):
         Mechanism(**{"name": "desk", "mjcf": DESK, **values})
+
+
+def test_a_slide_described_in_millimetres_may_be_long_if_its_size_makes_it_short() -> None:
+    long = DESK.replace('range="0 .06"', 'range="0 1.5"')
+    with pytest.raises(InputError, match="too long"):
+        Mechanism("desk", long)
+    drawer = Mechanism("desk", long, size=0.01).part("drawer").joint
+    assert drawer and drawer.range == pytest.approx((0.0, 0.015))
 
 
 def test_unknown_joints_and_parts_are_named() -> None:
