@@ -408,9 +408,9 @@ class Part(MechanismPart):
         dof = int(model.jnt_dofadr[at])
         spring = scale * float(model.qpos_spring[model.jnt_qposadr[at]])
         resisting = {
-            "stiffness": float(model.jnt_stiffness[at]),
-            "damping": float(model.dof_damping[dof]),
-            "frictionloss": float(model.dof_frictionloss[dof]),
+            "stiffness": _polynomial(model.jnt_stiffness[at], model.jnt_stiffnesspoly[at]),
+            "damping": _polynomial(model.dof_damping[dof], model.dof_dampingpoly[dof]),
+            "frictionloss": [float(model.dof_frictionloss[dof])],
         }
         element = Element(
             "joint",
@@ -423,7 +423,7 @@ class Part(MechanismPart):
                 "ref": f"{unit * joint.start:.9g}",
                 "springref": f"{unit * spring:.9g}",
                 "armature": f"{float(model.dof_armature[dof]):.9g}",
-                **{key: f"{own.resistance * value:.9g}" for key, value in resisting.items()},
+                **{key: mjcf_text(own.resistance * np.array(c)) for key, c in resisting.items()},
                 "solreflimit": ".004 1",
                 "solimplimit": ".95 .99 .001",
                 "solreffriction": ".004 1",
@@ -452,6 +452,12 @@ class Part(MechanismPart):
         data = mujoco.MjData(self._model)
         mujoco.mj_kinematics(self._model, data)
         return data
+
+
+def _polynomial(linear: float, higher: Array) -> list[float]:
+    """Coefficients of a spring or damper as MJCF has them: the linear one, and those of higher
+    orders if there are any (MuJoCo 4)."""
+    return [float(linear), *(higher.tolist() if np.any(higher) else ())]
 
 
 def _matrix(quaternion: Array) -> Array:

@@ -128,6 +128,21 @@ def test_joints_have_the_ranges_springs_and_friction_of_the_description() -> Non
     assert again.dof_frictionloss[again.joint("desk/drawer").dofadr[0]] == 1.5
 
 
+@pytest.mark.parametrize("where", ['frictionloss=".5" damping="2"', 'frictionloss=".05"'])
+@pytest.mark.parametrize("resistance", [1.0, 2.5])
+def test_springs_and_dampers_of_higher_order_are_those_of_the_description(
+    where: str, resistance: float
+) -> None:
+    curved = DESK.replace(where, 'frictionloss=".5" stiffness="1 2000 30" damping="2 0 7"')
+    alone = mujoco.MjModel.from_xml_string(curved)
+    parts = Mechanism("desk", curved, resistance=resistance).parts
+    model = Scene(SceneSpec((), parts)).model
+    for of_joints in ("jnt_stiffness", "jnt_stiffnesspoly", "dof_damping", "dof_dampingpoly"):
+        described = getattr(alone, of_joints)
+        assert np.any(described)
+        np.testing.assert_allclose(getattr(model, of_joints), resistance * described)
+
+
 def test_parts_of_one_mechanism_meet_only_through_their_joints_and_never_the_table() -> None:
     scene = Scene(SceneSpec((), Mechanism("desk", DESK, start={"lid": 0.0}).parts))
     data = mujoco.MjData(scene.model)
