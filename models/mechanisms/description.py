@@ -17,6 +17,9 @@ PROBE = "hand sandbox probe"
 PROBE_RADIUS = 1e-3
 """m; the result is corrected by it."""
 
+_BASE_MASS, _BASE_INERTIA = 1e-3, 1e-6
+"""kg and kg m2, of a fixed base that is described without mass."""
+
 _HINGE, _SLIDE = mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE
 _FREE = mujoco.mjtJoint.mjJNT_FREE
 
@@ -70,7 +73,17 @@ def compile_mechanism(mjcf: str | Path, name: str) -> Compiled:
         probe = spec.worldbody.add_body(name=PROBE, mocap=True)
         size = [PROBE_RADIUS, 0.0, 0.0]
         probe.add_geom(name=PROBE, type=mujoco.mjtGeom.mjGEOM_SPHERE, size=size)
-        model = spec.compile()
+        try:
+            model = spec.compile()
+        except ValueError:
+            if not fixed:
+                raise
+            # A base of no mass is no body of a free joint to MuJoCo. In a scene it is fixed, so
+            # that its inertia is of no effect; any other mistake is told by the second try.
+            base = roots[0]
+            base.explicitinertial, base.mass, base.inertia = True, _BASE_MASS, [_BASE_INERTIA] * 3
+            base.ipos, base.iquat = [0.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0]
+            model = spec.compile()
     except (ValueError, OSError) as error:
         raise unreadable(mjcf, name, error) from None
     compiled = Compiled(model, fixed)

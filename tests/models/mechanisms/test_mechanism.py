@@ -175,6 +175,36 @@ def test_a_free_mechanism_falls_with_all_that_it_carries() -> None:
 
 
 RADIAN = '<mujoco><compiler angle="radian"/>'
+BASE = '<geom type="box" size=".06 .05 .002" pos="0 0 .002"/>'
+MASSLESS = BASE.replace("/>", ' mass="0"/>')
+
+
+@pytest.mark.parametrize(
+    "base",
+    ["", MASSLESS, f"<body>{MASSLESS}</body>"],
+)
+def test_a_fixed_base_needs_neither_mass_nor_geoms(base: str) -> None:
+    light = Mechanism("desk", DESK.replace(BASE, base))
+    heavy = Mechanism("desk", DESK)
+    ends = []
+    for desk in (light, heavy):
+        scene = Scene(SceneSpec((), desk.parts))
+        data = mujoco.MjData(scene.model)
+        for name in ("desk/drawer", "desk/lid"):
+            data.joint(name).qvel[:] = 1.0
+        mujoco.mj_step(scene.model, data, 100)
+        assert Sensing(scene, data).object("desk").speed == 0.0
+        ends.append(data.qpos.copy())
+    assert np.any(np.abs(ends[0]) > 0.01)
+    np.testing.assert_allclose(*ends, atol=1e-9)
+
+
+def test_what_moves_needs_a_mass_also_on_a_base_without_one() -> None:
+    nothing = DESK.replace(BASE, "").replace("<geom", '<geom mass="0"')
+    with pytest.raises(InputError, match=r"mass and inertia of moving .*'(drawer|lid)'"):
+        Mechanism("desk", nothing)
+
+
 DRAWER = '<joint type="slide" axis="0 -1 0" range="0 .06" frictionloss=".5"'
 
 
