@@ -87,6 +87,7 @@ class MjcfObject:
 
     def __post_init__(self) -> None:
         check_object_name(self.name, "MjcfObject")
+        check_position(self.position, self._where)
         for what, value in (("mass", self.mass), ("size", self.size)):
             if not 0.0 < value < float("inf"):
                 raise InputError(
@@ -221,8 +222,9 @@ class MjcfObject:
             raise InputError(
                 "this is not one rigid body that is free to move",
                 where=self._where,
-                got=f"{count} bodies in the world and {model.njnt} joints",
+                got=f"bodies in the world: {count}, joints: {model.njnt}",
                 expected="one body in the world, with a free joint or none, and none within it",
+                remedy="For bodies on hinges and slides, use Mechanism" if count == 1 else None,
             )
         if not set(model.geom_type[model.geom_bodyid == 1].tolist()) <= set(GEOM_KINDS):
             raise InputError(
@@ -271,6 +273,25 @@ def check_object_name(name: str, where: str) -> None:
     """
     if not name or name in _WORLD_NAMES:
         raise InputError("an object cannot have this name", where=where, got=name)
+
+
+def check_position(position: ArrayLike, where: str) -> None:
+    """Checks that a position is three numbers.
+
+    Raises:
+        InputError: It is not.
+    """
+    try:
+        shape = np.shape(np.asarray(position, float))
+    except (TypeError, ValueError):
+        shape = ()
+    if shape != (3,):
+        raise InputError(
+            "its position is not three numbers",
+            where=where,
+            got=repr(position)[:80],
+            expected="(x, y, z) in m",
+        )
 
 
 def described_in(mjcf: str | Path, name: str) -> str:

@@ -21,7 +21,7 @@ Any class that follows the contract `tasks.task.Task` works as well; this one fi
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import ClassVar, Self
 from zlib import crc32
@@ -30,7 +30,7 @@ import numpy as np
 
 from models.arithmetic.arrays import Array
 from models.arithmetic.products import length
-from models.errors import SurfaceTooSmallError
+from models.errors import InputError, SurfaceTooSmallError
 from models.objects import SceneObject
 from models.surface import Surface
 from tasks.sensing import Sensing
@@ -87,6 +87,17 @@ class CustomTask(TaskDefaults, ABC):
         """Draws the trial of a seed; the same seed, version and surface give the same trial."""
         rng = np.random.default_rng([seed, cls.version, crc32(cls.name.encode())])
         objects, goals = cls.place(rng, surface)
+        for what, placed in (("objects", objects), ("goals", goals)):
+            if not isinstance(placed, Iterable):
+                raise InputError(
+                    f"`place` did not return a list of {what}",
+                    where=cls.name,
+                    got=type(placed).__name__,
+                    expected=f"a list of {what}",
+                    remedy="Of a mechanism called desk, return desk.parts"
+                    if placed is objects
+                    else None,
+                )
         return cls(seed, tuple(objects), tuple(goals))
 
 

@@ -92,14 +92,24 @@ def compile_mechanism(mjcf: str | Path, name: str) -> Compiled:
 
 
 def _check_joints(spec: Any, where: str) -> None:
-    """Raises unless every hinge and slide has a range, or says that it has none."""
+    """Raises unless every body with a joint has a name, and every hinge and slide a range, or says
+    that it has none."""
+    world = spec.worldbody.name
     for body in spec.bodies:
+        if body.joints and not body.name and body.parent.name != world:
+            inside = body.parent.parent.name != world
+            carrier = "a body without a name" if inside else "the first body"
+            raise InputError(
+                "a body that moves needs a name",
+                where=where,
+                got=f"none for the body in {body.parent.name or carrier}, {body.info}",
+            )
         for joint in body.joints:
             low, high = joint.range.tolist()
             endless = joint.limited == mujoco.mjtLimited.mjLIMITED_FALSE
             if joint.type not in (_HINGE, _SLIDE) or endless or low < high:
                 continue
-            called = body.name or "a body without a name"
+            called = body.name or "its first body"
             if low > high:
                 raise InputError(
                     f"the range of the joint of {called} begins with its highest value",
@@ -140,8 +150,6 @@ def _check_bodies(compiled: Compiled, where: str) -> None:
                 where=where,
                 got=f"{len(kinds)} joints" if len(kinds) > 1 else "another kind of joint",
             )
-        if body > 1 and not name:
-            raise InputError("a body that moves needs a name", where=where)
         if not set(model.geom_type[model.geom_bodyid == body].tolist()) <= set(GEOM_KINDS):
             raise InputError(
                 f"{called} has a geom of an unsupported kind",

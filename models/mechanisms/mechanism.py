@@ -27,6 +27,7 @@ from models.mechanisms.distances import PLAIN
 from models.mjcf_object import (
     GEOM_KINDS,
     check_object_name,
+    check_position,
     described_in,
     geom_element,
     mesh_assets,
@@ -86,6 +87,7 @@ class Mechanism:
     def __post_init__(self) -> None:
         check_object_name(self.name, "Mechanism")
         where = described_in(self.mjcf, self.name)
+        check_position(self.position, where)
         for what in ("size", "mass", "resistance"):
             value = vars(self)[what]
             if not 0.0 < value < float("inf"):

@@ -168,7 +168,7 @@ def test_a_file_with_its_mesh_beside_it_is_the_same_from_any_folder(
         ("<mujoco><worldbody/></mujoco>", "one rigid body"),
         (mjcf(SPHERE).replace("</worldbody>", f"<body>{SPHERE}</body></worldbody>"), "one rigid"),
         (mjcf(SPHERE + f'<body><joint type="hinge"/>{SPHERE}</body>'), "one rigid body"),
-        (mjcf('<joint type="slide"/>' + SPHERE), "one rigid body"),
+        (mjcf('<joint type="slide"/>' + SPHERE), "one rigid body .*joints: 1.*use Mechanism"),
         (mjcf('<geom size=".1" contype="0" conaffinity="0"/>'), "it has no solid geom"),
         ("/no/such/file.xml", "no such file"),
     ],
@@ -242,7 +242,15 @@ def test_what_mujoco_says_of_a_description_is_told_as_it_is() -> None:
 
 
 @pytest.mark.parametrize(
-    "wrong", [{"mass": 0.0}, {"mass": np.nan}, {"size": -1.0}, {"name": ""}, {"name": "table"}]
+    "wrong",
+    [
+        {"mass": 0.0},
+        {"mass": np.nan},
+        {"size": -1.0},
+        {"name": ""},
+        {"name": "table"},
+        {"position": (0, 0)},
+    ],
 )
 def test_impossible_objects_are_refused(wrong: dict[str, Any]) -> None:
     with pytest.raises(InputError):

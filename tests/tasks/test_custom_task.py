@@ -16,6 +16,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from models.errors import InputError, RecordingError
+from models.mechanisms.mechanism import Mechanism
 from models.objects import Box
 from models.surface import Surface
 from sandbox.cli.main import main
@@ -97,6 +98,7 @@ def fails(cls: type[Slide], rng: np.random.Generator, surface: Surface) -> NoRet
 
 
 COUNTER = itertools.count()
+DESK = '<mujoco><worldbody><body><geom size=".01"/></body></worldbody></mujoco>'
 BOX = Box("it", (0.02, 0.02, 0.02), 0.1, (0.0, 0.0, 0.02))
 
 
@@ -132,6 +134,14 @@ BOX = Box("it", (0.02, 0.02, 0.02), 0.1, (0.0, 0.0, 0.02))
         ),
         (lambda cls, rng, surface: ([BOX], [Goal("it", (0, 0, np.nan), 0)]), "not finite"),
         (lambda cls, rng, surface: 5, "TypeError"),
+        (
+            lambda cls, rng, surface: (Mechanism("desk", DESK), []),
+            "`place` did not return a list of objects .*'Mechanism'.*return desk.parts",
+        ),
+        (
+            lambda cls, rng, surface: ([BOX], Goal("it", (0, 0, 0.02), 0)),
+            r"`place` did not return a list of goals .*'Goal', expected a list of goals\)$",
+        ),
         (lambda cls, rng, surface: two_places(rng, surface, (9.0, 9.5)), "too small"),
     ],
 )
@@ -246,9 +256,7 @@ def test_a_file_can_import_modules_from_its_own_folder(tmp_path: Path) -> None:
 def test_a_description_beside_a_task_is_found_from_any_folder(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    (tmp_path / "desk.xml").write_text(
-        '<mujoco><worldbody><body><geom size=".01"/></body></worldbody></mujoco>'
-    )
+    (tmp_path / "desk.xml").write_text(DESK)
     path = write(
         tmp_path / "lab.py",
         "from pathlib import Path\nfrom models import Mechanism\n"

@@ -196,7 +196,7 @@ def test_a_fixed_base_needs_neither_mass_nor_geoms(base: str) -> None:
         assert Sensing(scene, data).object("desk").speed == 0.0
         ends.append(data.qpos.copy())
     assert np.any(np.abs(ends[0]) > 0.01)
-    np.testing.assert_allclose(*ends, atol=1e-9)
+    np.testing.assert_allclose(ends[0], ends[1], atol=1e-9)
 
 
 def test_what_moves_needs_a_mass_also_on_a_base_without_one() -> None:
@@ -233,7 +233,14 @@ DRAWER = '<joint type="slide" axis="0 -1 0" range="0 .06" frictionloss=".5"'
             DESK.replace('range="0 .06"', 'range="0 60"'),
             r"the slide of drawer is too long \(got '0 to 60 m', expected at most 1 m",
         ),
-        (DESK.replace(' name="lid"', ""), "a body that moves needs a name"),
+        (
+            DESK.replace(' name="lid"', ""),
+            r"a body that moves needs a name .*the body in drawer, line 9'",
+        ),
+        (
+            DESK.replace(' name="drawer"', ""),
+            r"a body that moves needs a name .*the body in the first body, line 5'",
+        ),
         (DESK.replace('type="hinge" axis="1 0 0"', 'type="ball"'), "lid is not joined by one"),
         (DESK.replace(DRAWER, f"{DRAWER}/>{DRAWER}"), "drawer is not joined by one .*2 joints"),
         (
@@ -261,6 +268,8 @@ def test_what_is_no_mechanism_is_refused_in_one_line(mjcf: str, says: str) -> No
         ({"name": "table"}, "cannot have this name"),
         ({"size": 0.0}, "size is out of range"),
         ({"resistance": -1.0}, "resistance is out of range"),
+        ({"position": (0.1, 0.2)}, r"desk: its position is not three numbers .*\(x, y, z\) in m"),
+        ({"position": 0.1}, "not three numbers"),
         ({"start": {"door": 0.0}}, "no such joint .*expected drawer, lid"),
         ({"start": {"drawer": 0.07}}, r"drawer starts outside of its range .*0 to 0.06 m\)$"),
         (
@@ -307,7 +316,7 @@ def test_a_joint_without_end_stops_turns_on_and_has_no_share() -> None:
     mujoco.mj_step(scene.model, data, 500)
     state = Sensing(scene, data).joint("stand/wheel")
     assert state.position > 15.0 and state.joint.range is None
-    with pytest.raises(InputError, match="no share"):
+    with pytest.raises(InputError, match=r"no share of its range. Use .position, in rad"):
         _ = state.share
 
 
