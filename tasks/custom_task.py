@@ -26,16 +26,20 @@ from dataclasses import dataclass
 from typing import ClassVar, Self
 from zlib import crc32
 
+import mujoco
 import numpy as np
 
 from models.arithmetic.arrays import Array
 from models.arithmetic.products import length
 from models.errors import InputError, SurfaceTooSmallError
-from models.objects import SceneObject
+from models.objects import MechanismPart, SceneObject
+from models.scene import Scene, SceneSpec
 from models.surface import Surface
 from tasks.sensing import Sensing
 from tasks.task import Goal, Measure, TaskDefaults
 
+_SUNK = 0.001
+"""m below the table's top, down to which a mechanism may be placed."""
 _TRIES = 4_000
 """Number of draws after which a surface is reported as too small."""
 
@@ -98,7 +102,45 @@ class CustomTask(TaskDefaults, ABC):
                     if placed is objects
                     else None,
                 )
+        if not cls.pressed:
+            _check_not_sunk(tuple(objects), f"{cls.name}, seed {seed}")
         return cls(seed, tuple(objects), tuple(goals))
+
+
+def _check_not_sunk(objects: tuple[SceneObject, ...], where: str) -> None:
+    """Checks that no mechanism, which does not meet the table, was placed into it.
+
+    Its description may have geoms below its origin, as keys that go down into the table; here only
+    an origin below the table's top is a mistake, where it brings solid geoms below it too.
+
+    Raises:
+        InputError: One was.
+    """
+    low = {
+        obj.name: obj.together
+        for obj in objects
+        if isinstance(obj, MechanismPart) and obj.carrier is None and obj.position[2] < -_SUNK
+    }
+    if not low:
+        return
+    scene = Scene(SceneSpec((), objects))
+    model, data = scene.model, mujoco.MjData(scene.model)
+    mujoco.mj_kinematics(model, data)
+    for name, parts in low.items():
+        inside = [scene.object_bodies[part] for part in parts]
+        solid = np.isin(model.geom_bodyid, inside) & (model.geom_contype > 0)
+        turns = data.geom_xmat[solid].reshape(-1, 3, 3)[:, 2]
+        middle, half = model.geom_aabb[solid, :3], model.geom_aabb[solid, 3:]
+        middles = data.geom_xpos[solid, 2] + np.sum(turns * middle, axis=1)
+        lowest = float(np.min(middles - np.sum(np.abs(turns) * half, axis=1), initial=np.inf))
+        if lowest < -_SUNK:
+            raise InputError(
+                f"{name} is sunk into the table",
+                where=where,
+                got=f"{-1000 * lowest:.1f} mm deep",
+                expected=f"at most {1000 * _SUNK:g} mm",
+                remedy="Place it higher; what belongs into the table, place so in its description",
+            )
 
 
 def judge(progress: float, *lacks: tuple[bool, str]) -> Measure:

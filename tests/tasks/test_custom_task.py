@@ -153,6 +153,48 @@ def test_a_trial_that_cannot_be_drawn_is_refused_with_a_one_line_error(
     assert "\n" not in str(error.value)
 
 
+def chest(drawer: float, height: float, base: float = 0.0) -> Mechanism:
+    """A drawer on a slab: m of their lower sides above the origin, which is at a height."""
+    mjcf = f"""<mujoco><worldbody><body>
+      <geom type="box" size=".02 .02 .002" pos="0 0 {base + 0.002}"/>
+      <body name="drawer" pos="0 0 {drawer}"><joint type="slide" axis="0 -1 0" range="0 0.02"/>
+        <geom type="box" size=".02 .02 .01" pos="0 0 .01"/></body>
+    </body></worldbody></mujoco>"""
+    return Mechanism("chest", mjcf, (0.0, 0.0, height), 0.4)
+
+
+@pytest.mark.parametrize(
+    ("placed", "pressed"),
+    [
+        (chest(0.004, 0.0), False),
+        (chest(0.004, -0.0009), False),
+        (chest(0.004, -0.03), True),
+        # What the description itself has below its origin is on purpose.
+        (chest(-0.02, 0.0), False),
+        (chest(-0.02, 0.01), False),
+        # All of it is above its origin, which may be low.
+        (chest(0.054, -0.05, base=0.05), False),
+    ],
+)
+def test_a_mechanism_may_reach_into_the_table_where_it_is_pressed_or_described_so(
+    placed: Mechanism, pressed: bool
+) -> None:
+    task = broken(place=classmethod(lambda *_: (placed.parts, [])), pressed=pressed)
+    assert draw_task(task, 0, SURFACE).objects == placed.parts
+
+
+@pytest.mark.parametrize(
+    ("placed", "deep"),
+    [(chest(0.004, -0.03), "30.0 mm"), (chest(-0.02, -0.01), "30.0 mm")],
+)
+def test_a_mechanism_that_is_placed_into_the_table_is_refused(placed: Mechanism, deep: str) -> None:
+    task = broken(place=classmethod(lambda *_: (placed.parts, [])))
+    says = f"test-broken, seed 0: chest is sunk into the table .*'{deep} deep', .*Place it higher"
+    with pytest.raises(InputError, match=says) as refused:
+        draw_task(task, 0, SURFACE)
+    assert "\n" not in str(refused.value)
+
+
 def test_objects_that_just_touch_do_not_overlap() -> None:
     def place(
         cls: type[Slide], rng: np.random.Generator, surface: Surface
