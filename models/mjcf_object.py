@@ -7,6 +7,7 @@ scene, and errors are reported before there is a scene.
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import cos, sin
@@ -61,7 +62,8 @@ class MjcfObject:
 
     Attributes:
         name: Name of its body.
-        mjcf: A whole description, `<mujoco>...`, or the path of a file.
+        mjcf: A whole description, `<mujoco>...`, or the path of a file, such as
+            `Path(__file__).parent / "mug.xml"`; a relative one is from the current folder.
         mass: kg, replaces the total mass of the description, whose distribution is kept.
         position: (3,) m, the body's origin at the start.
         yaw: rad about the vertical at the start; the place of the body in its description does not
@@ -85,6 +87,7 @@ class MjcfObject:
 
     def __post_init__(self) -> None:
         check_object_name(self.name, "MjcfObject")
+        check_position(self.position, self._where)
         for what, value in (("mass", self.mass), ("size", self.size)):
             if not 0.0 < value < float("inf"):
                 raise InputError(
@@ -200,7 +203,7 @@ class MjcfObject:
     def _compiled(self) -> Any:
         """MuJoCo's model of the body, with a ball and a block to measure distances to."""
         try:
-            spec = read_mjcf(self.mjcf)
+            spec = read_mjcf(self.mjcf, MjcfObject.__name__)
             # Bodies welded to each other become one, so that sensors treat them as one object.
             spec.compiler.fusestatic = True
             bodies = spec.worldbody.bodies
@@ -213,14 +216,15 @@ class MjcfObject:
             floor.add_geom(name="floor", type=_GEOM.mjGEOM_BOX, size=[_FLOOR] * 3)
             model = spec.compile()
         except (ValueError, OSError) as error:
-            raise unreadable(self._where, error) from None
+            raise unreadable(self.mjcf, self.name, error) from None
         free = count == 1 and model.njnt == 1 and model.jnt_type[0] == mujoco.mjtJoint.mjJNT_FREE
         if model.nbody != 4 or not free:
             raise InputError(
                 "this is not one rigid body that is free to move",
                 where=self._where,
-                got=f"{count} bodies in the world and {model.njnt} joints",
+                got=f"bodies in the world: {count}, joints: {model.njnt}",
                 expected="one body in the world, with a free joint or none, and none within it",
+                remedy="For bodies on hinges and slides, use Mechanism" if count == 1 else None,
             )
         if not set(model.geom_type[model.geom_bodyid == 1].tolist()) <= set(GEOM_KINDS):
             raise InputError(
@@ -271,19 +275,46 @@ def check_object_name(name: str, where: str) -> None:
         raise InputError("an object cannot have this name", where=where, got=name)
 
 
+def check_position(position: ArrayLike, where: str) -> None:
+    """Checks that a position is three numbers.
+
+    Raises:
+        InputError: It is not.
+    """
+    try:
+        shape = np.shape(np.asarray(position, float))
+    except (TypeError, ValueError):
+        shape = ()
+    if shape != (3,):
+        raise InputError(
+            "its position is not three numbers",
+            where=where,
+            got=repr(position)[:80],
+            expected="(x, y, z) in m",
+        )
+
+
 def described_in(mjcf: str | Path, name: str) -> str:
     """Where a description is, for messages: its file, or the object that it is of."""
     return str(mjcf) if _is_file(mjcf) else f"MJCF of {name}"
 
 
-def unreadable(where: str, error: Exception) -> InputError:
-    """The error that MuJoCo refuses a description, in one line."""
-    return InputError(
-        "MuJoCo cannot read this object",
-        where=where,
-        got=" ".join(str(error).split())[:300],
-        remedy="Open it in MuJoCo's viewer (python -m mujoco.viewer) to see what it says",
-    )
+def unreadable(mjcf: str | Path, name: str, error: Exception) -> InputError:
+    """The error that MuJoCo refuses a description, in one line.
+
+    Args:
+        mjcf: The description.
+        name: Name of the object that it is of.
+        error: MuJoCo's error, whose text names the element and its line.
+    """
+    where, text = described_in(mjcf, name), " ".join(str(error).split())
+    # Of a mesh, a texture or an include that is missing, MuJoCo does not say where it looked.
+    opened = re.search("Error opening file '([^']+)'", text)
+    if opened and not (beside := _folder(mjcf) / opened[1]).exists():
+        return InputError(
+            "no such file", where=where, got=opened[1], expected=f"a file in {beside.parent}"
+        )
+    return InputError("MuJoCo cannot read this object", where=where, got=text[:300])
 
 
 def mesh_assets(model: Any, geoms: list[int], name: str, size: float) -> list[Element]:
@@ -364,12 +395,32 @@ def _is_file(mjcf: str | Path) -> bool:
     return isinstance(mjcf, Path) or "<" not in mjcf
 
 
-def read_mjcf(mjcf: str | Path) -> Any:
-    """MuJoCo's specification of a description; relative paths in a file are from its folder."""
+def _folder(mjcf: str | Path) -> Path:
+    """Absolute folder from which relative paths in a description are."""
+    return (Path.cwd() / mjcf).parent if _is_file(mjcf) else Path.cwd()
+
+
+def read_mjcf(mjcf: str | Path, kind: str) -> Any:
+    """MuJoCo's specification of a description; relative paths in a file are from its folder.
+
+    Args:
+        mjcf: A whole description, or the path of a file, relative to the current folder.
+        kind: Name of the class that is made of it, for messages.
+
+    Raises:
+        InputError: There is no such file.
+    """
     if not _is_file(mjcf):
         return mujoco.MjSpec.from_string(str(mjcf))
     if not Path(mjcf).is_file():
-        raise InputError("no such file", where="MjcfObject", got=str(mjcf))
+        beside = f'Path(__file__).parent / "{Path(mjcf).name}"'
+        raise InputError(
+            "no such file",
+            where=kind,
+            got=str(mjcf),
+            expected=f"a file in {_folder(mjcf)}",
+            remedy=f"For a file beside the task's, write {beside}",
+        )
     return mujoco.MjSpec.from_file(str(mjcf))
 
 

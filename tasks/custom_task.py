@@ -6,7 +6,8 @@
         @classmethod
         def place(cls, rng, surface):
             start, goal = two_places(rng, surface)
-            mug = MjcfObject.on_table("mug", "mug.xml", 0.2, start)
+            described = Path(__file__).parent / "mug.xml"
+            mug = MjcfObject.on_table("mug", described, 0.2, start)
             return [mug], [Goal("mug", (goal[0], goal[1], mug.height), 0.0)]
 
         def measure(self, sensing):
@@ -20,21 +21,25 @@ Any class that follows the contract `tasks.task.Task` works as well; this one fi
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import ClassVar, Self
 from zlib import crc32
 
+import mujoco
 import numpy as np
 
 from models.arithmetic.arrays import Array
 from models.arithmetic.products import length
-from models.errors import SurfaceTooSmallError
-from models.objects import SceneObject
+from models.errors import InputError, SurfaceTooSmallError
+from models.objects import MechanismPart, SceneObject
+from models.scene import Scene, SceneSpec
 from models.surface import Surface
 from tasks.sensing import Sensing
 from tasks.task import Goal, Measure, TaskDefaults
 
+_SUNK = 0.001
+"""m below the table's top, down to which a mechanism may be placed."""
 _TRIES = 4_000
 """Number of draws after which a surface is reported as too small."""
 
@@ -86,7 +91,56 @@ class CustomTask(TaskDefaults, ABC):
         """Draws the trial of a seed; the same seed, version and surface give the same trial."""
         rng = np.random.default_rng([seed, cls.version, crc32(cls.name.encode())])
         objects, goals = cls.place(rng, surface)
+        for what, placed in (("objects", objects), ("goals", goals)):
+            if not isinstance(placed, Iterable):
+                raise InputError(
+                    f"`place` did not return a list of {what}",
+                    where=cls.name,
+                    got=type(placed).__name__,
+                    expected=f"a list of {what}",
+                    remedy="Of a mechanism called desk, return desk.parts"
+                    if placed is objects
+                    else None,
+                )
+        if not cls.pressed:
+            _check_not_sunk(tuple(objects), f"{cls.name}, seed {seed}")
         return cls(seed, tuple(objects), tuple(goals))
+
+
+def _check_not_sunk(objects: tuple[SceneObject, ...], where: str) -> None:
+    """Checks that no mechanism, which does not meet the table, was placed into it.
+
+    Its description may have geoms below its origin, as keys that go down into the table; here only
+    an origin below the table's top is a mistake, where it brings solid geoms below it too.
+
+    Raises:
+        InputError: One was.
+    """
+    low = {
+        obj.name: obj.together
+        for obj in objects
+        if isinstance(obj, MechanismPart) and obj.carrier is None and obj.position[2] < -_SUNK
+    }
+    if not low:
+        return
+    scene = Scene(SceneSpec((), objects))
+    model, data = scene.model, mujoco.MjData(scene.model)
+    mujoco.mj_kinematics(model, data)
+    for name, parts in low.items():
+        inside = [scene.object_bodies[part] for part in parts]
+        solid = np.isin(model.geom_bodyid, inside) & (model.geom_contype > 0)
+        turns = data.geom_xmat[solid].reshape(-1, 3, 3)[:, 2]
+        middle, half = model.geom_aabb[solid, :3], model.geom_aabb[solid, 3:]
+        middles = data.geom_xpos[solid, 2] + np.sum(turns * middle, axis=1)
+        lowest = float(np.min(middles - np.sum(np.abs(turns) * half, axis=1), initial=np.inf))
+        if lowest < -_SUNK:
+            raise InputError(
+                f"{name} is sunk into the table",
+                where=where,
+                got=f"{-1000 * lowest:.1f} mm deep",
+                expected=f"at most {1000 * _SUNK:g} mm",
+                remedy="Place it higher; what belongs into the table, place so in its description",
+            )
 
 
 def judge(progress: float, *lacks: tuple[bool, str]) -> Measure:

@@ -83,7 +83,9 @@ class JointState:
         """
         if self.joint.range is None:
             raise InputError(
-                "a joint without end stops has no share of its range", where="JointState.share"
+                "a joint without end stops has no share of its range",
+                where="JointState.share",
+                remedy=f"Use .position, in {self.joint.unit}",
             )
         low, high = self.joint.range
         return (self.position - low) / (high - low)

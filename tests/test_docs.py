@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import importlib
+import inspect
 import re
 import tomllib
 from pathlib import Path
@@ -11,10 +12,12 @@ from xml.etree import ElementTree
 
 import pytest
 
+from models.objects import RED, Box, Cylinder
 from models.surface import Surface
 from sandbox.recording.versions import DECISIVE
 from sandbox.trial.assembly import place_surface
 from tasks.box_to_goal import BoxToGoal
+from tasks.goals import Goal
 from tools.docs import axes
 from tools.docs.how_it_works import drawing
 
@@ -99,6 +102,16 @@ def test_the_page_on_tasks_says_where_the_surface_is() -> None:
     assert flat.to_world((width, height)) == pytest.approx((-left, -top, over))
     assert front.to_world((0.0, height)) == pytest.approx((left, -BoxToGoal.touch_height, -0.015))
     assert "its lower edge 0.015 m below the table's top" in text
+
+
+@pytest.mark.parametrize("kind", [Box, Cylinder, Goal])
+def test_the_page_on_tasks_tells_how_things_are_made_as_the_code_does(kind: type) -> None:
+    given = [
+        p.name if p.default is p.empty else f"{p.name}={'RED' if p.default is RED else p.default}"
+        for p in inspect.signature(kind).parameters.values()
+    ]
+    text = (ROOT / "docs" / "write-a-task.md").read_text(encoding="utf-8")
+    assert f"\n{kind.__name__}({', '.join(given)})\n" in text
 
 
 def test_the_menu_of_the_site_has_every_page_once() -> None:

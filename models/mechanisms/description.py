@@ -17,6 +17,9 @@ PROBE = "hand sandbox probe"
 PROBE_RADIUS = 1e-3
 """m; the result is corrected by it."""
 
+_BASE_MASS, _BASE_INERTIA = 1e-3, 1e-6
+"""kg and kg m2, of a fixed base that is described without mass."""
+
 _HINGE, _SLIDE = mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE
 _FREE = mujoco.mjtJoint.mjJNT_FREE
 
@@ -52,7 +55,7 @@ def compile_mechanism(mjcf: str | Path, name: str) -> Compiled:
     """
     where = described_in(mjcf, name)
     try:
-        spec = read_mjcf(mjcf)
+        spec = read_mjcf(mjcf, "Mechanism")
         # Bodies welded to each other become one.
         spec.compiler.fusestatic = True
         roots = list(spec.worldbody.bodies)
@@ -70,28 +73,59 @@ def compile_mechanism(mjcf: str | Path, name: str) -> Compiled:
         probe = spec.worldbody.add_body(name=PROBE, mocap=True)
         size = [PROBE_RADIUS, 0.0, 0.0]
         probe.add_geom(name=PROBE, type=mujoco.mjtGeom.mjGEOM_SPHERE, size=size)
-        model = spec.compile()
+        try:
+            model = spec.compile()
+        except ValueError:
+            if not fixed:
+                raise
+            # A base of no mass is no body of a free joint to MuJoCo. In a scene it is fixed, so
+            # that its inertia is of no effect; any other mistake is told by the second try.
+            base = roots[0]
+            base.explicitinertial, base.mass, base.inertia = True, _BASE_MASS, [_BASE_INERTIA] * 3
+            base.ipos, base.iquat = [0.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0]
+            model = spec.compile()
     except (ValueError, OSError) as error:
-        raise unreadable(where, error) from None
+        raise unreadable(mjcf, name, error) from None
     compiled = Compiled(model, fixed)
     _check_bodies(compiled, where)
     return compiled
 
 
 def _check_joints(spec: Any, where: str) -> None:
-    """Raises unless every hinge and slide has a range, or says that it has none."""
+    """Raises unless every body with a joint has a name, and every hinge and slide a range, or says
+    that it has none."""
+    world = spec.worldbody.name
     for body in spec.bodies:
+        if body.joints and not body.name and body.parent.name != world:
+            inside = body.parent.parent.name != world
+            carrier = "a body without a name" if inside else "the first body"
+            raise InputError(
+                "a body that moves needs a name",
+                where=where,
+                got=f"none for the body in {body.parent.name or carrier}, {body.info}",
+            )
         for joint in body.joints:
             low, high = joint.range.tolist()
             endless = joint.limited == mujoco.mjtLimited.mjLIMITED_FALSE
-            if joint.type in (_HINGE, _SLIDE) and not endless and not low < high:
+            if joint.type not in (_HINGE, _SLIDE) or endless or low < high:
+                continue
+            called = body.name or "its first body"
+            if low > high:
                 raise InputError(
-                    f"the joint of {body.name or 'a body without a name'} has no range",
+                    f"the range of the joint of {called} begins with its highest value",
                     where=where,
-                    got=f"{low:g} to {high:g}",
-                    expected='its lowest and highest value, such as range="0 270"',
-                    remedy='Write limited="false" for a joint without end stops',
+                    got=f"{low:g} {high:g}",
+                    expected=f'the lowest value first, range="{high:g} {low:g}"',
                 )
+            example, unit = ("0 0.05", "m") if joint.type == _SLIDE else ("0 270", "degrees")
+            if joint.type == _HINGE and not joint.compiler.degree:
+                example, unit = "0 4.7", "rad"
+            raise InputError(
+                f"the {'slide' if joint.type == _SLIDE else 'hinge'} of {called} has no range",
+                where=where,
+                expected=f'its lowest and highest value in {unit}, such as range="{example}"',
+                remedy='Write limited="false" for a joint without end stops',
+            )
 
 
 def _check_bodies(compiled: Compiled, where: str) -> None:
@@ -116,8 +150,6 @@ def _check_bodies(compiled: Compiled, where: str) -> None:
                 where=where,
                 got=f"{len(kinds)} joints" if len(kinds) > 1 else "another kind of joint",
             )
-        if body > 1 and not name:
-            raise InputError("a body that moves needs a name", where=where)
         if not set(model.geom_type[model.geom_bodyid == body].tolist()) <= set(GEOM_KINDS):
             raise InputError(
                 f"{called} has a geom of an unsupported kind",

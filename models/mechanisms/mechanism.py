@@ -27,6 +27,7 @@ from models.mechanisms.distances import PLAIN
 from models.mjcf_object import (
     GEOM_KINDS,
     check_object_name,
+    check_position,
     described_in,
     geom_element,
     mesh_assets,
@@ -38,6 +39,9 @@ TOUCH = 0.0005
 between two steps. Forces begin at the surface: in MuJoCo 4, contacts within a gap have none."""
 _FAR = 100.0
 """m, largest distance that is measured."""
+_LONGEST = 1.0
+"""m, longest range of a slide: longer than any reach: one written in mm or degrees by mistake."""
+_DEGREES = 'Angles in MJCF are degrees unless it says <compiler angle="radian"/>; a start is in rad'
 _FIXED_BITS = (CONTACT_OBJECT, CONTACT_HAND | CONTACT_OBJECT)
 _FREE_BITS = (CONTACT_OBJECT | CONTACT_TABLE, CONTACT_HAND | CONTACT_OBJECT | CONTACT_TABLE)
 """Collision bits. Parts of a fixed mechanism, such as a key, may move into the table's plane."""
@@ -56,7 +60,8 @@ class Mechanism:
 
     Attributes:
         name: Name of the first body. Another body is called NAME/BODY.
-        mjcf: A whole description, `<mujoco>...`, or the path of a file.
+        mjcf: A whole description, `<mujoco>...`, or the path of a file, such as
+            `Path(__file__).parent / "desk.xml"`; a relative one is from the current folder.
         position: (3,) m, origin of the first body.
         yaw: rad about the vertical, of the first body.
         start: rad or m, where a joint starts, by the name of its body in the description; joints
@@ -67,7 +72,7 @@ class Mechanism:
 
     Raises:
         InputError: MuJoCo cannot compile the description, it is not a mechanism, a joint has no
-            range, or it starts outside of it.
+            range or starts outside of it, or a slide is longer than 1 m.
     """
 
     name: str
@@ -82,6 +87,7 @@ class Mechanism:
     def __post_init__(self) -> None:
         check_object_name(self.name, "Mechanism")
         where = described_in(self.mjcf, self.name)
+        check_position(self.position, where)
         for what in ("size", "mass", "resistance"):
             value = vars(self)[what]
             if not 0.0 < value < float("inf"):
@@ -99,12 +105,20 @@ class Mechanism:
             )
         for body, joint in named.items():
             low, high = joint.range or (-np.inf, np.inf)
+            if joint.kind == "slide" and joint.range and high - low > _LONGEST:
+                raise InputError(
+                    f"the slide of {body or self.name} is too long",
+                    where=where,
+                    got=f"{low:g} to {high:g} m",
+                    expected=f'at most {_LONGEST:g} m from end to end, such as range="0 0.05"',
+                )
             if not low <= joint.start <= high:
                 raise InputError(
                     f"{body} starts outside of its range",
                     where=where,
-                    got=f"{joint.start:g}",
+                    got=f"{joint.start:g} {joint.unit}",
                     expected=f"{low:g} to {high:g} {joint.unit}",
+                    remedy=_DEGREES if joint.kind == "hinge" else None,
                 )
 
     @cached_property
@@ -396,9 +410,9 @@ class Part(MechanismPart):
         dof = int(model.jnt_dofadr[at])
         spring = scale * float(model.qpos_spring[model.jnt_qposadr[at]])
         resisting = {
-            "stiffness": float(model.jnt_stiffness[at]),
-            "damping": float(model.dof_damping[dof]),
-            "frictionloss": float(model.dof_frictionloss[dof]),
+            "stiffness": _polynomial(model.jnt_stiffness[at], model.jnt_stiffnesspoly[at]),
+            "damping": _polynomial(model.dof_damping[dof], model.dof_dampingpoly[dof]),
+            "frictionloss": [float(model.dof_frictionloss[dof])],
         }
         element = Element(
             "joint",
@@ -411,7 +425,7 @@ class Part(MechanismPart):
                 "ref": f"{unit * joint.start:.9g}",
                 "springref": f"{unit * spring:.9g}",
                 "armature": f"{float(model.dof_armature[dof]):.9g}",
-                **{key: f"{own.resistance * value:.9g}" for key, value in resisting.items()},
+                **{key: mjcf_text(own.resistance * np.array(c)) for key, c in resisting.items()},
                 "solreflimit": ".004 1",
                 "solimplimit": ".95 .99 .001",
                 "solreffriction": ".004 1",
@@ -440,6 +454,12 @@ class Part(MechanismPart):
         data = mujoco.MjData(self._model)
         mujoco.mj_kinematics(self._model, data)
         return data
+
+
+def _polynomial(linear: float, higher: Array) -> list[float]:
+    """Coefficients of a spring or damper as MJCF has them: the linear one, and those of higher
+    orders if there are any (MuJoCo 4)."""
+    return [float(linear), *(higher.tolist() if np.any(higher) else ())]
 
 
 def _matrix(quaternion: Array) -> Array:

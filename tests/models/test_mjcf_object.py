@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 from xml.etree.ElementTree import tostring
@@ -16,6 +18,7 @@ from hypothesis.extra import numpy as hnp
 from models.arithmetic.arrays import Array
 from models.errors import InputError
 from models.hand import Hand
+from models.mechanisms.mechanism import Mechanism
 from models.mjcf_object import MjcfObject
 from models.scene import Scene, SceneSpec
 
@@ -165,7 +168,7 @@ def test_a_file_with_its_mesh_beside_it_is_the_same_from_any_folder(
         ("<mujoco><worldbody/></mujoco>", "one rigid body"),
         (mjcf(SPHERE).replace("</worldbody>", f"<body>{SPHERE}</body></worldbody>"), "one rigid"),
         (mjcf(SPHERE + f'<body><joint type="hinge"/>{SPHERE}</body>'), "one rigid body"),
-        (mjcf('<joint type="slide"/>' + SPHERE), "one rigid body"),
+        (mjcf('<joint type="slide"/>' + SPHERE), "one rigid body .*joints: 1.*use Mechanism"),
         (mjcf('<geom size=".1" contype="0" conaffinity="0"/>'), "it has no solid geom"),
         ("/no/such/file.xml", "no such file"),
     ],
@@ -178,8 +181,76 @@ def test_a_description_without_one_rigid_body_is_refused_with_a_one_line_error(
     assert "\n" not in str(error.value)
 
 
+IN_PARTS = "<mujoco><compiler meshdir='meshes' texturedir='pictures'/>{}</mujoco>"
+BALL = f"<worldbody><body>{SPHERE}</body></worldbody>"
+
+
+@pytest.mark.parametrize("kind", [Mechanism, partial(MjcfObject, mass=0.1)])
+def test_a_description_that_is_not_there_is_told_by_its_class_and_folder(
+    kind: Callable[..., Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    name = "Mechanism" if kind is Mechanism else "MjcfObject"
+    for missing, folder in (
+        ("chest.xml", tmp_path),
+        (tmp_path / "a" / "chest.xml", tmp_path / "a"),
+    ):
+        with pytest.raises(InputError) as refused:
+            kind("chest", missing)
+        assert str(refused.value) == (
+            f"{name}: no such file (got '{missing}', expected a file in {folder}). "
+            'For a file beside the task\'s, write Path(__file__).parent / "chest.xml"'
+        )
+
+
+@pytest.mark.parametrize("kind", [Mechanism, partial(MjcfObject, mass=0.1)])
 @pytest.mark.parametrize(
-    "wrong", [{"mass": 0.0}, {"mass": np.nan}, {"size": -1.0}, {"name": ""}, {"name": "table"}]
+    ("inside", "file", "folder"),
+    [
+        (
+            '<asset><mesh name="a" file="a.obj"/></asset><worldbody><body>'
+            '<geom type="mesh" mesh="a"/></body></worldbody>',
+            "meshes/a.obj",
+            "meshes",
+        ),
+        (
+            '<asset><texture name="a" type="2d" file="a.png"/></asset>' + BALL,
+            "pictures/a.png",
+            "pictures",
+        ),
+        (f'<include file="a.xml"/>{BALL}', "a.xml", "."),
+    ],
+)
+def test_a_file_that_a_description_lacks_is_told_with_the_folder_where_it_was_looked_for(
+    kind: Callable[..., Any], inside: str, file: str, folder: str, tmp_path: Path
+) -> None:
+    path = tmp_path / "thing.xml"
+    path.write_text(IN_PARTS.format(inside))
+    with pytest.raises(InputError) as refused:
+        kind("thing", path)
+    expected = f"no such file (got '{file}', expected a file in {tmp_path / folder})"
+    assert str(refused.value) == f"{path}: {expected}"
+
+
+def test_what_mujoco_says_of_a_description_is_told_as_it_is() -> None:
+    with pytest.raises(InputError) as refused:
+        MjcfObject("thing", mjcf('<geom size="-1"/>'), 0.1)
+    assert str(refused.value).startswith(
+        'MJCF of thing: MuJoCo cannot read this object (got "Error: size 0 must be positive in geom'
+    )
+    assert "viewer" not in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        {"mass": 0.0},
+        {"mass": np.nan},
+        {"size": -1.0},
+        {"name": ""},
+        {"name": "table"},
+        {"position": (0, 0)},
+    ],
 )
 def test_impossible_objects_are_refused(wrong: dict[str, Any]) -> None:
     with pytest.raises(InputError):

@@ -16,6 +16,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from models.errors import InputError, RecordingError
+from models.mechanisms.mechanism import Mechanism
 from models.objects import Box
 from models.surface import Surface
 from sandbox.cli.main import main
@@ -97,6 +98,7 @@ def fails(cls: type[Slide], rng: np.random.Generator, surface: Surface) -> NoRet
 
 
 COUNTER = itertools.count()
+DESK = '<mujoco><worldbody><body><geom size=".01"/></body></worldbody></mujoco>'
 BOX = Box("it", (0.02, 0.02, 0.02), 0.1, (0.0, 0.0, 0.02))
 
 
@@ -132,6 +134,14 @@ BOX = Box("it", (0.02, 0.02, 0.02), 0.1, (0.0, 0.0, 0.02))
         ),
         (lambda cls, rng, surface: ([BOX], [Goal("it", (0, 0, np.nan), 0)]), "not finite"),
         (lambda cls, rng, surface: 5, "TypeError"),
+        (
+            lambda cls, rng, surface: (Mechanism("desk", DESK), []),
+            "`place` did not return a list of objects .*'Mechanism'.*return desk.parts",
+        ),
+        (
+            lambda cls, rng, surface: ([BOX], Goal("it", (0, 0, 0.02), 0)),
+            r"`place` did not return a list of goals .*'Goal', expected a list of goals\)$",
+        ),
         (lambda cls, rng, surface: two_places(rng, surface, (9.0, 9.5)), "too small"),
     ],
 )
@@ -141,6 +151,48 @@ def test_a_trial_that_cannot_be_drawn_is_refused_with_a_one_line_error(
     with pytest.raises(InputError, match=says) as error:
         draw_task(broken(place=classmethod(place)), 0, SURFACE)
     assert "\n" not in str(error.value)
+
+
+def chest(drawer: float, height: float, base: float = 0.0) -> Mechanism:
+    """A drawer on a slab: m of their lower sides above the origin, which is at a height."""
+    mjcf = f"""<mujoco><worldbody><body>
+      <geom type="box" size=".02 .02 .002" pos="0 0 {base + 0.002}"/>
+      <body name="drawer" pos="0 0 {drawer}"><joint type="slide" axis="0 -1 0" range="0 0.02"/>
+        <geom type="box" size=".02 .02 .01" pos="0 0 .01"/></body>
+    </body></worldbody></mujoco>"""
+    return Mechanism("chest", mjcf, (0.0, 0.0, height), 0.4)
+
+
+@pytest.mark.parametrize(
+    ("placed", "pressed"),
+    [
+        (chest(0.004, 0.0), False),
+        (chest(0.004, -0.0009), False),
+        (chest(0.004, -0.03), True),
+        # What the description itself has below its origin is on purpose.
+        (chest(-0.02, 0.0), False),
+        (chest(-0.02, 0.01), False),
+        # All of it is above its origin, which may be low.
+        (chest(0.054, -0.05, base=0.05), False),
+    ],
+)
+def test_a_mechanism_may_reach_into_the_table_where_it_is_pressed_or_described_so(
+    placed: Mechanism, pressed: bool
+) -> None:
+    task = broken(place=classmethod(lambda *_: (placed.parts, [])), pressed=pressed)
+    assert draw_task(task, 0, SURFACE).objects == placed.parts
+
+
+@pytest.mark.parametrize(
+    ("placed", "deep"),
+    [(chest(0.004, -0.03), "30.0 mm"), (chest(-0.02, -0.01), "30.0 mm")],
+)
+def test_a_mechanism_that_is_placed_into_the_table_is_refused(placed: Mechanism, deep: str) -> None:
+    task = broken(place=classmethod(lambda *_: (placed.parts, [])))
+    says = f"test-broken, seed 0: chest is sunk into the table .*'{deep} deep', .*Place it higher"
+    with pytest.raises(InputError, match=says) as refused:
+        draw_task(task, 0, SURFACE)
+    assert "\n" not in str(refused.value)
 
 
 def test_objects_that_just_touch_do_not_overlap() -> None:
@@ -241,6 +293,21 @@ def test_a_file_can_import_modules_from_its_own_folder(tmp_path: Path) -> None:
         kind = find_task(str(tmp_path / folder / "lab.py"))
         assert (kind.name, kind.time_limit) == (f"lab-{folder}", size)
     assert sys.path == path
+
+
+def test_a_description_beside_a_task_is_found_from_any_folder(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "desk.xml").write_text(DESK)
+    path = write(
+        tmp_path / "lab.py",
+        "from pathlib import Path\nfrom models import Mechanism\n"
+        "DESK = Path(__file__).parent / 'desk.xml'\nclass A(Slide):\n    name = 'lab-desk'\n"
+        "    place = classmethod(lambda *_: (Mechanism('desk', DESK, (0, 0, 0.02)).parts, []))\n",
+    )
+    monkeypatch.chdir("/")
+    task = draw_task(find_task(str(path)), 0, SURFACE)
+    assert [thing.name for thing in task.objects] == ["desk"]
 
 
 def test_an_error_in_a_file_beside_a_task_names_its_line(tmp_path: Path) -> None:

@@ -128,6 +128,21 @@ def test_joints_have_the_ranges_springs_and_friction_of_the_description() -> Non
     assert again.dof_frictionloss[again.joint("desk/drawer").dofadr[0]] == 1.5
 
 
+@pytest.mark.parametrize("where", ['frictionloss=".5" damping="2"', 'frictionloss=".05"'])
+@pytest.mark.parametrize("resistance", [1.0, 2.5])
+def test_springs_and_dampers_of_higher_order_are_those_of_the_description(
+    where: str, resistance: float
+) -> None:
+    curved = DESK.replace(where, 'frictionloss=".5" stiffness="1 2000 30" damping="2 0 7"')
+    alone = mujoco.MjModel.from_xml_string(curved)
+    parts = Mechanism("desk", curved, resistance=resistance).parts
+    model = Scene(SceneSpec((), parts)).model
+    for of_joints in ("jnt_stiffness", "jnt_stiffnesspoly", "dof_damping", "dof_dampingpoly"):
+        described = getattr(alone, of_joints)
+        assert np.any(described)
+        np.testing.assert_allclose(getattr(model, of_joints), resistance * described)
+
+
 def test_parts_of_one_mechanism_meet_only_through_their_joints_and_never_the_table() -> None:
     scene = Scene(SceneSpec((), Mechanism("desk", DESK, start={"lid": 0.0}).parts))
     data = mujoco.MjData(scene.model)
@@ -159,6 +174,37 @@ def test_a_free_mechanism_falls_with_all_that_it_carries() -> None:
     assert scene.object_pose(data, "crate/drawer")[0][2] == pytest.approx(low + 0.02, abs=0.002)
 
 
+RADIAN = '<mujoco><compiler angle="radian"/>'
+BASE = '<geom type="box" size=".06 .05 .002" pos="0 0 .002"/>'
+MASSLESS = BASE.replace("/>", ' mass="0"/>')
+
+
+@pytest.mark.parametrize(
+    "base",
+    ["", MASSLESS, f"<body>{MASSLESS}</body>"],
+)
+def test_a_fixed_base_needs_neither_mass_nor_geoms(base: str) -> None:
+    light = Mechanism("desk", DESK.replace(BASE, base))
+    heavy = Mechanism("desk", DESK)
+    ends = []
+    for desk in (light, heavy):
+        scene = Scene(SceneSpec((), desk.parts))
+        data = mujoco.MjData(scene.model)
+        for name in ("desk/drawer", "desk/lid"):
+            data.joint(name).qvel[:] = 1.0
+        mujoco.mj_step(scene.model, data, 100)
+        assert Sensing(scene, data).object("desk").speed == 0.0
+        ends.append(data.qpos.copy())
+    assert np.any(np.abs(ends[0]) > 0.01)
+    np.testing.assert_allclose(ends[0], ends[1], atol=1e-9)
+
+
+def test_what_moves_needs_a_mass_also_on_a_base_without_one() -> None:
+    nothing = DESK.replace(BASE, "").replace("<geom", '<geom mass="0"')
+    with pytest.raises(InputError, match=r"mass and inertia of moving .*'(drawer|lid)'"):
+        Mechanism("desk", nothing)
+
+
 DRAWER = '<joint type="slide" axis="0 -1 0" range="0 .06" frictionloss=".5"'
 
 
@@ -166,12 +212,35 @@ DRAWER = '<joint type="slide" axis="0 -1 0" range="0 .06" frictionloss=".5"'
     ("mjcf", "says"),
     [
         ("<mujoco><worldbody><bdy/></worldbody></mujoco>", "MuJoCo cannot read this object"),
-        (DESK.replace('range="0 .06"', ""), "the joint of drawer has no range"),
         (
-            DESK.replace('range="0 100"', 'range="100 0"'),
-            "the joint of lid has no range|cannot read",
+            DESK.replace('range="0 .06"', ""),
+            'the slide of drawer has no range .*in m, such as range="0 0.05".*limited="false"',
         ),
-        (DESK.replace(' name="lid"', ""), "a body that moves needs a name"),
+        (
+            DESK.replace('range="0 100"', ""),
+            'the hinge of lid has no range .*in degrees, such as range="0 270"',
+        ),
+        (
+            RADIAN + DESK.replace('range="0 100"', "").removeprefix("<mujoco>"),
+            'the hinge of lid has no range .*in rad, such as range="0 4.7"',
+        ),
+        (
+            DESK.replace('range="0 .06"', 'range=".04 0"'),
+            r"drawer begins with its highest value .*got '0.04 0', .*lowest value first, "
+            'range="0 0.04"',
+        ),
+        (
+            DESK.replace('range="0 .06"', 'range="0 60"'),
+            r"the slide of drawer is too long \(got '0 to 60 m', expected at most 1 m",
+        ),
+        (
+            DESK.replace(' name="lid"', ""),
+            r"a body that moves needs a name .*the body in drawer, line 9'",
+        ),
+        (
+            DESK.replace(' name="drawer"', ""),
+            r"a body that moves needs a name .*the body in the first body, line 5'",
+        ),
         (DESK.replace('type="hinge" axis="1 0 0"', 'type="ball"'), "lid is not joined by one"),
         (DESK.replace(DRAWER, f"{DRAWER}/>{DRAWER}"), "drawer is not joined by one .*2 joints"),
         (
@@ -199,13 +268,28 @@ def test_what_is_no_mechanism_is_refused_in_one_line(mjcf: str, says: str) -> No
         ({"name": "table"}, "cannot have this name"),
         ({"size": 0.0}, "size is out of range"),
         ({"resistance": -1.0}, "resistance is out of range"),
+        ({"position": (0.1, 0.2)}, r"desk: its position is not three numbers .*\(x, y, z\) in m"),
+        ({"position": 0.1}, "not three numbers"),
         ({"start": {"door": 0.0}}, "no such joint .*expected drawer, lid"),
-        ({"start": {"drawer": 0.07}}, "drawer starts outside of its range .*0 to 0.06 m"),
+        ({"start": {"drawer": 0.07}}, r"drawer starts outside of its range .*0 to 0.06 m\)$"),
+        (
+            {"start": {"lid": 80.0}},
+            r"lid starts outside of its range \(got '80 rad', expected 0 to 1.74533 rad\). Angles "
+            'in MJCF are degrees unless it says <compiler angle="radian"/>; a start is in rad',
+        ),
     ],
 )
 def test_values_out_of_range_are_refused(values: dict[str, Any], says: str) -> None:
     with pytest.raises(InputError, match=says):
         Mechanism(**{"name": "desk", "mjcf": DESK, **values})
+
+
+def test_a_slide_described_in_millimetres_may_be_long_if_its_size_makes_it_short() -> None:
+    long = DESK.replace('range="0 .06"', 'range="0 1.5"')
+    with pytest.raises(InputError, match="too long"):
+        Mechanism("desk", long)
+    drawer = Mechanism("desk", long, size=0.01).part("drawer").joint
+    assert drawer and drawer.range == pytest.approx((0.0, 0.015))
 
 
 def test_unknown_joints_and_parts_are_named() -> None:
@@ -232,7 +316,7 @@ def test_a_joint_without_end_stops_turns_on_and_has_no_share() -> None:
     mujoco.mj_step(scene.model, data, 500)
     state = Sensing(scene, data).joint("stand/wheel")
     assert state.position > 15.0 and state.joint.range is None
-    with pytest.raises(InputError, match="no share"):
+    with pytest.raises(InputError, match=r"no share of its range. Use .position, in rad"):
         _ = state.share
 
 
