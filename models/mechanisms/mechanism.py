@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import atan2, cos, sin
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 from xml.etree.ElementTree import Element, SubElement
 
 import mujoco
@@ -140,6 +140,18 @@ class Mechanism:
             where=described_in(self.mjcf, self.name),
             got=body,
             expected=", ".join(self._described(part.number) for part in self.parts),
+        )
+
+    def body(self) -> NoReturn:
+        """Refuses to be one object of a scene, whose MJCF this would be: its parts are objects.
+
+        Raises:
+            InputError: Always.
+        """
+        raise InputError(
+            "a mechanism is not an object itself, its parts are",
+            where=described_in(self.mjcf, self.name),
+            remedy="Of a mechanism called desk, return *desk.parts among the objects",
         )
 
     def scaled(self, size: float) -> Mechanism:

@@ -139,6 +139,10 @@ BOX = Box("it", (0.02, 0.02, 0.02), 0.1, (0.0, 0.0, 0.02))
             "`place` did not return a list of objects .*'Mechanism'.*return desk.parts",
         ),
         (
+            lambda cls, rng, surface: ([BOX, Mechanism("desk", DESK)], []),
+            r"desk: a mechanism is not an object itself, its parts are.*return \*desk.parts",
+        ),
+        (
             lambda cls, rng, surface: ([BOX], Goal("it", (0, 0, 0.02), 0)),
             r"`place` did not return a list of goals .*'Goal', expected a list of goals\)$",
         ),
