@@ -259,6 +259,13 @@ def _is_beside(folder: Path, name: str) -> bool:
     return top.with_suffix(".py").is_file() or (top / "__init__.py").is_file()
 
 
+def files_beside(folder: Path) -> list[Path]:
+    """Files of the modules in a folder that loaded files beside them have imported."""
+    modules = [sys.modules.get(name) for name, owner in _neighbours.items() if owner == folder]
+    files = [module.__file__ for module in modules if module is not None and module.__file__]
+    return sorted(map(Path, files))
+
+
 @cache
 def load_file(path: Path) -> ModuleType:
     """Loads a Python file as a module; its errors pass through unchanged.

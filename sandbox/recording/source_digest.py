@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterable
+from functools import cache
 from hashlib import blake2b
 from pathlib import Path
 
@@ -33,3 +35,17 @@ def source_digest(files: Iterable[Path], root: Path) -> str:
         name, data = path.relative_to(root).as_posix().encode(), path.read_bytes()
         digest.update(b"%s\0%d\0%s" % (name, len(data), data))
     return digest.hexdigest()
+
+
+@cache
+def package_digest(module: str) -> str:
+    """Digest of the outermost package of a loaded module, or of the module alone; empty without a
+    file."""
+    top = sys.modules.get(module.partition(".")[0])
+    spec = top.__spec__ if top else None
+    if spec is None or spec.origin is None or not spec.has_location:
+        return ""
+    file = Path(spec.origin)
+    if file.stem != "__init__":
+        return source_digest([file], file.parent)
+    return source_digest(source_files(file.parent, below=True), file.parent)

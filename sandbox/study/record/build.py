@@ -7,6 +7,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+from sandbox.recording.own_tasks import own_tasks
 from sandbox.recording.source_digest import program_root, source_digest, source_files
 from sandbox.recording.versions import DECISIVE, decisive_part, versions
 from sandbox.study.design.conditions import combinations, run_settings, values_of
@@ -16,6 +17,7 @@ from sandbox.study.record.measure_definitions import outside_definitions
 COMPUTES = (
     "models",
     "models/arithmetic",
+    "models/mechanisms",
     "models/messages",
     "models/robot",
     "encoders",
@@ -29,6 +31,8 @@ COMPUTES = (
     "encoders/regression",
     "encoders/webcam",
     "tasks",
+    "tasks/clutter",
+    "tasks/mechanisms",
     "tasks/simulated_user",
     "sandbox/clearing",
     "sandbox/devices",
@@ -70,6 +74,8 @@ MEASURES = "measures"
 """Part of a build: measures of packages, by name. They are computed anew wherever they change."""
 RULES = "measures of rules"
 """Part of a build: those of them that exclusions or primary outcomes of the design use."""
+OWN_TASKS = "tasks of one's own"
+"""Part of a build: tasks that are not built in, by name."""
 NOTED = ("numpy", "python", "scipy")
 """Versions that are noted for people; states do not depend on them."""
 
@@ -92,9 +98,12 @@ def build_of(design: Design) -> dict[str, Any]:
 
     here = versions()
     learned: dict[str, dict[str, str]] = {}
+    tasks: set[str] = set()
     for levels in combinations(design):
         settings = run_settings(values_of(design, levels), 0)
         learned.setdefault(f"{settings.encoder}, labels {settings.labels}", digests(settings))
+        tasks.add(settings.task)
+    own = own_tasks(sorted(tasks))
     outside = outside_definitions()
     used = {*(rule.measure for rule in design.exclusions), *design.primary}
     of_rules = {name: outside[name] for name in sorted(used & outside.keys())}
@@ -102,6 +111,7 @@ def build_of(design: Design) -> dict[str, Any]:
         **{name: here[name] for name in (*LIBRARIES, *NOTED)},
         **({MEASURES: outside} if outside else {}),
         **({RULES: of_rules} if of_rules else {}),
+        **({OWN_TASKS: own} if own else {}),
         "program": code_digest(),
         "encoders": learned,
         "design": design.digest,
@@ -110,7 +120,9 @@ def build_of(design: Design) -> dict[str, Any]:
 
 def changes(locked: dict[str, Any], here: dict[str, Any]) -> list[str]:
     """Parts that differ between two builds and to which a study is locked, with their values."""
-    return _differences(locked, here, (set(locked) | set(here)) - {*NOTED, MEASURES})
+    names = (set(locked) | set(here)) - {*NOTED, MEASURES}
+    # Studies that were begun before tasks of one's own were locked go on.
+    return _differences(locked, here, names if OWN_TASKS in locked else names - {OWN_TASKS})
 
 
 def noted_changes(locked: dict[str, Any], here: dict[str, Any]) -> list[str]:
@@ -126,8 +138,16 @@ def _differences(locked: dict[str, Any], here: dict[str, Any], names: Collection
             values = "" if name == "encoders" else f" ({before} -> {after})"
             if name in (MEASURES, RULES):
                 values = f" ({_changed_measures(before or {}, after or {})})"
+            if name == OWN_TASKS:
+                values = f" ({_changed_tasks(before or {}, after or {})})"
             differences.append(f"{name}{values}")
     return differences
+
+
+def _changed_tasks(before: dict[str, str], after: dict[str, str]) -> str:
+    """Tasks of one's own whose code or things are others, in words."""
+    names = [name for name in sorted({*before, *after}) if before.get(name) != after.get(name)]
+    return ", ".join(f"the code or the things of {name} have changed" for name in names)
 
 
 def _changed_measures(before: dict[str, str], after: dict[str, str]) -> str:

@@ -6,13 +6,10 @@ Those of packages change without either.
 
 from __future__ import annotations
 
-import sys
 from dataclasses import fields
-from functools import cache
 from hashlib import blake2b
-from pathlib import Path
 
-from sandbox.recording.source_digest import source_digest, source_files
+from sandbox.recording.source_digest import package_digest
 from sandbox.study.measures.measure import TrialMeasure
 from sandbox.study.measures.registry import outside_measures
 
@@ -35,18 +32,5 @@ def _digest(measure: TrialMeasure) -> str:
         if not callable(getattr(measure, field.name))
     ]
     digest = blake2b("\n".join(told).encode(), digest_size=8)
-    digest.update(_source(computes.__module__ if computes else "").encode())
+    digest.update(package_digest(computes.__module__ if computes else "").encode())
     return digest.hexdigest()
-
-
-@cache
-def _source(module: str) -> str:
-    """Digest of the outermost package of a module, or of the module; empty without a file."""
-    top = sys.modules.get(module.partition(".")[0])
-    spec = top.__spec__ if top else None
-    if spec is None or spec.origin is None or not spec.has_location:
-        return ""
-    file = Path(spec.origin)
-    if file.stem != "__init__":
-        return source_digest([file], file.parent)
-    return source_digest(source_files(file.parent, below=True), file.parent)

@@ -10,7 +10,15 @@ import pytest
 from models.errors import StudyError
 from sandbox.recording.versions import DECISIVE
 from sandbox.study.record import build as build_module
-from sandbox.study.record.build import COMPUTES, LEFT_OUT, NOTED, changes, digest_of, noted_changes
+from sandbox.study.record.build import (
+    COMPUTES,
+    LEFT_OUT,
+    NOTED,
+    OWN_TASKS,
+    changes,
+    digest_of,
+    noted_changes,
+)
 from sandbox.study.record.folder import SIMULATED, StudyFolder
 from sandbox.study.record.journal import read_journal
 from tests.support.study_files import design, open_study
@@ -18,6 +26,8 @@ from tools.house import ROOT, House
 
 BEGIN = (
     "sandbox/trial",
+    "tasks/clutter",
+    "tasks/mechanisms",
     "sandbox/session",
     "sandbox/recording",
     "sandbox/devices",
@@ -71,6 +81,9 @@ def program(tmp_path_factory: pytest.TempPathFactory) -> Path:
         ("models/arithmetic/products.py", True),
         ("sandbox/session/session.py", True),
         ("sandbox/trial/driver.py", True),
+        ("tasks/clutter/slalom.py", True),
+        ("tasks/mechanisms/dial.py", True),
+        ("models/mechanisms/mechanism.py", True),
         ("sandbox/recording/recording.py", True),
         ("sandbox/devices/tuio/tuio.py", True),
         ("sandbox/options/profiles.py", True),
@@ -141,4 +154,26 @@ def test_another_version_of_libm_with_equal_values_is_equal() -> None:
 
 def test_the_build_has_every_version_that_decides_and_every_one_that_is_noted() -> None:
     here = build_module.build_of(design())
-    assert {*DECISIVE, *NOTED, "hand-sandbox", "program", "encoders", "design"} == set(here)
+    always = {*DECISIVE, *NOTED, "hand-sandbox", "program", "encoders", "design"}
+    # The design of these tests has a task of its own.
+    assert always | {OWN_TASKS} == set(here)
+
+
+def test_a_task_of_ones_own_that_has_changed_is_refused_unless_forced(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Data of two tasks were mixed without a word."""
+    first = open_study(tmp_path)
+    (name,) = first.build[OWN_TASKS]
+    other = {**first.build, OWN_TASKS: {name: "0123456789abcdef"}}
+    monkeypatch.setattr("sandbox.study.record.folder.build_of", lambda _: other)
+    with pytest.raises(StudyError, match=rf"the things of {name} have changed.*force-upgrade"):
+        open_study(tmp_path)
+    study = StudyFolder(tmp_path, design(), SIMULATED, "a typing error in its reason")
+    assert read_journal(study.path / "study.jsonl")[-1]["kind"] == "upgrade"
+
+
+def test_a_study_from_before_tasks_of_ones_own_were_locked_goes_on() -> None:
+    here = build_module.build_of(design())
+    before = {name: value for name, value in here.items() if name != OWN_TASKS}
+    assert changes(before, here) == []

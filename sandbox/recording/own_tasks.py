@@ -1,0 +1,50 @@
+"""Digests of tasks that are not built in: their code, and the things that they place.
+
+A task of one's own changes without any version of ours. What it consists of is its file and the
+modules that this imports from beside itself, or its whole package, and the descriptions and meshes
+that it reads, which become part of the scene.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from hashlib import blake2b
+
+from models.errors import InputError
+from models.outside import files_beside, loaded_from
+from models.scene import SceneSpec, scene_xml
+from models.surface import Surface
+from sandbox.recording.source_digest import package_digest, source_digest
+from tasks.registry import draw_task, find_task, is_built_in
+from tasks.task import Task
+
+
+def own_tasks(names: Iterable[str]) -> dict[str, str]:
+    """A digest of every task that is not built in, by the task's own name.
+
+    Args:
+        names: Names of tasks, or `FILE.py:CLASS`.
+
+    Raises:
+        InputError: No task has this name, or it cannot be used.
+    """
+    kinds = [find_task(name) for name in names]
+    return {kind.name: _digest(kind) for kind in kinds if not is_built_in(kind)}
+
+
+def _digest(kind: type[Task]) -> str:
+    file = loaded_from(kind.__module__)
+    if file is None:
+        code = package_digest(kind.__module__)
+    else:
+        code = source_digest(sorted({file, *files_beside(file.parent)}), file.parent)
+    return blake2b(f"{code}\n{_scene(kind)}".encode(), digest_size=8).hexdigest()
+
+
+def _scene(kind: type[Task]) -> str:
+    """MJCF of the things of a trial; empty where the usual surface has no room for them."""
+    try:
+        task = draw_task(kind, 0, Surface())
+    except InputError:
+        return ""
+    return scene_xml(SceneSpec((), task.objects, task.table_friction))
