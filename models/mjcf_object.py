@@ -46,7 +46,7 @@ _FAR = 100.0
 _BITS = (CONTACT_OBJECT | CONTACT_TABLE, CONTACT_HAND | CONTACT_OBJECT | CONTACT_TABLE)
 """Collision bits: what an object is, and what it lets others meet."""
 
-_WORLD_NAMES = ("table", "mat")
+_WORLD_NAMES = ("table", "mat", "world")
 """Names that a scene uses itself and an object may not have."""
 
 

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+from functools import cache
+from xml.etree.ElementTree import tostring
+
 import mujoco
 import numpy as np
 
 from models.errors import InputError
-from models.objects import MechanismPart
+from models.hand import Hand
+from models.mjcf_object import check_object_name
+from models.objects import Box, Cylinder, MechanismPart, SceneObject
 from models.scene import TABLE, Scene, SceneSpec
 from models.surface import Surface
 from tasks.sensing import Sensing
@@ -15,6 +20,91 @@ from tasks.task import Measure, Task
 DEEPEST = 0.001
 """m, largest overlap of two objects, or of an object and the table, at the start. Contacts are
 soft: an object at rest sinks in by some hundredths of a millimetre."""
+
+
+WIDEST = 2.0
+"""Largest radius of an object, in lengths of the surface: a larger one is in the wrong unit."""
+
+
+def check_values(task: Task, where: str) -> None:
+    """Checks the values that objects and goals of a task of one's own were made of.
+
+    Args:
+        task: The drawn trial.
+        where: Task and seed, for messages.
+
+    Raises:
+        InputError: A name is the scene's or a hand's, or a size, mass, place, angle or friction is
+            not what it has to be.
+    """
+    for thing in task.objects:
+        _check_thing(thing, where)
+    rings = [ring.name for ring in task.painted]
+    names = [thing.name for thing in task.objects]
+    for name in rings:
+        if rings.count(name) > 1 or name in names:
+            raise InputError(
+                f"the ring {name} needs a name of its own",
+                where=where,
+                got=", ".join(names + rings),
+            )
+    for goal in task.goals:
+        whose = f"the goal of {goal.object}"
+        _check_numbers(f"the position of {whose}", goal.position, 3, where)
+        _check_numbers(f"the yaw of {whose}", goal.yaw, 0, where)
+
+
+@cache
+def _names_of_hands() -> frozenset[str]:
+    """Names of both hands and of all their bodies and geoms."""
+    names = {"right", "left"}
+    for side in sorted(names):
+        model = Scene(SceneSpec((Hand(name=side),), ())).model
+        names |= {model.body(i).name for i in range(model.nbody)}
+        names |= {model.geom(i).name for i in range(model.ngeom)}
+    return frozenset(names)
+
+
+def _check_thing(thing: SceneObject, where: str) -> None:
+    name = thing.name
+    check_object_name(name, where)
+    if name in _names_of_hands():
+        raise InputError("an object cannot be called as a part of a hand", where=where, got=name)
+    _check_numbers(f"the position of {name}", thing.position, 3, where)
+    _check_numbers(f"the yaw of {name}", thing.yaw, 0, where)
+    if isinstance(thing, MechanismPart):
+        return
+    _check_numbers(f"the mass of {name}", thing.mass, 0, where, above=0.0)
+    if isinstance(thing, Box):
+        _check_numbers(f"half_size of {name}", thing.half_size, 3, where, above=0.0)
+    if isinstance(thing, Cylinder):
+        _check_numbers(f"the radius of {name}", thing.radius, 0, where, above=0.0)
+        _check_numbers(f"half_height of {name}", thing.half_height, 0, where, above=0.0)
+    if isinstance(thing, Box | Cylinder):
+        _check_numbers(f"the friction of {name}", thing.friction, 0, where, least=0.0)
+
+
+def _check_numbers(
+    what: str,
+    value: object,
+    count: int,
+    where: str,
+    above: float = -np.inf,
+    least: float = -np.inf,
+) -> None:
+    """Checks that a value is so many finite numbers; a count of 0 is a number alone."""
+    expected = "a number" if count == 0 else f"{count} numbers"
+    if above == 0.0:
+        expected += " above 0"
+    if least == 0.0:
+        expected += ", 0 or more"
+    try:
+        numbers = np.asarray(value, float)
+    except (TypeError, ValueError):
+        numbers = np.array(np.nan)
+    right = numbers.shape == ((count,) if count else ())
+    if not (right and np.all(np.isfinite(numbers) & (numbers > above) & (numbers >= least))):
+        raise InputError(f"{what} is wrong", where=where, got=repr(value)[:80], expected=expected)
 
 
 def check_names(task: Task, where: str) -> None:
@@ -39,6 +129,15 @@ def check_names(task: Task, where: str) -> None:
             where=where,
             got=", ".join(unknown),
             expected=", ".join(names),
+        )
+    aimed = [goal.object for goal in task.goals]
+    twice = sorted({name for name in aimed if aimed.count(name) > 1})
+    if twice:
+        raise InputError(
+            "an object has two goals, and only one of them would be shown",
+            where=where,
+            got=", ".join(twice),
+            expected="at most one goal for each object",
         )
     parts = [obj for obj in task.objects if isinstance(obj, MechanismPart)]
     missing = sorted({name for part in parts for name in part.together} - set(names))
@@ -71,6 +170,11 @@ def check_repeatable(task: Task, again: Task, where: str) -> None:
     """
     first, second = _drawn(task), _drawn(again)
     changed = [name for name in first if second.get(name) != first[name]]
+    if not changed and len(first) == len(second):
+        # All that makes the scene: sizes, friction, shapes and joints, too.
+        made, remade = ([tostring(t.body()) for t in draw.objects] for draw in (task, again))
+        pairs = zip(task.objects, made, remade, strict=True)
+        changed = [thing.name for thing, one, other in pairs if one != other]
     if changed or len(first) != len(second):
         raise InputError(
             "two draws of one seed differ",
@@ -122,7 +226,23 @@ def check_places(task: Task, surface: Surface, where: str) -> None:
                 got=f"{1000 * x:.0f} mm right and {1000 * y:.0f} mm down from its top left corner",
                 expected=f"within {1000 * width:.0f} x {1000 * height:.0f} mm",
             )
-    deepest, pair = _deepest_overlap(task)
+    widest = WIDEST * float(surface.size.max())
+    try:
+        scene = Scene(SceneSpec((), task.objects, task.table_friction, painted=task.painted))
+    except ValueError as error:
+        raise InputError(
+            "MuJoCo refuses the scene", where=where, got=" ".join(str(error).split())[:300]
+        ) from error
+    for obj in task.objects:
+        radius = scene.object_radius(obj.name)
+        if radius > widest:
+            raise InputError(
+                f"{obj.name} is {2 * radius:.3g} m wide",
+                where=where,
+                expected=f"at most {2 * widest:.2f} m: sizes are in m",
+                remedy='A mesh in mm is scaled in its MJCF: <mesh scale=".001 .001 .001" .../>',
+            )
+    deepest, pair = _deepest_overlap(scene)
     if deepest > DEEPEST:
         raise InputError(
             f"{pair[0]} and {pair[1]} overlap at the start",
@@ -133,9 +253,9 @@ def check_places(task: Task, surface: Surface, where: str) -> None:
         )
 
 
-def _deepest_overlap(task: Task) -> tuple[float, tuple[str, str]]:
+def _deepest_overlap(scene: Scene) -> tuple[float, tuple[str, str]]:
     """Depth (m) and names of the two bodies that overlap most; 0 if none do."""
-    model = Scene(SceneSpec((), task.objects, task.table_friction)).model
+    model = scene.model
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
     deepest, pair = 0.0, ("", "")

@@ -12,7 +12,7 @@ from models.outside import failure, package
 from models.surface import Surface
 from tasks.box_to_goal import BoxToGoal
 from tasks.carry_together import CarryTogether
-from tasks.checks import check_names, check_places, check_repeatable
+from tasks.checks import check_names, check_places, check_repeatable, check_values
 from tasks.discovery import is_place, load_offered, load_place, offered, place_file
 from tasks.stack import Stack, StackThree
 from tasks.stack_vertical import StackVertical
@@ -122,6 +122,8 @@ def draw_task(kind: type[Task], seed: int, surface: Surface) -> Task:
     if seed < 0:
         raise InputError("the seed is out of range", where="seed", got=seed, expected="0 or more")
     task = _drawn(kind, seed, surface, where)
+    if not is_built_in(kind):
+        check_values(task, where)
     check_names(task, where)
     if not is_built_in(kind):
         check_repeatable(task, _drawn(kind, seed, surface, where), where)

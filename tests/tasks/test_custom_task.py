@@ -132,7 +132,67 @@ BOX = Box("it", (0.02, 0.02, 0.02), 0.1, (0.0, 0.0, 0.02))
             lambda cls, rng, surface: ([replace(BOX, mass=0.1 + 0.01 * next(COUNTER))], []),
             "two draws of one seed differ .*another it.*`rng`",
         ),
-        (lambda cls, rng, surface: ([BOX], [Goal("it", (0, 0, np.nan), 0)]), "not finite"),
+        (
+            lambda cls, rng, surface: ([BOX], [Goal("it", (0, 0, np.nan), 0)]),
+            "the position of the goal of it is wrong .*expected 3 numbers",
+        ),
+        (
+            lambda cls, rng, surface: ([BOX], [Goal("it", (0.05, 0), 0)]),  # type: ignore[arg-type]
+            r"the position of the goal of it is wrong .*got '\(0.05, 0\)', expected 3 numbers",
+        ),
+        (
+            lambda cls, rng, surface: ([BOX], [Goal("it", (x, 0, 0.02), 0) for x in (0.05, -0.05)]),
+            "an object has two goals",
+        ),
+        (
+            lambda cls, rng, surface: (
+                [Box("it", (0.0, 0.0, 0.02), (0.04, 0.04, 0.04), 0.1)],  # type: ignore[arg-type]
+                [],
+            ),
+            "the position of it is wrong .*got '0.1', expected 3 numbers",
+        ),
+        (
+            lambda cls, rng, surface: ([replace(BOX, half_size=(0.02, 0.0, 0.02))], []),
+            "half_size of it is wrong .*3 numbers above 0",
+        ),
+        (
+            lambda cls, rng, surface: ([replace(BOX, mass=np.nan)], []),
+            "the mass of it is wrong .*got 'nan', expected a number above 0",
+        ),
+        (
+            lambda cls, rng, surface: ([replace(BOX, friction=-1.0)], []),
+            "the friction of it is wrong .*expected a number, 0 or more",
+        ),
+        (
+            lambda cls, rng, surface: ([replace(BOX, position="here")], []),  # type: ignore[arg-type]
+            "the position of it is wrong .*here",
+        ),
+        (
+            lambda cls, rng, surface: ([replace(BOX, name="world")], []),
+            "an object cannot have this name",
+        ),
+        (
+            lambda cls, rng, surface: ([replace(BOX, name="right")], []),
+            "cannot be called as a part of a hand",
+        ),
+        (
+            lambda cls, rng, surface: ([replace(BOX, name="left_palm")], []),
+            "cannot be called as a part of a hand",
+        ),
+        (
+            lambda cls, rng, surface: (
+                [replace(BOX, half_size=(20.0, 20.0, 20.0), position=(0.0, 0.0, 20.0))],
+                [],
+            ),
+            "it is 69.3 m wide .*sizes are in m",
+        ),
+        (
+            lambda cls, rng, surface: (
+                [replace(BOX, half_size=(0.02 + 0.001 * next(COUNTER), 0.02, 0.02))],
+                [],
+            ),
+            "two draws of one seed differ .*another it",
+        ),
         (lambda cls, rng, surface: 5, "TypeError"),
         (
             lambda cls, rng, surface: (Mechanism("desk", DESK), []),
