@@ -99,9 +99,9 @@ class RegressOptions:
     vary: Annotated[
         tuple[str, ...] | None, tyro.conf.arg(metavar="NAME[=V1,V2]", help_behavior_hint="")
     ] = None
-    """Success against size, mass, resistance, friction, start, hand-size, noise, dropped, ghosts or
-    latency, with the values given, or with ever worse ones until it breaks. Instead of a
-    baseline."""
+    """Success against size, mass, resistance, friction, start, room, hand-size, noise, dropped,
+    ghosts or latency, with the values given, or with ever worse ones until it breaks. Instead of
+    a baseline."""
 
     plot: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
     """Draws what --vary found, .png or .svg; the extra `plots`."""

@@ -122,8 +122,8 @@ class OneHandOptions:
 
     vary: Annotated[str, tyro.conf.arg(metavar="NAME=VALUE,...")] = ""
     """Change the trial or degrade the touches, such as size=0.8,latency=50. size, mass, resistance,
-    friction, hand-size: factors. start, noise: mm. dropped, ghosts: times per second. latency:
-    ms."""
+    friction, room, hand-size: factors. start, noise: mm. dropped, ghosts: times per second.
+    latency: ms."""
 
     port: int = DEFAULT_PORT
     """UDP and TCP port for TUIO; 0 takes a free one."""

@@ -8,6 +8,7 @@ import pytest
 
 from sandbox.cli.main import COMMANDS, main
 from sandbox.cli.study.command import ACTIONS
+from sandbox.options.variations import KINDS
 
 WITH_PARTS = {
     "touches": ("show", "record", "send"),
@@ -114,3 +115,13 @@ def test_what_an_option_does_is_told_without_the_line_breaks_of_the_source(
     assert (
         "evdev: a touch screen of this Linux machine. leap: a hand in the air over a Leap" in said
     )
+
+
+@pytest.mark.parametrize("command", ["run", "regress"])
+def test_help_names_everything_that_can_be_varied(
+    command: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(SystemExit):
+        main([command, "--help"])
+    words = re.findall(r"[\w-]+", capsys.readouterr().out)
+    assert [name for name in KINDS if name not in words] == []
