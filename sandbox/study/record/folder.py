@@ -272,8 +272,8 @@ class StudyFolder:
             return
         if different and not upgrade:
             raise StudyError(
-                "the study is locked to the program, encoders and design that it began with, and "
-                "these differ now",
+                "the study is locked to the program, encoders, tasks and design that it began "
+                "with, and these differ now",
                 where=str(self.path),
                 got=", ".join(different),
                 remedy='Restore the locked ones, or continue with --force-upgrade "REASON", which '

@@ -297,7 +297,7 @@ def test_nobody_gains_by_throwing_a_thing_off_the_table(seed: int) -> None:
     assert session.respawned == 1
     now, start = place(session, one.name)[:2], np.array(one.position[:2])
     assert np.linalg.norm(now - start) > 0.005
-    before, after = (min(np.linalg.norm(p - goal) for goal in goals) for p in (start, now))
+    before, after = (min(float(np.linalg.norm(p - g)) for g in goals) for p in (start, now))
     assert after > min(before, BESIDE_GOAL) - 1e-3
     assert session.scorer.score.progress == 0.0
 

@@ -12,9 +12,9 @@ from pathlib import Path
 import pytest
 
 from models.errors import InputError, StudyError
+from sandbox.recording.source_digest import package_digest
 from sandbox.study.measures.measure import TrialMeasure
 from sandbox.study.measures.registry import find_measure, register, rule_measures, unregister
-from sandbox.study.record import measure_definitions
 from sandbox.study.record.folder import SIMULATED, StudyFolder
 from sandbox.study.record.stored_sessions import session_path
 from sandbox.study.report.make import make_report
@@ -147,7 +147,7 @@ def lab_measure(folder: Path, value: str, unit: str) -> TrialMeasure:
     (folder / "lab_measures.py").write_text(LAB.format(value=value, unit=unit))
     sys.modules.pop("lab_measures", None)
     importlib.invalidate_caches()
-    measure_definitions._source.cache_clear()
+    package_digest.cache_clear()
     measure: TrialMeasure = importlib.import_module("lab_measures").TOUCHED
     return measure
 
