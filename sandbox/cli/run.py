@@ -101,8 +101,9 @@ def _run(options: RunOptions, chosen: Plan, events: EventLog, console: Console) 
             clock.append(RealTime())
         clock[0].wait(snapshot.time)
 
-    # Without a person, nobody has to act on a notice: standard output is for the result.
-    notes = console if chosen.live else Console(stderr=True)
+    # A simulated user does not act on a notice: standard output is for the result.
+    simulated = chosen.about.get("user") is not None
+    notes = Console(stderr=True) if simulated else console
 
     def say(notice: str) -> None:
         notes.print(f"[yellow]{notice}[/]", soft_wrap=True)
@@ -139,7 +140,7 @@ def _run(options: RunOptions, chosen: Plan, events: EventLog, console: Console) 
                 views.append(closing.enter_context(MotionView(options.motion, session)).show)
             return views
 
-        caption = "simulated user" if chosen.about.get("user") is not None else ""
+        caption = "simulated user" if simulated else ""
         makers = tuple(map(announced, with_lift(chosen.makers, keys=False)))
         result = run_trial(
             chosen.settings, makers, make_views, options.record, chosen.about, options.dump
