@@ -236,7 +236,9 @@ _neighbours: dict[str, Path] = {}
 def _importing_from(folder: Path) -> Iterator[None]:
     """Lets `import NAME` find NAME.py in a folder, after everything else on Python's path.
 
-    Files of two folders may each have a neighbour of the same name: each gets its own.
+    Files of two folders may each have a neighbour of the same name: each gets its own. Python
+    writes no bytecode meanwhile: it takes old bytecode for a file that was changed within one
+    second and has kept its size, and then another code would run than the one that is recorded.
     """
     for name, owner in list(_neighbours.items()):
         if owner != folder and _is_beside(folder, name):
@@ -245,9 +247,12 @@ def _importing_from(folder: Path) -> Iterator[None]:
     before = set(sys.modules)
     sys.path.append(str(folder))
     importlib.invalidate_caches()
+    written = sys.dont_write_bytecode
+    sys.dont_write_bytecode = True
     try:
         yield
     finally:
+        sys.dont_write_bytecode = written
         sys.path.remove(str(folder))
         new = set(sys.modules) - before
         _neighbours.update({name: folder for name in new if _is_beside(folder, name)})
