@@ -30,6 +30,13 @@ JUMP = 0.05
 
 DOWN = "down"
 
+JOINTS = (
+    ("hinge_rad", float(np.rad2deg(1.0)), 1.0, "hinge_travel_deg", "hinge_efficiency"),
+    ("slide_m", 1.0, STILL, "slide_travel_m", "slide_efficiency"),
+)
+"""Of hinges and slides: end of the name of the column, unit of the column in that of the travel,
+shortest travel that has an efficiency, and the names of travel and efficiency."""
+
 Values = dict[str, Any]
 
 
@@ -61,6 +68,11 @@ class PlayedTrial:
     def objects(self) -> Values:
         """Path, speed, smoothness and placement of the objects with a goal."""
         return _objects(self.table) if len(self.table) else {}
+
+    @cached_property
+    def joints(self) -> Values:
+        """Travel and efficiency of hinges and slides of the parts with a goal."""
+        return _joints(self.table) if len(self.table) else {}
 
     @cached_property
     def handling(self) -> Values:
@@ -138,6 +150,24 @@ def _objects(table: Columns) -> Values:
     return values
 
 
+def _joints(table: Columns) -> Values:
+    """Travel and efficiency of hinges and slides, over all parts with a goal."""
+    values: Values = {}
+    for column, unit, still, travel, straight in JOINTS:
+        parts: list[Array] = []
+        for name in table.objects():
+            if f"{name}_{column}" in table and f"{name}_goal_x" in table:
+                # A part that is put back is not moved by anybody.
+                back = _put_back(table.numbers(*(f"{name}_{axis}" for axis in "xyz")))
+                parts += np.split(table.numbers(f"{name}_{column}")[:, 0] * unit, back)
+        if parts:
+            length = total(float(np.abs(np.diff(part)).sum()) for part in parts)
+            distance = total(abs(float(part[-1] - part[0])) for part in parts)
+            values[travel] = length
+            values[straight] = distance / length if length >= still else None
+    return values
+
+
 def _move(places: Array, goals: Array) -> Values:
     """Amplitude and endpoint error of an object's movement; empty if its goal moves."""
     if np.ptp(goals, axis=0).max() > STILL:
@@ -148,8 +178,13 @@ def _move(places: Array, goals: Array) -> Values:
 
 def _unbroken(places: Array) -> list[Array]:
     """Splits a path (n, 3) at the moments at which the object was put back."""
+    return np.split(places, _put_back(places))
+
+
+def _put_back(places: Array) -> list[int]:
+    """Rows of a path (n, 3) at which the object was put back."""
     far = np.linalg.norm(np.diff(places, axis=0), axis=1) > JUMP
-    return np.split(places, np.flatnonzero(far) + 1)
+    return (np.flatnonzero(far) + 1).tolist()
 
 
 def _handled(table: Columns, name: str) -> list[tuple[int, int]]:

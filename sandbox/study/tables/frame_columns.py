@@ -60,6 +60,13 @@ FRAMES = (
         POSE_NUMBER,
     ),
     FrameColumn(
+        "OBJECT_hinge_rad",
+        "rad",
+        "position of the hinge of a mechanism's part; turns are counted on beyond a whole one",
+        NUMBER,
+    ),
+    FrameColumn("OBJECT_slide_m", "m", "position of the slide of a mechanism's part", NUMBER),
+    FrameColumn(
         "OBJECT_digits",
         "",
         "digits that push the object: letters t i m r l, and p for the palm; capital letters for a "

@@ -15,6 +15,7 @@ import numpy as np
 
 from models.errors import RecordingError
 from models.frames import FINGERS, TouchFrame
+from models.objects import MechanismPart
 from models.pose import POSE_SIZE
 from models.rotations import matrix_to_quaternion
 from models.skeleton import ADULT
@@ -149,7 +150,7 @@ class FrameTable:
             rotations = matrix_to_quaternion(np.array([view.rotation for view in views]))
             columns |= {f"{name}_{part}": positions[:, i] for i, part in enumerate("xyz")}
             columns |= {f"{name}_q{part}": rotations[:, i] for i, part in enumerate("wxyz")}
-        return columns | self._pushes() | self._goals()
+        return columns | self._joints() | self._pushes() | self._goals()
 
     def _hand(self, hand: int, prefix: str) -> dict[str, Any]:
         """Columns of one hand."""
@@ -166,6 +167,18 @@ class FrameTable:
             **{name: poses[:, i] for i, name in enumerate(POSE_COLUMNS)},
         }
         return {prefix + name: values for name, values in columns.items()}
+
+    def _joints(self) -> dict[str, Any]:
+        """Columns of the positions of hinges and slides, of parts that have one."""
+        if self._session is None:
+            return {}
+        columns: dict[str, Any] = {}
+        for part in self._session.task.objects:
+            if isinstance(part, MechanismPart) and part.joint is not None:
+                at = int(self._session.scene.model.joint(part.name).qposadr[0])
+                column = f"{part.name}_{part.joint.kind}_{part.joint.unit}"
+                columns[column] = np.array([s.qpos[at] for s in self._snapshots])
+        return columns
 
     def _pushes(self) -> dict[str, Any]:
         """Columns of what pushes each object; the cells are empty if it is unknown."""

@@ -13,6 +13,7 @@ import pytest
 
 from models.arithmetic.arrays import Array
 from models.frames import FINGERS
+from models.objects import MechanismPart
 from models.surface import Surface
 from sandbox.devices.simulated.simulated import SimulatedDevice
 from sandbox.session.session import Session
@@ -152,6 +153,31 @@ def test_nothing_is_said_about_pushes_that_are_not_known_nor_about_ways_of_thing
     assert moved["object_path_m"] == 0.0 and moved["object_peak_m_s"] == 0.0
 
 
+def test_a_knob_that_is_turned_there_and_back_has_a_travel_of_both_ways() -> None:
+    still = np.zeros((401, 3))
+    turned = np.concatenate([np.linspace(0.0, 5.0, 301), np.linspace(5.0, 4.0, 101)[1:]])
+    found = measure_trial(
+        table(still, still, still[0], box_hinge_rad=turned, box_slide_m=turned / 100.0),
+        ended(401 * PERIOD),
+    ).values
+    assert found["hinge_travel_deg"] == pytest.approx(np.rad2deg(6.0), abs=0.01)
+    assert found["slide_travel_m"] == pytest.approx(0.06, abs=1e-4)
+    for kind in ("hinge", "slide"):
+        assert found[f"{kind}_efficiency"] == pytest.approx(4.0 / 6.0, abs=1e-3)
+
+
+def test_a_part_that_is_put_back_makes_no_travel_by_that_and_a_still_one_has_no_efficiency() -> (
+    None
+):
+    place, turned = np.zeros((40, 3)), np.full(40, 0.4)
+    place[20:, 0], turned[20:] = 0.2, 0.0
+    columns = table(place, place, place[0], box_hinge_rad=turned)
+    found = measure_trial(columns, ended(40 * PERIOD))
+    assert found.values["hinge_travel_deg"] == 0.0 and found.values["hinge_efficiency"] is None
+    assert found.values["slide_travel_m"] is None
+    assert "parts on slides" in found.reasons["slide_travel_m"]
+
+
 def test_a_hand_that_rises_and_comes_down_elsewhere_goes_straight_there() -> None:
     palm = np.zeros((30, 3))
     palm[10:20, 2] = 0.09
@@ -227,6 +253,31 @@ def test_who_pushes_and_bears_what_agrees_with_the_sensors_at_every_moment(task:
     session, _ = played(task, 25, look)
     assert session.scorer.score.success
     assert min(seen.values()) > 20
+
+
+@pytest.mark.parametrize(
+    ("task", "column", "travel"),
+    [("dial", "hinge_rad", "hinge_travel_deg"), ("chords", "slide_m", "slide_travel_m")],
+)
+def test_the_table_tells_where_every_joint_is_as_tasks_sense_it(
+    task: str, column: str, travel: str
+) -> None:
+    sensed: dict[str, list[float]] = {}
+
+    def look(session: Session) -> None:
+        sensing = Sensing(session.scene, session.data)
+        for part in session.task.objects:
+            if isinstance(part, MechanismPart) and part.joint is not None:
+                sensed.setdefault(part.name, []).append(sensing.joint(part.name).position)
+
+    session, frames = played(task, 3, look)
+    table = Columns.of(frames._frames())
+    assert {f"{part}_{column}" for part in sensed} == {n for n in table.texts if column in n}
+    for part, positions in sensed.items():
+        told = table.numbers(f"{part}_{column}")[:, 0]
+        assert told == pytest.approx(np.array(positions), abs=6e-6)
+    found = measure_trial(table, TrialResult.of(session)).values
+    assert found[travel] > 0.0 and 0.0 < found[f"{column.partition('_')[0]}_efficiency"] <= 1.0
 
 
 def test_measures_of_the_file_are_those_of_the_trial_and_all_of_them_are_in_the_list(
