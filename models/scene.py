@@ -132,6 +132,7 @@ class Scene:
         xml: The whole scene as MJCF text.
         model: The compiled model; belongs to one session, which switches collisions of geoms.
         substeps: Physics steps in one control period.
+        joints: Hinges and slides of mechanisms by the part's name, each with its index in `qpos`.
     """
 
     def __init__(self, spec: SceneSpec) -> None:
@@ -150,6 +151,11 @@ class Scene:
         self.model = mujoco.MjModel.from_xml_string(self.xml)
         names = [o.name for o in spec.objects]
         self.object_bodies = {n: self.model.body(n).id for n in names}
+        self.joints = {
+            part.name: (part.joint, int(self.model.joint(part.name).qposadr[0]))
+            for part in spec.objects
+            if isinstance(part, MechanismPart) and part.joint is not None
+        }
         geom = self.model.geom
         self._geoms = [{link.geom: geom(link.geom).id for link in h.links} for h in spec.hands]
         # The dictionary keeps the last link of every finger.

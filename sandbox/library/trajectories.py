@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from models.arithmetic.arrays import Array
 from models.errors import InputError
 from models.frames import FINGERS
+from models.objects import Joint
 from models.rotations import matrix_to_quaternion
 from models.skeleton import ADULT
 from sandbox.session.messages import HandView, Snapshot
@@ -47,6 +48,19 @@ class ObjectTrajectory:
     def quaternion(self) -> Array:
         """(T, 4) unit quaternions w, x, y, z of `rotation`, with w >= 0."""
         return matrix_to_quaternion(self.rotation)
+
+
+@dataclass(frozen=True)
+class JointTrajectory:
+    """Trajectory of the hinge or slide of a mechanism's part; T control periods.
+
+    Attributes:
+        position: (T,) rad or m; turns are counted on beyond a whole one.
+        joint: Its kind, unit and range.
+    """
+
+    position: Array
+    joint: Joint
 
 
 @dataclass(frozen=True)
@@ -102,6 +116,7 @@ class Trajectories:
         objects: Trajectories by name of the object.
         hands: Trajectories of the hands.
         touches: TouchTable of all hands.
+        joints: Trajectories of hinges and slides by name of the part.
     """
 
     time: Array
@@ -109,6 +124,7 @@ class Trajectories:
     objects: dict[str, ObjectTrajectory]
     hands: tuple[HandTrajectory, ...]
     touches: TouchTable
+    joints: dict[str, JointTrajectory]
 
     def write_csv(self, folder: Path | str) -> tuple[Path, ...]:
         """Writes `objects.csv`, `hands.csv` and `touches.csv`; existing files are replaced.
@@ -144,8 +160,11 @@ class Trajectories:
 
     def _object_rows(self) -> Iterable[Sequence[object]]:
         parts = ("x", "y", "z", "qw", "qx", "qy", "qz")
-        yield ["time_s", "step", *(f"{name}_{part}" for name in self.objects for part in parts)]
+        poses = (f"{name}_{part}" for name in self.objects for part in parts)
+        joints = (f"{n}_{j.joint.kind}_{j.joint.unit}" for n, j in self.joints.items())
+        yield ["time_s", "step", *poses, *joints]
         tables = [np.hstack([o.position, o.quaternion]) for o in self.objects.values()]
+        tables += [joint.position[:, None] for joint in self.joints.values()]
         values = np.hstack(tables) if tables else np.empty((len(self.time), 0))
         for moment, row in zip(self._moments(), values, strict=True):
             yield [*moment, *_digits(row)]
@@ -206,6 +225,10 @@ class TrajectoryView:
             objects,
             tuple(self._of_hand(i) for i in range(len(self._surfaces))),
             self._touches(),
+            {
+                name: JointTrajectory(np.array([s.qpos[at] for s in shots]), joint)
+                for name, (joint, at) in self._scene.joints.items()
+            },
         )
 
     def _of_hand(self, number: int) -> HandTrajectory:

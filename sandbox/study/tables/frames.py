@@ -15,7 +15,6 @@ import numpy as np
 
 from models.errors import RecordingError
 from models.frames import FINGERS, TouchFrame
-from models.objects import MechanismPart
 from models.pose import POSE_SIZE
 from models.rotations import matrix_to_quaternion
 from models.skeleton import ADULT
@@ -172,13 +171,10 @@ class FrameTable:
         """Columns of the positions of hinges and slides, of parts that have one."""
         if self._session is None:
             return {}
-        columns: dict[str, Any] = {}
-        for part in self._session.task.objects:
-            if isinstance(part, MechanismPart) and part.joint is not None:
-                at = int(self._session.scene.model.joint(part.name).qposadr[0])
-                column = f"{part.name}_{part.joint.kind}_{part.joint.unit}"
-                columns[column] = np.array([s.qpos[at] for s in self._snapshots])
-        return columns
+        return {
+            f"{name}_{joint.kind}_{joint.unit}": np.array([s.qpos[at] for s in self._snapshots])
+            for name, (joint, at) in self._session.scene.joints.items()
+        }
 
     def _pushes(self) -> dict[str, Any]:
         """Columns of what pushes each object; the cells are empty if it is unknown."""

@@ -196,3 +196,21 @@ def test_a_recording_that_breaks_off_is_exported_with_a_warning(
     assert load_recording(broken).damage
     with pytest.warns(UserWarning, match="breaks off"):
         export_motion(broken, tmp_path / "hand.csv")
+
+
+def test_the_turn_of_a_knob_is_the_one_that_its_pose_has_and_goes_on_beyond_a_whole_turn(
+    tmp_path: Path,
+) -> None:
+    moved = run_trial("dial", seed=3).trajectories
+    (name,) = moved.joints
+    knob = moved.joints[name]
+    assert (name, knob.joint.kind, knob.joint.unit) == ("dial/knob", "hinge", "rad")
+    turn = moved.objects[name].rotation
+    yaw = np.unwrap(np.arctan2(turn[:, 1, 0], turn[:, 0, 0]))
+    apart = (yaw - yaw[0]) - (knob.position - knob.position[0])
+    # The pose is one physics step older than the joint.
+    assert np.abs(apart).max() < 0.05 and np.ptp(knob.position) > np.deg2rad(200.0)
+    moved.write_csv(tmp_path)
+    with (tmp_path / "objects.csv").open() as file:
+        told = [float(row["dial/knob_hinge_rad"]) for row in csv.DictReader(file)]
+    assert told == pytest.approx(knob.position.tolist(), abs=1e-9)
