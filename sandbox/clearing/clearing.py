@@ -3,6 +3,10 @@
 The touches decide where the touching fingertips are; all else of a hand may be anywhere plausible.
 The encoder's pose is taken as a guess, and of the poses that keep the fingertips and are clear of
 things the likeliest is commanded. Without a thing near, that is the encoder's.
+
+Likely is what is near the encoder's pose, and near the pose before: where no pose is clear, what
+leads the hand changes from step to step, and without the second the hand would tremble. As the
+correction may go on from where it is, it ends where it would without.
 """
 
 from __future__ import annotations
@@ -43,6 +47,9 @@ clear."""
 BEND, SWAY, MOVE, TILT = 0.35, 0.12, 0.02, 0.12
 """rad of a joint's flexion, rad of its two other components, m and rad of the palm: how far each is
 likely to be from the encoder's pose (standard deviations)."""
+STEADY = 0.17
+"""The same deviations around the correction before, as a share of those around the encoder's
+pose."""
 TIP_SIGMA = 0.0002
 """m, how exactly fingertips stay where they are."""
 CLEAR_SIGMA = 0.0005
@@ -56,7 +63,7 @@ FAR = 0.02
 SLOW = 0.02
 """m/s, below which a hand does not look ahead."""
 
-TAU = 0.03
+TAU = 0.02
 """s, time constant with which the correction follows."""
 SPEED = 6.0
 """rad/s (and a tenth of it, m/s), largest speed of the correction."""
@@ -94,7 +101,11 @@ class Clearing:
         self._kinematics: dict[tuple[int, ...], OnePose] = {}
         self._held: dict[tuple[int, ...], NDArray[np.int64]] = {}
         self._own = scene.qpos_slice(hand)
-        self._variance = _variance()
+        # Of two normal distributions, around no correction and around the one before: the part of
+        # the one before that is likeliest, and the variance around it.
+        self._part = 1.0 / (1.0 + STEADY * STEADY)
+        self._variance = STEADY * STEADY * self._part * _variance()
+        self._share = -expm1(-CONTROL_PERIOD / TAU)
         self._up = surface.rotation[:, 2].copy()
         self._low, self._high = skeleton.lower, skeleton.upper
         model = scene.model
@@ -136,7 +147,9 @@ class Clearing:
         self.offset = self._towards(wanted)
         if self.offset is None:
             return reconstruction
-        return reconstruction.with_pose(reconstruction.q + self.offset)
+        q = reconstruction.q + self.offset
+        q[JOINTS] = np.minimum(np.maximum(q[JOINTS], self._low), self._high)
+        return reconstruction.with_pose(q)
 
     def _towards(self, wanted: Array | None) -> Array | None:
         """The next correction on the way to the wanted one; None is none."""
@@ -144,7 +157,7 @@ class Clearing:
             return None
         now = np.zeros(POSE_SIZE) if self.offset is None else self.offset
         goal = np.zeros(POSE_SIZE) if wanted is None else wanted
-        step = _SHARE * (goal - now)
+        step = self._share * (goal - now)
         sizes = np.abs(step)
         sizes[ROOT_POSITION] *= 10.0
         fastest = float(sizes.max()) / (SPEED * CONTROL_PERIOD)
@@ -269,6 +282,8 @@ class Clearing:
         """The likeliest correction (48,) whose tips stay, and whose margins are kept; and the
         margins that lead it, by their places behind the tips' rows.
 
+        Without tips and margins, the likeliest is a part of the correction before.
+
         An active-set search: a margin that would draw a part towards a thing is dropped, the
         one of those dropped that the rest keeps least comes back, and a joint that would leave
         its range is held at its end.
@@ -280,7 +295,7 @@ class Clearing:
             q0: (48,) legal pose without the correction.
         """
         variance = self._variance.copy()
-        held = np.zeros(POSE_SIZE)
+        held = np.zeros(POSE_SIZE) if self.offset is None else self._part * self.offset
         low, high = self._low - q0[JOINTS], self._high - q0[JOINTS]
         noise = np.full(len(r), CLEAR_SIGMA**2)
         noise[:exact] = TIP_SIGMA**2
@@ -318,9 +333,6 @@ class Clearing:
             variance[rows] = 0.0
             moved = True
         return offset, [row - exact for row in keep[exact:]]
-
-
-_SHARE = -expm1(-CONTROL_PERIOD / TAU)
 
 
 def _joints_of(skeleton: Skeleton, fingers: tuple[int, ...]) -> NDArray[np.int64]:

@@ -242,6 +242,12 @@ class Session:
         """Labels of a hand's fingers that can collide now."""
         return self._gates[hand].solid
 
+    def correction(self, hand: int) -> Array | None:
+        """(48,) m and rad, what is added to a hand's pose to keep it clear of things; None where
+        nothing is."""
+        clearing = self._clearing[hand]
+        return None if clearing is None else clearing.offset
+
     def heard(self, hand: int) -> Frame:
         """The latest frame of a hand's device, stamped with session time."""
         return self._latest_frames[hand].frame
