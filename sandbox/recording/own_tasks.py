@@ -11,7 +11,7 @@ from collections.abc import Iterable
 from hashlib import blake2b
 
 from models.errors import InputError
-from models.outside import files_beside, loaded_from
+from models.outside import files_of, loaded_from
 from models.scene import SceneSpec, scene_xml
 from models.surface import Surface
 from sandbox.recording.source_digest import package_digest, source_digest
@@ -37,7 +37,7 @@ def _digest(kind: type[Task]) -> str:
     if file is None:
         code = package_digest(kind.__module__)
     else:
-        code = source_digest(sorted({file, *files_beside(file.parent)}), file.parent)
+        code = source_digest(files_of(file), file.parent)
     return blake2b(f"{code}\n{_scene(kind)}".encode(), digest_size=8).hexdigest()
 
 
