@@ -17,7 +17,7 @@ from types import ModuleType
 from typing import Any
 
 from models.errors import InputError
-from models.outside import OutsideKind, Place, place_in
+from models.outside import OutsideKind, Place, load_file, place_in
 from tasks.task import Task, TaskDefaults
 
 OUTSIDE = OutsideKind("task", "hand_sandbox.tasks", InputError)
@@ -72,6 +72,16 @@ def place_file(text: str) -> Path | None:
     """Absolute path of the file of a place; None for a module."""
     place = _place(text)
     return place.file if place else None
+
+
+def place_member(text: str) -> str:
+    """Name of the class in the file of a place, whose task has been loaded.
+
+    It may be another than the class has itself, as that of a class which a function has made.
+    """
+    place = _place(text)
+    assert place is not None and place.file is not None
+    return place.member or _tasks_in(load_file(place.file))[0]
 
 
 def _place(text: str) -> Place | None:

@@ -60,7 +60,7 @@ def task_origin(name: str, seed: int, surface: Surface) -> dict[str, Any]:
         surface: The touch rectangle, which need not be placed.
     """
     source = origin(name)
-    return {**source, "files": task_files(find_task(name), seed, surface)} if source else {}
+    return {**source, "files": task_files(name, seed, surface)} if source else {}
 
 
 def task_change(header: dict[str, Any], name: str, seed: int, surface: Surface) -> str:
@@ -80,9 +80,8 @@ def task_change(header: dict[str, Any], name: str, seed: int, surface: Surface) 
     there = source.get("files") if isinstance(source, dict) else None
     if not isinstance(source, dict) or not isinstance(there, dict):
         return ""
-    kind = find_task(name)
-    here = task_files(kind, seed, surface)
-    changed = sorted(name for name in here.keys() & there.keys() if here[name] != there[name])
+    here = task_files(name, seed, surface)
+    changed = sorted(file for file in here.keys() & there.keys() if here[file] != there[file])
     # A task whose code has changed may read other descriptions, or fail before it reads any.
     changed = changed or sorted(here.keys() ^ there.keys())
     if not changed:
@@ -92,4 +91,6 @@ def task_change(header: dict[str, Any], name: str, seed: int, surface: Surface) 
     remedy = f"Put the old {files} back"
     if source.get("version") != origin(name).get("version"):
         remedy = how_to_get(source)
-    return f"the task {kind.name} has changed since it was recorded, in {files}. {remedy}"
+    return (
+        f"the task {find_task(name).name} has changed since it was recorded, in {files}. {remedy}"
+    )

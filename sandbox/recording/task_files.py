@@ -20,16 +20,16 @@ from models.objects import MechanismPart
 from models.outside import files_of, loaded_from
 from models.surface import Surface
 from sandbox.recording.source_digest import bytes_digest, package_digest
-from tasks.discovery import OUTSIDE
-from tasks.registry import is_built_in
+from tasks.discovery import OUTSIDE, place_file
+from tasks.registry import find_task, is_built_in
 from tasks.task import Task
 
 
-def task_files(kind: type[Task], seed: int, surface: Surface) -> dict[str, str]:
+def task_files(name: str, seed: int, surface: Surface) -> dict[str, str]:
     """Digests of the files that a trial of a task consists of; empty for a built-in task.
 
     Args:
-        kind: The task.
+        name: Name of the task, or its place.
         seed: Seed of the trial: the things that a task places may differ between seeds.
         surface: The touch rectangle, which need not be placed.
 
@@ -38,19 +38,31 @@ def task_files(kind: type[Task], seed: int, surface: Surface) -> dict[str, str]:
         it has imported from beside itself, of MJCF files and their meshes. All modules of a package
         are one entry, with the package's name.
     """
+    kind = find_task(name)
     if is_built_in(kind):
         return {}
-    code, folder = _code(kind)
+    code, folder = _code(kind, code_file(name, kind))
     return {**code, **_named(_descriptions(kind, seed, surface), folder)}
 
 
+def code_file(name: str, kind: type[Task]) -> Path | None:
+    """The file that a task was loaded from; None for a task of a package.
+
+    A file may also have a task that it imports from beside itself: both files take part.
+
+    Args:
+        name: Name of the task, or its place.
+        kind: The task.
+    """
+    return place_file(name) or loaded_from(kind.__module__)
+
+
 @cache
-def _code(kind: type[Task]) -> tuple[dict[str, str], Path]:
+def _code(kind: type[Task], file: Path | None) -> tuple[dict[str, str], Path]:
     """Digests of a task's code, and the folder that names are relative to.
 
     They are taken once: a file that is edited later is not loaded again.
     """
-    file = loaded_from(kind.__module__)
     if file is not None:
         return _named(files_of(file), file.parent), file.parent
     module = sys.modules[kind.__module__]

@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 
-from models.outside import files_of
+from models.outside import files_of, place_of
 from models.surface import Surface
 from sandbox import replay_recording
 from sandbox.cli.main import main
@@ -20,7 +20,7 @@ from sandbox.recording.recording import load_recording
 from sandbox.recording.task_files import task_files
 from sandbox.trial.driver import trial_header
 from sandbox.trial.settings import RunSettings
-from tasks.registry import TASKS, find_task
+from tasks.registry import find_task
 
 SURFACE = Surface()
 TASK = """
@@ -112,7 +112,7 @@ def test_a_header_has_digests_of_all_files_of_its_own_task_and_none_of_a_built_i
     names = {"push.py", "limits.py", "mug.xml", "handle.xml", "shapes/mug.obj"}
     assert set(header["task_from"]["files"]) == names
     assert "task_from" not in trial_header(RunSettings(task="box-to-goal"))
-    assert all(task_files(TASKS[name], 0, SURFACE) == {} for name in ("dial", "box-to-goal"))
+    assert all(task_files(name, 0, SURFACE) == {} for name in ("dial", "box-to-goal"))
 
 
 def test_a_replay_says_in_one_line_that_its_task_has_changed_and_what_to_put_back(
@@ -195,6 +195,16 @@ def test_files_of_a_task_do_not_depend_on_what_else_was_loaded_from_its_folder(l
     assert names == own
     first = {file.relative_to(lab).as_posix() for file in files_of(lab / "first.py")}
     assert first == own - {"push.py"} | {"first.py", "parts/other.py"}
+
+
+def test_a_class_that_a_file_imports_from_beside_itself_has_the_files_of_both(lab: Path) -> None:
+    (lab / "both.py").write_text("from push import Push\nMade = type('Other', (Push,), {})\n")
+    own = {"push.py", "limits.py", "mug.xml", "handle.xml", "shapes/mug.obj"}
+    for member in ("Push", "Made"):
+        source = task_origin(f"{lab / 'both.py'}:{member}", 0, SURFACE)
+        assert set(source["files"]) == own | {"both.py"}
+        # By this name it is found again, whatever the class calls itself.
+        assert source["member"] == member and find_task(place_of(source)).name == "lab-push"
 
 
 def test_the_change_of_a_package_names_the_package_and_its_recorded_version() -> None:
