@@ -144,6 +144,7 @@ class OutsideKind:
                     where=place.source,
                     got=listed,
                     expected=f"one {self.noun}, or {Path(place.source).name}:CLASS",
+                    remedy=None if names else self._at_the_top,
                 )
             member = names[0]
         with self.guarded(str(place)):
@@ -153,9 +154,18 @@ class OutsideKind:
                 "the module has nothing of this name",
                 where=str(place),
                 got=member,
-                expected=listed if names_in else None,
+                expected=listed if names else None,
+                remedy=self._at_the_top if names_in and not names else None,
             )
         return Loaded(thing, str(place))
+
+    @property
+    def _at_the_top(self) -> str:
+        """The next step for whoever named a file that defines none of this kind."""
+        return (
+            f"Define the {self.noun} as a class at the top of the file; one that is imported or "
+            "made by a function there is named as FILE.py:NAME"
+        )
 
     @contextmanager
     def guarded(self, where: str, what: str = "") -> Iterator[None]:

@@ -56,6 +56,26 @@ def is_place(text: str) -> bool:
     return _place(text) is not None
 
 
+def check_member(text: str) -> None:
+    """Raises an error for a place whose class is not at the top of its file or module.
+
+    Raises:
+        InputError: It is inside another class or a function.
+    """
+    source, _, member = text.partition(":")
+    parts = member.replace(".<locals>", "").split(".")
+    if len(parts) > 1 and all(part.isidentifier() for part in parts):
+        raise InputError(
+            "a task inside a class or a function cannot be loaded",
+            where=source,
+            got=member,
+            expected="a class at the top of its file or module",
+            remedy=f"Name it there: {parts[-1]} = {'.'.join(parts)}"
+            if "<locals>" not in member
+            else "Move it there, or give it a name there",
+        )
+
+
 def load_place(text: str) -> type[Task]:
     """Loads the task at a place; see `is_place`.
 
