@@ -13,6 +13,7 @@ from functools import cached_property
 from math import cos, sin
 from pathlib import Path
 from typing import Any
+from xml.etree import ElementTree
 from xml.etree.ElementTree import Element, SubElement
 
 import mujoco
@@ -422,6 +423,50 @@ def read_mjcf(mjcf: str | Path, kind: str) -> Any:
             remedy=f"For a file beside the task's, write {beside}",
         )
     return mujoco.MjSpec.from_file(str(mjcf))
+
+
+def described_files(mjcf: str | Path) -> list[Path]:
+    """Files that a description consists of: its own, those that it includes, and its meshes.
+
+    Textures are left out, as they are out of objects.
+
+    Args:
+        mjcf: A whole description, or the path of a file, relative to the current folder.
+    """
+    found: list[Path] = []
+    _find_files(mjcf, [_folder(mjcf)], found)
+    return found
+
+
+def _find_files(mjcf: str | Path, folders: list[Path], found: list[Path]) -> None:
+    """Adds a description's files to those that were found; what is missing is left out.
+
+    Args:
+        mjcf: A description.
+        folders: Folders that the names in it may be relative to; those that it names are added.
+        found: Files that were found so far.
+    """
+    if _is_file(mjcf):
+        file = Path.cwd() / mjcf
+        if file in found or not file.is_file():
+            return
+        found.append(file)
+    try:
+        root = ElementTree.fromstring(file.read_bytes() if _is_file(mjcf) else str(mjcf))
+    except (ElementTree.ParseError, LookupError, ValueError):
+        # MuJoCo refuses it with the line, where it is used.
+        return
+    for compiler in root.iter("compiler"):
+        named = (compiler.get("meshdir"), compiler.get("assetdir"))
+        folders += [folders[0] / name for name in named if name]
+    for element in root.iter():
+        name = element.get("file")
+        if name and element.tag != "texture":
+            for place in [folder / name for folder in folders]:
+                if element.tag == "include":
+                    _find_files(place, folders, found)
+                elif place.is_file() and place not in found:
+                    found.append(place)
 
 
 def _part(starts: Any, counts: Any, i: int) -> slice:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
 from math import cos, sin
+from pathlib import Path
 from typing import ClassVar, Protocol
 from xml.etree.ElementTree import Element, SubElement
 
@@ -95,6 +96,11 @@ class MechanismPart(ABC):
     @abstractmethod
     def yaw(self) -> float:
         """rad about the vertical, of its x axis at the start."""
+
+    @property
+    @abstractmethod
+    def mjcf(self) -> str | Path:
+        """Description of its mechanism: MJCF, or the path of a file."""
 
     @property
     @abstractmethod

@@ -6,6 +6,7 @@ code runs only when it is asked for. Its errors are shortened to one line.
 
 from __future__ import annotations
 
+import ast
 import importlib
 import importlib.util
 import re
@@ -143,6 +144,7 @@ class OutsideKind:
                     where=place.source,
                     got=listed,
                     expected=f"one {self.noun}, or {Path(place.source).name}:CLASS",
+                    remedy=None if names else self._at_the_top,
                 )
             member = names[0]
         with self.guarded(str(place)):
@@ -152,9 +154,18 @@ class OutsideKind:
                 "the module has nothing of this name",
                 where=str(place),
                 got=member,
-                expected=listed if names_in else None,
+                expected=listed if names else None,
+                remedy=self._at_the_top if names_in and not names else None,
             )
         return Loaded(thing, str(place))
+
+    @property
+    def _at_the_top(self) -> str:
+        """The next step for whoever named a file that defines none of this kind."""
+        return (
+            f"Define the {self.noun} as a class at the top of the file; one that is imported or "
+            "made by a function there is named as FILE.py:NAME"
+        )
 
     @contextmanager
     def guarded(self, where: str, what: str = "") -> Iterator[None]:
@@ -231,10 +242,15 @@ _FILES: dict[str, Path] = {}
 _neighbours: dict[str, Path] = {}
 """Modules that loaded files have imported from their own folders, and that folder."""
 
+_parts: dict[Path, tuple[Path, ...]] = {}
+"""File that `load_file` has loaded -> files of the modules beside it that take part in it."""
+
 
 @contextmanager
-def _importing_from(folder: Path) -> Iterator[None]:
+def _importing_from(folder: Path) -> Iterator[set[str]]:
     """Lets `import NAME` find NAME.py in a folder, after everything else on Python's path.
+
+    Gives a set, which has the names of the folder's modules that were imported, once that is done.
 
     Files of two folders may each have a neighbour of the same name: each gets its own. Python
     writes no bytecode meanwhile: it takes old bytecode for a file that was changed within one
@@ -249,13 +265,15 @@ def _importing_from(folder: Path) -> Iterator[None]:
     importlib.invalidate_caches()
     written = sys.dont_write_bytecode
     sys.dont_write_bytecode = True
+    imported: set[str] = set()
     try:
-        yield
+        yield imported
     finally:
         sys.dont_write_bytecode = written
         sys.path.remove(str(folder))
         new = set(sys.modules) - before
-        _neighbours.update({name: folder for name in new if _is_beside(folder, name)})
+        imported.update(name for name in new if _is_beside(folder, name))
+        _neighbours.update(dict.fromkeys(imported, folder))
 
 
 def _is_beside(folder: Path, name: str) -> bool:
@@ -264,11 +282,55 @@ def _is_beside(folder: Path, name: str) -> bool:
     return top.with_suffix(".py").is_file() or (top / "__init__.py").is_file()
 
 
-def files_beside(folder: Path) -> list[Path]:
-    """Files of the modules in a folder that loaded files beside them have imported."""
-    modules = [sys.modules.get(name) for name, owner in _neighbours.items() if owner == folder]
-    files = [module.__file__ for module in modules if module is not None and module.__file__]
-    return sorted(map(Path, files))
+def files_of(file: Path) -> list[Path]:
+    """A loaded file, and those of the modules beside it that it has imported, in order.
+
+    Which other files of the folder were loaded makes no difference.
+
+    Args:
+        file: Absolute, of a file that `load_file` has loaded, or of a script.
+    """
+    return sorted({file, *_parts.get(file, ())})
+
+
+def _taking_part(file: Path, imported: set[str]) -> tuple[Path, ...]:
+    """Files of the modules beside a file that it has imported, or that another file has before."""
+    folder = file.parent
+    names, looked = set(imported), set[str]()
+    waiting = [*_names_imported(file, ""), *imported]
+    while waiting:
+        name = waiting.pop()
+        module = sys.modules.get(name)
+        if name in looked or _neighbours.get(name) != folder or module is None:
+            continue
+        looked.add(name)
+        names.add(name)
+        if module.__file__ and module.__file__.endswith(".py"):
+            waiting += _names_imported(Path(module.__file__), module.__package__ or "")
+    modules = [sys.modules.get(name) for name in names]
+    return tuple(Path(m.__file__) for m in modules if m is not None and m.__file__)
+
+
+def _names_imported(file: Path, package: str) -> set[str]:
+    """Names of modules that the import statements of a file may mean, wherever they are in it.
+
+    Args:
+        file: A Python file.
+        package: Name of its package, for relative imports; empty without one.
+    """
+    names: set[str] = set()
+    for node in ast.walk(ast.parse(file.read_bytes())):
+        if isinstance(node, ast.Import):
+            names.update(alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            parents = package.split(".")[: package.count(".") + 2 - node.level]
+            base = ".".join([*(parents if node.level else []), *filter(None, [node.module])])
+            names.add(base)
+            names.update(f"{base}.{alias.name}" for alias in node.names)
+    # A package runs before its modules do.
+    return {
+        ".".join(name.split(".")[: i + 1]) for name in names for i in range(name.count(".") + 1)
+    }
 
 
 @cache
@@ -288,8 +350,9 @@ def load_file(path: Path) -> ModuleType:
     module = importlib.util.module_from_spec(spec)
     sys.modules[name] = module
     try:
-        with _importing_from(path.parent):
+        with _importing_from(path.parent) as imported:
             spec.loader.exec_module(module)
+        _parts[path] = _taking_part(path, imported)
     except BaseException:
         del sys.modules[name]
         raise

@@ -17,7 +17,7 @@ from types import ModuleType
 from typing import Any
 
 from models.errors import InputError
-from models.outside import OutsideKind, Place, place_in
+from models.outside import OutsideKind, Place, load_file, place_in
 from tasks.task import Task, TaskDefaults
 
 OUTSIDE = OutsideKind("task", "hand_sandbox.tasks", InputError)
@@ -56,6 +56,26 @@ def is_place(text: str) -> bool:
     return _place(text) is not None
 
 
+def check_member(text: str) -> None:
+    """Raises an error for a place whose class is not at the top of its file or module.
+
+    Raises:
+        InputError: It is inside another class or a function.
+    """
+    source, _, member = text.partition(":")
+    parts = member.replace(".<locals>", "").split(".")
+    if len(parts) > 1 and all(part.isidentifier() for part in parts):
+        raise InputError(
+            "a task inside a class or a function cannot be loaded",
+            where=source,
+            got=member,
+            expected="a class at the top of its file or module",
+            remedy=f"Name it there: {parts[-1]} = {'.'.join(parts)}"
+            if "<locals>" not in member
+            else "Move it there, or give it a name there",
+        )
+
+
 def load_place(text: str) -> type[Task]:
     """Loads the task at a place; see `is_place`.
 
@@ -72,6 +92,16 @@ def place_file(text: str) -> Path | None:
     """Absolute path of the file of a place; None for a module."""
     place = _place(text)
     return place.file if place else None
+
+
+def place_member(text: str) -> str:
+    """Name of the class in the file of a place, whose task has been loaded.
+
+    It may be another than the class has itself, as that of a class which a function has made.
+    """
+    place = _place(text)
+    assert place is not None and place.file is not None
+    return place.member or _tasks_in(load_file(place.file))[0]
 
 
 def _place(text: str) -> Place | None:

@@ -13,7 +13,15 @@ from models.surface import Surface
 from tasks.box_to_goal import BoxToGoal
 from tasks.carry_together import CarryTogether
 from tasks.checks import check_names, check_places, check_repeatable, check_values
-from tasks.discovery import is_place, load_offered, load_place, offered, place_file
+from tasks.discovery import (
+    check_member,
+    is_place,
+    load_offered,
+    load_place,
+    offered,
+    place_file,
+    place_member,
+)
 from tasks.stack import Stack, StackThree
 from tasks.stack_vertical import StackVertical
 from tasks.task import Task
@@ -56,6 +64,7 @@ def find_task(name: str) -> type[Task]:
     if name in TASKS:
         return TASKS[name]
     if not is_place(name):
+        check_member(name)
         task = load_offered(name)
         if task is None:
             names = task_names()
@@ -157,7 +166,7 @@ def origin(name: str) -> dict[str, Any]:
         return {}
     file = place_file(name)
     if file is not None:
-        return {"file": str(file), "member": kind.__qualname__, "task_version": kind.version}
+        return {"file": str(file), "member": place_member(name), "task_version": kind.version}
     source = {
         "entry_point": f"{kind.__module__}:{kind.__qualname__}",
         "task_version": kind.version,

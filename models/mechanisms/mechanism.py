@@ -211,6 +211,11 @@ class Part(MechanismPart):
         rotation = self._start[1]
         return atan2(rotation[1, 0], rotation[0, 0])
 
+    @property
+    def mjcf(self) -> str | Path:
+        """Description of its mechanism."""
+        return self.mechanism.mjcf
+
     @cached_property
     def carrier(self) -> str | None:
         """Name of the part that carries it; None for the first body."""

@@ -204,6 +204,10 @@ def _data_set(options: ExportOptions, console: Console, errors: Console) -> int:
             markup=False,
             style="yellow",
         )
+    if exported.changed:
+        others = len(exported.changed) - 1
+        more = f" (and of {others} more recordings)" if others else ""
+        errors.print(exported.changed[0] + more, soft_wrap=True, markup=False, style="yellow")
     console.print(
         f"{exported.where}: {exported.episodes:,} demonstrations of {exported.steps:,} steps, "
         f"{exported.successes:,} successful, {exported.simulated:,} by a simulated user",

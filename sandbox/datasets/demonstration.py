@@ -16,6 +16,7 @@ from models.frames import Contact, TouchFrame
 from models.scene import CONTROL_PERIOD
 from sandbox.datasets.slots import Touch, actions_of, named, slots_of, touches_of
 from sandbox.gym.learning.environment import LearningEnv
+from sandbox.recording.recorded_task import task_change
 from sandbox.recording.recording import Recording, load_recording
 from sandbox.trial.replay import settings_of
 from tasks.registry import find_task
@@ -100,6 +101,16 @@ def environment_options(recording: Recording, observe: Sequence[str]) -> dict[st
         "reward": "progress",
         "settings": settings,
     }
+
+
+def changed_task(recording: Recording) -> str:
+    """What has changed in a recording's own task since it was recorded, in a line; else empty.
+
+    Raises:
+        RecordingError: Its task, encoder or robot is not on this machine.
+    """
+    settings = settings_of(recording)
+    return task_change(recording.header, settings.task, settings.seed, settings.surface)
 
 
 def demonstrate(recording: Recording, env: LearningEnv) -> Demonstration:

@@ -10,6 +10,7 @@ from typing import Any
 from models.errors import InputError
 from sandbox.datasets.demonstration import (
     Demonstration,
+    changed_task,
     check_equal,
     demonstrate,
     environment_options,
@@ -28,6 +29,7 @@ class Exported:
         where: Places of the data set, for people.
         episodes, steps, successes, simulated: Counts.
         differing: Recordings whose states are not those of the environment.
+        changed: Recordings whose own task has changed since, each with what to do.
     """
 
     where: str = ""
@@ -36,6 +38,7 @@ class Exported:
     successes: int = 0
     simulated: int = 0
     differing: list[str] = field(default_factory=list)
+    changed: list[str] = field(default_factory=list)
 
 
 def export_data_set(
@@ -91,7 +94,8 @@ def export_data_set(
         learning = env.unwrapped
         assert isinstance(learning, LearningEnv)
         for number, file in enumerate(files, start=1):
-            one = demonstrate(open_demonstration(file), learning)
+            recording = open_demonstration(file)
+            one = demonstrate(recording, learning)
             done(number)
             if successes_only and not one.success:
                 continue
@@ -101,6 +105,9 @@ def export_data_set(
             exported.simulated += bool(one.about["simulated"])
             if not one.about["same_states_as_recorded"]:
                 exported.differing.append(str(file))
+            changed = changed_task(recording)
+            if changed:
+                exported.changed.append(f"{file}: {changed}")
             yield one
 
     some = _not_empty(played(), files)

@@ -185,9 +185,10 @@ def _commanded(path: Path) -> MotionSource:
             return [show]
 
         _, verification = replay(recording, views)
-        if verification.exact:
-            return recording.damage
-        return "the replay differs from the recording, so the commanded poses may differ, too"
+        said = [recording.damage, verification.task_change]
+        if not verification.exact:
+            said.append("the replay differs from the recording, so the commanded poses may, too")
+        return "; ".join(filter(None, said))
 
     return MotionSource(armatures, names, duration, "the commanded pose", run)
 

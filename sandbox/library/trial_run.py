@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass, field, fields
@@ -142,6 +143,9 @@ def replay_recording(
     Returns:
         The run; `verification.exact` is True if all states were equal.
 
+    Warns:
+        UserWarning: The recording's own task has changed since it was recorded.
+
     Raises:
         RecordingError: The file is not a recording, or cannot be played with this installation.
         GraphicsError: A film or pictures are asked for and this machine has no OpenGL.
@@ -151,6 +155,8 @@ def replay_recording(
     with _Views(film, pictures, trajectories, caption) as views, threadpool_limits(1):
         session, verification = replay(recording, views.make)
         session.close()
+    if verification.task_change:
+        warnings.warn(verification.task_change, UserWarning, stacklevel=2)
     return views.run(verification=verification)
 
 

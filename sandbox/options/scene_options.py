@@ -7,6 +7,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from rich.console import Console
+from rich.text import Text
+
 from encoders.person.rest_posture import load_rest
 from encoders.regression.trained import POPULATION
 from models.errors import InputError
@@ -46,7 +49,7 @@ from sandbox.options.webcam_devices import (
     with_webcam_hands,
 )
 from sandbox.recording.recorded_device import RecordedDevice
-from sandbox.recording.recorded_task import recorded_task
+from sandbox.recording.recorded_task import recorded_task, task_change
 from sandbox.recording.recording import Recording, is_recording, load_recording
 from sandbox.server.web import WebDevice
 from sandbox.session.device import Device
@@ -275,6 +278,10 @@ def _settings(options: SceneOptions, recording: Recording | None) -> RunSettings
             task=recorded_task(header, where),
             encoder=recorded_encoder(header, where),
         )
+        changed = task_change(header, base.task, base.seed, base.surface)
+        if changed:
+            line = Text(f"{where}: {changed}", style="yellow")
+            Console(stderr=True).print(line, soft_wrap=True)
     else:
         base = RunSettings(task=options.task)
     base = replace(base, seed=base.seed if options.seed is None else options.seed)

@@ -9,12 +9,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from hashlib import blake2b
+from pathlib import Path
 
 from models.errors import InputError
-from models.outside import files_beside, loaded_from
+from models.outside import files_of
 from models.scene import SceneSpec, scene_xml
 from models.surface import Surface
 from sandbox.recording.source_digest import package_digest, source_digest
+from sandbox.recording.task_files import code_file
 from tasks.registry import draw_task, find_task, is_built_in
 from tasks.task import Task
 
@@ -28,16 +30,19 @@ def own_tasks(names: Iterable[str]) -> dict[str, str]:
     Raises:
         InputError: No task has this name, or it cannot be used.
     """
-    kinds = [find_task(name) for name in names]
-    return {kind.name: _digest(kind) for kind in kinds if not is_built_in(kind)}
+    kinds = {name: find_task(name) for name in names}
+    return {
+        kind.name: _digest(kind, code_file(name, kind))
+        for name, kind in kinds.items()
+        if not is_built_in(kind)
+    }
 
 
-def _digest(kind: type[Task]) -> str:
-    file = loaded_from(kind.__module__)
+def _digest(kind: type[Task], file: Path | None) -> str:
     if file is None:
         code = package_digest(kind.__module__)
     else:
-        code = source_digest(sorted({file, *files_beside(file.parent)}), file.parent)
+        code = source_digest(files_of(file), file.parent)
     return blake2b(f"{code}\n{_scene(kind)}".encode(), digest_size=8).hexdigest()
 
 

@@ -37,6 +37,11 @@ def source_digest(files: Iterable[Path], root: Path) -> str:
     return digest.hexdigest()
 
 
+def bytes_digest(file: Path) -> str:
+    """Digest of what is in a file, whatever its name."""
+    return blake2b(file.read_bytes(), digest_size=8).hexdigest()
+
+
 @cache
 def package_digest(module: str) -> str:
     """Digest of the outermost package of a loaded module, or of the module alone; empty without a

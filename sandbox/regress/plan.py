@@ -82,9 +82,19 @@ class RegressionPlan:
         )
         if unknown:
             raise InputError("no such option of a trial", got=", ".join(sorted(unknown)))
+        named: dict[str, tuple[str, type[Task]]] = {}
         for job in self.jobs()[: len(self.tasks)]:
             with registered(job.own_task):
-                find_task(job.task)
+                kind = find_task(job.task)
+            place, first = named.setdefault(kind.name, (job.task, kind))
+            if first is not kind:
+                # Their trials would be counted as those of one task.
+                raise InputError(
+                    "another of the tasks has the same name",
+                    where=job.task,
+                    got=kind.name,
+                    remedy=f"Give it a name of its own, or leave out {place}",
+                )
 
     @property
     def names(self) -> tuple[str, ...]:

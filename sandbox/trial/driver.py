@@ -17,6 +17,7 @@ from threadpoolctl import threadpool_limits
 
 from encoders.regression.registry import origin as encoder_origin
 from models.errors import DivergenceError
+from sandbox.recording.recorded_task import task_origin
 from sandbox.recording.versions import versions
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
@@ -26,7 +27,6 @@ from sandbox.trial.pacing import Pace
 from sandbox.trial.result import TrialResult
 from sandbox.trial.settings import RunSettings
 from sandbox.trial.trial_recorder import TrialRecorder
-from tasks.registry import origin
 
 View = Callable[[Snapshot], None]
 """Receives every snapshot of a trial, in order."""
@@ -179,7 +179,8 @@ def undisturbed() -> Iterator[None]:
 
 def trial_header(settings: RunSettings, about: dict[str, Any] | None = None) -> dict[str, Any]:
     """The header of a recording: everything needed to run the trial again."""
-    task_from, encoder_from = origin(settings.task), encoder_origin(settings.encoder)
+    task_from = task_origin(settings.task, settings.seed, settings.surface)
+    encoder_from = encoder_origin(settings.encoder)
     return {
         "settings": settings.as_json(),
         "encoder": settings.encoder,

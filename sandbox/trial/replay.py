@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from models.errors import RecordingError
+from models.errors import InputError, RecordingError
 from sandbox.recording.agreement import Agreement, PoseComparison
 from sandbox.recording.recorded_device import RecordedDevice
-from sandbox.recording.recorded_task import recorded_task
+from sandbox.recording.recorded_task import recorded_task, task_change
 from sandbox.recording.recording import Recording
 from sandbox.recording.versions import decisive_differences
 from sandbox.session.messages import Snapshot
@@ -33,6 +33,8 @@ class Verification:
         shown_recorded: Views were shown the recorded poses, not those simulated here.
         diverged: Reason of a divergence in the replay; empty without one.
         agreement: The second verdict, where states differ and the recording has poses.
+        task_change: What has changed in the recording's own task since it was recorded, and what
+            to do, in a line; empty where nothing has, and where the recording does not tell.
     """
 
     compared: int
@@ -42,6 +44,7 @@ class Verification:
     shown_recorded: bool = False
     diverged: str = ""
     agreement: Agreement | None = None
+    task_change: str = ""
 
     @property
     def same_machine(self) -> bool:
@@ -100,9 +103,20 @@ def replay(recording: Recording, make_views: ViewMaker = no_views) -> tuple[Sess
 
     Equal states are promised where nothing that states depend on differs. Elsewhere the recording
     is simulated and compared too, but views are shown the recorded poses.
+
+    Raises:
+        RecordingError: See `settings_of`; or its own task has changed, and cannot be played any
+            more.
     """
     settings = settings_of(recording)
-    session = build(settings, recorded_hands(recording, len(settings.hands)))
+    changed = task_change(recording.header, settings.task, settings.seed, settings.surface)
+    try:
+        session = build(settings, recorded_hands(recording, len(settings.hands)))
+    except InputError as error:
+        if not changed:
+            raise
+        # Only the kind of failure: what this says goes into tables, which are shared.
+        raise RecordingError(changed, where=str(recording.path), got=error.what) from error
     differs_in = tuple(decisive_differences(recording.header["versions"]))
     kept = bool(recording.track.qpos)
     poses = RecordedPoses(session, recording) if kept and differs_in else None
@@ -136,4 +150,5 @@ def replay(recording: Recording, make_views: ViewMaker = no_views) -> tuple[Sess
         poses is not None,
         session.diverged,
         comparison.agreement() if comparison and difference is not None else None,
+        changed,
     )

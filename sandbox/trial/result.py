@@ -175,7 +175,8 @@ class TrialResult(msgspec.Struct, frozen=True, kw_only=True):
         dict[str, str] | None, _field("", "versions, processor and their fingerprint")
     ] = None
     task_from: Annotated[
-        dict[str, Any] | None, _field("", "file or package of a task that is not built in")
+        dict[str, Any] | None,
+        _field("", "file or package of a task that is not built in, with digests"),
     ] = None
     encoder_from: Annotated[
         dict[str, Any] | None, _field("", "file or package of an encoder that is not built in")

@@ -341,6 +341,25 @@ def test_a_file_without_a_valid_task_is_refused_with_a_one_line_error(
     assert "\n" not in str(error.value)
 
 
+@pytest.mark.parametrize(
+    ("member", "says"),
+    [
+        ("", r"which task .*no task.*Define the task as a class at the top of the file"),
+        (":Local", r"nothing of this name \(got 'Local'\)\. Define the task as a class at the top"),
+        (":Outer.Inner", r"inside a class or a function.*Name it there: Inner = Outer\.Inner"),
+        (":make.<locals>.Local", r"inside a class or a function.*Move it there"),
+    ],
+)
+def test_a_class_inside_a_function_or_another_class_is_refused_with_what_to_do(
+    tmp_path: Path, member: str, says: str
+) -> None:
+    body = "def make():\n    class Local(Slide): name = 'a'\n    return Local\n"
+    file = write(tmp_path / "lab.py", f"{body}class Outer:\n    Inner = make()\n")
+    with pytest.raises(InputError, match=says) as error:
+        find_task(f"{file}{member}")
+    assert "\n" not in str(error.value)
+
+
 def test_a_file_can_import_modules_from_its_own_folder(tmp_path: Path) -> None:
     for folder, size in (("one", 0.01), ("two", 0.02)):
         (tmp_path / folder / "parts").mkdir(parents=True)

@@ -158,7 +158,8 @@ def _replay(file: Path, options: ReplayOptions, brief: bool, console: Console) -
             session, verification = replay(recording, make_views)
     took = time.perf_counter() - began
     if brief:
-        console.print(f"{file.stem}: {verdict(verification)}", highlight=False)
+        line = f"{file.stem}: {verdict(verification)}"
+        console.print(line, highlight=False, soft_wrap=bool(verification.task_change))
     else:
         _report(recording, session, verification, console)
         if not keeps and film is None and took > 0 and verification.compared:
@@ -212,7 +213,7 @@ def _report(
 ) -> None:
     """Prints the result of a replay and of the trial."""
     score = session.scorer.score
-    console.print(verdict(verification))
+    console.print(verdict(verification), soft_wrap=True)
     if verification.exact and not verification.same_machine:
         console.print(f"[yellow]{elsewhere(verification)}; every state is equal all the same[/]")
     if verification.agreement:

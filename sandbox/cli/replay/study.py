@@ -59,7 +59,16 @@ def verified(verification: Verification) -> bool:
 
 
 def verdict(verification: Verification) -> str:
-    """Returns the result of a replay in one line."""
+    """Returns the result of a replay in one line, with what has changed in the task since."""
+    changed = escape(verification.task_change)
+    if not changed:
+        return _compared(verification)
+    if verification.exact:
+        return f"{_compared(verification)}; [yellow]yet {changed}[/]"
+    return f"{_compared(verification)}[red]: {changed}[/]"
+
+
+def _compared(verification: Verification) -> str:
     if verification.exact:
         whole = "" if verification.complete else ", up to where it breaks off"
         return f"[green]exact[/]: {verification.compared} states equal to the bit{whole}"

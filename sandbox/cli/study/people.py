@@ -10,7 +10,7 @@ from models.errors import StudyError
 from models.person import Person
 from sandbox.study.record.folder import Participant, StudyFolder
 from sandbox.study.record.pseudonym import read_pseudonym
-from sandbox.study.record.stored_sessions import sessions_of
+from sandbox.study.record.stored_sessions import has_finished, sessions_of
 from sandbox.study.run.simulate import simulated_person
 
 if TYPE_CHECKING:
@@ -27,7 +27,7 @@ def find_participant(options: StudyRunOptions, study: StudyFolder, console: Cons
         return study.find(
             read_pseudonym(options.participant), "`--participant new` adds a participant"
         )
-    unfinished = [person.ppid for person in study.participants() if not _finished(study, person)]
+    unfinished = [person.ppid for person in study.participants() if _comes_again(study, person)]
     if not options.participant:
         raise StudyError(
             "the participant is missing",
@@ -70,8 +70,7 @@ def has_begun(study: StudyFolder, person: Participant, number: int) -> bool:
     return number in {session.number for session in sessions_of(study, person)}
 
 
-def _finished(study: StudyFolder, person: Participant) -> bool:
-    """True if a participant has no more sessions."""
-    states = [session.state for session in sessions_of(study, person)]
-    ended = sum(state.complete for state in states)
-    return ended == study.design.sessions or any(state.excluded_participant for state in states)
+def _comes_again(study: StudyFolder, person: Participant) -> bool:
+    """True if a participant has a session that is not finished, or not begun."""
+    excluded = any(s.state.excluded_participant for s in sessions_of(study, person))
+    return not (excluded or has_finished(study, person))

@@ -55,6 +55,8 @@ def run(options: StudyRunOptions, console: Console) -> int:
     from sandbox.study.record.folder import PILOT, REAL, StudyFolder
     from sandbox.study.record.session_folder import SessionFolder
     from sandbox.study.run.controls import Controls, Terminal
+    from sandbox.study.run.finished_trials import bring_up_to_date
+    from sandbox.study.tables.tables import StudyTables
 
     check_options(options)
     check_page(options)
@@ -80,6 +82,7 @@ def run(options: StudyRunOptions, console: Console) -> int:
         if not _agreed(terminal, f"--session {number} begins it"):
             say(f"session {number} was not begun")
             return 0
+    found = shlex.join(["sandbox", "study", "report", str(study.path)])
     with SessionFolder(study, person, number) as session:
         done, of = session.state.done(session.steps)
         if session.resumed and not options.resume and not session.state.complete:
@@ -89,6 +92,11 @@ def run(options: StudyRunOptions, console: Console) -> int:
                 say("nothing was played; the session can be resumed later")
                 return 0
         of_several = f", session {number} of {design.sessions}" if design.sessions > 1 else ""
+        if session.state.complete:
+            bring_up_to_date(session, StudyTables(study, say), say, witness=options.witness)
+            say(f"{person.ppid}{of_several}: complete, so nothing was played")
+            say(f"what was found so far: {found}; the next person: --participant new")
+            return 0
         say(
             f"participant {person.ppid}"
             + of_several
@@ -107,7 +115,7 @@ def run(options: StudyRunOptions, console: Console) -> int:
     if outcome == "stopped":
         say(f"to go on: {again(options, person.ppid)}")
     say(f"the data are in {study.path}")
-    say(f"what was found so far: {shlex.join(['sandbox', 'study', 'report', str(study.path)])}")
+    say(f"what was found so far: {found}")
     return 0
 
 

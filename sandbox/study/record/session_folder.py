@@ -30,6 +30,7 @@ from sandbox.study.record.leftovers import (
 )
 from sandbox.study.record.pack import pack
 from sandbox.study.record.recorded_result import finished_result
+from sandbox.study.record.session_clock import RUNS
 from sandbox.study.record.state import Attempt, SessionState
 from sandbox.study.record.stored_sessions import JOURNAL, session_path, sessions_of
 from sandbox.system.durable_files import sync_file, sync_folder
@@ -111,9 +112,20 @@ class SessionFolder(Closeable):
             self._check_plan()
         self.resumed = bool(self.state.start)
         self._tell_study()
-        kind = "session_resume" if self.resumed else "session_start"
+        # Who opens what is complete resumes it only if something is left to be written down.
+        self._is_opened = False
+        if not self.state.complete:
+            self._write_opening()
+        # After the record above, whose clock is that of this start of the machine.
+        self._recover()
+        self._note_leftovers()
+        self._syncing = SyncThread(self._sync)
+        self._closing.callback(self._syncing.close)
+
+    def _write_opening(self) -> None:
+        """Records that the session begins or is resumed, and by which program and machine."""
         self.write(
-            kind,
+            "session_resume" if self.resumed else "session_start",
             durable=True,
             schema=SCHEMA,
             study=self.study.id,
@@ -126,11 +138,7 @@ class SessionFolder(Closeable):
             boot=boot_id(),
             **vars(self.person),
         )
-        # After the record above, whose clock is that of this start of the machine.
-        self._recover()
-        self._note_leftovers()
-        self._syncing = SyncThread(self._sync)
-        self._closing.callback(self._syncing.close)
+        self._is_opened = True
 
     def write(self, kind: str, durable: bool = False, **values: Any) -> Record:
         """Writes a record and updates the state.
@@ -145,6 +153,8 @@ class SessionFolder(Closeable):
                 raise study_error(
                     error, self.path, "earlier data could not be written to the disk"
                 ) from None
+        if not self._is_opened and kind not in RUNS:
+            self._write_opening()
         before = len(self.journal.records)
         record = self.journal.append(kind, durable, **values)
         for new in self.journal.records[before:]:

@@ -46,6 +46,16 @@ def session_folders(person: Path) -> list[Path]:
     return sorted(person.glob(SESSIONS))
 
 
+def has_finished(study: StudyFolder, person: Participant) -> bool:
+    """True if a participant has reached the end of every session of the design.
+
+    Raises:
+        StudyError: A journal is damaged.
+    """
+    ended = sum(session.state.complete for session in sessions_of(study, person))
+    return ended == study.design.sessions
+
+
 def sessions_of(study: StudyFolder, person: Participant) -> list[StoredSession]:
     """The sessions that a participant has begun, in order.
 

@@ -23,10 +23,9 @@ from sandbox.study.design.plan import (
     TrialStep,
 )
 from sandbox.study.record.session_folder import SessionFolder
-from sandbox.study.record.witness import add_witnesses, witnesses_of
 from sandbox.study.run.answers import Draft
 from sandbox.study.run.controls import Command, Controls
-from sandbox.study.run.finished_trials import complete_trials
+from sandbox.study.run.finished_trials import bring_up_to_date
 from sandbox.study.run.forms import Forms, Poll
 from sandbox.study.run.players import TICK, PlayedAttempt, TrialPlayer, TrialRequest
 from sandbox.study.tables.tables import StudyTables, rebuild_session
@@ -304,22 +303,7 @@ class SessionRunner:
         Args:
             seal: True records the journal's end in the journal of the study before.
         """
-        try:
-            complete_trials(self.session, self.say)
-            if seal:
-                self._seal()
-            rebuild_session(self.session, say=self.say)
-            self._study_tables.update()
-        except InputError as error:
-            self.say(f"tables are not up to date: {error}")
-
-    def _seal(self) -> None:
-        """Seals the session, says its last digest, and writes the witnesses if they are wanted."""
-        session = self.session
-        head, count = session.seal(), len(session.journal.records)
-        self.say(f"{session.person.ppid}, session {session.number}: {count} records, digest {head}")
-        if self.witness is not None:
-            add_witnesses(self.witness, witnesses_of(session))
+        bring_up_to_date(self.session, self._study_tables, self.say, seal, self.witness)
 
     def _announce(self, step: Step) -> None:
         """Says which step begins."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Callable
 from dataclasses import asdict, fields, replace
 from pathlib import Path
@@ -21,6 +22,7 @@ from sandbox.study.design.design import Design
 from sandbox.study.design.plan import TrialStep
 from sandbox.study.record.folder import Participant, StudyFolder
 from sandbox.study.record.session_folder import SessionFolder
+from sandbox.study.record.stored_sessions import has_finished
 from sandbox.study.run.controls import Controls
 from sandbox.study.run.forms import SimulatedForms
 from sandbox.study.run.players import HeadlessPlayer
@@ -195,7 +197,15 @@ def simulate(
             remedy='Simulate a copy of the design with device = "leap" or "touch"',
         )
     tables = StudyTables(study, say)
+    finished = {p.number for p in study.participants() if has_finished(study, p)}
     for number in range(participants):
         outcome = run_simulated(study, number, say, tables=tables, witness=witness)
-        say(f"participant {number + 1} of {participants}: {outcome}")
+        already = " already" if number in finished else ""
+        say(f"participant {number + 1} of {participants}: {outcome}{already}")
+    if finished >= set(range(participants)):
+        say(
+            "all was done before, so nothing was played. What was found: "
+            f"{shlex.join(['sandbox', 'study', 'report', str(study.path)])}. "
+            f"For more people: --participants {len(finished) + 1} or more"
+        )
     return tables.update()

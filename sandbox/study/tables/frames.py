@@ -342,7 +342,8 @@ def rebuild_tables(recording: Path, folder: Path) -> Rebuilt:
         table.truth_by = result.fingers_by or ""
     if verification.exact and verification.complete:
         return Rebuilt(tuple(table.write(folder, stem, result)))
-    differs = "; ".join(verification.differs_in) or SAME_MACHINE
+    reasons = (verification.task_change, *verification.differs_in)
+    differs = "; ".join(filter(None, reasons)) or SAME_MACHINE
     if verification.shown_recorded and not (folder / f"frames_{stem}.csv.gz").exists():
         table.forget_contacts()
         table.write(folder, stem)

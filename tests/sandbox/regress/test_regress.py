@@ -301,6 +301,21 @@ def test_all_is_every_task_of_the_registry() -> None:
     assert find_tasks(["all"]) == tuple(TASKS)
 
 
+def test_two_files_whose_tasks_have_one_name_are_refused_as_their_trials_would_be_mixed(
+    tmp_path: Path,
+) -> None:
+    for file in ("one.py", "two.py"):
+        text = "from tests.support.regress_tasks import Quick\nclass A(Quick): name = 'lab-a'\n"
+        (tmp_path / file).write_text(text)
+    one, two = f"{tmp_path}/one.py", f"{tmp_path}/two.py"
+    with pytest.raises(
+        InputError, match=r"two\.py: another of the tasks has .*leave out .*one\.py"
+    ):
+        RegressionPlan((one, two), (0,))
+    # The same one by two names is no other.
+    assert RegressionPlan((one, f"{one}:A"), (0,)).names
+
+
 def test_a_task_of_ones_own_cannot_take_anothers_name() -> None:
     class Thief(Quick):
         name = "box-to-goal"

@@ -145,6 +145,60 @@ def test_a_resumed_session_that_is_complete_adds_no_trial(finished: StudyFolder)
     assert before == after
 
 
+def contents(study: Path) -> dict[str, bytes]:
+    """What is in the files of a study."""
+    files = (path for path in study.rglob("*") if path.is_file())
+    return {path.relative_to(study).as_posix(): path.read_bytes() for path in files}
+
+
+def test_to_resume_a_study_that_is_complete_adds_nothing_and_says_what_to_do_next(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "design.toml").write_text(DESIGN)
+    simulated = ["study", "simulate", str(tmp_path / "design.toml"), "--out", str(tmp_path)]
+    assert main([*simulated, "--participants", "1"]) == 0
+    folder = tmp_path / "quick-simulated"
+    first = contents(folder)
+    capsys.readouterr()
+    for _ in range(2):
+        assert main([*simulated, "--participants", "1", "--resume"]) == 0
+        (line,) = [x for x in capsys.readouterr().out.splitlines() if "nothing was played" in x]
+        assert f"sandbox study report {folder}" in line and "--participants 2 or more" in line
+        assert contents(folder) == first
+    assert main([*simulated, "--resume"]) == 0
+    said = capsys.readouterr().out
+    assert "participant 1 of 2: complete already" in said
+    assert "participant 2 of 2: complete\n" in said and "nothing was played" not in said
+
+
+def test_to_run_a_session_that_is_complete_adds_nothing_unless_files_of_it_are_missing(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("sys.stdin", io.StringIO(""))
+    (tmp_path / "design.toml").write_text(DESIGN)
+    study = open_study(tmp_path, mode=PILOT)
+    run_simulated(study, 0, quiet)
+    person = study.participants()[0].ppid
+    run = ["study", "run", str(tmp_path / "design.toml"), "--out", str(tmp_path), "--pilot"]
+    run += ["--device", "simulated", "--view", "none", "--participant", person]
+    first = contents(study.path)
+    for more in ([], ["--resume"]):
+        capsys.readouterr()
+        assert main([*run, *more]) == 0
+        said = capsys.readouterr().out
+        assert f"{person}: complete, so nothing was played" in said
+        assert f"sandbox study report {study.path}; the next person: --participant new" in said
+        assert contents(study.path) == first
+    # What a killed program has left is still completed, and then the journal says who did it.
+    folder = session_path(study.path, person)
+    packed = folder / "trials/T001.jsonl.gz"
+    stray = packed.with_name("T001.a2.jsonl.gz")
+    stray.write_bytes(packed.read_bytes()[:200])
+    assert main(run) == 0
+    added = read_journal(folder / "journal.jsonl")[-2:]
+    assert [record["kind"] for record in added] == ["session_resume", "leftover"]
+
+
 @given(cut=st.integers(0, 10_000), tail=st.binary(max_size=20))
 def test_a_journal_cut_anywhere_keeps_every_whole_record(
     tmp_path_factory: pytest.TempPathFactory, cut: int, tail: bytes
