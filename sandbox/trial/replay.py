@@ -102,7 +102,7 @@ def replay(recording: Recording, make_views: ViewMaker = no_views) -> tuple[Sess
     is simulated and compared too, but views are shown the recorded poses.
     """
     settings = settings_of(recording)
-    session = build(settings, recorded_hands(recording, len(settings.hands)))
+    session = build(settings, recorded_hands(recording, len(settings.hands)), recorded=True)
     differs_in = tuple(decisive_differences(recording.header["versions"]))
     kept = bool(recording.track.qpos)
     poses = RecordedPoses(session, recording) if kept and differs_in else None
