@@ -105,7 +105,13 @@ _STREAM = 7_005
 _TRIES = 2_000
 
 
-def vary(task: Task, variation: Variation, surface: Surface) -> Task:
+RULES = (1, 2)
+"""Rules of varied trials, by number. 1: a free mechanism of another size keeps the height of its
+frame, so that it is sunk into the table, or above it. 2: it stands where it stood, and things that
+overlap at the start are refused."""
+
+
+def vary(task: Task, variation: Variation, surface: Surface, rules: int = RULES[-1]) -> Task:
     """Changes objects and starts of a drawn trial; a neutral variation returns the same object.
 
     The session changes friction, which belongs to the whole scene; a device changes touches.
@@ -114,6 +120,7 @@ def vary(task: Task, variation: Variation, surface: Surface) -> Task:
         task: The drawn trial.
         variation: The changes.
         surface: The surface as placed in the world; no object starts beside it.
+        rules: One of `RULES`, those that a recording was made with.
 
     Raises:
         InputError: The task or one of its objects does not support the change.
@@ -133,7 +140,8 @@ def vary(task: Task, variation: Variation, surface: Surface) -> Task:
     if variation.room != 1.0:
         task = task.with_room(variation.room)
         assert is_dataclass(task)
-    objects = tuple(_changed(obj, variation, task.name) for obj in task.objects)
+    stands = rules > RULES[0]
+    objects = tuple(_changed(obj, variation, task.name, stands) for obj in task.objects)
     steps = {t.name: _step(u, t) for t, u in zip(objects, task.objects, strict=True)}
     if variation.start:
         objects = _moved(objects, variation.start, task, surface)
@@ -142,10 +150,10 @@ def vary(task: Task, variation: Variation, surface: Surface) -> Task:
     return changed
 
 
-def _changed(obj: SceneObject, variation: Variation, where: str) -> SceneObject:
+def _changed(obj: SceneObject, variation: Variation, where: str, stands: bool) -> SceneObject:
     """An object with another size and mass in the same place."""
     if isinstance(obj, MechanismPart):
-        return obj.varied(variation.size, variation.mass, variation.resistance)
+        return obj.varied(variation.size, variation.mass, variation.resistance, stands)
     if variation.size != 1.0:
         obj = _sized(obj, variation.size, where)
     if variation.mass != 1.0:

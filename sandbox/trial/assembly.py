@@ -190,7 +190,7 @@ def drawn(settings: RunSettings, recorded: bool = False) -> tuple[Task, tuple[Su
     kind = find_task(settings.task)
     whole, surfaces = place_all(place_surface(settings.surface, kind), settings, kind)
     plain = draw_task(kind, settings.seed, whole)
-    task = vary(plain, settings.variation, whole)
+    task = vary(plain, settings.variation, whole, settings.vary_rules)
     # What was recorded under the first rules may be played again, also as a device.
     if task is not plain and settings.vary_rules > 1 and not recorded:
         check_varied(task, f"{task.name}, seed {task.seed}, varied")

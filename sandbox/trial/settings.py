@@ -17,6 +17,7 @@ from models.surface import PRESETS, Surface
 from sandbox.session.contact_modes import ContactMode, contact_mode
 from sandbox.session.own_layouts import Layouts
 from sandbox.trial.hand_input import HandInput
+from tasks.variation import RULES as VARY_RULES
 from tasks.variation import Variation
 
 DEFAULT_LABELS = "population"
@@ -37,10 +38,6 @@ SOLID = ("fingertips", "hand")
 
 MOST_HANDS = 2
 """Largest number of hands in a scene."""
-
-VARY_RULES = (1, 2)
-"""Rules of varied trials, by number: 1 is what was in force before there were others; 2 refuses
-things that overlap at the start."""
 
 _OPTIONAL = {
     "variation",
@@ -144,8 +141,8 @@ class RunSettings:
         robot: The robot whose hand is in the place of the person's (see `models.robot.known`);
             empty for our own hand.
         solid: One of `SOLID`; a header without it has the first.
-        vary_rules: One of `VARY_RULES`, by default the last; the header of a varied trial without
-            it has the first.
+        vary_rules: One of `tasks.variation.RULES`, by default the last; the header of a varied
+            trial without it has the first.
     """
 
     task: str = "box-to-goal"

@@ -5,16 +5,19 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from models.errors import InputError
+from models.mechanisms.mechanism import Part
 from sandbox.cli.main import main
 from sandbox.options.scene_options import SceneOptions, plan
 from sandbox.recording.recording import load_recording
-from sandbox.trial.assembly import drawn
+from sandbox.trial.assembly import build, drawn
 from sandbox.trial.headless import run_trial
 from sandbox.trial.replay import replay
 from sandbox.trial.settings import RunSettings
+from tasks.mechanisms.case import HEIGHT
 from tasks.task import Task
 
 
@@ -47,10 +50,37 @@ def test_things_that_would_start_in_each_other_are_both_named_before_the_trial(
     assert f"{first} and {second} overlap at the start" in said.err
 
 
-@pytest.mark.parametrize("task", ["stack", "slalom", "gather", "books", "insert"])
+@pytest.mark.parametrize("task", ["stack", "slalom", "gather", "books", "insert", "close-case"])
 @pytest.mark.parametrize("vary", ["size=0.8", "size=1.1", "mass=3"])
 def test_values_that_leave_things_apart_are_played(task: str, vary: str) -> None:
     assert varied(task, vary).name == task
+
+
+@pytest.mark.parametrize("size", [0.4, 0.7, 1.2, 2.0])
+def test_a_case_of_another_size_lies_on_the_table(size: float) -> None:
+    case, cap = varied("close-case", f"size={size}").objects
+    assert isinstance(case, Part) and isinstance(cap, Part)
+    assert case.position[2] == pytest.approx(size * HEIGHT / 2)
+    assert case.lowest == pytest.approx(0.0, abs=1e-9) == cap.lowest
+    # Nothing falls or is thrown when the trial begins.
+    chosen = plan(SceneOptions(task="close-case", user="idle", seed=1, vary=f"size={size}"))
+    session = build(chosen.settings, chosen.makers)
+    for _ in range(20):
+        session.advance()
+    now, _ = session.scene.object_pose(session.data, "case")
+    assert np.linalg.norm(now - case.position) < 2e-4
+    session.close()
+
+
+def test_a_recording_of_a_case_above_the_table_replays_to_the_bit(tmp_path: Path) -> None:
+    vary = "size=0.7"
+    chosen = plan(SceneOptions(task="close-case", seed=1, vary=vary, user="idle"))
+    path = tmp_path / "earlier.jsonl"
+    earlier = replace(chosen.settings, vary_rules=1)
+    run_trial(earlier, chosen.makers, record=path, about=chosen.about)
+    session, found = replay(load_recording(path))
+    assert found.exact and found.complete
+    assert session.task.objects[0].position[2] == pytest.approx(HEIGHT / 2)
 
 
 def test_a_recording_of_things_that_overlap_still_replays_to_the_bit(tmp_path: Path) -> None:
