@@ -107,8 +107,9 @@ _TRIES = 2_000
 
 RULES = (1, 2)
 """Rules of varied trials, by number. 1: a free mechanism of another size keeps the height of its
-frame, so that it is sunk into the table, or above it. 2: it stands where it stood, and things that
-overlap at the start are refused."""
+frame, so that it is sunk into the table, or above it, and the goals of parts move as the parts'
+starts do. 2: it stands where it stood, goals of parts are as far as its joints reach, and things
+that overlap at the start are refused."""
 
 
 def vary(task: Task, variation: Variation, surface: Surface, rules: int = RULES[-1]) -> Task:
@@ -146,6 +147,8 @@ def vary(task: Task, variation: Variation, surface: Surface, rules: int = RULES[
     if variation.start:
         objects = _moved(objects, variation.start, task, surface)
     goals = tuple(_goal(goal, variation.size, steps[goal.object]) for goal in task.goals)
+    if stands and variation.size != 1.0:
+        goals = _goals_of_parts(goals, task, objects, variation.size)
     changed: Task = replace(task, objects=objects, goals=goals)
     return changed
 
@@ -198,6 +201,42 @@ def _goal(goal: Goal, size: float, step: tuple[float, float, float]) -> Goal:
     c, s = cos(goal.yaw), sin(goal.yaw)
     u, v, w = step
     return replace(goal, position=(float(x + c * u - s * v), float(y + s * u + c * v), z + w))
+
+
+def _goals_of_parts(
+    goals: tuple[Goal, ...], task: Task, objects: tuple[SceneObject, ...], size: float
+) -> tuple[Goal, ...]:
+    """Goals, of which those of parts that a resized mechanism carries are as far from its first
+    body as its lengths have become: at the end of a slide, not where the old one ended.
+
+    Args:
+        goals: Goals, those of all first bodies and of other objects as they should be.
+        task: The trial before it was resized, with as many goals.
+        objects: Objects in their new size.
+        size: Factor on all lengths.
+    """
+    first = {
+        name: old.name
+        for old in task.objects
+        if isinstance(old, MechanismPart) and old.carrier is None
+        for name in old.together
+    }
+    # The first body's place: its goal if it has one, else where it starts.
+    before = {old.name: old.position for old in task.objects}
+    after = {new.name: new.position for new in objects}
+    before |= {goal.object: goal.position for goal in task.goals if goal.on is None}
+    after |= {goal.object: goal.position for goal in goals if goal.on is None}
+    placed = []
+    for goal, old in zip(goals, task.goals, strict=True):
+        root = first.get(goal.object, goal.object)
+        if goal.on is None and root != goal.object:
+            x, y, z = (
+                c + size * (b - a)
+                for a, b, c in zip(before[root], old.position, after[root], strict=True)
+            )
+            goal = replace(goal, position=(x, y, z))
+        placed.append(goal)
+    return tuple(placed)
 
 
 def _moved(

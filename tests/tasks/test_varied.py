@@ -10,6 +10,8 @@ import pytest
 
 from models.errors import InputError
 from models.mechanisms.mechanism import Part
+from models.objects import Box
+from models.surface import Surface
 from sandbox.cli.main import main
 from sandbox.options.scene_options import SceneOptions, plan
 from sandbox.recording.recording import load_recording
@@ -18,7 +20,8 @@ from sandbox.trial.headless import run_trial
 from sandbox.trial.replay import replay
 from sandbox.trial.settings import RunSettings
 from tasks.mechanisms.case import HEIGHT
-from tasks.task import Task
+from tasks.task import Goal, Task
+from tasks.variation import Variation, vary
 
 
 def varied(task: str, vary: str, seed: int = 1, rules: int = 2) -> Task:
@@ -81,6 +84,58 @@ def test_a_recording_of_a_case_above_the_table_replays_to_the_bit(tmp_path: Path
     session, found = replay(load_recording(path))
     assert found.exact and found.complete
     assert session.task.objects[0].position[2] == pytest.approx(HEIGHT / 2)
+
+
+@pytest.mark.parametrize("size", [0.5, 0.85, 1.3])
+@pytest.mark.parametrize("seed", [1, 2, 3])
+@pytest.mark.parametrize("task", ["chords", "single-keys", "dial", "close-case"])
+def test_goals_of_a_resized_mechanism_are_where_its_joints_take_its_parts(
+    task: str, seed: int, size: float
+) -> None:
+    plain, changed = varied(task, "", seed), varied(task, f"size={size}", seed)
+    parts = {part.name: part for part in changed.objects if isinstance(part, Part)}
+    for goal, old in zip(changed.goals, plain.goals, strict=True):
+        part, was = parts[goal.object], next(p for p in plain.objects if p.name == goal.object)
+        assert isinstance(was, Part) and was.joint and part.joint and was.joint.range
+        # The value of the joint at the goal, found from the ends of its range.
+        ends = [np.array(was.placed(v)[0]) for v in was.joint.range]
+        if was.joint.kind == "hinge":
+            value = plain.mark  # type: ignore[attr-defined]
+        else:
+            way = ends[1] - ends[0]
+            value = size * was.joint.range[1] * float(np.dot(old.position - ends[0], way))
+            value /= float(np.dot(way, way))
+        position, yaw = part.placed(value)
+        assert goal.position == pytest.approx(position, abs=1e-9)
+        assert goal.yaw == pytest.approx(yaw)
+
+
+def test_a_peg_of_another_size_is_to_be_where_its_socket_ends() -> None:
+    changed = varied("insert", "size=0.7")
+    peg, socket = (next(o for o in changed.objects if o.name == n) for n in ("peg", "socket"))
+    assert isinstance(peg, Box)
+    # The socket's frame is where the middle of the peg is once it is in.
+    (goal,) = changed.goals
+    assert goal.position == pytest.approx((*socket.position[:2], peg.half_size[2]))
+
+
+def test_a_goal_of_a_part_goes_along_with_that_of_the_mechanism_it_belongs_to() -> None:
+    plain = varied("close-case", "")
+    case = plain.objects[0]
+    away = (case.position[0] + 0.05, case.position[1], case.position[2])
+    cap = plain.goals[0]
+    along = np.subtract(cap.position, case.position) + (0.0, 0.02, 0.0)
+    carried = replace(
+        plain,  # type: ignore[type-var]
+        goals=(
+            Goal("case", away, case.yaw),
+            replace(cap, position=tuple((np.array(away) + along).tolist())),
+        ),
+    )
+    changed = vary(carried, Variation(size=0.5), Surface())
+    assert changed.goals[0].position == pytest.approx((*away[:2], HEIGHT / 4))
+    off = np.subtract(changed.goals[1].position, changed.goals[0].position)
+    assert off == pytest.approx(0.5 * along)
 
 
 def test_a_recording_of_things_that_overlap_still_replays_to_the_bit(tmp_path: Path) -> None:
