@@ -124,7 +124,8 @@ def test_a_goal_of_a_part_goes_along_with_that_of_the_mechanism_it_belongs_to() 
     case = plain.objects[0]
     away = (case.position[0] + 0.05, case.position[1], case.position[2])
     cap = plain.goals[0]
-    along = np.subtract(cap.position, case.position) + (0.0, 0.02, 0.0)
+    along = np.subtract(cap.position, case.position)
+    along[1] += 0.02
     carried = replace(
         plain,  # type: ignore[type-var]
         goals=(
@@ -136,6 +137,70 @@ def test_a_goal_of_a_part_goes_along_with_that_of_the_mechanism_it_belongs_to() 
     assert changed.goals[0].position == pytest.approx((*away[:2], HEIGHT / 4))
     off = np.subtract(changed.goals[1].position, changed.goals[0].position)
     assert off == pytest.approx(0.5 * along)
+
+
+@pytest.mark.parametrize(
+    ("task", "carried"), [("slalom", "box"), ("books", "box"), ("insert", "peg")]
+)
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("mm", [5, 20])
+def test_only_what_is_to_be_carried_starts_elsewhere(
+    task: str, carried: str, seed: int, mm: int
+) -> None:
+    plain, moved = varied(task, "", seed), varied(task, f"start={mm}", seed)
+    for old, new in zip(plain.objects, moved.objects, strict=True):
+        way = np.subtract(new.position, old.position)
+        far = mm / 1000 if old.name == carried else 0.0
+        assert np.linalg.norm(way) == pytest.approx(far, abs=1e-12) and way[2] == 0.0
+    assert moved.goals == plain.goals
+
+
+def test_starts_of_dice_are_not_shifted_and_the_reason_is_said(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    assert main(["run", "gather", "--vary", "start=5"]) == 2
+    said = capsys.readouterr().err
+    assert said.count("\n") == 1 and "dice lie anywhere" in said
+
+
+def test_a_task_of_ones_own_says_what_is_shifted(tmp_path: Path) -> None:
+    text = """
+from models import Box
+from tasks import CustomTask, Goal, judge
+
+class Own(CustomTask):
+    name = "NAME"
+
+    @classmethod
+    def place(cls, rng, surface):
+        boxes = [Box(n, (.01,) * 3, .1, (x, 0, .01)) for n, x in (("red", -.03), ("blue", .03))]
+        return boxes, [Goal("red", (0, .03, .01), 0.0)]
+
+    def measure(self, sensing):
+        return judge(0.0, (True, "not yet"))
+"""
+
+    def moved(name: str, more: str = "") -> set[str]:
+        path = tmp_path / f"{name}.py"
+        path.write_text(text.replace("NAME", name) + more)
+        plain, changed = varied(str(path), ""), varied(str(path), "start=10")
+        pairs = zip(plain.objects, changed.objects, strict=True)
+        return {old.name for old, new in pairs if old.position != new.position}
+
+    assert moved("lab-all") == {"red", "blue"}
+    assert moved("lab-one", "\n    def shifted(self): return ['red']\n") == {"red"}
+    with pytest.raises(InputError, match=r"`shifted` does not name.*green.*red, blue"):
+        moved("lab-wrong", "\n    def shifted(self): return ['green']\n")
+
+
+def test_a_recording_whose_pins_were_shifted_along_replays_to_the_bit(tmp_path: Path) -> None:
+    chosen = plan(SceneOptions(task="slalom", seed=1, vary="start=3", user="idle"))
+    path = tmp_path / "earlier.jsonl"
+    run_trial(replace(chosen.settings, vary_rules=1), chosen.makers, record=path)
+    session, found = replay(load_recording(path))
+    assert found.exact and found.complete
+    there = [thing.position for thing in session.task.objects]
+    assert all(a != b.position for a, b in zip(there, varied("slalom", "").objects, strict=True))
 
 
 def test_a_recording_of_things_that_overlap_still_replays_to_the_bit(tmp_path: Path) -> None:
