@@ -22,6 +22,7 @@ from models.errors import InputError
 from models.messages.wording import counted
 from sandbox.cli.common.json_out import TERMINAL, check_output
 from sandbox.cli.common.parse import parse, with_one_line_errors
+from sandbox.options.variations import KINDS, help_with_names
 from sandbox.regress.breaking_off import BreakOff
 
 if TYPE_CHECKING:
@@ -97,11 +98,14 @@ class RegressOptions:
     """The baseline may be another encoder's: whether this one is worse is the question."""
 
     vary: Annotated[
-        tuple[str, ...] | None, tyro.conf.arg(metavar="NAME[=V1,V2]", help_behavior_hint="")
+        tuple[str, ...] | None,
+        tyro.conf.arg(
+            metavar="NAME[=V1,V2]",
+            help_behavior_hint="",
+            help=f"Success against {help_with_names(KINDS.values())}, with the values given, or "
+            "with ever worse ones until it breaks. Instead of a baseline.",
+        ),
     ] = None
-    """Success against size, mass, resistance, friction, start, room, hand-size, noise, dropped,
-    ghosts or latency, with the values given, or with ever worse ones until it breaks. Instead of
-    a baseline."""
 
     plot: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
     """Draws what --vary found, .png or .svg; the extra `plots`."""

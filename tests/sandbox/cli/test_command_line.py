@@ -8,7 +8,7 @@ import pytest
 
 from sandbox.cli.main import COMMANDS, main
 from sandbox.cli.study.command import ACTIONS
-from sandbox.options.variations import KINDS
+from sandbox.options.variations import KINDS, Kind, help_with_names, help_with_units
 
 WITH_PARTS = {
     "touches": ("show", "record", "send"),
@@ -117,7 +117,7 @@ def test_what_an_option_does_is_told_without_the_line_breaks_of_the_source(
     )
 
 
-@pytest.mark.parametrize("command", ["run", "regress"])
+@pytest.mark.parametrize("command", ["run", "play", "regress"])
 def test_help_names_everything_that_can_be_varied(
     command: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -125,3 +125,9 @@ def test_help_names_everything_that_can_be_varied(
         main([command, "--help"])
     words = re.findall(r"[\w-]+", capsys.readouterr().out)
     assert [name for name in KINDS if name not in words] == []
+
+
+def test_a_new_quantity_is_named_by_the_help_with_its_unit() -> None:
+    kinds = [*KINDS.values(), Kind("wind", "wind over the table", 0.0, "m/s")]
+    assert help_with_units(kinds).endswith(" wind: m/s.")
+    assert help_with_names(kinds).endswith(", latency or wind")
