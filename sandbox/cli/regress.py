@@ -42,9 +42,11 @@ class RegressOptions:
     Options of `sandbox run` are taken as well and hold for all trials, such as --bare or
     `--impulse safe`.
 
-    Exit status 1: a loss beyond chance (exact one-sided McNemar test over paired seeds, alpha 0.05,
-    Holm over tasks), more crashed trials than --allow-crashes permits, or with --exact another
-    state with the baseline's fingerprint. 130: stopped by Ctrl-C, 143: by SIGTERM.
+    Exit status 0: all trials were run and the gate holds; trials that fail without a baseline, and
+    values of --vary that break a task, are no reason for another. 1: a loss beyond chance (exact
+    one-sided McNemar test over paired seeds, alpha 0.05, Holm over tasks), more crashed trials than
+    --allow-crashes permits, or with --exact another state with the baseline's fingerprint. 2: bad
+    input, and one line says what. 130: stopped by Ctrl-C, 143: by SIGTERM.
 
     With --json or --junit every trial is written as it ends, to a file beside the report, such as
     report.trials.jsonl. If the run is stopped or killed, the same command with --resume continues.
