@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import tyro
 from rich.console import Console
 from rich.markup import escape
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
 from encoders.regression.model_registry import DEFAULT_MODEL
 from models.errors import InputError
@@ -24,6 +23,7 @@ from sandbox.cli.common.json_out import TERMINAL, check_output
 from sandbox.cli.common.parse import parse, with_one_line_errors
 from sandbox.options.variations import KINDS, help_with_names
 from sandbox.regress.breaking_off import BreakOff
+from sandbox.regress.progress import progress_shown
 
 if TYPE_CHECKING:
     from sandbox.regress.baseline import Baseline
@@ -153,7 +153,8 @@ def main(argv: list[str]) -> int:
         _empty_folder(options.record)
     with _kept(options, plan, console) as kept, BreakOff() as wish:
         began = perf_counter()
-        run = partial(_run, executor=executor, wish=wish, kept=kept)
+        sweeps = bool(options.vary)
+        run = partial(_run, executor=executor, wish=wish, kept=kept, sweeps=sweeps)
         if options.vary:
             passed = run_vary(options, plan, executor, run, console)
         else:
@@ -334,39 +335,50 @@ def _kept(
         yield kept
 
 
+def _what(plan: RegressionPlan) -> str:
+    """The tasks and the variation of a part of a run, for its progress."""
+    return f"{', '.join(plan.names)}, {plan.scene.get('vary') or 'nothing varied'}"
+
+
 def _run(
-    plan: RegressionPlan, executor: Executor, wish: BreakOff, kept: TrialsFile | None
+    plan: RegressionPlan,
+    executor: Executor,
+    wish: BreakOff,
+    kept: TrialsFile | None,
+    sweeps: bool = False,
 ) -> list[Trial]:
-    """The trials, those of a resumed run among them; fewer where somebody breaks off."""
+    """The trials, those of a resumed run among them; fewer where somebody breaks off.
+
+    Args:
+        plan: The trials to run.
+        executor: Where they run.
+        wish: Tells whether somebody wants to break off.
+        kept: The file that they are written to, if there is one.
+        sweeps: They are a part of a run, with one variation of one task.
+    """
     trials = kept.ended(plan) if kept is not None else []
     ended = {(t["task"], t["seed"]) for t in trials}
     jobs = plan.jobs()
     missing = [job for job in jobs if (job.name, job.seed) not in ended]
-    screen = Console(stderr=True)
-    progress = Progress(
-        TextColumn("{task.description}"),
-        BarColumn(),
-        MofNCompleteColumn(),
-        TimeRemainingColumn(),
-        console=screen,
-        transient=True,
-        disable=not screen.is_terminal,
-    )
-    with suppress(KeyboardInterrupt), progress:
-        bar = progress.add_task("running", total=len(jobs), completed=len(trials))
-        with wish.while_running(), closing(executor.run(missing, lambda: wish.asked)) as running:
-            for trial in running if missing else ():
-                if kept is not None:
-                    kept.append(plan, trial)
-                trials.append(trial)
-                won = sum(t["success"] for t in trials)
-                progress.update(bar, advance=1, description=f"{won} of {len(trials)} succeeded")
+    what = _what(plan) if sweeps else ""
+    with (
+        suppress(KeyboardInterrupt),
+        progress_shown(what, len(jobs), len(trials)) as tell,
+        wish.while_running(),
+        closing(executor.run(missing, lambda: wish.asked)) as running,
+    ):
+        for trial in running if missing else ():
+            if kept is not None:
+                kept.append(plan, trial)
+            trials.append(trial)
+            tell(len(trials), sum(t["success"] for t in trials))
     if len(trials) < len(jobs):
         by = f" by {wish.name}" if wish.name else ""
         rest = "; the same command with --resume runs the rest" if kept is not None else ""
-        screen.print(
-            f"[yellow]stopped after {len(trials)} of {counted(len(jobs), 'trial')}{by}{rest}[/]",
-            soft_wrap=True,
+        where = f"{escape(what)}: " if what else ""
+        done = f"{len(trials)} of {counted(len(jobs), 'trial')}"
+        Console(stderr=True).print(
+            f"[yellow]{where}stopped after {done}{by}{rest}[/]", soft_wrap=True
         )
     return trials
 
