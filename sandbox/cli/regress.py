@@ -147,6 +147,10 @@ def main(argv: list[str]) -> int:
     quiet = str(options.json) == "-"
     console = Console(stderr=quiet)
     console = Console(stderr=quiet, width=max(console.width, 100))
+    if options.vary:
+        from sandbox.regress.sweep import check_possible, parse_wanted
+
+        check_possible(plan, parse_wanted(options.vary))
     executor = _executor(options)
     loaded, old = _baselines(options, plan, console)
     if options.record is not None and not options.resume:
