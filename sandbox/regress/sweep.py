@@ -371,10 +371,8 @@ def check_possible(plan: RegressionPlan, wanted: Sequence[Wanted]) -> None:
                 break
         if reasons and all(reasons):
             raise InputError(
-                "no chosen task can be varied like that",
+                f"no chosen task can be varied like that; {reasons[0]}",
                 where=f"--vary {each.kind.name}",
-                got=reasons[0],
-                remedy="Vary something else, or choose other tasks",
             )
 
 
