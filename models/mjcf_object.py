@@ -329,7 +329,7 @@ def mesh_assets(model: Any, geoms: list[int], name: str, size: float) -> list[El
     """
     elements = []
     for mesh in sorted({int(model.geom_dataid[g]) for g in geoms} - {-1}):
-        points = size * model.mesh_vert[_part(model.mesh_vertadr, model.mesh_vertnum, mesh)]
+        points = size * mesh_points(model, mesh)
         faces = model.mesh_face[_part(model.mesh_faceadr, model.mesh_facenum, mesh)]
         elements.append(
             Element(
@@ -342,6 +342,12 @@ def mesh_assets(model: Any, geoms: list[int], name: str, size: float) -> list[El
             )
         )
     return elements
+
+
+def mesh_points(model: Any, mesh: int) -> Array:
+    """Points (n, 3) m of a mesh of a description, in the frame of its geoms."""
+    points: Array = model.mesh_vert[_part(model.mesh_vertadr, model.mesh_vertnum, mesh)]
+    return points
 
 
 def geom_element(

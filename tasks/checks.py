@@ -242,6 +242,24 @@ def check_places(task: Task, surface: Surface, where: str) -> None:
                 expected=f"at most {2 * widest:.2f} m: sizes are in m",
                 remedy='A mesh in mm is scaled in its MJCF: <mesh scale=".001 .001 .001" .../>',
             )
+    _check_apart(scene, where, "Place them apart, or the physics would throw them across the table")
+
+
+def check_varied(task: Task, where: str) -> None:
+    """Checks that the things of a varied trial are apart from each other and from the table.
+
+    Args:
+        task: The varied trial.
+        where: Task and seed, for messages.
+
+    Raises:
+        InputError: Two things overlap; it names both.
+    """
+    scene = Scene(SceneSpec((), task.objects, task.table_friction, painted=task.painted))
+    _check_apart(scene, where, "Vary it less: the physics would throw them across the table")
+
+
+def _check_apart(scene: Scene, where: str, remedy: str) -> None:
     deepest, pair = _deepest_overlap(scene)
     if deepest > DEEPEST:
         raise InputError(
@@ -249,7 +267,7 @@ def check_places(task: Task, surface: Surface, where: str) -> None:
             where=where,
             got=f"{1000 * deepest:.1f} mm deep",
             expected=f"at most {1000 * DEEPEST:g} mm",
-            remedy="Place them apart, or the physics would throw them across the table",
+            remedy=remedy,
         )
 
 

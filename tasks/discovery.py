@@ -116,7 +116,8 @@ def adapted(kind: Any, where: str) -> type[Task]:
         InputError: A required member is missing.
     """
     check_task(kind, where)
-    for member in ("hands", "user", "painted", "pressed", "own_friction", "with_room"):
+    optional = ("hands", "user", "painted", "pressed", "own_friction", "with_room", "shifted")
+    for member in optional:
         if not hasattr(kind, member):
             setattr(kind, member, getattr(TaskDefaults, member))
     task: type[Task] = kind

@@ -58,6 +58,16 @@ class TaskDefaults(Protocol):
     def painted(self) -> tuple[PaintedRing, ...]:
         return ()
 
+    def shifted(self: Task) -> tuple[str, ...]:
+        """Names of the things whose starts `--vary start` shifts: what a person is to carry.
+
+        By default all objects.
+
+        Raises:
+            InputError: There is nothing whose start could be shifted; the error says why.
+        """
+        return tuple(thing.name for thing in self.objects)
+
     def with_room(self, factor: float) -> Task:
         """The same trial with so much more or less room between its things.
 

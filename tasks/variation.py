@@ -7,7 +7,7 @@ never compared with an unvaried one.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import asdict, dataclass, is_dataclass, replace
 from itertools import combinations
 from math import cos, sin
@@ -33,8 +33,8 @@ class Variation:
         mass: Factor on their masses.
         resistance: Factor on the springs, damping and friction of a mechanism's joints.
         friction: Factor on every coefficient of sliding friction: table, objects and hands.
-        start: m by which every object's start is shifted, in a direction that follows from the
-            seed.
+        start: m by which the start of what a person is to carry is shifted, in a direction that
+            follows from the seed; see `Task.shifted`.
         room: Factor on the room that the task leaves between its things, such as the width of a
             gate; see `Task.with_room`.
         noise: m, standard deviation of white noise on each coordinate of every touch in every
@@ -105,7 +105,15 @@ _STREAM = 7_005
 _TRIES = 2_000
 
 
-def vary(task: Task, variation: Variation, surface: Surface) -> Task:
+RULES = (1, 2)
+"""Rules of varied trials, by number. 1: a free mechanism of another size keeps the height of its
+frame, so that it is sunk into the table, or above it, and the goals of parts move as the parts'
+starts do; the starts of all objects are shifted. 2: it stands where it stood, goals of parts are as
+far as its joints reach, only what a person is to carry is shifted, and things that overlap at the
+start are refused."""
+
+
+def vary(task: Task, variation: Variation, surface: Surface, rules: int = RULES[-1]) -> Task:
     """Changes objects and starts of a drawn trial; a neutral variation returns the same object.
 
     The session changes friction, which belongs to the whole scene; a device changes touches.
@@ -114,6 +122,7 @@ def vary(task: Task, variation: Variation, surface: Surface) -> Task:
         task: The drawn trial.
         variation: The changes.
         surface: The surface as placed in the world; no object starts beside it.
+        rules: One of `RULES`, those that a recording was made with.
 
     Raises:
         InputError: The task or one of its objects does not support the change.
@@ -133,19 +142,23 @@ def vary(task: Task, variation: Variation, surface: Surface) -> Task:
     if variation.room != 1.0:
         task = task.with_room(variation.room)
         assert is_dataclass(task)
-    objects = tuple(_changed(obj, variation, task.name) for obj in task.objects)
+    stands = rules > RULES[0]
+    objects = tuple(_changed(obj, variation, task.name, stands) for obj in task.objects)
     steps = {t.name: _step(u, t) for t, u in zip(objects, task.objects, strict=True)}
     if variation.start:
-        objects = _moved(objects, variation.start, task, surface)
+        names = _shifted(task) if rules > RULES[0] else [thing.name for thing in objects]
+        objects = _moved(objects, names, variation.start, task, surface)
     goals = tuple(_goal(goal, variation.size, steps[goal.object]) for goal in task.goals)
+    if stands and variation.size != 1.0:
+        goals = _goals_of_parts(goals, task, objects, variation.size)
     changed: Task = replace(task, objects=objects, goals=goals)
     return changed
 
 
-def _changed(obj: SceneObject, variation: Variation, where: str) -> SceneObject:
+def _changed(obj: SceneObject, variation: Variation, where: str, stands: bool) -> SceneObject:
     """An object with another size and mass in the same place."""
     if isinstance(obj, MechanismPart):
-        return obj.varied(variation.size, variation.mass, variation.resistance)
+        return obj.varied(variation.size, variation.mass, variation.resistance, stands)
     if variation.size != 1.0:
         obj = _sized(obj, variation.size, where)
     if variation.mass != 1.0:
@@ -192,16 +205,78 @@ def _goal(goal: Goal, size: float, step: tuple[float, float, float]) -> Goal:
     return replace(goal, position=(float(x + c * u - s * v), float(y + s * u + c * v), z + w))
 
 
+def _goals_of_parts(
+    goals: tuple[Goal, ...], task: Task, objects: tuple[SceneObject, ...], size: float
+) -> tuple[Goal, ...]:
+    """Goals, of which those of parts that a resized mechanism carries are as far from its first
+    body as its lengths have become: at the end of a slide, not where the old one ended.
+
+    Args:
+        goals: Goals, those of all first bodies and of other objects as they should be.
+        task: The trial before it was resized, with as many goals.
+        objects: Objects in their new size.
+        size: Factor on all lengths.
+    """
+    first = {
+        name: old.name
+        for old in task.objects
+        if isinstance(old, MechanismPart) and old.carrier is None
+        for name in old.together
+    }
+    # The first body's place: its goal if it has one, else where it starts.
+    before = {old.name: old.position for old in task.objects}
+    after = {new.name: new.position for new in objects}
+    before |= {goal.object: goal.position for goal in task.goals if goal.on is None}
+    after |= {goal.object: goal.position for goal in goals if goal.on is None}
+    placed = []
+    for goal, old in zip(goals, task.goals, strict=True):
+        root = first.get(goal.object, goal.object)
+        if goal.on is None and root != goal.object:
+            x, y, z = (
+                c + size * (b - a)
+                for a, b, c in zip(before[root], old.position, after[root], strict=True)
+            )
+            goal = replace(goal, position=(x, y, z))
+        placed.append(goal)
+    return tuple(placed)
+
+
+def _shifted(task: Task) -> list[str]:
+    """Names of the things that the task shifts, which it must have.
+
+    Raises:
+        InputError: It has no such things, or shifts none.
+    """
+    names = list(task.shifted())
+    known = [thing.name for thing in task.objects]
+    unknown = [name for name in names if name not in known]
+    if unknown or not names:
+        raise InputError(
+            "`shifted` does not name objects of the task",
+            where=task.name,
+            got=", ".join(map(str, unknown)) or "none",
+            expected=f"some of: {', '.join(known)}",
+            remedy="Where no start can be shifted, raise an InputError that says why",
+        )
+    return names
+
+
 def _moved(
-    objects: tuple[SceneObject, ...], way: float, task: Task, surface: Surface
+    objects: tuple[SceneObject, ...],
+    names: Collection[str],
+    way: float,
+    task: Task,
+    surface: Surface,
 ) -> tuple[SceneObject, ...]:
-    """Objects with shifted starts, none nearer to another than before, all within the surface."""
+    """Objects, those of some names with shifted starts on the surface, no nearer to another than
+    before."""
+    own = [i for i, thing in enumerate(objects) if thing.name in names]
     bolted = [
-        t.name
-        for t in objects
-        if isinstance(t, MechanismPart) or getattr(t, "bolt", None) is not None
+        objects[i].name
+        for i in own
+        if isinstance(objects[i], MechanismPart) or getattr(objects[i], "bolt", None) is not None
     ]
-    fixed = bolted or [t.name for t in objects if not is_dataclass(t)]
+    fixed = bolted or [objects[i].name for i in own if not is_dataclass(objects[i])]
     if fixed:
         raise InputError(
             "the start of this object cannot be varied",
@@ -213,24 +288,26 @@ def _moved(
     places = np.array([t.position for t in objects])
     apart = list(_distances(places))
     for _ in range(_TRIES):
-        angles = rng.uniform(-np.pi, np.pi, len(objects))
+        angles = rng.uniform(-np.pi, np.pi, len(own))
         if task.plane == "front":
             # To the left or the right only: higher up nothing would support them.
             steps = np.sign(angles)[:, None] * [1.0, 0.0, 0.0]
         else:
             steps = np.column_stack(
-                [functions.cos(angles), functions.sin(angles), np.zeros(len(objects))]
+                [functions.cos(angles), functions.sin(angles), np.zeros(len(own))]
             )
-        new = places + way * steps
-        on = surface.to_surface(new)
+        new = places.copy()
+        new[own] += way * steps
+        on = surface.to_surface(new[own])
         inside = np.all((on[:, 0] >= 0.0) & (on[:, 0] <= surface.size[0]))
         if task.plane != "front":
             inside &= np.all((on[:, 1] >= 0.0) & (on[:, 1] <= surface.size[1]))
         if inside and all(d >= e for d, e in zip(_distances(new), apart, strict=True)):
-            return tuple(
-                replace(t, position=(float(p[0]), float(p[1]), float(p[2])))  # type: ignore[type-var]
-                for t, p in zip(objects, new, strict=True)
-            )
+            moved = list(objects)
+            for i in own:
+                x, y, z = new[i].tolist()
+                moved[i] = replace(objects[i], position=(x, y, z))  # type: ignore[type-var]
+            return tuple(moved)
     raise InputError(
         "the surface has no room for starts shifted so far",
         where=f"{task.name}, seed {task.seed}",

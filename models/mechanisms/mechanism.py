@@ -24,6 +24,7 @@ from models.errors import InputError
 from models.hand import CONTACT_HAND, CONTACT_OBJECT, CONTACT_TABLE
 from models.mechanisms.description import PROBE, PROBE_RADIUS, Compiled, compile_mechanism
 from models.mechanisms.distances import PLAIN
+from models.mechanisms.extents import REACHES, mesh
 from models.mjcf_object import (
     GEOM_KINDS,
     check_object_name,
@@ -31,6 +32,7 @@ from models.mjcf_object import (
     described_in,
     geom_element,
     mesh_assets,
+    mesh_points,
 )
 from models.objects import Joint, MechanismPart, mjcf_text
 
@@ -263,9 +265,36 @@ class Part(MechanismPart):
         x, y, z = position.tolist()
         return (x, y, z), atan2(rotation[1, 0], rotation[0, 0])
 
-    def varied(self, size: float, mass: float, resistance: float) -> Part:
-        """The same part of the mechanism in another size, with other masses and joints."""
+    @cached_property
+    def lowest(self) -> float:
+        """Height in m of its lowest solid point at the start; infinite without a solid geom."""
+        position, rotation = self._start
+        size, lowest = self.mechanism.size, np.inf
+        for kind, place, turn, dimensions, geom in self._solid:
+            down = -matrix_product(rotation, turn)[2]
+            if kind == "mesh":
+                reach = mesh(down, mesh_points(self._model, int(self._model.geom_dataid[geom])))
+            else:
+                reach = REACHES[kind](down, dimensions)
+            reach += float(self._model.geom_margin[geom])
+            middle = float(stacked_applied(rotation, place)[2])
+            lowest = min(lowest, float(position[2]) + size * (middle - reach))
+        return lowest
+
+    def varied(self, size: float, mass: float, resistance: float, stands: bool = True) -> Part:
+        """The same part of the mechanism in another size, with other masses and joints.
+
+        Args:
+            size: Factor on all lengths.
+            mass: Factor on all masses.
+            resistance: Factor on stiffness, damping and friction of joints.
+            stands: The lowest point of a free mechanism keeps its height; otherwise its frame does.
+        """
         own = self.mechanism.scaled(size) if size != 1.0 else self.mechanism
+        if stands and size != 1.0 and not (own.compiled.fixed or own.parts[0].joint):
+            x, y, z = own.position
+            below = min(part.lowest for part in self.mechanism.parts) - z
+            own = replace(own, position=(x, y, z + (1.0 - size) * below))
         changed = replace(own, mass=own.mass * mass, resistance=own.resistance * resistance)
         return changed.parts[self.number]
 

@@ -15,14 +15,15 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import tyro
 from rich.console import Console
 from rich.markup import escape
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
 from encoders.regression.model_registry import DEFAULT_MODEL
 from models.errors import InputError
 from models.messages.wording import counted
 from sandbox.cli.common.json_out import TERMINAL, check_output
 from sandbox.cli.common.parse import parse, with_one_line_errors
+from sandbox.options.variations import KINDS, help_with_names
 from sandbox.regress.breaking_off import BreakOff
+from sandbox.regress.progress import progress_shown
 
 if TYPE_CHECKING:
     from sandbox.regress.baseline import Baseline
@@ -41,9 +42,11 @@ class RegressOptions:
     Options of `sandbox run` are taken as well and hold for all trials, such as --bare or
     `--impulse safe`.
 
-    Exit status 1: a loss beyond chance (exact one-sided McNemar test over paired seeds, alpha 0.05,
-    Holm over tasks), more crashed trials than --allow-crashes permits, or with --exact another
-    state with the baseline's fingerprint. 130: stopped by Ctrl-C, 143: by SIGTERM.
+    Exit status 0: all trials were run and the gate holds; trials that fail without a baseline, and
+    values of --vary that break a task, are no reason for another. 1: a loss beyond chance (exact
+    one-sided McNemar test over paired seeds, alpha 0.05, Holm over tasks), more crashed trials than
+    --allow-crashes permits, or with --exact another state with the baseline's fingerprint. 2: bad
+    input, and one line says what. 130: stopped by Ctrl-C, 143: by SIGTERM.
 
     With --json or --junit every trial is written as it ends, to a file beside the report, such as
     report.trials.jsonl. If the run is stopped or killed, the same command with --resume continues.
@@ -97,11 +100,14 @@ class RegressOptions:
     """The baseline may be another encoder's: whether this one is worse is the question."""
 
     vary: Annotated[
-        tuple[str, ...] | None, tyro.conf.arg(metavar="NAME[=V1,V2]", help_behavior_hint="")
+        tuple[str, ...] | None,
+        tyro.conf.arg(
+            metavar="NAME[=V1,V2]",
+            help_behavior_hint="",
+            help=f"Success against {help_with_names(KINDS.values())}, with the values given, or "
+            "with ever worse ones until it breaks. Instead of a baseline.",
+        ),
     ] = None
-    """Success against size, mass, resistance, friction, start, room, hand-size, noise, dropped,
-    ghosts or latency, with the values given, or with ever worse ones until it breaks. Instead of
-    a baseline."""
 
     plot: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
     """Draws what --vary found, .png or .svg; the extra `plots`."""
@@ -141,13 +147,18 @@ def main(argv: list[str]) -> int:
     quiet = str(options.json) == "-"
     console = Console(stderr=quiet)
     console = Console(stderr=quiet, width=max(console.width, 100))
+    if options.vary:
+        from sandbox.regress.sweep import check_possible, parse_wanted
+
+        check_possible(plan, parse_wanted(options.vary))
     executor = _executor(options)
     loaded, old = _baselines(options, plan, console)
     if options.record is not None and not options.resume:
         _empty_folder(options.record)
     with _kept(options, plan, console) as kept, BreakOff() as wish:
         began = perf_counter()
-        run = partial(_run, executor=executor, wish=wish, kept=kept)
+        sweeps = bool(options.vary)
+        run = partial(_run, executor=executor, wish=wish, kept=kept, sweeps=sweeps)
         if options.vary:
             passed = run_vary(options, plan, executor, run, console)
         else:
@@ -328,39 +339,50 @@ def _kept(
         yield kept
 
 
+def _what(plan: RegressionPlan) -> str:
+    """The tasks and the variation of a part of a run, for its progress."""
+    return f"{', '.join(plan.names)}, {plan.scene.get('vary') or 'nothing varied'}"
+
+
 def _run(
-    plan: RegressionPlan, executor: Executor, wish: BreakOff, kept: TrialsFile | None
+    plan: RegressionPlan,
+    executor: Executor,
+    wish: BreakOff,
+    kept: TrialsFile | None,
+    sweeps: bool = False,
 ) -> list[Trial]:
-    """The trials, those of a resumed run among them; fewer where somebody breaks off."""
+    """The trials, those of a resumed run among them; fewer where somebody breaks off.
+
+    Args:
+        plan: The trials to run.
+        executor: Where they run.
+        wish: Tells whether somebody wants to break off.
+        kept: The file that they are written to, if there is one.
+        sweeps: They are a part of a run, with one variation of one task.
+    """
     trials = kept.ended(plan) if kept is not None else []
     ended = {(t["task"], t["seed"]) for t in trials}
     jobs = plan.jobs()
     missing = [job for job in jobs if (job.name, job.seed) not in ended]
-    screen = Console(stderr=True)
-    progress = Progress(
-        TextColumn("{task.description}"),
-        BarColumn(),
-        MofNCompleteColumn(),
-        TimeRemainingColumn(),
-        console=screen,
-        transient=True,
-        disable=not screen.is_terminal,
-    )
-    with suppress(KeyboardInterrupt), progress:
-        bar = progress.add_task("running", total=len(jobs), completed=len(trials))
-        with wish.while_running(), closing(executor.run(missing, lambda: wish.asked)) as running:
-            for trial in running if missing else ():
-                if kept is not None:
-                    kept.append(plan, trial)
-                trials.append(trial)
-                won = sum(t["success"] for t in trials)
-                progress.update(bar, advance=1, description=f"{won} of {len(trials)} succeeded")
+    what = _what(plan) if sweeps else ""
+    with (
+        suppress(KeyboardInterrupt),
+        progress_shown(what, len(jobs), len(trials)) as tell,
+        wish.while_running(),
+        closing(executor.run(missing, lambda: wish.asked)) as running,
+    ):
+        for trial in running if missing else ():
+            if kept is not None:
+                kept.append(plan, trial)
+            trials.append(trial)
+            tell(len(trials), sum(t["success"] for t in trials))
     if len(trials) < len(jobs):
         by = f" by {wish.name}" if wish.name else ""
         rest = "; the same command with --resume runs the rest" if kept is not None else ""
-        screen.print(
-            f"[yellow]stopped after {len(trials)} of {counted(len(jobs), 'trial')}{by}{rest}[/]",
-            soft_wrap=True,
+        where = f"{escape(what)}: " if what else ""
+        done = f"{len(trials)} of {counted(len(jobs), 'trial')}"
+        Console(stderr=True).print(
+            f"[yellow]{where}stopped after {done}{by}{rest}[/]", soft_wrap=True
         )
     return trials
 

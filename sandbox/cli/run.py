@@ -39,6 +39,10 @@ from tasks.task import Task
 class RunOptions(LslOptions, SceneOptions):
     """Runs a task without a window, as fast as the machine can, and prints its score.
 
+    Exit status 0: the trial was played, also if it failed; `success` in --json tells. 1: an error
+    of the program, or of a task's own code. 2: bad input, and one line says what. 130: stopped by
+    Ctrl-C.
+
     Try: sandbox run box-to-goal --device simulated --seed 3 --json -
     """
 

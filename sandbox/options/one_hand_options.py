@@ -12,6 +12,7 @@ from encoders.regression.model_registry import DEFAULT_MODEL, MODELS
 from sandbox.devices.tuio.tuio import DEFAULT_PORT, LOOPBACK, Transport
 from sandbox.devices.tuio.tuio_streams import DEFAULT_WEBSOCKET_PORT
 from sandbox.options.metavars import choices, device_choices
+from sandbox.options.variations import KINDS, help_with_units
 
 Part = Literal[
     "correction", "smoothing", "arrival", "ghost", "distal", "stitch", "encoder", "history"
@@ -120,10 +121,14 @@ class OneHandOptions:
     """Times per second that the simulated user's screen loses each touch. A lost touch returns
     after 0.1 s with another id."""
 
-    vary: Annotated[str, tyro.conf.arg(metavar="NAME=VALUE,...")] = ""
-    """Change the trial or degrade the touches, such as size=0.8,latency=50. size, mass, resistance,
-    friction, room, hand-size: factors. start, noise: mm. dropped, ghosts: times per second.
-    latency: ms."""
+    vary: Annotated[
+        str,
+        tyro.conf.arg(
+            metavar="NAME=VALUE,...",
+            help="Change the trial or degrade the touches, such as size=0.8,latency=50. "
+            + help_with_units(KINDS.values()),
+        ),
+    ] = ""
 
     port: int = DEFAULT_PORT
     """UDP and TCP port for TUIO; 0 takes a free one."""

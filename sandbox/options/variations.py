@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from math import inf, isfinite
 
@@ -118,6 +118,20 @@ KINDS = {
     )
 }
 """Quantities by name."""
+
+
+def help_with_units(kinds: Iterable[Kind]) -> str:
+    """Text that names all quantities by their units: `size, mass: factors. noise: mm.`"""
+    by_unit: dict[str, list[str]] = {}
+    for kind in kinds:
+        by_unit.setdefault(kind.unit or "factors", []).append(kind.name)
+    return " ".join(f"{', '.join(names)}: {unit}." for unit, names in by_unit.items())
+
+
+def help_with_names(kinds: Iterable[Kind]) -> str:
+    """Text that names all quantities: `size, mass or noise`."""
+    *names, last = (kind.name for kind in kinds)
+    return f"{', '.join(names)} or {last}" if names else last
 
 
 def find_kind(name: str) -> Kind:

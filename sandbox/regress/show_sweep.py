@@ -29,7 +29,8 @@ def show_sweep(found: Sweep, console: Console) -> None:
     power = f"{statistics.POWER:.0%}"
     console.print(f"[dim]{text} with {power} power, every value on its own[/]", soft_wrap=True)
     if not found.complete:
-        console.print("[yellow]stopped: what is missing was not run[/]")
+        missing = "; ".join(each.text(seeds) for each in found.unfinished)
+        console.print(f"[yellow]not finished: {escape(missing)}[/]", soft_wrap=True)
 
 
 def said(curve: Curve) -> list[str]:
@@ -41,8 +42,9 @@ def said(curve: Curve) -> list[str]:
         lines.append(f"{curve.task} breaks at {kind.name} {kind.text(below)}")
     if above is not None:
         lines.append(f"{curve.task} breaks at {kind.name} {kind.text(above)}")
-    if below is None and above is None and len(curve.run) > 1:
-        lowest, highest = kind.text(curve.run[0].value), kind.text(curve.run[-1].value)
+    judged = [point for point in curve.run if not point.partial]
+    if below is None and above is None and len(judged) > 1:
+        lowest, highest = kind.text(judged[0].value), kind.text(judged[-1].value)
         lines.append(f"{curve.task}: no break found from {kind.name} {lowest} to {highest}")
     return lines
 
@@ -55,21 +57,31 @@ def _table(found: Sweep, curve: Curve) -> Table:
     for name in ("success", "95 % interval", "lost", "won", "p", "median time", ""):
         table.add_column(name, justify="right")
     for point in curve.run:
-        table.add_row(*_row(curve, point))
+        table.add_row(*_row(curve, point, len(found.plan.seeds)))
     return table
 
 
-def _row(curve: Curve, point: Point) -> tuple[str, ...]:
+def _row(curve: Curve, point: Point, seeds: int) -> tuple[str, ...]:
     result = point.result
     low, high = statistics.wilson(result.successes, result.n)
     neutral = point.value == curve.kind.neutral
+    notes = [text for text, holds in _notes(point, neutral, seeds) if holds]
     return (
         f"{point.value:g}",
         f"{result.successes}/{result.n}",
         f"{low:.1%} to {high:.1%}",
         "" if neutral else str(len(point.lost)),
         "" if neutral else str(len(point.won)),
-        "" if neutral else f"{point.p:.3g}",
+        "" if neutral or point.partial else f"{point.p:.3g}",
         "" if result.time_s is None else f"{result.time_s:.2f} s",
-        "nothing varied" if neutral else "[red]breaks[/]" if point.breaks else "",
+        ", ".join(notes),
+    )
+
+
+def _notes(point: Point, neutral: bool, seeds: int) -> tuple[tuple[str, bool], ...]:
+    """Texts beside a value, each with whether it holds."""
+    return (
+        ("nothing varied", neutral),
+        ("[red]breaks[/]", not neutral and point.breaks),
+        (f"[yellow]{point.result.n} of {seeds} trials[/]", point.partial),
     )

@@ -12,11 +12,13 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from models.errors import InputError
+from models.messages.wording import counted
 from sandbox.options.variations import Kind, find_kind, parse_value
 from sandbox.regress import statistics
 from sandbox.regress.execute import Trial
-from sandbox.regress.plan import RegressionPlan
+from sandbox.regress.plan import RegressionPlan, registered
 from sandbox.regress.report import Crashes, TaskResult
+from sandbox.trial.assembly import drawn
 
 SCHEMA = 1
 """Version of the report's JSON."""
@@ -71,6 +73,7 @@ class Point:
         result: Its trials.
         lost, won: Seeds that only the trials with nothing varied succeeded in, and only these.
         refused: Why there are no trials, where the task cannot be varied like that.
+        partial: The run was stopped before all trials had ended; then nothing is judged.
     """
 
     value: float
@@ -78,6 +81,7 @@ class Point:
     lost: tuple[int, ...] = ()
     won: tuple[int, ...] = ()
     refused: str = ""
+    partial: bool = False
 
     @property
     def p(self) -> float:
@@ -87,7 +91,7 @@ class Point:
     @property
     def breaks(self) -> bool:
         """True if success is significantly lower."""
-        return self.p <= statistics.ALPHA
+        return not self.partial and self.p <= statistics.ALPHA
 
     def as_json(self) -> dict[str, Any]:
         """With every trial."""
@@ -100,6 +104,7 @@ class Point:
             "won": list(self.won),
             "p": self.p,
             "breaks": self.breaks,
+            "complete": not self.partial,
             "trials": list(self.result.trials),
         }
 
@@ -149,18 +154,64 @@ class Curve:
 
 
 @dataclass(frozen=True)
+class Unfinished:
+    """What a run that was stopped has not finished.
+
+    Attributes:
+        task: Name of the task.
+        kind: Kind of variation; None for trials with nothing varied, and all that follow them.
+        values: Values in its unit, in the order in which they would be run; empty for all.
+        ended: Number of trials that have ended.
+    """
+
+    task: str
+    kind: Kind | None = None
+    values: tuple[float, ...] = ()
+    ended: int = 0
+
+    def text(self, of: int) -> str:
+        """Text for people: `dial, size=0.8,0.6`.
+
+        Args:
+            of: Number of trials with each value.
+        """
+        parts = [self.task]
+        if self.kind is not None:
+            values = ",".join(f"{value:g}" for value in self.values)
+            parts.append(f"{self.kind.name}={values}" if values else self.kind.name)
+        elif self.ended:
+            parts.append("nothing varied")
+        ended = f" ({self.ended} of {counted(of, 'trial')})" if self.ended else ""
+        return ", ".join(parts) + ended
+
+    def as_json(self) -> dict[str, Any]:
+        """All of it."""
+        return {
+            "task": self.task,
+            "varied": None if self.kind is None else self.kind.name,
+            "values": list(self.values),
+            "ended": self.ended,
+        }
+
+
+@dataclass(frozen=True)
 class Sweep:
     """Results of a run with variations.
 
     Attributes:
         plan: Plan of the unvaried trials.
         curves: Curves by task, then by kind of variation.
-        complete: True if the run was not interrupted.
+        unfinished: What was not run, because somebody stopped it.
     """
 
     plan: RegressionPlan
     curves: tuple[Curve, ...]
-    complete: bool
+    unfinished: tuple[Unfinished, ...] = ()
+
+    @property
+    def complete(self) -> bool:
+        """True if the run was not stopped."""
+        return not self.unfinished
 
     def command(self, curve: Curve, point: Point, seed: int) -> str:
         """One line that runs a trial again."""
@@ -180,6 +231,7 @@ class Sweep:
             "schema": SCHEMA,
             "simulated_user": True,
             "complete": self.complete,
+            "not_finished": [each.as_json() for each in self.unfinished],
             "configuration": self.plan.configuration(),
             "seeds": list(self.plan.seeds),
             "noticeable_drop": statistics.noticeable_drop(pairs),
@@ -193,25 +245,66 @@ def sweep(plan: RegressionPlan, wanted: Sequence[Wanted], run: Runner) -> Sweep:
     A value that a task cannot have (a bolt has one place) is noted, and ends its direction.
     """
     curves: list[Curve] = []
+    missing: list[Unfinished] = []
     for task, name in zip(plan.tasks, plan.names, strict=True):
+        if missing:
+            missing.append(Unfinished(name))
+            continue
         own = replace(plan, tasks=(task,))
         nominal = _result(own, run(own))
-        complete = nominal.n == len(plan.seeds)
-        for each in wanted if complete else ():
-            points = [Point(each.kind.neutral, nominal)]
-            for direction in each.directions:
-                for value in direction if complete else ():
-                    points.append(_point(own, each.kind, value, nominal, run))
-                    complete = bool(points[-1].refused) or points[-1].result.n == nominal.n
-                    ends = points[-1].breaks or points[-1].refused
-                    if not complete or (ends and not each.values):
-                        break
-            curves.append(Curve(name, each.kind, tuple(sorted(points, key=lambda p: p.value))))
-            if not complete:
+        stopped = nominal.n < len(plan.seeds)
+        if stopped:
+            missing.append(Unfinished(name, ended=nominal.n))
+        for each in wanted:
+            neutral = Point(each.kind.neutral, nominal, partial=stopped)
+            if not missing:
+                points, missing = _points(own, name, each, nominal, run)
+                curves.append(_curve(name, each.kind, [neutral, *points]))
+            elif not stopped:
+                missing.append(Unfinished(name, each.kind, _differing(each)))
+            elif nominal.n:
+                # What has ended is counted, once.
+                if each is wanted[0]:
+                    curves.append(_curve(name, each.kind, [neutral]))
+                missing.append(Unfinished(name, each.kind, _differing(each)))
+    return Sweep(plan, tuple(curves), tuple(missing))
+
+
+def _curve(task: str, kind: Kind, points: Sequence[Point]) -> Curve:
+    return Curve(task, kind, tuple(sorted(points, key=lambda p: p.value)))
+
+
+def _differing(wanted: Wanted) -> tuple[float, ...]:
+    """The values that were asked for; none where they are tried until it breaks."""
+    return tuple(v for values in wanted.directions for v in values) if wanted.values else ()
+
+
+def _points(
+    plan: RegressionPlan, name: str, wanted: Wanted, nominal: TaskResult, run: Runner
+) -> tuple[list[Point], list[Unfinished]]:
+    """Points of one task under one kind of variation, and what was not finished of them."""
+    points: list[Point] = []
+    begun: list[Unfinished] = []
+    left: list[float] = []
+    stopped = False
+    for direction in wanted.directions:
+        for i, value in enumerate(direction):
+            if stopped:
+                left += direction
                 break
-        if not complete:
-            return Sweep(plan, tuple(curves), False)
-    return Sweep(plan, tuple(curves), True)
+            point = _point(plan, wanted.kind, value, nominal, run)
+            if not point.partial or point.result.n:
+                points.append(point)
+            if point.partial:
+                stopped = True
+                ended = point.result.n
+                begun = [Unfinished(name, wanted.kind, (value,), ended)] if ended else []
+                left += direction[i + (1 if ended else 0) :]
+                break
+            if (point.breaks or point.refused) and not wanted.values:
+                break
+    rest = [Unfinished(name, wanted.kind, tuple(left))] if left else []
+    return points, begun + rest
 
 
 def varied(plan: RegressionPlan, kind: Kind, value: float) -> RegressionPlan:
@@ -223,10 +316,16 @@ def varied(plan: RegressionPlan, kind: Kind, value: float) -> RegressionPlan:
 def _point(
     plan: RegressionPlan, kind: Kind, value: float, nominal: TaskResult, run: Runner
 ) -> Point:
+    changed = varied(plan, kind, value)
     try:
-        result = _result(plan, run(varied(plan, kind, value)))
+        refused = refusal(changed)
+        result = TaskResult(nominal.name, nominal.version, ())
+        if not refused:
+            result = _result(plan, run(changed))
     except InputError as error:
-        return Point(value, TaskResult(nominal.name, nominal.version, ()), refused=str(error))
+        refused = str(error)
+    if refused:
+        return Point(value, TaskResult(nominal.name, nominal.version, ()), refused=refused)
     before = {t["seed"]: t["success"] for t in nominal.trials}
     differ = [t for t in result.trials if t["success"] != before[t["seed"]]]
     return Point(
@@ -234,7 +333,47 @@ def _point(
         result,
         tuple(t["seed"] for t in differ if not t["success"]),
         tuple(t["seed"] for t in differ if t["success"]),
+        partial=result.n < nominal.n,
     )
+
+
+def refusal(plan: RegressionPlan) -> str:
+    """Why a trial of a plan cannot be drawn, before any is played; empty where all can."""
+    for job in plan.jobs():
+        try:
+            with registered(job.own_task):
+                drawn(job.planned().settings)
+        except InputError as error:
+            return str(error)
+    return ""
+
+
+def check_possible(plan: RegressionPlan, wanted: Sequence[Wanted]) -> None:
+    """Checks, before anything is played, that some task can have some value of every kind.
+
+    Of every task only the trial of the first seed is drawn.
+
+    Raises:
+        InputError: No task can be varied like that; it says why the first one cannot.
+    """
+    for each in wanted:
+        # Only the first value of a direction is tried if the one before it was refused.
+        tried = [d for d in each.directions if d]
+        values = [v for d in tried for v in (d if each.values else d[:1])]
+        reasons = []
+        for task in plan.tasks:
+            one = replace(plan, tasks=(task,), seeds=plan.seeds[:1])
+            for value in values:
+                reasons.append(refusal(varied(one, each.kind, value)))
+                if not reasons[-1]:
+                    break
+            if reasons and not reasons[-1]:
+                break
+        if reasons and all(reasons):
+            raise InputError(
+                f"no chosen task can be varied like that; {reasons[0]}",
+                where=f"--vary {each.kind.name}",
+            )
 
 
 def _result(plan: RegressionPlan, trials: list[Trial]) -> TaskResult:

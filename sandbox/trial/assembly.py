@@ -40,6 +40,7 @@ from sandbox.session.session import Recorder, Rig, Session
 from sandbox.trial.device_makers import DeviceMakers, check_count
 from sandbox.trial.settings import SOLID, HandSettings, RunSettings
 from sandbox.trial.surfaces import place_all
+from tasks.checks import check_varied
 from tasks.registry import draw_task, find_task
 from tasks.task import Task
 from tasks.variation import vary
@@ -47,6 +48,7 @@ from tasks.variation import vary
 __all__ = [
     "build",
     "digests",
+    "drawn",
     "load_encoder",
     "make_labeller",
     "place_surface",
@@ -174,12 +176,34 @@ def place_surface(surface: Surface, task: type[Task]) -> Surface:
     return surface.centred_at((0.0, 0.0, task.touch_height))
 
 
+def drawn(settings: RunSettings, recorded: bool = False) -> tuple[Task, tuple[Surface, ...]]:
+    """Draws and varies the trial of a run, and places the surface of every hand.
+
+    Args:
+        settings: Settings of the run.
+        recorded: It was played before; a varied trial whose things overlap is drawn all the same.
+
+    Raises:
+        InputError: The task does not fit on the surface, it cannot be varied like that, or things
+            of the varied trial overlap.
+    """
+    kind = find_task(settings.task)
+    whole, surfaces = place_all(place_surface(settings.surface, kind), settings, kind)
+    plain = draw_task(kind, settings.seed, whole)
+    task = vary(plain, settings.variation, whole, settings.vary_rules)
+    # What was recorded under the first rules may be played again, also as a device.
+    if task is not plain and settings.vary_rules > 1 and not recorded:
+        check_varied(task, f"{task.name}, seed {task.seed}, varied")
+    return task, surfaces
+
+
 def build(
     settings: RunSettings,
     makers: DeviceMakers,
     recorder: Recorder | None = None,
     wrap_reconstructor: Callable[[Reconstructor], Reconstructor] | None = None,
     change_task: Callable[[Task], Task] | None = None,
+    recorded: bool = False,
 ) -> Session:
     """Builds a session that is ready for its first step.
 
@@ -189,14 +213,16 @@ def build(
         recorder: Records inputs and states; None records nothing.
         wrap_reconstructor: Replaces or wraps each reconstructor of touches; None changes nothing.
         change_task: Changes the drawn trial; None changes nothing.
+        recorded: The trial was played before, and is played again whatever is refused now.
+
+    Raises:
+        InputError: The trial cannot be played with these settings; see `drawn`.
     """
     task_type = find_task(settings.task)
-    placed = place_surface(settings.surface, task_type)
-    whole, surfaces = place_all(placed, settings, task_type)
-    task = vary(draw_task(task_type, settings.seed, whole), settings.variation, whole)
+    task, surfaces = drawn(settings, recorded)
     task = change_task(task) if change_task else task
     turns = [hand.turn for hand in settings.hands]
-    if placed.upright and any(turns):
+    if surfaces[0].upright and any(turns):
         raise InputError(
             "an upright surface can only be used from its lower edge",
             where="--turn",

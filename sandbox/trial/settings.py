@@ -17,6 +17,7 @@ from models.surface import PRESETS, Surface
 from sandbox.session.contact_modes import ContactMode, contact_mode
 from sandbox.session.own_layouts import Layouts
 from sandbox.trial.hand_input import HandInput
+from tasks.variation import RULES as VARY_RULES
 from tasks.variation import Variation
 
 DEFAULT_LABELS = "population"
@@ -38,7 +39,16 @@ SOLID = ("fingertips", "hand")
 MOST_HANDS = 2
 """Largest number of hands in a scene."""
 
-_OPTIONAL = {"variation", "rules", "surface_scale", "scored", "kept_names", "robot", "solid"}
+_OPTIONAL = {
+    "variation",
+    "rules",
+    "surface_scale",
+    "scored",
+    "kept_names",
+    "robot",
+    "solid",
+    "vary_rules",
+}
 """Settings that a header may lack."""
 
 _IN_RESULTS = {
@@ -131,6 +141,8 @@ class RunSettings:
         robot: The robot whose hand is in the place of the person's (see `models.robot.known`);
             empty for our own hand.
         solid: One of `SOLID`; a header without it has the first.
+        vary_rules: One of `tasks.variation.RULES`, by default the last; the header of a varied
+            trial without it has the first.
     """
 
     task: str = "box-to-goal"
@@ -159,11 +171,19 @@ class RunSettings:
     kept_names: str = ""
     robot: str = ""
     solid: str = SOLID[0]
+    vary_rules: int = VARY_RULES[-1]
 
     def __post_init__(self) -> None:
         if self.rules not in RULES:
             raise InputError(
                 "no such rules", where="rules", got=self.rules, expected=f"{RULES[0]} or {RULES[1]}"
+            )
+        if self.vary_rules not in VARY_RULES:
+            raise InputError(
+                "no such rules",
+                where="vary_rules",
+                got=self.vary_rules,
+                expected=f"{VARY_RULES[0]} or {VARY_RULES[1]}",
             )
         if self.labels not in LABELS:
             raise InputError(
@@ -221,7 +241,7 @@ class RunSettings:
         return replace(self, hands=hands)
 
     def as_json(self) -> dict[str, Any]:
-        """Values for a recording's header, without a neutral variation, the first rules, true
+        """Values for a recording's header, without a neutral variation, first rules, true
         size, solid fingertips, names that ship, an `in_air` or a camera of None, missing joints, or
         empty layouts
         and looks."""
@@ -230,6 +250,8 @@ class RunSettings:
             del values["rules"]
         if self.variation.neutral:
             del values["variation"]
+        if self.variation.neutral or self.vary_rules == VARY_RULES[0]:
+            del values["vary_rules"]
         if self.surface_scale == 1.0:
             del values["surface_scale"]
         if self.scored:
@@ -281,7 +303,8 @@ def _as_it_was(values: Mapping[str, Any]) -> dict[str, Any]:
             else hand
             for hand in hands
         ]
-    return {"rules": RULES[0], **values, "hands": hands}
+    varied = {"vary_rules": VARY_RULES[0]} if "variation" in values else {}
+    return {"rules": RULES[0], **varied, **values, "hands": hands}
 
 
 def result_settings(values: Mapping[str, Any]) -> dict[str, Any]:

@@ -128,6 +128,10 @@ class Books(TaskDefaults):
         )
         return cls(seed, (box, *standing), (Goal("box", (*places[1], half), yaw),))
 
+    def shifted(self) -> tuple[str, ...]:
+        """The box: the books stay where they are."""
+        return ("box",)
+
     def with_room(self, factor: float) -> Books:
         """The same trial with the books so much farther apart or nearer to each other."""
         one, other = (np.array(book.position) for book in self.objects[1:])

@@ -10,7 +10,7 @@ import numpy as np
 
 from models.arithmetic.arrays import Array
 from models.arithmetic.products import length, squared_lengths
-from models.errors import SurfaceTooSmallError
+from models.errors import InputError, SurfaceTooSmallError
 from models.messages.message import Message
 from models.objects import Box
 from models.scene import PaintedRing
@@ -107,6 +107,18 @@ class Gather(TaskDefaults):
         )
         ring = PaintedRing("ring", (centre[0], centre[1]), RADIUS)
         return cls(seed, objects, _shown(ring), ring)
+
+    def shifted(self) -> tuple[str, ...]:
+        """Nothing.
+
+        Raises:
+            InputError: Always, with the reason.
+        """
+        raise InputError(
+            "dice lie anywhere around the ring as they are drawn: no start of theirs is farther",
+            where=f"{self.name}, --vary start",
+            remedy="Vary something else, such as room",
+        )
 
     def with_room(self, factor: float) -> Gather:
         """The same trial with a ring so much larger or smaller."""

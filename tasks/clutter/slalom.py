@@ -141,6 +141,10 @@ class Slalom(TaskDefaults):
         )
         return cls(seed, (box, *standing), (Goal("box", (*places[1], half), yaw + turn),))
 
+    def shifted(self) -> tuple[str, ...]:
+        """The box: the pins stay where they are."""
+        return ("box",)
+
     def with_room(self, factor: float) -> Slalom:
         """The same trial with gates so much wider or narrower."""
         placed = {pin.name: pin.position for pin in self.objects[1:]}

@@ -114,6 +114,10 @@ class Insert(TaskDefaults):
         goal = Goal(PEG, (*at, lying.position[2]), yaw)
         return cls(seed, (lying, *socket(at, yaw, CLEARANCE).parts), (goal,))
 
+    def shifted(self) -> tuple[str, ...]:
+        """The peg: the socket stays where it is."""
+        return (PEG,)
+
     def with_room(self, factor: float) -> Insert:
         """The same trial with so much more or less clearance."""
         clearance = factor * self.clearance

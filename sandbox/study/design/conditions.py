@@ -202,18 +202,14 @@ def check_conditions(design: Design, reader: Reader) -> None:
     kinds_wrong = _check_kinds(design, reader)
     if kinds_wrong:
         return
-    from sandbox.trial.assembly import load_encoder, place_surface
-    from sandbox.trial.surfaces import place_all
-    from tasks.registry import draw_task, find_task
+    from sandbox.trial.assembly import drawn, load_encoder
 
     seen: set[str] = set()
     for levels in combinations(design):
         values = values_of(design, levels)
         try:
             settings = run_settings(values, design.seed % 1000)
-            kind = find_task(settings.task)
-            whole, _ = place_all(place_surface(settings.surface, kind), settings, kind)
-            draw_task(kind, settings.seed, whole)
+            drawn(settings)
             load_encoder(settings.encoder)
         except HandSandboxError as error:
             if str(error) in seen:

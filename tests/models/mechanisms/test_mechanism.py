@@ -74,6 +74,20 @@ def test_every_part_starts_where_it_says(
     assert sensing.joint("desk/lid").position == pytest.approx(opened, abs=1e-6)
 
 
+@pytest.mark.parametrize("size", [1.0, 0.5, 2.0])
+def test_the_lowest_point_of_a_part_is_as_high_as_mujoco_measures_it(size: float) -> None:
+    desk = Mechanism("desk", DESK, (0.1, -0.05, 0.01), 0.4, {"lid": 1.1}, size)
+    floor = Box("floor", (4.0, 4.0, 0.5), 1.0, (0.0, 0.0, -1.0))
+    scene = Scene(SceneSpec((), (*desk.parts, floor)))
+    model, data = scene.model, mujoco.MjData(scene.model)
+    mujoco.mj_kinematics(model, data)
+    top = model.geom("floor").id
+    for part in desk.parts:
+        geoms = np.flatnonzero(model.geom_bodyid == scene.object_bodies[part.name])
+        far = min(mujoco.mj_geomDistance(model, data, g, top, 10.0, None) for g in geoms)
+        assert part.lowest == pytest.approx(far - 0.5, abs=2e-5)
+
+
 def test_a_start_is_the_same_as_the_joint_moved_there() -> None:
     _, moved, data = built()
     for name, value in (("desk/drawer", 0.04), ("desk/lid", 1.2)):

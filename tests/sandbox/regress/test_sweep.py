@@ -11,17 +11,20 @@ import pytest
 from models.errors import InputError
 from models.objects import Wrench
 from models.surface import Surface
+from sandbox.cli.main import main
 from sandbox.cli.regress import main as regress_main
 from sandbox.figures.variation import draw, save_plot
 from sandbox.options.variations import KINDS
 from sandbox.regress.baseline import Baseline, KeptTask
 from sandbox.regress.execute import Serial
 from sandbox.regress.plan import RegressionPlan, registered
-from sandbox.regress.sweep import Runner, Sweep, parse_wanted, sweep, varied
+from sandbox.regress.sweep import Runner, Sweep, check_possible, parse_wanted, sweep, varied
 from tasks.box_to_goal import BoxToGoal
 from tasks.sensing import Sensing
+from tasks.stack import Stack
 from tasks.task import Measure, Task
 from tasks.wrench_slide import WrenchSlide
+from tests.support.regress_tasks import Quick
 
 SEEDS = tuple(range(8))
 
@@ -132,6 +135,98 @@ def test_a_run_that_is_broken_off_says_so_and_runs_nothing_more() -> None:
 
     found = found_by(Heavy, "mass", "latency", runner=tired)
     assert not found.complete and len(plans) == 2 and len(found.curves) == 1
+
+
+@pytest.mark.parametrize(
+    ("stops_in", "ended", "missing"),
+    [
+        (1, 0, ["heavy", "quick"]),
+        (
+            1,
+            3,
+            ["heavy, nothing varied (3 of 8 trials)", "heavy, mass=4,2,8", "heavy, size", "quick"],
+        ),
+        (3, 0, ["heavy, mass=2,8", "heavy, size", "quick"]),
+        (3, 5, ["heavy, mass=2 (5 of 8 trials)", "heavy, mass=8", "heavy, size", "quick"]),
+        (
+            6,
+            7,
+            [
+                "heavy, size=0.6 (7 of 8 trials)",
+                "heavy, size=0.5,0.4,0.3,1.2,1.4,1.6,1.8,2",
+                "quick",
+            ],
+        ),
+        (99, 8, []),
+    ],
+)
+def test_a_run_that_is_stopped_says_what_is_not_finished_and_counts_what_ended(
+    stops_in: int, ended: int, missing: list[str]
+) -> None:
+    runs = 0
+
+    def stopped(plan: RegressionPlan) -> list[dict[str, Any]]:
+        nonlocal runs
+        runs += 1
+        # Whoever was asked to stop runs nothing any more.
+        trials = [{**t, "status": "held", "reason": ""} for t in limited(plan)]
+        return trials[: ended if runs == stops_in else None if runs < stops_in else 0]
+
+    plan = RegressionPlan((Heavy, Quick), SEEDS)
+    wanted = parse_wanted(["mass=4,2,8", "size"])
+    found = sweep(plan, wanted, stopped)
+    assert [each.text(len(SEEDS)) for each in found.unfinished] == missing
+    assert found.complete == (not missing)
+    partial = [p for curve in found.curves for p in curve.points if p.partial]
+    assert [p.result.n for p in partial] == ([ended] if missing and ended else [])
+    # What was not finished breaks nothing.
+    assert not any(p.breaks for p in partial)
+    told = found.as_json()
+    assert len(told["not_finished"]) == len(missing) and told["complete"] == (not missing)
+
+
+def test_a_value_that_one_seed_cannot_have_is_refused_before_any_other_seed_is_played() -> None:
+    plans = []
+
+    def noted(plan: RegressionPlan) -> list[dict[str, Any]]:
+        plans.append(plan)
+        return limited(plan)
+
+    # Boxes of seed 1 stay apart, those of seed 2 do not.
+    (curve,) = found_by(Stack, "size=1.6", seeds=(1, 2), runner=noted).curves
+    assert "stack, seed 2" in curve.points[1].refused and "overlap" in curve.points[1].refused
+    assert len(plans) == 1
+
+
+@pytest.mark.parametrize(
+    ("task", "varied", "reason"),
+    [
+        ("box-to-goal", "room", "leaves no room"),
+        ("box-to-goal", "resistance=2", "resistance"),
+        ("dial", "start", "start of this object"),
+        ("gather", "start=5,10", "dice lie anywhere"),
+        ("stack", "size=3", "overlap"),
+    ],
+)
+def test_what_no_task_can_have_is_refused_before_anything_is_played(
+    task: str,
+    varied: str,
+    reason: str,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(Serial, "run", lambda *args: pytest.fail("a trial was played"))
+    words = ["--tasks", task, "--seeds", "0:3", "--executor", "serial", "--vary", "mass=2", varied]
+    assert main(["regress", *words, "--json", str(tmp_path / "out.json")]) == 2
+    said = capsys.readouterr()
+    assert not said.out and said.err.count("\n") == 1 and not list(tmp_path.iterdir())
+    assert "no chosen task can be varied like that" in said.err and reason in said.err
+
+
+def test_what_some_task_can_have_is_possible() -> None:
+    plan = RegressionPlan(("box-to-goal", "dial"), SEEDS)
+    check_possible(plan, parse_wanted(["resistance", "start", "size=0.5,1", "latency"]))
 
 
 def test_a_varied_run_is_never_compared_with_a_baseline_of_one_that_is_not() -> None:

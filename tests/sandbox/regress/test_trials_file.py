@@ -255,14 +255,22 @@ def test_a_resumed_run_keeps_recordings_and_makes_those_that_a_kill_cut(tmp_path
         assert main(["replay", str(folder / "stopping-3.jsonl")]) == 0
 
 
-def test_a_varied_run_is_resumed_too(tmp_path: Path) -> None:
+def test_a_varied_run_is_resumed_too(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     whole, out = tmp_path / "whole.json", tmp_path / "out.json"
     vary = ("--vary", "mass=2")
     with registered(Quick):
         assert regress("--tasks", "quick", *vary, "--json", whole) == 0
     with stopping():
         words = ("--tasks", "stopping", *vary, "--json", out)
+        capsys.readouterr()
         assert regress(*words) == 130
+        told = capsys.readouterr()
+        assert (
+            "not finished: stopping, nothing varied (2 of 4 trials); stopping, mass=2" in told.out
+        )
+        assert "stopping, nothing varied: stopped after 2 of 4 trials" in told.err
+        assert "1/2" in told.out and "2 of 4 trials" in told.out
+        assert json.loads(out.read_text())["not_finished"][0]["ended"] == 2
         assert regress(*words, "--resume") == 0
     assert seeds(out) == [0, 1, 2, 3] * 2
     assert json.dumps(table(out)).replace("stopping", "quick") == json.dumps(table(whole))

@@ -1,0 +1,228 @@
+"""Varied trials start as they would be set up: nothing in another thing, goals where they fit."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from models.errors import InputError
+from models.mechanisms.mechanism import Part
+from models.objects import Box
+from models.surface import Surface
+from sandbox.cli.main import main
+from sandbox.options.scene_options import SceneOptions, plan
+from sandbox.recording.recording import load_recording
+from sandbox.trial.assembly import build, drawn
+from sandbox.trial.headless import run_trial
+from sandbox.trial.replay import replay
+from sandbox.trial.settings import RunSettings
+from tasks.mechanisms.case import HEIGHT
+from tasks.task import Goal, Task
+from tasks.variation import Variation, vary
+
+
+def varied(task: str, vary: str, seed: int = 1, rules: int = 2) -> Task:
+    """A trial of a task as `--vary` makes it, by the number of its rules."""
+    settings = plan(SceneOptions(task=task, seed=seed, vary=vary)).settings
+    return drawn(replace(settings, vary_rules=rules))[0]
+
+
+@pytest.mark.parametrize(
+    ("task", "seed", "vary", "first", "second"),
+    [
+        ("stack", 2, "size=1.6", "base", "second"),
+        ("stack-three", 3, "size=1.6", "base", "third"),
+        ("stack-vertical", 2, "size=2", "base", "second"),
+        ("slalom", 1, "size=2", "box", "pin2"),
+        ("slalom", 3, "room=0.25", "box", "pin1"),
+        ("gather", 1, "size=1.6", "die3", "die6"),
+        ("books", 1, "size=2", "box", "book1"),
+        ("insert", 1, "size=3", "peg", "socket"),
+    ],
+)
+def test_things_that_would_start_in_each_other_are_both_named_before_the_trial(
+    task: str, seed: int, vary: str, first: str, second: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["run", task, "--seed", str(seed), "--vary", vary]) == 2
+    said = capsys.readouterr()
+    assert not said.out and said.err.count("\n") == 1
+    assert f"{task}, seed {seed}" in said.err
+    assert f"{first} and {second} overlap at the start" in said.err
+
+
+@pytest.mark.parametrize("task", ["stack", "slalom", "gather", "books", "insert", "close-case"])
+@pytest.mark.parametrize("vary", ["size=0.8", "size=1.1", "mass=3"])
+def test_values_that_leave_things_apart_are_played(task: str, vary: str) -> None:
+    assert varied(task, vary).name == task
+
+
+@pytest.mark.parametrize("size", [0.4, 0.7, 1.2, 2.0])
+def test_a_case_of_another_size_lies_on_the_table(size: float) -> None:
+    case, cap = varied("close-case", f"size={size}").objects
+    assert isinstance(case, Part) and isinstance(cap, Part)
+    assert case.position[2] == pytest.approx(size * HEIGHT / 2)
+    assert case.lowest == pytest.approx(0.0, abs=1e-9) == cap.lowest
+    # Nothing falls or is thrown when the trial begins.
+    chosen = plan(SceneOptions(task="close-case", user="idle", seed=1, vary=f"size={size}"))
+    session = build(chosen.settings, chosen.makers)
+    for _ in range(20):
+        session.advance()
+    now, _ = session.scene.object_pose(session.data, "case")
+    assert np.linalg.norm(now - case.position) < 2e-4
+    session.close()
+
+
+def test_a_recording_of_a_case_above_the_table_replays_to_the_bit(tmp_path: Path) -> None:
+    vary = "size=0.7"
+    chosen = plan(SceneOptions(task="close-case", seed=1, vary=vary, user="idle"))
+    path = tmp_path / "earlier.jsonl"
+    earlier = replace(chosen.settings, vary_rules=1)
+    run_trial(earlier, chosen.makers, record=path, about=chosen.about)
+    session, found = replay(load_recording(path))
+    assert found.exact and found.complete
+    assert session.task.objects[0].position[2] == pytest.approx(HEIGHT / 2)
+
+
+@pytest.mark.parametrize("size", [0.5, 0.85, 1.3])
+@pytest.mark.parametrize("seed", [1, 2, 3])
+@pytest.mark.parametrize("task", ["chords", "single-keys", "dial", "close-case"])
+def test_goals_of_a_resized_mechanism_are_where_its_joints_take_its_parts(
+    task: str, seed: int, size: float
+) -> None:
+    plain, changed = varied(task, "", seed), varied(task, f"size={size}", seed)
+    parts = {part.name: part for part in changed.objects if isinstance(part, Part)}
+    for goal, old in zip(changed.goals, plain.goals, strict=True):
+        part, was = parts[goal.object], next(p for p in plain.objects if p.name == goal.object)
+        assert isinstance(was, Part) and was.joint and part.joint and was.joint.range
+        # The value of the joint at the goal, found from the ends of its range.
+        ends = [np.array(was.placed(v)[0]) for v in was.joint.range]
+        if was.joint.kind == "hinge":
+            value = plain.mark  # type: ignore[attr-defined]
+        else:
+            way = ends[1] - ends[0]
+            value = size * was.joint.range[1] * float(np.dot(old.position - ends[0], way))
+            value /= float(np.dot(way, way))
+        position, yaw = part.placed(value)
+        assert goal.position == pytest.approx(position, abs=1e-9)
+        assert goal.yaw == pytest.approx(yaw)
+
+
+def test_a_peg_of_another_size_is_to_be_where_its_socket_ends() -> None:
+    changed = varied("insert", "size=0.7")
+    peg, socket = (next(o for o in changed.objects if o.name == n) for n in ("peg", "socket"))
+    assert isinstance(peg, Box)
+    # The socket's frame is where the middle of the peg is once it is in.
+    (goal,) = changed.goals
+    assert goal.position == pytest.approx((*socket.position[:2], peg.half_size[2]))
+
+
+def test_a_goal_of_a_part_goes_along_with_that_of_the_mechanism_it_belongs_to() -> None:
+    plain = varied("close-case", "")
+    case = plain.objects[0]
+    away = (case.position[0] + 0.05, case.position[1], case.position[2])
+    cap = plain.goals[0]
+    along = np.subtract(cap.position, case.position)
+    along[1] += 0.02
+    carried = replace(
+        plain,  # type: ignore[type-var]
+        goals=(
+            Goal("case", away, case.yaw),
+            replace(cap, position=tuple((np.array(away) + along).tolist())),
+        ),
+    )
+    changed = vary(carried, Variation(size=0.5), Surface())
+    assert changed.goals[0].position == pytest.approx((*away[:2], HEIGHT / 4))
+    off = np.subtract(changed.goals[1].position, changed.goals[0].position)
+    assert off == pytest.approx(0.5 * along)
+
+
+@pytest.mark.parametrize(
+    ("task", "carried"), [("slalom", "box"), ("books", "box"), ("insert", "peg")]
+)
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("mm", [5, 20])
+def test_only_what_is_to_be_carried_starts_elsewhere(
+    task: str, carried: str, seed: int, mm: int
+) -> None:
+    plain, moved = varied(task, "", seed), varied(task, f"start={mm}", seed)
+    for old, new in zip(plain.objects, moved.objects, strict=True):
+        way = np.subtract(new.position, old.position)
+        far = mm / 1000 if old.name == carried else 0.0
+        assert np.linalg.norm(way) == pytest.approx(far, abs=1e-12) and way[2] == 0.0
+    assert moved.goals == plain.goals
+
+
+def test_starts_of_dice_are_not_shifted_and_the_reason_is_said(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    assert main(["run", "gather", "--vary", "start=5"]) == 2
+    said = capsys.readouterr().err
+    assert said.count("\n") == 1 and "dice lie anywhere" in said
+
+
+def test_a_task_of_ones_own_says_what_is_shifted(tmp_path: Path) -> None:
+    text = """
+from models import Box
+from tasks import CustomTask, Goal, judge
+
+class Own(CustomTask):
+    name = "NAME"
+
+    @classmethod
+    def place(cls, rng, surface):
+        boxes = [Box(n, (.01,) * 3, .1, (x, 0, .01)) for n, x in (("red", -.03), ("blue", .03))]
+        return boxes, [Goal("red", (0, .03, .01), 0.0)]
+
+    def measure(self, sensing):
+        return judge(0.0, (True, "not yet"))
+"""
+
+    def moved(name: str, more: str = "") -> set[str]:
+        path = tmp_path / f"{name}.py"
+        path.write_text(text.replace("NAME", name) + more)
+        plain, changed = varied(str(path), ""), varied(str(path), "start=10")
+        pairs = zip(plain.objects, changed.objects, strict=True)
+        return {old.name for old, new in pairs if old.position != new.position}
+
+    assert moved("lab-all") == {"red", "blue"}
+    assert moved("lab-one", "\n    def shifted(self): return ['red']\n") == {"red"}
+    with pytest.raises(InputError, match=r"`shifted` does not name.*green.*red, blue"):
+        moved("lab-wrong", "\n    def shifted(self): return ['green']\n")
+
+
+def test_a_recording_whose_pins_were_shifted_along_replays_to_the_bit(tmp_path: Path) -> None:
+    chosen = plan(SceneOptions(task="slalom", seed=1, vary="start=3", user="idle"))
+    path = tmp_path / "earlier.jsonl"
+    run_trial(replace(chosen.settings, vary_rules=1), chosen.makers, record=path)
+    session, found = replay(load_recording(path))
+    assert found.exact and found.complete
+    there = [thing.position for thing in session.task.objects]
+    assert all(a != b.position for a, b in zip(there, varied("slalom", "").objects, strict=True))
+
+
+def test_a_recording_of_things_that_overlap_still_replays_to_the_bit(tmp_path: Path) -> None:
+    chosen = plan(SceneOptions(task="stack", seed=2, vary="size=1.6", user="idle"))
+    earlier = replace(chosen.settings, vary_rules=1)
+    path = tmp_path / "earlier.jsonl"
+    run_trial(earlier, chosen.makers, record=path, about=chosen.about)
+    recording = load_recording(path)
+    assert "vary_rules" not in recording.header["settings"]
+    _, found = replay(recording)
+    assert found.exact and found.complete
+    # As a device its touches play under the rules that it was made with.
+    again = plan(SceneOptions(device=str(path)))
+    assert again.settings.vary_rules == 1 and drawn(again.settings)[0].seed == 2
+
+
+def test_rules_of_variation_are_in_the_header_of_a_varied_trial_alone() -> None:
+    plain, changed = (
+        plan(SceneOptions(task="stack", vary=vary)).settings for vary in ("", "size=0.9")
+    )
+    assert "vary_rules" not in plain.as_json() and changed.as_json()["vary_rules"] == 2
+    for settings in (plain, changed, replace(changed, vary_rules=1)):
+        assert RunSettings.from_json(settings.as_json()) == settings
+    with pytest.raises(InputError, match="no such rules"):
+        RunSettings(vary_rules=3)
