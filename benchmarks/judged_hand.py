@@ -20,7 +20,7 @@ FROZEN = Path(__file__).with_name("frozen_hand.json")
 
 CLEARING = (
     (clearing, ("MARGIN", "BESIDE", "NOTICED", "BEND", "SWAY", "MOVE", "TILT", "TIP_SIGMA")),
-    (clearing, ("CLEAR_SIGMA", "AHEAD", "FAR", "SLOW", "TAU", "SPEED")),
+    (clearing, ("STEADY", "CLEAR_SIGMA", "AHEAD", "FAR", "SLOW", "TAU", "SPEED")),
     (hand_distances, ("REACH",)),
     (solid_links, ("CLEARANCE", "INSIDE")),
 )
