@@ -176,12 +176,12 @@ def place_surface(surface: Surface, task: type[Task]) -> Surface:
     return surface.centred_at((0.0, 0.0, task.touch_height))
 
 
-def drawn(settings: RunSettings, recorded: bool = False) -> tuple[Task, tuple[Surface, ...]]:
+def drawn(settings: RunSettings, may_overlap: bool = False) -> tuple[Task, tuple[Surface, ...]]:
     """Draws and varies the trial of a run, and places the surface of every hand.
 
     Args:
         settings: Settings of the run.
-        recorded: It was played before; a varied trial whose things overlap is drawn all the same.
+        may_overlap: Things of a varied trial may overlap; otherwise they are refused.
 
     Raises:
         InputError: The task does not fit on the surface, it cannot be varied like that, or things
@@ -192,7 +192,7 @@ def drawn(settings: RunSettings, recorded: bool = False) -> tuple[Task, tuple[Su
     plain = draw_task(kind, settings.seed, whole)
     task = vary(plain, settings.variation, whole, settings.vary_rules)
     # What was recorded under the first rules may be played again, also as a device.
-    if task is not plain and settings.vary_rules > 1 and not recorded:
+    if task is not plain and settings.vary_rules > 1 and not may_overlap:
         check_varied(task, f"{task.name}, seed {task.seed}, varied")
     return task, surfaces
 
@@ -203,7 +203,7 @@ def build(
     recorder: Recorder | None = None,
     wrap_reconstructor: Callable[[Reconstructor], Reconstructor] | None = None,
     change_task: Callable[[Task], Task] | None = None,
-    recorded: bool = False,
+    may_overlap: bool = False,
 ) -> Session:
     """Builds a session that is ready for its first step.
 
@@ -213,13 +213,14 @@ def build(
         recorder: Records inputs and states; None records nothing.
         wrap_reconstructor: Replaces or wraps each reconstructor of touches; None changes nothing.
         change_task: Changes the drawn trial; None changes nothing.
-        recorded: The trial was played before, and is played again whatever is refused now.
+        may_overlap: Things of a varied trial may overlap at the start: it was played before, or a
+            participant waits for it.
 
     Raises:
         InputError: The trial cannot be played with these settings; see `drawn`.
     """
     task_type = find_task(settings.task)
-    task, surfaces = drawn(settings, recorded)
+    task, surfaces = drawn(settings, may_overlap)
     task = change_task(task) if change_task else task
     turns = [hand.turn for hand in settings.hands]
     if surfaces[0].upright and any(turns):

@@ -131,6 +131,7 @@ def open_trial(
     record: Path | None = None,
     about: dict[str, Any] | None = None,
     dump: Path | None = None,
+    may_overlap: bool = False,
 ) -> Iterator[Trial]:
     """A trial that is ready for its first step; its devices and files are closed afterwards.
 
@@ -142,6 +143,7 @@ def open_trial(
         about: Further entries of header and result, such as the simulated user.
         dump: Folder for the last states of a diverging simulation without a recording; beside a
             recording they are always written.
+        may_overlap: Things of a varied trial may overlap; see `build`.
 
     Raises:
         InputError: The task does not fit on the surface, a device cannot be opened, or the
@@ -150,7 +152,7 @@ def open_trial(
     trial_recorder = TrialRecorder(trial_header(settings, about), record, dump)
     try:
         with undisturbed():
-            session = build(settings, makers, trial_recorder.recorder)
+            session = build(settings, makers, trial_recorder.recorder, may_overlap=may_overlap)
             try:
                 yield Trial(session, make_views(session), trial_recorder)
             finally:

@@ -111,7 +111,7 @@ def replay(recording: Recording, make_views: ViewMaker = no_views) -> tuple[Sess
     settings = settings_of(recording)
     changed = task_change(recording.header, settings.task, settings.seed, settings.surface)
     try:
-        session = build(settings, recorded_hands(recording, len(settings.hands)), recorded=True)
+        session = build(settings, recorded_hands(recording, len(settings.hands)), may_overlap=True)
     except InputError as error:
         if not changed:
             raise

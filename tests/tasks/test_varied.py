@@ -15,13 +15,36 @@ from models.surface import Surface
 from sandbox.cli.main import main
 from sandbox.options.scene_options import SceneOptions, plan
 from sandbox.recording.recording import load_recording
+from sandbox.study.design.reading import DesignError
+from sandbox.study.run.players import RunningAttempt, TrialRequest
 from sandbox.trial.assembly import build, drawn
+from sandbox.trial.driver import open_trial
 from sandbox.trial.headless import run_trial
 from sandbox.trial.replay import replay
 from sandbox.trial.settings import RunSettings
 from tasks.mechanisms.case import HEIGHT
 from tasks.task import Goal, Task
 from tasks.variation import Variation, vary
+from tests.support.study_files import design
+
+TASKS = """
+schema = 1
+name = "larger"
+title = "Larger things"
+seed = 3
+participants = 2
+languages = ["en"]
+[settings]
+surface = "ipad2"
+vary = "{vary}"
+[[factors]]
+name = "task"
+order = "random"
+levels = []
+[trials]
+repetitions = 1
+expected_s = 15
+"""
 
 
 def varied(task: str, vary: str, seed: int = 1, rules: int = 2) -> Task:
@@ -226,3 +249,23 @@ def test_rules_of_variation_are_in_the_header_of_a_varied_trial_alone() -> None:
         assert RunSettings.from_json(settings.as_json()) == settings
     with pytest.raises(InputError, match="no such rules"):
         RunSettings(vary_rules=3)
+
+
+def test_a_design_is_refused_for_any_of_many_seeds_and_a_participant_is_never_stopped(
+    tmp_path: Path,
+) -> None:
+    # Of the first 20 seeds only 10 has boxes that overlap; the design's own is another.
+    text = TASKS.replace("[]", '["stack", "box-to-goal"]').format(vary="size=1.3")
+    with pytest.raises(DesignError, match=r"stack, seed 10, varied.*overlap at the start"):
+        design(text)
+    chosen = plan(SceneOptions(task="stack", seed=10, vary="size=1.3", user="idle"))
+    with pytest.raises(InputError, match="overlap"), open_trial(chosen.settings, chosen.makers):
+        pass
+    request = TrialRequest(
+        *(chosen.settings, chosen.makers, tmp_path / "t.jsonl", chosen.about),
+        time_limit=5.0,
+        watch=lambda: "",
+        paused=lambda: False,
+    )
+    with RunningAttempt(request).open() as trial:
+        assert trial.session.task.seed == 10

@@ -197,6 +197,10 @@ def any_lifts(design: Design) -> bool:
     return any(lifts(run_settings(values, design.seed % 1000)) for values in every)
 
 
+_VARIED_SEEDS = 20
+"""Seeds with which a varied trial is drawn: whether its things overlap depends on the seed."""
+
+
 def check_conditions(design: Design, reader: Reader) -> None:
     """Checks every combination: its settings, its task on its surface, and its encoder."""
     kinds_wrong = _check_kinds(design, reader)
@@ -210,6 +214,9 @@ def check_conditions(design: Design, reader: Reader) -> None:
         try:
             settings = run_settings(values, design.seed % 1000)
             drawn(settings)
+            if not settings.variation.neutral:
+                for seed in range(_VARIED_SEEDS):
+                    drawn(replace(settings, seed=seed))
             load_encoder(settings.encoder)
         except HandSandboxError as error:
             if str(error) in seen:

@@ -172,8 +172,14 @@ class RunningAttempt:
             return [lambda snapshot: self._watch(session, snapshot), *more]
 
         request = self._request
+        # What `study check` has let pass is played: a participant waits.
         return open_trial(
-            request.settings, request.makers, make_views, request.record, request.about
+            request.settings,
+            request.makers,
+            make_views,
+            request.record,
+            request.about,
+            may_overlap=True,
         )
 
     def check_pause(self) -> bool:
