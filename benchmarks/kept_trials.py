@@ -1,11 +1,13 @@
 """Trials of a benchmark that are kept as they end, so that a run can be stopped, resumed and split.
 
 Every trial is a line of JSON: its job and its outcome. Several files make one table, as those of
-ranges of trials that were played at several times or on several machines.
+ranges of trials that were played at several times or on several machines. Those that numbers in the
+docs are of are in `benchmarks/kept`, compressed.
 """
 
 from __future__ import annotations
 
+import gzip
 import json
 import os
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -30,7 +32,8 @@ class KeptTrials(Generic[Job, Outcome]):
     Args:
         job: Class of jobs, tuples with names.
         outcome: Class of outcomes, dataclasses of plain values.
-        files: Files with trials, which need not exist. The first one takes what is played.
+        files: Files with trials, which need not exist, some of them compressed (`.gz`). The first
+            one, which is not, takes what is played.
 
     Attributes:
         done: Outcome of every job that has one.
@@ -40,7 +43,7 @@ class KeptTrials(Generic[Job, Outcome]):
         self._file = files[0]
         self.done: dict[Job, Outcome] = {}
         for file in files:
-            for kept in _lines(file):
+            for kept in lines_of(file):
                 self.done[job(*kept["job"])] = outcome(**kept["outcome"])
 
     def play(self, trial: Callable[[Job], Outcome], jobs: Iterable[Job], workers: int) -> None:
@@ -69,6 +72,9 @@ def whole_lines(file: Path) -> int:
     return file.read_bytes().rfind(b"\n") + 1
 
 
-def _lines(file: Path) -> Iterator[dict[str, Any]]:
-    if file.exists():
+def lines_of(file: Path) -> Iterator[dict[str, Any]]:
+    """Whole lines of a file, perhaps compressed; none if there is no such file."""
+    if file.suffix == ".gz":
+        yield from map(json.loads, gzip.decompress(file.read_bytes()).splitlines())
+    elif file.exists():
         yield from map(json.loads, file.read_bytes()[: whole_lines(file)].splitlines())

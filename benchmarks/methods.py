@@ -247,12 +247,15 @@ def main() -> None:
     parser.add_argument("--seeds", default="7000:7150", help="first and last but one training seed")
     parser.add_argument("--workers", type=int, default=os.cpu_count() or 1)
     parser.add_argument("--out", type=Path, default=Path("out/methods.jsonl"))
+    parser.add_argument(
+        "--kept", type=Path, nargs="+", default=[], help="files with trials that were played before"
+    )
     parser.add_argument("--table", type=Path, nargs="+", help="only prints what these files have")
     options = parser.parse_args()
-    for path in options.table or ():
+    for path in [*(options.table or ()), *options.kept]:
         if not path.is_file():
             parser.error(f"no such file: {path}")
-    kept = KeptTrials(Job, Played, options.table or [options.out])
+    kept = KeptTrials(Job, Played, options.table or [options.out, *options.kept])
     if not options.table:
         first, end = map(int, options.seeds.split(":"))
         # Seed by seed, so that what is cut short has all tasks and methods to the same extent.

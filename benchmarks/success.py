@@ -29,7 +29,7 @@ from scipy.stats import binomtest
 
 from benchmarks.judged import JUDGED, judged_seeds
 from benchmarks.judged_hand import hand_seeds
-from benchmarks.kept_trials import whole_lines
+from benchmarks.kept_trials import lines_of, whole_lines
 from benchmarks.lanes import in_lanes
 from benchmarks.one_line import run
 
@@ -112,14 +112,10 @@ def wilson(successes: int, n: int) -> tuple[float, float]:
     return 100 * interval.low, 100 * interval.high
 
 
-def load(path: Path) -> dict[Job, dict[str, Any]]:
-    """Finished trials by job; a torn last line is left out."""
-    done = {}
-    if path.exists():
-        for line in path.read_bytes().split(b"\n")[:-1]:
-            r = json.loads(line)
-            done[r["task"], r["row"], r["fingers"], r["seed"]] = r
-    return done
+def load(*paths: Path) -> dict[Job, dict[str, Any]]:
+    """Finished trials of some files by job; a torn last line is left out."""
+    found = (trial for path in paths for trial in lines_of(path))
+    return {(r["task"], r["row"], r["fingers"], r["seed"]): r for r in found}
 
 
 def cell(found: list[dict[str, Any]]) -> str:
@@ -183,6 +179,9 @@ def main() -> None:
     parser.add_argument("--fingers", type=int, nargs="+", default=[3])
     parser.add_argument("--workers", type=int, default=os.cpu_count() or 1)
     parser.add_argument("--out", type=Path, default=Path("out/success.jsonl"))
+    parser.add_argument(
+        "--kept", type=Path, nargs="+", default=[], help="files with trials that were played before"
+    )
     parser.add_argument("--table", action="store_true", help="only print what is there")
     args = parser.parse_args()
     tasks = list(JUDGED) if args.tasks == ["all"] else args.tasks
@@ -196,7 +195,7 @@ def main() -> None:
         for row in rows
     }
     args.out.parent.mkdir(parents=True, exist_ok=True)
-    done = load(args.out)
+    done = load(args.out, *args.kept)
     # Seed by seed, so that what is cut short has all tasks and rows to the same extent.
     jobs = [
         (t, r, f, seeds[t, r][i])
@@ -221,7 +220,7 @@ def main() -> None:
             )
             for result in progress.track(results, total=len(missing)):
                 file.write(json.dumps(result).encode() + b"\n")
-    print("\n".join(table(load(args.out), args.fingers, seeds)))
+    print("\n".join(table(load(args.out, *args.kept), args.fingers, seeds)))
 
 
 if __name__ == "__main__":

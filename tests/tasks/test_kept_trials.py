@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gzip
 from dataclasses import dataclass
 from math import inf
 from pathlib import Path
@@ -71,3 +72,13 @@ def test_what_a_trial_raises_ends_the_run_and_keeps_those_before(tmp_path: Path)
     with pytest.raises(AssertionError, match="played again"):
         opened(file).play(forbidden, JOBS, 1)
     assert list(opened(file).done) == JOBS[:1]
+
+
+def test_trials_that_are_kept_compressed_are_not_played_again(tmp_path: Path) -> None:
+    file, kept = tmp_path / "trials.jsonl", tmp_path / "kept.jsonl.gz"
+    opened(file).play(trial, JOBS[:2], 1)
+    kept.write_bytes(gzip.compress(file.read_bytes()))
+    file.unlink()
+    assert opened(kept).done == {job: trial(job) for job in JOBS[:2]}
+    opened(file, kept).play(trial, JOBS, 1)
+    assert list(opened(file).done) == JOBS[2:]
