@@ -252,7 +252,7 @@ def test_an_error_names_the_page_on_encoders_only_where_the_page_helps(
     [
         ("A = 5", "not an encoder.*got '5'.*inherits from"),
         ("class A:\n def fit(self, U, Q): return self", "not an encoder"),
-        ("B = 5", "nothing of this name.*no encoder"),
+        ("B = 5", "nothing of this name.*Define the encoder as a class at the top"),
     ],
 )
 def test_an_unknown_encoder_name_is_refused_with_a_one_line_error(
