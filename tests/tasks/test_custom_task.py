@@ -228,30 +228,33 @@ def chest(drawer: float, height: float, base: float = 0.0) -> Mechanism:
 
 
 @pytest.mark.parametrize(
-    ("placed", "pressed"),
+    ("places", "pressed"),
     [
-        (chest(0.004, 0.0), False),
-        (chest(0.004, -0.0009), False),
-        (chest(0.004, -0.03), True),
+        ((0.004, 0.0), False),
+        ((0.004, -0.0009), False),
+        ((0.004, -0.03), True),
         # What the description itself has below its origin is on purpose.
-        (chest(-0.02, 0.0), False),
-        (chest(-0.02, 0.01), False),
+        ((-0.02, 0.0), False),
+        ((-0.02, 0.01), False),
         # All of it is above its origin, which may be low.
-        (chest(0.054, -0.05, base=0.05), False),
+        ((0.054, -0.05, 0.05), False),
     ],
 )
 def test_a_mechanism_may_reach_into_the_table_where_it_is_pressed_or_described_so(
-    placed: Mechanism, pressed: bool
+    places: tuple[float, ...], pressed: bool
 ) -> None:
+    placed = chest(*places)
     task = broken(place=classmethod(lambda *_: (placed.parts, [])), pressed=pressed)
     assert draw_task(task, 0, SURFACE).objects == placed.parts
 
 
 @pytest.mark.parametrize(
-    ("placed", "deep"),
-    [(chest(0.004, -0.03), "30.0 mm"), (chest(-0.02, -0.01), "30.0 mm")],
+    ("places", "deep"), [((0.004, -0.03), "30.0 mm"), ((-0.02, -0.01), "30.0 mm")]
 )
-def test_a_mechanism_that_is_placed_into_the_table_is_refused(placed: Mechanism, deep: str) -> None:
+def test_a_mechanism_that_is_placed_into_the_table_is_refused(
+    places: tuple[float, ...], deep: str
+) -> None:
+    placed = chest(*places)
     task = broken(place=classmethod(lambda *_: (placed.parts, [])))
     says = f"test-broken, seed 0: chest is sunk into the table .*'{deep} deep', .*Place it higher"
     with pytest.raises(InputError, match=says) as refused:
