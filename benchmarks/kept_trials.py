@@ -10,6 +10,7 @@ from __future__ import annotations
 import gzip
 import json
 import os
+import zlib
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import asdict
@@ -18,6 +19,8 @@ from typing import TYPE_CHECKING, Any, Generic, NamedTuple, TypeVar
 
 from rich.console import Console
 from rich.progress import Progress
+
+from models.errors import InputError
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
@@ -73,8 +76,16 @@ def whole_lines(file: Path) -> int:
 
 
 def lines_of(file: Path) -> Iterator[dict[str, Any]]:
-    """Whole lines of a file, perhaps compressed; none if there is no such file."""
+    """Whole lines of a file, perhaps compressed; none if there is no such file.
+
+    Raises:
+        InputError: A compressed file is broken.
+    """
     if file.suffix == ".gz":
-        yield from map(json.loads, gzip.decompress(file.read_bytes()).splitlines())
+        try:
+            text = gzip.decompress(file.read_bytes())
+        except (OSError, EOFError, zlib.error) as error:
+            raise InputError("cannot be read", where=str(file), got=str(error)) from error
+        yield from map(json.loads, text.splitlines())
     elif file.exists():
         yield from map(json.loads, file.read_bytes()[: whole_lines(file)].splitlines())

@@ -40,7 +40,9 @@ from benchmarks.success import wilson
 from sandbox.options.scene_options import SceneOptions, plan
 from sandbox.regress.statistics import holm
 from sandbox.session.session import Session
+from sandbox.trial.driver import ViewMaker
 from sandbox.trial.headless import run_trial
+from sandbox.trial.result import TrialResult
 from tasks.registry import TASKS, find_task
 from tasks.score import Status, points
 
@@ -92,6 +94,15 @@ class Played:
     push: float
 
 
+def scored_trial(job: Job, make_views: ViewMaker) -> tuple[TrialResult, float]:
+    """Plays one trial: its result, and its points of `tasks.score.points`."""
+    options = {"solid": job.solid, "fingers": job.fingers, **METHODS[job.method]}
+    chosen = plan(SceneOptions(task=job.task, seed=job.seed, **options))
+    done = run_trial(chosen.settings, chosen.makers, make_views, about=chosen.about)
+    limit = find_task(job.task).time_limit
+    return done, points(done.success, done.progress, done.time_s, limit)
+
+
 def play(job: Job) -> Played:
     """Plays one trial."""
     watched: list[Pushes] = []
@@ -100,10 +111,7 @@ def play(job: Job) -> Played:
         watched.append(Pushes(session))
         return watched
 
-    options = {"solid": job.solid, "fingers": job.fingers, **METHODS[job.method]}
-    chosen = plan(SceneOptions(task=job.task, seed=job.seed, **options))
-    done = run_trial(chosen.settings, chosen.makers, watch, about=chosen.about)
-    score = points(done.success, done.progress, done.time_s, find_task(job.task).time_limit)
+    done, score = scored_trial(job, watch)
     return Played(
         done.success,
         score,

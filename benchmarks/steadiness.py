@@ -24,20 +24,18 @@ from typing import NamedTuple
 
 import numpy as np
 
+from benchmarks import methods
 from benchmarks.machine import describe_machine
-from benchmarks.methods import METHODS, SHIPS
+from benchmarks.methods import METHODS, SHIPS, scored_trial
 from benchmarks.one_line import run
 from benchmarks.solid_hand import Pushes
 from models.arithmetic.arrays import Array
 from models.pose import ROOT_POSITION
 from models.scene import CONTROL_PERIOD
 from sandbox.clearing import clearing
-from sandbox.options.scene_options import SceneOptions, plan
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
-from sandbox.trial.headless import run_trial
-from tasks.registry import TASKS, find_task
-from tasks.score import points
+from tasks.registry import TASKS
 
 
 class Job(NamedTuple):
@@ -108,9 +106,7 @@ def play(job: Job) -> Played:
         pushes.append(Pushes(session))
         return [seen[0], pushes[0]]
 
-    chosen = plan(SceneOptions(task=job.task, seed=job.seed, solid="hand", **METHODS[job.method]))
-    done = run_trial(chosen.settings, chosen.makers, watch, about=chosen.about)
-    score = points(done.success, done.progress, done.time_s, find_task(job.task).time_limit)
+    done, score = scored_trial(methods.Job(job.task, job.method, "hand", 3, job.seed), watch)
     return Played(
         done.success,
         score,

@@ -184,6 +184,9 @@ def main() -> None:
     )
     parser.add_argument("--table", action="store_true", help="only print what is there")
     args = parser.parse_args()
+    for path in args.kept:
+        if not path.is_file():
+            parser.error(f"no such file: {path}")
     tasks = list(JUDGED) if args.tasks == ["all"] else args.tasks
     rows = chosen_rows(args.rows)
     for given, known in ((tasks, JUDGED), (rows, ROWS)):

@@ -70,6 +70,11 @@ class Joint:
         """Unit of its values."""
         return "m" if self.kind == "slide" else "rad"
 
+    @property
+    def column(self) -> str:
+        """End of the name of its column in tables: `hinge_rad` or `slide_m`."""
+        return f"{self.kind}_{self.unit}"
+
 
 class MechanismPart(ABC):
     """Contract of an object that is one body of a mechanism, besides that of `SceneObject`.

@@ -161,7 +161,7 @@ class Trajectories:
     def _object_rows(self) -> Iterable[Sequence[object]]:
         parts = ("x", "y", "z", "qw", "qx", "qy", "qz")
         poses = (f"{name}_{part}" for name in self.objects for part in parts)
-        joints = (f"{n}_{j.joint.kind}_{j.joint.unit}" for n, j in self.joints.items())
+        joints = (f"{name}_{each.joint.column}" for name, each in self.joints.items())
         yield ["time_s", "step", *poses, *joints]
         tables = [np.hstack([o.position, o.quaternion]) for o in self.objects.values()]
         tables += [joint.position[:, None] for joint in self.joints.values()]

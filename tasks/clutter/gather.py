@@ -115,7 +115,7 @@ class Gather(TaskDefaults):
             InputError: Always, with the reason.
         """
         raise InputError(
-            "dice lie anywhere around the ring as they are drawn: no start of theirs is farther",
+            "the dice start anywhere around the ring as it is, so that no shift makes it harder",
             where=f"{self.name}, --vary start",
             remedy="Vary something else, such as room",
         )

@@ -183,7 +183,7 @@ def test_starts_of_dice_are_not_shifted_and_the_reason_is_said(
 ) -> None:
     assert main(["run", "gather", "--vary", "start=5"]) == 2
     said = capsys.readouterr().err
-    assert said.count("\n") == 1 and "dice lie anywhere" in said
+    assert said.count("\n") == 1 and "dice start anywhere" in said
 
 
 def test_a_task_of_ones_own_says_what_is_shifted(tmp_path: Path) -> None:

@@ -172,7 +172,7 @@ class FrameTable:
         if self._session is None:
             return {}
         return {
-            f"{name}_{joint.kind}_{joint.unit}": np.array([s.qpos[at] for s in self._snapshots])
+            f"{name}_{joint.column}": np.array([s.qpos[at] for s in self._snapshots])
             for name, (joint, at) in self._session.scene.joints.items()
         }
 

@@ -204,7 +204,7 @@ def test_a_value_that_one_seed_cannot_have_is_refused_before_any_other_seed_is_p
         ("box-to-goal", "room", "leaves no room"),
         ("box-to-goal", "resistance=2", "resistance"),
         ("dial", "start", "start of this object"),
-        ("gather", "start=5,10", "dice lie anywhere"),
+        ("gather", "start=5,10", "dice start anywhere"),
         ("stack", "size=3", "overlap"),
     ],
 )
