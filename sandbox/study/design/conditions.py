@@ -228,6 +228,22 @@ def check_conditions(design: Design, reader: Reader) -> None:
                 f"{names}: {error}",
                 "Change a level of this combination",
             )
+    if not seen:
+        _check_names(design, reader)
+
+
+def _check_names(design: Design, reader: Reader) -> None:
+    """Checks that no two tasks have one name, by which tables and the lock of a study know them."""
+    places: dict[str, dict[type[Task], str]] = {}
+    for place, kind in tasks_of(design).items():
+        places.setdefault(kind.name, {}).setdefault(kind, place)
+    for name, named in places.items():
+        if len(named) > 1:
+            reader.add_mistake(
+                ("factors",),
+                f"{len(named)} tasks are called {name}: {', '.join(named.values())}",
+                "Give each class a `name` of its own",
+            )
 
 
 def _check_kinds(design: Design, reader: Reader) -> bool:

@@ -308,6 +308,15 @@ def test_what_a_study_cannot_be_is_said_before_anybody_comes(
         design(text.replace(sound, wrong, 1))
 
 
+def test_two_tasks_of_one_name_are_refused_as_tables_could_not_tell_them_apart() -> None:
+    quick, worse = (f"tests/support/regress_tasks.py:{kind}" for kind in ("Quick", "Worse"))
+    text = CROSSED.replace('"wrench-turn"', f'"{quick}"')
+    design(text)
+    design(text.replace('"box-to-goal"', f'"./{quick}"'))
+    with pytest.raises(DesignError, match=f"2 tasks are called quick: {worse}, {quick}"):
+        design(text.replace('"box-to-goal"', f'"{worse}"'))
+
+
 def test_that_levels_were_not_tried_is_said_where_something_else_is_wrong() -> None:
     text = CROSSED.replace("repetitions = 2", "repetitions = 0").replace("linear", "papr")
     with pytest.raises(DesignError, match="levels are checked afterwards"):
