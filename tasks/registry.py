@@ -83,6 +83,27 @@ def find_task(name: str) -> type[Task]:
     return task
 
 
+def claim_name(claimed: dict[str, tuple[str, type[Task]]], place: str, kind: type[Task]) -> None:
+    """Notes whose name a task's is, among tasks that are counted by their names.
+
+    Args:
+        claimed: Name -> place and task that has it; it is added to.
+        place: Name or place under which the task was asked for.
+        kind: The task.
+
+    Raises:
+        InputError: Another task has the name.
+    """
+    first, owner = claimed.setdefault(kind.name, (place, kind))
+    if owner is not kind:
+        raise InputError(
+            "another of the tasks has the same name",
+            where=place,
+            got=kind.name,
+            remedy=f"Give it a name of its own, or leave out {first}",
+        )
+
+
 def _near(name: str, names: tuple[str, ...]) -> str:
     """The next step for whoever asked for a task that there is not."""
     # Somebody's own file may be meant, whose name has underscores.

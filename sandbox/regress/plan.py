@@ -14,7 +14,7 @@ from sandbox.options.scene_options import Plan, SceneOptions, plan
 from sandbox.options.second_hand import SecondOptions
 from sandbox.trial.assembly import digests
 from sandbox.trial.settings import result_settings
-from tasks.registry import TASKS, find_task, task_names
+from tasks.registry import TASKS, claim_name, find_task, task_names
 from tasks.task import Task
 
 ALL = "all"
@@ -82,19 +82,11 @@ class RegressionPlan:
         )
         if unknown:
             raise InputError("no such option of a trial", got=", ".join(sorted(unknown)))
-        named: dict[str, tuple[str, type[Task]]] = {}
+        claimed: dict[str, tuple[str, type[Task]]] = {}
         for job in self.jobs()[: len(self.tasks)]:
             with registered(job.own_task):
-                kind = find_task(job.task)
-            place, first = named.setdefault(kind.name, (job.task, kind))
-            if first is not kind:
-                # Their trials would be counted as those of one task.
-                raise InputError(
-                    "another of the tasks has the same name",
-                    where=job.task,
-                    got=kind.name,
-                    remedy=f"Give it a name of its own, or leave out {place}",
-                )
+                # Trials of two tasks of one name would be counted as those of one.
+                claim_name(claimed, job.task, find_task(job.task))
 
     @property
     def names(self) -> tuple[str, ...]:

@@ -207,12 +207,16 @@ def check_conditions(design: Design, reader: Reader) -> None:
     if kinds_wrong:
         return
     from sandbox.trial.assembly import drawn, load_encoder
+    from tasks.registry import claim_name, find_task
 
     seen: set[str] = set()
+    claimed: dict[str, tuple[str, type[Task]]] = {}
     for levels in combinations(design):
         values = values_of(design, levels)
         try:
             settings = run_settings(values, design.seed % 1000)
+            # Tables and the lock of a study know tasks by their names.
+            claim_name(claimed, settings.task, find_task(settings.task))
             drawn(settings)
             if not settings.variation.neutral:
                 for seed in range(_VARIED_SEEDS):
@@ -227,22 +231,6 @@ def check_conditions(design: Design, reader: Reader) -> None:
                 _mistake_path(design, levels, error),
                 f"{names}: {error}",
                 "Change a level of this combination",
-            )
-    if not seen:
-        _check_names(design, reader)
-
-
-def _check_names(design: Design, reader: Reader) -> None:
-    """Checks that no two tasks have one name, by which tables and the lock of a study know them."""
-    places: dict[str, dict[type[Task], str]] = {}
-    for place, kind in tasks_of(design).items():
-        places.setdefault(kind.name, {}).setdefault(kind, place)
-    for name, named in places.items():
-        if len(named) > 1:
-            reader.add_mistake(
-                ("factors",),
-                f"{len(named)} tasks are called {name}: {', '.join(named.values())}",
-                "Give each class a `name` of its own",
             )
 
 
@@ -271,13 +259,15 @@ def _check_kinds(design: Design, reader: Reader) -> bool:
 
 
 def _mistake_path(design: Design, levels: Mapping[str, Level], error: HandSandboxError) -> Any:
-    """Path of the factor or setting that has the rejected value; of all factors if unknown."""
-    for i, factor in enumerate(design.factors):
-        level = levels[factor.name]
-        texts = [str(v) for v in level.settings.values()]
-        if any(text and text == str(error.got) for text in texts):
-            return ("factors", i, "levels")
-    for name, value in design.settings.items():
-        if str(value) == str(error.got):
-            return ("settings", name)
+    """Path of the factor or setting that has the rejected value, or else the value where it was
+    rejected; of all factors if unknown."""
+    for told in (str(error.got), error.where):
+        if not told:
+            continue
+        for i, factor in enumerate(design.factors):
+            if told in map(str, levels[factor.name].settings.values()):
+                return ("factors", i, "levels")
+        for name, value in design.settings.items():
+            if str(value) == told:
+                return ("settings", name)
     return ("factors",)
