@@ -2,7 +2,7 @@
 
     python -m benchmarks.methods --seeds 7000:7150 --out out/methods.jsonl
     python -m benchmarks.methods --tasks insert slalom --methods "mean pose" --seeds 7000:7010
-    python -m benchmarks.methods --table out/methods.jsonl [MORE.jsonl ...]
+    python -m benchmarks.methods --table out/methods.jsonl [MORE.jsonl ...] --plot methods.svg
 
 Trials of the simulated user on training seeds. Mean pose, linear, quadratic, cubic, what ships and
 true labels have the labels, correction and filter of what ships, and differ in the encoder or in
@@ -27,7 +27,7 @@ from itertools import product
 from math import sqrt
 from pathlib import Path
 from statistics import mean, median, stdev
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from scipy.stats import binomtest, t, wilcoxon
@@ -37,6 +37,7 @@ from benchmarks.machine import describe_machine
 from benchmarks.one_line import run
 from benchmarks.solid_hand import Pushes
 from benchmarks.success import wilson
+from sandbox.figures.canvas import COLOURS, FAINT, STYLE, figure, need_matplotlib
 from sandbox.options.scene_options import SceneOptions, plan
 from sandbox.regress.statistics import holm
 from sandbox.session.session import Session
@@ -45,6 +46,9 @@ from sandbox.trial.headless import run_trial
 from sandbox.trial.result import TrialResult
 from tasks.registry import TASKS, find_task
 from tasks.score import Status, points
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 SHIPS = "what ships"
 METHODS: dict[str, dict[str, Any]] = {
@@ -59,6 +63,9 @@ METHODS: dict[str, dict[str, Any]] = {
     "the paper's": {"encoder": "paper"},
 }
 """Options of a trial by the name of a method."""
+
+FAR = ("bare", "the paper's")
+"""Methods that are so far from what ships that they are drawn on a scale of their own."""
 
 SOLID = ("fingertips", "hand")
 
@@ -202,32 +209,109 @@ def rows(done: dict[Job, Played]) -> Iterator[str]:
             yield "| " + " | ".join(cells) + " |"
 
 
-def differences(done: dict[Job, Played]) -> Iterator[str]:
-    """A table of every method against what ships, with p values after Holm over all of them."""
-    compared: dict[tuple[str, str, int, str], Difference] = {}
+class Compared(NamedTuple):
+    """A method against what ships, in one task.
+
+    Attributes:
+        difference: What the trials gave.
+        by_success, by_points: p values after Holm over all that is compared.
+    """
+
+    difference: Difference
+    by_success: float
+    by_points: float
+
+
+Comparisons = dict[tuple[str, str, int, str], Compared]
+"""What was compared, by task, solidity, number of fingers and method."""
+
+
+def compare(done: dict[Job, Played]) -> Comparisons:
+    """Compares every method with what ships, in every task, with Holm over all of them."""
+    raw: dict[tuple[str, str, int, str], Difference] = {}
     for (task, solid, fingers), methods in _cells(done).items():
         ships = methods.get(SHIPS, {})
         for method, trials in methods.items():
             seeds = [seed for seed in trials if seed in ships]
             if method != SHIPS and seeds:
                 pairs = [trials[s] for s in seeds], [ships[s] for s in seeds]
-                compared[task, solid, fingers, method] = difference(*pairs)
-    raw = {}
-    for (task, solid, fingers, method), one in compared.items():
-        for what, p in (("success", one.by_success), ("points", one.by_points)):
-            raw[f"{task}/{solid}/{fingers}/{method}/{what}"] = p
-    corrected = holm(raw)
+                raw[task, solid, fingers, method] = difference(*pairs)
+    p = {f"{key}/success": one.by_success for key, one in raw.items()}
+    p |= {f"{key}/points": one.by_points for key, one in raw.items()}
+    after = holm(p)
+    return {
+        key: Compared(one, after[f"{key}/success"], after[f"{key}/points"])
+        for key, one in raw.items()
+    }
+
+
+def differences(compared: Comparisons) -> Iterator[str]:
+    """A table of every method against what ships, with p values after Holm over all of them."""
     heads = ("task", "solid", "fingers", "method", "pairs", "only it, only what ships")
     yield "| " + " | ".join((*heads, "points more [95 %]", "p of success", "p of points")) + " |"
     yield "| --- " * 9 + "|"
-    for (task, solid, fingers, method), one in compared.items():
-        name = f"{task}/{solid}/{fingers}/{method}"
+    for (task, solid, fingers, method), (one, *after) in compared.items():
         cells = [
             *(task, solid, str(fingers), method, str(one.pairs), f"{one.won}, {one.lost}"),
             f"{one.points:+.1f} [{one.low:+.1f}, {one.high:+.1f}]",
-            *(f"{corrected[f'{name}/{what}']:.3g}" for what in ("success", "points")),
+            *(f"{p:.3g}" for p in after),
         ]
         yield "| " + " | ".join(cells) + " |"
+
+
+def draw(compared: Comparisons, path: Path) -> None:
+    """Draws the differences of points: a panel a method, a line a task.
+
+    Args:
+        compared: What was compared.
+        path: The picture.
+    """
+    from matplotlib import rc_context
+
+    lines = list(dict.fromkeys(key[:3] for key in compared))
+    methods = list(dict.fromkeys(key[3] for key in compared))
+    names = {line: _line_name(line, lines) for line in lines}
+    with rc_context({**STYLE, "svg.fonttype": "none", "axes.grid.axis": "both"}):
+        made = figure(1.6 + 1.5 * len(methods), 0.9 + 0.22 * len(lines))
+        panels = made.subplots(1, len(methods), sharey=True, squeeze=False)[0]
+        for axes, method in zip(panels, methods, strict=True):
+            for line in lines:
+                if (*line, method) in compared:
+                    _draw_one(axes, names[line], compared[(*line, method)])
+            axes.axvline(0.0, color=FAINT, linewidth=0.8)
+            axes.set(title=method)
+        for near in (True, False):
+            _share_scale([a for a, m in zip(panels, methods, strict=True) if (m in FAR) != near])
+        panels[0].invert_yaxis()
+        made.supxlabel(f"points more than {SHIPS}", fontsize=9.0)
+        made.savefig(path, metadata={"Date": None})
+
+
+def _line_name(line: tuple[str, str, int], lines: Sequence[tuple[str, str, int]]) -> str:
+    """A task, with what tells its line from the others of the same task."""
+    task, solid, fingers = line
+    told = [task]
+    if len({each[1] for each in lines}) > 1:
+        told.append(solid)
+    if len({each[2] for each in lines}) > 1:
+        told.append(f"{fingers} fingers")
+    return ", ".join(told)
+
+
+def _share_scale(panels: Sequence[Axes]) -> None:
+    """Gives panels one scale of points."""
+    ranges = [panel.get_xlim() for panel in panels]
+    for panel in panels:
+        panel.set_xlim(min(low for low, _ in ranges), max(high for _, high in ranges))
+
+
+def _draw_one(axes: Axes, name: str, one: Compared) -> None:
+    """Draws a mean difference with its interval: dark where success or points differ."""
+    apart = one.difference
+    differs = min(one.by_success, one.by_points) < 0.05
+    around = [[apart.points - apart.low], [apart.high - apart.points]]
+    colour = COLOURS[1] if differs else COLOURS[-1]
+    axes.errorbar(apart.points, name, xerr=around, fmt="o", markersize=3.5, color=colour)
 
 
 def _cells(
@@ -259,10 +343,13 @@ def main() -> None:
         "--kept", type=Path, nargs="+", default=[], help="files with trials that were played before"
     )
     parser.add_argument("--table", type=Path, nargs="+", help="only prints what these files have")
+    parser.add_argument("--plot", type=Path, help="also draws the differences of points, as SVG")
     options = parser.parse_args()
     for path in [*(options.table or ()), *options.kept]:
         if not path.is_file():
             parser.error(f"no such file: {path}")
+    if options.plot:
+        need_matplotlib()
     kept = KeptTrials(Job, Played, options.table or [options.out, *options.kept])
     if not options.table:
         first, end = map(int, options.seeds.split(":"))
@@ -273,7 +360,10 @@ def main() -> None:
     print(describe_machine())
     print("\n".join(rows(kept.done)))
     print()
-    print("\n".join(differences(kept.done)))
+    compared = compare(kept.done)
+    print("\n".join(differences(compared)))
+    if options.plot:
+        draw(compared, options.plot)
 
 
 if __name__ == "__main__":

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 from hypothesis import given, settings
@@ -13,8 +14,10 @@ from benchmarks.methods import (
     SHIPS,
     Job,
     Played,
+    compare,
     difference,
     differences,
+    draw,
     interval,
     play,
     rows,
@@ -63,7 +66,7 @@ def test_an_interval_holds_its_mean_and_narrows_with_more_values() -> None:
 def test_only_seeds_that_both_have_played_are_compared_and_all_tests_are_corrected() -> None:
     done = trials(SHIPS, *[GOOD] * 12) | trials("mean pose", *[BAD] * 10)
     done |= trials("linear", *[replace(GOOD, points=89.0)] * 12)
-    lines = list(differences(done))
+    lines = list(differences(compare(done)))
     mean_pose = next(line for line in lines if "mean pose" in line)
     assert "| 10 | 0, 10 | -70.0 [-70.0, -70.0] |" in mean_pose
     assert not any(line.split("|")[4].strip() == SHIPS for line in lines[2:])
@@ -77,6 +80,22 @@ def test_the_table_counts_what_is_in_the_trials() -> None:
     cells = [cell.strip() for cell in line.strip("|").split("|")]
     assert cells[:4] == ["insert", "hand", "3", SHIPS]
     assert cells[4].startswith("2/3") and cells[6:] == ["6.0", "1", "1", "0.5, 4.0"]
+
+
+def test_the_picture_names_every_method_and_every_task_and_is_the_same_each_time(
+    tmp_path: Path,
+) -> None:
+    done = {
+        job._replace(task=task): played
+        for task in ("insert", "books")
+        for name in (SHIPS, "cubic", "bare")
+        for job, played in trials(name, GOOD, BAD if name == "bare" else GOOD).items()
+    }
+    for name in ("one.svg", "other.svg"):
+        draw(compare(done), tmp_path / name)
+    picture = (tmp_path / "one.svg").read_text(encoding="utf-8")
+    assert all(f">{name}<" in picture for name in ("insert", "books", "cubic", "bare"))
+    assert picture == (tmp_path / "other.svg").read_text(encoding="utf-8")
 
 
 def test_every_method_but_bare_ones_keeps_labels_correction_and_filter() -> None:
