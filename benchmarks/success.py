@@ -16,6 +16,7 @@ from __future__ import annotations
 import argparse
 import json
 import os
+from collections import Counter
 from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
 from itertools import chain, takewhile
@@ -139,16 +140,33 @@ def table(
     yield "| | " + " | ".join(names) + " |"
     yield "| --- |" + " --- |" * len(columns)
     for row in rows:
-        # Up to the first that is missing: side by side, quick trials end before slow ones.
-        found = [
-            [
-                done[j]
-                for j in takewhile(done.__contains__, [(task, row, f, s) for s in seeds[task, row]])
-            ]
-            for task, f in columns
-        ]
+        found = [counted(done, task, row, f, seeds[task, row]) for task, f in columns]
         if any(found):
             yield f"| {row} | " + " | ".join(map(cell, found)) + " |"
+
+
+def counted(
+    done: dict[Job, dict[str, Any]], task: str, row: str, fingers: int, seeds: list[int]
+) -> list[dict[str, Any]]:
+    """Trials up to the first seed that is missing: side by side, quick trials end before slow
+    ones."""
+    jobs = [(task, row, fingers, seed) for seed in seeds]
+    return [done[job] for job in takewhile(done.__contains__, jobs)]
+
+
+def failures(
+    done: dict[Job, dict[str, Any]], fingers: list[int], seeds: dict[tuple[str, str], list[int]]
+) -> Iterator[str]:
+    """Why trials of the table failed, as a Markdown table; a line for each reason, with its
+    number of trials."""
+    yield "| task | row | fingers | failed | why |"
+    yield "| --- | --- | --- | --- | --- |"
+    for (task, row), chosen in seeds.items():
+        for f in fingers:
+            found = counted(done, task, row, f, chosen)
+            reasons = Counter(trial["reason"] for trial in found if not trial["success"])
+            for reason, n in reasons.most_common():
+                yield f"| {task} | {row} | {f} | {n} | {reason} |"
 
 
 def seeds_of(row: str, task: str, n: int, left_out: int) -> list[int]:
@@ -164,7 +182,7 @@ def chosen_rows(text: str) -> list[str]:
 
 
 def main() -> None:
-    """Runs what is missing, then prints the table."""
+    """Runs what is missing, then prints successes, and why the others failed."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
@@ -223,7 +241,10 @@ def main() -> None:
             )
             for result in progress.track(results, total=len(missing)):
                 file.write(json.dumps(result).encode() + b"\n")
-    print("\n".join(table(load(args.out, *args.kept), args.fingers, seeds)))
+    done = load(args.out, *args.kept)
+    print("\n".join(table(done, args.fingers, seeds)))
+    print()
+    print("\n".join(failures(done, args.fingers, seeds)))
 
 
 if __name__ == "__main__":

@@ -11,7 +11,7 @@ import pytest
 from benchmarks.judged import configuration, freeze, frozen_seeds, judged_seeds
 from benchmarks.judged_air import air_seeds
 from benchmarks.judged_hand import hand_seeds
-from benchmarks.success import trial, wilson
+from benchmarks.success import failures, table, trial, wilson
 from models.arithmetic.arrays import Array
 from models.errors import InputError
 from models.frames import Contact, TouchFrame
@@ -25,6 +25,22 @@ def test_the_wilson_interval_is_the_published_one() -> None:
     # Newcombe (1998), Statistics in Medicine 17, table I: 81 of 263 and 0 of 20, method 3.
     assert np.allclose(np.array(wilson(81, 263)) / 100, (0.2553, 0.3662), atol=5e-5)
     assert np.allclose(np.array(wilson(0, 20)) / 100, (0.0, 0.1611), atol=5e-5)
+
+
+def test_every_trial_of_the_table_that_failed_has_its_reason_counted_once() -> None:
+    why = ["", "a pin fell", "a pin fell", "out of time", "", "a pin fell"]
+    done = {
+        ("slalom", "shipped", 3, seed): {"success": not each, "reason": each, "time_s": 5.0}
+        for seed, each in enumerate(why)
+        if seed != 4
+    }
+    # Trials after the first seed that is missing count in neither table.
+    seeds = {("slalom", "shipped"): list(range(6))}
+    assert "| shipped | 1/4 = " in list(table(done, [3], seeds))[-1]
+    assert list(failures(done, [3], seeds))[2:] == [
+        "| slalom | shipped | 3 | 2 | a pin fell |",
+        "| slalom | shipped | 3 | 1 | out of time |",
+    ]
 
 
 @pytest.mark.parametrize("drawn", [judged_seeds, air_seeds, hand_seeds])
