@@ -8,10 +8,10 @@ from pathlib import Path
 
 from models.errors import RecordingError
 from sandbox.recording.recording import load_recording
-from sandbox.recording.recording_file import SUFFIX, stored
+from sandbox.recording.recording_file import stored
 from sandbox.study.record.recorded_result import finished_result
 from sandbox.study.record.state import SessionState
-from sandbox.study.record.trial_files import TRIALS
+from sandbox.study.record.trial_files import TRIALS, attempt_files
 
 LOG = "session_info/log.csv"
 """The log of a session: a row for every record that its journal had when its tables were built."""
@@ -24,10 +24,10 @@ def unknown_recordings(session: Path, state: SessionState) -> list[str]:
         session: Folder of the session.
         state: State of the session according to its journal.
     """
-    names = {p.name.removesuffix(SUFFIX) for p in (session / TRIALS).glob("T*.jsonl*")}
     started = {a.start["file"] for attempts in state.attempts.values() for a in attempts}
     known = started | state.recordings.keys()
-    return [file for name in sorted(names) if (file := f"{TRIALS}/{name}") not in known]
+    files = [f"{TRIALS}/{name}" for name in attempt_files(session / TRIALS)]
+    return [file for file in files if file not in known]
 
 
 def is_whole(path: Path) -> bool:

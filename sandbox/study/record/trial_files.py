@@ -15,6 +15,15 @@ TRIAL = re.compile(r"T\d+(\.a\d+)?")
 TRIALS = "trials"
 
 
+def attempt_files(folder: Path) -> list[str]:
+    """Names of the recordings of attempts in a session's folder of trials, without `.gz`, in order.
+
+    The last states of an attempt that diverged lie beside its recording, and are no attempt.
+    """
+    names = {path.name.removesuffix(SUFFIX) for path in folder.glob("T*.jsonl*")}
+    return sorted(name for name in names if TRIAL.fullmatch(name.removesuffix(".jsonl")))
+
+
 def find_recordings(name: str, out: Path) -> list[Path]:
     """Finds the recordings that a name refers to, in order.
 
@@ -97,5 +106,4 @@ def _trial(session: Path, name: str) -> list[Path]:
 
 def _all(folder: Path) -> list[Path]:
     """All recordings of a session, compressed or not."""
-    names = {p.name.removesuffix(SUFFIX) for p in folder.glob("T*.jsonl*")}
-    return [folder / name for name in sorted(names) if name.endswith(".jsonl")]
+    return [folder / name for name in attempt_files(folder)]

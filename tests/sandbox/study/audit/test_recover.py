@@ -17,10 +17,18 @@ from sandbox.study.record.leftovers import whole_leftovers
 from sandbox.study.record.session_folder import SessionFolder
 from sandbox.study.record.state import SessionState
 from sandbox.study.record.stored_sessions import session_path
+from sandbox.study.run.controls import Controls
 from sandbox.study.run.simulate import run_simulated, simulate
-from tests.support.study_files import TRIALS, design, rows_of
+from tests.support.study_files import DESIGN, TRIALS, design, rows_of
 
 LOST = 4096
+
+
+DIVERGING = DESIGN.replace(
+    "tests/support/regress_tasks.py:Quick", "tests/sandbox/session/absurd_task.py:Absurd"
+).replace(
+    'repetitions = 2\npractice = 1\npractice_each = "contact"', "repetitions = 1\npractice = 0"
+)
 
 
 def quiet(text: str) -> None:
@@ -146,3 +154,25 @@ def test_a_recording_of_somebody_else_cannot_be_taken_in(
     said = capsys.readouterr().out
     assert "T009.jsonl: cannot count: it is of another participant or session" in said
     assert "T009.jsonl: set aside" in said and audit(study.path).findings.sound
+
+
+@pytest.mark.parametrize("answer", ["q", "r the box was lost"])
+def test_the_last_states_of_a_trial_that_diverged_are_no_attempt_that_somebody_lost(
+    answer: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    study = StudyFolder(tmp_path, design(DIVERGING), SIMULATED)
+    controls, answers = Controls(quiet), iter([answer, "q"])
+
+    def say(text: str) -> None:
+        if "diverged" in text or "repeated" in text:
+            controls.type(next(answers, "q"))
+
+    assert run_simulated(study, 0, say, controls) == "stopped"
+    trials = session(study) / "trials"
+    assert {path.name[:13] for path in trials.iterdir()} > {"T001-diverged"}
+    assert main(["study", "recover", str(study.path)]) == 0
+    run_simulated(study, 0, quiet)
+    rows = rows_of(study.path / "trial_results.csv")
+    assert {row["status"] for row in rows} == {"diverged"}
+    capsys.readouterr()
+    assert main(["replay", str(study.path), "--verify"]) == 0, capsys.readouterr().out
