@@ -215,6 +215,10 @@ class Audience:
         else:
             if up is not None:
                 self._take(client, up)
+            elif client.missed and client.player and self._device and self._device.touched:
+                # Where the fingers are now, or that they were lifted, was perhaps in that message.
+                self._counters.add("missed touches")
+                self._device.cancel_all()
 
     def _greet(self, client: Client, hello: Hello) -> None:
         client.hello, client.screen = hello, hello.screen

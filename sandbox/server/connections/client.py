@@ -16,10 +16,13 @@ from sandbox.server.connections.rate import Allowance
 from sandbox.server.protocol.frames import number_frame
 from sandbox.server.protocol.protocol import CREDIT, Hello, PageScreen, Up, decode
 
-MESSAGES_PER_SECOND, BURST = 240.0, 240.0
-"""Rate limit; touches at 120 Hz, acknowledgements at 60 Hz and beats are 185 messages a second."""
-PATIENCE = 240
-"""Number of refused messages after which the connection is closed."""
+MESSAGES_PER_SECOND, BURST = 240.0, 1200.0
+"""Rate limit; touches at 120 Hz, acknowledgements at 60 Hz and beats are 185 messages a second.
+When a network stalls, a page goes on for 4 s before it gives up its socket; all that it has said
+then comes at once."""
+PATIENCE, FORGIVEN = 240.0, 1.0
+"""Number of refused messages after which the connection is closed, and how many of them are
+forgiven in a second."""
 MOST_WAITING = 512
 """Number of messages that wait for a page that does not read, echoes of minutes; then the
 connection is aborted."""
@@ -39,6 +42,7 @@ class Client:
         player: True if its touches are used.
         heard: s, time of its last message.
         here: False while the page says that it is hidden or turned away.
+        missed: True if its last message was refused unread, as too many came.
     """
 
     def __init__(
@@ -49,12 +53,12 @@ class Client:
         self.screen: PageScreen | None = None
         self.player = False
         self.heard = clock()
-        self.here = True
+        self.here, self.missed = True, False
         self._hidden = self.heard
         self._clock = clock
         self._counters = counters
         self._allowance = Allowance(MESSAGES_PER_SECOND, BURST, self.heard)
-        self._refused = 0
+        self._patience = Allowance(FORGIVEN, PATIENCE, self.heard)
         self._waiting: deque[tuple[bytes, bool]] = deque()
         self._skins: tuple[bytes, ...] = ()
         self._newest: bytearray | None = None
@@ -164,7 +168,8 @@ class Client:
         """
         self.heard = self._clock()
         reason, up = "", None
-        if not self._allowance.take(self.heard):
+        self.missed = not self._allowance.take(self.heard)
+        if self.missed:
             reason = "too many messages"
         elif isinstance(message, bytes):
             reason = "binary message"
@@ -175,7 +180,6 @@ class Client:
                 reason = "malformed message"
         if reason:
             self._counters.add(reason)
-            self._refused += 1
-            if self._refused > PATIENCE:
+            if not self._patience.take(self.heard):
                 raise InputError("the client sent too many invalid messages", got=reason)
         return up

@@ -21,6 +21,7 @@ from models.frames import TouchFrame
 from sandbox.server import audience
 from sandbox.server.audience import GREETING
 from sandbox.server.connections.address import checked_address
+from sandbox.server.connections.client import BURST
 from sandbox.server.page_server import PageServer
 from sandbox.server.protocol.describe import describe_scene
 from sandbox.server.protocol.frames import unpack
@@ -416,6 +417,35 @@ def test_a_flood_is_refused_counted_and_ended(stage: Stage) -> None:
                 page.next()
         assert stage.server.counters["too many messages"] > 100
     assert wait_for(lambda: stage.server.clients == 0)
+
+
+def test_all_that_a_page_said_during_stalls_of_its_network_is_heard(stage: Stage) -> None:
+    with Page(stage.server.url) as page:
+        page.until("scene")
+        # Two stalls of 3.5 s: what an eager tablet at 120 Hz has said meanwhile comes at once.
+        for _ in range(2):
+            for _ in range(420):
+                page.touch((1, 2.0, 2.0))
+        page.touch()
+        page.say(type="beat", t=1)
+        page.until("echo")
+        assert not stage.device.touched and not stage.server.counters["too many messages"]
+
+
+def test_a_finger_whose_lift_was_among_too_many_messages_does_not_stay_down(stage: Stage) -> None:
+    with Page(stage.server.url) as page:
+        page.until("scene")
+        for _ in range(int(BURST) + 50):
+            page.touch((1, 2.0, 2.0))
+        page.touch()
+        assert wait_for(lambda: stage.server.counters["too many messages"] > 20)
+        # Beats say that the page is there, so that its fingers are not taken for gone.
+        for _ in range(10):
+            time.sleep(0.1)
+            page.say(type="beat", t=1)
+        assert not stage.device.touched and not stage.server.counters["silent page"]
+        page.touch((2, 2.0, 2.0))
+        assert wait_for(lambda: stage.device.touched)
 
 
 def test_more_pages_than_there_is_room_for_are_turned_away(stage: Stage) -> None:
