@@ -11,6 +11,7 @@ import queue
 import threading
 import time
 from collections.abc import Sequence
+from typing import TypeVar
 
 from websockets.exceptions import ConnectionClosed
 
@@ -54,6 +55,10 @@ QUIET = 1.5
 second."""
 SEAT_KEPT = 60.0
 """s for which the seat of a player who is away is kept against other pages."""
+Heard = TypeVar("Heard")
+MOST_QUEUED = 256
+"""Number of requests, or of answers to questions, that wait to be read; more than a person gives
+before somebody reads them."""
 GREETING = 5.0
 """s within which a page has to send its hello message."""
 
@@ -344,13 +349,20 @@ class Audience:
             case Drawn() if client.player:
                 self._latency.add("drawn", up.after_ms)
             case PlayerRequest() if client.player and not self._study:
-                self.asked.put(up)
+                self._keep(self.asked, up)
             case ItemAnswer() | Leave() if client.player and self._study:
-                self.filled.put(up)
+                self._keep(self.filled, up)
             case Hello():
                 self._counters.add("second hello")
             case _:
                 self._counters.add("not the player")
+
+    def _keep(self, waiting: queue.SimpleQueue[Heard], up: Heard) -> None:
+        """Queues what another thread reads, which may not be reading now."""
+        if waiting.qsize() < MOST_QUEUED:
+            waiting.put(up)
+        else:
+            self._counters.add("input that nobody waits for")
 
     async def watch(self) -> None:
         """Cancels the touches of a silent page, and ends the keeping of seats; runs until it is

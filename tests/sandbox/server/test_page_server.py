@@ -19,7 +19,7 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 from models.errors import DeviceError
 from models.frames import TouchFrame
 from sandbox.server import audience
-from sandbox.server.audience import GREETING
+from sandbox.server.audience import GREETING, MOST_QUEUED
 from sandbox.server.connections.address import checked_address
 from sandbox.server.connections.client import BURST
 from sandbox.server.page_server import PageServer
@@ -446,6 +446,19 @@ def test_a_finger_whose_lift_was_among_too_many_messages_does_not_stay_down(stag
         assert not stage.device.touched and not stage.server.counters["silent page"]
         page.touch((2, 2.0, 2.0))
         assert wait_for(lambda: stage.device.touched)
+
+
+def test_requests_that_nobody_reads_do_not_fill_the_memory(stage: Stage) -> None:
+    with Page(stage.server.url) as page:
+        page.until("scene")
+        for _ in range(MOST_QUEUED + 50):
+            page.say(type="ask", what="retry")
+        page.say(type="beat", t=1)
+        page.until("echo")
+        assert len(stage.server.asked()) == MOST_QUEUED
+        assert stage.server.counters["input that nobody waits for"] == 50
+        page.say(type="ask", what="retry")
+        assert wait_for(stage.server.asked)
 
 
 def test_more_pages_than_there_is_room_for_are_turned_away(stage: Stage) -> None:
