@@ -18,6 +18,10 @@ MAX_FRAMES = 16
 LOWEST, HIGHEST = -0.1, 1.1
 """Range of valid positions, in widths of the surface: sensors see a little beyond their edge."""
 
+SMALLEST = 1e-6
+"""Smallest length of a touch, in widths of the surface. Smaller ones are no finger's, and become 0
+in metres."""
+
 _SINGLE_PRECISION = 1e-6
 """Tolerance of positions, which are 32-bit floats, where 1.1 is slightly larger."""
 
@@ -106,10 +110,10 @@ def read_coordinate(value: object, where: str) -> float:
 
 
 def read_size(value: object) -> float | None:
-    """A length in 0..1; None if the value is not a valid length."""
-    if isinstance(value, bool) or not isinstance(value, int | float) or not 0.0 < value <= 1.0:
+    """A length in 0..1; None if the value is not a valid length, or too small for any finger."""
+    if isinstance(value, bool) or not isinstance(value, int | float):
         return None
-    return float(value)
+    return float(value) if SMALLEST <= value <= 1.0 else None
 
 
 def read_name(name: object) -> str:

@@ -6,6 +6,9 @@ import json
 from pathlib import Path
 
 import pytest
+from hypothesis import example, given
+from hypothesis import strategies as st
+from pythonosc.osc_message_builder import OscMessageBuilder
 from pythonosc.osc_packet import OscPacket
 
 from models.surface import Surface
@@ -195,6 +198,20 @@ def test_bounds_that_make_no_sense_cost_no_touch() -> None:
     table = Table()
     assert table.feed(bundle(frm(1), ptr(1, *A), *odd, alv(1))) == [{1: A}]
     assert table.tuio.statistics.malformed == 0
+
+
+@given(st.floats(0.0, 1.0), st.floats(0.0, 1.0), st.sampled_from(["f", "d"]))
+@example(5e-324, 0.1, "d")
+def test_whatever_size_bounds_tell_a_frame_is_made_of_it(
+    width: float, height: float, tag: str
+) -> None:
+    builder = OscMessageBuilder("/tuio2/bnd")
+    for value, kind in zip((1, 0.5, 0.5, 0.0, width, height), f"ifff{tag}{tag}", strict=True):
+        builder.add_arg(value, kind)
+    packet = bundle(frm(1), ptr(1, *A), builder.build().dgram, alv(1))
+    (commit,) = Table().tuio.feed(packet, PEER, 0.0)
+    (contact,) = touch_frame(commit, Surface(), 0.0).contacts
+    assert contact.extent is None or min(contact.extent) > 0.0
 
 
 def independent(file: Path) -> list[dict[int, tuple[float, float]]]:
