@@ -15,7 +15,6 @@ from collections import Counter, deque
 from collections.abc import Callable, Iterator, Sequence
 
 import msgspec
-from websockets.exceptions import WebSocketException
 from websockets.sync.client import connect
 
 from models.errors import DeviceError
@@ -176,7 +175,7 @@ class LeapDevice(HandDevice):
             heard = self._decoder.counts["frames"]
             try:
                 self._listen()
-            except (OSError, WebSocketException) as error:
+            except Exception as error:  # whatever it is, the next connection may be sound
                 self.trouble = f"{type(error).__name__}: {error}"[:200]
             finally:
                 self.connected.clear()

@@ -37,6 +37,8 @@ RESTART = 1.0
 
 _JOINTS = ("mcpPosition", "pipPosition", "dipPosition")
 _END = "btipPosition"
+_TOO_LARGE = 2**53
+"""Integers from here on are not exact as a float."""
 _FARTHEST = 10_000.0
 """mm, largest coordinate of a valid position; the device sees about one metre."""
 _MOST_HANDS = 8
@@ -169,8 +171,8 @@ def _finger(record: Mapping[str, Any]) -> TrackedFinger:
 
 def _name(record: Mapping[str, Any], kind: Any) -> int | None:
     """Label of the finger; without `type` it follows from the id, 10 times the hand's plus it."""
-    if kind is None and _is_number(record.get("handId")):
-        kind = int(record["id"] - 10 * record["handId"])
+    if kind is None and _is_identity(record.get("handId")):
+        kind = record["id"] - 10 * record["handId"]
     return kind if isinstance(kind, int) and not isinstance(kind, bool) else None
 
 
@@ -201,15 +203,20 @@ def _items(message: Mapping[str, Any], name: str) -> list[Mapping[str, Any]]:
 
 def _identity(record: Mapping[str, Any]) -> int:
     value = record.get("id")
-    if isinstance(value, bool) or not isinstance(value, int) or abs(value) >= 2**53:
+    if not _is_identity(value):
         raise DeviceError("`id` is not an integer below 2^53", got=str(value)[:40])
     return value
+
+
+def _is_identity(value: Any) -> TypeGuard[int]:
+    return isinstance(value, int) and not isinstance(value, bool) and abs(value) < _TOO_LARGE
 
 
 def _is_number(value: Any) -> TypeGuard[float]:
     if type(value) is float:
         return math.isfinite(value)
-    return not isinstance(value, bool) and isinstance(value, (int, float)) and math.isfinite(value)
+    # Python's integers may be larger than any float.
+    return _is_identity(value)
 
 
 def _number(value: Any, name: str) -> float:

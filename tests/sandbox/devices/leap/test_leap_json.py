@@ -218,6 +218,21 @@ def test_tools_and_fingers_without_a_hand_are_counted_and_left_out() -> None:
     assert decoder.counts["tools"] == 1
 
 
+@pytest.mark.parametrize("number", [1e308, -1e308, 10**400, 2**53, 0.5], ids="abcde")
+@pytest.mark.parametrize("name", ["handId", "length", "confidence", "timestamp", "sphereRadius"])
+def test_numbers_that_no_device_sends_cost_a_hand_or_a_finger_at_most(
+    name: str, number: float
+) -> None:
+    whole = copy.deepcopy(message())
+    joints = {f"{joint}Position": [1.0, 2.0, 3.0 + i] for i, joint in enumerate(("mcp", "pip"))}
+    for finger in whole["pointables"]:
+        finger |= {**joints, "dipPosition": [1.0, 2.0, 9.0], name: number}
+        finger.pop("type", None)
+    for hand in whole["hands"]:
+        hand[name] = number
+    LeapDecoder().feed({**whole, **({name: number} if name in whole else {})})
+
+
 JSON = st.recursive(
     st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=5),
     lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.just("id"), inner),
