@@ -5,8 +5,9 @@ from __future__ import annotations
 import sys
 import threading
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
+from io import TextIOWrapper, UnsupportedOperation
 from queue import Empty, SimpleQueue
 from typing import TextIO
 
@@ -93,6 +94,10 @@ class Terminal:
     def __init__(self, controls: Controls, source: TextIO | None = None) -> None:
         self._controls = controls
         self._source = source or sys.stdin
+        if isinstance(self._source, TextIOWrapper):
+            # What is typed in another encoding than the system's must not end the reading.
+            with suppress(UnsupportedOperation):  # once something has been read
+                self._source.reconfigure(errors="replace")
         self._asking = threading.Event()
         self._answers: SimpleQueue[str | None] = SimpleQueue()
         self.ended = False
@@ -132,11 +137,13 @@ class Terminal:
         return self._asking.is_set() and self._answers.empty()
 
     def _read(self) -> None:
-        for line in iter(self._source.readline, ""):
-            text = line.rstrip("\n")
-            if self._asking.is_set() and not text.startswith("/"):
-                self._answers.put(text)
-            else:
-                self._controls.type(text)
-        self.ended = True
-        self._answers.put(None)
+        try:
+            for line in iter(self._source.readline, ""):
+                text = line.rstrip("\n")
+                if self._asking.is_set() and not text.startswith("/"):
+                    self._answers.put(text)
+                else:
+                    self._controls.type(text)
+        finally:
+            self.ended = True
+            self._answers.put(None)

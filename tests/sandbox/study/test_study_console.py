@@ -29,6 +29,7 @@ from sandbox.study.run.forms import SimulatedForms, TerminalForms
 from sandbox.study.run.players import HeadlessPlayer
 from sandbox.study.run.runner import SessionOutcome, SessionRunner
 from sandbox.study.run.simulate import run_simulated, simulated_devices, simulated_person
+from tests.support.processes import PATIENCE
 from tests.support.study_files import DESIGN, TRIALS, open_study
 
 
@@ -142,6 +143,18 @@ def terminals(monkeypatch: pytest.MonkeyPatch) -> None:
         begin(self, *arguments)  # type: ignore[arg-type]
 
     monkeypatch.setattr(Terminal, "__init__", seen)
+
+
+def test_a_note_in_another_encoding_is_kept_and_the_keys_after_it_still_work() -> None:
+    controls = Controls()
+    typed = io.TextIOWrapper(io.BytesIO("i\nn grüße\nq\n".encode("latin-1")), encoding="utf-8")
+    terminal = Terminal(controls, typed)
+    end = time.monotonic() + PATIENCE
+    while not terminal.ended and time.monotonic() < end:
+        time.sleep(0.01)
+    heard = list(controls.take())
+    assert [command.key for command in heard] == ["i", "n", "q"]
+    assert heard[1].words == "gr\ufffd\ufffde"
 
 
 def test_without_consent_nothing_is_played(tmp_path: Path) -> None:
