@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from operator import index
 
 from models.arithmetic.products import length
 from models.errors import DeviceError
-from models.frames import TouchFrame
+from models.frames import Contact, TouchFrame
 from models.surface import Surface
 from sandbox.devices.wrappers.device_wrapper import DeviceWrapper
 from sandbox.session.device import Device
@@ -16,7 +17,8 @@ class CheckedDevice(DeviceWrapper):
     """Refuses what a device of somebody else's cannot have meant, with one clear error.
 
     `poll` must return frames, and contacts must be on the surface or near it: a contact that is
-    further beyond the border than the surface's diagonal is in another unit than metres.
+    further beyond the border than the surface's diagonal is in another unit than metres. Numbers
+    of NumPy and the like become Python's, as recordings hold nothing else.
 
     Args:
         device: The device.
@@ -32,7 +34,8 @@ class CheckedDevice(DeviceWrapper):
         """The wrapped device's frames.
 
         Raises:
-            DeviceError: They are not frames, or a contact is far off the surface.
+            DeviceError: They are not frames, hold something else than numbers, or a contact is far
+                off the surface.
         """
         frames = self.device.poll(now)
         if not isinstance(frames, Sequence) or not all(isinstance(f, TouchFrame) for f in frames):
@@ -42,6 +45,7 @@ class CheckedDevice(DeviceWrapper):
                 got=repr(frames)[:60],
                 expected="a list of TouchFrame, empty if there is nothing new",
             )
+        frames = [self._in_plain_numbers(frame) for frame in frames]
         width, height = self._size
         far = length(self._size)
         for frame in frames:
@@ -55,3 +59,33 @@ class CheckedDevice(DeviceWrapper):
                         expected=f"metres, on a surface of {width:g} x {height:g} m",
                     )
         return frames
+
+    def _in_plain_numbers(self, frame: TouchFrame) -> TouchFrame:
+        try:
+            return TouchFrame(
+                float(frame.time),
+                tuple(map(_plain, frame.contacts)),
+                None if frame.lift is None else float(frame.lift),
+                frozenset(map(index, frame.cancelled)),
+                frame.source,
+            )
+        except (TypeError, ValueError) as error:
+            raise DeviceError(
+                "a frame holds something else than numbers",
+                where=self._where,
+                got=str(error),
+                expected="ids and labels that are integers, and lengths and times that are numbers",
+            ) from None
+
+
+def _plain(contact: Contact) -> Contact:
+    """A contact whose numbers are Python's own."""
+    size, label, extent = contact.size, contact.label, contact.extent
+    return Contact(
+        index(contact.id),
+        float(contact.x),
+        float(contact.y),
+        None if size is None else float(size),
+        None if label is None else index(label),
+        None if extent is None else (float(extent[0]), float(extent[1])),
+    )

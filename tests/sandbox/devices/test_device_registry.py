@@ -5,9 +5,11 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from models.surface import Surface
+from sandbox import run_trial
 from sandbox.cli.main import main
 from sandbox.cli.overview import devices, overview
 from sandbox.devices.registry import DEVICES, DeviceEntry, built_in, open_built_in, open_by_name
@@ -102,6 +104,8 @@ def test_a_device_of_an_installed_package_is_played_by_its_name(
         ("None", "something else than frames"),
         ("[(0, 0.1, 0.1)]", "something else than frames"),
         ("[TouchFrame(now, (Contact(0, 3.0, 2.0),))]", "far off the surface"),
+        ("[TouchFrame(now, (Contact(0.5, 0.1, 0.1),))]", "something else than numbers"),
+        ("[TouchFrame(now, (Contact('a', 0.1, 0.1),))]", "something else than numbers"),
     ],
 )
 def test_what_a_device_of_ones_own_cannot_have_meant_is_one_clear_error(
@@ -117,3 +121,23 @@ def test_what_a_device_of_ones_own_cannot_have_meant_is_one_clear_error(
     assert main(["run", "box-to-goal", "--device", f"{file}:Odd"]) != 0
     lines = [line for line in capsys.readouterr().err.splitlines() if said in line]
     assert len(lines) == 1 and "odd.py:Odd" in lines[0]
+
+
+def test_numbers_of_numpy_are_recorded_as_any_others(tmp_path: Path) -> None:
+    file, record = tmp_path / "pad.py", tmp_path / "run.jsonl"
+    file.write_text(
+        "import numpy as np\n"
+        "from models import Contact, TouchFrame\n"
+        "from sandbox import TouchDevice\n"
+        "class Pad(TouchDevice):\n"
+        "    def poll(self, now):\n"
+        "        self.finished = now > 0.1\n"
+        "        x, y, size = np.array([0.08, 0.06, 0.01], np.float32)\n"
+        "        one = Contact(np.int64(3), x, y, size, np.uint8(1), (size, size))\n"
+        "        gone = frozenset({np.int32(2)})\n"
+        "        return [TouchFrame(np.float32(now), (one,), np.float32(0.5), gone)]\n"
+    )
+    run_trial("box-to-goal", seed=1, device=f"{file}:Pad", record=record, real_time=False)
+    touches = load_recording(record).touches()
+    assert touches and {type(c.x) for frame in touches for c in frame.contacts} == {float}
+    assert touches[0].contacts[0].x == float(np.float32(0.08))
