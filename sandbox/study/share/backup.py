@@ -2,7 +2,8 @@
 
 A backup may be made while sessions run. Journals are copied first. The recording of a trial is on
 the disk before the journal calls it finished, so the archive contains the recording of every
-finished trial of its journals.
+finished trial of its journals. Of what is written meanwhile, it leaves out what its journals do not
+know: trials that began after them, with their tables, and the logs of their sessions.
 """
 
 from __future__ import annotations
@@ -10,9 +11,11 @@ from __future__ import annotations
 import gzip
 import io
 import os
+import re
 import tarfile
+import time
 import zlib
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from hashlib import sha256
 from pathlib import Path, PurePosixPath
@@ -22,13 +25,19 @@ from sandbox.recording.recording_file import SUFFIX, stored
 from sandbox.study.record.files import LOCK_FILES, TEMPORARY, make_folder, study_error
 from sandbox.study.record.folder import StudyFolder
 from sandbox.study.record.journal import parse_records
+from sandbox.study.record.leftovers import LOG, lost_records
+from sandbox.study.record.stored_sessions import JOURNAL, SESSIONS
+from sandbox.study.record.trial_files import TRIALS
 from sandbox.study.share.export_folder import refuse_existing
 from sandbox.system.durable_files import sync_file, sync_folder
 
 SUMS = "SHA256SUMS"
 """Name of the list of digests in an archive, in the format of `sha256sum --check`."""
 
-Say = Callable[[str], object]
+COARSE = 1_000_000_000
+"""ns by which the time of a file may lag behind the clock."""
+_ATTEMPT = re.compile(r"T\d{3,}(?:\.a\d+)?")
+"""Name of an attempt in the name of a file."""
 
 
 @dataclass(frozen=True)
@@ -39,6 +48,21 @@ class BackupContents:
     files: int
     bytes: int
     trials: int
+
+
+@dataclass(frozen=True)
+class _Known:
+    """What a session's journal knows: its number of records, and names such as T001 and T002.a2."""
+
+    records: int
+    attempts: frozenset[str]
+
+    @classmethod
+    def of(cls, journal: bytes, where: Path) -> _Known:
+        """Reads a journal."""
+        records, _ = parse_records(journal, where)
+        started = frozenset(Path(r["file"]).stem for r in records if r["kind"] == "trial_start")
+        return cls(len(records), started)
 
 
 def back_up(study: StudyFolder, out: Path) -> BackupContents:
@@ -150,14 +174,19 @@ def _write(folder: Path, work: Path) -> None:
 
 def _contents(folder: Path) -> Iterator[tuple[str, bytes]]:
     """Names and contents of all files, journals first."""
-    # All journals are read before the folders are listed. A trial that ends meanwhile is missing
-    # from these journals, and its recording does no harm.
+    began = time.time_ns() - COARSE
+    # All journals are read before the folders are listed.
     journals = {
         path: path.read_bytes()
-        for path in sorted((*folder.glob("*.jsonl"), *folder.glob("*/S*/journal.jsonl")))
+        for path in sorted((*folder.glob("*.jsonl"), *folder.glob(f"*/{SESSIONS}/{JOURNAL}")))
     }
     for path, data in journals.items():
         yield path.relative_to(folder).as_posix(), data
+    known = {
+        path.parent: _Known.of(data, path)
+        for path, data in journals.items()
+        if path.parent != folder
+    }
     listed = sorted(path for path in folder.rglob("*") if not path.is_dir())
     yielded = set(journals)
     for listing in listed:
@@ -167,6 +196,8 @@ def _contents(folder: Path) -> Iterator[tuple[str, bytes]]:
         if path in yielded or temporary or path.is_symlink() or not path.is_file():
             continue
         yielded.add(path)
+        if _is_of_a_later_trial(path, known, began):
+            continue
         try:
             data = path.read_bytes()
         except FileNotFoundError:
@@ -176,6 +207,18 @@ def _contents(folder: Path) -> Iterator[tuple[str, bytes]]:
             yielded.add(path)
             data = path.read_bytes()
         yield path.relative_to(folder).as_posix(), data
+
+
+def _is_of_a_later_trial(path: Path, known: Mapping[Path, _Known], began: int) -> bool:
+    """True for what a session has written since its journal was read, and the journal does not
+    know."""
+    session = path.parent.parent
+    if session not in known or path.stat().st_mtime_ns < began:
+        return False
+    if path == session / LOG:
+        return lost_records(session, known[session].records) > 0
+    attempts = {*_ATTEMPT.findall(path.name)}
+    return path.parent.name in (TRIALS, "trackers") and not attempts <= known[session].attempts
 
 
 def _add(archive: tarfile.TarFile, name: str, data: bytes) -> None:

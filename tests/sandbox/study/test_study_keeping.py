@@ -6,6 +6,7 @@ import gzip
 import json
 import shutil
 import tarfile
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -13,13 +14,16 @@ import pytest
 from models.errors import StudyError
 from sandbox.recording.recording import load_recording
 from sandbox.recording.recording_file import packed, read_stored
+from sandbox.study.audit.audit import audit
 from sandbox.study.record.folder import PILOT, SIMULATED, StudyFolder
 from sandbox.study.record.journal import journal_bytes, read_journal
 from sandbox.study.record.session_folder import SessionFolder
 from sandbox.study.record.state import SessionState
 from sandbox.study.record.stored_sessions import session_path
+from sandbox.study.run.controls import Controls
 from sandbox.study.run.runner import SessionOutcome
 from sandbox.study.run.simulate import run_simulated, simulate
+from sandbox.study.share import backup
 from sandbox.study.share.backup import back_up, check_backup
 from sandbox.study.share.export_log import copies, log_copy
 from sandbox.study.share.merge import merge
@@ -145,6 +149,43 @@ def test_a_backup_unpacks_to_the_same_files_and_the_study_goes_on_from_it(
     restored = StudyFolder(tmp_path / "again", design(), SIMULATED)
     assert run_simulated(restored, 0, quiet) is SessionOutcome.COMPLETE
     assert check_session(restored, 0, TRIALS) == TRIALS
+
+
+def test_a_backup_of_a_running_session_goes_on_where_its_journal_ends(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    study = StudyFolder(tmp_path / "out", design(), SIMULATED)
+
+    def one_more() -> None:
+        controls = Controls(quiet)
+
+        def say(text: str) -> None:
+            if text.startswith("  ") and text.endswith(" s"):  # how a trial ended
+                controls.type("q")
+
+        run_simulated(study, 0, say, controls)
+
+    one_more()
+    finished = check_session(study, 0, 1)
+    contents = backup._contents
+
+    def while_trials_end(folder: Path) -> Iterator[tuple[str, bytes]]:
+        """Another trial ends once the journals have been read."""
+        for name, data in contents(folder):
+            yield name, data
+            if name.endswith("S001/journal.jsonl"):
+                one_more()
+
+    monkeypatch.setattr(backup, "_contents", while_trials_end)
+    assert back_up(study, tmp_path / "b.tar.gz").trials == finished
+    monkeypatch.undo()
+    assert check_session(study, 0, finished + 1) > finished
+    shutil.unpack_archive(tmp_path / "b.tar.gz", tmp_path / "again")
+    restored = StudyFolder(tmp_path / "again", design(), SIMULATED)
+    assert check_session(restored, 0, finished) == finished
+    assert run_simulated(restored, 0, quiet) is SessionOutcome.COMPLETE
+    assert check_session(restored, 0, TRIALS) == TRIALS
+    assert audit(restored.path).findings.sound
 
 
 def test_equal_studies_make_equal_archives_and_none_is_written_over(
