@@ -8,8 +8,9 @@ present or last place of that hand.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from itertools import product
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -43,7 +44,8 @@ class SplitSettings:
 _TOO_FAR = 1.0
 """Cost in m2 per m beyond the span."""
 _MOST = 10
-"""Maximum number of contacts assigned at once; of more, the first ones."""
+"""Maximum number of contacts assigned at once; of more, the first ones. Beyond all free fingers it
+is one more, so that the one which fits worst is left out."""
 
 
 class HandSplitter:
@@ -112,20 +114,16 @@ class HandSplitter:
     def _decide(self, now: float) -> None:
         """Assigns every waiting contact to a hand."""
         first = sorted(self._since, key=lambda i: (self._since[i], i))
-        new, rest = first[:_MOST], first[_MOST:]
-        places = np.array([self._places[i] for i in new])
         held = [self._held(hand) for hand in (0, 1)]
         room = [len(FINGERS) - len(h) for h in held]
+        # Every further one would double or triple the time, which a session waits for.
+        most = min(sum(room) + 1, _MOST)
+        new, rest = first[:most], first[most:]
+        places = np.array([self._places[i] for i in new])
         best, least = (-1,) * len(new), np.inf
-        # With more new contacts than free fingers, some get no hand.
-        nobody = (-1,) if len(new) > sum(room) else ()
-        for shares in product((0, 1, *nobody), repeat=len(new)):
-            given = [shares.count(hand) for hand in (0, 1)]
-            if given[0] > room[0] or given[1] > room[1]:
-                continue
-            if nobody and sum(given) < sum(room):
-                continue
-            cost = self._cost(np.array(shares), places, held, now)
+        parts: list[dict[tuple[int, ...], _Part]] = [{}, {}]
+        for shares in all_shares(len(new), room):
+            cost = self._cost(shares, places, held, now, parts)
             if cost < least:
                 best, least = shares, cost
         self._hand.update(zip(new, best, strict=True))
@@ -137,26 +135,90 @@ class HandSplitter:
         places = [self._places[i] for i, h in self._hand.items() if h == hand]
         return np.array(places).reshape(-1, 2)
 
-    def _cost(self, shares: Array, places: Array, held: list[Array], now: float) -> float:
-        """Cost in m2 of an assignment of contacts; the least is the most likely."""
-        s = self.settings
+    def _cost(
+        self,
+        shares: tuple[int, ...],
+        places: Array,
+        held: list[Array],
+        now: float,
+        parts: list[dict[tuple[int, ...], _Part]],
+    ) -> float:
+        """Cost in m2 of an assignment of contacts; the least is the most likely.
+
+        Args:
+            shares: Hand of each new contact, or -1.
+            places: (n, 2) m, their positions.
+            held: Positions of each hand's contacts.
+            now: s, time of the frame.
+            parts: What each hand adds, by its new contacts, where it is known.
+        """
         total, middles, begins = 0.0, [], False
         for hand in (0, 1):
-            new = places[shares == hand]
-            mine = np.vstack([held[hand], new])
-            if not len(mine):
+            new = tuple(i for i, share in enumerate(shares) if share == hand)
+            if not new and not len(held[hand]):
                 continue
-            middle = mine.mean(axis=0)
-            middles.append(middle)
-            total += float(np.sum((mine - middle) ** 2))
-            apart = np.linalg.norm(mine[:, None] - mine[None], axis=-1).max()
-            total += _TOO_FAR * max(float(apart) - s.span, 0.0)
-            if len(new) and not len(held[hand]):
-                begins = True
-                seen, place = self._last[hand]
-                expected = place if now - seen <= s.memory else self._homes[hand]
-                total += s.begin + s.pull * len(new) * float(np.sum((middle - expected) ** 2))
+            part = parts[hand].get(new)
+            if part is None:
+                part = parts[hand][new] = self._part_of(hand, places[list(new)], held[hand], now)
+            middles.append(part.middle)
+            for term in part.terms:
+                total += term
+            begins = begins or part.begins
         if begins and len(middles) == 2:
             across = (middles[0] - middles[1]) @ (self._homes[0] - self._homes[1])
-            total += s.crossed if across < 0.0 else 0.0
+            total += self.settings.crossed if across < 0.0 else 0.0
         return total
+
+    def _part_of(self, hand: int, new: Array, held: Array, now: float) -> _Part:
+        """What a hand with some new contacts adds to the cost."""
+        s = self.settings
+        mine = np.vstack([held, new])
+        middle = mine.mean(axis=0)
+        apart = np.linalg.norm(mine[:, None] - mine[None], axis=-1).max()
+        terms = [
+            float(np.sum((mine - middle) ** 2)),
+            _TOO_FAR * max(float(apart) - s.span, 0.0),
+        ]
+        begins = bool(len(new)) and not len(held)
+        if begins:
+            seen, place = self._last[hand]
+            expected = place if now - seen <= s.memory else self._homes[hand]
+            terms.append(s.begin + s.pull * len(new) * float(np.sum((middle - expected) ** 2)))
+        return _Part(middle, terms, begins)
+
+
+class _Part(NamedTuple):
+    """What a hand adds to the cost of an assignment.
+
+    Attributes:
+        middle: (2,) m, mean of its contacts.
+        terms: m2, in the order in which they are added.
+        begins: True if it comes down.
+    """
+
+    middle: Array
+    terms: list[float]
+    begins: bool
+
+
+def all_shares(n: int, room: list[int]) -> Iterator[tuple[int, ...]]:
+    """All ways to give n contacts to two hands with room for some, in a fixed order.
+
+    With more contacts than room, as many as are too many get no hand (-1).
+    """
+    left = [*room, max(n - sum(room), 0)]
+    shares: list[int] = []
+
+    def rest() -> Iterator[tuple[int, ...]]:
+        if len(shares) == n:
+            yield tuple(shares)
+            return
+        for share in (0, 1, -1):
+            if left[share]:
+                left[share] -= 1
+                shares.append(share)
+                yield from rest()
+                shares.pop()
+                left[share] += 1
+
+    return rest()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import product
 from random import Random
 from typing import Any
 
@@ -11,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from benchmarks.hand_split import measure
-from encoders.labels.hand_split import HandSplitter, SplitSettings
+from encoders.labels.hand_split import HandSplitter, SplitSettings, all_shares
 from models.frames import Contact, TouchFrame
 from models.scene import CONTROL_PERIOD
 from sandbox.devices.wrappers.shared import SharedSurface
@@ -173,3 +174,17 @@ def test_hands_22_cm_apart_get_19_of_20_contacts_right() -> None:
     # What more it is, and how it falls off nearer by, `python -m benchmarks.hand_split` tells.
     count, _ = measure(6, seed=3)[0.22]
     assert count.all > 20 and count.right / count.all >= 0.95
+
+
+@pytest.mark.parametrize("room", [[5, 5], [2, 3], [0, 1], [5, 0], [0, 0]])
+@pytest.mark.parametrize("n", [1, 4, 6])
+def test_contacts_are_shared_in_every_way_that_leaves_no_more_without_a_hand_than_must_be(
+    n: int, room: list[int]
+) -> None:
+    without = max(n - sum(room), 0)
+    every = [
+        shares
+        for shares in product((0, 1, -1), repeat=n)
+        if shares.count(0) <= room[0] and shares.count(1) <= room[1] and shares.count(-1) == without
+    ]
+    assert list(all_shares(n, room)) == every
