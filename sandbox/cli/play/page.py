@@ -219,7 +219,8 @@ class PagePlay:
                 live.pause(bool(pause))
                 if pause:
                     for server in self.servers:
-                        server.publish(session.snapshot(), pause)
+                        # The thread may still be in its last step.
+                        server.publish(live.newest or session.snapshot(), pause)
                 time.sleep(TICK)
         finally:
             live.stop()

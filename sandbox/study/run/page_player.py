@@ -67,7 +67,8 @@ class PagePlayer:
                         pause = clock.pause(attempt, session.scorer.score.held)
                         live.pause(bool(pause))
                         if pause:
-                            self._publish(session.snapshot(), pause)
+                            # The thread may still be in its last step.
+                            self._publish(live.newest or session.snapshot(), pause)
                         time.sleep(TICK)
                 finally:
                     live.stop()
