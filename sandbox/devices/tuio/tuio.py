@@ -19,7 +19,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Literal, get_args
 
-from models.errors import DeviceError
+from models.errors import DeviceError, InputError
 from models.frames import Contact, TouchFrame
 from models.surface import Surface
 from sandbox.devices.tuio.tuio_senders import Commit, SourceStatus, Statistics, Tuio
@@ -124,7 +124,7 @@ class TuioDevice(Device, Closeable):
         self._tuio = Tuio(stale_after)
         self._queue: deque[TouchFrame] = deque(maxlen=queue_frames)
         self._dropped = 0
-        self._failure: DeviceError | None = None
+        self._failure: InputError | None = None
         self._closing = threading.Event()
         self._news = threading.Condition()
         self.news = threading.Event()
@@ -203,7 +203,8 @@ class TuioDevice(Device, Closeable):
         """Every frame committed since the last call, oldest first; `now` is ignored.
 
         Raises:
-            DeviceError: The socket has failed, and all earlier frames were fetched.
+            InputError: The socket has failed, or the tap cannot take packets, and all earlier
+                frames were fetched.
         """
         with self._news:
             frames = list(self._queue)
@@ -234,16 +235,14 @@ class TuioDevice(Device, Closeable):
         """Takes in a packet; called from any thread."""
         with self._news:
             now = self._now()
-            if self._tap is not None:
-                self._tap(now, peer, data)
+            self._tell(now, peer, data)
             self._publish(self._tuio.feed(data, peer, now), now)
 
     def disconnected(self, peer: str) -> None:
         """Cancels the touches of a disconnected sender."""
         with self._news:
             now = self._now()
-            if self._tap is not None:
-                self._tap(now, peer, None)
+            self._tell(now, peer, None)
             self._publish(self._tuio.disconnect(peer), now)
 
     def expire(self) -> None:
@@ -267,12 +266,24 @@ class TuioDevice(Device, Closeable):
     def fail(self, error: Exception, where: str) -> None:
         """Stores a failure of the listening thread, which the next `poll` raises."""
         with self._news:
+            if self._failure is not None:
+                return
             self._failure = DeviceError(
                 f"listening for touches has failed: {error}",
                 where=where,
                 remedy="Start again; if it fails again, check the network connection",
             )
             self._failure.__cause__ = error
+            self._news.notify_all()
+
+    def _tell(self, now: float, peer: str, data: bytes | None) -> None:
+        """Tells the tap; once it has refused, which the next `poll` raises, nothing more counts."""
+        if self._tap is None or self._failure is not None:
+            return
+        try:
+            self._tap(now, peer, data)
+        except InputError as error:
+            self._failure = error
             self._news.notify_all()
 
     @property
@@ -296,6 +307,8 @@ class TuioDevice(Device, Closeable):
             self.fail(error, f"UDP {self.address}")
 
     def _publish(self, commits: list[Commit], now: float) -> None:
+        if self._failure is not None:
+            return
         for commit in commits:
             self._dropped += len(self._queue) == self._queue.maxlen
             self._queue.append(touch_frame(commit, self._surface, now))

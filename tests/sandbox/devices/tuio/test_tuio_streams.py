@@ -18,7 +18,7 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import ClientConnection, connect
 from websockets.sync.server import ServerConnection, serve
 
-from models.errors import DeviceError
+from models.errors import DeviceError, RecordingError
 from models.frames import TouchFrame
 from models.surface import Surface
 from sandbox.devices.tuio.tuio import TuioDevice
@@ -101,6 +101,34 @@ def caller(device: TuioDevice, kind: str) -> Iterator[tuple[Speak, Hang]]:
     else:
         with web(device) as page:
             yield page.send, page.close
+
+
+@pytest.mark.parametrize("kind", ["udp", "tcp", "websocket"])
+def test_a_recorder_whose_disk_is_full_is_heard_of_at_once(kind: str) -> None:
+    full = RecordingError("the capture cannot be written", got="No space left on device")
+    kept: list[bytes | None] = []
+
+    def tap(now: float, peer: str, data: bytes | None) -> None:
+        if len(kept) == 2:
+            raise full
+        kept.append(data)
+
+    def disk_is_full() -> bool:
+        """Polls as a recording does, while packets go on to come."""
+        speak(frame(len(kept) + 1, {1: A}))
+        try:
+            device.poll()
+        except RecordingError as error:
+            return error is full
+        return False
+
+    with (
+        TuioDevice(Surface(), port=0, transport="all", websocket_port=0, tap=tap) as device,
+        Sender(device.port) if kind == "udp" else caller(device, kind) as chosen,
+    ):
+        speak = chosen if callable(chosen) else chosen[0]
+        until(disk_is_full)
+        assert len(kept) == 2
 
 
 @pytest.mark.parametrize("kind", ["tcp", "websocket"])
