@@ -14,6 +14,7 @@ import logging
 import queue
 import socket
 import threading
+import time
 from http import HTTPStatus
 from typing import NamedTuple, Protocol
 from urllib.parse import urlsplit
@@ -33,6 +34,10 @@ DEFAULT_WEBSOCKET_PORT = 8080
 
 MAX_CONNECTIONS = 32
 """Largest number of simultaneous connections; a sender needs one."""
+
+SILENT = 10.0
+"""s of silence after which a TCP connection is ended if another one needs its place: a tablet that
+fell asleep does not say so."""
 
 _TICK = 0.1
 _REDIAL = 0.5
@@ -119,6 +124,7 @@ class Streams:
         self._tcp = tcp
         self._target = target
         self._connections = 0
+        self._heard: dict[asyncio.StreamWriter, float] = {}
         self._ready: queue.Queue[Exception | None] = queue.Queue()
         self._loop = asyncio.new_event_loop()
         self._closing = asyncio.Event()
@@ -231,7 +237,7 @@ class Streams:
         assert task is not None
         task.set_name("tuio-tcp")
         host, port = writer.get_extra_info("peername")[:2]
-        if self._connections >= MAX_CONNECTIONS:
+        if self._connections >= MAX_CONNECTIONS and not self._end_a_silent_one():
             self._receiver.refuse("too many connections")
             writer.close()
             return
@@ -243,6 +249,16 @@ class Streams:
         finally:
             self._connections -= 1
 
+    def _end_a_silent_one(self) -> bool:
+        """Ends the TCP connection that has been silent for longest; False if none has been for
+        `SILENT`."""
+        silent = min(self._heard, key=lambda writer: self._heard[writer], default=None)
+        if silent is None or time.monotonic() - self._heard[silent] < SILENT:
+            return False
+        del self._heard[silent]
+        silent.transport.abort()
+        return True
+
     async def _read_tcp(
         self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter, peer: str
     ) -> None:
@@ -250,6 +266,7 @@ class Streams:
         try:
             with contextlib.suppress(asyncio.IncompleteReadError, OSError):  # a closed connection
                 while True:
+                    self._heard[writer] = time.monotonic()
                     size = int.from_bytes(await reader.readexactly(_LENGTH), "big")
                     if not 0 < size <= MAX_PACKET_BYTES:
                         # The start of the next packet is unknown.
@@ -257,6 +274,7 @@ class Streams:
                         break
                     self._receiver.receive(await reader.readexactly(size), peer)
         finally:
+            self._heard.pop(writer, None)
             self._receiver.disconnected(peer)
             writer.close()
 

@@ -21,6 +21,7 @@ from websockets.sync.server import ServerConnection, serve
 from models.errors import DeviceError, RecordingError
 from models.frames import TouchFrame
 from models.surface import Surface
+from sandbox.devices.tuio import tuio_streams
 from sandbox.devices.tuio.tuio import TuioDevice
 from sandbox.devices.tuio.tuio_streams import MAX_CONNECTIONS, parse_target, refusal
 from tests.support.processes import PATIENCE, Sender, until
@@ -219,6 +220,21 @@ def test_a_foreign_page_is_refused_and_counted(device: TuioDevice) -> None:
         heard(device, 1)
 
 
+def test_connections_that_fell_asleep_make_room_for_a_new_one(
+    device: TuioDevice, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with contextlib.ExitStack() as stack:
+        asleep = [stack.enter_context(tcp(device)) for _ in range(MAX_CONNECTIONS)]
+        for n, stream in enumerate(asleep):
+            stream.sendall(framed(frame(1, {}, source=str(n))))
+        heard(device, MAX_CONNECTIONS)
+        monkeypatch.setattr(tuio_streams, "SILENT", 0.0)
+        newcomer = stack.enter_context(tcp(device))
+        newcomer.sendall(framed(frame(1, {1: A}, source="new")))
+        assert heard(device, 1)[-1].contacts
+        assert asleep[0].recv(1) == b"" and not device.statistics.refused
+
+
 def test_connections_beyond_the_limit_are_refused_and_the_others_go_on(device: TuioDevice) -> None:
     with contextlib.ExitStack() as stack:
         streams = [stack.enter_context(tcp(device)) for _ in range(MAX_CONNECTIONS)]
@@ -308,6 +324,7 @@ import resource, socket, sys
 
 sys.path[:0] = {path!r}
 from models.surface import Surface
+from sandbox.devices.tuio import tuio_streams
 from sandbox.devices.tuio.tuio import TuioDevice
 
 most = resource.getrlimit(resource.RLIMIT_NOFILE)[1]
