@@ -20,6 +20,7 @@ from sandbox.cli.common.touch_opening import open_touches_or_page
 from sandbox.devices.tuio.touch_capture import read_capture
 from sandbox.devices.tuio.tuio_sender import TuioOutput, connected, send_packet
 from sandbox.options.touch_devices import TouchOptions
+from sandbox.system.ending import ending_as_by_ctrl_c
 
 
 @dataclass(frozen=True)
@@ -87,7 +88,8 @@ def _send_tuio(options: Send) -> int:
         with contextlib.closing(TuioOutput(options.tuio, opened.surface)) as output:
             console.print(Text(f"sending TUIO 1.1 to {options.tuio}; Ctrl-C ends"))
             begin = time.monotonic()
-            with contextlib.suppress(KeyboardInterrupt):
+            # However it is ended, fingers that are down must be lifted at the receiver.
+            with contextlib.suppress(KeyboardInterrupt), ending_as_by_ctrl_c():
                 while True:
                     elapsed = time.monotonic() - begin
                     device.wait(min(0.1, max(0.0, options.seconds - elapsed)))
@@ -101,7 +103,7 @@ def _send_tuio(options: Send) -> int:
         device.close()
     report = f"sent {frames} frames in {output.packets} packets to {options.tuio}"
     if output.refused:
-        report += f"; while no program listened there: {output.refused}"
+        report += f"; nobody received {output.refused} of them"
     console.print(Text(report), soft_wrap=True)
     damage = device.damage
     if damage is not None and reached_end:
@@ -135,7 +137,7 @@ def _send_packets(file: Path, to: str, speed: float) -> int:
     took = time.monotonic() - begin
     report = f"sent {sent} packets in {took:.1f} s to {to}"
     if refused:
-        report += f"; while no program listened there: {refused}"
+        report += f"; nobody received {refused} of them"
     console.print(Text(report))
     if capture.damage is not None:
         raise capture.damage

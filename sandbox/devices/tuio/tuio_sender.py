@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import math
 import socket
 import struct
@@ -21,6 +22,16 @@ SETS_PER_BUNDLE = 12
 of 1,500 bytes)."""
 
 SOURCE = "hand-sandbox"
+
+PASSING = {
+    errno.ENETUNREACH,
+    errno.ENETDOWN,
+    errno.EHOSTUNREACH,
+    errno.EHOSTDOWN,
+    errno.ENOBUFS,
+}
+"""Errors of a network that may come back. The receiver then gets the state with the next redundant
+bundle."""
 
 _FSEQ_MODULUS = 2**31 - 1
 _BUNDLE = b"#bundle\x00" + struct.pack(">Q", 1)
@@ -104,7 +115,7 @@ class TuioOutput:
 
     Attributes:
         packets: Number of packets sent.
-        refused: Number of packets for which the system reported that nobody listens.
+        refused: Number of packets for which the system reported that nobody receives them.
     """
 
     def __init__(self, to: str, surface: Surface) -> None:
@@ -157,7 +168,11 @@ def connected(to: str) -> socket.socket:
 
 
 def send_packet(channel: socket.socket, data: bytes, to: str) -> bool:
-    """Sends a packet; True if the system reports that nobody received an earlier one."""
+    """Sends a packet; True if the system reports that nobody received it or an earlier one.
+
+    Raises:
+        DeviceError: It cannot be sent, and not because of a network that may come back.
+    """
     try:
         try:
             channel.send(data)
@@ -166,6 +181,8 @@ def send_packet(channel: socket.socket, data: bytes, to: str) -> bool:
             channel.send(data)
             return True
     except OSError as error:
+        if error.errno in PASSING:
+            return True
         raise DeviceError(
             f"a packet cannot be sent: {error}",
             where=to,

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+import errno
 import json
 import os
 import pty
@@ -11,9 +13,12 @@ import socket
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
+from pythonosc.osc_packet import OscPacket
 
+from models.errors import DeviceError
 from models.surface import Surface
 from sandbox.cli.main import main
 from sandbox.devices.tuio.tuio import TuioDevice
@@ -315,3 +320,67 @@ def test_help_and_formats_teach(capsys: pytest.CaptureFixture[str]) -> None:
         text = capsys.readouterr().out
         assert status == 0
         assert all(word in text for word in words), text
+
+
+@pytest.mark.parametrize("request_to_end", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_however_sending_is_ended_no_finger_stays_down_at_the_receiver(
+    request_to_end: signal.Signals,
+) -> None:
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as receiver:
+        receiver.bind(("127.0.0.1", 0))
+        receiver.settimeout(PATIENCE)
+        to, port = f"127.0.0.1:{receiver.getsockname()[1]}", free_port()
+        with program(
+            *("touches", "send", "--device", "tuio", "--port", str(port), "--tuio", to),
+            *("--surface", "7.76x5.82in", "--stale-after", str(PATIENCE)),
+        ) as it:
+            it.error_line("sending TUIO")
+            with Sender(port) as finger:
+                alive: list[tuple[int, ...]] = [()]
+                while not alive[-1]:
+                    finger(frame(1, {1: (0.5, 0.5)}))
+                    alive.append(alive_in(receiver))
+            it.process.send_signal(request_to_end)
+            status, _ = it.end()
+            assert status == 0, it.errors
+        receiver.settimeout(0.5)
+        with contextlib.suppress(TimeoutError):
+            while True:
+                alive.append(alive_in(receiver))
+    assert alive[-1] == ()
+
+
+class Network(socket.socket):
+    """A socket on a network that is away for one packet, or for good."""
+
+    trouble = errno.ENETUNREACH
+
+    def send(self, data: Any, flags: int = 0, /) -> int:
+        if self.trouble:
+            raise OSError(self.trouble, os.strerror(self.trouble))
+        return super().send(data, flags)
+
+
+def test_a_network_that_is_away_for_a_moment_does_not_end_the_sending() -> None:
+    with (
+        socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as receiver,
+        Network(socket.AF_INET, socket.SOCK_DGRAM) as channel,
+    ):
+        receiver.bind(("127.0.0.1", 0))
+        receiver.settimeout(PATIENCE)
+        channel.connect(receiver.getsockname())
+        assert send_packet(channel, b"lost", "it")
+        channel.trouble = errno.EACCES
+        with pytest.raises(DeviceError, match="cannot be sent"):
+            send_packet(channel, b"refused", "it")
+        channel.trouble = 0
+        assert not send_packet(channel, b"heard", "it")
+        assert receiver.recv(99) == b"heard"
+
+
+def alive_in(receiver: socket.socket) -> tuple[int, ...]:
+    """Fingers that are down according to the next packet, by python-osc's own reader."""
+    for timed in OscPacket(receiver.recv(65_536)).messages:
+        if timed.message.params[:1] == ["alive"]:
+            return tuple(timed.message.params[1:])
+    return ()
