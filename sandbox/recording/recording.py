@@ -186,6 +186,14 @@ class RecordingWriter(RecordingLines):
             self._ending.set()
             self._thread.join()
             self._file.close()
+        self.check()
+
+    def check(self) -> None:
+        """Does nothing while all lines so far could be written; never waits.
+
+        Raises:
+            RecordingError: A line could not be written; the lines before it are on disk.
+        """
         if isinstance(self._error, OSError):
             raise RecordingError(
                 "the recording is incomplete",

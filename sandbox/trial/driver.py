@@ -75,6 +75,9 @@ class Trial:
 
         A divergence raises no error: the session is over, its score says why, and the recording
         holds everything that led to it.
+
+        Raises:
+            RecordingError: The recording can no longer be written.
         """
         try:
             snapshot = self.session.advance()
@@ -85,6 +88,9 @@ class Trial:
         self.newest = snapshot
         for view in self._views:
             view(snapshot)
+        if self._trial_recorder:
+            # Nobody should play on for what is not kept.
+            self._trial_recorder.check()
         return True
 
     def run(

@@ -32,7 +32,7 @@ class LiveTrial:
         self._running = threading.Event()
         self._running.set()
         self._thread = threading.Thread(target=self._run, name="session", daemon=True)
-        self.failure: Exception | None = None
+        self.failure: BaseException | None = None
 
     @property
     def over(self) -> bool:
@@ -74,7 +74,7 @@ class LiveTrial:
     def _run(self) -> None:
         try:
             self._trial.run(self._pace, self._wait_while_paused, self._stop.is_set)
-        except Exception as error:
+        except BaseException as error:  # nothing may end a trial without a word
             self.failure = error
 
     def _wait_while_paused(self) -> bool:

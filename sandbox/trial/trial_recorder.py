@@ -65,6 +65,15 @@ class TrialRecorder:
         self._box.end(session.step, result.as_json())
         return result
 
+    def check(self) -> None:
+        """Does nothing while all could be written so far; never waits.
+
+        Raises:
+            RecordingError: Something could not be written; what came before it is safe.
+        """
+        if self._writer:
+            self._writer.check()
+
     def close(self) -> None:
         """Waits until everything is on disk.
 

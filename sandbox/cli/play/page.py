@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +18,7 @@ from sandbox.cli.common.latency import judge_latency, print_latency
 from sandbox.cli.common.page_options import PageOptions, open_page
 from sandbox.cli.common.page_view import SIMULATED_USER, show_address, show_session, touched_pages
 from sandbox.cli.play.absences import Absences
+from sandbox.cli.play.notices import NoticePrinter
 from sandbox.cli.play.own_profile import Learner
 from sandbox.cli.play.screen_too_small import explain_refusal
 from sandbox.cli.run import report_end
@@ -119,6 +121,10 @@ class PagePlay:
     console: Console
     learner: Learner | None = None
 
+    @cached_property
+    def _notices(self) -> NoticePrinter:
+        return NoticePrinter(self.console)
+
     def run(self) -> None:
         """Runs trials until the program is interrupted."""
         wishes = PlayerRequests.of(plan(self.options).settings)
@@ -185,6 +191,7 @@ class PagePlay:
                 self._refuse(error, chosen.settings)
                 return
             self._play(trial, chosen, wishes, ended)
+        self._notices.wait()
         report_end(ended[0], self.console)
 
     def _tell_end(self, ended: list[TrialResult]) -> None:
@@ -278,9 +285,7 @@ class PagePlay:
         self.events.tell("trial_start", task=session.task.name, seed=session.task.seed, **said)
 
     def _views(self, session: Session, timing: Timing) -> list[View]:
-        notices = NoticeEvents(
-            self.events, lambda notice: self.console.print(f"[yellow]{notice}[/]")
-        )
+        notices = NoticeEvents(self.events, self._notices.say)
 
         def on_pages(snapshot: Snapshot) -> None:
             for server in self.servers:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 
 from rich.console import Console
@@ -21,6 +22,7 @@ from sandbox.cli.common.page_view import (
     show_session,
     touched_pages,
 )
+from sandbox.cli.play.notices import NoticePrinter
 from sandbox.cli.play.own_profile import Learner
 from sandbox.cli.play.page import PlayerRequests, numbered, print_refusals
 from sandbox.cli.play.screen_too_small import CANNOT_BEGIN
@@ -117,6 +119,10 @@ class WindowPlay:
     learner: Learner | None = None
     window: Window | None = None
 
+    @cached_property
+    def _notices(self) -> NoticePrinter:
+        return NoticePrinter(self.console)
+
     def run(self) -> None:
         """Runs trials until the window is closed."""
         first = plan(replace(self.options, record=None)).settings
@@ -175,6 +181,7 @@ class WindowPlay:
         if live.failure:
             raise live.failure
         self.events.tell("trial_end", **result.as_json())
+        self._notices.wait()
         report_end(result, self.console)
         return again
 
@@ -279,9 +286,7 @@ class WindowPlay:
             show_session(self.server, session, side, caption, web, own)
 
     def _views(self, session: Session, timing: Timing) -> list[View]:
-        notices = NoticeEvents(
-            self.events, lambda notice: self.console.print(f"[yellow]{notice}[/]")
-        )
+        notices = NoticeEvents(self.events, self._notices.say)
         views: list[View] = [timing.stepped, notices.show]
         if server := self.server:
             views.append(lambda snapshot: publish(server, session, snapshot))

@@ -1,0 +1,28 @@
+"""Ends on request of the system, as when a terminal is closed or a service is stopped."""
+
+from __future__ import annotations
+
+import signal
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+_ENDING = ("SIGTERM", "SIGHUP")
+
+
+@contextmanager
+def ending_as_by_ctrl_c() -> Iterator[None]:
+    """Context in which requests to end raise KeyboardInterrupt, as Ctrl-C does.
+
+    Outside the main thread it changes nothing, since only that one gets signals.
+    """
+    before = {}
+    if threading.current_thread() is threading.main_thread():
+        # Windows has no SIGHUP.
+        for number in (signal.Signals[name] for name in _ENDING if hasattr(signal, name)):
+            before[number] = signal.signal(number, signal.default_int_handler)
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
