@@ -141,6 +141,7 @@ class _PageClock:
         self._away = 0.0
         self._last, self._times = self._shown, 0
         self._silent = self._paused = False
+        self._seated = [page.server.seated for page in pages]
 
     def pause(self, attempt: RunningAttempt, held: bool) -> Pause:
         """Why simulated time must stand still now; empty if it may run. May break the attempt
@@ -153,6 +154,9 @@ class _PageClock:
         gone = any(page.gone for page in self._pages)
         if gone and self._options.when_gone == "repeat" and self._waited is not None:
             attempt.broken = attempt.broken or "the participant's page was gone"
+        if [page.server.seated for page in self._pages] != self._seated:
+            # Its screen has another size: the trial began on a surface that is no longer there.
+            attempt.broken = attempt.broken or "another device became the participant's page"
         away = {page for page in self._pages if page.server.away}
         if self._options.when_gone == "pause" and not held and self._waited is not None:
             self._awaited |= away

@@ -273,7 +273,7 @@ class SessionRunner:
             session.break_off(trial, played.broken)
             if self._leave_key == "s":
                 session.write("skip", step=trial.id, trial=trial.number, reason=played.broken)
-            self._say_left(trial)
+            self._say_left(trial, "" if self._leave_key else played.broken)
             return
         session.finish(trial, played.result)
         self._last = trial
@@ -309,10 +309,10 @@ class SessionRunner:
         """Says which step begins."""
         self.say(f"{self.session.person.ppid}  {_called(step)}")
 
-    def _say_left(self, step: Step) -> None:
-        """Says what became of a step that the experimenter left."""
+    def _say_left(self, step: Step, why: str = "") -> None:
+        """Says what became of a step that was left, and why if it was not the experimenter."""
         done = {"s": "skipped", "q": "left"}.get(self._leave_key, "begins again")
-        self.say(f"  {_called(step)}: {done}")
+        self.say(f"  {_called(step)}: {done}" + (f", as {why}" if why else ""))
 
     def _poll_trial(self) -> str:
         """Implements `Watch` for players."""

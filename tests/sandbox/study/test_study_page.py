@@ -15,6 +15,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from models.errors import StudyError
+from sandbox.server import audience
 from sandbox.server.page_server import PageServer
 from sandbox.study.design.design import Item
 from sandbox.study.record.folder import Participant, StudyFolder
@@ -321,6 +322,35 @@ def test_a_tablet_that_is_gone_in_mid_trial_is_told_of_and_nothing_counts_twice(
     measures = state.counted(1).end["result"]["measures"]
     assert measures["waited_s"] >= 0.0
     assert (measures["away_s"] >= 3.0) == (measures["away"] == 1) == (when != "repeat")
+
+
+def test_another_device_that_becomes_the_participants_page_does_not_finish_their_trial(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(audience, "SEAT_KEPT", 0.5)
+    text = SMALL.replace("time_limit_s = 20", "time_limit_s = 5")
+    study = study_in(tmp_path, text.replace("practice = 1", "practice = 0"))
+    with on_page(study, study.add(hand="right", hand_size=1.0, language="en")) as running:
+        with opened(running) as page:
+            leave(page, page.until("sheet", kind="consent"), "yes")
+            page.until("sheet", kind="form")
+            running.type("s")
+            leave(page, page.until("sheet", kind="text"))
+            page.until("sheet", kind="none")
+            page.touch((1, 5.0, 3.0))
+            while page.until("frame")["time"] == 0.0:
+                pass
+        running.heard("page is gone")
+        time.sleep(1.0)
+        with opened(running, "another") as page:
+            running.heard("another device became the participant's page")
+            end = tapped_until_form(page)
+            answer(page, end, "effort", 5)
+            leave(page, end)
+            page.until("sheet", kind="end")
+        running.ended()
+    attempts = SessionState.of(read_journal(running.folder / "journal.jsonl")).attempts[1]
+    assert [attempt.end is not None for attempt in attempts] == [False, True]
 
 
 def test_a_screen_without_room_for_the_designs_rectangle_is_refused(
