@@ -268,6 +268,8 @@ class PageServer:
                 port,
                 process_request=self._process,
                 ssl=self._tls,
+                # Before its handshake a connection is in none of the limits.
+                ssl_handshake_timeout=GREETING if self._tls else None,
                 compression=None,
                 max_size=LARGEST_MESSAGE,
                 max_queue=8,

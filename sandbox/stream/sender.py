@@ -53,7 +53,12 @@ def parse_address(text: str, default_host: str = "127.0.0.1") -> tuple[str, int]
     """
     host, _, port = text.strip().rpartition(":")
     host = host.strip("[]") or default_host
-    if not port.isascii() or not port.isdecimal() or not 1 <= int(port) <= 65535:
+    if (
+        not port.isascii()
+        or not port.isdecimal()
+        or not 1 <= int(port) <= 65535
+        or not _is_host(host)
+    ):
         raise InputError(
             "not an address",
             where="--maya, --blender",
@@ -61,6 +66,14 @@ def parse_address(text: str, default_host: str = "127.0.0.1") -> tuple[str, int]
             expected="HOST:PORT, such as 127.0.0.1:7002",
         )
     return host, int(port)
+
+
+def _is_host(host: str) -> bool:
+    """False if no computer can have this name, such as one with an empty part."""
+    try:
+        return bool(host.encode("idna"))
+    except UnicodeError:
+        return False
 
 
 class Sender:

@@ -41,7 +41,10 @@ class PageConnection(ServerConnection):
     @property
     def free(self) -> bool:
         """True if the socket is open and has accepted everything sent so far."""
-        return self.state is State.OPEN and not self.transport.get_write_buffer_size()
+        transport = self.transport
+        # A lost connection is closing before the library knows of it.
+        is_open = self.state is State.OPEN and not transport.is_closing()
+        return is_open and not transport.get_write_buffer_size()
 
     def send_now(self, message: bytes, text: bool) -> None:
         """Sends a message over a free socket at once, in one frame."""
