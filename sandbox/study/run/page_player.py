@@ -11,7 +11,7 @@ import msgspec
 from models.errors import StudyError
 from models.surface import Surface
 from sandbox.server.protocol.describe import describe_scene
-from sandbox.server.protocol.protocol import Pause
+from sandbox.server.protocol.protocol import PageScreen, Pause
 from sandbox.server.protocol.rectangle import common, rectangle
 from sandbox.server.protocol.skins import pack_skin
 from sandbox.server.publishing import publish
@@ -141,7 +141,7 @@ class _PageClock:
         self._away = 0.0
         self._last, self._times = self._shown, 0
         self._silent = self._paused = False
-        self._seated = [page.server.seated for page in pages]
+        self._seats = [(page.server.seated, page.server.screen) for page in pages]
 
     def pause(self, attempt: RunningAttempt, held: bool) -> Pause:
         """Why simulated time must stand still now; empty if it may run. May break the attempt
@@ -154,8 +154,11 @@ class _PageClock:
         gone = any(page.gone for page in self._pages)
         if gone and self._options.when_gone == "repeat" and self._waited is not None:
             attempt.broken = attempt.broken or "the participant's page was gone"
-        if [page.server.seated for page in self._pages] != self._seated:
-            # Its screen has another size: the trial began on a surface that is no longer there.
+        if any(
+            page.server.seated != seated and _is_another(page.server.screen, screen)
+            for page, (seated, screen) in zip(self._pages, self._seats, strict=True)
+        ):
+            # The trial began on a surface that is no longer there.
             attempt.broken = attempt.broken or "another device became the participant's page"
         away = {page for page in self._pages if page.server.away}
         if self._options.when_gone == "pause" and not held and self._waited is not None:
@@ -251,3 +254,12 @@ def on_both_screens(settings: RunSettings, other: RunSettings) -> RunSettings:
 def page_device(page: StudyPage, surface: Surface) -> WebDevice:
     """Creates the device of a trial on the page."""
     return page.use_device(WebDevice(surface, page.server.latency))
+
+
+def _is_another(now: PageScreen | None, before: PageScreen | None) -> bool:
+    """True if a page is on another screen than before, however it is turned; the same one may have
+    lost a fifth of its room to the browser's bars."""
+    if now is None or before is None:
+        return False
+    sides = [sorted((s.width_px / s.px_per_in, s.height_px / s.px_per_in)) for s in (now, before)]
+    return any(abs(a - b) > 0.2 * max(a, b) for a, b in zip(*sides, strict=True))

@@ -261,7 +261,9 @@ def test_whoever_hands_over_moments_never_waits_for_a_port_that_takes_nothing_in
     assert len(made) < 1000  # what was dropped was never written
 
 
-@pytest.mark.parametrize("text", ["", "host", "7002:x", ":0", ":70000", "a:-1", "a:1.5", "a:٣", "a..b:7004"])
+@pytest.mark.parametrize(
+    "text", ["", "host", "7002:x", ":0", ":70000", "a:-1", "a:1.5", "a:٣", "a..b:7004"]
+)
 def test_what_is_no_address_is_refused(text: str) -> None:
     with pytest.raises(InputError, match="not an address"):
         parse_address(text)

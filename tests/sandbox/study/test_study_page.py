@@ -342,7 +342,8 @@ def test_another_device_that_becomes_the_participants_page_does_not_finish_their
                 pass
         running.heard("page is gone")
         time.sleep(1.0)
-        with opened(running, "another") as page:
+        wide = {**SCREEN, "width_px": 1500.0}
+        with Page(running.server.url, name="another", screen=wide, beats=True) as page:
             running.heard("another device became the participant's page")
             end = tapped_until_form(page)
             answer(page, end, "effort", 5)
