@@ -306,7 +306,8 @@ def _share_scale(panels: Sequence[Axes]) -> None:
 
 
 def _draw_one(axes: Axes, name: str, one: Compared) -> None:
-    """Draws a mean difference with its interval: dark where success or points differ."""
+    """Draws a mean difference with its interval: in another colour where success or points
+    differ."""
     apart = one.difference
     differs = min(one.by_success, one.by_points) < 0.05
     around = [[apart.points - apart.low], [apart.high - apart.points]]

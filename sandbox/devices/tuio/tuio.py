@@ -76,7 +76,8 @@ class TuioDevice(Device, Closeable):
             for TCP and WebSockets: `tcp://HOST:PORT` or `ws://HOST:PORT`. The device connects to it
             and retries until it answers. Empty listens instead.
         tap: Called with time (s), peer and bytes of every packet; the bytes are None when the
-            connection has ended. It runs in the receiving thread and must return quickly.
+            connection has ended. It runs in the receiving thread and must return quickly. An
+            InputError of it ends the device: `poll` raises it.
         stale_after: s of silence after which the touches of a source are lifted.
         queue_frames: Number of frames kept for `poll`; when full, the oldest is dropped and
             counted.

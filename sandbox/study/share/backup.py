@@ -196,25 +196,35 @@ def _contents(folder: Path) -> Iterator[tuple[str, bytes]]:
         if path in yielded or temporary or path.is_symlink() or not path.is_file():
             continue
         yielded.add(path)
-        if _is_of_a_later_trial(path, known, began):
-            continue
         try:
+            if _is_of_a_later_trial(path, folder, known, began):
+                continue
             data = path.read_bytes()
         except FileNotFoundError:
             path = path.with_name(path.name + SUFFIX)
             if path in yielded or not path.is_file():
                 continue
             yielded.add(path)
+            if _is_of_a_later_trial(path, folder, known, began):
+                continue
             data = path.read_bytes()
         yield path.relative_to(folder).as_posix(), data
 
 
-def _is_of_a_later_trial(path: Path, known: Mapping[Path, _Known], began: int) -> bool:
-    """True for what a session has written since its journal was read, and the journal does not
-    know."""
-    session = path.parent.parent
-    if session not in known or path.stat().st_mtime_ns < began:
+def _is_of_a_later_trial(
+    path: Path, folder: Path, known: Mapping[Path, _Known], began: int
+) -> bool:
+    """True for what a session has written since the journals were read, and its journal does not
+    know: of a session that has begun since, for everything.
+
+    Raises:
+        FileNotFoundError: The file is gone.
+    """
+    session = next((p for p in path.parents if p.parent.parent == folder), None)
+    if session is None or not session.match(SESSIONS) or path.stat().st_mtime_ns < began:
         return False
+    if session not in known:
+        return True
     if path == session / LOG:
         return lost_records(session, known[session].records) > 0
     attempts = {*_ATTEMPT.findall(path.name)}

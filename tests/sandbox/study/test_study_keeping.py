@@ -156,28 +156,31 @@ def test_a_backup_of_a_running_session_goes_on_where_its_journal_ends(
 ) -> None:
     study = StudyFolder(tmp_path / "out", design(), SIMULATED)
 
-    def one_more() -> None:
+    def one_more(number: int = 0) -> None:
+        """Another trial of a participant."""
         controls = Controls(quiet)
 
         def say(text: str) -> None:
             if text.startswith("  ") and text.endswith(" s"):  # how a trial ended
                 controls.type("q")
 
-        run_simulated(study, 0, say, controls)
+        run_simulated(study, number, say, controls)
 
     one_more()
     finished = check_session(study, 0, 1)
     contents = backup._contents
 
     def while_trials_end(folder: Path) -> Iterator[tuple[str, bytes]]:
-        """Another trial ends once the journals have been read."""
+        """Once the journals have been read, a trial ends, and somebody else begins."""
         for name, data in contents(folder):
             yield name, data
             if name.endswith("S001/journal.jsonl"):
                 one_more()
+                one_more(1)
 
     monkeypatch.setattr(backup, "_contents", while_trials_end)
-    assert back_up(study, tmp_path / "b.tar.gz").trials == finished
+    found = back_up(study, tmp_path / "b.tar.gz")
+    assert found.trials == finished and len(found.ppids) == 1 < len(study.participants())
     monkeypatch.undo()
     assert check_session(study, 0, finished + 1) > finished
     shutil.unpack_archive(tmp_path / "b.tar.gz", tmp_path / "again")
@@ -185,6 +188,7 @@ def test_a_backup_of_a_running_session_goes_on_where_its_journal_ends(
     assert check_session(restored, 0, finished) == finished
     assert run_simulated(restored, 0, quiet) is SessionOutcome.COMPLETE
     assert check_session(restored, 0, TRIALS) == TRIALS
+    assert run_simulated(restored, 1, quiet) is SessionOutcome.COMPLETE
     assert audit(restored.path).findings.sound
 
 

@@ -283,6 +283,18 @@ def tapped_until_form(page: Page) -> dict[str, Any]:
     raise AssertionError("the trial does not end")
 
 
+def begin_trial(running: OnPage, page: Page) -> None:
+    """Through the consent, past the form, and into the first trial until time runs."""
+    leave(page, page.until("sheet", kind="consent"), "yes")
+    page.until("sheet", kind="form")
+    running.type("s")
+    leave(page, page.until("sheet", kind="text"))
+    page.until("sheet", kind="none")
+    page.touch((1, 5.0, 3.0))
+    while page.until("frame")["time"] == 0.0:
+        pass
+
+
 SLOW = pytest.mark.slow
 
 
@@ -297,14 +309,7 @@ def test_a_tablet_that_is_gone_in_mid_trial_is_told_of_and_nothing_counts_twice(
     study = study_in(tmp_path, text.replace("practice = 1", "practice = 0"))
     with on_page(study, study.add(hand="right", hand_size=1.0, language="en")) as running:
         with opened(running) as page:
-            leave(page, page.until("sheet", kind="consent"), "yes")
-            page.until("sheet", kind="form")
-            running.type("s")
-            leave(page, page.until("sheet", kind="text"))
-            page.until("sheet", kind="none")
-            page.touch((1, 5.0, 3.0))
-            while page.until("frame")["time"] == 0.0:
-                pass
+            begin_trial(running, page)
         running.heard("page is gone")
         time.sleep(0.2)
         with opened(running) as page:
@@ -332,14 +337,7 @@ def test_another_device_that_becomes_the_participants_page_does_not_finish_their
     study = study_in(tmp_path, text.replace("practice = 1", "practice = 0"))
     with on_page(study, study.add(hand="right", hand_size=1.0, language="en")) as running:
         with opened(running) as page:
-            leave(page, page.until("sheet", kind="consent"), "yes")
-            page.until("sheet", kind="form")
-            running.type("s")
-            leave(page, page.until("sheet", kind="text"))
-            page.until("sheet", kind="none")
-            page.touch((1, 5.0, 3.0))
-            while page.until("frame")["time"] == 0.0:
-                pass
+            begin_trial(running, page)
         running.heard("page is gone")
         time.sleep(1.0)
         wide = {**SCREEN, "width_px": 1500.0}

@@ -230,7 +230,11 @@ def test_numbers_that_no_device_sends_cost_a_hand_or_a_finger_at_most(
         finger.pop("type", None)
     for hand in whole["hands"]:
         hand[name] = number
-    LeapDecoder().feed({**whole, **({name: number} if name in whole else {})})
+    decoder = LeapDecoder()
+    frame = decoder.feed({**whole, **({name: number} if name in whole else {})})
+    assert frame is None or all(np.isfinite(hand.palm).all() for hand in frame.hands)
+    # The next message is read as ever.
+    assert decoder.feed(message(2_000_000)) is not None
 
 
 JSON = st.recursive(
