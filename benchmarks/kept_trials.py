@@ -47,7 +47,10 @@ class KeptTrials(Generic[Job, Outcome]):
         self.done: dict[Job, Outcome] = {}
         for file in files:
             for kept in lines_of(file):
-                self.done[job(*kept["job"])] = outcome(**kept["outcome"])
+                try:
+                    self.done[job(*kept["job"])] = outcome(**kept["outcome"])
+                except (KeyError, TypeError) as error:
+                    raise not_these(file, error) from None
 
     def play(self, trial: Callable[[Job], Outcome], jobs: Iterable[Job], workers: int) -> None:
         """Plays the jobs without an outcome, and keeps each as soon as it and those before it have
@@ -69,6 +72,15 @@ class KeptTrials(Generic[Job, Outcome]):
                 file.flush()
 
 
+def not_these(file: Path, error: Exception) -> InputError:
+    """The error for a file whose lines are trials of another benchmark."""
+    return InputError(
+        "these are trials of something else",
+        where=str(file),
+        got=f"{type(error).__name__}: {error}",
+    )
+
+
 def whole_lines(file: Path) -> int:
     """Bytes of a file up to the end of its last whole line: a program that was killed may have torn
     the one after it."""
@@ -79,13 +91,19 @@ def lines_of(file: Path) -> Iterator[dict[str, Any]]:
     """Whole lines of a file, perhaps compressed; none if there is no such file.
 
     Raises:
-        InputError: A compressed file is broken.
+        InputError: The file does not hold trials, or is compressed and broken.
     """
-    if file.suffix == ".gz":
+    try:
+        if file.suffix == ".gz":
+            whole = gzip.decompress(file.read_bytes())
+        else:
+            whole = file.read_bytes()[: whole_lines(file)] if file.exists() else b""
+    except (OSError, EOFError, zlib.error) as error:
+        raise InputError("cannot be read", where=str(file), got=str(error)) from error
+    for number, line in enumerate(whole.splitlines(), 1):
         try:
-            text = gzip.decompress(file.read_bytes())
-        except (OSError, EOFError, zlib.error) as error:
-            raise InputError("cannot be read", where=str(file), got=str(error)) from error
-        yield from map(json.loads, text.splitlines())
-    elif file.exists():
-        yield from map(json.loads, file.read_bytes()[: whole_lines(file)].splitlines())
+            yield json.loads(line)
+        except ValueError:
+            raise InputError(
+                "this is no trial", where=f"{file}, line {number}", expected="a line of JSON"
+            ) from None

@@ -30,7 +30,7 @@ from scipy.stats import binomtest
 
 from benchmarks.judged import JUDGED, judged_seeds
 from benchmarks.judged_hand import hand_seeds
-from benchmarks.kept_trials import lines_of, whole_lines
+from benchmarks.kept_trials import lines_of, not_these, whole_lines
 from benchmarks.lanes import in_lanes
 from benchmarks.one_line import run
 
@@ -114,9 +114,19 @@ def wilson(successes: int, n: int) -> tuple[float, float]:
 
 
 def load(*paths: Path) -> dict[Job, dict[str, Any]]:
-    """Finished trials of some files by job; a torn last line is left out."""
-    found = (trial for path in paths for trial in lines_of(path))
-    return {(r["task"], r["row"], r["fingers"], r["seed"]): r for r in found}
+    """Finished trials of some files by job; a torn last line is left out.
+
+    Raises:
+        InputError: A file is broken, or holds something else.
+    """
+    done = {}
+    for path in paths:
+        for r in lines_of(path):
+            try:
+                done[r["task"], r["row"], r["fingers"], r["seed"]] = r
+            except (KeyError, TypeError) as error:
+                raise not_these(path, error) from None
+    return done
 
 
 def cell(found: list[dict[str, Any]]) -> str:

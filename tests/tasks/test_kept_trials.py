@@ -11,6 +11,8 @@ from typing import NamedTuple
 import pytest
 
 from benchmarks.kept_trials import KeptTrials
+from benchmarks.success import load
+from models.errors import InputError
 
 
 class Job(NamedTuple):
@@ -82,3 +84,15 @@ def test_trials_that_are_kept_compressed_are_not_played_again(tmp_path: Path) ->
     assert opened(kept).done == {job: trial(job) for job in JOBS[:2]}
     opened(file, kept).play(trial, JOBS, 1)
     assert list(opened(file).done) == JOBS[2:]
+
+
+@pytest.mark.parametrize("line", ["junk", "7", '{"task": "a"}', '{"job": ["a"], "outcome": {}}'])
+@pytest.mark.parametrize("name", ["kept.jsonl", "kept.jsonl.gz"])
+def test_a_file_of_something_else_is_one_clear_error_that_names_it(
+    tmp_path: Path, line: str, name: str
+) -> None:
+    file, data = tmp_path / name, f"{line}\n".encode()
+    file.write_bytes(gzip.compress(data) if file.suffix == ".gz" else data)
+    for read in (opened, load):
+        with pytest.raises(InputError, match=name):
+            read(file)
