@@ -63,7 +63,31 @@ def test_the_page_of_a_task_has_its_contract_its_spaces_and_what_was_measured(na
     assert f"`hand_sandbox/{words}-v{kind.version}`" in page
     assert f"| Time limit | {kind.time_limit:g} s |" in page
     rows = [row for table in tables if (part := table.of_task(name)) for row in part.rows]
-    assert all(f"| {' | '.join(row)} |" in page for row in rows)
+    assert all(f"| {without_targets(' | '.join(row))} |" in without_targets(page) for row in rows)
+
+
+def without_targets(text: str) -> str:
+    """A text in Markdown whose links name no target."""
+    return re.sub(r"\]\([^)]*\)", "]", text)
+
+
+def test_links_in_a_measured_cell_lead_on_the_page_of_a_task_where_they_led() -> None:
+    from tools.docs.task_pages import page_of
+
+    cell = "now [here](#part), [there](physics.md#kinds), [far](https://x.org/), [up](../run.md)"
+    table = MeasuredTable(Path("success.md"), "Part", ("", "dial"), ((cell, "1"),))
+    page = page_of(TASKS["dial"], [table])
+    assert (
+        "now [here](../docs/measured/success.md#part), [there](../docs/measured/physics.md#kinds), "
+        "[far](https://x.org/), [up](../docs/measured/../run.md)"
+    ) in page
+
+
+@pytest.mark.parametrize("name", TASKS)
+def test_no_link_on_the_page_of_a_task_is_to_a_heading_that_it_lacks(name: str) -> None:
+    from tools.docs.task_pages import page_of
+
+    assert "](#" not in page_of(TASKS[name], measured())
 
 
 def test_every_film_is_of_a_task_and_one_a_task() -> None:

@@ -184,6 +184,16 @@ def _score(kind: type[Task]) -> str:
     )
 
 
+def _seen_from_here(cell: str, page: str) -> str:
+    """A cell of a measured page, whose links within that folder also hold on a task's page."""
+
+    def whole(link: re.Match[str]) -> str:
+        file = page if link[1].startswith("#") else ""
+        return f"](../docs/measured/{file}{link[1]})"
+
+    return re.sub(r"\]\((?!\w+:)([^)]*)\)", whole, cell)
+
+
 def _measured(name: str, tables: list[MeasuredTable]) -> list[str]:
     parts = []
     for table in tables:
@@ -191,7 +201,8 @@ def _measured(name: str, tables: list[MeasuredTable]) -> list[str]:
         if part is None:
             continue
         link = f"../docs/measured/{table.page.name}"
-        parts.append((table.heading, link, markdown_table(part.columns, part.rows)))
+        rows = [[_seen_from_here(cell, table.page.name) for cell in row] for row in part.rows]
+        parts.append((table.heading, link, markdown_table(part.columns, rows)))
     if not parts:
         return ["Nothing has been measured yet."]
     note = "All of the simulated user, with the commands on the linked pages; no person took part."
