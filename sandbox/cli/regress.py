@@ -247,8 +247,10 @@ def _check(options: RegressOptions) -> None:
         raise InputError("a baseline is one encoder's", where="--across-encoders --update-baseline")
     if options.address is not None and options.executor != "ray":
         raise InputError("only Ray has an address", where="--address", remedy="Add --executor ray")
-    for name in ("json", "junit", "baseline"):
-        check_output(getattr(options, name), f"--{name}")
+    check_output(options.json)
+    check_output(options.junit, "--junit")
+    if options.update_baseline:
+        check_output(options.baseline, "--baseline")
 
 
 def _empty_folder(folder: Path) -> None:

@@ -19,16 +19,31 @@ def check_output(path: Path | None, option: str = "--json") -> None:
         option: Name of the option, for the message.
 
     Raises:
-        InputError: The folder is missing, or the path is a folder.
+        InputError: The folder is missing, the path is a folder, or the file cannot be written.
     """
     if path is None or path == TERMINAL:
         return
-    if not path.absolute().parent.is_dir():
+    try:
+        if not path.absolute().parent.is_dir():
+            raise InputError(
+                "no such folder", where=f"{option} {path}", remedy="Make it, or name another"
+            )
+        if path.is_dir():
+            raise InputError("this is a folder", where=f"{option} {path}", expected="a file")
+        there = path.exists()
+        # Opening a pipe would wait for its reader.
+        if there and not path.is_file():
+            return
+        path.open("ab").close()
+        if not there:
+            path.unlink()
+    except OSError as error:
         raise InputError(
-            "no such folder", where=f"{option} {path}", remedy="Make it, or name another"
-        )
-    if path.is_dir():
-        raise InputError("this is a folder", where=f"{option} {path}", expected="a file")
+            "this file cannot be written",
+            where=f"{option} {path}",
+            got=error.strerror,
+            remedy="Name a file in a folder of yours",
+        ) from None
 
 
 def write_json(path: Path | None, values: dict[str, Any], sort_keys: bool = False) -> None:

@@ -310,7 +310,10 @@ def say_findings(found: Iterable[Finding], console: Console) -> None:
 
 
 def say_noted(study: StudyFolder, say: Callable[[str], object]) -> None:
-    """Prints which versions have changed without a need to force an upgrade, if any."""
+    """Prints what has changed without a need to force an upgrade, if anything has."""
+    if study.anew:
+        changed = ", ".join(study.anew)
+        say(f"nobody has taken part yet, so the study is now locked to what has changed: {changed}")
     if study.noted:
         say(f"noted, and no state depends on it: {', '.join(study.noted)}")
 

@@ -71,6 +71,8 @@ ANONYMISED = "anonymised"
 """Kind of the last record of an anonymous copy: what was done, and how many had withdrawn."""
 LOCK = "study"
 """Kind of the first record of a study's journal: what the study is, and what it is locked to."""
+ANEW = "locked_anew"
+"""Kind of the record of a study that is locked to something else before anybody has taken part."""
 STUDY_JOURNAL, STUDY_FILE, DESIGN_FILE = "study.jsonl", "study.json", "design.toml"
 _ABOUT = ("schema", "study", "experiment", "mode", "created", "build")
 """Fields of `study.json`, in order."""
@@ -98,10 +100,12 @@ class StudyFolder:
     Attributes:
         noted: Versions that have changed since the study was last opened, and on which no state
             depends.
+        anew: What has changed since the study was last opened and is accepted, as nobody has taken
+            part yet.
 
     Raises:
-        StudyError: The folder is locked to another program, encoder or design, has another mode,
-            or cannot be written.
+        StudyError: The folder is locked to another program, encoder or design and has a
+            participant, has another mode, or cannot be written.
     """
 
     def __init__(self, out: Path, design: Design, mode: str, upgrade: str = "") -> None:
@@ -109,6 +113,7 @@ class StudyFolder:
         self.path = folder_of(out, design.name, mode)
         self._about: dict[str, Any] = {}
         self.noted: list[str] = []
+        self.anew: list[str] = []
         make_folder(self.path)
         with self.lock():
             remove_unfinished(self.path)
@@ -134,7 +139,7 @@ class StudyFolder:
             )
         folder = cls.__new__(cls)
         folder._about = read_study_json(path / STUDY_FILE)
-        folder.noted = []
+        folder.noted, folder.anew = [], []
         folder.path, folder.mode = path, str(folder._about["mode"])
         folder.design = load_design(path / DESIGN_FILE, try_out=False)
         return folder
@@ -236,6 +241,7 @@ class StudyFolder:
     def _lock_to(self, build: dict[str, Any], upgrade: str) -> None:
         path = self.path / STUDY_FILE
         with self._journal() as journal:
+            begun = any(r["kind"] in ("participant", WITHDRAWN) for r in journal.records)
             if not journal.records:
                 journal.append(
                     LOCK,
@@ -270,18 +276,21 @@ class StudyFolder:
         different, self.noted = changes(before, build), noted_changes(before, build)
         if not different and not self.noted:
             return
-        if different and not upgrade:
+        if different and begun and not upgrade:
             raise StudyError(
-                "the study is locked to the program, encoders, tasks and design that it began "
-                "with, and these differ now",
+                "the study is locked to the program, encoders, tasks and design that its "
+                "participants had, and these differ now",
                 where=str(self.path),
                 got=", ".join(different),
-                remedy='Restore the locked ones, or continue with --force-upgrade "REASON", which '
-                "is logged",
+                remedy="Restore the locked ones, begin a new folder with --out FOLDER, or continue "
+                'with --force-upgrade "REASON", which is logged',
             )
         with self._journal() as journal:
             about = {"changed": [*different, *self.noted], "before": before, "after": build}
-            if different:
+            if different and not begun:
+                self.anew = different
+                journal.append(ANEW, durable=True, **about)
+            elif different:
                 journal.append("upgrade", durable=True, reason=upgrade, **about)
             else:
                 journal.append("libraries", durable=True, **about)
@@ -304,7 +313,7 @@ def about_of(records: list[Record], where: Path) -> dict[str, Any]:
         )
     # A merged study has the upgrades of its sites, too.
     own = [r for r in records if "site" not in r]
-    builds = [r["after"] for r in own if r["kind"] in ("upgrade", "libraries")]
+    builds = [r["after"] for r in own if r["kind"] in (ANEW, "upgrade", "libraries")]
     about = {name: start[name] for name in _ABOUT}
     return {**about, "build": builds[-1]} if builds else about
 

@@ -18,6 +18,7 @@ from msgspec import Struct
 from models.errors import StudyError
 from models.json_input import checked, decoded_record
 from sandbox.study.record.chain import Record
+from sandbox.study.record.folder import ANEW
 from sandbox.study.record.session_clock import RUNS, SessionClock
 
 EPOCH = datetime(2000, 1, 1, tzinfo=UTC)
@@ -74,6 +75,7 @@ KEPT: dict[str, tuple[str, ...]] = {
     "recovered": ("lost_bytes",),
     "lost": ("records",),
     "participant": ("number", "hand", "hand_size", "language", "user"),
+    ANEW: ("changed", "before", "after"),
     "upgrade": ("changed", "before", "after"),
     "libraries": ("changed", "before", "after"),
     "released": (),

@@ -51,6 +51,7 @@ def test_an_option_that_there_is_not_is_one_line_that_leads_on(
         (["play", "--view", "web", "--page-port", "99999"], ["--page-port", "0 to 65535"]),
         (["touches", "show", "--tablet", "--page-port", "-1"], ["--page-port", "0 to 65535"]),
         (["run", "stack", "--device", "web"], ["--device web", "sandbox play stack --device web"]),
+        (["run", "box-to-goal", "--json", "x" * 300], ["--json", "cannot be written"]),
         (["play", "stak", "--view", "web"], ["no such task", "stak", "box-to-goal"]),
         (["play", "stak"], ["no such task", "stak", "box-to-goal"]),
         (["play", "--view", "web", "--record", "no-folder/x.jsonl"], ["no such folder"]),

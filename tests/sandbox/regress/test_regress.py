@@ -214,6 +214,8 @@ def test_another_encoder_is_compared_where_that_is_the_question(
         (("--exact",), "no baseline"),
         (("--baseline", "no-such-file.json"), "no such baseline"),
         (("--json", "no-such-folder/out.json"), "no such folder"),
+        (("--json", "x" * 300), "cannot be written"),
+        (("--baseline", "x" * 300, "--update-baseline"), "cannot be written"),
         (("--address", "auto"), "only Ray"),
         (("--fingers", "7"), "--fingers"),
         (("--device", "mouse"), "not for regression runs"),

@@ -254,7 +254,7 @@ def test_real_pilot_and_simulated_data_never_share_a_folder(tmp_path: Path) -> N
 def test_another_program_is_refused_unless_forced_and_that_is_logged(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    open_study(tmp_path)
+    open_study(tmp_path).add()
     # As if a line of the program had changed since.
     monkeypatch.setattr(build_module, "code_digest", lambda: "another")
     with pytest.raises(StudyError, match="force-upgrade"):
@@ -268,6 +268,7 @@ def test_another_program_is_refused_unless_forced_and_that_is_logged(
 
 def test_another_design_under_the_same_name_is_refused(tmp_path: Path) -> None:
     study = open_study(tmp_path)
+    study.add()
     with pytest.raises(StudyError, match="design"):
         open_study(tmp_path, DESIGN.replace("repetitions = 2", "repetitions = 3"))
     assert (study.path / "design.toml").read_text() == DESIGN

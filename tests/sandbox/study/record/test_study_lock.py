@@ -19,9 +19,9 @@ from sandbox.study.record.build import (
     digest_of,
     noted_changes,
 )
-from sandbox.study.record.folder import SIMULATED, StudyFolder
+from sandbox.study.record.folder import ANEW, SIMULATED, StudyFolder
 from sandbox.study.record.journal import read_journal
-from tests.support.study_files import design, open_study
+from tests.support.study_files import DESIGN, design, open_study
 from tools.house import ROOT, House
 
 BEGIN = (
@@ -132,6 +132,7 @@ def test_another_version_that_states_depend_on_is_refused_unless_forced(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str
 ) -> None:
     first = open_study(tmp_path)
+    first.add()
     other = {**first.build, name: "musl 1.2, 0123456789ab", "numpy": "99.1"}
     monkeypatch.setattr("sandbox.study.record.folder.build_of", lambda _: other)
     with pytest.raises(StudyError, match=rf"{name} .*force-upgrade"):
@@ -143,6 +144,24 @@ def test_another_version_that_states_depend_on_is_refused_unless_forced(
         name,
         "numpy",
     ]
+
+
+def test_a_study_in_which_nobody_has_taken_part_is_locked_anew_and_says_so(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A design that was mended after the first try was refused, though nothing depended on it."""
+    first = open_study(tmp_path)
+    text = DESIGN.replace("repetitions = 2", "repetitions = 3")
+    study = open_study(tmp_path, text)
+    assert [changed.split()[0] for changed in study.anew] == ["design"]
+    assert study.build == StudyFolder.at(study.path).build != first.build
+    assert study.id == first.id and (study.path / "design.toml").read_text() == text
+    record = read_journal(study.path / "study.jsonl")[-1]
+    assert (record["kind"], record["before"], record["after"]) == (ANEW, first.build, study.build)
+    study.add()
+    assert open_study(tmp_path, text).anew == []
+    with pytest.raises(StudyError, match="design .*--out FOLDER"):
+        open_study(tmp_path)
 
 
 def test_another_version_of_libm_with_equal_values_is_equal() -> None:
@@ -164,6 +183,7 @@ def test_a_task_of_ones_own_that_has_changed_is_refused_unless_forced(
 ) -> None:
     """Data of two tasks were mixed without a word."""
     first = open_study(tmp_path)
+    first.add()
     (name,) = first.build[OWN_TASKS]
     other = {**first.build, OWN_TASKS: {name: "0123456789abcdef"}}
     monkeypatch.setattr("sandbox.study.record.folder.build_of", lambda _: other)
