@@ -182,7 +182,9 @@ def main(argv: list[str]) -> int:
             )
             with _interruptible(stop), _reporting_connection(sender, console):
                 damage = player.play(sender, stop)
-            reached = sender.flush(STOP_TIMEOUT)
+            # Where nobody ever listened, nobody is to be told to stop.
+            answered = sender.counts.get("connections", 0) > 0
+            reached = sender.flush(STOP_TIMEOUT if answered or not stop.is_set() else 0.0)
         finally:
             sender.close()
     _report(options, player, sender, reached, damage, console)
@@ -344,7 +346,9 @@ def _print(player: StreamPlayer, console: Console) -> int:
     class Printer:
         """Prints commands in place of a `Sender`."""
 
-        def show(self, hand: str, moment: Moment, wait: float = 0.0) -> bool:
+        def show(
+            self, hand: str, moment: Moment, wait: float = 0.0, stop: threading.Event | None = None
+        ) -> bool:
             print("\n".join(moment()))
             return True
 

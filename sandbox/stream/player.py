@@ -19,8 +19,10 @@ from sandbox.trial.pacing import RealTime
 class CommandReceiver(Protocol):
     """Contract of receivers of commands: a `Sender`, or a printer."""
 
-    def show(self, hand: str, moment: Moment, wait: float = 0.0) -> bool:
-        """Takes a moment of a hand."""
+    def show(
+        self, hand: str, moment: Moment, wait: float = 0.0, stop: threading.Event | None = None
+    ) -> bool:
+        """Takes a moment of a hand; `stop` ends the wait for the last one."""
         ...
 
     def order(self, command: str) -> None:
@@ -97,7 +99,8 @@ class StreamPlayer:
             for i in range(len(keys[0].root)):
                 if stop.is_set():
                     raise Stopped
-                self._show(sender, [Keys(k.root[i : i + 1], k.turns[i : i + 1]) for k in keys])
+                now = [Keys(k.root[i : i + 1], k.turns[i : i + 1]) for k in keys]
+                self._show(sender, now, stop)
 
         try:
             return self._source.play(take)
@@ -107,13 +110,14 @@ class StreamPlayer:
             for hand in self.hands:
                 sender.order(hand.stop)
 
-    def _show(self, sender: CommandReceiver, hands: list[Keys]) -> None:
+    def _show(self, sender: CommandReceiver, hands: list[Keys], stop: threading.Event) -> None:
         moment = self.moments / self._pace.rate
         if self._pace.speed:
             self._clock = self._clock or RealTime(self._pace.speed)
             self._clock.wait(moment)
         for name, lines, keys in zip(self._source.names, self.hands, hands, strict=True):
-            sender.show(name, partial(self._commands, lines, moment, keys), self._pace.wait)
+            commands = partial(self._commands, lines, moment, keys)
+            sender.show(name, commands, self._pace.wait, stop)
         self.moments += 1
 
     def _commands(self, lines: HandLines, moment: float, keys: Keys) -> list[str]:

@@ -35,6 +35,8 @@ SEND_TIMEOUT = 2.0
 """s after which a program that accepts no data counts as disconnected."""
 CONNECT_TIMEOUT = 2.0
 """s to wait for a connection."""
+STOP_SLICE = 0.1
+"""s after which a wait looks whether it is to end."""
 SMALL_BUFFER = 8192
 """Size of the system's send buffer in bytes; a larger one would only delay data."""
 MOST_ORDERS = 16
@@ -113,20 +115,27 @@ class Sender:
         with self._news:
             return dict(self._counts)
 
-    def show(self, hand: str, moment: Moment, wait: float = 0.0) -> bool:
+    def show(
+        self, hand: str, moment: Moment, wait: float = 0.0, stop: threading.Event | None = None
+    ) -> bool:
         """Queues a moment of a hand; a queued older one is dropped.
 
         Args:
             hand: Name of the hand.
             moment: Makes the commands, in the sender's thread and only if they are sent.
             wait: s to wait until the last moment is sent, if none may be lost.
+            stop: Ends the wait.
 
         Returns:
             True if no moment was dropped.
         """
         with self._news:
-            if wait > 0.0:
-                self._news.wait_for(lambda: hand not in self._newest, wait)
+            until = time.monotonic() + wait
+            while hand in self._newest and not (stop is not None and stop.is_set()):
+                left = until - time.monotonic()
+                if left <= 0.0:
+                    break
+                self._news.wait_for(lambda: hand not in self._newest, min(left, STOP_SLICE))
             free = hand not in self._newest
             if not free:
                 self._counts["moments dropped"] += 1

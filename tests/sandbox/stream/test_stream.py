@@ -261,6 +261,19 @@ def test_whoever_hands_over_moments_never_waits_for_a_port_that_takes_nothing_in
     assert len(made) < 1000  # what was dropped was never written
 
 
+def test_a_wait_for_a_program_that_does_not_listen_is_ended_by_a_stop() -> None:
+    """Ctrl-C waited ten seconds for a key of a recording that nobody took."""
+    with socket.create_server(("127.0.0.1", 0)) as probe:
+        nobody = probe.getsockname()[1]
+    sender, stop = Sender("127.0.0.1", nobody), threading.Event()
+    try:
+        assert sender.show("right", lambda: ["first"], PATIENT, stop)
+        threading.Timer(0.2, stop.set).start()
+        assert not sender.show("right", lambda: ["second"], 3600.0, stop)
+    finally:
+        sender.close()
+
+
 @pytest.mark.parametrize(
     "text", ["", "host", "7002:x", ":0", ":70000", "a:-1", "a:1.5", "a:٣", "a..b:7004"]
 )
