@@ -26,6 +26,14 @@ _NAMES_ONLY = {"encoder", "settings.encoder"}
 _ENCODER = {"digests.encoder"}
 
 
+def _setting(name: str, flattened: Mapping[str, Any]) -> str:
+    """A setting with its value; that of an encoder also has the encoder's name."""
+    value = flattened.get(name, "missing")
+    if name in _ENCODER and "encoder" in flattened:
+        return f"encoder {flattened['encoder']} with digest {value}"
+    return f"{name} {value}"
+
+
 @dataclass(frozen=True)
 class Kept:
     """Fields of a trial's result that a baseline keeps: those of `KeptIn.BASELINE`, in order."""
@@ -109,9 +117,9 @@ class Baseline:
             raise InputError(
                 f"this baseline was made with {what}",
                 where=str(self.path),
-                got="; ".join(f"{k} {there.get(k, 'missing')}" for k in other[:4]),
-                expected="; ".join(f"{k} {here.get(k, 'missing')}" for k in other[:4]),
-                remedy=f"Give the run the baseline's (got); {ANEW}"
+                got="; ".join(_setting(k, here) for k in other[:4]),
+                expected="; ".join(_setting(k, there) for k in other[:4]),
+                remedy=f"Give the run what the baseline has; {ANEW}"
                 + ("; --across-encoders compares the two" if set(other) <= _ENCODER else ""),
             )
         for name in set(self.tasks) & set(versions):
@@ -119,16 +127,16 @@ class Baseline:
                 raise InputError(
                     f"this baseline was made with another version of {name}",
                     where=str(self.path),
-                    got=f"version {self.tasks[name].version}",
-                    expected=f"version {versions[name]}",
+                    got=f"version {versions[name]}",
+                    expected=f"version {self.tasks[name].version}, as in the baseline",
                     remedy=f"They do not compare; {ANEW}",
                 )
         if not set(self.tasks) & set(versions):
             raise InputError(
                 "this baseline has none of these tasks",
                 where=str(self.path),
-                got=", ".join(self.tasks) or "no task",
-                expected=", ".join(versions),
+                got=", ".join(versions),
+                expected=", ".join(self.tasks) or "no task",
                 remedy="--update-baseline adds them",
             )
 

@@ -210,8 +210,8 @@ class TrialsFile(Closeable):
             raise InputError(
                 "these trials are another run's",
                 where=where,
-                got="; ".join(f"{_name(k)} {there.get(k, 'missing')}" for k in other[:4]),
-                expected="; ".join(f"{_name(k)} {here.get(k, 'missing')}" for k in other[:4]),
+                got="; ".join(f"{_name(k)} {here.get(k, 'missing')}" for k in other[:4]),
+                expected="; ".join(f"{_name(k)} {there.get(k, 'missing')}" for k in other[:4]),
                 remedy=_ANEW,
             )
         for number, line in enumerate(lines[1:], start=2):
