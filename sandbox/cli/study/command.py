@@ -52,8 +52,7 @@ class NewOptions:
 
 @dataclass(frozen=True)
 class CheckOptions:
-    """Checks a design and lists every mistake with line and remedy. Exit status 2 if there are
-    any."""
+    """Checks a design and lists every mistake with line and remedy. A mistake: exit status 2."""
 
     file: File
     """Design file."""
