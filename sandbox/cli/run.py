@@ -17,6 +17,7 @@ from models.surface import Surface
 from sandbox.cli.common.films import open_film
 from sandbox.cli.common.json_out import TERMINAL, check_output, write_json
 from sandbox.cli.common.lsl_options import LslOptions, streaming
+from sandbox.cli.common.notices import NoticePrinter
 from sandbox.cli.common.page_view import address_line
 from sandbox.cli.common.parse import parse
 from sandbox.export.view import MotionView
@@ -107,10 +108,7 @@ def _run(options: RunOptions, chosen: Plan, events: EventLog, console: Console) 
 
     # A simulated user does not act on a notice: standard output is for the result.
     simulated = chosen.about.get("user") is not None
-    notes = Console(stderr=True) if simulated else console
-
-    def say(notice: str) -> None:
-        notes.print(f"[yellow]{notice}[/]", soft_wrap=True)
+    notices = NoticePrinter(Console(stderr=True) if simulated else console, wrap=False)
 
     def announced(make: DeviceMaker) -> DeviceMaker:
         def make_device(task: Task, surface: Surface) -> Device:
@@ -133,9 +131,10 @@ def _run(options: RunOptions, chosen: Plan, events: EventLog, console: Console) 
         return device
 
     with ExitStack() as closing:
+        closing.callback(notices.wait)
 
         def make_views(session: Session) -> list[View]:
-            views: list[View] = [NoticeEvents(events, say).show]
+            views: list[View] = [NoticeEvents(events, notices.say).show]
             if chosen.live:
                 views.append(pace)
             if options.film:

@@ -3,18 +3,26 @@
 from __future__ import annotations
 
 import json
+import threading
 from collections.abc import Callable
 from pathlib import Path
+from queue import SimpleQueue
 from typing import Any
 
 from models.errors import InputError
 from sandbox.session.messages import Snapshot
 
+MOST_WAITING = 10_000
+"""Greatest number of events that wait for their reader."""
+PATIENCE = 5.0
+"""s for which `close` waits while the reader takes nothing."""
+
 
 class EventLog:
-    """Writes one line per event without buffering; without a path it writes nothing.
+    """Writes one line per event, at once; without a path it writes nothing.
 
-    A failed write does not end the session: `close` reports it.
+    A thread of its own writes, so a reader who stands still holds no session up. A failed write
+    does not end the session: `close` reports it.
 
     Args:
         path: File to append to, also a named pipe; None writes nothing.
@@ -25,32 +33,44 @@ class EventLog:
 
     def __init__(self, path: Path | None) -> None:
         self._path, self._error = path, ""
+        self._waiting: SimpleQueue[bytes] = SimpleQueue()
+        self._told = self._written = 0
         try:
             self._file = path.open("ab", buffering=0) if path else None
         except OSError as error:
             raise InputError(
                 "the file cannot be written", where=f"--events {path}", got=error.strerror
             ) from None
+        self._thread = threading.Thread(target=self._write, name="events", daemon=True)
+        if self._file is not None:
+            self._thread.start()
 
     def tell(self, kind: str, **data: Any) -> None:
         """Writes an event: `listening`, `trial_start`, `trial_end` or `warning`."""
         if self._file is None or self._error:
             return
-        line = json.dumps({"event": kind, **data}).encode() + b"\n"
-        try:
-            while line:
-                line = line[self._file.write(line) :]
-        except OSError as error:
-            self._error = error.strerror or str(error)
+        if self._told - self._written >= MOST_WAITING:
+            self._error = f"the reader took none of the last {MOST_WAITING:,} events"
+            return
+        self._told += 1
+        self._waiting.put(json.dumps({"event": kind, **data}).encode() + b"\n")
 
     def close(self) -> None:
-        """Closes the file; may be called twice.
+        """Writes what waits and closes the file; may be called twice.
 
         Raises:
             InputError: An event could not be written; that one and all later ones are lost.
         """
         if self._file is not None:
-            self._file.close()
+            self._waiting.put(b"")
+            before = -1
+            while self._thread.is_alive() and self._written != before:
+                before = self._written
+                self._thread.join(PATIENCE)
+            if self._thread.is_alive():
+                self._error = self._error or f"the reader took nothing for {PATIENCE:g} s"
+            else:
+                self._file.close()
             self._file = None
         error, self._error = self._error, ""
         if error:
@@ -60,6 +80,18 @@ class EventLog:
                 got=error,
                 remedy="Only events are affected; make room, or read the pipe to its end",
             )
+
+    def _write(self) -> None:
+        """Writes events until an empty line comes; after an error it only counts them."""
+        file = self._file
+        assert file is not None
+        while line := self._waiting.get():
+            try:
+                while line and not self._error:
+                    line = line[file.write(line) :]
+            except OSError as error:
+                self._error = error.strerror or str(error)
+            self._written += 1
 
 
 class NoticeEvents:

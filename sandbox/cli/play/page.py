@@ -15,10 +15,10 @@ from models.errors import InputError
 from models.messages.message import Message
 from models.person import HANDS
 from sandbox.cli.common.latency import judge_latency, print_latency
+from sandbox.cli.common.notices import NoticePrinter
 from sandbox.cli.common.page_options import PageOptions, open_page
 from sandbox.cli.common.page_view import SIMULATED_USER, show_address, show_session, touched_pages
 from sandbox.cli.play.absences import Absences
-from sandbox.cli.play.notices import NoticePrinter
 from sandbox.cli.play.own_profile import Learner
 from sandbox.cli.play.screen_too_small import explain_refusal
 from sandbox.cli.run import report_end

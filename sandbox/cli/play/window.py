@@ -12,6 +12,7 @@ from rich.console import Console
 from models.errors import InputError
 from models.surface import Surface
 from sandbox.cli.common.latency import judge_latency, print_latency
+from sandbox.cli.common.notices import NoticePrinter
 from sandbox.cli.common.page_options import PageOptions
 from sandbox.cli.common.page_view import (
     SIMULATED_USER,
@@ -22,7 +23,6 @@ from sandbox.cli.common.page_view import (
     show_session,
     touched_pages,
 )
-from sandbox.cli.play.notices import NoticePrinter
 from sandbox.cli.play.own_profile import Learner
 from sandbox.cli.play.page import PlayerRequests, numbered, print_refusals
 from sandbox.cli.play.screen_too_small import CANNOT_BEGIN

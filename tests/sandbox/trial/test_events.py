@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 from pathlib import Path
@@ -10,7 +11,9 @@ import pytest
 
 from models.errors import InputError
 from sandbox.cli.main import main
+from sandbox.trial import events
 from sandbox.trial.events import EventLog
+from tests.support.processes import until
 
 FULL = Path("/dev/full")
 """A device on which there is never any room."""
@@ -21,6 +24,7 @@ def test_events_are_lines_that_are_added_to_a_file(tmp_path: Path) -> None:
     for number in (1, 2):
         log = EventLog(path)
         log.tell("trial_start", seed=number)
+        until(lambda: path.read_bytes().count(b"\n") == number)  # noqa: B023
         assert json.loads(path.read_text().splitlines()[-1]) == {
             "event": "trial_start",
             "seed": number,
@@ -30,13 +34,60 @@ def test_events_are_lines_that_are_added_to_a_file(tmp_path: Path) -> None:
     assert len(path.read_text().splitlines()) == 2
 
 
+def next_line(reader: int) -> bytes:
+    """What has come through a pipe, once something has."""
+    found = b""
+
+    def come() -> bool:
+        nonlocal found
+        with contextlib.suppress(BlockingIOError):
+            found += os.read(reader, 1 << 16)
+        return found.endswith(b"\n")
+
+    until(come)
+    return found
+
+
+def test_a_reader_who_stands_still_holds_nobody_up_and_gets_all_events_later(
+    tmp_path: Path,
+) -> None:
+    """A pipe of which nobody read more than its beginning stopped the session."""
+    path = tmp_path / "pipe"
+    os.mkfifo(path)
+    reader = os.open(path, os.O_RDONLY | os.O_NONBLOCK)
+    log, count = EventLog(path), 3000
+    for number in range(count):
+        log.tell("warning", what="x" * 100, number=number)
+    found = b""
+    while found.count(b"\n") < count:
+        found += next_line(reader)
+    assert [json.loads(line)["number"] for line in found.splitlines()] == list(range(count))
+    log.close()
+    os.close(reader)
+
+
+def test_events_that_nobody_ever_reads_are_told_of_at_the_end(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(events, "PATIENCE", 0.2)
+    path = tmp_path / "pipe"
+    os.mkfifo(path)
+    reader = os.open(path, os.O_RDONLY | os.O_NONBLOCK)
+    log = EventLog(path)
+    for _ in range(3000):
+        log.tell("warning", what="x" * 100)
+    with pytest.raises(InputError, match=r"events were lost.*took nothing"):
+        log.close()
+    os.close(reader)
+
+
 def test_a_reader_who_leaves_a_pipe_is_told_of_at_the_end(tmp_path: Path) -> None:
     path = tmp_path / "pipe"
     os.mkfifo(path)
     reader = os.open(path, os.O_RDONLY | os.O_NONBLOCK)
     log = EventLog(path)
     log.tell("listening", address="here")
-    assert json.loads(os.read(reader, 1000)) == {"event": "listening", "address": "here"}
+    assert json.loads(next_line(reader)) == {"event": "listening", "address": "here"}
     os.close(reader)
     log.tell("warning", what="nobody hears this")
     log.tell("warning", what="nor this")

@@ -160,7 +160,7 @@ def test_a_study_in_which_nobody_has_taken_part_is_locked_anew_and_says_so(
     assert (record["kind"], record["before"], record["after"]) == (ANEW, first.build, study.build)
     study.add()
     assert open_study(tmp_path, text).anew == []
-    with pytest.raises(StudyError, match="design .*--out FOLDER"):
+    with pytest.raises(StudyError, match=r"design .*--out FOLDER"):
         open_study(tmp_path)
 
 

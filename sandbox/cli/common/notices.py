@@ -15,10 +15,11 @@ class NoticePrinter:
 
     Args:
         console: Console of the program.
+        wrap: False leaves it to the terminal to break long lines.
     """
 
-    def __init__(self, console: Console) -> None:
-        self._console = console
+    def __init__(self, console: Console, wrap: bool = True) -> None:
+        self._console, self._wrap = console, wrap
         self._waiting: SimpleQueue[str] = SimpleQueue()
         self._thread: threading.Thread | None = None
         self._said = self._printed = 0
@@ -44,5 +45,6 @@ class NoticePrinter:
 
     def _print(self) -> None:
         while True:
-            self._console.print(Text(self._waiting.get(), style="yellow"))
+            text = Text(self._waiting.get(), style="yellow")
+            self._console.print(text, soft_wrap=not self._wrap)
             self._printed += 1
