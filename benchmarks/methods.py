@@ -6,8 +6,10 @@
 
 Trials of the simulated user on training seeds. Mean pose, linear, quadratic, cubic, what ships and
 true labels have the labels, correction and filter of what ships, and differ in the encoder or in
-the names of fingers; PCA-IK has them, too. Bare is what ships without correction and filter, and
-the paper's method is the paper's alone; both keep our rules of arrival. Columns: success with its
+the names of fingers; PCA-IK has them, too. No correction, no filter and the paper's labels are what
+ships with one of the three changed. Bare is what ships with the paper's labels and without
+correction and filter, the paper's method has its encoder, too; both keep our rules of arrival.
+Columns: success with its
 Wilson interval; points of `tasks.score.points` with a t interval of their mean; median time of
 successes; trials that ended because something was toppled; things that left the surface and were
 put back; the largest push, N, of palm and free fingers on things: median and largest of trials.
@@ -58,6 +60,9 @@ METHODS: dict[str, dict[str, Any]] = {
     "cubic": {"encoder": "cubic"},
     SHIPS: {},
     "true labels": {"tell_labels": True},
+    "no correction": {"without": ("correction",)},
+    "no filter": {"without": ("smoothing",)},
+    "the paper's labels": {"without": ("history",)},
     "pca-ik": {"encoder": "pca-ik"},
     "bare": {"bare": True},
     "the paper's": {"encoder": "paper"},
