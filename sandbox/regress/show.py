@@ -6,6 +6,7 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
+from models.messages.wording import counted
 from sandbox.regress import statistics
 from sandbox.regress.execute import CRASHED
 from sandbox.regress.report import Comparison, Crashes, Report
@@ -98,14 +99,13 @@ def _noise_floor(report: Report, console: Console) -> None:
 
 def _noise_floor_to_come(report: Report, console: Console) -> None:
     floor = report.noise_floor()
-    what = (
-        "no drop at all" if floor["drop"] is None else f"a drop of {100 * floor['drop']:.1f} points"
-    )
-    console.print(
-        f"[dim]as a baseline, {floor['pairs']} seeds would let a later run notice {what} "
-        f"with {statistics.POWER:.0%} power, at best[/]",
-        soft_wrap=True,
-    )
+    seeds, power = counted(floor["pairs"], "seed"), f"{statistics.POWER:.0%}"
+    if floor["drop"] is None:
+        text = f"as a baseline, {seeds}: too few for a later run to notice any drop"
+    else:
+        drop = 100 * floor["drop"]
+        text = f"as a baseline, {seeds}: a later run would notice a drop of {drop:.1f} points"
+    console.print(f"[dim]{text} with {power} power, at best[/]", soft_wrap=True)
 
 
 def _failed(report: Report, console: Console) -> None:

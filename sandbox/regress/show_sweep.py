@@ -6,6 +6,7 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
+from models.messages.wording import counted
 from sandbox.regress import statistics
 from sandbox.regress.sweep import Curve, Point, Sweep
 
@@ -24,8 +25,14 @@ def show_sweep(found: Sweep, console: Console) -> None:
     seeds = len(found.plan.seeds)
     floor = statistics.noticeable_drop(seeds)
     least = statistics.fewest_losses()
-    text = f"{least} seeds lost and none won would be a loss beyond chance; {seeds} seeds notice "
-    text += "no drop at all" if floor is None else f"a drop of {100 * floor:.1f} points"
+    text = (
+        f"{least} seeds lost and none won would be a loss beyond chance; {counted(seeds, 'seed')}: "
+    )
+    text += (
+        "too few to notice any drop"
+        if floor is None
+        else f"enough to notice a drop of {100 * floor:.1f} points"
+    )
     power = f"{statistics.POWER:.0%}"
     console.print(f"[dim]{text} with {power} power, every value on its own[/]", soft_wrap=True)
     if not found.complete:
