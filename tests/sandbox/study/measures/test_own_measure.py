@@ -183,7 +183,7 @@ def test_a_study_says_which_measures_of_packages_have_changed_or_are_gone_and_is
     register(lab_measure(tmp_path, "1.0", "s"))
     free, ruled = design(), design(DESIGN + rule)
     StudyFolder(tmp_path / "free", free, SIMULATED)
-    StudyFolder(tmp_path / "ruled", ruled, SIMULATED)
+    StudyFolder(tmp_path / "ruled", ruled, SIMULATED).add()
     unregister("lab_touched")
     register(lab_measure(tmp_path, "2.0", "s"))
     (noted,) = StudyFolder(tmp_path / "free", free, SIMULATED).noted
