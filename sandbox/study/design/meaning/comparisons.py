@@ -6,7 +6,7 @@ import re
 from collections import Counter
 from collections.abc import Iterator
 from itertools import combinations
-from typing import Any
+from typing import Any, NamedTuple
 
 from models.errors import HandSandboxError
 from models.messages.wording import counted
@@ -68,7 +68,9 @@ def _levels(design: Design, i: int, factor: Factor) -> Iterator[Flaw]:
         yield unread
     for a, b in combinations(factor.levels, 2):
         given = differences(design, a, b)
-        pairs[a.name, b.name] = effective = _effective(design, factor, a, b, given)
+        effects = _effects(design, factor, a, b, given)
+        effective = [n for n in given if any(n in found for _, found in effects)]
+        pairs[a.name, b.name] = effective
         if not given and not explained and not _told_apart(design, factor, a, b):
             yield Flaw(
                 path,
@@ -82,6 +84,15 @@ def _levels(design: Design, i: int, factor: Factor) -> Iterator[Flaw]:
                 "so by default, or what does nothing here",
                 "Change one of them, or remove it",
             )
+        elif effective and not unread:
+            for where in _without_effect(design, factor, effects):
+                yield Flaw(
+                    path,
+                    f"{a.name} and {b.name} are the same where {where.outer} is {where.level}: "
+                    f"{' and '.join(given)} changes nothing there",
+                    f'Write {factor.name} after {where.outer}, with inside = "{where.outer}" and '
+                    f"one of these levels alone for {where.level}, or compare something else",
+                )
     alone = _mixed(pairs)
     if alone is not None:
         a_name, b_name, given = alone
@@ -114,14 +125,25 @@ def _told_apart(design: Design, factor: Factor, a: Level, b: Level) -> bool:
     return texts[a.name] != texts[b.name]
 
 
-def _effective(design: Design, factor: Factor, a: Level, b: Level, given: list[str]) -> list[str]:
-    """Those of the settings that differ between two levels that change a trial.
+Effects = list[tuple[dict[str, Level], list[str]]]
+"""Combinations with one of two levels, each with the settings that change its trials."""
+
+
+def _effects(design: Design, factor: Factor, a: Level, b: Level, given: list[str]) -> Effects:
+    """Which of the settings that differ between two levels change a trial, by combination.
 
     A setting changes nothing if one level sets what is so by default.
     """
-    one = next((c for c in combinations_of(design) if c[factor.name].name == a.name), None)
-    if one is None or factor.nested is not None:
-        return given
+    every = [c for c in combinations_of(design) if c[factor.name].name == a.name]
+    if not every or factor.nested is not None:
+        return [({}, given)]
+    return [(c, _effective(design, factor, a, b, given, c)) for c in every]
+
+
+def _effective(
+    design: Design, factor: Factor, a: Level, b: Level, given: list[str], one: dict[str, Level]
+) -> list[str]:
+    """Those of the settings that change a trial of one combination."""
     outside = values_of(design, {n: level for n, level in one.items() if n != factor.name})
     try:
         whole = run_settings(outside | b.settings, design.seed % 1000)
@@ -133,6 +155,24 @@ def _effective(design: Design, factor: Factor, a: Level, b: Level, given: list[s
         ]
     except HandSandboxError:
         return given
+
+
+class _Where(NamedTuple):
+    outer: str
+    level: str
+
+
+def _without_effect(design: Design, factor: Factor, effects: Effects) -> list[_Where]:
+    """Levels of other factors with which two levels of a factor are always the same."""
+    found = []
+    for other in design.factors:
+        if other is factor:
+            continue
+        for level in other.levels:
+            those = [some for c, some in effects if other.name in c and c[other.name] == level]
+            if those and not any(those):
+                found.append(_Where(other.name, level.name))
+    return found
 
 
 def _unread(design: Design, factor: Factor) -> Flaw | None:

@@ -168,6 +168,26 @@ def test_levels_that_never_meet_are_not_compared(
 
 
 @pytest.mark.parametrize(
+    ("encoders", "wanted"),
+    [
+        ('["paper", "best"]', "are the same where encoder is paper"),
+        ('["best", "paper"]', "are the same where encoder is paper"),
+        ('["linear", "best"]', ""),
+    ],
+)
+def test_levels_that_are_the_same_in_a_part_of_a_design_are_told_with_that_part(
+    encoders: str, wanted: str
+) -> None:
+    """The first combination spoke for all: these were the same, or were not, by what came first."""
+    outer = f'name = "encoder"\norder = "latin"\nlevels = {encoders}\n[[factors]]\n'
+    text = varied("labels", "latin", '["history", "population"]')
+    text = text.replace('encoder = "linear"\n', "").replace(
+        "[[factors]]\n", "[[factors]]\n" + outer
+    )
+    one(text, wanted)
+
+
+@pytest.mark.parametrize(
     ("hard", "soft", "code", "wanted"),
     [
         ("Your pay is as before.", "You get 50 cents for each success.", "en", "pay is promised"),
