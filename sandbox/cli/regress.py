@@ -6,7 +6,7 @@ import json
 import os
 from collections.abc import Iterator, Sequence
 from contextlib import closing, contextmanager, suppress
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass, fields, replace
 from functools import partial
 from pathlib import Path
 from time import perf_counter
@@ -207,7 +207,7 @@ def parse_known(argv: list[str]) -> tuple[RegressOptions, list[str]]:
 
 
 def _scene(options: RegressOptions, more: Sequence[str]) -> dict[str, Any]:
-    from sandbox.options.scene_options import SceneOptions
+    from sandbox.options.scene_options import SceneOptions, check_labels
     from sandbox.regress.plan import differing
 
     for word in more:
@@ -220,6 +220,7 @@ def _scene(options: RegressOptions, more: Sequence[str]) -> dict[str, Any]:
             )
     # A task that is no option keeps a stray word from being taken for one.
     scene = parse(SceneOptions, "sandbox regress", ["box-to-goal", *more])
+    check_labels(replace(scene, encoder=options.encoder))
     return differing({**asdict(scene), "encoder": options.encoder, "fingers": options.fingers})
 
 

@@ -21,7 +21,7 @@ from sandbox.cli.common.notices import NoticePrinter
 from sandbox.cli.common.page_view import address_line
 from sandbox.cli.common.parse import parse
 from sandbox.export.view import MotionView
-from sandbox.options.scene_options import Plan, SceneOptions, plan
+from sandbox.options.scene_options import Plan, SceneOptions, check_labels, plan
 from sandbox.session.device import Device
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
@@ -65,6 +65,7 @@ def main(argv: list[str]) -> int:
 
 def perform(options: RunOptions) -> int:
     """Runs the trial that the options describe, and reports its result."""
+    check_labels(options)
     chosen = plan(options)
     if options.device == "mouse":
         raise InputError(

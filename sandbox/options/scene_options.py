@@ -134,6 +134,24 @@ def plan(options: SceneOptions) -> Plan:
     return replace(first, about=about, live=first.live or second.live, makers=makers)
 
 
+def check_labels(options: SceneOptions) -> None:
+    """Refuses labels that are asked for beside the paper's own.
+
+    Commands ask this; a study may have a factor `labels` beside a level `paper`.
+
+    Raises:
+        InputError: Both are given.
+    """
+    what = "--bare" if options.bare else "--encoder paper" if options.encoder == "paper" else ""
+    if what and options.labels is not None:
+        raise InputError(
+            "this has the paper's labels, so others cannot be chosen",
+            where=what,
+            got=f"--labels {options.labels}",
+            remedy="Leave one of them out; `--without correction smoothing` keeps labels of ours",
+        )
+
+
 def _plan(
     options: SceneOptions, recording: Recording | None, settings: RunSettings, hand: int
 ) -> Plan:

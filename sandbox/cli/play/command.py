@@ -21,7 +21,7 @@ from sandbox.options.headset_devices import LIVE
 from sandbox.options.leap_calibration import uses_touch_profile, with_measured_hand
 from sandbox.options.metavars import device_choices
 from sandbox.options.profiles import DEFAULT, default_path, find_profile
-from sandbox.options.scene_options import SceneOptions, is_in_air, plan
+from sandbox.options.scene_options import SceneOptions, check_labels, is_in_air, plan
 from sandbox.views.display import has_display
 from tasks.registry import find_task
 
@@ -72,6 +72,7 @@ class PlayOptions(LslOptions, PageOptions, SceneOptions):
 def main(argv: list[str]) -> int:
     """Runs `sandbox play ...`."""
     options = parse(PlayOptions, "sandbox play", argv)
+    check_labels(options)
     limit = checked_limit(options.max_latency)
     headset = options.device == LIVE
     on_page = options.tablet or options.lan is not None or options.device == "web" or headset
