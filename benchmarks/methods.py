@@ -9,10 +9,11 @@ true labels have the labels, correction and filter of what ships, and differ in 
 the names of fingers; PCA-IK has them, too. No correction, no filter and the paper's labels are what
 ships with one of the three changed. Bare is what ships with the paper's labels and without
 correction and filter, the paper's method has its encoder, too; both keep our rules of arrival.
-Columns: success with its
-Wilson interval; points of `tasks.score.points` with a t interval of their mean; median time of
-successes; trials that ended because something was toppled; things that left the surface and were
-put back; the largest push, N, of palm and free fingers on things: median and largest of trials.
+
+Columns: success with its Wilson interval; points of `tasks.score.points` with a t interval of their
+mean; median time of successes; trials that ended because something was toppled; things that left
+the surface and were put back; the largest push, N, of palm and free fingers on things: median and
+largest of trials.
 
 Every method is compared with what ships, on the seeds that both have played: exact McNemar tests of
 success and Wilcoxon signed-rank tests of points, two-sided, and Holm over all of them together.

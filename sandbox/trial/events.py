@@ -32,7 +32,7 @@ class EventLog:
     """
 
     def __init__(self, path: Path | None) -> None:
-        self._path, self._error = path, ""
+        self._path, self._error, self._broken = path, "", False
         self._waiting: SimpleQueue[bytes] = SimpleQueue()
         self._told = self._written = 0
         try:
@@ -50,7 +50,7 @@ class EventLog:
         if self._file is None or self._error:
             return
         if self._told - self._written >= MOST_WAITING:
-            self._error = f"the reader took none of the last {MOST_WAITING:,} events"
+            self._error = f"more than {MOST_WAITING:,} events waited for their reader"
             return
         self._told += 1
         self._waiting.put(json.dumps({"event": kind, **data}).encode() + b"\n")
@@ -59,7 +59,8 @@ class EventLog:
         """Writes what waits and closes the file; may be called twice.
 
         Raises:
-            InputError: An event could not be written; that one and all later ones are lost.
+            InputError: An event could not be written, or found no place to wait; that one and all
+                later ones are lost.
         """
         if self._file is not None:
             self._waiting.put(b"")
@@ -82,15 +83,15 @@ class EventLog:
             )
 
     def _write(self) -> None:
-        """Writes events until an empty line comes; after an error it only counts them."""
+        """Writes events until an empty line comes; after a failed write it only counts them."""
         file = self._file
         assert file is not None
         while line := self._waiting.get():
             try:
-                while line and not self._error:
+                while line and not self._broken:
                     line = line[file.write(line) :]
             except OSError as error:
-                self._error = error.strerror or str(error)
+                self._error, self._broken = error.strerror or str(error), True
             self._written += 1
 
 

@@ -30,13 +30,15 @@ def check_output(path: Path | None, option: str = "--json") -> None:
             )
         if path.is_dir():
             raise InputError("this is a folder", where=f"{option} {path}", expected="a file")
-        there = path.exists()
+        # What is made to try it is removed again, and never a link to it.
+        target = path.resolve()
+        there = target.exists()
         # Opening a pipe would wait for its reader.
-        if there and not path.is_file():
+        if there and not target.is_file():
             return
-        path.open("ab").close()
+        target.open("ab").close()
         if not there:
-            path.unlink()
+            target.unlink()
     except OSError as error:
         raise InputError(
             "this file cannot be written",

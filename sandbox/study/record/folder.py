@@ -199,8 +199,20 @@ class StudyFolder:
             number: Number of the participant; if it is in use, its participant is returned. None
                 uses the first free number.
             about: Further attributes of `Participant`.
+
+        Raises:
+            StudyError: Somebody has locked the study to something else since it was opened.
         """
         with self.lock(), self._journal() as journal:
+            now_locked = about_of(journal.records, self.path / STUDY_FILE)["build"]
+            different = changes(self.build, now_locked)
+            if different:
+                raise StudyError(
+                    "the study was locked to something else while it was open here",
+                    where=str(self.path),
+                    got=", ".join(different),
+                    remedy="Begin the session again",
+                )
             people = participants_of(journal.records)
             released = {r["ppid"] for r in journal.records if r["kind"] == "released"}
             taken = {p.number: p for p in people if p.ppid not in released}
@@ -287,7 +299,7 @@ class StudyFolder:
             )
         with self._journal() as journal:
             about = {"changed": [*different, *self.noted], "before": before, "after": build}
-            if different and not begun:
+            if different and not begun and not upgrade:
                 self.anew = different
                 journal.append(ANEW, durable=True, **about)
             elif different:

@@ -187,7 +187,9 @@ def test_another_encoder_or_seed_is_refused_before_anything_is_run(
 ) -> None:
     with registered(Quick):
         words = ("--tasks", "quick", "--baseline", quick)
-        assert "another encoder" in refused(capsys, *words, "--encoder", "cubic")
+        told = refused(capsys, *words, "--encoder", "cubic")
+        assert "another encoder" in told and "(got 'encoder cubic with" in told
+        assert "expected encoder population with" in told
         assert "other settings" in refused(capsys, *words, "--impulse", "safe")
         assert "other settings" in refused(capsys, *words, "--fingers", "5")
         assert "none of these seeds" in refused(capsys, *words, "--seeds", "90:99")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import json
 import os
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -24,7 +25,7 @@ def test_events_are_lines_that_are_added_to_a_file(tmp_path: Path) -> None:
     for number in (1, 2):
         log = EventLog(path)
         log.tell("trial_start", seed=number)
-        until(lambda: path.read_bytes().count(b"\n") == number)  # noqa: B023
+        until(partial(has_lines, path, number))
         assert json.loads(path.read_text().splitlines()[-1]) == {
             "event": "trial_start",
             "seed": number,
@@ -32,6 +33,10 @@ def test_events_are_lines_that_are_added_to_a_file(tmp_path: Path) -> None:
         log.close()
         log.close()
     assert len(path.read_text().splitlines()) == 2
+
+
+def has_lines(path: Path, count: int) -> bool:
+    return path.read_bytes().count(b"\n") == count
 
 
 def next_line(reader: int) -> bytes:
@@ -79,6 +84,28 @@ def test_events_that_nobody_ever_reads_are_told_of_at_the_end(
     with pytest.raises(InputError, match=r"events were lost.*took nothing"):
         log.close()
     os.close(reader)
+
+
+def test_what_waits_is_written_though_later_events_found_no_place(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(events, "MOST_WAITING", 3000)
+    path = tmp_path / "pipe"
+    os.mkfifo(path)
+    reader = os.open(path, os.O_RDONLY | os.O_NONBLOCK)
+    log, told = EventLog(path), 10_000
+    for number in range(told):
+        log.tell("warning", what="x" * 100, number=number)
+    found = b""
+    while found.count(b"\n") < 3000:
+        found += next_line(reader)
+    with pytest.raises(InputError, match=r"events were lost.*waited for their reader"):
+        log.close()
+    with contextlib.suppress(BlockingIOError):
+        found += os.read(reader, 1 << 20)
+    os.close(reader)
+    numbers = [json.loads(line)["number"] for line in found.splitlines()]
+    assert numbers == list(range(len(numbers))) and 3000 <= len(numbers) < told
 
 
 def test_a_reader_who_leaves_a_pipe_is_told_of_at_the_end(tmp_path: Path) -> None:

@@ -89,7 +89,7 @@ def _levels(design: Design, i: int, factor: Factor) -> Iterator[Flaw]:
                 yield Flaw(
                     path,
                     f"{a.name} and {b.name} are the same where {where.outer} is {where.level}: "
-                    f"{' and '.join(given)} changes nothing there",
+                    f"what they set ({', '.join(given)}) does nothing there",
                     f'Write {factor.name} after {where.outer}, with inside = "{where.outer}" and '
                     f"one of these levels alone for {where.level}, or compare something else",
                 )

@@ -164,6 +164,22 @@ def test_a_study_in_which_nobody_has_taken_part_is_locked_anew_and_says_so(
         open_study(tmp_path)
 
 
+def test_a_reason_to_upgrade_is_kept_though_nobody_has_taken_part(tmp_path: Path) -> None:
+    open_study(tmp_path)
+    other = design(DESIGN.replace("repetitions = 2", "repetitions = 3"))
+    study = StudyFolder(tmp_path, other, SIMULATED, "more trials")
+    record = read_journal(study.path / "study.jsonl")[-1]
+    assert (record["kind"], record["reason"]) == ("upgrade", "more trials")
+
+
+def test_nobody_is_added_by_a_design_to_which_the_study_is_no_longer_locked(tmp_path: Path) -> None:
+    first = open_study(tmp_path)
+    second = open_study(tmp_path, DESIGN.replace("repetitions = 2", "repetitions = 3"))
+    with pytest.raises(StudyError, match="locked to something else while it was open"):
+        first.add()
+    assert first.participants() == [] and second.add().number == 0
+
+
 def test_another_version_of_libm_with_equal_values_is_equal() -> None:
     before = {"libm": "glibc 2.36, 0123456789ab"}
     assert changes(before, {"libm": "glibc 2.41, 0123456789ab"}) == []
