@@ -109,9 +109,9 @@ def test_the_result_on_a_phone_does_not_count_and_says_so(
         "calibrated": False,
         "fit": fit,
     }
-    server, events = open_page(PageOptions()), tmp_path / "events.jsonl"
-    options = SceneOptions(device="web", record=tmp_path / "trial.jsonl")
-    play = PagePlay(options, (server,), EventLog(events), Console(quiet=True))
+    server, told = open_page(PageOptions()), tmp_path / "events.jsonl"
+    options, events = SceneOptions(device="web", record=tmp_path / "trial.jsonl"), EventLog(told)
+    play = PagePlay(options, (server,), events, Console(quiet=True))
     try:
         with played(play, server), Page(server.url, "one", screen=screen) as page:
             scene = page.until("scene")
@@ -122,9 +122,10 @@ def test_the_result_on_a_phone_does_not_count_and_says_so(
             page.until("frame")
     finally:
         server.close()
+        events.close()
     settings = load_recording(tmp_path / "trial.jsonl").header["settings"]
     assert settings.get("surface_scale", 1.0) == pytest.approx(scene["surface"]["scale"])
     assert settings.get("scored", True) is scored
-    (end,) = [line for line in map(json.loads, events.read_text().splitlines()) if "status" in line]
+    (end,) = [line for line in map(json.loads, told.read_text().splitlines()) if "status" in line]
     assert end.get("scored", True) is scored
     assert ("surface_scale" in end) is (fit != "")

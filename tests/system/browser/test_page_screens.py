@@ -47,6 +47,7 @@ def server(tmp_path: Path) -> Iterator[PageServer]:
     with played(play, server):
         yield server
     server.close()
+    events.close()
 
 
 @contextlib.contextmanager
