@@ -41,6 +41,14 @@ class HandSandboxError(Exception):
             text += f". {remedy}"
         super().__init__(text)
 
+    def __reduce__(self) -> tuple[object, ...]:
+        """Errors of all classes come whole from another process, whatever they are made from."""
+        return _rebuilt, (type(self), self.args), self.__dict__
+
+
+def _rebuilt(kind: type[HandSandboxError], args: tuple[object, ...]) -> HandSandboxError:
+    return kind.__new__(kind, *args)
+
 
 class InputError(HandSandboxError):
     """Input from a person or a file cannot be used; the command line exits with 2."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import cache
+from math import inf, isfinite, nan
 from xml.etree.ElementTree import tostring
 
 import mujoco
@@ -290,7 +291,8 @@ def measure(task: Task, sensing: Sensing) -> Measure:
     """Calls a task's `measure`, and checks its result.
 
     Raises:
-        InputError: `measure` of the task returns something else, such as nothing.
+        InputError: `measure` of the task returns something else, such as nothing, or a progress
+            that is no number.
     """
     result = task.measure(sensing)
     if not isinstance(result, Measure):
@@ -301,4 +303,63 @@ def measure(task: Task, sensing: Sensing) -> Measure:
             expected="a Measure, such as `return judge(...)`",
             remedy="Every branch of `measure` needs a `return`",
         )
-    return result
+    return result if _plain(result) else _made_plain(result, task.name)
+
+
+def _plain(result: Measure) -> bool:
+    """True if all values are Python's own, and sound."""
+    return (
+        type(result.reached) is bool
+        and type(result.lost) is bool
+        and type(result.progress) is float
+        and -inf < result.progress < inf
+        and isinstance(result.reason, str)
+        and (result.first is None or (isinstance(result.first, Measure) and _plain(result.first)))
+    )
+
+
+def _made_plain(result: Measure, task: str) -> Measure:
+    """The same measure in Python's own values: NumPy's cannot be written into a recording.
+
+    Raises:
+        InputError: `reached` or `lost` is neither true nor false, `progress` is no finite number,
+            or `reason` no text.
+    """
+    first, told = result.first, "of what `measure` returned"
+    if first is not None and not isinstance(first, Measure):
+        raise InputError(
+            f"`first` {told} is no Measure", where=task, got=repr(first)[:80], expected="a Measure"
+        )
+    if not isinstance(result.reason, str):
+        raise InputError(
+            f"`reason` {told} is no text", where=task, got=repr(result.reason)[:80], expected="text"
+        )
+    try:
+        reached, lost = bool(result.reached), bool(result.lost)
+    except ValueError:
+        raise InputError(
+            f"`reached` or `lost` {told} is neither true nor false",
+            where=task,
+            got=f"{result.reached!r} and {result.lost!r}"[:80],
+            expected="one truth value each",
+            remedy="`(...).all()` makes one of several",
+        ) from None
+    try:
+        progress = float(result.progress)
+    except (TypeError, ValueError):
+        progress = nan
+    if not isfinite(progress):
+        raise InputError(
+            f"`progress` {told} is no finite number",
+            where=task,
+            got=repr(result.progress)[:80],
+            expected="0 to 1",
+            remedy="A division by zero gives such a number",
+        )
+    return Measure(
+        reached,
+        progress,
+        result.reason,
+        lost,
+        None if first is None else _made_plain(first, task),
+    )

@@ -72,6 +72,10 @@ _PARTS: dict[str, dict[str, Any]] = {
 }
 
 
+Around = Callable[[DeviceMaker], DeviceMaker]
+"""Function that puts something around the device that a maker opens."""
+
+
 # `--help` lists the options of the last base first: those that most people need.
 @dataclass(frozen=True)
 class SceneOptions(WebcamOptions, LeapOptions, SecondOptions, OneHandOptions):
@@ -95,8 +99,12 @@ class Plan:
     makers: DeviceMakers
 
 
-def plan(options: SceneOptions) -> Plan:
+def plan(options: SceneOptions, around: Around = lambda make: make) -> Plan:
     """Resolves options into settings and makers of devices.
+
+    Args:
+        options: The options.
+        around: Change of the maker of the first device, beneath all that degrades or shares it.
 
     Raises:
         InputError: An option has an invalid value, or options contradict each other.
@@ -107,7 +115,7 @@ def plan(options: SceneOptions) -> Plan:
         played = _recording(options.second_device) if options.second_device else None
         settings = with_webcam_hands(with_leap_hands(settings, options, played), options)
         settings = with_headset_hands(settings, options)
-    first = _plan(options, recording, settings, 0)
+    first = _plan(options, recording, settings, 0, around)
     if len(settings.hands) == 1:
         return first
     (make_first,) = first.makers
@@ -153,11 +161,16 @@ def check_labels(options: SceneOptions) -> None:
 
 
 def _plan(
-    options: SceneOptions, recording: Recording | None, settings: RunSettings, hand: int
+    options: SceneOptions,
+    recording: Recording | None,
+    settings: RunSettings,
+    hand: int,
+    around: Around = lambda make: make,
 ) -> Plan:
     """Resolves the options of one hand."""
     about: dict[str, Any] = {"device": options.device}
     entry = built_in(options.device)
+    live = entry is not None and entry.live
     if is_leap(options.device):
         opens = leap_maker(options, settings, _user(options), hand)
     elif is_webcam(options.device):
@@ -165,7 +178,7 @@ def _plan(
     elif options.device in _OPENERS:
         opens = _OPENERS[options.device](options, settings, hand)
     elif (make := live_maker(options)) is not None:
-        return _with_variation(settings, about, entry is None or entry.live, _on_surface(make))
+        opens, live = _on_surface(make), entry is None or entry.live
     elif recording is not None:
         about["user"] = recording.header.get("user")
         opens = _recorded(recording, hand)
@@ -180,8 +193,7 @@ def _plan(
             about["drop_outs"] = options.drop_outs
     # Only simulated users and 3-D devices have random numbers that differ between hands.
     differs = is_in_air(options.device) or options.device == "simulated"
-    live = entry is not None and entry.live
-    return _with_variation(settings, about, live, opens, hand if differs else 0)
+    return _with_variation(settings, about, live, around(opens), hand if differs else 0)
 
 
 def is_in_air(device: str) -> bool:

@@ -134,8 +134,11 @@ class AnyDevice(ABC):
         return None
 
     @default
-    def clock_origin(self) -> float:
-        """s on the machine's monotonic clock at which the time of its frames is 0."""
+    def clock_origin(self) -> float | None:
+        """s on the machine's monotonic clock at which the time of its frames is 0.
+
+        None where frames carry session time, in which nothing can be late.
+        """
         return 0.0
 
     @default

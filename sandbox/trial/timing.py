@@ -67,7 +67,8 @@ class TimedDevice(DeviceWrapper):
     """Wrapper that reports when a live device's touches are fetched.
 
     Args:
-        device: A device whose frames carry their time of arrival, s, on its own clock.
+        device: A device whose frames carry their time of arrival, s, on its own clock. Of one whose
+            frames carry session time nothing is reported.
         timing: Receives the reports.
     """
 
@@ -79,7 +80,7 @@ class TimedDevice(DeviceWrapper):
     def poll(self, now: float) -> Sequence[TouchFrame]:
         """The device's frames, unchanged."""
         frames = self.device.poll(now)
-        if frames:
+        if frames and self._origin is not None:
             self._timing.taken_in(frames, self._origin)
         return frames
 

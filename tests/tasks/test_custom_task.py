@@ -6,9 +6,9 @@ import itertools
 import json
 import sys
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any, NoReturn, cast
 
 import numpy as np
 import pytest
@@ -26,6 +26,7 @@ from sandbox.regression import Regression
 from sandbox.trial.assembly import build
 from sandbox.trial.replay import settings_of
 from sandbox.trial.settings import RunSettings
+from tasks.checks import measure
 from tasks.custom_task import CustomTask, judge, two_places
 from tasks.registry import TASKS, draw_task, find_task, origin
 from tasks.sensing import Sensing
@@ -529,3 +530,35 @@ def test_tasks_of_the_examples_are_played_with_the_left_hand_at_any_side(
     """A user with nothing but the two methods of the contract broke here."""
     result = run_trial(str(ROOT / "examples" / file), seed=3, hand="left", turn=turn)
     assert result.success or turn  # A drawer does not turn with the person.
+
+
+def measuring(*values: Any) -> Measure:
+    task = draw_task(broken(measure=lambda self, sensing: Measure(*values)), 0, SURFACE)
+    return measure(task, cast(Sensing, None))
+
+
+def test_a_measure_in_numbers_of_numpy_becomes_python_s_own() -> None:
+    first = Measure(*cast(Any, (np.False_, np.float32(0.25), "first", np.False_)))
+    found = measuring(np.True_, np.float64(0.5), "then", np.False_, first)
+    assert found == Measure(True, 0.5, "then", False, Measure(False, 0.25, "first"))
+    assert json.loads(json.dumps(asdict(found)))["first"]["progress"] == 0.25
+
+
+@pytest.mark.parametrize(
+    ("values", "says"),
+    [
+        ((False, np.nan, ""), "`progress` of what `measure` returned is no finite number"),
+        ((False, np.inf, ""), "no finite number"),
+        ((False, None, ""), "no finite number"),
+        ((False, 0.0, None), "`reason` of what `measure` returned is no text"),
+        ((np.array([True, False]), 0.0, ""), "neither true nor false"),
+        ((False, 0.0, "", False, 5), "`first` of what `measure` returned is no Measure"),
+        ((False, 0.0, "", False, Measure(False, np.nan, "")), "no finite number"),
+    ],
+)
+def test_a_measure_that_no_file_could_keep_is_refused_in_one_line(
+    values: tuple[Any, ...], says: str
+) -> None:
+    with pytest.raises(InputError, match=says) as error:
+        measuring(*values)
+    assert "\n" not in str(error.value)

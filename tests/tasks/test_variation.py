@@ -19,13 +19,21 @@ from models.hand import Hand
 from models.objects import Wrench
 from models.scene import CONTROL_PERIOD, Scene, SceneSpec
 from models.surface import Surface
-from sandbox.devices.wrappers.degraded import FIRST_GHOST, GHOST_LENGTH, DegradedDevice
+from sandbox.devices.wrappers.degraded import (
+    FIRST_GHOST,
+    FIRST_RETURNED,
+    GHOST_LENGTH,
+    DegradedDevice,
+)
 from sandbox.devices.wrappers.drop_outs import LENGTH
 from sandbox.options.scene_options import SceneOptions, plan
 from sandbox.options.variations import KINDS, parse_variation
 from sandbox.recording.recording import load_recording
 from sandbox.session.device import Device
+from sandbox.session.messages import Snapshot
+from sandbox.session.session import Session
 from sandbox.trial.assembly import build, place_surface
+from sandbox.trial.driver import View
 from sandbox.trial.headless import run_trial
 from sandbox.trial.replay import replay
 from sandbox.trial.settings import RunSettings
@@ -292,6 +300,25 @@ def test_a_touch_that_came_back_is_cancelled_under_the_id_it_came_back_with() ->
     out = played(Variation(dropped=1.0), frames)
     last = [c.id for f in out for c in f.contacts][-1]
     assert last != 3 and out[-1].cancelled == {last}
+
+
+def test_a_touch_that_came_back_has_its_true_finger_and_an_id_that_nobody_else_has() -> None:
+    # The screen of the simulated user drops touches of its own, too.
+    chosen = plan(SceneOptions(seed=1, drop_outs=2.0, vary="dropped=3"))
+    seen: set[int] = set()
+    truth: dict[int, int] = {}
+
+    def views(session: Session) -> list[View]:
+        def look(snapshot: Snapshot) -> None:
+            seen.update(c.id for hand in snapshot.hands for c in hand.contacts)
+            truth.update(session.first_rig.device.truth)
+
+        return [look]
+
+    run_trial(chosen.settings, chosen.makers, views)
+    assert max(seen) >= FIRST_RETURNED > min(seen)
+    assert any(1_000_000 <= i < FIRST_RETURNED for i in seen)
+    assert seen <= set(truth) and set(truth.values()) <= set(range(5))
 
 
 def test_degraded_touches_follow_from_the_seed() -> None:

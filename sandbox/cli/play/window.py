@@ -197,6 +197,9 @@ class WindowPlay:
         # The snapshot to show before the first step.
         first = self._before(session) if waiting else session.snapshot()
         while window.pump(live.newest or first):
+            if live.over and live.failure:
+                # A picture that stands still would not tell the person.
+                return False
             waiting = waiting and _waiting(session)
             if window.seen is not None and window.seen is not seen:
                 seen = window.seen
@@ -232,7 +235,11 @@ class WindowPlay:
         return self.lan and self.server is not None and not self.server.wait_for_player(0.0)
 
     def _chosen(self, wishes: PlayerRequests) -> Plan:
-        chosen = plan(replace(self.options, record=None))
+        options = replace(self.options, record=None)
+        chosen = plan(options)
+        if self._waits(chosen):
+            # Beneath what makes touches late or shares them: neither works while no time passes.
+            chosen = plan(options, _from_first_touch)
         return replace(chosen, settings=wishes.wanted(chosen.settings))
 
     def _device_makers(self, chosen: Plan, timing: Timing) -> DeviceMakers:
@@ -247,13 +254,10 @@ class WindowPlay:
 
         if self.share:
             makers = with_first(makers, beside_page)
-        # Degraded frames carry the session's time, in which nothing can be late.
         # The offset of a Leap's clock from this machine's is unknown.
-        degrades = chosen.settings.variation.degrades_touches
-        measured = chosen.live and not degrades and not chosen.settings.in_air
-        if measured:
+        if chosen.live and not chosen.settings.in_air:
             makers = with_first(makers, lambda maker: timed(maker, timing))
-        return with_first(makers, _from_first_touch) if self._waits(chosen) else makers
+        return makers
 
     def _waits(self, chosen: Plan) -> bool:
         """True if time begins with the first touch, because a person plays with their fingers."""
@@ -342,6 +346,6 @@ def _from_first_touch(maker: DeviceMaker) -> DeviceMaker:
 
 def _waiting(session: Session) -> bool:
     """True while a person has not touched the surface yet."""
-    device = session.first_rig.device
+    person = session.first_rig.device.find(FirstTouch)
     begun = any(page.touched for _, page in touched_pages(session))
-    return isinstance(device, FirstTouch) and not device.came() and not begun
+    return person is not None and not person.came() and not begun

@@ -17,7 +17,7 @@ from models.errors import InputError, StudyError
 from models.messages.wording import counted
 from sandbox.cli.common.parse import parse
 from sandbox.cli.study import data_commands
-from sandbox.cli.study.plan_options import PlanOptions, say_power
+from sandbox.cli.study.plan_options import PlanOptions, participants_of, say_power
 from sandbox.cli.study.recover import RecoverOptions, recover
 from sandbox.cli.study.report import ReportOptions, report
 from sandbox.cli.study.run import run, say_findings, say_noted, sayer
@@ -156,7 +156,7 @@ def _plan(options: PlanOptions, console: Console) -> int:
     from sandbox.study.design.plan import duration, session_plan, trials_of
 
     design = _load(options.file)
-    count = options.participants or design.participants
+    count = participants_of(options.participants, design)
     table = plan_table(design)
     minutes, practice = [], 0
     for number, session in product(range(count), range(1, design.sessions + 1)):
@@ -202,10 +202,10 @@ def _simulate(options: StudySimulateOptions, console: Console) -> int:
     from sandbox.study.run.simulate import simulate
 
     design = _load(options.file)
+    count = participants_of(options.participants, design)
     say_findings(findings(design), console)
     study = StudyFolder(options.out, design, SIMULATED, options.force_upgrade)
     say_noted(study, sayer(console))
-    count = options.participants or design.participants
     done = simulate(study, count, options.resume, sayer(console), options.witness)
     console.print(
         f"{escape(str(study.path))}: {counted(done['participants'], 'simulated participant')}, "

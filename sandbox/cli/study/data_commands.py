@@ -291,6 +291,8 @@ def _outside(study: StudyFolder, out: Path) -> None:
 
 
 def _bins(given: Sequence[str]) -> dict[str, float]:
+    from sandbox.study.share.privacy_groups import NARROWEST, WIDEST
+
     widths = {}
     for text in given:
         name, _, width = text.partition(":")
@@ -298,9 +300,12 @@ def _bins(given: Sequence[str]) -> dict[str, float]:
             widths[name] = float(width)
         except ValueError:
             widths[name] = 0.0
-        if not widths[name] > 0:
+        if not NARROWEST <= widths[name] <= WIDEST:
             raise InputError(
-                "not an item and width", where="--bin", got=text, expected="such as age:10"
+                "not an item and width",
+                where="--bin",
+                got=text,
+                expected=f"such as age:10; a width from {NARROWEST:g} to {WIDEST:g}",
             )
     return widths
 

@@ -49,6 +49,21 @@ class PlanOptions:
     what the study is locked to. An existing file is never overwritten."""
 
 
+def participants_of(asked: int | None, design: Design) -> int:
+    """Number of participants that was asked for; that of the design without one.
+
+    Raises:
+        InputError: Nobody would take part.
+    """
+    if asked is None:
+        return design.participants
+    if asked < 1:
+        raise InputError(
+            "not a number of participants", where="--participants", got=asked, expected="1 or more"
+        )
+    return asked
+
+
 def say_power(design: Design, options: PlanOptions, console: Console) -> None:
     """Says what can be detected, and writes the preregistration, if asked to.
 
@@ -72,7 +87,7 @@ def say_power(design: Design, options: PlanOptions, console: Console) -> None:
     from sandbox.study.planning.needed import NO_PEOPLE, TO_WRITE, change_of, power_lines
 
     change = change_of(options.detect) if options.detect else None
-    people = options.participants or design.participants
+    people = participants_of(options.participants, design)
     pilot = _pilot(design, options)
     about = (design, people, pilot, options.spread, change)
     nobody = {NO_PEOPLE} if pilot is None else {NO_PEOPLE, pilot.rehearsed}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -19,6 +19,8 @@ from tasks.variation import Variation
 
 GHOST_LENGTH = 0.1
 """s, duration of a ghost touch, equal to that of a drop-out."""
+FIRST_RETURNED = 1_000_000_000
+"""First id of touches that come back; a simulated screen of its own gives lower ones."""
 FIRST_GHOST = 2_000_000_000
 """First id of ghost touches."""
 
@@ -85,6 +87,8 @@ class Ghosts:
 class DegradedDevice(DeviceWrapper):
     """Wrapper that degrades a device's touches by a variation; frames get session time.
 
+    A touch that comes back after a drop-out has another id, and the same true finger.
+
     Args:
         device: The device to degrade.
         variation: Noise, drop-outs, ghost touches and latency.
@@ -95,7 +99,7 @@ class DegradedDevice(DeviceWrapper):
     def __init__(self, device: Device, variation: Variation, surface: Surface, seed: int) -> None:
         super().__init__(device)
         self._noise = Noise(variation.noise, seed)
-        self._drop_outs = DropOuts(variation.dropped, seed)
+        self._drop_outs = DropOuts(variation.dropped, seed, FIRST_RETURNED)
         self._ghosts = Ghosts(variation.ghosts, surface.size, seed)
         self._latency = variation.latency
         self._on_the_way: deque[tuple[float, TouchFrame]] = deque()
@@ -110,6 +114,18 @@ class DegradedDevice(DeviceWrapper):
         while self._on_the_way and self._on_the_way[0][0] <= now + _SLACK:
             arrived.append(replace(self._on_the_way.popleft()[1], time=now))
         return arrived
+
+    @property
+    def clock_origin(self) -> None:
+        """Frames carry session time."""
+        return None
+
+    @property
+    def truth(self) -> Mapping[int, int]:
+        """The wrapped device's, and the same fingers by the ids that drop-outs gave them."""
+        own = self.device.truth
+        again = {new: own[i] for new, i in self._drop_outs.given.items() if i in own}
+        return {**own, **again}
 
     def show(self, snapshot: Snapshot) -> None:
         """Passes the snapshot to a device that needs it, with its own ids of its touches."""

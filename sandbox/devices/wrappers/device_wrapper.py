@@ -101,7 +101,7 @@ class DeviceWrapper(Device):
         return self.device.damage
 
     @property
-    def clock_origin(self) -> float:
+    def clock_origin(self) -> float | None:
         """The wrapped device's."""
         return self.device.clock_origin
 

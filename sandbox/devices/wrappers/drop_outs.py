@@ -12,7 +12,7 @@ LENGTH = 0.1
 """s, duration of a drop-out."""
 
 _FIRST_ID = 1_000_000
-"""First id of touches that come back; no other touches have such ids."""
+"""First id of touches that come back on a simulated screen."""
 
 
 class DropOuts:
@@ -21,14 +21,19 @@ class DropOuts:
     Args:
         rate: 1/s, drop-outs of every touch.
         seed: Seed of the random drop-outs.
+        first: First id of touches that come back; no other touches may have such ids.
+
+    Attributes:
+        given: The device's own id of every touch that came back, by the id that it then got.
     """
 
-    def __init__(self, rate: float, seed: int) -> None:
+    def __init__(self, rate: float, seed: int, first: int = _FIRST_ID) -> None:
         self._rate = rate
         self._rng = np.random.default_rng([seed, 7_003])
         self._alias: dict[int, int] = {}
         self._back_at: dict[int, float] = {}
-        self._next = _FIRST_ID
+        self.given: dict[int, int] = {}
+        self._next = first
         self._time = 0.0
 
     @property
@@ -49,6 +54,7 @@ class DropOuts:
                     continue
                 del self._back_at[own]
                 self._alias[own] = self._next
+                self.given[self._next] = own
                 self._next += 1
             elif self._rng.random() < self._rate * dt:
                 self._back_at[own] = frame.time + LENGTH
@@ -59,4 +65,4 @@ class DropOuts:
 
     def own_id(self, reported: int) -> int:
         """The device's own id of a reported id."""
-        return next((own for own, new in self._alias.items() if new == reported), reported)
+        return self.given.get(reported, reported)

@@ -47,6 +47,12 @@ class MergedDevice(Device):
         """True when all devices have ended."""
         return all(device.finished for device in self.parts)
 
+    @property
+    def clock_origin(self) -> float | None:
+        """That of all devices; None where they differ."""
+        origins = {device.clock_origin for device in self.parts}
+        return origins.pop() if len(origins) == 1 else None
+
     def poll(self, now: float) -> Sequence[TouchFrame]:
         """One frame for each of the devices' frames, with the contacts of all devices."""
         frames = [

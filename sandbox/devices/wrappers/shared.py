@@ -70,6 +70,11 @@ class OneHand(DeviceWrapper):
         """This hand's frames since the last call."""
         return self._surface.take(self._hand, now)
 
+    @property
+    def clock_origin(self) -> None:
+        """Frames carry session time."""
+        return None
+
     def show(self, snapshot: Snapshot) -> None:
         """Passes the snapshot to the device once, through the first hand."""
         if self._hand == 0:
@@ -109,6 +114,11 @@ class MergedTouches(Device):
         lifts = [frame.lift for frame in self._latest if frame.lift is not None]
         gone = frozenset(cancelled - {c.id for c in contacts})
         return [TouchFrame(now, contacts, min(lifts, default=None), gone, "merged")]
+
+    @property
+    def clock_origin(self) -> None:
+        """Frames carry session time."""
+        return None
 
     @property
     def looks(self) -> bool:

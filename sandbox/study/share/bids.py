@@ -71,7 +71,7 @@ def export_bids(study: StudyFolder, out: Path, say: Say) -> int:
             states = [session.state for session in sessions]
             if any(state.consent is False for state in states):
                 continue
-            rows = [trial_rows(study.design, state) for state in states]
+            rows = [trial_rows(study.design, s.state, s.path) for s in sessions]
             mine = [row for some in rows for row in some]
             exclude_person(study.design, states, mine)
             written = sum(

@@ -16,6 +16,8 @@ SMALLEST = 5
 """Number of people who should share every combination; a usual choice without a guarantee."""
 DIGITS = 9
 """Decimals of rounded numbers."""
+NARROWEST, WIDEST = 1e-6, 1e6
+"""Least and greatest width of a bin."""
 
 
 @dataclass(frozen=True)

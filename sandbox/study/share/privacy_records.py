@@ -85,6 +85,10 @@ KEPT: dict[str, tuple[str, ...]] = {
 LEARNED = "learned"
 """Field of results with the layouts of a person's fingers; touches in recordings tell the same, and
 copies without recordings must not."""
+DUMP = "dump"
+"""Field of results with the file of a divergence, whose folders have the pseudonym in them."""
+DUMP_ERROR = "dump_error"
+"""Field of results with why that file could not be written: words around such a path."""
 KEPT["session_resume"] = KEPT["session_start"]
 WORDS = {
     "lost": "reason",
@@ -192,8 +196,8 @@ def _masked_record(record: Record, seconds: float, masking: PersonMasking) -> Re
     if kind in RUNS:
         # All clocks in the copy begin with the session.
         masked |= {"study": masking.study, "boot": COPY}
-    if LEARNED in masked.get("result", {}):
-        masked["result"] = {k: v for k, v in masked["result"].items() if k != LEARNED}
+    if "result" in masked:
+        masked["result"] = _without_marks(masked["result"])
     if kind == "answers":
         masked["answers"] = {
             item: masking.answer(record["form"], item, value)
@@ -207,14 +211,23 @@ def _masked_record(record: Record, seconds: float, masking: PersonMasking) -> Re
 
 def _masked_header(header: dict[str, Any], masking: PersonMasking) -> dict[str, Any]:
     """Masks the header of a recording, or its result, which repeats fields of the header."""
-    masked = {key: value for key, value in without_folders(header).items() if key != LEARNED}
+    masked = _without_marks(without_folders(header))
     if isinstance(masked.get("study"), dict):
         masked["study"]["ppid"] = masking.ppid
     if "broken_off" in masked and not masking.words:
         masked["broken_off"] = WITHHELD
         if masked.get("reason"):
             masked["reason"] = WITHHELD
-    return dict(masked)
+    return masked
+
+
+def _without_marks(result: Mapping[str, Any]) -> dict[str, Any]:
+    """A result without the fields that lead back to the person or to their folder."""
+    kept = {key: value for key, value in result.items() if key not in (LEARNED, DUMP_ERROR)}
+    if kept.get(DUMP):
+        # Its folders need not look like a path's: that of a study may be `studies/NAME/...`.
+        kept[DUMP] = PureWindowsPath(kept[DUMP]).name
+    return kept
 
 
 def _is_path(text: str) -> bool:

@@ -2,15 +2,24 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
+import pytest
 
 from models.frames import Contact, TouchFrame
 from models.surface import Surface
+from sandbox.cli.play.window import _from_first_touch, _waiting
 from sandbox.devices.conformance import DeviceConformance
 from sandbox.devices.mouse import MouseDevice
+from sandbox.devices.tuio.tuio import TuioDevice
 from sandbox.devices.wrappers.first_touch import FirstTouch
+from sandbox.options.scene_options import SceneOptions, plan
 from sandbox.session.device import Device
+from sandbox.trial.assembly import build
+from tests.support.processes import PATIENCE, Sender
 from tests.support.scripted import Played
+from tests.support.tuio_packets import frame
 
 
 def test_nothing_has_come_before_a_finger_is_down_and_then_all_of_it_is_there() -> None:
@@ -66,3 +75,25 @@ class TestMouseThatIsWaitedFor(DeviceConformance):
             mouse.press((0.03, 0.03), pin=True)
             assert device.came()
         mouse.move((0.03 + 0.001 * step, 0.03))
+
+
+@pytest.mark.parametrize(
+    "more", [{"vary": "latency=50"}, {"task": "carry-together", "surface": "400x200mm"}]
+)
+def test_time_begins_where_touches_come_late_or_two_hands_share_the_surface(
+    more: dict[str, Any],
+) -> None:
+    chosen = plan(SceneOptions(device="tuio", port=0, **more), _from_first_touch)
+    session = build(chosen.settings, chosen.makers)
+    tuio = session.first_rig.device.find(TuioDevice)
+    assert tuio is not None
+    with Sender(tuio.port) as send:
+        assert _waiting(session) and _waiting(session)
+        send(frame(1, {0: (0.5, 0.5)}))
+        assert tuio.wait(PATIENCE)
+        assert not _waiting(session)
+        for _ in range(10):
+            session.advance()
+    seen = [contact for hand in session.snapshot().hands for contact in hand.contacts]
+    assert len(seen) == 1
+    session.close()

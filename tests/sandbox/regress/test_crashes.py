@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import pickle
 import shlex
 from itertools import pairwise
 from pathlib import Path
@@ -10,11 +11,12 @@ from xml.etree import ElementTree
 
 import pytest
 
-from models.errors import InputError
+from models.errors import InputError, SurfaceTooSmallError
 from sandbox.cli.main import main
 from sandbox.regress.execute import CRASHED, Executor, Processes, Serial
 from sandbox.regress.plan import RegressionPlan, registered
 from sandbox.regression import Regression
+from sandbox.study.design.reading import DesignError, Mistake
 from tests.support.regress_tasks import Exiting, Quick, Raising
 
 
@@ -154,3 +156,18 @@ def test_fewer_crashes_than_none_are_refused(capsys: pytest.CaptureFixture[str])
     assert "--allow-crashes" in capsys.readouterr().err
     with pytest.raises(InputError, match="no such option"):
         RegressionPlan((Quick,), (0,), {"allow_crashes": 1})
+
+
+def test_an_error_of_any_class_comes_whole_from_another_process(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    words = ["regress", "--tasks", "box-to-goal", "--surface", "50x40mm", "--seeds", "0:1"]
+    assert main([*words, "--workers", "1"]) == 2
+    (line,) = capsys.readouterr().err.strip().splitlines()
+    assert "the surface is too small for this task" in line
+    small = SurfaceTooSmallError("box-to-goal", (2.0, 1.5), "a box", (7.8, 5.8))
+    wrong = DesignError("design.toml", [Mistake(3, "seed", "got -1", "Write 0 or more")])
+    for error in (small, wrong, InputError("wrong", where="here", got=3)):
+        again = pickle.loads(pickle.dumps(error))
+        assert type(again) is type(error) and str(again) == str(error)
+        assert vars(again) == vars(error)

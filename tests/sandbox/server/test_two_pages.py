@@ -19,7 +19,6 @@ from sandbox.server.protocol.protocol import LIFT_STRIP_PX, PageScreen, PageTouc
 from sandbox.server.protocol.rectangle import common, rectangle
 from sandbox.server.publishing import publish
 from sandbox.trial.assembly import build
-from sandbox.trial.device_makers import with_first
 from sandbox.trial.events import EventLog
 from tests.sandbox.server.played_page import played
 from tests.sandbox.server.test_page_server import wait_for
@@ -142,8 +141,8 @@ def test_two_tablets_carry_a_tray_together(servers: tuple[PageServer, PageServer
 def test_time_begins_with_whichever_hand_touches_first() -> None:
     from sandbox.cli.play.window import _from_first_touch, _waiting
 
-    chosen = plan(replace(OPTIONS, device="mouse"))
-    session = build(chosen.settings, with_first(chosen.makers, _from_first_touch))
+    chosen = plan(replace(OPTIONS, device="mouse"), _from_first_touch)
+    session = build(chosen.settings, chosen.makers)
     ((hand, page),) = touched_pages(session)
     assert hand == 1
     assert _waiting(session)

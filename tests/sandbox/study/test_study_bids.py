@@ -126,6 +126,16 @@ def test_events_are_the_trial_and_every_touch(study: StudyFolder, bids: Path) ->
         assert touch["finger"] in FINGERS
 
 
+def test_rules_exclude_the_same_trials_as_in_the_tables_of_the_study(tmp_path: Path) -> None:
+    # Of the 60 Hz tables, which the session's folder has.
+    rule = '[[exclusions]]\nname = "moved"\nmeasure = "object_path_m"\nbelow = 1e9\n'
+    study = StudyFolder(tmp_path / "study", design(DESIGN + rule), SIMULATED)
+    run_simulated(study, 0, lambda text: None)
+    export_bids(study, tmp_path / "bids", lambda text: None)
+    events = [e for path in (tmp_path / "bids").rglob("*_events.tsv") for e in table(path)]
+    assert {e["excluded"] for e in events if e["trial_type"] == "trial"} == {"1"}
+
+
 @pytest.mark.parametrize(
     ("task", "label"),
     [("box-to-goal", "boxToGoal"), ("stack", "stack"), ("own/task.py:Quick", "ownTaskPyQuick")],

@@ -344,3 +344,16 @@ def test_the_experimenter_reads_which_step_begins_and_what_became_of_a_skipped_o
     assert f"  trial {trial}: skipped" in typist.said
     assert any(line.endswith("  consent") for line in typist.said)
     assert any(f" of {TRIALS} trials, at trial 1; " in line for line in typist.said)
+
+
+@pytest.mark.parametrize("asked", ["0", "-1"])
+def test_a_study_without_people_is_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], asked: str
+) -> None:
+    file = tmp_path / "my.toml"
+    file.write_text(DESIGN)
+    for words in (["plan", str(file)], ["simulate", str(file), "--out", str(tmp_path / "out")]):
+        assert main(["study", *words, "--participants", asked]) == 2
+        (line,) = capsys.readouterr().err.strip().splitlines()
+        assert f"--participants: not a number of participants (got {asked}" in line
+    assert not (tmp_path / "out").exists()

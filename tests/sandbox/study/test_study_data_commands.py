@@ -183,6 +183,8 @@ def test_two_folders_are_merged_by_a_command(
         (["export", "{}", "--out", "x"], "the kind of copy is missing"),
         (["export", "{}", "--anonymise", "--out", "{}/inside"], "inside its source"),
         (["export", "{}", "--anonymise", "--bin", "age", "--out", "x"], "not an item and width"),
+        (["export", "{}", "--anonymise", "--bin", "age:inf", "--out", "x"], "from 1e-06 to 1e+06"),
+        (["export", "{}", "--anonymise", "--bin", "age:1e-300", "--out", "x"], "from 1e-06 to"),
         (
             ["export", "{}", "--anonymise", "--drop", "wage", "--out", "x"],
             "no such demographic item",

@@ -254,6 +254,26 @@ def test_names_of_folders_are_gone_and_names_of_files_stay(path: str) -> None:
     assert without_folders({"a": [path, 3, "one/two"]}) == {"a": ["design.py", 3, "one/two"]}
 
 
+def test_the_file_of_a_divergence_keeps_its_name_and_loses_the_folder_of_the_person() -> None:
+    result = {
+        "dump": "studies/quick/3B5G5T/S001/trials/T001-diverged.jsonl",
+        "dump_error": "studies/quick/3B5G5T: the file cannot be written",
+        "success": False,
+    }
+    record = {"n": 0, "time": "2026-11-21T10:00:00.000+00:00", "clock": 5.0, "kind": "trial_end"}
+    masking = PersonMasking("NEW", "study")
+    (found,) = anonymous_records([{**record, "result": result}], masking)
+    end = json.dumps({"kind": "end", "result": result}).encode()
+    header = json.dumps({"kind": "header", **result}).encode()
+    for masked in (
+        found["result"],
+        json.loads(anonymous_line(end, masking))["result"],
+        json.loads(anonymous_line(header, masking)),
+    ):
+        assert masked.pop("kind", "header") == "header"
+        assert masked == {"dump": "T001-diverged.jsonl", "success": False}
+
+
 def test_what_is_played_is_not_touched() -> None:
     line = b'{"kind":"input","step":8,"hand":0,"time":0.016,"contacts":[],"hash":"00"}'
     assert anonymous_line(line, PersonMasking("NEW", "study")) is line

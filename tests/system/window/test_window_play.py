@@ -292,6 +292,38 @@ def test_mouse_and_page_touch_one_scene_and_the_session_says_how_long_touches_to
     assert record.exists() and record.with_stem("run-2").exists()
 
 
+BROKEN = """
+from models.errors import DeviceError
+from models.frames import Contact, TouchFrame
+from sandbox.session.device import Device
+
+
+class Broken(Device):
+    def __init__(self, surface, argument) -> None:
+        self.polls = 0
+
+    def poll(self, now):
+        self.polls += 1
+        if self.polls > 20:
+            raise DeviceError("the screen was unplugged", where="broken")
+        return [TouchFrame(now, (Contact(1, 0.05, 0.05),))]
+"""
+
+
+def test_a_trial_whose_device_fails_ends_the_window_and_says_why(
+    display: Screen, tmp_path: Path
+) -> None:
+    (tmp_path / "broken.py").write_text(BROKEN)
+    play = Play(display, tmp_path, "box-to-goal", "--device", f"{tmp_path / 'broken.py'}:Broken")
+    try:
+        out, _ = play.process.communicate(timeout=PATIENCE)
+        assert play.process.returncode == 2, out
+        assert "broken: the screen was unplugged" in " ".join(out.split())
+    finally:
+        play.process.kill()
+        play.process.wait()
+
+
 class Game(Desk):
     """A desk on which time goes on while the window is pumped."""
 
