@@ -23,6 +23,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from inspect import getattr_static
 from typing import ClassVar, Self
 from zlib import crc32
 
@@ -89,6 +90,12 @@ class CustomTask(TaskDefaults, ABC):
     @classmethod
     def draw(cls, seed: int, surface: Surface) -> Self:
         """Draws the trial of a seed; the same seed, version and surface give the same trial."""
+        if not isinstance(getattr_static(cls, "place"), classmethod | staticmethod):
+            raise InputError(
+                "`place` is not a class method",
+                where=cls.name,
+                remedy="Write @classmethod above `def place(cls, rng, surface)`",
+            )
         rng = np.random.default_rng([seed, cls.version, crc32(cls.name.encode())])
         objects, goals = cls.place(rng, surface)
         for what, placed in (("objects", objects), ("goals", goals)):

@@ -532,6 +532,11 @@ def test_tasks_of_the_examples_are_played_with_the_left_hand_at_any_side(
     assert result.success or turn  # A drawer does not turn with the person.
 
 
+def test_a_place_without_its_decorator_is_told_where_it_is_written() -> None:
+    with pytest.raises(InputError, match=r"`place` is not a class method.*Write @classmethod"):
+        draw_task(broken(place=lambda cls, rng, surface: ([BOX], [])), 0, SURFACE)
+
+
 def measuring(*values: Any) -> Measure:
     task = draw_task(broken(measure=lambda self, sensing: Measure(*values)), 0, SURFACE)
     return measure(task, cast(Sensing, None))

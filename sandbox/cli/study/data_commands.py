@@ -14,6 +14,7 @@ from rich.markup import escape
 
 from models.errors import InputError, StudyError
 from models.messages.wording import counted
+from sandbox.cli.study.recover import tell_losses
 
 if TYPE_CHECKING:
     from sandbox.study.record.folder import StudyFolder
@@ -155,6 +156,8 @@ def export(options: StudyExportOptions, console: Console) -> int:
     study = StudyFolder.at(options.folder)
     _outside(study, options.out)
     refuse_existing(options.out)
+    if tell_losses(study, console):
+        console.print("[yellow]what was lost is not in the copy[/]")
     masking = Masking(
         options.keep_words,
         options.drop,

@@ -4,12 +4,17 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import tyro
 from rich.console import Console
+from rich.markup import escape
 
 from models.errors import InputError
+from models.messages.wording import counted
+
+if TYPE_CHECKING:
+    from sandbox.study.record.folder import StudyFolder
 
 
 @dataclass(frozen=True)
@@ -36,6 +41,24 @@ class RecoverOptions:
 
     reason: str = ""
     """Reason, stored in the journals."""
+
+
+def tell_losses(study: StudyFolder, console: Console) -> bool:
+    """Says which journals have lost something; returns True if any has."""
+    from sandbox.study.run.recover import losses
+
+    lost = False
+    for loss in losses(study):
+        lost = True
+        found = f" and {counted(len(loss.found), 'recording')} are still there" * bool(loss.found)
+        console.print(
+            f"[yellow]{loss.person.ppid}, session {loss.session}: the journal has lost "
+            f"{counted(loss.records, 'record')}{found}; `sandbox study recover "
+            f"{escape(str(study.path))}` shows them[/]",
+            soft_wrap=True,
+            highlight=False,
+        )
+    return lost
 
 
 def recover(options: RecoverOptions, console: Console) -> int:

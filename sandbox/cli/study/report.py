@@ -11,6 +11,7 @@ from rich.console import Console
 from rich.markup import escape
 
 from models.errors import HandSandboxError, InputError
+from sandbox.cli.study.recover import tell_losses
 
 
 @dataclass(frozen=True)
@@ -62,14 +63,24 @@ def report(options: ReportOptions, console: Console) -> int:
 
 
 def _bring_up_to_date(folder: Path, console: Console) -> None:
-    """Rebuilds outdated tables, as after a program was killed during a session."""
-    from sandbox.study.record.folder import StudyFolder
-    from sandbox.study.tables.tables import rebuild_study, tables_are_outdated
+    """Rebuilds outdated tables, as after a program was killed during a session.
 
-    if not tables_are_outdated(folder):
+    Tables that have more than a journal are left as they are.
+    """
+    from sandbox.study.record.folder import STUDY_JOURNAL, StudyFolder
+    from sandbox.study.tables.tables import rebuild_closed, rebuild_study, tables_are_outdated
+
+    if not (folder / STUDY_JOURNAL).exists():
         return
     try:
-        rebuild_study(StudyFolder.at(folder), console.print)
+        study = StudyFolder.at(folder)
+        if tell_losses(study, console):
+            console.print("[yellow]until that is decided, the tables are left as they are[/]")
+            return
+        if not tables_are_outdated(folder):
+            return
+        rebuild_closed(study)
+        rebuild_study(study, console.print)
     except HandSandboxError as error:
         console.print(f"[yellow]the newest trials are not in the tables: {escape(str(error))}[/]")
     else:

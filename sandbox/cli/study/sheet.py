@@ -27,7 +27,8 @@ class SheetOptions:
     """Design file."""
 
     participant_number: Annotated[int, tyro.conf.arg(metavar="N")] = 1
-    """Number of the participant in order of arrival, which determines the orders."""
+    """Number of the participant in order of arrival, which determines the orders; from 1, while
+    the tables of a study count from 0."""
 
     language: str = ""
     """Language of the participant. Default: the first one of the design."""

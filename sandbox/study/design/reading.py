@@ -90,6 +90,7 @@ class TomlTable:
 
     def has(self, key: str) -> bool:
         """Returns True if a value is given and has not been taken out."""
+        self._known.append(key)
         return key in self._values
 
     def add_mistake(self, key: str, what: str, remedy: str, alone: bool = False) -> None:
@@ -109,14 +110,15 @@ class TomlTable:
         kind = int if whole else (int, float)
         if isinstance(value, bool) or not isinstance(value, kind) or not least <= value <= most:
             noun = "a whole number" if whole else "a number"
-            self.add_mistake(key, f"got {value!r}", f"Write {noun} from {least:g} to {most:g}")
+            plain = ", without quotation marks" if isinstance(value, str) else ""
+            remedy = f"Write {noun} from {least:g} to {most:g}{plain}"
+            self.add_mistake(key, f"got {value!r}", remedy)
             return default
         return value
 
     def string(self, key: str, default: str | None = None) -> str:
         """Takes a string; required unless a default is given."""
         if default is None and not self.has(key):
-            self._known.append(key)
             self.add_mistake("", f"`{key}` is missing", f'Add a line such as {key} = "..."')
             return ""
         value = self.raw(key, default)
@@ -173,7 +175,6 @@ class TomlTable:
     def session_numbers(self, key: str) -> tuple[int, ...]:
         """Takes a list of session numbers; empty by default, which means all sessions."""
         if not self.has(key):
-            self._known.append(key)
             return ()
         value, most = self.raw(key), self.reader.sessions
         numbers = isinstance(value, list) and all(type(v) is int for v in value)
@@ -191,9 +192,11 @@ class TomlTable:
         value = self.raw(key)
         languages = self.reader.languages
         if isinstance(value, str) and len(languages) == 1:
+            if not value.strip():
+                self.add_mistake(key, "the text is empty", "Write it, or remove the line", True)
             return {languages[0]: value}
         if isinstance(value, dict) and all(isinstance(v, str) for v in value.values()):
-            missing = [lang for lang in languages if not value.get(lang)]
+            missing = [lang for lang in languages if not value.get(lang, "").strip()]
             if missing:
                 self.add_mistake(
                     key,

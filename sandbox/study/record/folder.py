@@ -289,13 +289,16 @@ class StudyFolder:
         if not different and not self.noted:
             return
         if different and begun and not upgrade:
+            design = self.path / DESIGN_FILE
+            ours = any(name.startswith("design ") for name in different)
             raise StudyError(
                 "the study is locked to the program, encoders, tasks and design that its "
                 "participants had, and these differ now",
                 where=str(self.path),
                 got=", ".join(different),
                 remedy="Restore the locked ones, begin a new folder with --out FOLDER, or continue "
-                'with --force-upgrade "REASON", which is logged',
+                'with --force-upgrade "REASON", which is logged'
+                + (f". The locked design is {design}: `diff` shows what differs" if ours else ""),
             )
         with self._journal() as journal:
             about = {"changed": [*different, *self.noted], "before": before, "after": build}

@@ -188,7 +188,8 @@ def _contents(folder: Path) -> Iterator[tuple[str, bytes]]:
         if path.parent != folder
     }
     listed = sorted(path for path in folder.rglob("*") if not path.is_dir())
-    yielded = set(journals)
+    # A study that was restored from a backup still has that one's list.
+    yielded = {*journals, folder / SUMS}
     for listing in listed:
         # A recording may have been compressed since it was listed.
         path = stored(listing)

@@ -170,7 +170,7 @@ def _check(design: Design, masking: Masking) -> None:
         if name not in known and (name != HAND_SIZE or name in masking.drop):
             raise StudyError(
                 "no such demographic item",
-                where="--drop or --bins",
+                where="--drop or --bin",
                 got=name,
                 expected=", ".join(known) or f"no demographics; --bin takes {HAND_SIZE}",
             )

@@ -13,14 +13,16 @@ from __future__ import annotations
 import json
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 from typing import Any
 
+from models.errors import StudyError
 from sandbox.study.design.design import Design
 from sandbox.study.design.plan import trials_of
 from sandbox.study.record.chain import Record, without_chain
-from sandbox.study.record.files import write_atomically
+from sandbox.study.record.files import locked, write_atomically
 from sandbox.study.record.folder import STUDY_JOURNAL, Participant, StudyFolder
 from sandbox.study.record.session_clock import RUNS
 from sandbox.study.record.session_folder import SessionFolder
@@ -208,6 +210,27 @@ def rebuild_all(study: StudyFolder) -> dict[str, list[StoredSession]]:
         by_person[person.ppid] = sessions
     rebuild_study(study)
     return by_person
+
+
+def rebuild_closed(study: StudyFolder) -> None:
+    """Builds the tables of sessions again that are older than their journals and not open.
+
+    Raises:
+        StudyError: A journal is damaged, or a table cannot be written.
+    """
+    for _, sessions in all_sessions(study):
+        for session in sessions:
+            log = session.path / LOG
+            if log.exists() and log.read_bytes() == log_bytes(session.records):
+                continue
+            with ExitStack() as held:
+                try:
+                    held.enter_context(locked(session.path / ".lock", wait=False))
+                except StudyError:
+                    # It is open: whoever has it open builds them.
+                    continue
+                (session.path / "session_info").mkdir(exist_ok=True)
+                write_session(study, session)
 
 
 def tables_are_outdated(study: Path) -> bool:

@@ -25,9 +25,14 @@ UXF = (
     Column(
         "block_num",
         "",
-        "number of the block, from 1; a block ends where the level of a factor changes",
+        "number of the block, which grows where the level of a factor changes; where those of two "
+        "factors change at once, a number is left out",
     ),
-    Column("trial_num_in_block", "", "number of the trial in its block, from 1"),
+    Column(
+        "trial_num_in_block",
+        "",
+        "number of the trial in its block, from 1; practice is counted by itself",
+    ),
     Column(
         "start_time",
         "s",
@@ -44,7 +49,12 @@ SESSION = (
     Column(
         "mode", "", "kind of data: real, pilot or simulated; a study folder holds one kind only"
     ),
-    Column("participant_number", "", "order of arrival, from 0; it determines the order of levels"),
+    Column(
+        "participant_number",
+        "",
+        "order of arrival, which determines the order of levels; from 0, while `sandbox study "
+        "plan` and `sheet` count from 1",
+    ),
     Column("hand", "", "hand that the participant uses: left or right"),
     Column(
         "hand_size", "", "length of the hand relative to the hand that the encoders were trained on"

@@ -286,6 +286,9 @@ def test_a_slip_in_a_pseudonym_is_seen(place: int, sign: str) -> None:
     ("sound", "wrong", "told"),
     [
         ("seed = 5", "seed = 5\nsessions = 0", "Write a whole number from 1 to 99"),
+        ("seed = 5", 'seed = 5\nsessions = "2"', "from 1 to 99, without quotation marks"),
+        ("seed = 5", 'seed = 5\n[consent]\ntext = " "', "consent.text: the text is empty"),
+        ("seed = 5", 'seed = 5\n[consent]\nfile = "c.txt"', "Keys here are: text, version"),
         (
             "seed = 5",
             'seed = 5\nlanguages = ["en", "de"]\n[consent]\ntext = "?"',

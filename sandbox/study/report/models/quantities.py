@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from difflib import get_close_matches
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -66,11 +67,14 @@ def quantity(data: StudyData, name: str) -> Quantity:
     known = registry.find_measure(name)
     if name not in data.used.columns or name in ("cell", "position", "condition", "censored"):
         known_here = ", ".join(q.name for q in quantities(data))
+        numbers = [c for c in data.used.columns if np.isfinite(to_numbers(data.used[c])).any()]
+        near = get_close_matches(name, numbers, 1)
         raise StudyError(
             "no such measure in this study",
             where="--measure",
             got=name,
-            expected=known_here or "none",
+            expected=f"{known_here or 'none'}, or another column of trial_results.csv with numbers",
+            remedy=f"Did you mean {near[0]}?" if near else None,
         )
     values = to_numbers(data.used[name])
     values = values[np.isfinite(values)]

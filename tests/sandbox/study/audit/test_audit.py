@@ -28,7 +28,7 @@ from sandbox.study.share.export_log import log_copy
 from sandbox.study.share.merge import merge
 from sandbox.study.share.privacy import Masking, anonymise
 from sandbox.study.share.withdraw import withdraw
-from sandbox.study.tables.tables import rebuild_all
+from sandbox.study.tables.tables import LOG, SOURCES, log_bytes, rebuild_all
 from tests.support.study_files import DESIGN, TRIALS, design
 
 WITNESS = "witness.jsonl"
@@ -251,6 +251,25 @@ def test_a_backup_that_is_unpacked_passes(study: StudyFolder, tmp_path: Path) ->
     assert told(found) == [] and found.findings.notes == [
         "SHA256SUMS: not a part of the study's record"
     ]
+    # It can go on there, backups included.
+    again = back_up(StudyFolder.at(tmp_path / "back/quick-simulated"), tmp_path / "c.tar.gz")
+    assert again.trials == 2 * TRIALS
+
+
+def test_tables_that_a_report_built_anew_after_a_kill_pass(
+    study: StudyFolder, tmp_path: Path
+) -> None:
+    # A killed program left the tables of a session, and of the study, with what there was before.
+    log, sources = first(study) / LOG, study.path / SOURCES
+    records = read_journal(first(study) / "journal.jsonl")[:8]
+    log.write_bytes(log_bytes(records))
+    sizes = json.loads(sources.read_bytes())
+    name = f"{first(study).parent.name}/{first(study).name}"
+    with (first(study) / "journal.jsonl").open("rb") as journal:
+        sizes[name] = sum(len(journal.readline()) for _ in records)
+    sources.write_bytes(json.dumps(sizes).encode())
+    assert main(["study", "report", str(study.path), "--out", str(tmp_path / "report")]) == 0
+    assert told(audit(study.path)) == []
 
 
 def forge(study: StudyFolder) -> None:

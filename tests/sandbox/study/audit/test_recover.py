@@ -176,3 +176,18 @@ def test_the_last_states_of_a_trial_that_diverged_are_no_attempt_that_somebody_l
     assert {row["status"] for row in rows} == {"diverged"}
     capsys.readouterr()
     assert main(["replay", str(study.path), "--verify"]) == 0, capsys.readouterr().out
+
+
+def test_a_report_and_a_copy_of_a_study_that_lost_records_say_so_and_leave_its_tables(
+    study: StudyFolder, capsys: pytest.CaptureFixture[str]
+) -> None:
+    before = (study.path / "trial_results.csv").read_bytes()
+    out = study.path.parent
+    assert main(["study", "report", str(study.path), "--out", str(out / "report")]) == 0
+    said = capsys.readouterr().out
+    assert "the journal has lost" in said and f"sandbox study recover {study.path}" in said
+    assert "until that is decided, the tables are left as they are" in said
+    assert (study.path / "trial_results.csv").read_bytes() == before
+    shared = ["--anonymise", "--out", str(out / "shared")]
+    assert main(["study", "export", str(study.path), *shared]) == 0
+    assert "what was lost is not in the copy" in capsys.readouterr().out

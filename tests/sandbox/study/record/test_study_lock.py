@@ -172,6 +172,13 @@ def test_a_reason_to_upgrade_is_kept_though_nobody_has_taken_part(tmp_path: Path
     assert (record["kind"], record["reason"]) == ("upgrade", "more trials")
 
 
+def test_a_changed_design_is_refused_with_the_place_of_the_locked_one(tmp_path: Path) -> None:
+    study = open_study(tmp_path)
+    study.add()
+    with pytest.raises(StudyError, match=r"The locked design is .*design\.toml: `diff` shows"):
+        open_study(tmp_path, DESIGN.replace("seed = 3", "seed = 4"))
+
+
 def test_nobody_is_added_by_a_design_to_which_the_study_is_no_longer_locked(tmp_path: Path) -> None:
     first = open_study(tmp_path)
     second = open_study(tmp_path, DESIGN.replace("repetitions = 2", "repetitions = 3"))

@@ -81,6 +81,8 @@ def test_the_command_refuses_other_folders_and_measures_that_there_are_not(
     assert main(["study", "report", str(plain / "nowhere")]) == 2
     assert main(["study", "report", str(plain), "--measure", "beauty"]) == 2
     assert "no such measure" in capsys.readouterr().err
+    assert main(["study", "report", str(plain), "--measure", "progres"]) == 2
+    assert "Did you mean progress?" in " ".join(capsys.readouterr().err.split())
 
 
 def test_the_title_says_whether_people_took_part(plain: Path) -> None:
