@@ -6,6 +6,7 @@ Pickle is off, sizes are limited before unpacking, and any damage is reported in
 from __future__ import annotations
 
 import json
+import os
 import zipfile
 import zlib
 from collections.abc import Iterable, Mapping
@@ -41,14 +42,25 @@ _DAMAGE = (
 
 
 def write_npz(path: Path, header: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]]) -> None:
-    """Writes arrays and a header of JSON values; equal contents give equal files."""
+    """Writes arrays and a header of JSON values; equal contents give equal files.
+
+    A file that is there is replaced once the new one is whole.
+    """
     text = json.dumps(dict(header), sort_keys=True, allow_nan=False)
-    with path.open("wb") as file:
-        everything: dict[str, Any] = {
-            "header": np.frombuffer(text.encode(), np.uint8),
-            **arrays,
-        }
-        np.savez_compressed(file, **everything)
+    everything: dict[str, Any] = {"header": np.frombuffer(text.encode(), np.uint8), **arrays}
+    # A link stays one.
+    target = path.resolve()
+    if target.exists() and not target.is_file():
+        with target.open("wb") as file:
+            np.savez_compressed(file, **everything)
+        return
+    part = target.with_name(f"{target.name}.{os.getpid()}.part")
+    try:
+        with part.open("wb") as file:
+            np.savez_compressed(file, **everything)
+        part.replace(target)
+    finally:
+        part.unlink(missing_ok=True)
 
 
 def read_npz(

@@ -116,7 +116,7 @@ class BestMethod:
     def __init__(self, best: Best, name: str = "best") -> None:
         self.name, self.history = name, True
         self.encoder: Encoder | None = best.model.encoder
-        self.fresh: Callable[[], Encoder] | None = CANDIDATES.get(best.model.meta["winner"])
+        self.fresh: Callable[[], Encoder] | None = CANDIDATES.get(best.model.meta.get("winner", ""))
         self.estimate = best.estimate
         self._best = best
 

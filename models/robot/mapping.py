@@ -189,7 +189,11 @@ def located(model: str, folder: Path) -> Path:
                 f"{menagerie()}",
             )
     elif inside and len(package) > 1:
-        spec = find_spec(package)
+        try:
+            spec = find_spec(package)
+        except (ModuleNotFoundError, ValueError):
+            # Of a package inside of one that is not there, or of a name that none can have.
+            spec = None
         if spec is None or not spec.submodule_search_locations:
             raise InputError(
                 f"the package with this hand is not installed: {package}",

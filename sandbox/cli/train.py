@@ -31,6 +31,7 @@ from encoders.regression.trained import (
 )
 from encoders.store import load_capture, save_capture
 from models.errors import InputError
+from sandbox.cli.common.json_out import check_output
 from sandbox.cli.common.parse import parse
 
 SAME_POSE = 1e-4
@@ -133,6 +134,8 @@ def main(argv: list[str]) -> int:
             expected="--capture FILE or --builtin",
         )
     console = Console()
+    if not options.builtin:
+        _check_out(options)
     try:
         if options.population is not None:
             trained = _names if options.part == "names" else _pose
@@ -147,11 +150,24 @@ def main(argv: list[str]) -> int:
         ) from error
 
 
+def _check_out(options: TrainOptions) -> None:
+    """Checks before the training that the model can be written, and replaces no data.
+
+    Raises:
+        InputError: It cannot be written, or would replace what it is trained from.
+    """
+    check_output(options.out, "--out")
+    for name, source in (("--capture", options.capture), ("--population", options.population)):
+        if source is not None and source.resolve() == options.out.resolve():
+            raise InputError(
+                "the model would replace what it is trained from",
+                where=f"--out {options.out}",
+                got=name,
+                remedy="Name another file",
+            )
+
+
 def _one(options: TrainOptions, capture: Capture, console: Console) -> int:
-    if not options.out.absolute().parent.is_dir():
-        raise InputError(
-            "no such folder", where=f"--out {options.out}", remedy="Make it, or name another"
-        )
     degree = 2 if options.degree is None and options.ridge is not None else options.degree
     bars = Console(stderr=True)
     # Without a terminal, a bar would leave an empty line beside an error.
@@ -174,8 +190,6 @@ def _one(options: TrainOptions, capture: Capture, console: Console) -> int:
 
 
 def _names(path: Path, out: Path, console: Console) -> int:
-    if not out.absolute().parent.is_dir():
-        raise InputError("no such folder", where=f"--out {out}", remedy="Make it, or name another")
     population = load_population(path).of(group="train")
     people = population.people
     bars = Console(stderr=True)
@@ -194,8 +208,6 @@ def _names(path: Path, out: Path, console: Console) -> int:
 
 
 def _pose(path: Path, out: Path, console: Console) -> int:
-    if not out.absolute().parent.is_dir():
-        raise InputError("no such folder", where=f"--out {out}", remedy="Make it, or name another")
     population = load_population(path).of(group="train")
     people = population.people
     about = {"digest": population.digest, **population.meta}

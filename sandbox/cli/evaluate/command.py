@@ -115,7 +115,7 @@ def main(argv: list[str]) -> int:
     from encoders.evaluation.measure import MethodResult, Tests, evaluate_method
     from encoders.evaluation.report import report
     from encoders.evaluation.training import check_names
-    from sandbox.cli.evaluate.data import gather
+    from sandbox.cli.evaluate.data import gather, refuse_learned
     from sandbox.cli.evaluate.tables import show
 
     check_names(options.encoders)
@@ -130,6 +130,7 @@ def main(argv: list[str]) -> int:
             options.day_seed,
             progress,
         )
+        refuse_learned(options.encoders, data.tests)
         tests = Tests(data.tests)
         results: dict[str, MethodResult] = {}
         for name in options.encoders:

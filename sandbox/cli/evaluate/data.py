@@ -8,19 +8,22 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from rich.progress import Progress
 
 from encoders.capture import Capture
 from encoders.evaluation.subjects import TRAINING_DAY, Subject, subject
 from encoders.evaluation.training import Training
 from encoders.labels.trained_belief import capture_digest
-from encoders.regression.trained import builtin_capture
+from encoders.regression.trained import builtin_capture, load_model
 from encoders.store import load_capture
 from encoders.validation import trial_folds
 from models.errors import CaptureError, InputError
 
 BUILTIN, SPLIT = "builtin", "split"
 
+MOST = 0.5
+"""Share of a capture's frames that a model may have seen: resting hands may give equal ones."""
 SPLIT_FOLDS = 5
 """`split` tests on one fold of so many, blocked by take; which takes, follows from their sizes."""
 
@@ -103,6 +106,33 @@ def gather(
             )
     configuration["training_digest"] = digest
     return Data(training, tests, configuration)
+
+
+def refuse_learned(names: Sequence[str], tests: Sequence[Capture]) -> None:
+    """Refuses captures whose frames a model in a file learned from.
+
+    Args:
+        names: Methods; those that end in `.npz` are files of models.
+        tests: The captures to test on.
+
+    Raises:
+        CaptureError: A model learned from most of a capture's frames.
+        EncoderError: A file is no model.
+    """
+    for name in names:
+        if Path(name).suffix != ".npz":
+            continue
+        # Models keep single precision.
+        learned = {row.tobytes() for row in load_model(Path(name)).training_u.astype(np.float32)}
+        for test in tests:
+            seen = [row.tobytes() in learned for row in test.u.astype(np.float32)]
+            if np.mean(seen) > MOST:
+                raise CaptureError(
+                    "the method would be tested on the frames it learned from",
+                    where=f"--encoders {name}",
+                    got=str(test.meta.get("file", "--capture")),
+                    remedy="Test on another capture, or let `--train split` train on some takes",
+                )
 
 
 def capture_files(place: str) -> list[Path]:

@@ -248,11 +248,13 @@ def _measure(
 def _has_bones(paalm: Paalm, source: _Source, hands: Hands) -> bool:
     """Waits for the hands; True if the device reports their bones, which PAALM then uses."""
     sides = SIDES if hands == "both" else (hands,)
+    # Of every side the first frame with bones; what was seen without them tells nothing.
     seen: list[HandFrame] = []
     for frame in source.frames():
         if not any(hand.fingers for hand in frame.hands):
             continue
-        seen.append(frame)
+        new = [s for s in sides if knows_bones([frame], s) and not knows_bones(seen, s)]
+        seen += [frame] * bool(new)
         if any(f.joints is None for hand in frame.hands for f in hand.fingers):
             return False
         if all(knows_bones(seen, side) for side in sides):

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections import Counter
 from dataclasses import dataclass
+from fractions import Fraction
 from itertools import combinations
+from math import ceil
 
 from sandbox.study.design.design import END, START, Design, Factor
 from sandbox.study.design.plan import session_plan, trials_of
@@ -19,12 +21,15 @@ class PlannedTests:
         factor: The factor.
         pairs: Number of compared pairs of levels.
         trials: Number of trials of a participant with each level; 1 for a score.
+        share: Share of the participants who do one of two compared levels; of several pairs the
+            least.
     """
 
     outcome: str
     factor: Factor
     pairs: int
     trials: float
+    share: Fraction
 
     @property
     def between(self) -> bool:
@@ -33,11 +38,11 @@ class PlannedTests:
 
     def people_in(self, participants: int) -> int:
         """Number of participants who do one of two levels, of so many in the study."""
-        return 2 * participants // len(self.factor.levels) if self.between else participants
+        return int(participants * self.share)
 
     def participants_for(self, people: int) -> int:
         """Number of participants of whom so many do one of two levels."""
-        return -(-people * len(self.factor.levels) // 2) if self.between else people
+        return ceil(people / self.share)
 
 
 def planned_tests(design: Design) -> list[PlannedTests]:
@@ -52,7 +57,8 @@ def planned_tests(design: Design) -> list[PlannedTests]:
             pairs = _pairs(factor)
             if pairs:
                 trials = 1.0 if outcome in forms else trials_each(design, factor)
-                found.append(PlannedTests(outcome, factor, pairs, trials))
+                share = _share(design, factor)
+                found.append(PlannedTests(outcome, factor, len(pairs), trials, share))
     return found
 
 
@@ -72,13 +78,28 @@ def trials_each(design: Design, factor: Factor) -> float:
     return sum(counted.values()) / len(counted)
 
 
-def _pairs(factor: Factor) -> int:
-    """Number of pairs of levels that occur together; levels of a nested factor need not."""
+def _pairs(factor: Factor) -> dict[frozenset[str], list[int]]:
+    """Pairs of levels that occur together, as those of a nested factor need not; of each, the
+    numbers of levels of the lists that it is in."""
     lists = factor.nested.values() if factor.nested else [factor.levels]
-    return len(
-        {
-            frozenset(pair)
-            for levels in lists
-            for pair in combinations([level.name for level in levels], 2)
-        }
-    )
+    found: dict[frozenset[str], list[int]] = {}
+    for levels in lists:
+        for pair in combinations([level.name for level in levels], 2):
+            found.setdefault(frozenset(pair), []).append(len(levels))
+    return found
+
+
+def _share(design: Design, factor: Factor) -> Fraction:
+    """Share of the participants who do one of two levels; of several pairs the least.
+
+    Of a factor inside of one that is between participants, only those of the groups that have the
+    pair do it.
+    """
+    outer = next((f for f in design.factors if f.name == factor.outer), None)
+    groups = len(outer.levels) if outer is not None and outer.order == "between" else None
+    shares = []
+    for sizes in _pairs(factor).values():
+        each = [Fraction(2, n) if factor.order == "between" else Fraction(1) for n in sizes]
+        # any order: fractions are exact
+        shares.append(sum(each, Fraction(0)) / (groups or len(each)))
+    return min(shares)

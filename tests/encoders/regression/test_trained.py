@@ -406,6 +406,9 @@ def test_the_command_makes_the_built_in_models_anew(
         (["--capture", CAPTURE_FILE, "--ridge", "-1"], "ridge"),
         (["--capture", CAPTURE_FILE, "--degree", "4"], "degree"),
         (["--capture", CAPTURE_FILE, "--out", "none/m.npz"], "no such folder"),
+        (["--capture", CAPTURE_FILE, "--out", "."], "this is a folder"),
+        (["--capture", CAPTURE_FILE, "--out", CAPTURE_FILE], "would replace what it is trained"),
+        (["--population", "p.npz", "--out", "./p.npz"], "would replace what it is trained from"),
     ),
 )
 def test_the_command_answers_bad_input_with_one_line(

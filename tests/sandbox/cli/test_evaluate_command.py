@@ -12,7 +12,7 @@ import pytest
 from PIL import Image
 
 from encoders.regression.trained import builtin_capture, save_model, train
-from encoders.store import save_capture
+from encoders.store import load_capture, save_capture
 from sandbox.cli.evaluate.data import capture_files
 from sandbox.cli.main import main
 
@@ -149,6 +149,17 @@ def test_a_model_from_a_file_is_evaluated_under_the_files_name(folder: Path) -> 
     assert evaluate(folder, "--capture", tests, "--json", str(path), encoders=(str(model),)) == 0
     e = json.loads(path.read_text())["encoders"]["mine"]
     assert e["overfitted_joints"] is None and e["wrist_cm"]["true_labels"] > 0
+
+
+def test_a_model_is_not_tested_on_the_capture_that_it_learned_from(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    test = folder / "tests" / "one.npz"
+    save_model(train(load_capture(test), "learned", 1, 0.0), folder / "learned.npz")
+    error = refused(
+        capsys, "--encoders", str(folder / "learned.npz"), "--capture", str(test), "--no-copas"
+    )
+    assert "would be tested on the frames it learned from" in error and "--train split" in error
 
 
 def test_nothing_is_tested_on_the_frames_it_learned_from(

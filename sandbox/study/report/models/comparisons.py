@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 from math import nan, sqrt
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
@@ -37,7 +37,7 @@ class Pair:
 
     @property
     def title(self) -> str:
-        """Title for tables."""
+        """Title for tables; see `titles_of` where there are pairs of several factors."""
         return f"{self.second} against {self.first}" + (f", {self.at}" if self.at else "")
 
     def weights(self, conditions: int) -> np.ndarray:
@@ -74,6 +74,11 @@ def pairs_of(data: StudyData, present: Collection[int] | None = None) -> list[Pa
     return pairs
 
 
+NEARLY_ALL = 0.8
+"""Share of the people with one of two conditions who did both, from which on the standard deviation
+of their differences follows from the error of the mean difference."""
+
+
 @dataclass(frozen=True)
 class Counts:
     """Numbers of people behind a comparison.
@@ -81,7 +86,8 @@ class Counts:
     Attributes:
         freedom: Degrees of freedom: those of a t test, paired or between people.
         effective: Number by which a squared standard deviation is divided to give the squared
-            error: people of a paired comparison, n1 n2 / (n1 + n2) of two groups.
+            error: people of a paired comparison, n1 n2 / (n1 + n2) of two groups; nan where that
+            is not known.
     """
 
     freedom: float
@@ -122,6 +128,26 @@ class Difference:
         return self.estimate.value / self.spread if self.spread > 0.0 else nan
 
 
+class OfPair(Protocol):
+    """What is about a pair of levels."""
+
+    @property
+    def pair(self) -> Pair: ...
+
+
+def titles_of(some: Sequence[OfPair]) -> list[str]:
+    """Titles of comparisons, with the factor where levels of two factors have the same names."""
+    factors: dict[str, set[str]] = {}
+    for one in some:
+        factors.setdefault(one.pair.title, set()).add(one.pair.factor.name)
+    return [
+        f"{one.pair.factor.name}: {one.pair.title}"
+        if len(factors[one.pair.title]) > 1
+        else one.pair.title
+        for one in some
+    ]
+
+
 def t_difference(pair: Pair, value: float, error: float, people: Counts) -> Difference:
     """A difference whose estimate is t distributed.
 
@@ -139,14 +165,22 @@ def t_difference(pair: Pair, value: float, error: float, people: Counts) -> Diff
 def counts_of(pair: Pair, rows: DataFrame) -> Counts:
     """Numbers of people behind a comparison.
 
+    Within people, the standard deviation of their differences is known where nearly all who did
+    one of the conditions did both: a mixed model also uses the others, whose number says nothing
+    of differences. Else the effective number is nan.
+
     Args:
-        pair: The compared levels.
+        pair: The compared levels. A simple effect is of the people in its conditions only.
         rows: Rows of `data.used`.
     """
+    sides = [set(rows["ppid"][rows["cell"].isin(cells)]) for cells in zip(*pair.cells, strict=True)]
+    if pair.at:
+        rows = rows[rows["ppid"].isin(sides[0] | sides[1])]
     levels = rows[["ppid", pair.factor.column]].drop_duplicates()
     count = rows["ppid"].nunique()
     if pair.factor.within:
-        return Counts(count - 1.0, float(count))
+        both, some = len(sides[0] & sides[1]), len(sides[0] | sides[1])
+        return Counts(count - 1.0, float(both) if both >= NEARLY_ALL * some else nan)
     groups = levels[pair.factor.column].value_counts()
     first, second = groups.get(pair.first, 0), groups.get(pair.second, 0)
     effective = first * second / (first + second) if first + second else nan

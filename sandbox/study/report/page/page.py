@@ -8,7 +8,7 @@ from typing import Any
 
 from models.messages.wording import counted
 from sandbox.study.report.models.analysis import Analysis
-from sandbox.study.report.models.comparisons import Pair
+from sandbox.study.report.models.comparisons import Pair, titles_of
 from sandbox.study.report.models.exclusions import flow
 from sandbox.study.report.models.family import Family
 from sandbox.study.report.models.quantities import MAIN
@@ -151,8 +151,8 @@ def _findings(analysis: Analysis) -> list[str]:
                 f"({_certainty(ends, _verdict(family, 'success', s.pair))})."
             )
     out += [
-        f"{test.pair.title}: {test.outcome} differs ({_verdict(family, test.outcome, test.pair)})."
-        for test in family.findings
+        f"{title}: {test.outcome} differs ({_verdict(family, test.outcome, test.pair)})."
+        for title, test in zip(titles_of(family.findings), family.findings, strict=True)
         if test.outcome not in MAIN
     ]
     if len(out) > MOST_FINDINGS:

@@ -169,10 +169,9 @@ def dots(
         log: True for a logarithmic axis.
         limits: Limits of the axis.
     """
-    rows = [_short(r, 34) for r in rows]
-    values = {(_short(r, 34), one): dot for (r, one), dot in values.items()}
+    shown = [_short(r, 34) for r in rows]
     body = 0.3 + len(rows) * (0.22 + 0.24 * len(series))
-    with _figure(body, _left(rows), _above(series)) as (figure, (axes,)):
+    with _figure(body, _left(shown), _above(series)) as (figure, (axes,)):
         for j, one in enumerate(series):
             for i, row in enumerate(rows):
                 dot = values.get((row, one))
@@ -192,7 +191,7 @@ def dots(
                 axes.plot(
                     [], [], MARKERS[j % 8] + "-", color=SERIES[j % 8], label=_label(one), ms=7.0
                 )
-        axes.set_yticks(range(len(rows)), rows)
+        axes.set_yticks(range(len(rows)), shown)
         axes.set_ylim(len(rows) - 0.45, -0.55)
         axes.grid(axis="y", visible=False)
         axes.set_xlabel(label)

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from math import exp
 
 from sandbox.study.report.models.analysis import Analysis, MeasureModel, MeasureSummary
-from sandbox.study.report.models.comparisons import Difference, Pair
+from sandbox.study.report.models.comparisons import Difference, Pair, titles_of
 from sandbox.study.report.models.data import BETWEEN_NAMES, StudyData, to_numbers
 from sandbox.study.report.models.family import EXPLORATORY, Family
 from sandbox.study.report.models.intervals import Estimate
@@ -78,8 +78,8 @@ def _compare_times(section: Section, analysis: Analysis, unseen: int) -> None:
         )
     if not leading:
         return
-    titles = [d.pair.title for d in leading]
-    by_title = [{d.pair.title: d for d in some} for _, some in ways]
+    titles = titles_of(leading)
+    by_title = [dict(zip(titles_of(some), some, strict=True)) for _, some in ways]
     rows = [
         [
             title,
@@ -91,9 +91,7 @@ def _compare_times(section: Section, analysis: Analysis, unseen: int) -> None:
         ]
         for title in titles
         for (name, some), known in zip(ways, by_title, strict=True)
-        if title in known
-        for d in some
-        if d.pair.title == title
+        if (d := known.get(title)) is not None
     ]
     nothing = Estimate(float("nan"), float("nan"), float("nan"))
     values = [
@@ -170,13 +168,13 @@ def success_section(analysis: Analysis) -> Section:
     elif analysis.odds:
         rows = [
             [
-                d.pair.title,
+                title,
                 formats.number(exp(d.estimate.value)),
                 formats.interval(
                     formats.number(exp(d.estimate.low)), formats.number(exp(d.estimate.high))
                 ),
             ]
-            for d in analysis.odds
+            for title, d in zip(titles_of(analysis.odds), analysis.odds, strict=True)
         ]
         section.parts.append(
             Table(
@@ -191,10 +189,10 @@ def success_section(analysis: Analysis) -> Section:
 
 
 def _share_pairs(name: str, some: Sequence[ShareDifference], family: Family) -> Picture:
-    titles = [d.pair.title for d in some]
+    titles = titles_of(some)
     rows = [
         [
-            d.pair.title,
+            title,
             formats.percent(d.first.value),
             formats.percent(d.second.value),
             formats.points(d.estimate.value),
@@ -203,7 +201,7 @@ def _share_pairs(name: str, some: Sequence[ShareDifference], family: Family) -> 
             formats.number(d.size),
             *p_cells(family, name, d.pair),
         ]
-        for d in some
+        for title, d in zip(titles, some, strict=True)
     ]
     percentages = [d.estimate.mapped(lambda v: 100 * v) for d in some]
     return Picture(
@@ -291,13 +289,13 @@ def _pairs_table(what: Quantity, some: Sequence[Difference], family: Family) -> 
     show = formats.change if what.scale == LOG else formats.number
     rows = [
         [
-            d.pair.title,
+            title,
             show(d.estimate.value),
             formats.interval(show(d.estimate.low), show(d.estimate.high)),
             *effect_cells(d),
             *p_cells(family, what.name, d.pair),
         ]
-        for d in some
+        for title, d in zip(titles_of(some), some, strict=True)
     ]
     return Table(
         "Differences, by the mixed model",

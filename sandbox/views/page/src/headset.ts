@@ -201,7 +201,8 @@ class HeadsetPage {
     if (!this.laid) this.lay(frame, space);
     if (!this.laid) return;
     const seen = this.hands.seen(frame, space, this.table.root.matrix);
-    this.connection.say({ type: "hands", seq: ++this.seq, t: now, ...seen });
+    // Only the newest hands count: on a slow network older ones would queue.
+    if (!this.connection.stalled) this.connection.say({ type: "hands", seq: ++this.seq, t: now, ...seen });
     this.again(now, seen);
   }
 

@@ -18,6 +18,8 @@ export interface Field {
   readonly item: ItemView;
   readonly root: HTMLElement;
   readonly value: Value;
+  /** True while something is shown to be wrong with the answer. */
+  readonly wrong: boolean;
   /** Shows an earlier answer, without sending it. */
   put(value: Value): void;
   /** Shows what is wrong with the answer; an empty text means that it is valid. */
@@ -53,6 +55,9 @@ export function makeField(
     root,
     get value() {
       return value;
+    },
+    get wrong() {
+      return root.classList.contains("is-wrong");
     },
     put(given) {
       value = given;

@@ -38,8 +38,12 @@ export class Study {
     const again = sheet.sheet === this.sheet?.sheet && sheet.kind === "form" && this.fields.length;
     this.sheet = sheet;
     if (again) {
-      // The page has reconnected: answers that the computer did not receive are discarded.
-      for (const field of this.fields) field.put(sheet.answers[field.item.name] ?? null);
+      // The page has reconnected: what the computer did not receive is told again.
+      for (const field of this.fields) {
+        field.settle();
+        const known = sheet.answers[field.item.name] ?? null;
+        if (field.value !== known) this.answer(field.item.name, field.value);
+      }
       return;
     }
     window.clearInterval(this.timer);
@@ -166,11 +170,11 @@ export class Study {
 
   private next(): void {
     for (const field of this.fields) field.settle();
-    const missing = (this.pages[this.page] ?? []).filter(
-      (f) => !f.item.optional && f.value === null,
+    const open = (this.pages[this.page] ?? []).filter(
+      (f) => f.wrong || (!f.item.optional && f.value === null),
     );
-    for (const field of missing) field.complain(say("required"));
-    if (missing[0]) missing[0].root.scrollIntoView({ block: "center" });
+    for (const field of open) if (!field.wrong) field.complain(say("required"));
+    if (open[0]) open[0].root.scrollIntoView({ block: "center" });
     else if (this.page < this.pages.length - 1) this.turn(this.page + 1);
     else this.leave("done");
   }

@@ -314,3 +314,31 @@ def test_the_command_plans_from_a_pilot_and_writes_the_preregistration(
     assert main([*command[:4], "--from", str(tmp_path / "nowhere")]) == 2
     errors = capsys.readouterr().err
     assert "exists already" in errors and "--detect" in errors and "--power" in errors
+
+
+def test_of_a_factor_inside_of_groups_only_one_group_counts() -> None:
+    nested = (
+        PLANNED[: PLANNED.index("[[factors]]")]
+        + """[[factors]]
+name = "task"
+order = "between"
+levels = ["box-to-goal", "wrench-turn"]
+[[factors]]
+name = "encoder"
+order = "latin"
+inside = "task"
+levels = { box-to-goal = ["paper", "best"], wrench-turn = ["linear", "quadratic"] }
+[trials]
+repetitions = 3
+[analysis]
+primary = ["time_s"]
+"""
+    )
+    tests = {test.factor.name: test for test in planned_tests(plan(nested))}
+    assert tests["encoder"].pairs == 2
+    assert tests["encoder"].people_in(24) == 12 and tests["encoder"].participants_for(39) == 78
+    assert tests["task"].people_in(24) == 24
+    # The same pair in both groups is everybody's.
+    shared = nested.replace('["linear", "quadratic"]', '["paper", "best"]')
+    (one,) = [test for test in planned_tests(plan(shared)) if test.factor.name == "encoder"]
+    assert one.pairs == 1 and one.people_in(24) == 24 and one.participants_for(39) == 39

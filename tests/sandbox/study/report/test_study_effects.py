@@ -11,7 +11,7 @@ import pytest
 from scipy import stats
 
 from sandbox.study.report.models.analysis import analyse
-from sandbox.study.report.models.comparisons import Counts, Pair, t_difference
+from sandbox.study.report.models.comparisons import Counts, Pair, t_difference, titles_of
 from sandbox.study.report.models.data import ObservedFactor, StudyData, load_study
 from sandbox.study.report.models.interactions import INTERACTION, SIMPLE
 from sandbox.study.report.models.intervals import mean_interval, share
@@ -139,3 +139,67 @@ def test_equal_values_have_no_interval() -> None:
     pair = Pair(ObservedFactor("f", ("a", "b"), True), "a", "b", ())
     d = t_difference(pair, 1.0, 0.0, Counts(2.0, 3.0))
     assert np.isnan([d.estimate.low, d.estimate.high, d.p]).all()
+
+
+def test_a_spread_is_told_where_nearly_all_did_both_levels_and_not_where_few_did(
+    tmp_path: Path,
+) -> None:
+    rows = planted(tmp_path / "all", replace(EVERY, repetitions=4))
+    people = sorted({r["ppid"] for r in rows})
+    for folder, missing in (("most", people[:1]), ("few", people[:8])):
+        some = [r for r in rows if r["ppid"] not in missing or r["factor_encoder"] == "a"]
+        put(tmp_path / folder, some)
+        data = load_study(tmp_path / folder)
+        (d,) = (d for d in analyse(data).leading if d.pair.factor.name == "encoder")
+        if folder == "few":
+            assert np.isnan(d.spread) and np.isnan(d.size) and d.p > 0.0
+            continue
+        y = data.used.assign(y=np.log(data.used["time_s"]))
+        own = y.pivot_table(index="ppid", columns="factor_encoder", values="y").diff(axis=1)["b"]
+        assert d.spread == pytest.approx(own.std(), rel=0.15)
+
+
+def test_the_spread_of_a_factor_inside_of_groups_is_that_of_the_people_who_did_it(
+    tmp_path: Path,
+) -> None:
+    rows = planted(tmp_path, replace(EVERY, people=16, repetitions=4))
+    tasks = sorted({r["factor_task"] for r in rows})
+    kept = []
+    for row in rows:
+        group = int(row["ppid"][1:]) % 2
+        if row["factor_task"] == tasks[group]:
+            kept.append({**row, "factor_encoder": row["factor_encoder"] + str(group)})
+    put(tmp_path, kept)
+    data = load_study(tmp_path)
+    found = [d for d in analyse(data).leading if d.pair.factor.name == "encoder"]
+    assert len(found) == 2
+    y = data.used.assign(y=np.log(data.used["time_s"]))
+    own = y.pivot_table(index="ppid", columns="factor_encoder", values="y")
+    for d in found:
+        assert d.people.effective == 8.0
+        assert d.spread == pytest.approx((own[d.pair.second] - own[d.pair.first]).std(), rel=0.4)
+
+
+def test_levels_of_two_factors_with_the_same_names_are_told_apart(tmp_path: Path) -> None:
+    rows = planted(tmp_path)
+    encoders = sorted({r["factor_encoder"] for r in rows})[:2]
+    tasks = sorted({r["factor_task"] for r in rows})
+    named = dict(zip((*encoders, *tasks), ("off", "on") * 2, strict=True))
+    put(
+        tmp_path,
+        [
+            {
+                **r,
+                "factor_encoder": named[r["factor_encoder"]],
+                "factor_task": named[r["factor_task"]],
+            }
+            for r in rows
+            if r["factor_encoder"] in encoders
+        ],
+    )
+    leading = analyse(load_study(tmp_path)).leading
+    assert len({d.pair.title for d in leading}) == 1
+    titles = titles_of(leading)
+    assert len(set(titles)) == len(titles) == 2 and all("factor" not in t for t in titles)
+    page = report(tmp_path)
+    assert all(page.text.count(title) >= 1 for title in titles)
