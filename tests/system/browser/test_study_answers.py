@@ -1,4 +1,4 @@
-"""What a participant has typed is told, whatever the network does; what is wrong is not left out."""
+"""What participants type is told, whatever the network does; what is wrong is not left out."""
 
 from __future__ import annotations
 
