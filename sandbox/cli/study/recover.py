@@ -50,11 +50,11 @@ def tell_losses(study: StudyFolder, console: Console) -> bool:
     lost = False
     for loss in losses(study):
         lost = True
-        found = f" and {counted(len(loss.found), 'recording')} are still there" * bool(loss.found)
+        whole = counted(len(loss.found), "whole recording")
         console.print(
-            f"[yellow]{loss.person.ppid}, session {loss.session}: the journal has lost "
-            f"{counted(loss.records, 'record')}{found}; `sandbox study recover "
-            f"{escape(str(study.path))}` shows them[/]",
+            f"[yellow]{loss.person.ppid}, session {loss.session}: the journal has lost records "
+            f"({loss.records} that its log has; {whole} without one). "
+            f"`sandbox study recover {escape(str(study.path))}` shows them[/]",
             soft_wrap=True,
             highlight=False,
         )

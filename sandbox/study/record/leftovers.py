@@ -48,6 +48,11 @@ def lost_records(session: Path, there: int) -> int:
         session: Folder of the session.
         there: Number of records in the journal.
     """
+    return max(0, logged_records(session) - there)
+
+
+def logged_records(session: Path) -> int:
+    """Number of records that the log of a session has; 0 if it cannot be read."""
     log = session / LOG
     if not log.exists():
         return 0
@@ -57,7 +62,7 @@ def lost_records(session: Path, there: int) -> int:
     except (ValueError, KeyError, IndexError, TypeError, csv.Error):
         # A table that cannot be read is built again.
         return 0
-    return max(0, last + 1 - there) if isinstance(last, int) else 0
+    return last + 1 if isinstance(last, int) else 0
 
 
 def whole_leftovers(session: Path, state: SessionState) -> list[str]:

@@ -14,7 +14,7 @@ from sandbox.recording.recording import load_recording
 from sandbox.study.design.plan import TrialStep, session_plan, trials_of
 from sandbox.study.record.folder import Participant, StudyFolder
 from sandbox.study.record.journal import read_journal
-from sandbox.study.record.leftovers import lost_records, whole_leftovers
+from sandbox.study.record.leftovers import logged_records, whole_leftovers
 from sandbox.study.record.recorded_result import finished_result
 from sandbox.study.record.session_folder import SessionFolder
 from sandbox.study.record.state import SessionState
@@ -68,6 +68,8 @@ def losses(study: StudyFolder) -> Iterator[Loss]:
     """
     for person in study.participants():
         for path in session_folders(study.path / person.ppid):
+            # Before the journal, to which a session that is open adds first.
+            logged = logged_records(path)
             journal = path / JOURNAL
             records = read_journal(journal) if journal.exists() else []
             state, number = SessionState.of(records), int(path.name[1:])
@@ -76,7 +78,7 @@ def losses(study: StudyFolder) -> Iterator[Loss]:
                 _found(person, number, plan, state, path / file)
                 for file in whole_leftovers(path, state)
             )
-            lost = lost_records(path, len(records))
+            lost = max(0, logged - len(records))
             if found or lost:
                 yield Loss(person, number, lost, found)
 
