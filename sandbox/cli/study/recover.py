@@ -43,13 +43,17 @@ class RecoverOptions:
     """Reason, stored in the journals."""
 
 
-def tell_losses(study: StudyFolder, console: Console) -> bool:
-    """Says which journals have lost something; returns True if any has."""
+def tell_losses(study: StudyFolder, console: Console) -> tuple[str, ...]:
+    """Says which journals have lost something.
+
+    Returns:
+        The participants whose journals have lost something, each once.
+    """
     from sandbox.study.run.recover import losses
 
-    lost = False
+    lost: dict[str, None] = {}
     for loss in losses(study):
-        lost = True
+        lost[loss.person.ppid] = None
         whole = counted(len(loss.found), "whole recording")
         console.print(
             f"[yellow]{loss.person.ppid}, session {loss.session}: the journal has lost records "
@@ -58,7 +62,7 @@ def tell_losses(study: StudyFolder, console: Console) -> bool:
             soft_wrap=True,
             highlight=False,
         )
-    return lost
+    return tuple(lost)
 
 
 def recover(options: RecoverOptions, console: Console) -> int:

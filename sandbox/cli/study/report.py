@@ -48,7 +48,7 @@ def report(options: ReportOptions, console: Console) -> int:
 
     if options.out is not None and options.out.is_file():
         raise InputError("this is a file", where="--out", got=str(options.out), expected="a folder")
-    _bring_up_to_date(options.folder, console)
+    lacking = _bring_up_to_date(options.folder, console)
     with console.status("") as status:
         out = options.out or options.folder / "report"
         page = make_report(
@@ -57,31 +57,39 @@ def report(options: ReportOptions, console: Console) -> int:
             options.measure,
             lambda text: status.update(f"[dim]{text}[/]"),
             lambda text: console.print(f"[yellow]{escape(text)}[/]"),
+            lacking,
         )
     console.print(f"{escape(str(page))}: open it in a browser; tables and analysis.R are beside it")
     return 0
 
 
-def _bring_up_to_date(folder: Path, console: Console) -> None:
+def _bring_up_to_date(folder: Path, console: Console) -> str:
     """Rebuilds outdated tables, as after a program was killed during a session.
 
     Tables that have more than a journal are left as they are.
+
+    Returns:
+        What the tables lack, in sentences; empty if they are whole.
     """
     from sandbox.study.record.folder import STUDY_JOURNAL, StudyFolder
     from sandbox.study.tables.tables import rebuild_closed, rebuild_study, tables_are_outdated
 
     if not (folder / STUDY_JOURNAL).exists():
-        return
+        return ""
     try:
         study = StudyFolder.at(folder)
-        if tell_losses(study, console):
+        if ppids := tell_losses(study, console):
             console.print("[yellow]until that is decided, the tables are left as they are[/]")
-            return
+            return (
+                f"Records of {', '.join(ppids)} are lost, and nobody has decided about them: some "
+                "trials may be missing here. `sandbox study recover` shows them."
+            )
         if not tables_are_outdated(folder):
-            return
+            return ""
         rebuild_closed(study)
         rebuild_study(study, console.print)
     except HandSandboxError as error:
         console.print(f"[yellow]the newest trials are not in the tables: {escape(str(error))}[/]")
-    else:
-        console.print("[dim]the tables were rebuilt, since some journals were newer[/]")
+        return "The newest trials are missing here, because the tables could not be rebuilt."
+    console.print("[dim]the tables were rebuilt, since some journals were newer[/]")
+    return ""

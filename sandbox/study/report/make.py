@@ -19,6 +19,7 @@ def make_report(
     measures: Sequence[str] = (),
     say: Callable[[str], object] = lambda text: None,
     note: Callable[[str], object] = lambda text: None,
+    lacking: str = "",
 ) -> Path:
     """Creates a report.
 
@@ -28,6 +29,7 @@ def make_report(
         measures: Names of measures to compare besides time and success.
         say: Callback for progress messages.
         note: Callback for lines that the reader of the report must know.
+        lacking: What the tables lack, in sentences for the top of the page.
 
     Returns:
         Path of the page.
@@ -60,7 +62,7 @@ def make_report(
     for name, content in tables(analysis).items():
         write_atomically(out / name, content, durable=False)
     write_atomically(out / SCRIPT, script(analysis).encode(), durable=False)
-    write_atomically(out / PAGE, page(analysis).encode(), durable=False)
+    write_atomically(out / PAGE, page(analysis, lacking).encode(), durable=False)
     return out / PAGE
 
 

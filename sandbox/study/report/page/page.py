@@ -48,8 +48,13 @@ UNKNOWN = (
 MOST_FINDINGS = 12
 
 
-def page(analysis: Analysis) -> str:
-    """Returns the HTML text of the report."""
+def page(analysis: Analysis, lacking: str = "") -> str:
+    """Returns the HTML text of the report.
+
+    Args:
+        analysis: What is shown.
+        lacking: What the tables lack, in sentences for the top of the page.
+    """
     from jinja2 import Environment
 
     here = files("sandbox.study.report.page")
@@ -57,7 +62,9 @@ def page(analysis: Analysis) -> str:
         here.joinpath("page.html").read_text(encoding="utf-8")
     )
     css = here.joinpath("page.css").read_text(encoding="utf-8")
-    return template.render(css=_Safe(css), sections=_sections(analysis), **head(analysis))
+    told = head(analysis)
+    told["warning"] = " ".join(filter(None, (told["warning"], lacking)))
+    return template.render(css=_Safe(css), sections=_sections(analysis), **told)
 
 
 class _Safe(str):

@@ -188,6 +188,9 @@ def test_a_report_and_a_copy_of_a_study_that_lost_records_say_so_and_leave_its_t
     assert "the journal has lost" in said and f"sandbox study recover {study.path}" in said
     assert "until that is decided, the tables are left as they are" in said
     assert (study.path / "trial_results.csv").read_bytes() == before
+    page = (out / "report" / "report.html").read_text(encoding="utf-8")
+    lost = f"Records of {study.participants()[0].ppid} are lost"
+    assert lost in page[: page.index("</header>")]
     shared = ["--anonymise", "--out", str(out / "shared")]
     assert main(["study", "export", str(study.path), *shared]) == 0
     assert "what was lost is not in the copy" in capsys.readouterr().out
