@@ -34,6 +34,41 @@ def save_capture(capture: Capture, path: Path | str, dtype: type[np.floating] = 
     write_npz(Path(path), {"schema": SCHEMA, **capture.meta}, arrays)
 
 
+def check_order(capture: Capture) -> None:
+    """Checks that a capture is in order: filters, jumps and labels follow it frame by frame.
+
+    Raises:
+        CaptureError: A take is not in one piece, its time does not increase, or two fingers of a
+            frame share an id.
+    """
+    next_take = np.diff(capture.trial) != 0
+    takes = 1 + int(next_take.sum())
+    if takes != len(np.unique(capture.trial)):
+        raise CaptureError(
+            "a take is not in one piece",
+            where="trial",
+            expected="all frames of a take one after the other, and a number for every take",
+        )
+    back = np.flatnonzero((np.diff(capture.time) <= 0.0) & ~next_take)
+    if len(back):
+        at = int(back[0]) + 1
+        raise CaptureError(
+            "the time does not increase within a take",
+            where=f"time, frame {at} of take {capture.trial[at]}",
+            got=f"{capture.time[at]:g} s after {capture.time[at - 1]:g} s",
+            remedy="Sort its frames by time, and give what follows a restarted clock another take",
+        )
+    ids = np.sort(capture.ids, axis=1)
+    twice = np.flatnonzero(((ids[:, 1:] == ids[:, :-1]) & (ids[:, 1:] >= 0)).any(axis=1))
+    if len(twice):
+        raise CaptureError(
+            "two fingers of a frame share an id",
+            where=f"ids, frame {int(twice[0])}",
+            got=capture.ids[twice[0]].tolist(),
+            expected="an id of its own for every contact",
+        )
+
+
 def load_capture(path: Path | str) -> Capture:
     """Reads a capture, written by `save_capture` or `sandbox capture`.
 
@@ -58,7 +93,7 @@ def load_capture(path: Path | str) -> Capture:
                 "wrong type", where=f"{where}: {name}", got=arrays[name].dtype, expected=kind
             )
     try:
-        return Capture(
+        capture = Capture(
             arrays["time"].astype(float),
             arrays["trial"].astype(np.int64),
             arrays["ids"].astype(np.int64),
@@ -66,6 +101,8 @@ def load_capture(path: Path | str) -> Capture:
             arrays["q"].astype(float),
             meta,
         )
+        check_order(capture)
+        return capture
     except CaptureError as error:
         place = f"{where}: {error.where}" if error.where else where
         raise CaptureError(

@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 from functools import cache
-from math import inf, isfinite, nan
+from math import isfinite, nan
 from xml.etree.ElementTree import tostring
 
 import mujoco
 import numpy as np
 
+from models.arithmetic.products import length
 from models.errors import InputError
 from models.hand import Hand
 from models.mjcf_object import check_object_name
 from models.objects import Box, Cylinder, MechanismPart, SceneObject
-from models.scene import TABLE, Scene, SceneSpec
+from models.scene import TABLE, PaintedRing, Scene, SceneSpec
 from models.surface import Surface
+from tasks.reach import over_a_side
 from tasks.sensing import Sensing
 from tasks.task import Measure, Task
 
@@ -40,6 +42,10 @@ def check_values(task: Task, where: str) -> None:
     """
     for thing in task.objects:
         _check_thing(thing, where)
+    for ring in _rings(task, where):
+        _check_numbers(f"the middle of {ring.name}", ring.middle, 2, where)
+        _check_numbers(f"the radius of {ring.name}", ring.radius, 0, where, above=0.0)
+        _check_numbers(f"the width of {ring.name}", ring.width, 0, where, above=0.0)
     rings = [ring.name for ring in task.painted]
     names = [thing.name for thing in task.objects]
     for name in rings:
@@ -53,6 +59,25 @@ def check_values(task: Task, where: str) -> None:
         whose = f"the goal of {goal.object}"
         _check_numbers(f"the position of {whose}", goal.position, 3, where)
         _check_numbers(f"the yaw of {whose}", goal.yaw, 0, where)
+
+
+def _rings(task: Task, where: str) -> tuple[PaintedRing, ...]:
+    """What is painted on the table.
+
+    Raises:
+        InputError: It is something else than rings.
+    """
+    painted: object = task.painted
+    if not isinstance(painted, tuple | list) or not all(
+        isinstance(ring, PaintedRing) for ring in painted
+    ):
+        raise InputError(
+            "what is painted is wrong",
+            where=where,
+            got=repr(painted)[:80],
+            expected="several PaintedRing, such as `(PaintedRing(...),)`",
+        )
+    return tuple(painted)
 
 
 @cache
@@ -227,6 +252,14 @@ def check_places(task: Task, surface: Surface, where: str) -> None:
                 got=f"{1000 * x:.0f} mm right and {1000 * y:.0f} mm down from its top left corner",
                 expected=f"within {1000 * width:.0f} x {1000 * height:.0f} mm",
             )
+    if task.plane == "front":
+        for obj in task.objects:
+            if not (isinstance(obj, MechanismPart) and obj.fixed) and over_a_side(obj, surface):
+                raise InputError(
+                    f"{obj.name} sticks out over a side of the touch surface",
+                    where=where,
+                    remedy="Place it further inside: no finger gets to its outer face",
+                )
     widest = WIDEST * float(surface.size.max())
     try:
         scene = Scene(SceneSpec((), task.objects, task.table_friction, painted=task.painted))
@@ -246,18 +279,39 @@ def check_places(task: Task, surface: Surface, where: str) -> None:
     _check_apart(scene, where, "Place them apart, or the physics would throw them across the table")
 
 
-def check_varied(task: Task, where: str) -> None:
+def check_varied(task: Task, where: str, plain: Task | None = None) -> None:
     """Checks that the things of a varied trial are apart from each other and from the table.
 
     Args:
         task: The varied trial.
         where: Task and seed, for messages.
+        plain: The trial before it was varied; None does not look at rings.
 
     Raises:
-        InputError: Two things overlap; it names both.
+        InputError: Two things overlap; it names both. Or a thing starts inside of a ring that it
+            was outside of.
     """
+    before = set() if plain is None else _inside_rings(plain)
+    inside = set() if plain is None else _inside_rings(task) - before
+    if inside:
+        raise InputError(
+            "things start inside of the ring, where they are to be brought",
+            where=where,
+            got=", ".join(sorted(thing for _, thing in inside)),
+            remedy="Vary it less",
+        )
     scene = Scene(SceneSpec((), task.objects, task.table_friction, painted=task.painted))
     _check_apart(scene, where, "Vary it less: the physics would throw them across the table")
+
+
+def _inside_rings(task: Task) -> set[tuple[str, str]]:
+    """Names of painted rings and of the objects that start in each, in pairs."""
+    return {
+        (ring.name, thing.name)
+        for ring in task.painted
+        for thing in task.objects
+        if length(np.subtract(thing.position[:2], ring.middle)) <= ring.radius
+    }
 
 
 def _check_apart(scene: Scene, where: str, remedy: str) -> None:
@@ -290,6 +344,8 @@ def _deepest_overlap(scene: Scene) -> tuple[float, tuple[str, str]]:
 def measure(task: Task, sensing: Sensing) -> Measure:
     """Calls a task's `measure`, and checks its result.
 
+    A progress below 0 or above 1 becomes the nearest of the two.
+
     Raises:
         InputError: `measure` of the task returns something else, such as nothing, or a progress
             that is no number.
@@ -312,7 +368,7 @@ def _plain(result: Measure) -> bool:
         type(result.reached) is bool
         and type(result.lost) is bool
         and type(result.progress) is float
-        and -inf < result.progress < inf
+        and 0.0 <= result.progress <= 1.0
         and isinstance(result.reason, str)
         and (result.first is None or (isinstance(result.first, Measure) and _plain(result.first)))
     )
@@ -358,7 +414,7 @@ def _made_plain(result: Measure, task: str) -> Measure:
         )
     return Measure(
         reached,
-        progress,
+        min(max(progress, 0.0), 1.0),
         result.reason,
         lost,
         None if first is None else _made_plain(first, task),

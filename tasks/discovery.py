@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import re
 from importlib.metadata import EntryPoint
+from math import inf, isfinite
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -142,15 +143,6 @@ def check_task(kind: Any, where: str) -> None:
             got=name,
             expected="small letters, digits and hyphens: my-lab-push",
         )
-    for number in _NUMBERS:
-        value = getattr(kind, number, None)
-        if isinstance(value, bool) or not isinstance(value, int | float) or not value >= 0:
-            raise InputError(
-                f"a task's {number} is missing or invalid",
-                where=where,
-                got=value,
-                expected="a number that is not negative",
-            )
     if getattr(kind, "plane", None) not in ("table", "front"):
         raise InputError(
             "a task's plane is missing or invalid",
@@ -158,9 +150,44 @@ def check_task(kind: Any, where: str) -> None:
             got=getattr(kind, "plane", None),
             expected="table or front",
         )
+    _check_limits(kind, where)
     missing: frozenset[str] = getattr(kind, "__abstractmethods__", frozenset())
     if missing:
         raise InputError("this task lacks members", where=where, got=", ".join(sorted(missing)))
+
+
+def _check_limits(kind: Any, where: str) -> None:
+    """Raises an error for a number of a task that is missing, or that cannot be.
+
+    Raises:
+        InputError: It names the number.
+    """
+    for number in _NUMBERS:
+        value = getattr(kind, number, None)
+        # Before an upright surface fingertips may also be behind what they grip.
+        least = -inf if number == "touch_height" and kind.plane == "front" else 0.0
+        if (
+            isinstance(value, bool)
+            or not isinstance(value, int | float)
+            or not (isfinite(value) and value >= least)
+        ):
+            raise InputError(
+                f"a task's {number} is missing or invalid",
+                where=where,
+                got=value,
+                expected="a number" if least else "a number that is not negative",
+            )
+    if not kind.time_limit > 0:
+        raise InputError("a task's time_limit must be above 0", where=where, got=kind.time_limit)
+    if kind.hold_time > kind.time_limit:
+        raise InputError(
+            "a task's hold_time is longer than its time_limit, so that nobody could succeed",
+            where=where,
+            got=f"{kind.hold_time:g} s, and {kind.time_limit:g} s",
+        )
+    hands = getattr(kind, "hands", 1)
+    if isinstance(hands, bool) or not isinstance(hands, int) or hands not in (1, 2):
+        raise InputError("a task's hands are wrong", where=where, got=hands, expected="1 or 2")
 
 
 def _looks_like_task(kind: Any) -> bool:

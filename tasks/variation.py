@@ -20,6 +20,7 @@ from models.arithmetic.products import length
 from models.errors import InputError
 from models.objects import Box, MechanismPart, SceneObject
 from models.surface import Surface
+from tasks.reach import over_a_side
 from tasks.task import Goal, Task
 
 
@@ -105,12 +106,13 @@ _STREAM = 7_005
 _TRIES = 2_000
 
 
-RULES = (1, 2)
+RULES = (1, 2, 3)
 """Rules of varied trials, by number. 1: a free mechanism of another size keeps the height of its
 frame, so that it is sunk into the table, or above it, and the goals of parts move as the parts'
 starts do; the starts of all objects are shifted. 2: it stands where it stood, goals of parts are as
 far as its joints reach, only what a person is to carry is shifted, and things that overlap at the
-start are refused."""
+start are refused. 3: besides, no shift brings a thing nearer to its goal, or over a side of an
+upright surface, and things that a larger ring would already hold are refused."""
 
 
 def vary(task: Task, variation: Variation, surface: Surface, rules: int = RULES[-1]) -> Task:
@@ -147,7 +149,7 @@ def vary(task: Task, variation: Variation, surface: Surface, rules: int = RULES[
     steps = {t.name: _step(u, t) for t, u in zip(objects, task.objects, strict=True)}
     if variation.start:
         names = _shifted(task) if rules > RULES[0] else [thing.name for thing in objects]
-        objects = _moved(objects, names, variation.start, task, surface)
+        objects = _moved(objects, names, variation.start, task, surface, rules > RULES[1])
     goals = tuple(_goal(goal, variation.size, steps[goal.object]) for goal in task.goals)
     if stands and variation.size != 1.0:
         goals = _goals_of_parts(goals, task, objects, variation.size)
@@ -267,9 +269,19 @@ def _moved(
     way: float,
     task: Task,
     surface: Surface,
+    harder: bool,
 ) -> tuple[SceneObject, ...]:
     """Objects, those of some names with shifted starts on the surface, no nearer to another than
-    before."""
+    before.
+
+    Args:
+        objects: All objects.
+        names: Names of those that are shifted.
+        way: m, how far.
+        task: The drawn trial.
+        surface: The surface as placed in the world.
+        harder: None comes nearer to its goal, or over a side of an upright surface.
+    """
     own = [i for i, thing in enumerate(objects) if thing.name in names]
     bolted = [
         objects[i].name
@@ -307,12 +319,23 @@ def _moved(
             for i in own:
                 x, y, z = new[i].tolist()
                 moved[i] = replace(objects[i], position=(x, y, z))  # type: ignore[type-var]
-            return tuple(moved)
+            if not harder or not any(_easier(moved[i], objects[i], task, surface) for i in own):
+                return tuple(moved)
     raise InputError(
         "the surface has no room for starts shifted so far",
         where=f"{task.name}, seed {task.seed}",
         got=f"{1000 * way:g} mm",
     )
+
+
+def _easier(moved: SceneObject, before: SceneObject, task: Task, surface: Surface) -> bool:
+    """True if an object came nearer to its goal, or to where no finger gets at it."""
+    goals = [g.position for g in task.goals if g.object == moved.name and g.on is None]
+    nearer = any(
+        length(np.subtract(moved.position, goal)) < length(np.subtract(before.position, goal))
+        for goal in goals
+    )
+    return nearer or (task.plane == "front" and over_a_side(moved, surface))
 
 
 def _distances(places: Array) -> Iterator[float]:

@@ -40,11 +40,12 @@ def block_interval(
         seed: Seed; equal arguments give equal intervals.
 
     Returns:
-        Lower and upper end of the central 95 %; NaN without values.
+        Lower and upper end of the central 95 %; NaN with fewer than two blocks, which do not show
+        how much blocks differ.
     """
-    if not len(values):
+    blocks, index = np.unique(block, return_inverse=True)
+    if len(blocks) < 2:
         return float("nan"), float("nan")
-    _, index = np.unique(block, return_inverse=True)
     counts = np.bincount(index).astype(float)
     sums = np.bincount(index, np.asarray(values, float))
     picks = np.random.default_rng(seed).integers(0, len(counts), (resamples, len(counts)))

@@ -130,6 +130,8 @@ class CorrectedMethod(BestMethod):
 
     def __init__(self, name: str, best: Best, labeller: Labeller) -> None:
         super().__init__(best, name)
+        # Nobody knows on what it was trained, and how, so that it cannot be trained anew.
+        self.fresh = None
         self.history, self._labeller = False, labeller
 
     def labeller(self) -> Labeller:

@@ -160,6 +160,30 @@ def _arrays(looks: Sequence[Look], size: float) -> tuple[Array, Array]:
     return xy / size, q
 
 
+def read_rest(path: Path, hand: str) -> Looks:
+    """Reads a rest posture, before the size of the person's hand is known; see `load_rest`.
+
+    Raises:
+        InputError: The file is missing, of another version or kind, or of the other hand.
+    """
+    if path.suffix == ".npz":
+        capture = load_capture(path)
+        # A capture's poses are a right hand's; that of a left hand is mirrored, and says so.
+        side = str(capture.meta.get("recorded_side") or capture.meta.get("side", hand))
+        looks = looks_of(capture)
+    else:
+        side, looks = _read(path)
+    if side != hand:
+        raise InputError(
+            "the rest posture is of the other hand",
+            where=str(path),
+            got=side,
+            expected=hand,
+            remedy=f"Use it with --hand {side}, or see the {hand} hand",
+        )
+    return looks
+
+
 def load_rest(path: Path, hand: str, size: float) -> Looks:
     """Reads a rest posture: a file of looks, or a capture (.npz), of whose takes the last frames.
 
@@ -172,19 +196,7 @@ def load_rest(path: Path, hand: str, size: float) -> Looks:
         InputError: The file is missing, of another version or kind, of the other hand, or no hand
             has its joints.
     """
-    if path.suffix == ".npz":
-        capture = load_capture(path)
-        side, looks = str(capture.meta.get("side", hand)), looks_of(capture)
-    else:
-        side, looks = _read(path)
-    if side != hand:
-        raise InputError(
-            "the rest posture is of the other hand",
-            where=str(path),
-            got=side,
-            expected=hand,
-            remedy=f"Use it with --hand {side}, or see the {hand} hand",
-        )
+    looks = read_rest(path, hand)
     try:
         check_looks(looks, size)
     except EncoderError as error:
@@ -216,10 +228,21 @@ def save_rest(looks: Sequence[Look], path: Path, hand: str, simulated: bool) -> 
         path: The file.
         hand: `right` or `left`; a left hand's looks are mirrored.
         simulated: True if nobody was seen.
+
+    Raises:
+        InputError: The file cannot be written; what was there stays.
     """
     own = [_mirrored(look) for look in looks] if hand == "left" else list(looks)
     values: dict[str, Any] = {"kind": KIND, "schema": SCHEMA, "hand": hand, "simulated": simulated}
-    path.write_text(json.dumps(values | {"looks": [asdict(look) for look in own]}, indent=1))
+    text = json.dumps(values | {"looks": [asdict(look) for look in own]}, indent=1)
+    beside = path.with_name(f"{path.name}.new")
+    try:
+        beside.write_text(text, encoding="utf-8")
+        beside.replace(path)
+    except OSError as error:
+        raise InputError(
+            "the rest posture cannot be written", where=str(path), got=error.strerror
+        ) from None
 
 
 def _mirrored(look: Look) -> Look:

@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import atan2, cos, sin
+from numbers import Real
 from pathlib import Path
 from typing import Any, NoReturn
 from xml.etree.ElementTree import Element, SubElement
@@ -92,9 +93,17 @@ class Mechanism:
         check_position(self.position, where)
         for what in ("size", "mass", "resistance"):
             value = vars(self)[what]
-            if not 0.0 < value < float("inf"):
+            if not isinstance(value, Real) or not 0.0 < value < float("inf"):
                 raise InputError(
-                    f"its {what} is out of range", where=where, got=value, expected="above 0"
+                    f"its {what} is out of range",
+                    where=where,
+                    got=repr(value),
+                    expected="a number above 0",
+                )
+        for body, value in self.start.items():
+            if not isinstance(value, Real):
+                raise InputError(
+                    f"the start of {body} is not a number", where=where, got=repr(value)
                 )
         named = {self._described(part.number): part.joint for part in self.parts if part.joint}
         unknown = sorted(set(self.start) - set(named))

@@ -13,13 +13,14 @@ from rich.console import Console
 
 from encoders.labels.population_belief import builtin_population_belief
 from encoders.person.hand_size import SPREADS, HandSize, builtin_sizes
-from encoders.person.rest_posture import Looks, load_rest
+from encoders.person.rest_posture import load_rest, read_rest
 from encoders.person.spreads import SpreadCollector
 from models.arithmetic.arrays import Array
 from models.errors import InputError
 from models.person import Person, PersonFrame
 from models.scene import CONTROL_PERIOD
 from models.surface import Surface
+from sandbox.cli.common.json_out import check_output, refuse_replacing
 from sandbox.cli.common.parse import parse
 from sandbox.devices.simulated.spreads import SimulatedSpreads
 from sandbox.devices.tuio.tuio import DEFAULT_PORT, LOOPBACK
@@ -99,6 +100,10 @@ def main(argv: list[str]) -> int:
         )
     if not options.seconds > 0.0:
         raise InputError("expected a positive time", where="--seconds", got=options.seconds)
+    path = options.out or default_path()
+    if options.out is not None:
+        check_output(path, "--out")
+    refuse_replacing(path, {"--device": Path(options.device), "--rest": options.rest})
     console = Console()
     simulated = options.device == "simulated"
     chosen = plan(
@@ -115,6 +120,9 @@ def main(argv: list[str]) -> int:
     _check_surface(options, settings)
     surface = settings.surface
     asked = replace(settings.hands[0].person, hand_size=1.0)
+    if options.rest is not None:
+        # Nobody puts down their fingers for a file that cannot be used.
+        read_rest(options.rest, asked.hand)
     if simulated:
         person = replace(asked, hand_size=options.hand_size)
         device: Device = SimulatedSpreads(person, surface, options.seed)
@@ -131,12 +139,16 @@ def main(argv: list[str]) -> int:
     measured = replace(asked, hand_size=round(size.ratio, 4))
     played = simulated or chosen.about.get("user") is not None
     interval = _rounded(size, measured)
-    rest: Looks = ()
-    if options.rest is not None:
-        rest = load_rest(options.rest, measured.hand, measured.hand_size)
-    profile = Profile(measured, interval, options.device, played, _named(inward, measured), rest)
-    path = options.out or default_path()
+    profile = Profile(measured, interval, options.device, played, _named(inward, measured), ())
     save_profile(profile, path)
+    if options.rest is not None:
+        try:
+            looks = load_rest(options.rest, measured.hand, measured.hand_size)
+        except InputError:
+            console.print(f"{profile.line}; written to {path}, without --rest", soft_wrap=True)
+            raise
+        profile = replace(profile, rest=looks)
+        save_profile(profile, path)
     console.print(f"{profile.line}; written to {path}", soft_wrap=True)
     return 0
 

@@ -6,7 +6,7 @@ import time
 from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import tyro
 from rich.console import Console
@@ -52,7 +52,7 @@ class DemoOptions:
     out: Annotated[Path, tyro.conf.arg(metavar="DIR")] = Path("sandbox-demo")
     """Folder for the film and the picture; existing ones are replaced."""
 
-    view: Annotated[str, tyro.conf.arg(metavar="{auto,window,film,none}")] = "auto"
+    view: Literal["auto", "window", "film", "none"] = "auto"
     """auto: a window if there is a display, and a film if there is OpenGL. none: neither."""
 
 

@@ -15,6 +15,7 @@ from encoders.person.rest_posture import MOST, check_looks, save_rest
 from models.errors import EncoderError, InputError
 from models.limits import RateLimit
 from models.scene import CONTROL_PERIOD
+from sandbox.cli.common.json_out import check_output, refuse_replacing
 from sandbox.cli.common.parse import parse
 from sandbox.devices.leap.leap import DEFAULT_ADDRESS
 from sandbox.devices.registry import built_in
@@ -116,10 +117,9 @@ def _plan(options: RestOptions) -> Plan:
         )
     if not options.seconds > 0.0:
         raise InputError("expected a positive time", where="--seconds", got=options.seconds)
-    if not options.out.absolute().parent.is_dir():
-        raise InputError(
-            "no such folder", where=f"--out {options.out}", remedy="Make it, or name another"
-        )
+    check_output(options.out, "--out")
+    sources = {"--device": Path(options.device), "--calibration": options.calibration}
+    refuse_replacing(options.out, sources)
     if options.device == HEADSET:
         raise InputError(
             "a headset's hand is seen in a recording",

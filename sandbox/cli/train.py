@@ -31,7 +31,7 @@ from encoders.regression.trained import (
 )
 from encoders.store import load_capture, save_capture
 from models.errors import InputError
-from sandbox.cli.common.json_out import check_output
+from sandbox.cli.common.json_out import check_output, refuse_replacing
 from sandbox.cli.common.parse import parse
 
 SAME_POSE = 1e-4
@@ -157,14 +157,8 @@ def _check_out(options: TrainOptions) -> None:
         InputError: It cannot be written, or would replace what it is trained from.
     """
     check_output(options.out, "--out")
-    for name, source in (("--capture", options.capture), ("--population", options.population)):
-        if source is not None and source.resolve() == options.out.resolve():
-            raise InputError(
-                "the model would replace what it is trained from",
-                where=f"--out {options.out}",
-                got=name,
-                remedy="Name another file",
-            )
+    sources = {"--capture": options.capture, "--population": options.population}
+    refuse_replacing(options.out, sources)
 
 
 def _one(options: TrainOptions, capture: Capture, console: Console) -> int:

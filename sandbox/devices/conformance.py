@@ -15,6 +15,7 @@ pytest finds the tests of the class. This module itself does not need pytest.
 from __future__ import annotations
 
 import threading
+import time
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from typing import TypeVar
@@ -33,6 +34,9 @@ PERIOD = 1.0 / 60.0
 
 PATIENCE = 20.0
 """s after which a `poll` or `close` that has not returned counts as hanging."""
+
+LONGEST_WAIT = 0.008
+"""s that `poll` may wait: half a control period."""
 
 SLACK = 1e-6
 """m that a contact may lie beyond the surface."""
@@ -65,9 +69,11 @@ class DeviceConformance(ABC):
     def test_poll_comes_back_at_once_also_when_nothing_happens(self) -> None:
         device = self._opened()
         try:
-            in_time(lambda: [device.poll(n * PERIOD) for n in range(10 * STEPS)], "poll")
+            waits = in_time(lambda: [_wait(device, n * PERIOD) for n in range(10 * STEPS)], "poll")
         finally:
             device.close()
+        # The middle one, since on a busy machine some take long.
+        assert sorted(waits)[len(waits) // 2] < LONGEST_WAIT, "poll waits: sessions fall behind"
 
     def test_its_frames_are_sound(self) -> None:
         device = self._opened()
@@ -148,6 +154,13 @@ def check_frames(frames: Sequence[TouchFrame], surface: Surface, whole: bool = T
             unknown = frame.cancelled - present
             assert not unknown, f"{where}: {sorted(unknown)} cancelled, but was not a contact"
         last, present = frame.time, ids
+
+
+def _wait(device: Device, now: float) -> float:
+    """s that a poll waits: the time that it takes without that in which its thread computes."""
+    began, busy = time.perf_counter(), time.thread_time()
+    device.poll(now)
+    return (time.perf_counter() - began) - (time.thread_time() - busy)
 
 
 def in_time(call: Callable[[], T], what: str) -> T:

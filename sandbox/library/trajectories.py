@@ -234,7 +234,8 @@ class TrajectoryView:
     def _of_hand(self, number: int) -> HandTrajectory:
         views = [s.hands[number] for s in self._snapshots]
         qpos = np.array([s.qpos[self._scene.qpos_slice(number)] for s in self._snapshots])
-        qpos = qpos.reshape(len(views), -1)
+        at = self._scene.qpos_slice(number)
+        qpos = qpos.reshape(len(views), at.stop - at.start)  # Also without a single moment.
         return HandTrajectory(
             self._scene.spec.hands[number].coordinates(qpos),
             np.array([view.target for view in views]),

@@ -45,7 +45,7 @@ class PicturePage(Closeable):
         self._jpeg, self._number, self._over = b"", 0, False
         try:
             self._server = ThreadingHTTPServer((_HOSTS[0], port), _handler(self, title))
-        except OSError as error:
+        except (OSError, OverflowError) as error:
             raise DeviceError("the page cannot be served", where="--port", got=str(error)) from None
         self._server.daemon_threads = True
         self._thread = threading.Thread(target=self._server.serve_forever, daemon=True)

@@ -14,13 +14,16 @@ _ENDING = ("SIGTERM", "SIGHUP")
 def ending_as_by_ctrl_c() -> Iterator[None]:
     """Context in which requests to end raise KeyboardInterrupt, as Ctrl-C does.
 
-    Outside the main thread it changes nothing, since only that one gets signals.
+    A signal that is ignored, as SIGHUP is under `nohup`, stays ignored. Outside the main thread it
+    changes nothing, since only that one gets signals.
     """
     before = {}
     if threading.current_thread() is threading.main_thread():
         # Windows has no SIGHUP.
         for number in (signal.Signals[name] for name in _ENDING if hasattr(signal, name)):
-            before[number] = signal.signal(number, signal.default_int_handler)
+            # None is a handler that Python did not set, and cannot put back.
+            if signal.getsignal(number) not in (signal.SIG_IGN, None):
+                before[number] = signal.signal(number, signal.default_int_handler)
     try:
         yield
     finally:

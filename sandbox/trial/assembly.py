@@ -193,7 +193,8 @@ def drawn(settings: RunSettings, may_overlap: bool = False) -> tuple[Task, tuple
     task = vary(plain, settings.variation, whole, settings.vary_rules)
     # What was recorded under the first rules may be played again, also as a device.
     if task is not plain and settings.vary_rules > 1 and not may_overlap:
-        check_varied(task, f"{task.name}, seed {task.seed}, varied")
+        before = plain if settings.vary_rules > 2 else None
+        check_varied(task, f"{task.name}, seed {task.seed}, varied", before)
     return task, surfaces
 
 

@@ -134,22 +134,24 @@ def placed(
 def pressed(goals: tuple[Goal, ...], sensing: Sensing, first: Measure | None = None) -> Measure:
     """Tests whether the blue keys, and no others, are pressed now, each by its own finger alone.
 
+    With two hands a key's own finger is that of either; what is missing is said of the first.
+
     Args:
         goals: Goals of all keys; those of blue ones are shown.
         sensing: The simulation.
         first: What has to be held before.
     """
     asked = {goal.object for goal in goals if goal.shown}
-    (hand,) = sensing.hands
+    hands = sensing.hands
     up, by_others, wrong = [], [], False
     for key in range(KEYS):
-        name, finger = key_name(key), own_finger(key, hand)
+        name, finger = key_name(key), own_finger(key, hands[0])
         down = sensing.joint(name).share >= POINT
         if name not in asked:
             wrong |= down
         elif not down:
             up.append(FINGERS[finger])
-        elif sensing.fingers(name) != {(hand, finger)}:
+        elif sensing.fingers(name) not in [{(hand, own_finger(key, hand))} for hand in hands]:
             by_others.append(FINGERS[finger])
     right = len(asked) - len(up) - len(by_others)
     reason: str = ""

@@ -51,9 +51,8 @@ class SingleKeys(Chords):
 
     def measure(self, sensing: Sensing) -> Measure:
         """Tests whether the key is pressed by its own finger now, and whether five fingers rest."""
-        (hand,) = sensing.hands
         up = [
-            FINGERS[own_finger(key, hand)]
+            FINGERS[own_finger(key, sensing.hands[0])]
             for key in range(KEYS)
             if sensing.joint(key_name(key)).share < POINT
         ]

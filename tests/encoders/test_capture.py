@@ -143,6 +143,25 @@ def test_a_file_with_a_wrong_part_is_refused_and_named(path: Path, changes: dict
         load_capture(path)
 
 
+def test_a_capture_out_of_order_is_refused_when_it_is_read(tmp_path: Path) -> None:
+    made = capture()
+    back, same, mixed = made.time.copy(), made.ids.copy(), made.trial[::-1].copy()
+    back[6] -= 1.0
+    same[made.ids >= 0] = 7
+    mixed[0] = mixed[-1]
+    for changed, said in (
+        ({"time": back}, "time does not increase"),
+        ({"ids": same}, "share an id"),
+        ({"trial": mixed}, "not in one piece"),
+    ):
+        save_capture(replace(made, **changed), tmp_path / "c.npz")
+        with pytest.raises(CaptureError, match=said):
+            load_capture(tmp_path / "c.npz")
+    # A clock may begin anew with every take.
+    save_capture(replace(made, time=np.arange(12) % 4 / 30), tmp_path / "c.npz")
+    load_capture(tmp_path / "c.npz")
+
+
 def test_a_missing_file_is_reported_as_missing(tmp_path: Path) -> None:
     with pytest.raises(CaptureError, match="no such file"):
         load_capture(tmp_path / "none.npz")

@@ -18,6 +18,7 @@ from hypothesis import strategies as st
 from models.errors import InputError, RecordingError
 from models.mechanisms.mechanism import Mechanism
 from models.objects import Box
+from models.scene import PaintedRing
 from models.surface import Surface
 from sandbox.cli.main import main
 from sandbox.library.trial_run import run_trial
@@ -330,6 +331,12 @@ def write(path: Path, body: str) -> Path:
         ("class A(Slide): name = 'box-to-goal'", "another task has this name"),
         ("class A(Slide): name = 'Too Nice'", "name is missing or invalid"),
         ("class A(Slide): name = 'a'; hold_time = 'long'", "hold_time is missing or invalid"),
+        ("class A(Slide): name = 'a'; table_friction = float('inf')", "table_friction is missing"),
+        ("class A(Slide): name = 'a'; time_limit = 0", "time_limit must be above 0"),
+        ("class A(Slide): name = 'a'; hold_time = 500", "longer than its time_limit"),
+        ("class A(Slide): name = 'a'; hands = '2'", "hands are wrong .*expected 1 or 2"),
+        ("class A(Slide): name = 'a'; hands = 0", "hands are wrong"),
+        ("class A(Slide): name = 'a'; touch_height = -0.01", "touch_height is missing or invalid"),
         ("class A(Slide): name = 'a'; plane = 'ceiling'", "plane is missing or invalid"),
         (
             "from tasks.custom_task import CustomTask\nclass A(CustomTask): name = 'a'",
@@ -373,12 +380,12 @@ def test_a_file_can_import_modules_from_its_own_folder(tmp_path: Path) -> None:
         write(
             tmp_path / folder / "lab.py",
             "import shapes_of_a_lab\nfrom parts import NAME\n"
-            "class A(Slide):\n    name = NAME\n    time_limit = shapes_of_a_lab.SIZE\n",
+            "class A(Slide):\n    name = NAME\n    hold_time = shapes_of_a_lab.SIZE\n",
         )
     path = list(sys.path)
     for folder, size in (("one", 0.01), ("two", 0.02)):
         kind = find_task(str(tmp_path / folder / "lab.py"))
-        assert (kind.name, kind.time_limit) == (f"lab-{folder}", size)
+        assert (kind.name, kind.hold_time) == (f"lab-{folder}", size)
     assert sys.path == path
 
 
@@ -547,6 +554,26 @@ def test_a_measure_in_numbers_of_numpy_becomes_python_s_own() -> None:
     found = measuring(np.True_, np.float64(0.5), "then", np.False_, first)
     assert found == Measure(True, 0.5, "then", False, Measure(False, 0.25, "first"))
     assert json.loads(json.dumps(asdict(found)))["first"]["progress"] == 0.25
+
+
+@given(st.floats(-1e9, 1e9))
+def test_progress_of_any_task_is_from_0_to_1(progress: float) -> None:
+    found = measuring(False, progress, "", False, Measure(False, progress, ""))
+    assert 0.0 <= found.progress <= 1.0 and found.first is not None
+    assert found.progress == found.first.progress == min(max(progress, 0.0), 1.0)
+
+
+@pytest.mark.parametrize(
+    ("painted", "says"),
+    [
+        (PaintedRing("ring", (0.0, 0.0), 0.04), "what is painted is wrong"),
+        ((PaintedRing("ring", (np.nan, 0.0), 0.04),), "the middle of ring is wrong"),
+        ((PaintedRing("ring", (0.0, 0.0), -0.04),), "the radius of ring is wrong"),
+    ],
+)
+def test_a_ring_that_cannot_be_painted_is_refused(painted: Any, says: str) -> None:
+    with pytest.raises(InputError, match=says):
+        draw_task(broken(painted=painted), 0, SURFACE)
 
 
 @pytest.mark.parametrize(

@@ -284,6 +284,36 @@ def test_ghosts_appear_as_often_as_asked_and_stay_their_time() -> None:
     assert max(stays.values()) == int(np.ceil(GHOST_LENGTH / STEP - 1e-9))
 
 
+class Resting(Scripted):
+    """A device that is silent while nothing changes, as most of them are."""
+
+    finished = False
+
+    def poll(self, now: float) -> list[TouchFrame]:
+        due = [f for f in self.frames[self.next :] if f.time <= now]
+        self.next += len(due)
+        return due
+
+
+def test_ghosts_and_drop_outs_keep_their_time_while_the_device_is_silent() -> None:
+    touching = [TouchFrame(5.0, (Contact(3, 0.05, 0.05),)), TouchFrame(20.0)]
+    device = DegradedDevice(Resting(touching), Variation(ghosts=4.0, dropped=1.0), FLAT, 0)
+    out = [frame for i in range(int(25.0 / STEP)) for frame in device.poll(i * STEP)]
+    stays: dict[int, list[float]] = {}
+    for frame in out:
+        for contact in frame.contacts:
+            stays.setdefault(contact.id, []).append(frame.time)
+    ghosts = [times for i, times in stays.items() if i >= FIRST_GHOST]
+    assert len(ghosts) / 25.0 == pytest.approx(4.0, rel=0.3)
+    assert max(times[-1] - times[0] for times in ghosts) < GHOST_LENGTH
+    real = [f for f in out if 5.0 <= f.time < 20.0]
+    gone = [all(c.id >= FIRST_GHOST for c in f.contacts) for f in real]
+    losses = sum(b and not a for a, b in pairwise(gone))
+    assert losses == pytest.approx(15.0, rel=0.6)
+    assert sum(gone) == pytest.approx(losses * LENGTH / STEP, rel=0.3)
+    assert not [c for f in out if f.time > 20.2 for c in f.contacts if c.id < FIRST_GHOST]
+
+
 def test_a_dropped_touch_comes_back_under_another_id_at_its_place() -> None:
     out = played(Variation(dropped=1.0), frames_of(2000, Contact(3, 0.05, 0.05)))
     gone = [not f.contacts for f in out]

@@ -24,7 +24,7 @@ from sandbox.trial.replay import replay
 from sandbox.trial.settings import RunSettings
 from tasks.mechanisms.case import HEIGHT
 from tasks.task import Goal, Task
-from tasks.variation import Variation, vary
+from tasks.variation import RULES, Variation, vary
 from tests.support.study_files import design
 
 TASKS = """
@@ -47,7 +47,7 @@ expected_s = 15
 """
 
 
-def varied(task: str, vary: str, seed: int = 1, rules: int = 2) -> Task:
+def varied(task: str, vary: str, seed: int = 1, rules: int = RULES[-1]) -> Task:
     """A trial of a task as `--vary` makes it, by the number of its rules."""
     settings = plan(SceneOptions(task=task, seed=seed, vary=vary)).settings
     return drawn(replace(settings, vary_rules=rules))[0]
@@ -178,6 +178,39 @@ def test_only_what_is_to_be_carried_starts_elsewhere(
     assert moved.goals == plain.goals
 
 
+@pytest.mark.parametrize("task", ["box-to-goal", "slalom", "books", "insert"])
+@pytest.mark.parametrize("seed", range(6))
+def test_a_shifted_start_is_no_nearer_to_the_goal(task: str, seed: int) -> None:
+    plain, moved = varied(task, "", seed), varied(task, "start=40", seed)
+    goal = {goal.object: goal.position for goal in plain.goals}
+    pairs = zip(plain.objects, moved.objects, strict=True)
+    for old, new in ((old, new) for old, new in pairs if old.name in goal):
+        before, after = (np.linalg.norm(np.subtract(o.position, goal[o.name])) for o in (old, new))
+        assert after >= before
+
+
+@pytest.mark.parametrize("seed", [0, 3])
+def test_before_an_upright_surface_no_start_is_shifted_to_where_nobody_grips(seed: int) -> None:
+    # Both seeds started over a side, where boxes were put back every half second.
+    try:
+        chosen = plan(SceneOptions(task="stack-vertical", seed=seed, user="idle", vary="start=30"))
+        session = build(chosen.settings, chosen.makers)
+    except InputError as error:
+        assert "no room for starts shifted so far" in str(error)
+        return
+    for _ in range(150):
+        session.advance()
+    assert not session.respawned
+
+
+def test_a_larger_ring_that_holds_dice_already_is_refused() -> None:
+    assert varied("gather", "room=1.2", 8).painted[0].radius == pytest.approx(0.048)
+    with pytest.raises(InputError, match="start inside of the ring"):
+        varied("gather", "room=2", 8)
+    # What was recorded so is played again.
+    assert varied("gather", "room=2", 8, rules=2).painted[0].radius == pytest.approx(0.08)
+
+
 def test_starts_of_dice_are_not_shifted_and_the_reason_is_said(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
@@ -244,11 +277,12 @@ def test_rules_of_variation_are_in_the_header_of_a_varied_trial_alone() -> None:
     plain, changed = (
         plan(SceneOptions(task="stack", vary=vary)).settings for vary in ("", "size=0.9")
     )
-    assert "vary_rules" not in plain.as_json() and changed.as_json()["vary_rules"] == 2
-    for settings in (plain, changed, replace(changed, vary_rules=1)):
+    assert "vary_rules" not in plain.as_json() and changed.as_json()["vary_rules"] == RULES[-1]
+    earlier = [replace(changed, vary_rules=rules) for rules in RULES]
+    for settings in (plain, *earlier):
         assert RunSettings.from_json(settings.as_json()) == settings
     with pytest.raises(InputError, match="no such rules"):
-        RunSettings(vary_rules=3)
+        RunSettings(vary_rules=RULES[-1] + 1)
 
 
 def test_a_design_is_refused_for_any_of_many_seeds_and_a_participant_is_never_stopped(

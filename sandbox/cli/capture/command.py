@@ -29,6 +29,7 @@ from models.errors import InputError
 from models.surface import Surface, parse_surface
 from sandbox.cli.capture.hand_files import read_hand, read_mapping
 from sandbox.cli.capture.touch_files import read_touch_log
+from sandbox.cli.common.json_out import check_output, refuse_replacing
 from sandbox.cli.common.parse import parse
 from sandbox.devices.files.paired_capture import HANDS
 from sandbox.devices.webcam.landmark_file import is_landmark_file
@@ -256,10 +257,17 @@ def _checked(options: CaptureOptions) -> Path:
         )
     if options.sync == "tap" and options.touches is None and options.recorded is None:
         raise InputError("there are no touches to synchronise with", where="--sync tap")
-    if not options.out.absolute().parent.is_dir():
-        raise InputError(
-            "no such folder", where=f"--out {options.out}", remedy="Make it, or name another"
-        )
+    check_output(options.out, "--out")
+    sources = {
+        "--joints": options.joints,
+        "--markers": options.markers,
+        "--hands": options.hands,
+        "--recorded": options.recorded,
+        "--touches": options.touches,
+        "--calibration": options.calibration,
+        "--skeleton": options.skeleton,
+    }
+    refuse_replacing(options.out, sources)
     for name, value, greatest in (
         ("--rate", options.rate, 1000.0),
         ("--unit", 1.0 if options.unit is None else options.unit, 1000.0),

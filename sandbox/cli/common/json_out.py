@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -46,6 +47,34 @@ def check_output(path: Path | None, option: str = "--json") -> None:
             got=error.strerror,
             remedy="Name a file in a folder of yours",
         ) from None
+
+
+def refuse_replacing(
+    path: Path | None, sources: Mapping[str, Path | None], option: str = "--out"
+) -> None:
+    """Checks that a result does not replace what it is made from, and what nobody has again.
+
+    Args:
+        path: Path of the result; None and `-` replace nothing.
+        sources: Files and folders that are read, by the option that names them; None is none.
+        option: Name of the result's option, for the message.
+
+    Raises:
+        InputError: The result is one of these files, or is in one of these folders.
+    """
+    if path is None or path == TERMINAL:
+        return
+    target = path.resolve()
+    for name, source in sources.items():
+        if source is not None and source.exists() and source.resolve() in (target, target.parent):
+            if source.is_dir() and not target.exists():
+                continue
+            raise InputError(
+                "the result would replace what it is made from",
+                where=f"{option} {path}",
+                got=name,
+                remedy="Name another file",
+            )
 
 
 def write_json(path: Path | None, values: dict[str, Any], sort_keys: bool = False) -> None:

@@ -15,7 +15,7 @@ from rich.console import Console
 from rich.progress import Progress, TaskID
 
 from models.errors import InputError
-from sandbox.cli.common.json_out import check_output, write_json
+from sandbox.cli.common.json_out import check_output, refuse_replacing, write_json
 from sandbox.cli.common.parse import parse
 from sandbox.cli.evaluate.asked import is_about_strangers
 
@@ -171,6 +171,9 @@ def _check(options: EvaluateOptions) -> None:
             "no such seed", where="--day-seed", got=options.day_seed, expected="0 or more"
         )
     check_output(options.json)
+    named = [Path(place) for places in options.capture for place in places]
+    named += map(Path, (options.train, *options.encoders))
+    refuse_replacing(options.json, {str(path): path for path in named}, "--json")
     if options.plots is not None:
         from sandbox.figures import need_matplotlib
 

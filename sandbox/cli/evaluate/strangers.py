@@ -3,7 +3,7 @@ served."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -251,9 +251,8 @@ def _table(rows: dict[str, dict[str, Any]]) -> Table:
         cells = [_interval(row, "wrist_cm", 2), _interval(row, "angle_deg", 1)]
         if "labels_percent" in row:
             shares = row["labels_percent"]
-            low, high = row["labels_percent_interval"]["all"]
             cells.append(" / ".join(_number(shares[str(k)], 1) for k in range(2, 6)))
-            cells.append(f"{shares['all']:.1f} [{low:.1f}, {high:.1f}]")
+            cells.append(_within(shares["all"], row["labels_percent_interval"]["all"], 1))
             cells.append(_number(row["sure"]["right_percent"], 1))
             cells.append(_number(row["calibration_error_percent"], 1))
         table.add_row(f"{name} ({row['people']})", *cells)
@@ -261,8 +260,15 @@ def _table(rows: dict[str, dict[str, Any]]) -> Table:
 
 
 def _interval(row: dict[str, Any], key: str, digits: int) -> str:
-    low, high = row[f"{key}_interval"]
-    return f"{row[key]:.{digits}f} [{low:.{digits}f}, {high:.{digits}f}]"
+    return _within(row[key], row[f"{key}_interval"], digits)
+
+
+def _within(value: float, ends: Sequence[float | None], digits: int) -> str:
+    """A value with its interval; of one person or day there is none."""
+    low, high = ends
+    if low is None or high is None:
+        return f"{value:.{digits}f}"
+    return f"{value:.{digits}f} [{low:.{digits}f}, {high:.{digits}f}]"
 
 
 def _number(value: float | None, digits: int) -> str:

@@ -203,7 +203,9 @@ def _variance(report: Report) -> Table:
 def _interval(method: Report, key: str, part: str, digits: int = 2) -> str:
     low, high = method[f"{key}_interval"][part]
     value = _number(method[key][part], digits)
-    return f"{value} ({_number(low, digits)} to {_number(high, digits)})" if value else ""
+    if not value or low is None:
+        return value
+    return f"{value} ({_number(low, digits)} to {_number(high, digits)})"
 
 
 def _number(value: float | None, digits: int) -> str:

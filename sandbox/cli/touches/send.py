@@ -22,6 +22,9 @@ from sandbox.devices.tuio.tuio_sender import TuioOutput, connected, send_packet
 from sandbox.options.touch_devices import TouchOptions
 from sandbox.system.ending import ending_as_by_ctrl_c
 
+MOST_SENDERS = 64
+"""Number of senders of a capture that keep their sockets; a sender needs one."""
+
 
 @dataclass(frozen=True)
 class Send(TouchOptions):
@@ -112,13 +115,19 @@ def _send_tuio(options: Send) -> int:
 
 
 def _send_packets(file: Path, to: str, speed: float) -> int:
-    """Sends the packets of a capture at their times, each recorded sender from its own socket."""
+    """Sends the packets of a capture at their times, each recorded sender from its own socket.
+
+    A socket is closed with the connection whose packets it sends, or when too many others are in
+    use.
+    """
     capture = read_capture(file)
     console = Console(stderr=True)
     refused = sent = 0
     channels: dict[str, socket.socket] = {}
     with contextlib.ExitStack() as closing, _progress(console) as bar:
-        channels[""] = closing.enter_context(connected(to))
+        with connected(to):
+            pass  # An address that cannot be is refused before the first packet.
+        closing.callback(lambda: [channel.close() for channel in channels.values()])
         job = bar.add_task(f"sending to {to}", total=len(capture.packets))
         begin = time.monotonic()
         for packet in capture.packets:
@@ -126,9 +135,13 @@ def _send_packets(file: Path, to: str, speed: float) -> int:
             time.sleep(max(0.0, due - time.monotonic()))
             bar.advance(job)
             if packet.data is None:
-                continue  # UDP has no connections that could end
+                if packet.peer in channels:
+                    channels.pop(packet.peer).close()
+                continue
             if packet.peer not in channels:
-                channels[packet.peer] = closing.enter_context(connected(to))
+                if len(channels) == MOST_SENDERS:
+                    channels.pop(next(iter(channels))).close()
+                channels[packet.peer] = connected(to)
             if send_packet(channels[packet.peer], packet.data, to):
                 if not refused:
                     bar.print(Text(f"no program listens at {to} yet; start `sandbox touches show`"))

@@ -147,7 +147,7 @@ def _title(seen: Device, surface: Surface) -> str:
         return f"calling {seen.address}; {size}; Ctrl-C ends"
     reach = ""
     if seen.bind == "0.0.0.0":
-        reach = f", from the network at {_network_address()}:{seen.port}"
+        reach = f", from the network at {_network_address()}:{seen.told_port}"
     how = f"TUIO over {seen.transports}"
     return f"listening on {seen.address}{reach} ({how}); {size}; Ctrl-C ends"
 
@@ -180,14 +180,14 @@ def what_to_check(seen: Device) -> str:
         return "The file begins with a pause." if seen.plays_file else "Nothing has arrived yet."
     if "://" in seen.address:
         return f"{seen.address} has not answered or sends nothing: touch the surface."
-    where = f"{_network_address()} port {seen.port}"
+    where = f"{_network_address()} port {seen.told_port}"
     checks = [
         "Nothing has arrived yet. Touch the surface: an idle sender is silent.",
         f"Check that the sender's host and port are {where}, its protocol TUIO over "
         f"{seen.transports},",
-        f"that both are in the same network, and that the firewall lets port {seen.port} in.",
+        f"that both are in the same network, and that the firewall lets port {seen.told_port} in.",
     ]
-    if seen.bind.startswith("127."):
+    if seen.bind == "::1" or seen.bind.startswith("127."):
         checks[1] = (
             f"{seen.address} is reachable from this machine only; for a tablet add --bind 0.0.0.0."
         )

@@ -87,8 +87,8 @@ class EvdevDevice(Device):
 
     @property
     def finished(self) -> bool:
-        """True once closed or unplugged."""
-        return self._closed or self._failure is not None
+        """True once closed; a device that was unplugged has not ended, but fails in `poll`."""
+        return self._closed
 
     def poll(self, now: float = 0.0) -> Sequence[TouchFrame]:
         """Every frame since the last call, oldest first; `now` is ignored.

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from math import inf
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -120,7 +121,7 @@ def frame_record(frame: TouchFrame) -> dict[str, Any]:
             "y": contact.y / METRES_PER_INCH,
             "finger": None if contact.label is None else FINGERS[contact.label],
         }
-        if contact.size is not None:
+        if contact.size is not None and 0.0 < contact.size < inf:
             record["size"] = contact.size / METRES_PER_INCH
         if contact.extent is not None:
             record["width"], record["height"] = (e / METRES_PER_INCH for e in contact.extent)

@@ -34,9 +34,13 @@ LARGEST_MESSAGE = 1 << 20
 SILENCE = 5.0
 """s without a frame after which `follow` takes the service as gone."""
 START_IT = "Start leapd or the Ultraleap bridge, or try `sandbox leap fake FILE`"
+SILENT = "the Leap service is silent: start leapd or the Ultraleap bridge, and look at its cable"
 
 BACKGROUND = '{"background":true}'
 """Command that makes leapd send frames although the client has no focus; 19 bytes."""
+
+GONE = 1.0
+"""s without a frame after which a session tells the person that the service is silent."""
 
 _LOOK = 0.05
 """s between two checks for new frames."""
@@ -112,6 +116,7 @@ class LeapDevice(HandDevice):
         self._stop = threading.Event()
         self.connected = threading.Event()
         self.trouble: str | None = None
+        self._heard = time.monotonic()
         self._thread = threading.Thread(target=self._run, name="leap", daemon=True)
         self._thread.start()
 
@@ -125,6 +130,13 @@ class LeapDevice(HandDevice):
     def version(self) -> str | None:
         """Version that the service reports; None before it does."""
         return self._decoder.version
+
+    @property
+    def notice(self) -> str:
+        """What a person is told while the service is silent; empty while it sends frames."""
+        with self._news:
+            silent = time.monotonic() - self._heard
+        return SILENT if silent > GONE else ""
 
     def wait(self, seconds: float) -> bool:
         """Waits until a frame can be fetched; False if none came in time."""
@@ -178,6 +190,9 @@ class LeapDevice(HandDevice):
             except Exception as error:  # whatever it is, the next connection may be sound
                 self.trouble = f"{type(error).__name__}: {error}"[:200]
             finally:
+                if self.connected.is_set() and not self._stop.is_set():
+                    with self._news:
+                        self._decoder.counts["connections lost"] += 1
                 self.connected.clear()
             if self._decoder.counts["frames"] > heard:
                 pause = _FIRST_PAUSE
@@ -215,6 +230,7 @@ class LeapDevice(HandDevice):
             frame = self._decoder.feed(decoded)
             if frame is None:
                 return
+            self._heard = time.monotonic()
             if len(self._frames) == KEPT:
                 self._frames.popleft()
                 self._decoder.counts["frames nobody fetched"] += 1

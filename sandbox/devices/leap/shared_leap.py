@@ -92,9 +92,9 @@ class LeapPart(HandDevice):
 
     @property
     def notice(self) -> str:
-        """Message while one hand is above the other; empty otherwise."""
+        """Message while one hand is above the other; otherwise the device's, once for all hands."""
         if self._now - self._shared.hidden >= NOTICE_LASTS:
-            return ""
+            return self._shared.device.notice if self._first else ""
         return Message("hand_above", "one hand is above the other: hold them apart")
 
     def poll(self, now: float) -> Sequence[HandFrame]:

@@ -126,6 +126,7 @@ class TuioDevice(Device, Closeable):
         self._queue: deque[TouchFrame] = deque(maxlen=queue_frames)
         self._dropped = 0
         self._failure: InputError | None = None
+        self._told = False
         self._closing = threading.Event()
         self._news = threading.Condition()
         self.news = threading.Event()
@@ -159,8 +160,7 @@ class TuioDevice(Device, Closeable):
         except DeviceError:
             self.close()
             raise
-        shown = self.websocket_port if transport == "websocket" else self.port
-        self._address = f"{self.bind}:{shown}"
+        self._address = f"{self.bind}:{self.told_port}"
         if self._socket is not None:
             self._thread = threading.Thread(target=self._receive, name="tuio", daemon=True)
             self._thread.start()
@@ -169,6 +169,11 @@ class TuioDevice(Device, Closeable):
     def address(self) -> str:
         """Address at which it listens, as HOST:PORT, or that of the sender it connects to."""
         return self._address
+
+    @property
+    def told_port(self) -> int:
+        """The port to tell people, at which it listens: that of `address`."""
+        return self.port if self._socket is not None or self._listens_tcp else self.websocket_port
 
     @property
     def transports(self) -> str:
@@ -196,9 +201,9 @@ class TuioDevice(Device, Closeable):
 
     @property
     def finished(self) -> bool:
-        """True once closed or failed, and every frame fetched."""
+        """True once closed or failed, and every frame fetched; a failure is told by `poll` first."""
         with self._news:
-            return not self._queue and not self._alive
+            return not self._queue and not self._alive and (self._failure is None or self._told)
 
     def poll(self, now: float = 0.0) -> Sequence[TouchFrame]:
         """Every frame committed since the last call, oldest first; `now` is ignored.
@@ -212,6 +217,7 @@ class TuioDevice(Device, Closeable):
             self._queue.clear()
             self.news.clear()
             if not frames and self._failure is not None:
+                self._told = True
                 raise self._failure
         return frames
 

@@ -83,6 +83,7 @@ def parse_target(text: str) -> SenderAddress:
     try:
         parts = urlsplit(text)
         scheme, host, port = parts.scheme, parts.hostname or "", parts.port
+        host.encode("idna")  # as connecting does, which a name with an empty part would end
     except ValueError:
         scheme, host, port = "", "", None
     if scheme not in ("tcp", "ws", "wss") or not host or port == 0:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+import time
 from collections import Counter, deque
 from collections.abc import Sequence
 from pathlib import Path
@@ -11,6 +12,7 @@ from models.errors import FrameError
 from models.frames import LandmarkFrame
 from sandbox.devices.webcam.landmark_server import LandmarkServer
 from sandbox.devices.webcam.landmarks_json import PictureMessage, frame_of
+from sandbox.devices.webcam.page_clock import PageClock
 from sandbox.session.device import LandmarkDevice
 
 KEPT = 600
@@ -68,6 +70,7 @@ class WebcamDevice(LandmarkDevice):
         self._lock = threading.Lock()
         self._came = threading.Condition(self._lock)
         self._notice = WAITING
+        self._clock = PageClock()
         wanted = {
             "sides": list(sides),
             "most": 2,
@@ -121,7 +124,7 @@ class WebcamDevice(LandmarkDevice):
                 self.counts[f"trouble: {message.trouble}"] += 1
             return
         try:
-            frame = frame_of(message)
+            frame = self._clock.moved(frame_of(message), time.monotonic())
         except FrameError:
             with self._lock:
                 self.counts["pictures that are not valid"] += 1
@@ -140,3 +143,4 @@ class WebcamDevice(LandmarkDevice):
         with self._lock:
             self._notice = CLOSED
             self.counts["pages closed"] += 1
+            self._clock.begin_anew()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import inf
 from operator import index
 
 from models.arithmetic.products import length
@@ -18,7 +19,8 @@ class CheckedDevice(DeviceWrapper):
 
     `poll` must return frames, and contacts must be on the surface or near it: a contact that is
     further beyond the border than the surface's diagonal is in another unit than metres. Numbers
-    of NumPy and the like become Python's, as recordings hold nothing else.
+    of NumPy and the like become Python's, as recordings hold nothing else. A size that is not a
+    number above 0, as hardware says that does not measure it, becomes None.
 
     Args:
         device: The device.
@@ -79,13 +81,20 @@ class CheckedDevice(DeviceWrapper):
 
 
 def _plain(contact: Contact) -> Contact:
-    """A contact whose numbers are Python's own."""
-    size, label, extent = contact.size, contact.label, contact.extent
+    """A contact whose numbers are Python's own.
+
+    Raises:
+        ValueError: Its id does not fit into 64 bits.
+    """
+    if not -(2**63) <= index(contact.id) < 2**63:
+        raise ValueError(f"the id {contact.id} has more than 64 bits")
+    label, extent = contact.label, contact.extent
+    size = None if contact.size is None else float(contact.size)
     return Contact(
         index(contact.id),
         float(contact.x),
         float(contact.y),
-        None if size is None else float(size),
+        size if size is not None and 0.0 < size < inf else None,
         None if label is None else index(label),
         None if extent is None else (float(extent[0]), float(extent[1])),
     )

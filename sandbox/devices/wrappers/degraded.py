@@ -87,7 +87,8 @@ class Ghosts:
 class DegradedDevice(DeviceWrapper):
     """Wrapper that degrades a device's touches by a variation; frames get session time.
 
-    A touch that comes back after a drop-out has another id, and the same true finger.
+    A touch that comes back after a drop-out has another id, and the same true finger. Drop-outs and
+    ghosts also come and go while the device is silent, as with fingers that rest.
 
     Args:
         device: The device to degrade.
@@ -102,12 +103,17 @@ class DegradedDevice(DeviceWrapper):
         self._drop_outs = DropOuts(variation.dropped, seed, FIRST_RETURNED)
         self._ghosts = Ghosts(variation.ghosts, surface.size, seed)
         self._latency = variation.latency
+        self._goes_on = variation.dropped > 0.0 or variation.ghosts > 0.0
+        self._last = TouchFrame(0.0)
         self._on_the_way: deque[tuple[float, TouchFrame]] = deque()
 
     def poll(self, now: float) -> Sequence[TouchFrame]:
         """Frames that have arrived by now."""
-        for frame in self.device.poll(now):
-            frame = self._noise.degrade(replace(frame, time=now))
+        frames = [self._noise.degrade(replace(f, time=now)) for f in self.device.poll(now)]
+        if not frames and self._goes_on and not self.device.finished:
+            frames = [replace(self._last, time=now, cancelled=frozenset())]
+        for frame in frames:
+            self._last = frame
             frame = self._ghosts.degrade(self._drop_outs.degrade(frame))
             self._on_the_way.append((now + self._latency, frame))
         arrived = []

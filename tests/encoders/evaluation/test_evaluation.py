@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Mapping
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -15,6 +16,7 @@ from encoders.capture import Capture
 from encoders.correction import PAD_HEIGHT
 from encoders.evaluation import EncoderMethod, evaluate_method
 from encoders.evaluation.errors import limit_share, pose_errors, tip_errors, variance_shares
+from encoders.evaluation.intervals import block_interval
 from encoders.evaluation.labels import own_labels
 from encoders.evaluation.measure import OWN, TRUE, Tests
 from encoders.evaluation.report import plain, report
@@ -24,7 +26,7 @@ from encoders.evaluation.training import NAMES, Training, check_names
 from encoders.labels.belief import builtin_belief
 from encoders.labels.labelling import Labelling, PaperLabels
 from encoders.regression.polynomial import LinearEncoder
-from encoders.regression.trained import TrainedModel, builtin_capture
+from encoders.regression.trained import TrainedModel, builtin, builtin_capture, save_model
 from models.arithmetic.arrays import Array
 from models.errors import EncoderError
 from models.kinematics import Kinematics
@@ -304,6 +306,18 @@ def test_names_that_mean_no_method_are_refused_before_anything_is_computed(
 ) -> None:
     with pytest.raises(EncoderError):
         check_names(names)
+
+
+def test_a_model_from_a_file_is_not_trained_anew(some: Capture, tmp_path: Path) -> None:
+    save_model(builtin("best"), tmp_path / "mine.npz")
+    assert Training(some).method(str(tmp_path / "mine.npz")).fresh is None
+
+
+def test_one_block_has_no_interval() -> None:
+    values = np.arange(5.0)
+    assert np.isnan(block_interval(values, np.zeros(5, np.int64))).all()
+    low, high = block_interval(values, np.arange(5) // 3)
+    assert low < values.mean() < high
 
 
 @pytest.mark.parametrize("name", [n for n in NAMES if n != "best"])

@@ -122,6 +122,22 @@ def test_a_capture_is_a_rest_posture_as_well(tmp_path: Path) -> None:
     assert 1 <= len(looks_of(person())) <= MOST
 
 
+def test_a_capture_of_a_left_hand_is_a_left_hands_rest_posture(tmp_path: Path) -> None:
+    # As `sandbox capture --side left` writes it: mirrored, and saying so.
+    meta = {**person().meta, "side": "right", "recorded_side": "left"}
+    save_capture(replace(person(), meta=meta), tmp_path / "me.npz", np.float64)
+    assert load_rest(tmp_path / "me.npz", "left", 1.0) == looks_of(person())
+    with pytest.raises(InputError, match="other hand"):
+        load_rest(tmp_path / "me.npz", "right", 1.0)
+
+
+def test_a_file_that_cannot_be_written_costs_nothing_that_was_there(tmp_path: Path) -> None:
+    (tmp_path / "me.json").mkdir()
+    with pytest.raises(InputError, match="cannot be written"):
+        save_rest(looks_of(person()), tmp_path / "me.json", "right", simulated=True)
+    assert (tmp_path / "me.json").is_dir()
+
+
 def changed(path: Path, **values: object) -> None:
     path.write_text(json.dumps(json.loads(path.read_text()) | values))
 

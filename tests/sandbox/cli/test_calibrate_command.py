@@ -140,7 +140,8 @@ def test_a_recording_of_five_fingers_in_three_spreads_gives_the_size_of_the_hand
         (["--device", "nothing-there"], "nothing-there"),
         (["--device", "simulated", "--hand-size", "7"], "--hand-size"),
         (["--device", "simulated", "--seconds", "nan"], "--seconds"),
-        (["--device", "simulated", "--out", "/dev/null/p.json"], "written"),
+        (["--device", "simulated", "--out", "/dev/null/p.json"], "no such folder"),
+        (["--device", "simulated", "--out", "."], "this is a folder"),
         (["--device", "simulated", "--surface", "1x1in"], "spreads"),
     ],
 )
@@ -151,6 +152,17 @@ def test_what_cannot_be_calibrated_is_one_clear_error(
     monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
     with pytest.raises(InputError, match=says):
         calibrate.main(arguments)
+
+
+@pytest.mark.parametrize("rest", ["nobody.json", "junk.json"])
+def test_a_rest_posture_that_cannot_be_used_is_refused_before_fingers_are_put_down(
+    rest: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("junk.json").write_text("{}")
+    with pytest.raises(InputError, match=rest):
+        calibrate.main(["--device", "simulated", "--rest", rest, "--out", "p.json"])
+    assert "spread" not in capsys.readouterr().out
 
 
 def test_a_recording_with_fewer_fingers_is_refused_with_what_was_found(tmp_path: Path) -> None:

@@ -321,6 +321,19 @@ def test_what_cannot_be_converted_is_one_clear_line_and_exit_2(
     assert not (tmp_path / "c.npz").exists()
 
 
+@pytest.mark.parametrize("option", ["--joints", "--touches", "--markers"])
+def test_a_capture_does_not_replace_what_it_is_made_from(
+    folder: Path, capsys: pytest.CaptureFixture[str], option: str
+) -> None:
+    name = {"--joints": "hand.csv", "--touches": "shown.jsonl", "--markers": "hand.tsv"}[option]
+    source = folder / name
+    kept = source.read_bytes()
+    also = ["--joints", folder / "hand.csv"] if option == "--touches" else []
+    status, _, err = converted(capsys, option, source, *also, "--out", source)
+    assert status == 2 and "would replace what it is made from" in err
+    assert source.read_bytes() == kept
+
+
 @pytest.mark.parametrize(
     "text",
     (

@@ -208,6 +208,15 @@ def test_what_cannot_be_done_is_one_clear_line(
         assert word in text
 
 
+def test_the_results_do_not_replace_the_capture_that_is_judged(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    source = next(iter(sorted(folder.glob("*.npz"))))
+    kept = source.read_bytes()
+    text = refused(capsys, "--encoders", "mean", "--capture", str(source), "--json", str(source))
+    assert "would replace what it is made from" in text and source.read_bytes() == kept
+
+
 def test_a_subject_that_there_is_not_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["evaluate", "--subject", "third"]) == 2
     assert "third" in capsys.readouterr().err

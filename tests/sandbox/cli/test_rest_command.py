@@ -113,6 +113,8 @@ def test_a_left_hand_is_kept_as_one(tmp_path: Path) -> None:
         (("--device", "HAND", "--looks", "2"), "1 of 2 looks"),
         (("--device", "HAND", "--seconds", "0"), "positive time"),
         (("--device", "HAND", "--out", "nowhere/rest.json"), "no such folder"),
+        (("--device", "HAND", "--out", "FOLDER"), "this is a folder"),
+        (("--device", "HAND", "--out", "HAND"), "would replace what it is made from"),
         (("--device", "nobody.json"), "nobody.json"),
     ],
 )
@@ -120,12 +122,14 @@ def test_what_cannot_be_used_is_one_line(
     words: tuple[str, ...], said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     source = landmark_file(tmp_path / "hand.json")
-    line = [str(source) if word == "HAND" else word for word in words]
+    kept = source.read_bytes()
+    named = {"HAND": str(source), "FOLDER": str(tmp_path)}
+    line = [named.get(word, word) for word in words]
     line += [] if "--out" in line else ["--out", str(tmp_path / "rest.json")]
     assert rest(*line) == 2
     errors = [text for text in capsys.readouterr().err.splitlines() if text.startswith("sandbox")]
     assert len(errors) == 1 and said in errors[0]
-    assert not (tmp_path / "rest.json").exists()
+    assert not (tmp_path / "rest.json").exists() and source.read_bytes() == kept
 
 
 def test_a_recording_of_touches_is_refused(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import threading
+import time
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -243,6 +244,22 @@ def test_a_device_that_breaks_a_rule_fails_it(kind: type[Bad], rule: str) -> Non
 
     with pytest.raises((AssertionError, RuntimeError)):
         getattr(Suite(), rule)()
+
+
+def test_a_device_that_waits_in_every_poll_is_caught(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("sandbox.devices.conformance.STEPS", 5)
+
+    class Waits(Bad):
+        def poll(self, now: float) -> Sequence[TouchFrame]:
+            time.sleep(0.02)  # as a serial port with that timeout does
+            return []
+
+    class Suite(DeviceConformance):
+        def open(self, surface: Surface) -> Device:
+            return Waits()
+
+    with pytest.raises(AssertionError, match="poll waits"):
+        Suite().test_poll_comes_back_at_once_also_when_nothing_happens()
 
 
 def test_a_device_that_blocks_is_caught(monkeypatch: pytest.MonkeyPatch) -> None:

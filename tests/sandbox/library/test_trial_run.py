@@ -64,6 +64,15 @@ def recorded(tmp_path_factory: pytest.TempPathFactory) -> tuple[TrialRun, Path]:
     return run_trial(seed=3, record=path), path
 
 
+def test_a_trial_that_diverges_at_once_brings_its_score(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(
+        "sandbox.session.session.state_error", lambda scene, data: "the state is not finite"
+    )
+    run = run_trial(seed=3)
+    assert run.result["status"] == "diverged" and "not finite" in run.score.reason
+    assert run.trajectories.hands[0].q.shape == (len(run.trajectories.time), 48)
+
+
 def test_a_trial_brings_its_score_and_everything_that_moved(
     recorded: tuple[TrialRun, Path],
 ) -> None:

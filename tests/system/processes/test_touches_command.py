@@ -8,6 +8,7 @@ import json
 import os
 import pty
 import re
+import resource
 import signal
 import socket
 import subprocess
@@ -128,6 +129,28 @@ def test_sending_keeps_bytes_order_and_pauses(tmp_path: Path) -> None:
             took = it.error_line(r"sent (\d+) packets in ([\d.]+) s")
     assert int(took[1]) == len(packets)
     assert float(took[2]) >= round(0.01 * (len(packets) - 1) / 2, 1)  # it never runs ahead
+
+
+def test_a_capture_of_more_connections_than_a_process_may_open_is_sent(tmp_path: Path) -> None:
+    lines: list[dict[str, Any]] = []
+    for n in range(300):
+        lines.append({"t": 0.0, "hex": SCENES[n % 40].hex(), "from": f"tablet:{n}"})
+        if n % 2:
+            lines.append({"t": 0.0, "closed": f"tablet:{n}"})
+    capture = tmp_path / "many.jsonl"
+    capture.write_text("".join(json.dumps(line) + "\n" for line in lines))
+    with TuioDevice(Surface(), port=0) as device:
+        done = subprocess.run(
+            [sys.executable, "-m", "sandbox", "touches", "send", capture, "--to", device.address],
+            cwd=ROOT,
+            capture_output=True,
+            text=True,
+            timeout=PATIENCE,
+            check=False,
+            preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_NOFILE, (96, 96)),
+        )
+    assert done.returncode == 0, done.stderr
+    assert "sent 300 packets" in done.stderr
 
 
 def test_sending_to_nobody_says_so(tmp_path: Path) -> None:

@@ -23,7 +23,7 @@ from sandbox.options.scene_options import SceneOptions, plan
 from sandbox.recording.recording import load_recording
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
-from sandbox.trial.assembly import place_surface
+from sandbox.trial.assembly import build, place_surface
 from sandbox.trial.headless import run_trial
 from sandbox.trial.replay import replay
 from tasks.mechanisms import chords
@@ -147,6 +147,16 @@ def test_another_finger_s_press_does_not_count() -> None:
 def test_a_left_hand_s_thumb_has_the_rightmost_key() -> None:
     assert [own_finger(key, "left") for key in range(KEYS)] == [4, 3, 2, 1, 0]
     assert [own_finger(key, "right") for key in range(KEYS)] == [0, 1, 2, 3, 4]
+
+
+@pytest.mark.parametrize("task", ["chords", "single-keys"])
+def test_two_people_may_play_at_one_row_of_keys(task: str) -> None:
+    two = SceneOptions(task=task, seed=6_002, second_device="simulated")
+    chosen = plan(two)
+    session = build(chosen.settings, chosen.makers)
+    for _ in range(40):
+        session.advance()
+    assert len(session.scene.spec.hands) == 2 and session.scorer.score.reason
 
 
 def played(

@@ -17,6 +17,7 @@ from models.errors import DeviceError
 from sandbox.devices.leap.leap import KEPT, LeapDevice
 from sandbox.devices.leap.leap_fake import FakeLeapd
 from sandbox.devices.leap.leap_write import leap_message
+from sandbox.devices.leap.shared_leap import SharedLeap
 from tests.support.leap_hands import take
 from tests.support.processes import PATIENCE
 
@@ -85,6 +86,24 @@ def test_a_service_that_is_started_anew_is_found_again_and_time_goes_on() -> Non
         device.close()
     assert device.counts["connections"] == 2
     assert all(a.time < b.time for a, b in pairwise(frames))
+
+
+def test_a_person_is_told_while_the_service_is_gone(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("sandbox.devices.leap.leap.GONE", 0.3)
+    server = FakeLeapd(messages(), port=0, rate=400.0, loop=True)
+    device = LeapDevice(server.address)
+    hands = SharedLeap(device, ("right", "left")).parts
+    try:
+        assert until(lambda: device.counts["frames"] > 0)
+        assert device.notice == ""
+        server.close()
+        assert until(lambda: "the Leap service is silent" in device.notice)
+        # Two hands over one device say it once.
+        assert [part.notice for part in hands] == [device.notice, ""]
+        assert until(lambda: device.counts["connections lost"] == 1)
+    finally:
+        device.close()
+        server.close()
 
 
 def test_damaged_messages_are_counted_and_the_connection_stays() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import socket
 import time
 from collections.abc import Iterator
 from typing import Any
@@ -11,7 +12,8 @@ import pytest
 from models.errors import DeviceError
 from models.frames import TouchFrame
 from models.surface import METRES_PER_INCH, Surface
-from sandbox.devices.tuio.tuio import TuioDevice
+from sandbox.cli.touches.views import what_to_check
+from sandbox.devices.tuio.tuio import Transport, TuioDevice
 from tests.support.processes import PATIENCE, Sender, until
 from tests.support.tuio_packets import MALFORMED, blobs, frame
 
@@ -140,6 +142,23 @@ def test_the_real_port_is_told_and_nobody_else_can_have_it() -> None:
             TuioDevice(Surface(), port=device.port)
 
 
+@pytest.mark.parametrize("transport", ["udp", "tcp", "websocket", "all"])
+def test_every_port_that_people_are_told_is_one_at_which_it_listens(transport: Transport) -> None:
+    ours = {"port": 0, "transport": transport, "websocket_port": 0}
+    with TuioDevice(Surface(), bind="0.0.0.0", **ours) as device:  # type: ignore[arg-type]
+        assert device.address == f"0.0.0.0:{device.told_port}" and device.told_port > 0
+        assert f"port {device.told_port}" in what_to_check(device)
+        kind = socket.SOCK_DGRAM if transport == "udp" else socket.SOCK_STREAM
+        with socket.socket(socket.AF_INET, kind) as other, pytest.raises(OSError):
+            other.bind(("0.0.0.0", device.told_port))
+
+
+@pytest.mark.parametrize("host", ["tablet..local", "a" * 70 + ".local", ".local"])
+def test_a_sender_at_a_host_that_cannot_be_is_refused_at_once(host: str) -> None:
+    with pytest.raises(DeviceError, match="not the address"):
+        TuioDevice(Surface(), connect=f"tcp://{host}:3333")
+
+
 @pytest.mark.parametrize(
     "settings",
     [
@@ -182,6 +201,7 @@ def test_a_socket_that_breaks_is_reported_by_the_next_poll() -> None:
     until(lambda: not device._thread.is_alive())
     assert len(device.poll()) == 1, "what came before is not lost"
     assert device.wait(0.0), "there is something to hear from poll"
+    assert not device.finished, "what has failed has not ended before it said so"
     with pytest.raises(DeviceError, match="listening for touches has failed"):
         device.poll()
     assert device.finished

@@ -6,6 +6,7 @@ import json
 import time
 from collections.abc import Callable, Iterator
 from functools import cache
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 from urllib.error import HTTPError
@@ -107,6 +108,20 @@ def test_a_page_that_is_closed_is_told_and_may_come_back(device: WebcamDevice) -
         socket.send(json.dumps(picture()))
         soon(lambda: device.notice == "")
     assert not device.finished
+
+
+def test_times_go_on_when_the_page_is_opened_again(device: WebcamDevice) -> None:
+    # The clock of a page begins when it is loaded.
+    for ended in (50.0, 0.5, 0.7):
+        with page(device) as socket:
+            for time_, taken in ((ended, ended - 0.1), (ended + 0.03, ended - 0.07)):
+                socket.send(json.dumps({**picture(), "time": time_, "taken": taken}))
+            soon(lambda n=device.counts["pages closed"]: device.counts["pictures"] == 2 * n + 2)  # type: ignore[misc]
+        soon(lambda: device.notice == CLOSED)
+    frames = device.poll(0.0)
+    assert (frames[0].time, frames[0].taken) == (50.0, 49.9)
+    assert all(a.time < b.time and a.taken <= b.taken for a, b in pairwise(frames))
+    assert frames[-1].time - frames[0].time < 30.0
 
 
 def test_a_second_page_takes_the_place_of_the_first(device: WebcamDevice) -> None:
