@@ -19,7 +19,7 @@ from encoders.regression.model_registry import DEFAULT_MODEL
 from encoders.regression.trained import TrainedModel, save_model
 from models.errors import InputError
 from sandbox.regress import statistics
-from sandbox.regress.baseline import Baseline, load_baseline
+from sandbox.regress.baseline import Baseline, check_whole, load_baseline, replaceable, update
 from sandbox.regress.execute import CRASHED, Processes, Serial
 from sandbox.regress.plan import RegressionPlan, differing, find_tasks, parse_seeds
 from sandbox.regress.report import Report, make_report, without_baseline
@@ -87,6 +87,7 @@ class Regression:
             differing({"encoder": self._encoder(encoder), **scene}),
         )
         try:
+            plan.check_drawn()
             old = self._baseline(baseline, plan, across_encoders)
         except InputError as error:
             raise error.with_traceback(None) from None
@@ -94,8 +95,7 @@ class Regression:
         trials = list(executor.run(plan.jobs()))
         if baseline is not None and self.update and not across_encoders:
             report = make_report(plan, trials)
-            old = old or Baseline(report.configuration, {}, self.folder / baseline)
-            old.updated(report.configuration, plan.versions(), trials).save()
+            update(self.folder / baseline, report.configuration, plan.versions(), trials)
         else:
             report = make_report(plan, trials, old, exact, across_encoders, allow_crashes)
             for name, comparison in report.comparisons.items():
@@ -135,7 +135,11 @@ class Regression:
         path = self.folder / name
         # The baseline of another encoder is made where that encoder is tested.
         if self.update and not across_encoders:
-            return self._replaced(path)
+            check_whole(path, "baseline")
+            # What is no baseline is told before the run.
+            if replaceable(path) is None and path.exists():
+                warnings.warn(f"{path} is replaced as a whole: it cannot be read", stacklevel=3)
+            return None
         if not path.exists():
             raise InputError(
                 "no such baseline",
@@ -146,16 +150,6 @@ class Regression:
         # Before the run rather than after it.
         old.check(plan.configuration(), plan.versions(), across_encoders)
         return old
-
-    def _replaced(self, path: Path) -> Baseline | None:
-        """A baseline that is made anew, for those of its tasks that are not."""
-        if not path.exists():
-            return None
-        try:
-            return load_baseline(path)
-        except InputError as error:
-            warnings.warn(f"replaced as a whole: {error}", stacklevel=3)
-            return None
 
 
 def _assert(report: Report, at_least: float | None) -> None:

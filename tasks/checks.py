@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import cache
-from math import isfinite, nan
+from math import cos, isfinite, nan, sin
 from xml.etree.ElementTree import tostring
 
 import mujoco
@@ -16,7 +16,6 @@ from models.mjcf_object import check_object_name
 from models.objects import Box, Cylinder, MechanismPart, SceneObject
 from models.scene import TABLE, PaintedRing, Scene, SceneSpec
 from models.surface import Surface
-from tasks.reach import over_a_side
 from tasks.sensing import Sensing
 from tasks.task import Measure, Task
 
@@ -24,6 +23,9 @@ DEEPEST = 0.001
 """m, largest overlap of two objects, or of an object and the table, at the start. Contacts are
 soft: an object at rest sinks in by some hundredths of a millimetre."""
 
+
+_SHARES = np.linspace(0.0, 1.0, 50)
+"""Of the height of a surface, at which points of its sides are looked at."""
 
 WIDEST = 2.0
 """Largest radius of an object, in lengths of the surface: a larger one is in the wrong unit."""
@@ -277,6 +279,28 @@ def check_places(task: Task, surface: Surface, where: str) -> None:
                 remedy='A mesh in mm is scaled in its MJCF: <mesh scale=".001 .001 .001" .../>',
             )
     _check_apart(scene, where, "Place them apart, or the physics would throw them across the table")
+
+
+def over_a_side(thing: SceneObject, surface: Surface) -> bool:
+    """True if an object, as it starts before an upright surface, sticks out over a side of it.
+
+    Nobody can grip it there, so that a session would put it back for ever.
+
+    Args:
+        thing: The object; its yaw is about the vertical.
+        surface: The surface as placed in the world.
+    """
+    position = np.asarray(thing.position, float)
+    away = surface.rotation.T @ (position - surface.corner)
+    x, off = float(away[0]), float(away[2])
+    width, height = surface.size.tolist()
+    if not 0.0 < x < width:
+        return True
+    side = 0.0 if x < width / 2 else width
+    points = surface.to_world(np.column_stack([np.full(len(_SHARES), side), height * _SHARES]), off)
+    c, s = cos(thing.yaw), sin(thing.yaw)
+    turned = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+    return bool(thing.clearance(points, position, turned).min() < 0.0)
 
 
 def check_varied(task: Task, where: str, plain: Task | None = None) -> None:

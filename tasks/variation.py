@@ -20,7 +20,7 @@ from models.arithmetic.products import length
 from models.errors import InputError
 from models.objects import Box, MechanismPart, SceneObject
 from models.surface import Surface
-from tasks.reach import over_a_side
+from tasks.checks import over_a_side
 from tasks.task import Goal, Task
 
 

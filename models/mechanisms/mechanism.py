@@ -93,7 +93,7 @@ class Mechanism:
         check_position(self.position, where)
         for what in ("size", "mass", "resistance"):
             value = vars(self)[what]
-            if not isinstance(value, Real) or not 0.0 < value < float("inf"):
+            if not isinstance(value, Real) or not 0.0 < float(value) < float("inf"):
                 raise InputError(
                     f"its {what} is out of range",
                     where=where,

@@ -13,6 +13,7 @@ from rich.progress import Progress
 
 from models.errors import InputError
 from models.frames import FINGERS
+from models.messages.wording import counted
 from models.motion.sampling import Poses
 from models.motion.write.bvh import BvhWriter
 from sandbox.cli.common.parse import parse
@@ -20,7 +21,11 @@ from sandbox.datasets.kind import NAMED, is_data_set
 from sandbox.export.leap_source import Hand
 from sandbox.export.sources import Of, open_source
 from sandbox.export.targets import Exporter, ExportSettings, format_of
-from sandbox.recording.recording import is_recording
+from sandbox.recording.recording import is_dump, is_recording
+from sandbox.recording.recording_file import stored
+from sandbox.study.record.journal import read_journal
+from sandbox.study.record.state import SessionState
+from sandbox.study.record.stored_sessions import JOURNAL
 from sandbox.study.record.trial_files import find_recordings
 
 Finger = Literal["thumb", "index", "middle", "ring", "little"]
@@ -185,7 +190,14 @@ def _data_set(options: ExportOptions, console: Console, errors: Console) -> int:
         )
     from sandbox.datasets.export import export_data_set
 
-    files = [file for name in options.file for file in _recordings(name, options.out)]
+    found = [file for name in options.file for file in _recordings(name, options.out)]
+    files = [file for file, counts in found if counts]
+    if found and not files:
+        raise InputError(
+            "no demonstration is left",
+            where=" ".join(options.file),
+            got=f"{counted(len(found), 'attempt')}, of which none counts",
+        )
     with Progress(console=errors, transient=True, disable=not errors.is_terminal) as progress:
         bar = progress.add_task("playing recordings", total=len(files))
         exported = export_data_set(
@@ -194,6 +206,15 @@ def _data_set(options: ExportOptions, console: Console, errors: Console) -> int:
             options.name,
             options.successes,
             done=lambda count: progress.update(bar, completed=count),
+        )
+    left_out = len(found) - len(files) + exported.broken_off
+    if left_out:
+        errors.print(
+            f"{counted(left_out, 'attempt')} that {'does' if left_out == 1 else 'do'} not count "
+            "(broken off or repeated) left out",
+            soft_wrap=True,
+            markup=False,
+            style="yellow",
         )
     if exported.differing:
         errors.print(
@@ -217,14 +238,38 @@ def _data_set(options: ExportOptions, console: Console, errors: Console) -> int:
     return 0
 
 
-def _recordings(name: str, out: Path) -> list[Path]:
-    """Recordings that a word names: a folder of them, or what `sandbox replay` takes."""
+def _recordings(name: str, out: Path) -> list[tuple[Path, bool]]:
+    """Recordings that a word names, each with whether it counts.
+
+    A word names a folder of recordings, or what `sandbox replay` takes. In a folder, the dump of a
+    divergence is no recording of its own. Of a trial of a study one attempt counts.
+    """
     folder = Path(name)
-    if folder.is_dir():
+    if folder.is_dir() and not (folder.parent / JOURNAL).exists():
         files = [file for file in sorted(folder.glob("*.jsonl*")) if is_recording(file)]
         if files:
-            return files
-    return find_recordings(name, out)
+            return [(file, True) for file in files if not is_dump(file)]
+    files = find_recordings(name, out)
+    if stored(folder).is_file():
+        # A file that is named itself is meant.
+        return [(file, True) for file in files]
+    counting = _counting({file.parent.parent for file in files})
+    return [(f, f.name in counting.get(f.parent.parent, {f.name})) for f in files]
+
+
+def _counting(sessions: set[Path]) -> dict[Path, set[str]]:
+    """Names of the recordings that count, by the folder of a session that has a journal.
+
+    Raises:
+        StudyError: A journal is damaged.
+    """
+    counting = {}
+    for session in sessions:
+        if (session / JOURNAL).exists():
+            state = SessionState.of(read_journal(session / JOURNAL))
+            attempts = (state.counted(trial) for trial in state.attempts)
+            counting[session] = {Path(a.start["file"]).name for a in attempts if a is not None}
+    return counting
 
 
 def _input_file(options: ExportOptions) -> Path:

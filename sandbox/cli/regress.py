@@ -147,12 +147,13 @@ def main(argv: list[str]) -> int:
     quiet = str(options.json) == "-"
     console = Console(stderr=quiet)
     console = Console(stderr=quiet, width=max(console.width, 100))
+    plan.check_drawn()
     if options.vary:
         from sandbox.regress.sweep import check_possible, parse_wanted
 
         check_possible(plan, parse_wanted(options.vary))
     executor = _executor(options)
-    loaded, old = _baselines(options, plan, console)
+    old = _compared_with(options, plan, console)
     if options.record is not None and not options.resume:
         _empty_folder(options.record)
     with _kept(options, plan, console) as kept, BreakOff() as wish:
@@ -180,7 +181,7 @@ def main(argv: list[str]) -> int:
                 save_junit(report, options.junit)
             passed = report.passed if report.complete else None
             if options.update_baseline:
-                passed = _update(options, plan, report, loaded, console)
+                passed = _update(options, plan, report, console)
         if passed is None:
             return wish.status
         if not passed and kept is not None and kept.has_crashes:
@@ -248,10 +249,15 @@ def _check(options: RegressOptions) -> None:
         raise InputError("a baseline is one encoder's", where="--across-encoders --update-baseline")
     if options.address is not None and options.executor != "ray":
         raise InputError("only Ray has an address", where="--address", remedy="Add --executor ray")
-    check_output(options.json)
-    check_output(options.junit, "--junit")
+    from sandbox.regress.baseline import check_whole
+
+    written = {"--json": options.json, "--junit": options.junit}
     if options.update_baseline:
-        check_output(options.baseline, "--baseline")
+        written["--baseline"] = options.baseline
+    for option, path in written.items():
+        check_output(path, option)
+        if path != TERMINAL:
+            check_whole(path, option)
 
 
 def _empty_folder(folder: Path) -> None:
@@ -279,19 +285,21 @@ def _executor(options: RegressOptions) -> Executor:
     return Serial() if options.executor == "serial" else Processes(options.workers)
 
 
-def _baselines(
+def _compared_with(
     options: RegressOptions, plan: RegressionPlan, console: Console
-) -> tuple[Baseline | None, Baseline | None]:
-    """The baseline as it is, and again where it may be compared with.
+) -> Baseline | None:
+    """The baseline, where there is one that may be compared with.
 
     Raises:
         InputError: It may not, and nobody asked to replace it: better told now than after the run.
     """
     if options.baseline is None or (options.update_baseline and not options.baseline.exists()):
-        return None, None
-    from sandbox.regress.baseline import load_baseline
+        return None
+    from sandbox.regress.baseline import load_baseline, replaceable
 
-    loaded = None
+    if options.update_baseline:
+        # What is no baseline is told before the run.
+        replaceable(options.baseline)
     try:
         loaded = load_baseline(options.baseline)
         loaded.check(plan.configuration(), plan.versions(), options.across_encoders)
@@ -300,8 +308,8 @@ def _baselines(
         if not options.update_baseline:
             raise
         console.print(f"[yellow]not compared: {escape(str(error))}[/]", soft_wrap=True)
-        return loaded, None
-    return loaded, loaded
+        return None
+    return loaded
 
 
 @contextmanager
@@ -394,11 +402,10 @@ def _update(
     options: RegressOptions,
     plan: RegressionPlan,
     report: Report,
-    old: Baseline | None,
     console: Console,
 ) -> bool | None:
     """True if the baseline was made; None where the run broke off."""
-    from sandbox.regress.baseline import Baseline
+    from sandbox.regress.baseline import update
 
     assert options.baseline is not None
     if not report.complete:
@@ -407,9 +414,7 @@ def _update(
     if report.crashes.trials:
         console.print("[bold red]no baseline is made from a run with trials that crashed[/]")
         return False
-    old = old or Baseline(report.configuration, {}, options.baseline)
-    new = old.updated(report.configuration, plan.versions(), report.trials)
-    new.save()
+    new = update(options.baseline, report.configuration, plan.versions(), report.trials)
     kept = [name for name in new.tasks if name not in plan.names]
     also = f", as they were: {', '.join(kept)}" if kept else ""
     console.print(f"baseline {options.baseline}: {counted(len(report.trials), 'trial')}{also}")

@@ -18,7 +18,7 @@ from sandbox.datasets.slots import Touch, actions_of, named, slots_of, touches_o
 from sandbox.gym.learning.environment import LearningEnv
 from sandbox.recording.recorded_task import task_change
 from sandbox.recording.recording import Recording, load_recording
-from sandbox.trial.replay import settings_of
+from sandbox.trial.replay import settings_of, versions_of
 from tasks.registry import find_task
 
 
@@ -55,7 +55,7 @@ def open_demonstration(path: Path) -> Recording:
     """Reads a recording that can become a demonstration.
 
     Raises:
-        RecordingError: It breaks off, is damaged, or is of a hand in the air.
+        RecordingError: It breaks off, is damaged, says no versions, or is of a hand in the air.
     """
     recording = load_recording(path)
     if recording.damage or recording.end is None:
@@ -65,9 +65,15 @@ def open_demonstration(path: Path) -> Recording:
             got=recording.damage or "it has no end",
             remedy="Leave it out",
         )
+    versions_of(recording)
     for hand in recording.inputs:
         recording.touches(hand)
     return recording
+
+
+def broken_off(recording: Recording) -> bool:
+    """True if it is of an attempt of a study that was broken off, and does not count."""
+    return recording.end is not None and bool(recording.end["result"].get("broken_off"))
 
 
 def environment_options(recording: Recording, observe: Sequence[str]) -> dict[str, Any]:
@@ -249,7 +255,7 @@ def _about(recording: Recording, success: bool, same: bool) -> dict[str, Any]:
         "same_states_as_recorded": same,
         "recorded_success": bool(end["result"]["success"]),
         "recorded_state_hash": str(end["hash"]),
-        "versions": header["versions"],
+        "versions": versions_of(recording),
         "digests": header.get("digests", {}),
     }
 

@@ -10,6 +10,7 @@ from typing import Any
 from models.errors import InputError
 from sandbox.datasets.demonstration import (
     Demonstration,
+    broken_off,
     changed_task,
     check_equal,
     demonstrate,
@@ -17,7 +18,7 @@ from sandbox.datasets.demonstration import (
     open_demonstration,
 )
 from sandbox.datasets.kind import LEROBOT, MINARI
-from sandbox.datasets.npz_file import write_npz
+from sandbox.datasets.npz_file import check_npz, write_npz
 from tasks.registry import find_task
 
 
@@ -30,6 +31,7 @@ class Exported:
         episodes, steps, successes, simulated: Counts.
         differing: Recordings whose states are not those of the environment.
         changed: Recordings whose own task has changed since, each with what to do.
+        broken_off: Number of attempts that were broken off, and are left out.
     """
 
     where: str = ""
@@ -39,6 +41,7 @@ class Exported:
     simulated: int = 0
     differing: list[str] = field(default_factory=list)
     changed: list[str] = field(default_factory=list)
+    broken_off: int = 0
 
 
 def export_data_set(
@@ -82,13 +85,28 @@ def export_data_set(
         from sandbox.datasets.lerobot_folder import check_folder
 
         folder = check_folder(name)
+    else:
+        check_npz(to)
+    exported = Exported()
     # Bad recordings are told before the first is played.
-    options = [environment_options(open_demonstration(file), observe) for file in files]
+    counted, options = [], []
+    for file in files:
+        recording = open_demonstration(file)
+        if broken_off(recording):
+            exported.broken_off += 1
+            continue
+        counted.append(file)
+        options.append(environment_options(recording, observe))
+    if not counted:
+        raise InputError(
+            "no demonstration is left",
+            got=f"{len(files)} recordings, all of attempts that were broken off",
+        )
+    files = counted
     for file, other in zip(files, options, strict=True):
         check_equal(options[0], other, str(file))
     id = learning_id(options[0]["task"])
     env: Any = gymnasium.make(id, **{k: v for k, v in options[0].items() if k != "task"})
-    exported = Exported()
 
     def played() -> Iterator[Demonstration]:
         learning = env.unwrapped

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import os
 import re
+import shutil
 import warnings
 from collections.abc import Iterable, Mapping
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -47,19 +50,39 @@ def check_name(name: str) -> None:
             got=name or "nothing",
             expected="such as hand_sandbox/box-to-goal/mine-v0",
         )
-    if name in need_minari().list_local_datasets():
+    minari = need_minari()
+    folder = dataset_folder(name)
+    try:
+        there = name in minari.list_local_datasets()
+        other = not there and folder.exists()
+    except OSError as error:
+        raise InputError("it cannot be written", where=str(folder), got=error.strerror) from None
+    if there:
         raise InputError(
             "there is a data set of this name",
             where="--name",
             got=name,
             remedy=f"Choose another name, or `minari delete {name}`",
         )
+    if other:
+        raise InputError(
+            "there is a folder in the place of this data set",
+            where="--name",
+            got=f"{name}, in {folder}",
+            remedy="Choose another name, or delete the folder",
+        )
+
+
+def dataset_folder(name: str) -> Path:
+    """The folder in which Minari keeps a data set of its own."""
+    root = os.environ.get("MINARI_DATASETS_PATH")
+    return (Path("~/.minari/datasets").expanduser() if root is None else Path(root)) / name
 
 
 def write_minari(
     name: str, spec: Any, spaces: tuple[Any, Any], episodes: Iterable[Demonstration]
 ) -> tuple[int, int, float, str]:
-    """Writes a data set where Minari keeps its own, an episode at a time.
+    """Writes a data set where Minari keeps its own, an episode at a time, whole or not at all.
 
     Every step's `infos` have `state_hash` and `seed`; an episode's metadata say the rest.
 
@@ -76,6 +99,22 @@ def write_minari(
         InputError: It cannot be written.
     """
     check_name(name)
+    folder = dataset_folder(name)
+    try:
+        return _write(name, spec, spaces, episodes)
+    except OSError as error:
+        shutil.rmtree(folder, ignore_errors=True)
+        got = error.strerror or str(error)
+        raise InputError("it cannot be written", where=str(folder), got=got) from None
+    except BaseException:
+        # Also of a program that is stopped, nothing stays that looks like a data set.
+        shutil.rmtree(folder, ignore_errors=True)
+        raise
+
+
+def _write(
+    name: str, spec: Any, spaces: tuple[Any, Any], episodes: Iterable[Demonstration]
+) -> tuple[int, int, float, str]:
     minari = need_minari()
     from minari.data_collector import EpisodeBuffer
 
@@ -113,16 +152,23 @@ def write_minari(
         else:
             data.storage.update_episodes([buffer])
     data.storage.update_episode_metadata(about)
-    simulated = sum(each["simulated"] for each in about)
+    simulated = int(sum(each["simulated"] for each in about))
     data.storage.update_metadata(
         {
-            "algorithm_name": "simulated user" if simulated == len(about) else "people",
-            "simulated_episodes": int(simulated),
+            "algorithm_name": _who(simulated, len(about)),
+            "simulated_episodes": simulated,
             "hand_sandbox_versions": versions(),
         }
     )
     storage = data.storage
     return len(about), storage.total_steps, float(storage.get_size()), str(storage.data_path)
+
+
+def _who(simulated: int, episodes: int) -> str:
+    """Who made the demonstrations, in words."""
+    if 0 < simulated < episodes:
+        return "people and a simulated user"
+    return "simulated user" if simulated else "people"
 
 
 def _attributes(about: Mapping[str, Any]) -> dict[str, Any]:

@@ -20,6 +20,26 @@ OBSERVATION = "observation."
 """Prefix of the arrays of observations."""
 
 
+def check_npz(path: Path) -> None:
+    """Checks, before anything is played, that a file can be written.
+
+    Raises:
+        InputError: It is a folder, or nothing can be made in its folder.
+    """
+    try:
+        if path.is_dir():
+            raise InputError("this is a folder", where=str(path), expected="a file")
+        beside = _beside(path)
+        beside.touch()
+        beside.unlink()
+    except OSError as error:
+        raise InputError("it cannot be written", where=str(path), got=error.strerror) from None
+
+
+def _beside(path: Path) -> Path:
+    return path.with_name(f".{path.name}.part")
+
+
 def write_npz(
     path: Path, environment: Mapping[str, Any], episodes: Iterable[Demonstration]
 ) -> None:
@@ -64,7 +84,7 @@ def write_npz(
             )
         ),
     }
-    beside = path.with_name(f".{path.name}.part")
+    beside = _beside(path)
     try:
         with beside.open("wb") as file:
             np.savez_compressed(file, **arrays)

@@ -28,7 +28,10 @@ except ImportError:
         remedy="pip install 'hand-sandbox[gym]'",
     ) from None
 
+from gymnasium.envs.registration import EnvSpec
+
 from sandbox.gym.environment import HandSandboxEnv
+from tasks.discovery import place_file, place_member
 from tasks.registry import find_task, task_names
 from tasks.task import Task
 
@@ -36,6 +39,7 @@ __all__ = ["NAMESPACE", "HandSandboxEnv", "learning_id", "register_task"]
 
 NAMESPACE = "hand_sandbox"
 
+_PLAIN = "sandbox.gym.environment:HandSandboxEnv"
 _FOR_LEARNING = {"Learn": "environment:LearningEnv", "Hindsight": "hindsight:make"}
 """What follows a task's name in an id -> where its environment is made."""
 
@@ -50,23 +54,24 @@ def register_task(task: str) -> tuple[str, str]:
         The two ids, with touches and with poses as actions.
 
     Raises:
-        InputError: The task is unknown, or cannot be used.
+        InputError: The task is unknown or cannot be used, or an id is another task's.
     """
     kind = find_task(task)
-    for suffix, place in _FOR_LEARNING.items():
+    made: dict[str, tuple[str, dict[str, str]]] = {
+        "": (_PLAIN, {"action": "touch"}),
+        "Pose": (_PLAIN, {"action": "pose"}),
+        **{s: (f"sandbox.gym.learning.{place}", {}) for s, place in _FOR_LEARNING.items()},
+    }
+    new = {}
+    for suffix, (entry, more) in made.items():
         id = _id(kind, suffix)
-        if id not in gymnasium.registry:
-            gymnasium.register(id, f"sandbox.gym.learning.{place}", kwargs={"task": task})
-    ids = []
-    for suffix, action in (("", "touch"), ("Pose", "pose")):
-        ids.append(_id(kind, suffix))
-        if ids[-1] not in gymnasium.registry:
-            gymnasium.register(
-                ids[-1],
-                "sandbox.gym.environment:HandSandboxEnv",
-                kwargs={"task": task, "action": action},
-            )
-    return ids[0], ids[1]
+        if id in gymnasium.registry:
+            _check_own(gymnasium.registry[id], entry, task, more)
+        else:
+            new[id] = (entry, {"task": task, **more})
+    for id, (entry, kwargs) in new.items():
+        gymnasium.register(id, entry, kwargs=kwargs)
+    return _id(kind, ""), _id(kind, "Pose")
 
 
 def learning_id(task: str) -> str:
@@ -77,6 +82,37 @@ def learning_id(task: str) -> str:
     """
     register_task(task)
     return _id(find_task(task), "Learn")
+
+
+def _check_own(spec: EnvSpec, entry: str, task: str, more: dict[str, str]) -> None:
+    """Refuses the id of another task.
+
+    Raises:
+        InputError: What is registered under it is not this environment of this task.
+    """
+    there = dict(spec.kwargs)
+    other = str(there.pop("task", ""))
+    if spec.entry_point != entry or there != more or not _same_task(other, task):
+        raise InputError(
+            f"the id {spec.id} is another task's",
+            where=task,
+            got=other or str(spec.entry_point),
+            remedy="Give the task a name of its own",
+        )
+
+
+def _same_task(one: str, other: str) -> bool:
+    """True if two names or places are those of one task, whose file may have changed since."""
+    if one == other:
+        return True
+    try:
+        files = place_file(one), place_file(other)
+        if None in files:
+            return find_task(one) is find_task(other)
+        return files[0] == files[1] and place_member(one) == place_member(other)
+    except InputError:
+        # The first one is not there any more.
+        return False
 
 
 def _id(kind: type[Task], suffix: str) -> str:

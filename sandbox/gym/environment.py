@@ -87,7 +87,8 @@ class HandSandboxEnv(gymnasium.Env[Observation, Array]):
             `encoder="cubic"`.
 
     Raises:
-        InputError: The task, setting, kind of action or reward is unknown.
+        InputError: The task, setting, kind of action or reward is unknown, or a robot is asked for,
+            which `sandbox.gym.learning.environment.LearningEnv` takes.
     """
 
     metadata = {  # noqa: RUF012 as the base class has it
@@ -121,6 +122,14 @@ class HandSandboxEnv(gymnasium.Env[Observation, Array]):
             chosen = RunSettings(task=task, hands=(first,), **settings)
         except TypeError as error:
             raise InputError("not a setting of a run", where="settings", got=str(error)) from None
+        if chosen.robot:
+            raise InputError(
+                "this environment shows a person's hand only",
+                where="robot",
+                got=chosen.robot,
+                remedy="The id of the task that ends with Learn-v1, such as "
+                "hand_sandbox/BoxToGoalLearn-v1, takes a robot",
+            )
         self.action, self.reward = action, reward
         self.render_mode, self.size = render_mode, size
         self._kind = find_task(task)

@@ -46,7 +46,9 @@ class ManyEnvs(gymnasium.vector.VectorEnv):
 
     def __init__(self, id: str, count: int, processes: int | None = None, **options: Any) -> None:
         if processes is None:
-            processes = os.cpu_count() or 1
+            here = hasattr(os, "sched_getaffinity")
+            # A container or a scheduler may leave fewer of them to this program.
+            processes = len(os.sched_getaffinity(0)) if here else os.cpu_count() or 1
         for what, number in (("environments", count), ("processes", processes)):
             if number < 1:
                 raise InputError(f"there must be {what}", where="many", got=number, expected=">= 1")

@@ -257,7 +257,7 @@ class Recording:
 
     Attributes:
         path: File of the recording.
-        header: Header in the form of this version (see `sandbox.recording.upgrade`).
+        header: Header, of this version (see `read_header`).
         inputs: Inputs by hand, in order.
         keyframes: Integration states by physics step.
         events: Events in order.
@@ -301,6 +301,15 @@ def is_recording(path: Path) -> bool:
     except (OSError, ValueError, RecursionError):
         return False
     return isinstance(head, dict) and head.get("kind") == "header" and "settings" in head
+
+
+def is_dump(path: Path) -> bool:
+    """True if a recording is the dump of a divergence, which repeats the one that it lies beside.
+
+    Args:
+        path: File of a recording; see `is_recording`.
+    """
+    return "dump" in json.loads(first_line(path))
 
 
 def read_header(line: bytes, path: Path) -> dict[str, Any]:
@@ -354,7 +363,7 @@ def load_recording(path: Path | str) -> Recording:
                 end = line
             else:
                 _take(line, recording)
-        except (ValueError, KeyError, TypeError, InputError, zlib.error) as error:
+        except (ValueError, KeyError, TypeError, OverflowError, InputError, zlib.error) as error:
             damage = f"line {number} is damaged ({error}); everything before it is used"
             break
     if not whole and (damage or end is not None):

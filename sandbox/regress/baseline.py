@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from dataclasses import astuple, dataclass, field
 from pathlib import Path
+from secrets import token_hex
 from typing import Any
 
 from msgspec import Struct
@@ -13,11 +16,14 @@ from msgspec import Struct
 from models.errors import InputError
 from models.json_input import check_layout, decoded, read_bytes
 from sandbox.regress.execute import CRASHED, Trial
+from sandbox.system.durable_files import OPEN, Release, lock
 from sandbox.trial.result import KeptIn, kept_fields
 
 SCHEMA = 1
 """Version of the file's layout."""
 KIND = "baseline of sandbox regress"
+HEAD = 200
+"""Bytes at the beginning of a baseline, among which is its kind."""
 ANEW = "--update-baseline, in pytest --sandbox-update-baseline, makes it anew"
 """Way out where a baseline cannot be compared with."""
 
@@ -264,6 +270,90 @@ def load_baseline(path: Path) -> Baseline:
     return Baseline(document.configuration, tasks, path)
 
 
+def replaceable(path: Path) -> Baseline | None:
+    """The baseline that a file has, to be updated; None if there is none, or it cannot be read.
+
+    Raises:
+        InputError: The file is something else, which nobody asked to replace.
+    """
+    if not path.exists():
+        return None
+    what = "the baseline cannot be read"
+    # Reading a pipe would wait for its writer.
+    if not (path.is_file() and _is_ours(read_bytes(path, InputError, what=what))):
+        raise InputError(
+            "this file is no baseline, and is not replaced by one",
+            where=str(path),
+            expected="a file that --update-baseline made, or none",
+            remedy="Name another file, or remove this one",
+        )
+    try:
+        return load_baseline(path)
+    except InputError:
+        # A damaged one, or that of another version, is made anew.
+        return None
+
+
+def _is_ours(data: bytes) -> bool:
+    """True for an empty file, and for one that says that it is a baseline, damaged or not."""
+    try:
+        document = json.loads(data)
+    except (ValueError, RecursionError):
+        # It was cut, or two versions were merged into it; its first lines say what it was.
+        return not data.strip() or json.dumps(KIND).encode() in data[:HEAD]
+    return isinstance(document, dict) and document.get("kind") == KIND
+
+
+def update(
+    path: Path,
+    configuration: Mapping[str, Any],
+    versions: Mapping[str, int],
+    trials: Sequence[Trial],
+) -> Baseline:
+    """Writes the trials of a run into a baseline's file, and leaves other tasks as they are now.
+
+    Another run may have written its own tasks since this one began; see `Baseline.updated`.
+
+    Raises:
+        InputError: A trial has no result, the file is no baseline, or it cannot be written.
+    """
+    with _alone(path.resolve()):
+        old = replaceable(path) or Baseline(configuration, {}, path)
+        new = old.updated(configuration, versions, trials)
+        new.save()
+    return new
+
+
+@contextmanager
+def _alone(path: Path) -> Iterator[None]:
+    """Waits until no other run writes a file; the lock is a file beside it, while it is held."""
+    beside = path.with_name(f".{path.name}.lock")
+    try:
+        while True:
+            fd = os.open(beside, os.O_RDWR | os.O_CREAT | OPEN, 0o666)
+            release = lock(fd, beside, wait=True)
+            with suppress(FileNotFoundError):
+                if os.path.samestat(beside.stat(), os.fstat(fd)):
+                    break
+            # The run before this one has removed it between the two calls.
+            _end(fd, release)
+    except OSError as error:
+        raise InputError("no lock can be had", where=str(path), got=error.strerror) from None
+    try:
+        yield
+    finally:
+        # Windows keeps a file that is open; one that stays does no harm.
+        with suppress(OSError):
+            beside.unlink()
+        _end(fd, release)
+
+
+def _end(fd: int, release: Release | None) -> None:
+    if release is not None:
+        release()
+    os.close(fd)
+
+
 def flat(values: Mapping[str, Any]) -> dict[str, Any]:
     """Nested values by dotted name, as JSON reads them back."""
 
@@ -280,14 +370,53 @@ def flat(values: Mapping[str, Any]) -> dict[str, Any]:
 def write_whole(path: Path, text: str, option: str) -> None:
     """Writes a temporary file and renames it, so that incomplete content is never read.
 
+    A link stays, and its target is replaced. A pipe or a device is written itself.
+
     Raises:
         InputError: It cannot be written.
     """
-    new = path.with_name(path.name + ".new")
     try:
-        new.write_text(text, encoding="utf-8")
-        new.replace(path)
+        if path.exists() and not path.is_file():
+            path.write_text(text, encoding="utf-8")
+            return
+        target = path.resolve()
+        new = _beside(target)
+        try:
+            new.write_text(text, encoding="utf-8")
+            new.replace(target)
+        finally:
+            new.unlink(missing_ok=True)
     except OSError as error:
         raise InputError(
             "it cannot be written", where=f"{option} {path}", got=error.strerror
         ) from None
+
+
+def check_whole(path: Path | None, option: str) -> None:
+    """Checks, before anything is run, that `write_whole` will find room for its temporary file.
+
+    Args:
+        path: The file; None needs none.
+        option: Name of the option, for the message.
+
+    Raises:
+        InputError: No file can be made in its folder.
+    """
+    if path is None or (path.exists() and not path.is_file()):
+        return
+    new = _beside(path.resolve())
+    try:
+        new.touch(exist_ok=False)
+        new.unlink()
+    except OSError as error:
+        raise InputError(
+            "nothing can be made in the folder of this file, which is written beside it first",
+            where=f"{option} {path}",
+            got=error.strerror,
+            remedy="Name a file in a folder of yours",
+        ) from None
+
+
+def _beside(path: Path) -> Path:
+    """A temporary file that no other run takes."""
+    return path.with_name(f"{path.name}.{token_hex(4)}.new")

@@ -26,6 +26,8 @@ from sandbox.trial.assembly import load_encoder
 from sandbox.trial.headless import run_trial
 from sandbox.trial.result import KeptIn, kept_fields
 from sandbox.trial.settings import RunSettings
+from tasks.checks import measure
+from tasks.registry import draw_task, find_task, is_built_in
 
 Trial = dict[str, Any]
 """JSON of a trial: the fields of its result that `KeptIn.REGRESS` names, and its fingerprint
@@ -113,9 +115,21 @@ def attempt(job: TrialJob) -> Trial | HandSandboxError:
     try:
         return run_job(job)
     except HandSandboxError as error:
-        return error
+        return crashed(job, str(error)) if is_own_fault(error, job) else error
     except (Exception, SystemExit) as error:
         return crashed(job, _last_line(error))
+
+
+def is_own_fault(error: HandSandboxError, job: TrialJob) -> bool:
+    """True if an error came from the code of a task from outside, as it drew or measured a trial.
+
+    Such code may fail for one seed alone. What a built-in task refuses follows from the settings,
+    and holds for every trial.
+    """
+    codes = [frame.f_code for frame, _ in traceback.walk_tb(error.__traceback__)]
+    if draw_task.__code__ not in codes and measure.__code__ not in codes:
+        return False
+    return not is_built_in(job.own_task or find_task(job.task))
 
 
 @dataclass

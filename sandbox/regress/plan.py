@@ -5,16 +5,17 @@ from __future__ import annotations
 import shlex
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 from typing import Any
 
 from models.errors import InputError
+from models.outside import failure
 from sandbox.options.scene_options import Plan, SceneOptions, plan
 from sandbox.options.second_hand import SecondOptions
-from sandbox.trial.assembly import digests
+from sandbox.trial.assembly import digests, drawn
 from sandbox.trial.settings import result_settings
-from tasks.registry import TASKS, claim_name, find_task, task_names
+from tasks.registry import TASKS, claim_name, find_task, is_built_in, task_names
 from tasks.task import Task
 
 ALL = "all"
@@ -107,6 +108,33 @@ class RegressionPlan:
             for seed in self.seeds
             for task in self.tasks
         ]
+
+    def check_drawn(self) -> None:
+        """Checks, before anything is played, that some trial of every task can be drawn.
+
+        Where a task's own code fails for other seeds, their trials crash.
+
+        Raises:
+            InputError: No trial of a task can be drawn; it says why the first one cannot.
+        """
+        for task in self.tasks:
+            if isinstance(task, str) and is_built_in(find_task(task)):
+                # What cannot be drawn ends the run at its first trial.
+                continue
+            reasons: list[InputError] = []
+            for job in replace(self, tasks=(task,)).jobs():
+                try:
+                    with registered(job.own_task):
+                        drawn(job.planned().settings)
+                except InputError as error:
+                    reasons.append(error)
+                except (Exception, SystemExit) as error:
+                    where, got = f"{job.name}, seed {job.seed}", failure(error)
+                    reasons.append(InputError("the task cannot be drawn", where=where, got=got))
+                else:
+                    break
+            else:
+                raise reasons[0]
 
     def configuration(self) -> dict[str, Any]:
         """All settings besides task and seed that affect results; results compare only if they are

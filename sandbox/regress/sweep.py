@@ -15,7 +15,7 @@ from models.errors import InputError
 from models.messages.wording import counted
 from sandbox.options.variations import Kind, find_kind, parse_value
 from sandbox.regress import statistics
-from sandbox.regress.execute import Trial
+from sandbox.regress.execute import Trial, is_own_fault
 from sandbox.regress.plan import RegressionPlan, registered
 from sandbox.regress.report import Crashes, TaskResult
 from sandbox.trial.assembly import drawn
@@ -317,15 +317,11 @@ def _point(
     plan: RegressionPlan, kind: Kind, value: float, nominal: TaskResult, run: Runner
 ) -> Point:
     changed = varied(plan, kind, value)
-    try:
-        refused = refusal(changed)
-        result = TaskResult(nominal.name, nominal.version, ())
-        if not refused:
-            result = _result(plan, run(changed))
-    except InputError as error:
-        refused = str(error)
+    refused = refusal(changed)
     if refused:
         return Point(value, TaskResult(nominal.name, nominal.version, ()), refused=refused)
+    # What goes wrong while trials run, such as a full disk, says nothing about the value.
+    result = _result(plan, run(changed))
     before = {t["seed"]: t["success"] for t in nominal.trials}
     differ = [t for t in result.trials if t["success"] != before[t["seed"]]]
     return Point(
@@ -338,13 +334,17 @@ def _point(
 
 
 def refusal(plan: RegressionPlan) -> str:
-    """Why a trial of a plan cannot be drawn, before any is played; empty where all can."""
+    """Why a trial of a plan cannot be drawn, before any is played; empty where all can.
+
+    A trial that the task's own code cannot draw is left to crash when it is run.
+    """
     for job in plan.jobs():
-        try:
-            with registered(job.own_task):
+        with registered(job.own_task):
+            try:
                 drawn(job.planned().settings)
-        except InputError as error:
-            return str(error)
+            except InputError as error:
+                if not is_own_fault(error, job):
+                    return str(error)
     return ""
 
 

@@ -298,6 +298,10 @@ class Audience:
         if not client.player:
             return
         client.player = False
+        if client.menu:
+            # It is open no more. A page that comes back with it open says so again.
+            client.menu = False
+            self._keep(self.asked, PlayerRequest("resume"))
         self._heard = client.seen
         self._left = time.monotonic()
         if self._device:
@@ -349,6 +353,8 @@ class Audience:
             case Drawn() if client.player:
                 self._latency.add("drawn", up.after_ms)
             case PlayerRequest() if client.player and not self._study:
+                if up.what in ("pause", "resume"):
+                    client.menu = up.what == "pause"
                 self._keep(self.asked, up)
             case ItemAnswer() | Leave() if client.player and self._study:
                 self._keep(self.filled, up)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 from models.errors import InputError, RecordingError
 from sandbox.recording.agreement import Agreement, PoseComparison
@@ -89,6 +90,24 @@ def settings_of(recording: Recording) -> RunSettings:
     return settings
 
 
+def versions_of(recording: Recording) -> dict[str, Any]:
+    """The versions that a recording was made with.
+
+    Raises:
+        RecordingError: Its header lacks them.
+    """
+    there = recording.header.get("versions")
+    if not isinstance(there, dict):
+        raise RecordingError(
+            "its header does not say which versions it was made with",
+            where=str(recording.path),
+            got="nothing" if there is None else repr(there)[:80],
+            expected="versions, as `sandbox run --record` writes them",
+            remedy="Record it again, or take an undamaged copy",
+        )
+    return there
+
+
 def recorded_hands(recording: Recording, hands: int) -> DeviceMakers:
     """Makers of devices that play every hand of a recording."""
 
@@ -109,6 +128,7 @@ def replay(recording: Recording, make_views: ViewMaker = no_views) -> tuple[Sess
             more.
     """
     settings = settings_of(recording)
+    versions_of(recording)
     changed = task_change(recording.header, settings.task, settings.seed, settings.surface)
     try:
         session = build(settings, recorded_hands(recording, len(settings.hands)), may_overlap=True)
@@ -117,7 +137,7 @@ def replay(recording: Recording, make_views: ViewMaker = no_views) -> tuple[Sess
             raise
         # Only the kind of failure: what this says goes into tables, which are shared.
         raise RecordingError(changed, where=str(recording.path), got=error.what) from error
-    differs_in = tuple(decisive_differences(recording.header["versions"]))
+    differs_in = tuple(decisive_differences(versions_of(recording)))
     kept = bool(recording.track.qpos)
     poses = RecordedPoses(session, recording) if kept and differs_in else None
     comparison = PoseComparison(session, recording) if kept else None

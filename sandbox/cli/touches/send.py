@@ -6,6 +6,7 @@ import contextlib
 import math
 import socket
 import time
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated
@@ -127,7 +128,7 @@ def _send_packets(file: Path, to: str, speed: float) -> int:
     with contextlib.ExitStack() as closing, _progress(console) as bar:
         with connected(to):
             pass  # An address that cannot be is refused before the first packet.
-        closing.callback(lambda: [channel.close() for channel in channels.values()])
+        closing.callback(_close_all, channels)
         job = bar.add_task(f"sending to {to}", total=len(capture.packets))
         begin = time.monotonic()
         for packet in capture.packets:
@@ -155,6 +156,11 @@ def _send_packets(file: Path, to: str, speed: float) -> int:
     if capture.damage is not None:
         raise capture.damage
     return 0
+
+
+def _close_all(channels: Mapping[str, socket.socket]) -> None:
+    for channel in channels.values():
+        channel.close()
 
 
 def _progress(console: Console) -> Progress:

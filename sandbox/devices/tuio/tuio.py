@@ -201,7 +201,7 @@ class TuioDevice(Device, Closeable):
 
     @property
     def finished(self) -> bool:
-        """True once closed or failed, and every frame fetched; a failure is told by `poll` first."""
+        """True once closed or failed, and every frame fetched; `poll` tells a failure first."""
         with self._news:
             return not self._queue and not self._alive and (self._failure is None or self._told)
 

@@ -18,7 +18,7 @@ ARRIVED = 0.010
 GoalObservation = dict[str, Array]
 
 
-class Hindsight(gymnasium.Wrapper[GoalObservation, Array, dict[str, Array], Array]):
+class Hindsight(gymnasium.Env[GoalObservation, Array]):
     """Observations with `observation`, `achieved_goal` and `desired_goal`.
 
     The goals are places (g, 3) m, of the things that have goals and where they should be, flat. The
@@ -26,19 +26,25 @@ class Hindsight(gymnasium.Wrapper[GoalObservation, Array, dict[str, Array], Arra
     and -1 otherwise. Turns do not count in it; `info["is_success"]` is the task's own verdict.
 
     Args:
-        env: An environment of a task with goals.
+        env: An environment of a task with goals, which is this one's own from then on.
+
+    Attributes:
+        learning: That environment.
 
     Raises:
         InputError: The task has no goals.
     """
 
+    metadata = LearningEnv.metadata
+
     def __init__(self, env: LearningEnv) -> None:
-        super().__init__(env)
         space = env.observation_space
         assert isinstance(space, spaces.Dict)
         if "goals" not in space.spaces:
             raise InputError("this task has no goals to learn from", where=env.settings.task)
-        self._env: LearningEnv = env
+        self.learning: LearningEnv = env
+        self.render_mode = env.render_mode
+        self.action_space = env.action_space
         self._rest: list[str] = [name for name in space.spaces if name != "goals"]
         rest = [space[name] for name in self._rest]
         low = np.concatenate([np.ravel(box.low) for box in rest if isinstance(box, spaces.Box)])
@@ -65,18 +71,27 @@ class Hindsight(gymnasium.Wrapper[GoalObservation, Array, dict[str, Array], Arra
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[GoalObservation, dict[str, Any]]:
         """Starts a new trial; see `LearningEnv.reset`."""
-        seen, info = self._env.reset(seed=seed, options=options)
+        super().reset(seed=seed)
+        seen, info = self.learning.reset(seed=seed, options=options)
         return self._goals(seen), info
 
     def step(self, action: Array) -> tuple[GoalObservation, float, bool, bool, dict[str, Any]]:
         """One control period."""
-        seen, _, terminated, truncated, info = self._env.step(action)
+        seen, _, terminated, truncated, info = self.learning.step(action)
         goals = self._goals(seen)
         reward = self.compute_reward(goals["achieved_goal"], goals["desired_goal"], info)
         return goals, float(reward), terminated, truncated, info
 
+    def render(self) -> Any:
+        """The picture of now; see `LearningEnv.render`."""
+        return self.learning.render()
+
+    def close(self) -> None:
+        """Gives back what draws."""
+        self.learning.close()
+
     def _goals(self, seen: dict[str, Array]) -> GoalObservation:
-        session = self._env.session
+        session = self.learning.session
         assert session is not None
         names = [thing.name for thing in session.task.objects]
         places = [seen["objects"][names.index(goal.object), :3] for goal in session.task.goals]

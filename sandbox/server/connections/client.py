@@ -42,6 +42,7 @@ class Client:
         player: True if its touches are used.
         heard: s, time of its last message.
         here: False while the page says that it is hidden or turned away.
+        menu: True while its player has a menu open.
         missed: True if its last message was refused unread, as too many came.
     """
 
@@ -53,7 +54,7 @@ class Client:
         self.screen: PageScreen | None = None
         self.player = False
         self.heard = clock()
-        self.here, self.missed = True, False
+        self.here, self.missed, self.menu = True, False, False
         self._hidden = self.heard
         self._clock = clock
         self._counters = counters

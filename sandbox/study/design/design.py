@@ -32,6 +32,20 @@ participants, codebook and report are told."""
 
 ITEMS = ("choice", "scale", "number", "text")
 
+DEMOGRAPHICS = "demographics"
+"""Name of the form with the questions about the person."""
+
+LISTED, JOINED = ", ", " / "
+"""Between levels in the list of the codebook, and in the name of a condition in reports."""
+
+FILLED = (
+    *("participant_id", "ppid", "number", "hand", "hand_size", "language", "mode", "simulated"),
+    *("consent", "sessions_done", "trials_done", "trials_planned", "complete"),
+    *("excluded", "exclusion_reason", "clock_steps"),
+)
+"""Columns of the tables of participants that the program fills; no question about the person may be
+named like one of them."""
+
 
 @dataclass(frozen=True)
 class Level:

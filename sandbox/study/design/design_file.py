@@ -13,8 +13,12 @@ from typing import Any
 from models.errors import StudyError
 from sandbox.study.design.conditions import SETTINGS, check_conditions
 from sandbox.study.design.design import (
+    DEMOGRAPHICS,
     END,
+    FILLED,
+    JOINED,
     LEARNING,
+    LISTED,
     ORDERS,
     SCHEMA,
     START,
@@ -69,7 +73,8 @@ def parse_design(text: str, path: Path, try_out: bool = True) -> Design:
     Args:
         text: The whole text.
         path: Path of the file.
-        try_out: True also checks every combination of levels; False only parses the file.
+        try_out: True also checks every combination of levels, and names that damage tables or
+            reports; False only parses the file, as of a study that has begun.
 
     Raises:
         DesignError: The file has mistakes.
@@ -91,7 +96,10 @@ def parse_design(text: str, path: Path, try_out: bool = True) -> Design:
             ],
         ) from None
     reader = Reader(text)
+    reader.begun = not try_out
     design = _design(TomlTable(reader, values), text, path)
+    if try_out:
+        _check_names(design, reader)
     complete = not try_out or not reader.mistakes
     if try_out and complete:
         check_conditions(design, reader)
@@ -173,7 +181,7 @@ def _design(top: TomlTable, text: str, path: Path) -> Design:
     _check_learning(design, trials)
     for table in (trials, breaks, consent, analysis, top):
         table.done()
-    _check_unique(top, "demographics", [item.name for item in design.demographics])
+    _check_unique(top, DEMOGRAPHICS, [item.name for item in design.demographics])
     _check_unique(top, "questionnaires", [form.name for form in design.questionnaires])
     return design
 
@@ -207,6 +215,72 @@ def _check_unique(top: TomlTable, key: str, names: list[str]) -> None:
             top.reader.add_mistake(
                 (key, i, "name"), f"{name!r} is used twice", "Rename one of them"
             )
+
+
+_TAG = re.compile(r"[A-Za-z]{2,8}(-[A-Za-z0-9]{1,8})*")
+"""Form of a tag (BCP 47), as browsers want it."""
+
+
+def _check_names(design: Design, reader: Reader) -> None:
+    """Refuses languages that no browser knows, and names that tables and reports cannot tell apart
+    from others.
+
+    A study that has begun with such names can still be opened.
+    """
+    for code in design.languages:
+        if not _TAG.fullmatch(code):
+            reader.add_mistake(
+                ("languages",),
+                f"{code!r} is no tag of a language",
+                "Write letters and hyphens, such as pt-BR",
+            )
+    for i, item in enumerate(design.demographics):
+        if item.name in FILLED:
+            reader.add_mistake(
+                (DEMOGRAPHICS, i, "name"),
+                f"{item.name!r} is a column of participants that the program fills",
+                f"Choose another name, such as own_{item.name}",
+            )
+    for i, form in enumerate(design.questionnaires):
+        if form.name == DEMOGRAPHICS:
+            reader.add_mistake(
+                ("questionnaires", i, "name"),
+                f"{form.name!r} is the name of the questions about the person",
+                "Choose another name",
+            )
+    _check_listed(design, reader)
+    _check_joined(design, reader)
+
+
+def _check_listed(design: Design, reader: Reader) -> None:
+    """The codebook lists the levels of a factor, from which reports have their order."""
+    for i, factor in enumerate(design.factors):
+        owner: dict[str, str] = {}
+        for level in factor.levels:
+            parts = set(level.name.split(LISTED))
+            other = next((owner[part] for part in parts if part in owner), level.name)
+            if other != level.name:
+                reader.add_mistake(
+                    ("factors", i, "levels"),
+                    f"a list cannot tell {other!r} and {level.name!r} apart",
+                    "Name them without commas",
+                )
+            owner |= dict.fromkeys(parts, level.name)
+
+
+def _check_joined(design: Design, reader: Reader) -> None:
+    """Reports name a condition by its levels; if the levels of two factors had the separator in
+    them, two conditions could have one name."""
+    first = ""
+    for i, factor in enumerate(design.factors):
+        name = next((level.name for level in factor.levels if JOINED in level.name), "")
+        if name and first:
+            reader.add_mistake(
+                ("factors", i, "levels"),
+                f"{name!r} has {JOINED!r} in it, as {first!r} of another factor has",
+                "Name the levels of one of the two without it",
+            )
+        first = first or name
 
 
 def _factor(table: TomlTable, key: str, names: list[str]) -> str:

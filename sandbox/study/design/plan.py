@@ -13,7 +13,16 @@ from typing import Any
 
 from sandbox.study.design.balance import rows_of
 from sandbox.study.design.conditions import WEBCAM, values_of
-from sandbox.study.design.design import END, START, Design, Factor, Form, Instruction, Level
+from sandbox.study.design.design import (
+    DEMOGRAPHICS,
+    END,
+    START,
+    Design,
+    Factor,
+    Form,
+    Instruction,
+    Level,
+)
 from sandbox.study.design.orders import order_of
 from sandbox.study.design.questionnaires import arranged
 
@@ -27,6 +36,9 @@ CALIBRATING = 30.0
 """Expected s to measure a hand over a Leap."""
 CHANGING = 4.0
 """Expected s between two trials."""
+
+ABOUT_PERSON = f"form:{DEMOGRAPHICS}"
+"""Id of the step with the questions about the person."""
 
 LEAP = "leap"
 """Value of `device` and `second_device` for a hand over a Leap."""
@@ -182,8 +194,8 @@ class _Plan:
             yield ConsentStep("consent")
         if design.demographics and self._session == 1:
             title = dict.fromkeys(design.languages, "")
-            form = Form("demographics", title, design.demographics, START)
-            yield FormStep("form:demographics", form, 0, {})
+            form = Form(DEMOGRAPHICS, title, design.demographics, START)
+            yield FormStep(ABOUT_PERSON, form, 0, {})
         yield from self._instructions(START)
         yield from self._forms(START)
         yield CalibrationStep("calibration")

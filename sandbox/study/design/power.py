@@ -15,9 +15,14 @@ POINTS = 2000
 """Points of the integral over the estimated spread; its error is below 0.0005."""
 
 
+MOST = 50.0
+"""Largest effect that is looked for, in standard deviations."""
+
+
 @dataclass(frozen=True)
 class Detectable:
-    """The smallest effect that is detected with a given probability.
+    """The smallest effect that is detected with a given probability; infinite if none up to `MOST`
+    is.
 
     Attributes:
         effect: Difference in units of a standard deviation: that of the differences over people if
@@ -97,5 +102,7 @@ def detectable(
     alpha = 0.05 / comparisons
     if n < (4 if between else 3):
         return Detectable(float("inf"), float("inf"))
-    effect = brentq(lambda d: power(d, n, alpha, between) - wanted, 1e-6, 50.0)
+    if power(MOST, n, alpha, between) < wanted:
+        return Detectable(float("inf"), float("inf"))
+    effect = brentq(lambda d: power(d, n, alpha, between) - wanted, 1e-6, MOST)
     return Detectable(float(effect), expm1(float(effect) * spread))

@@ -55,13 +55,10 @@ def read_form(table: TomlTable, factors: list[str], folder: Path) -> Form:
         source.add_mistake(
             "items", "the questionnaire has no items", "Add [[questionnaires.items]], or a file"
         )
-    names = [item.name for item in items]
-    for i, one in enumerate(names):
-        if one and one in names[:i]:
-            source.reader.add_mistake(
-                (*source.path, "items", i, "name"), f"{one!r} is used twice", "Rename one of them"
-            )
+    _check_unique(source, "items", [item.name for item in items])
     scales = tuple(_scale(t, items) for t in source.tables("scales"))
+    if not table.reader.begun:
+        _check_unique(source, "scales", [scale.name for scale in scales])
     wording = _wording(source)
     if source is not table:
         source.done()
@@ -72,6 +69,14 @@ def read_form(table: TomlTable, factors: list[str], folder: Path) -> Form:
     table.done()
     origin = (file, text) if file and text else None
     return Form(name, title, items, at, scales, origin, sessions, wording)
+
+
+def _check_unique(source: TomlTable, key: str, names: list[str]) -> None:
+    for i, one in enumerate(names):
+        if one and one in names[:i]:
+            source.reader.add_mistake(
+                (*source.path, key, i, "name"), f"{one!r} is used twice", "Rename one of them"
+            )
 
 
 def scored_by_its_question(form: Form) -> Form:

@@ -58,13 +58,15 @@ class DesignError(StudyError):
 
 
 class Reader:
-    """State shared by all tables of one file: lines, languages, number of sessions, mistakes."""
+    """State shared by all tables of one file: lines, languages, number of sessions, mistakes, and
+    whether it is of a study that has begun, which must stay readable."""
 
     def __init__(self, text: str) -> None:
         self.lines = TomlLines(text)
         self.mistakes: list[Mistake] = []
         self.languages: tuple[str, ...] = ("en",)
         self.sessions = 1
+        self.begun = False
 
     def add_mistake(self, path: Path, what: str, remedy: str, alone: bool = False) -> None:
         """Adds a mistake; `alone` if all else can be read as it is meant."""

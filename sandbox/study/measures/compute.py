@@ -16,7 +16,7 @@ from sandbox.study.measures.played_trial import PlayedTrial
 from sandbox.study.measures.registry import measures
 from sandbox.trial.result import TrialResult
 
-VERSION = 1
+VERSION = 2
 """Version of the definitions; stored measures of another version are computed again."""
 
 T = TypeVar("T")

@@ -33,6 +33,9 @@ def true_intervals(mask: ArrayLike) -> list[tuple[int, int]]:
 def push_intervals(digits: Sequence[str], grip: ArrayLike, period: float) -> list[tuple[int, int]]:
     """Intervals in which a hand pushes an object, by first and last index.
 
+    An interval begins with a push of `FORCE` or more; later pushes of any force belong to it until
+    there was none for `RELEASE`.
+
     Args:
         digits: Letters of the pushing digits at each moment.
         grip: (n,) total normal force, N.
@@ -41,12 +44,9 @@ def push_intervals(digits: Sequence[str], grip: ArrayLike, period: float) -> lis
     strong = np.asarray(grip, float) >= FORCE
     joined: list[tuple[int, int]] = []
     for first, last in true_intervals([bool(d) for d in digits]):
-        enough = strong[first : last + 1]
-        if not enough.any():
-            continue
         if joined and (first - joined[-1][1]) * period < RELEASE - 1e-9:
             joined[-1] = (joined[-1][0], last)
-        else:
+        elif (enough := strong[first : last + 1]).any():
             joined.append((first + int(np.argmax(enough)), last))
     return joined
 

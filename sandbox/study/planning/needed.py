@@ -55,6 +55,8 @@ class Needs:
         assert isinstance(self.spread, Spread)
         people, between = self.tests.people_in(participants), self.tests.between
         effect = detectable(people, self.family, between, WANTED).effect
+        if effect == inf:
+            return inf
         change = effect * self._deviation(self.tests.trials, cautious)
         if self.spread.scale != LOG:
             return change

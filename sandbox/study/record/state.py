@@ -9,7 +9,7 @@ from typing import Any
 from models.errors import StudyError
 from models.json_input import checked
 from sandbox.session.own_layouts import Layouts
-from sandbox.study.design.plan import Step, TrialStep
+from sandbox.study.design.plan import ABOUT_PERSON, Step, TrialStep
 from sandbox.study.record.chain import Record
 from sandbox.study.record.session_clock import SessionClock
 from sandbox.trial.result import TrialResult
@@ -135,6 +135,12 @@ class SessionState:
                 self.finished.add(record["step"])
             case "session_end":
                 self.complete = bool(record["complete"])
+
+    @property
+    def about_person(self) -> dict[str, Any] | None:
+        """Answers to the questions about the person, by item; None without them."""
+        record = self.answers.get(ABOUT_PERSON)
+        return None if record is None else record["answers"]
 
     def counted(self, trial: int) -> Attempt | None:
         """The counted attempt of a trial: the last finished one that was not set aside."""

@@ -22,7 +22,7 @@ from models.rotations import quaternion_exp
 from models.scene import CONTROL_PERIOD
 from models.skeleton import ADULT
 from sandbox.recording.versions import versions
-from sandbox.study.design.design import Design
+from sandbox.study.design.design import FILLED, Design
 from sandbox.study.measures.columns import SECOND, Columns
 from sandbox.study.record.folder import SIMULATED, StudyFolder
 from sandbox.study.record.stored_sessions import StoredSession, all_sessions, planned_trials
@@ -215,11 +215,10 @@ def _about(study: StudyFolder, work: Path, people: Sequence[Row]) -> None:
     _json(work / "dataset_description.json", dataset_description(study))
     (work / "README").write_text(readme(study), encoding="utf-8")
     asked = names_of(participant_columns(study.design))
-    used = [
-        name
-        for name in ("hand", "hand_size", "language", "simulated", "complete", "excluded")
-        if name in asked
-    ] + [item.name for item in study.design.demographics]
+    known = ("hand", "hand_size", "language", "simulated", "complete", "excluded")
+    # An older design may have a question that is named like a column which the program fills.
+    own = [item.name for item in study.design.demographics if item.name not in FILLED]
+    used = [*(name for name in known if name in asked), *own]
     rows = [[f"sub-{p['ppid']}", *(p.get(name) for name in used)] for p in people]
     _tsv(work / "participants.tsv", ["participant_id", *used], rows)
     _json(work / "participants.json", participants_json(study.design, used))

@@ -18,7 +18,7 @@ from uuid import uuid4
 
 from models.errors import StudyError
 from sandbox.recording.recording_file import read_stored, stored
-from sandbox.study.design.design import Design
+from sandbox.study.design.design import DEMOGRAPHICS, FILLED, Design
 from sandbox.study.design.plan import in_the_air
 from sandbox.study.record.chain import DIGEST, Record
 from sandbox.study.record.file_digests import recording_digests, tables_of
@@ -51,7 +51,6 @@ from sandbox.study.share.privacy_records import (
 )
 from sandbox.study.tables.tables import rebuild_all, rebuild_study
 
-DEMOGRAPHICS = "demographics"
 HAND_SIZE_BIN = 0.1
 """Bin width of the size of hands, unless another one is given. Over people it has a standard
 deviation of about 0.07 (`sandbox.study.run.simulate`)."""
@@ -174,6 +173,11 @@ def _check(design: Design, masking: Masking) -> None:
                 got=name,
                 expected=", ".join(known) or f"no demographics; --bin takes {HAND_SIZE}",
             )
+
+
+def _asked(item: str) -> str:
+    """Name of a demographic item next to what the program knows of a person."""
+    return f"{item} (asked)" if item in FILLED else item
 
 
 def _new_names(sessions: Mapping[str, object]) -> dict[str, str]:
@@ -316,24 +320,19 @@ def _finish(
     people: list[dict[str, Any]] = []
     for sessions in rebuild_all(copy).values():
         start = sessions[0].state.start
-        asked = [
-            r["answers"]
-            for s in sessions
-            for r in s.state.answers.values()
-            if r["form"] == DEMOGRAPHICS
-        ]
+        asked = [s.state.about_person for s in sessions if s.state.about_person is not None]
         # Recordings contain the exact size.
         seen = masking.recordings and masking.hands
         people.append(
             {
+                **({_asked(name): value for name, value in asked[-1].items()} if asked else {}),
                 "hand": start["hand"],
                 HAND_SIZE: exact[start["ppid"]] if seen else start[HAND_SIZE],
                 "language": start["language"],
-                **(asked[-1] if asked else {}),
             }
         )
     columns = ["hand", HAND_SIZE, "language"] + [
-        item.name
+        _asked(item.name)
         for item in design.demographics
         if item.name not in masking.drop and (masking.words or item.kind != "text")
     ]

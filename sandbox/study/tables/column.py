@@ -8,7 +8,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from sandbox.study.design.design import Design
+from sandbox.study.design.design import LISTED, Design
 
 Row = dict[str, Any]
 
@@ -31,7 +31,7 @@ class Column:
 def factor_columns(design: Design) -> list[Column]:
     """Columns of the factors of a design."""
     return [
-        Column(f"factor_{f.name}", "", "level: " + ", ".join(x.name for x in f.levels))
+        Column(f"factor_{f.name}", "", "level: " + LISTED.join(x.name for x in f.levels))
         for f in design.factors
     ]
 

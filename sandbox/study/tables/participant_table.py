@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from sandbox.study.design.design import Design
 from sandbox.study.record.session_clock import CLOCK_STEPS
 from sandbox.study.record.state import SessionState
-from sandbox.study.tables.column import Column, Row
+from sandbox.study.tables.column import Column, Row, names_of
 from sandbox.study.tables.exclusions import PERSON
 from sandbox.study.tables.trial_table import SESSION, UXF
 
@@ -40,9 +40,14 @@ PARTICIPANT = (
 
 
 def participant_columns(design: Design) -> list[Column]:
-    """Columns of `participants.csv`."""
-    language = design.languages[0]
-    return [*PARTICIPANT, *(Column(x.name, "", x.ask[language]) for x in design.demographics)]
+    """Columns of `participants.csv`.
+
+    A question of an older design that is named like one of `PARTICIPANT` has no column here; its
+    answers are in `questionnaires.csv`.
+    """
+    language, filled = design.languages[0], names_of(PARTICIPANT)
+    asked = [x for x in design.demographics if x.name not in filled]
+    return [*PARTICIPANT, *(Column(x.name, "", x.ask[language]) for x in asked)]
 
 
 def participant_row(
@@ -66,9 +71,11 @@ def participant_row(
     # A participant without a finished trial has no rows to take the reason from.
     reasons += [s.excluded_participant for s in states if s.excluded_participant]
     reason = reasons[0].removeprefix(PERSON) if reasons else ""
-    asked = [r for s in states for r in s.answers.values() if r["form"] == "demographics"]
+    asked = [s.about_person for s in states if s.about_person is not None]
     ended = sum(state.complete for state in states)  # any order: whole numbers
     return {
+        # What the program knows is not for a question to change.
+        **(asked[-1] if asked else {}),
         **{
             name: start[name]
             for name in ("ppid", "number", "hand", "hand_size", "language", "mode")
@@ -82,5 +89,4 @@ def participant_row(
         "excluded": bool(reason),
         "exclusion_reason": reason,
         CLOCK_STEPS: " ".join(f"{step:+g}" for s in states for step in s.clock_steps),
-        **(asked[-1]["answers"] if asked else {}),
     }

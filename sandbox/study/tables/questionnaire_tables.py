@@ -4,7 +4,8 @@ scale of every answered questionnaire."""
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from itertools import chain
 
 from sandbox.study.design.design import Design
 from sandbox.study.design.scoring import scores
@@ -23,7 +24,8 @@ ABOUT = (
 PLACE = Column(
     "place",
     "",
-    "1, 2, ...: how often the participant had answered this questionnaire, this time included",
+    "1, 2, ...: how often the participant had answered this questionnaire, this time included; in "
+    "the tables of one session, how often in this session",
 )
 ANSWER = (
     Column("item", "", "name of the question"),
@@ -62,12 +64,17 @@ def answer_rows(state: SessionState) -> list[Row]:
     ]
 
 
-def score_rows(design: Design, state: SessionState) -> list[Row]:
-    """Rows of `questionnaire_scores.csv` for a session; forms without scales have none."""
+def score_rows(design: Design, states: Sequence[SessionState]) -> list[Row]:
+    """Rows of `questionnaire_scores.csv`; forms without scales have none.
+
+    Args:
+        design: Design of the study.
+        states: States of a participant's sessions, over which places are counted.
+    """
     forms = {form.name: form for form in design.questionnaires}
     places: Counter[str] = Counter()
     rows: list[Row] = []
-    for record, common in _forms(state):
+    for record, common in chain.from_iterable(map(_forms, states)):
         form = forms.get(record["form"])
         if form is None:
             continue

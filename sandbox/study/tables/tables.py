@@ -376,5 +376,5 @@ def _rows_by_table(
         "participants.csv": [participant_row(design, states, planned, trials, planned_sessions)],
         "trial_results.csv": trials,
         "questionnaires.csv": [row for state in states for row in answer_rows(state)],
-        "questionnaire_scores.csv": [row for state in states for row in score_rows(design, state)],
+        "questionnaire_scores.csv": score_rows(design, states),
     }

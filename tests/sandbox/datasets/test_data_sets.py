@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import json
 from pathlib import Path
 from typing import Any
@@ -14,6 +15,7 @@ from models.errors import InputError
 from models.frames import Contact
 from sandbox import run_trial
 from sandbox.cli.main import main
+from sandbox.datasets import export
 from sandbox.datasets.data_set import DataSet
 from sandbox.datasets.export import export_data_set
 from sandbox.datasets.kind import is_data_set
@@ -21,6 +23,7 @@ from sandbox.datasets.minari_file import check_name
 from sandbox.datasets.npz_file import read_npz
 from sandbox.datasets.playback import first_difference
 from sandbox.datasets.slots import actions_of, slots_of, touches_of
+from sandbox.study.record.journal import Journal
 from tests.support.needs import require
 
 SEEDS = (6000, 6001)
@@ -242,3 +245,151 @@ def test_states_that_are_not_the_recording_s_are_said_to_be_so(
     assert found.differing == [str(file)]
     (episode,) = read_npz(tmp_path / "set.npz").episodes
     assert not episode.about["same_states_as_recorded"]
+
+
+def changed(source: Path, to: Path, header: dict[str, Any], result: dict[str, Any]) -> None:
+    """A copy of a recording with other entries of its header and its result."""
+    first, *lines, last = source.read_text(encoding="utf-8").splitlines()
+    end = json.loads(last)
+    end["result"] |= result
+    whole = [json.dumps(json.loads(first) | header), *lines, json.dumps(end)]
+    to.write_text("\n".join(whole) + "\n", encoding="utf-8")
+
+
+def trial(journal: Journal, number: int, attempt: int, ends: bool, repeated: bool = False) -> str:
+    """Journals an attempt; the name of its file."""
+    name = f"T{number:03d}{f'.a{attempt}' if attempt > 1 else ''}.jsonl"
+    known: dict[str, Any] = {"step": f"trial-{number}", "trial": number, "attempt": attempt}
+    journal.append("trial_start", **known, file=f"trials/{name}")
+    if ends:
+        journal.append("trial_end", **known, file=f"trials/{name}", result={})
+    if repeated:
+        journal.append("repeat", **known, reason="the tablet was moved")
+    return name
+
+
+def test_a_data_set_of_a_study_has_the_counted_attempt_of_each_finished_trial_and_no_other(
+    recordings: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    session = tmp_path / "S001"
+    trials = session / "trials"
+    trials.mkdir(parents=True)
+    first, second = (recordings / f"{seed}.jsonl" for seed in SEEDS)
+    journal = Journal(session / "journal.jsonl")
+    # Killed, broken off, repeated: each was done again.
+    killed = trials / trial(journal, 1, 1, ends=False)
+    killed.write_bytes(first.read_bytes()[:20_000])
+    away = {"broken_off": "the tablet was away for 3 s"}
+    changed(second, trials / trial(journal, 1, 2, ends=False), {}, away)
+    changed(second, trials / trial(journal, 1, 3, ends=True, repeated=True), {}, {})
+    changed(first, trials / trial(journal, 1, 4, ends=True), {}, {})
+    changed(second, trials / trial(journal, 2, 1, ends=True), {}, {})
+    changed(second, trials / trial(journal, 3, 1, ends=False), {}, away)
+    journal.close()
+    for name in (session, trials):
+        assert main(["export", str(name), "--to", str(tmp_path / "set.npz")]) == 0
+        assert "4 attempts that do not count" in " ".join(capsys.readouterr().err.split())
+        episodes = read_npz(tmp_path / "set.npz").episodes
+        assert [e.about["source"] for e in episodes] == ["T001.a4.jsonl", "T002.jsonl"]
+    # Without a journal its end says what does not count.
+    lone = tmp_path / "lone.jsonl"
+    changed(second, lone, {}, away)
+    found = export_data_set([lone, first], tmp_path / "set.npz", observe=())
+    assert (found.episodes, found.broken_off) == (1, 1)
+    with pytest.raises(InputError, match="no demonstration is left"):
+        export_data_set([lone], tmp_path / "set.npz", observe=())
+    assert main(["export", f"{session}/T003", "--to", str(tmp_path / "set.npz")]) == 2
+    assert "none counts" in capsys.readouterr().err
+
+
+def test_the_dump_of_a_divergence_beside_its_recording_is_no_episode_of_its_own(
+    recordings: Path, tmp_path: Path
+) -> None:
+    for seed in SEEDS:
+        changed(recordings / f"{seed}.jsonl", tmp_path / f"box-{seed}.jsonl", {}, {})
+    dump = tmp_path / f"box-{SEEDS[0]}-diverged.jsonl"
+    changed(recordings / f"{SEEDS[0]}.jsonl", dump, {"dump": {"states": 100}}, {})
+    assert main(["export", str(tmp_path), "--to", str(tmp_path / "set.npz")]) == 0
+    assert [e.seed for e in read_npz(tmp_path / "set.npz").episodes] == list(SEEDS)
+
+
+@pytest.mark.needs("datasets")
+def test_a_minari_export_that_fails_in_its_second_recording_leaves_no_data_set_and_says_why(
+    recordings: Path,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    import minari
+    from minari.dataset._storages.hdf5_storage import HDF5Storage
+
+    monkeypatch.setenv("MINARI_DATASETS_PATH", str(tmp_path / "sets"))
+    write = HDF5Storage.update_episodes
+    errors: list[BaseException] = [OSError(errno.ENOSPC, "No space left on device")]
+
+    def failing(self: Any, episodes: Any) -> None:
+        if self.total_episodes >= 1:
+            raise errors[0]
+        write(self, episodes)
+
+    monkeypatch.setattr(HDF5Storage, "update_episodes", failing)
+    name = "lab/a-v0"
+    words = ["export", str(recordings), "--to", "minari", "--name", name]
+    assert main(words) == 2
+    (line,) = capsys.readouterr().err.strip().splitlines()
+    assert "it cannot be written" in line and "No space left on device" in line
+    assert not minari.list_local_datasets() and not (tmp_path / "sets" / name).exists()
+    errors[0] = KeyboardInterrupt()
+    with pytest.raises(KeyboardInterrupt):
+        export_data_set(sorted(recordings.glob("*.jsonl")), Path("minari"), name)
+    assert not (tmp_path / "sets" / name).exists()
+    (tmp_path / "file").write_text("no folder")
+    monkeypatch.setenv("MINARI_DATASETS_PATH", str(tmp_path / "file" / "sets"))
+    assert main(words) == 2
+    (line,) = capsys.readouterr().err.strip().splitlines()
+    assert "it cannot be written" in line
+
+
+@pytest.mark.needs("datasets")
+def test_a_minari_set_of_a_person_and_a_simulated_user_says_that_it_is_of_both(
+    recordings: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    import minari
+
+    monkeypatch.setenv("MINARI_DATASETS_PATH", str(tmp_path / "sets"))
+    first, person = recordings / f"{SEEDS[0]}.jsonl", tmp_path / "person.jsonl"
+    changed(recordings / f"{SEEDS[1]}.jsonl", person, {"user": None}, {})
+    for name, files, by in (
+        ("lab/both-v0", [first, person], "people and a simulated user"),
+        ("lab/people-v0", [person], "people"),
+        ("lab/simulated-v0", [first], "simulated user"),
+    ):
+        export_data_set(files, Path("minari"), name, observe=())
+        assert minari.load_dataset(name).storage.metadata["algorithm_name"] == by
+
+
+def test_a_file_that_cannot_be_written_is_told_before_a_recording_is_played(
+    recordings: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(export, "demonstrate", lambda *args: pytest.fail("it was played"))
+    (tmp_path / "folder.npz").mkdir()
+    for to in ("nowhere/set.npz", "folder.npz"):
+        with pytest.raises(InputError, match=to):
+            export_data_set([recordings / f"{SEEDS[0]}.jsonl"], tmp_path / to)
+    assert [path.name for path in tmp_path.iterdir()] == ["folder.npz"]
+
+
+def test_a_recording_whose_header_lacks_versions_is_one_clear_error(
+    recordings: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "old.jsonl"
+    first, *lines = (recordings / f"{SEEDS[0]}.jsonl").read_text(encoding="utf-8").splitlines()
+    header = json.loads(first)
+    for wrong in (None, 3):
+        header["versions"] = wrong
+        header = {name: value for name, value in header.items() if value is not None}
+        file.write_text("\n".join([json.dumps(header), *lines]) + "\n", encoding="utf-8")
+        for words in (["replay", str(file)], ["export", str(file), "--to", f"{tmp_path}/a.npz"]):
+            assert main(words) == 2
+            (line,) = capsys.readouterr().err.strip().splitlines()
+            assert "does not say which versions" in line and "old.jsonl" in line

@@ -402,3 +402,36 @@ def test_an_episode_learns_nothing_for_the_next_one() -> None:
         *_, last = play(env, [touching((1, 3))] * 40, seed=2)
         assert last[0]["labels"].tolist() == [-1, 0, -1, 1, -1], episode
     env.close()
+
+
+def test_a_robot_is_refused_in_one_line_that_names_the_environment_that_takes_one() -> None:
+    for id in (TOUCH, POSE):
+        with pytest.raises(InputError, match=r"robot.*Learn-v1") as error:
+            gymnasium.make(f"sandbox.gym:{id}", robot="shadow")
+        assert "\n" not in str(error.value)
+
+
+def test_a_task_with_the_id_of_another_one_is_refused_and_the_same_one_is_not(
+    tmp_path: Path,
+) -> None:
+    text = Path(MUG).read_text(encoding="utf-8").replace("my-lab-push-the-mug", "lab-ids")
+    one, other = tmp_path / "one.py", tmp_path / "other.py"
+    one.write_text(text)
+    other.write_text(text)
+    ids = register_task(str(one))
+    # The same by another name of its place, and after its file was edited.
+    one.write_text(text.replace("0.20", "0.25"))
+    assert register_task(str(one)) == register_task(f"{one}:PushTheMug") == ids
+    link = tmp_path / "link.py"
+    link.symlink_to(one)
+    assert register_task(str(link)) == ids
+    with pytest.raises(InputError, match=r"other\.py: the id .*is another task's.*one\.py"):
+        register_task(str(other))
+    assert gymnasium.spec(ids[0]).kwargs["task"] == str(one)
+    before = set(gymnasium.registry)
+    # Its plain id would be that of another environment, of a task that is built in.
+    alias = tmp_path / "alias.py"
+    alias.write_text(text.replace("lab-ids", "box-to-goal-learn"))
+    with pytest.raises(InputError, match="BoxToGoalLearn-v1 is another task's"):
+        register_task(str(alias))
+    assert set(gymnasium.registry) == before

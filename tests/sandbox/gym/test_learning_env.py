@@ -261,3 +261,24 @@ def test_one_renderer_draws_all_episodes_and_another_one_other_shapes() -> None:
     env.reset(seed=1, options={"size": 2.0})
     assert np.any(env.render() != pictures[1]) and env._pictures.made == 2
     env.close()
+
+
+def test_an_environment_for_hindsight_brings_its_reward_where_learners_look_for_it() -> None:
+    id = learning_id("box-to-goal").replace("Learn-", "Hindsight-")
+    made: Any = gymnasium.make(f"sandbox.gym:{id}")
+    goals = ["achieved_goal", "desired_goal", "observation"]
+    assert sorted(made.unwrapped.observation_space) == sorted(made.observation_space) == goals
+    seen, info = made.reset(seed=200)
+    for _ in range(3):
+        seen, reward, *_, info = made.step(np.zeros(15))
+        reached = seen["achieved_goal"], seen["desired_goal"]
+        assert reward == made.unwrapped.compute_reward(*reached, info)
+    assert made.unwrapped.learning.session is not None
+    with warnings.catch_warnings(record=True) as warned:
+        warnings.simplefilter("always")
+        rescaled: Any = RescaleAction(made.unwrapped, np.float64(-1.0), np.float64(1.0))
+        check_env(rescaled, skip_render_check=True)
+    found = [str(warning.message) for warning in warned]
+    assert not [text for text in found if "is different from the unwrapped version" not in text]
+    made.close()
+    assert made.unwrapped.learning.session is None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator
 from typing import Any
 
@@ -107,3 +108,15 @@ def test_a_process_that_has_ended_is_one_clear_error() -> None:
         many.step(np.zeros((2, 15)))
     assert "\n" not in str(error.value)
     many.close()
+
+
+@pytest.mark.skipif(not hasattr(os, "sched_setaffinity"), reason="no choice of processors here")
+def test_processes_are_as_many_as_this_program_has_processors_to_use() -> None:
+    before = os.sched_getaffinity(0)
+    os.sched_setaffinity(0, {min(before)})
+    try:
+        many = ManyEnvs(ID, 2)
+        many.close()
+        assert many.pids == []
+    finally:
+        os.sched_setaffinity(0, before)

@@ -231,3 +231,26 @@ def test_a_trial_that_is_over_records_no_state_that_nothing_begins_with() -> Non
     session.scorer.abort(Status.TIMEOUT, "the test is over")
     session.advance()
     assert recorder.told == before + [t for t in recorder.told[len(before) :] if t == "input"]
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        {"kind": "input", "step": float("inf"), "hand": 0, "hash": "0"},
+        {"kind": "input", "step": 8, "hand": float("inf"), "hash": "0"},
+        {"kind": "event", "step": float("inf"), "event": "contact"},
+        {"kind": "keyframe", "step": float("-inf"), "state": "", "hash": "0"},
+        {"kind": "track", "steps": [0, 8, float("inf")], "joints": 1, "hands": 1, "poses": ""},
+        {"kind": "end", "step": float("inf"), "hash": "0", "result": {}},
+    ],
+)
+def test_a_number_that_is_infinite_is_damage_like_any_other(tmp_path: Path, line: Line) -> None:
+    path = tmp_path / "a.jsonl"
+    write(path, [TouchFrame(0.0, (Contact(1, 0.1, 0.2),))], end=False)
+    lines = path.read_bytes().splitlines()
+    if line["kind"] == "input":
+        line = {**json.loads(lines[1]), **line}
+    path.write_bytes(b"\n".join([*lines, json.dumps(line).encode()]) + b"\n")
+    recording = load_recording(path)
+    assert len(recording.inputs[0]) == 1 and recording.end is None
+    assert f"line {len(lines) + 1} is damaged" in recording.damage

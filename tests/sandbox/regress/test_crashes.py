@@ -3,20 +3,27 @@
 from __future__ import annotations
 
 import json
+import math
 import pickle
 import shlex
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
+from typing import ClassVar
 from xml.etree import ElementTree
 
 import pytest
 
 from models.errors import InputError, SurfaceTooSmallError
+from models.surface import Surface
 from sandbox.cli.main import main
 from sandbox.regress.execute import CRASHED, Executor, Processes, Serial
 from sandbox.regress.plan import RegressionPlan, registered
 from sandbox.regression import Regression
 from sandbox.study.design.reading import DesignError, Mistake
+from tasks.box_to_goal import BoxToGoal
+from tasks.sensing import Sensing
+from tasks.task import Measure
 from tests.support.regress_tasks import Exiting, Quick, Raising
 
 
@@ -171,3 +178,62 @@ def test_an_error_of_any_class_comes_whole_from_another_process(
         again = pickle.loads(pickle.dumps(error))
         assert type(again) is type(error) and str(again) == str(error)
         assert vars(again) == vars(error)
+
+
+class NoPlace(Quick):
+    """Its own code finds no place for seed 2."""
+
+    name: ClassVar[str] = "no-place"
+
+    @classmethod
+    def draw(cls, seed: int, surface: Surface) -> BoxToGoal:
+        if seed == 2:
+            raise ValueError("no room for the box")
+        return super().draw(seed, surface)
+
+
+class NoNumber(Quick):
+    """The progress of seed 2 is no number."""
+
+    name: ClassVar[str] = "no-number"
+
+    def measure(self, sensing: Sensing) -> Measure:
+        found = super().measure(sensing)
+        return replace(found, progress=math.nan) if self.seed == 2 else found
+
+
+@pytest.mark.parametrize(
+    ("task", "says"), [(NoPlace, "no room for the box"), (NoNumber, "no finite number")]
+)
+@pytest.mark.parametrize("seeds", ["0:4", "2,0,1,3"])
+def test_a_seed_that_cannot_be_drawn_or_measured_crashes_and_the_others_are_judged(
+    task: type[Quick], says: str, seeds: str, tmp_path: Path
+) -> None:
+    out = tmp_path / "out.json"
+    assert regress(task, "--seeds", seeds, "--json", out) == 1
+    found = json.loads(out.read_text())
+    assert found["complete"]
+    status = {t["seed"]: t["status"] == CRASHED for t in found["trials"]}
+    assert status == {0: False, 1: False, 2: True, 3: False}
+    (crash,) = found["crashes"]["trials"]
+    assert crash["seed"] == 2 and says in crash["reason"]
+    (report,) = Regression(tmp_path, tmp_path)(task, "0:4", allow_crashes=1).tasks
+    assert len(report.crashed) == 1
+
+
+class NeverPlaced(Quick):
+    """A task that can be drawn for no seed."""
+
+    name: ClassVar[str] = "never-placed"
+
+    @classmethod
+    def draw(cls, seed: int, surface: Surface) -> BoxToGoal:
+        raise ValueError(f"no room for the box of seed {seed}")
+
+
+def test_a_task_that_can_be_drawn_for_no_seed_ends_the_run_before_anything_is_played(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert regress(NeverPlaced, "--json", tmp_path / "out.json") == 2
+    (line,) = capsys.readouterr().err.strip().splitlines()
+    assert "no room for the box of seed 0" in line and not list(tmp_path.iterdir())

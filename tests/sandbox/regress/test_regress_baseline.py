@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import errno
 import json
+import os
 from collections.abc import Collection
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
-from typing import Any
+from threading import Thread
+from typing import Any, ClassVar
+from unittest.mock import patch
 from xml.etree import ElementTree
 
 import pytest
@@ -17,12 +22,17 @@ from hypothesis import strategies as st
 from encoders.regression.model_registry import find_model
 from encoders.regression.trained import save_model
 from models.errors import InputError
-from sandbox.regress.baseline import Baseline, load_baseline
+from sandbox.cli.main import main
+from sandbox.regress.baseline import Baseline, load_baseline, update, write_whole
+from sandbox.regress.execute import Serial
 from sandbox.regress.junit import junit
-from sandbox.regress.plan import RegressionPlan
+from sandbox.regress.plan import RegressionPlan, registered
 from sandbox.regress.report import Report, make_report
 from sandbox.regression import Regression
 from sandbox.trial.result import KeptIn, kept_fields
+from tasks.registry import TASKS
+from tasks.sensing import Sensing
+from tasks.task import Measure
 from tests.support.regress_tasks import Dying, Newer, Quick, Worse
 
 PLAN = RegressionPlan((Quick,), tuple(range(10)))
@@ -293,3 +303,143 @@ def test_the_fixture_asks_for_a_rate_only_beyond_chance(tmp_path: Path) -> None:
         asking(Quick, "0:3", baseline="none.json")
     with pytest.raises(InputError, match="no such option"):
         asking(Quick, "0:3", finger=3)
+
+
+def kept_seeds(path: Path) -> dict[str, list[int]]:
+    return {name: list(task.trials) for name, task in load_baseline(path).tasks.items()}
+
+
+def other_run(path: Path, seeds: str) -> None:
+    """What another run does meanwhile: it brings the trials of another task into the baseline."""
+    Regression(path.parent, path.parent, update=True)(Dying, seeds, baseline=path.name)
+
+
+class Meanwhile(Quick):
+    """Another run ends while this one is played."""
+
+    where: ClassVar[Path]
+
+    def measure(self, sensing: Sensing) -> Measure:
+        if self.seed == 4 and not (self.where.parent / "done").exists():
+            (self.where.parent / "done").touch()
+            with patch.dict(TASKS):
+                TASKS.pop(self.name)
+                other_run(self.where, "3:6")
+        return super().measure(sensing)
+
+
+def test_two_runs_that_update_one_baseline_at_once_leave_the_new_trials_of_both(
+    tmp_path: Path,
+) -> None:
+    """By the command and by the fixture; one ends while the other is played."""
+    path = tmp_path / "base.json"
+    Meanwhile.where = path
+    for by_command in (True, False):
+        path.unlink(missing_ok=True)
+        (tmp_path / "done").unlink(missing_ok=True)
+        other_run(path, "3:5")
+        if by_command:
+            words = ["--seeds", "4:7", "--executor", "serial", "--baseline", str(path)]
+            with registered(Meanwhile):
+                assert main(["regress", "--tasks", "quick", *words, "--update-baseline"]) == 0
+        else:
+            Regression(tmp_path, tmp_path, update=True)(Meanwhile, "4:7", baseline="base.json")
+        assert kept_seeds(path) == {"dying": [3, 4, 5], "quick": [4, 5, 6]}
+
+
+def test_runs_that_end_at_once_wait_for_each_other_and_leave_nothing_beside(
+    tmp_path: Path,
+) -> None:
+    path = tmp_path / "base.json"
+    kinds: list[Any] = [type(f"Lab{i}", (Quick,), {"name": f"lab-{i}"}) for i in range(6)]
+
+    def end(kind: type[Quick]) -> None:
+        plan = RegressionPlan((kind,), (1, 2))
+        update(path, PLAN.configuration(), plan.versions(), trials(plan))
+
+    with ThreadPoolExecutor(len(kinds)) as pool:
+        list(pool.map(end, kinds))
+    assert kept_seeds(path).keys() == {kind.name for kind in kinds}
+    assert list(tmp_path.iterdir()) == [path]
+
+
+@pytest.mark.parametrize("text", ['{"thesis": "my data"}', "[1, 2]", "not even JSON", "\x00"])
+def test_an_update_leaves_a_file_that_is_no_baseline_as_it_is(
+    tmp_path: Path, text: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "base.json"
+    path.write_text(text)
+    monkeypatch.setattr(Serial, "run", lambda *args: pytest.fail("a trial was played"))
+    words = ["--seeds", "1:3", "--executor", "serial", "--baseline", str(path)]
+    with registered(Quick):
+        assert main(["regress", "--tasks", "quick", *words, "--update-baseline"]) == 2
+    (line,) = capsys.readouterr().err.strip().splitlines()
+    assert "this file is no baseline" in line
+    with pytest.raises(InputError, match="this file is no baseline"):
+        Regression(tmp_path, tmp_path, update=True)(Quick, "1:3", baseline="base.json")
+    with pytest.raises(InputError, match="this file is no baseline"):
+        update(path, PLAN.configuration(), PLAN.versions(), trials(PLAN))
+    assert path.read_text() == text
+
+
+@pytest.mark.parametrize("cut", [0, 120, -40])
+def test_an_update_replaces_a_baseline_that_is_empty_damaged_or_older(
+    tmp_path: Path, cut: int
+) -> None:
+    path = tmp_path / "base.json"
+    for text in (whole_baseline()[:cut], whole_baseline().replace('"schema": 1', '"schema": 0')):
+        path.write_text(text)
+        update(path, PLAN.configuration(), PLAN.versions(), trials(PLAN))
+        assert kept_seeds(path) == {"quick": list(range(10))}
+
+
+def test_what_is_written_to_a_link_arrives_at_its_target(tmp_path: Path) -> None:
+    target, link = tmp_path / "real.json", tmp_path / "link.json"
+    target.write_text("old")
+    link.symlink_to(target)
+    write_whole(link, "new", "--json")
+    assert link.is_symlink() and target.read_text() == "new"
+    assert sorted(tmp_path.iterdir()) == [link, target]
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="this system has no named pipes")
+def test_a_report_to_a_pipe_arrives_at_its_reader(tmp_path: Path) -> None:
+    pipe = tmp_path / "pipe.json"
+    os.mkfifo(pipe)
+    read: list[str] = []
+    # On code that replaces the pipe it would wait for ever.
+    reader = Thread(target=lambda: read.append(pipe.read_text()), daemon=True)
+    reader.start()
+    words = ["--tasks", "quick", "--seeds", "1:3", "--executor", "serial"]
+    with registered(Quick):
+        assert main(["regress", *words, "--json", str(pipe)]) == 0
+    assert pipe.is_fifo()
+    reader.join()
+    assert json.loads(read[0])["complete"]
+
+
+@pytest.mark.parametrize("option", ["--json", "--junit", "--baseline"])
+def test_a_folder_in_which_nothing_can_be_made_is_told_before_the_first_trial(
+    option: str,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    path = tmp_path / "out"
+    path.write_text(whole_baseline())
+    touch = Path.touch
+
+    def refused(self: Path, *args: Any, **named: Any) -> None:
+        # Root may write into any folder, so that its mode alone shows nothing.
+        if self.parent == tmp_path and self != path:
+            raise PermissionError(errno.EACCES, "Permission denied")
+        touch(self, *args, **named)
+
+    monkeypatch.setattr(Path, "touch", refused)
+    monkeypatch.setattr(Serial, "run", lambda *args: pytest.fail("a trial was played"))
+    words = ["--seeds", "1:3", "--executor", "serial", option, str(path)]
+    words += ["--update-baseline"] if option == "--baseline" else []
+    with registered(Quick):
+        assert main(["regress", "--tasks", "quick", *words]) == 2
+    (line,) = capsys.readouterr().err.strip().splitlines()
+    assert option in line and "Permission denied" in line

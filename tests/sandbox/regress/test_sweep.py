@@ -1,5 +1,6 @@
 """Success against what gets worse: pairs of the same seeds, until it breaks."""
 
+import errno
 import json
 from dataclasses import replace
 from pathlib import Path
@@ -19,6 +20,7 @@ from sandbox.regress.baseline import Baseline, KeptTask
 from sandbox.regress.execute import Serial
 from sandbox.regress.plan import RegressionPlan, registered
 from sandbox.regress.sweep import Runner, Sweep, check_possible, parse_wanted, sweep, varied
+from sandbox.regress.trials_file import TrialsFile
 from tasks.box_to_goal import BoxToGoal
 from tasks.sensing import Sensing
 from tasks.stack import Stack
@@ -324,3 +326,60 @@ def test_the_line_of_a_varied_trial_that_crashed_runs_it_and_replays_nothing() -
         command = found.command(curve, broken, broken.lost[0])
         assert command == "sandbox run heavy --seed 0 --vary mass=4"
         assert "replay" in found.command(curve, whole, 0)
+
+
+def test_a_full_disk_is_never_taken_for_a_value_that_a_task_cannot_have(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    write, full = TrialsFile._write, [b'"varied": "mass=4"']
+
+    def full_once(file: TrialsFile, line: bytes) -> None:
+        """The disk is full for one moment, while the first trial of mass 4 is written."""
+        if full and full[0] in line:
+            full.clear()
+            raise OSError(errno.ENOSPC, "No space left on device")
+        write(file, line)
+
+    monkeypatch.setattr(TrialsFile, "_write", full_once)
+    report = tmp_path / "report.json"
+    words = ["--tasks", "heavy", "--seeds", "0:2", "--executor", "serial", "--json", str(report)]
+    with registered(Heavy):
+        assert main(["regress", *words, "--vary", "mass=4"]) == 2
+        said = capsys.readouterr().err
+        assert "No space left on device" in said and not report.exists()
+        assert main(["regress", *words, "--vary", "mass=4", "--resume"]) == 0
+    nominal, varied = json.loads(report.read_text())["curves"][0]["points"]
+    assert nominal["n"] == varied["n"] == 2 and "refused" not in varied
+
+
+def test_a_lost_cluster_is_never_taken_for_a_value_that_a_task_cannot_have() -> None:
+    runs = 0
+
+    def lost(plan: RegressionPlan) -> list[dict[str, Any]]:
+        nonlocal runs
+        runs += 1
+        if runs > 1:
+            raise InputError("the cluster is gone", where="--executor ray")
+        return limited(plan)
+
+    with pytest.raises(InputError, match="the cluster is gone"):
+        found_by(Heavy, "mass=4", runner=lost)
+
+
+class NoPlace(Quick):
+    """Its own code finds no place for seed 2."""
+
+    name: ClassVar[str] = "no-place"
+
+    @classmethod
+    def draw(cls, seed: int, surface: Surface) -> BoxToGoal:
+        if seed == 2:
+            raise ValueError("no room for the box")
+        return super().draw(seed, surface)
+
+
+def test_a_seed_that_a_task_s_own_code_cannot_draw_crashes_and_refuses_no_value() -> None:
+    (curve,) = found_by(NoPlace, "mass=2", seeds=(1, 2, 3), runner=run).curves
+    for point in curve.points:
+        assert not point.refused and point.result.n == 3
+        assert [t["seed"] for t in point.result.crashed] == [2]

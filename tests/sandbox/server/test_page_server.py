@@ -570,3 +570,28 @@ def test_no_address_means_all_of_them(text: str) -> None:
 
 def test_the_pages_types_are_those_of_the_server() -> None:
     assert FILE.read_text() == typescript()
+
+
+def test_a_page_that_goes_takes_the_menu_that_was_open_on_it_with_it(stage: Stage) -> None:
+    for rejoins in (False, True):
+        page = Page(stage.server.url)
+        page.until("scene")
+        page.say(type="ask", what="pause")
+        page.say(type="beat", t=1)
+        page.until("echo")
+        if rejoins:
+            # Its old socket is still open when it is there again.
+            again = Page(stage.server.url)
+            assert again.until("welcome")["role"] == "player"
+            again.close()
+        page.close()
+        assert wait_for(lambda: stage.server.clients == 0)
+        assert [ask.what for ask in stage.server.asked()] == ["pause", "resume"]
+    with Page(stage.server.url) as page:
+        page.until("scene")
+        for what in ("pause", "resume"):
+            page.say(type="ask", what=what)
+        page.say(type="beat", t=1)
+        page.until("echo")
+    assert wait_for(lambda: stage.server.clients == 0)
+    assert [ask.what for ask in stage.server.asked()] == ["pause", "resume"]

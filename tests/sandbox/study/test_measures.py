@@ -7,7 +7,7 @@ from math import log2
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from models.arithmetic.arrays import Array
@@ -119,6 +119,28 @@ def test_a_release_is_a_tenth_of_a_second_without_a_push_and_a_grasp_takes_two_d
     assert push_intervals(["t"] * 4, [0.0, 0.2, 0.001, 0.2], PERIOD) == [(1, 3)]
     # A tenth of a second to the dot is long enough.
     assert push_intervals(["t", *[""] * 4, "t"], [1.0, *[0.0] * 4, 1.0], 0.02) == [(0, 0), (5, 5)]
+
+
+PUSH = st.tuples(st.sampled_from(["", "t", "ti"]), st.sampled_from([0.0, 0.02, 1.0]))
+
+
+@example([("t", 1.0), ("", 0.0), ("t", 0.02)])
+@given(st.lists(PUSH, max_size=60))
+def test_pushes_of_any_force_keep_a_stretch_going(pushes: list[tuple[str, float]]) -> None:
+    digits, grip = [d for d, _ in pushes], [f if d else 0.0 for d, f in pushes]
+    runs = push_intervals(digits, grip, PERIOD)
+    ends = {last for _, last in runs}
+    pushed = [i for i, d in enumerate(digits) if d]
+    for i, next_one in pairwise(pushed):
+        assert i not in ends or (next_one - i) * PERIOD >= 0.1
+    assert all(grip[first] >= 0.05 for first, _ in runs)
+    assert all((b[0] - a[1]) * PERIOD >= 0.1 for a, b in pairwise(runs))
+
+
+def test_a_light_touch_between_two_pushes_is_not_letting_go() -> None:
+    digits = [*["ti"] * 10, *[""] * 3, *["t"] * 7, *[""] * 3, *["ti"] * 10]
+    grip = [1.0 if d == "ti" else 0.02 if d else 0.0 for d in digits]
+    assert push_intervals(digits, grip, PERIOD) == [(0, 32)]
 
 
 @given(st.lists(st.sampled_from(["", "t", "ti"]), max_size=60))

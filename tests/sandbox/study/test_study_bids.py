@@ -17,9 +17,11 @@ from models.scene import CONTROL_PERIOD, SceneSpec
 from models.skeleton import ADULT
 from sandbox.recording.recording import load_recording
 from sandbox.session.messages import Snapshot
+from sandbox.study.design.design_file import parse_design
 from sandbox.study.record.folder import SIMULATED, StudyFolder
 from sandbox.study.run.simulate import run_simulated
 from sandbox.study.share.bids import export_bids, task_label
+from sandbox.study.share.privacy import Masking, anonymise
 from sandbox.trial.replay import replay
 from tests.support.study_files import DESIGN, TRIALS, design
 
@@ -134,6 +136,37 @@ def test_rules_exclude_the_same_trials_as_in_the_tables_of_the_study(tmp_path: P
     export_bids(study, tmp_path / "bids", lambda text: None)
     events = [e for path in (tmp_path / "bids").rglob("*_events.tsv") for e in table(path)]
     assert {e["excluded"] for e in events if e["trial_type"] == "trial"} == {"1"}
+
+
+OLD = ("complete", "hand", "number", "participant_id")
+
+
+def test_no_answer_changes_a_column_of_a_person_that_the_program_fills(tmp_path: Path) -> None:
+    # A design of before such names were refused.
+    item = '[[demographics]]\nname = "NAME"\nkind = "number"\nlow = 18\nask = "?"\n'
+    text = DESIGN.replace('name = "effort"\nat', 'name = "demographics"\nat').replace(
+        "[[questionnaires]]\n",
+        "".join(item.replace("NAME", name) for name in OLD) + "[[questionnaires]]\n",
+    )
+    begun = parse_design(text, Path("design.toml"), try_out=False)
+    study = StudyFolder(tmp_path / "made", begun, SIMULATED)
+    run_simulated(study, 0, lambda said: None)
+    export_bids(study, tmp_path / "bids", lambda said: None)
+    anonymise(study, tmp_path / "copy", Masking(), lambda said: None)
+    files = (study.path / "participants.csv", tmp_path / "copy" / "participants.csv")
+    for path in files:
+        head, row = csv.reader(path.open(encoding="utf-8"))
+        person = dict(zip(head, row, strict=True))
+        assert len(set(head)) == len(head)
+        assert person["hand"] in ("left", "right") and person["complete"] == "1"
+        assert person["number"] == "0" and float(person["age"]) >= 18
+    assert [
+        p["instrument"] for p in csv.DictReader(files[0].with_name("questionnaires.csv").open())
+    ][:5] == ["demographics"] * 5
+    head, row = csv.reader((tmp_path / "bids" / "participants.tsv").open(), delimiter="\t")
+    person = dict(zip(head, row, strict=True))
+    assert len(set(head)) == len(head) and person["participant_id"].startswith("sub-")
+    assert person["hand"] in ("left", "right") and float(person["age"]) >= 18
 
 
 @pytest.mark.parametrize(

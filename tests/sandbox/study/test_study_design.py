@@ -8,11 +8,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from models.errors import StudyError
 from sandbox.study.design.conditions import combinations, run_settings
+from sandbox.study.design.design import FILLED, JOINED, LISTED
 from sandbox.study.design.design_file import load_design, parse_design
 from sandbox.study.design.orders import balanced_latin_square, every_order, order_of
 from sandbox.study.design.plan import (
@@ -29,6 +30,9 @@ from sandbox.study.design.power import detectable, power
 from sandbox.study.design.reading import DesignError
 from sandbox.study.design.toml_lines import TomlLines
 from sandbox.study.record.pseudonym import ALPHABET, is_text, new_pseudonym, read_pseudonym
+from sandbox.study.report.models.data import BETWEEN_LISTED, BETWEEN_NAMES
+from sandbox.study.tables.column import names_of
+from sandbox.study.tables.participant_table import PARTICIPANT
 from sandbox.trial.settings import HandSettings
 from tests.support.study_files import DESIGN, design
 
@@ -195,6 +199,43 @@ def test_a_mistake_is_told_with_its_line_and_a_remedy(sound: str, wrong: str, to
     assert all(m.remedy for m in mistakes)
 
 
+NAMES = [
+    *(('name = "age"', f'name = "{name}"', name) for name in FILLED),
+    ('name = "effort"\nat', 'name = "demographics"\nat', "questions about the person"),
+    ("seed = 3\n", 'seed = 3\nlanguages = ["pt_BR"]\n', "'pt_BR' is no tag of a language"),
+    (
+        '["hard", "soft"]',
+        '[{name = "a, b", contact = "soft"}, {name = "b", contact = "hard"}]',
+        "b",
+    ),
+    (
+        '["hard", "soft"]\n',
+        '[{name = "a", contact = "soft"}, {name = "b / c", contact = "hard"}]\n[[factors]]\n'
+        'name = "labels"\nlevels = [{name = "a / b", labels = "history"}]\n',
+        "'b / c' of another factor",
+    ),
+]
+
+
+@pytest.mark.parametrize(("sound", "wrong", "told"), NAMES)
+def test_a_name_that_tables_cannot_tell_from_another_is_refused_and_a_begun_study_opens(
+    sound: str, wrong: str, told: str
+) -> None:
+    text = DESIGN.replace(sound, wrong, 1)
+    assert text != DESIGN
+    with pytest.raises(DesignError) as caught:
+        design(text)
+    (mistake,) = caught.value.mistakes
+    assert told in mistake.what and mistake.remedy
+    assert text.splitlines()[mistake.line - 1] in wrong or "levels" in mistake.where
+    assert parse_design(text, Path("design.toml"), try_out=False).text == text
+
+
+def test_the_program_fills_every_column_of_participants_that_is_no_question() -> None:
+    assert {"participant_id", *names_of(PARTICIPANT)} == set(FILLED)
+    assert (LISTED, JOINED) == (BETWEEN_LISTED, BETWEEN_NAMES)
+
+
 def test_all_mistakes_are_told_at_once() -> None:
     text = CROSSED.replace("latin", "latn").replace("repetitions = 2", "repetitions = 0")
     with pytest.raises(DesignError) as caught:
@@ -263,6 +304,18 @@ def test_power_agrees_with_a_simulated_experiment() -> None:
     assert power(0.0, 20) == pytest.approx(0.05, abs=1e-3)
     assert detectable(20, between=True).effect > detectable(20).effect > detectable(40).effect
     assert detectable(2).effect == float("inf")
+
+
+@example(n=3, tests=300, between=False)
+@example(n=4, tests=100, between=True)
+@example(n=4, tests=90, between=False)
+@settings(max_examples=40, deadline=None)
+@given(n=st.integers(1, 200), tests=st.integers(1, 10_000), between=st.booleans())
+def test_what_is_detected_is_a_number_or_infinite(n: int, tests: int, between: bool) -> None:
+    found = detectable(n, tests, between)
+    assert found.effect > 0.0 and found.change > 0.0
+    if found.effect < float("inf"):
+        assert power(found.effect, n, 0.05 / tests, between) == pytest.approx(0.8, abs=1e-3)
 
 
 def test_no_pseudonym_is_taken_for_a_number_or_a_date() -> None:

@@ -231,6 +231,11 @@ def test_a_questionnaire_of_ones_own_is_scored_by_its_rules_in_any_script(tmp_pa
         ('rule = "mean"', 'rule = "weighted"', "require each other"),
         ('items = ["tired", "calm"]', 'items = ["tired", "sleep"]', "not an item of kind scale"),
         ('name = "calm"', 'name = "tired"', "used twice"),
+        (
+            "[[scales]]",
+            '[[scales]]\nname = "strain"\nitems = ["calm"]\n[[scales]]',
+            "'strain' is used twice",
+        ),
         ("[[scales]]", "[[scale]]", "Did you mean scales"),
         ("low = 1\nhigh = 7", "low = 8\nhigh = 7", "not below"),
         ("high = 7", "high = 7\nstep = 4", "do not reach 7"),
@@ -243,6 +248,17 @@ def test_a_mistake_in_a_questionnaires_file_is_told_with_file_and_line(
     with pytest.raises(DesignError) as error:
         own(tmp_path, OWN.replace(old, new, 1))
     assert what in str(error.value) and "strain.toml, line " in str(error.value)
+
+
+def test_two_scales_of_one_name_are_refused_in_a_design_and_do_not_close_a_study() -> None:
+    twice = '[[questionnaires.scales]]\nname = "s"\nrule = "mean"\nitems = ["effort"]\n' * 2
+    with pytest.raises(DesignError, match="'s' is used twice") as caught:
+        design(DESIGN + twice)
+    (mistake,) = caught.value.mistakes
+    assert mistake.line == len((DESIGN + twice).splitlines()) - 2 and mistake.remedy
+    # Whoever has begun with it must be able to export the data, and to delete those of a person.
+    begun = parse_design(DESIGN + twice, Path("design.toml"), try_out=False)
+    assert len(begun.questionnaires[0].scales) == 2
 
 
 @pytest.mark.parametrize("name", ["../strain.toml", "/etc/passwd", "design.toml", "strain.txt"])

@@ -12,6 +12,7 @@ import pytest
 from models.errors import StudyError
 from sandbox.cli.main import main
 from sandbox.study.design.design import Design
+from sandbox.study.design.orders import balanced_latin_square
 from sandbox.study.design.plan import ConsentStep, FormStep, TrialStep, session_plan, trials_of
 from sandbox.study.design.reading import DesignError
 from sandbox.study.record.folder import SIMULATED, StudyFolder
@@ -53,6 +54,10 @@ seeds = "SEEDS"
 """
 
 
+USED = {"sus": "sus", "nasa-tlx-raw": "workload-raw"}
+"""Questionnaires, and their scores."""
+
+
 def quiet(text: str) -> None:
     """Nobody listens."""
 
@@ -92,12 +97,25 @@ def test_the_first_of_several_sessions_is_the_one_of_people_who_come_once(rule: 
     assert all(session_plan(once, n) == session_plan(twice, n, 1) for n in range(6))
 
 
-def test_in_a_later_session_everybody_has_the_order_of_the_next_participant() -> None:
+def test_in_a_later_session_the_outermost_factor_has_the_order_of_the_next_participant() -> None:
     plan = crossed(3)
     for person in range(6):
         for session in (2, 3):
             mine = order(trials(plan, person, session), "contact")
             assert mine == order(trials(plan, person + session - 1, 1), "contact")
+
+
+def test_in_a_later_session_every_factor_has_the_next_one_of_its_orders() -> None:
+    plan, squares = crossed(3), {"contact": 2, "task": 3}
+    for person in range(6):
+        for factor, count in squares.items():
+            names = [x.name for f in plan.factors if f.name == factor for x in f.levels]
+            orders = [[names[i] for i in row] for row in balanced_latin_square(count)]
+            first, *later = (
+                orders.index(order(trials(plan, person, session), factor)[:count])
+                for session in (1, 2, 3)
+            )
+            assert later == [(first + 1) % len(orders), (first + 2) % len(orders)]
 
 
 def test_every_session_for_itself_is_balanced_after_a_whole_cycle() -> None:
@@ -287,6 +305,24 @@ def test_of_two_copies_the_one_with_the_second_session_is_taken(
         for person in merged.participants():
             with SessionFolder(merged, person, 2) as session:
                 assert session.state.complete
+
+
+def test_places_of_a_questionnaire_count_on_over_all_sessions(tmp_path: Path) -> None:
+    asked = (f'[[questionnaires]]\nuse = "{use}"\nat = "contact"\n' for use in USED)
+    text = "\n".join((TWICE, *asked))
+    study = StudyFolder(tmp_path, design(text), SIMULATED)
+    simulate(study, 2, False, quiet)
+    rows = rows_of(study.path / "questionnaire_scores.csv")
+    people = {r["ppid"] for r in rows}
+    assert len(people) == 2
+    for person in people:
+        for use, scale in USED.items():
+            mine = [
+                (r["place"], r["session_num"])
+                for r in rows
+                if (r["ppid"], r["instrument"], r["scale"]) == (person, use, scale)
+            ]
+            assert mine == [("1", "1"), ("2", "1"), ("3", "2"), ("4", "2")]
 
 
 def test_a_report_compares_sessions_where_people_did_the_same_in_both(made: Path) -> None:

@@ -10,6 +10,7 @@ import pytest
 
 from sandbox.server import audience
 from sandbox.server.page_server import PageServer
+from sandbox.words.words import words_in
 from tests.sandbox.server.test_page_server import wait_for
 from tests.support.chromium import BINARY, Browser
 from tests.support.page_client import Page
@@ -37,6 +38,7 @@ from tests.system.browser.away_page import (
 pytestmark = pytest.mark.skipif(not os.path.exists(BINARY), reason="Debian's chromium is missing")
 
 full = pytest.mark.full
+ENGLISH = words_in("en")
 
 
 @pytest.fixture(scope="module")
@@ -169,16 +171,39 @@ def test_a_page_without_a_token_says_what_to_do(browser: Browser, tmp_path: Path
 def test_a_page_whose_link_is_no_longer_valid_says_so(browser: Browser, tmp_path: Path) -> None:
     with playing(browser, tmp_path) as page:
         page.begin()
-        server = page.server
-        server.close()
-        other = PageServer(port=server.access.port)
-        other.access = server.access.__class__(
-            other.access.host, other.access.port, names=server.access.names
-        )
+        page.server.close()
+        other = another(page.server)
         try:
             page.tab.wait("document.body.innerText.includes('no longer valid')")
         finally:
             other.close()
+
+
+def test_however_long_the_program_was_away_a_page_with_a_refused_token_says_so_and_stops(
+    browser: Browser, tmp_path: Path
+) -> None:
+    with playing(browser, tmp_path) as page:
+        page.begin()
+        page.server.close()
+        # So it says after ten failures.
+        page.tab.wait(f"document.body.innerText.includes({ENGLISH['no_answer']!r})")
+        other = another(page.server)
+        try:
+            page.tab.wait(f"document.body.innerText.includes({ENGLISH['link_invalid']!r})")
+            tried = len(page.tab.events("Network.webSocketCreated"))
+            page.tab.evaluate("new Promise((done) => setTimeout(done, 1500))")
+            assert len(page.tab.events("Network.webSocketCreated")) == tried
+        finally:
+            other.close()
+
+
+def another(server: PageServer) -> PageServer:
+    """The program started anew, with another token, in the place of a server that was closed."""
+    other = PageServer(port=server.access.port)
+    other.access = server.access.__class__(
+        other.access.host, other.access.port, names=server.access.names
+    )
+    return other
 
 
 def test_fingers_that_were_taken_away_are_told_to_lift(browser: Browser, tmp_path: Path) -> None:
@@ -196,3 +221,69 @@ def test_fingers_that_were_taken_away_are_told_to_lift(browser: Browser, tmp_pat
         page.tab.evaluate("written.length = 0")
         page.tab.wait("written.length > 4")
         assert not page.tab.evaluate("written.includes('Lift your fingers and touch again')")
+
+
+def test_a_page_that_was_reloaded_with_a_menu_open_before_the_first_touch_plays_at_the_next(
+    browser: Browser, tmp_path: Path
+) -> None:
+    with playing(browser, tmp_path) as page:
+        page.tab.wait(DRAWN)
+        page.tab.tap(ENGLISH["tasks"])
+        assert wait_for(lambda: page.pause == "menu")
+        # Choosing a language reloads the page.
+        page.tab.tap(ENGLISH["language"])
+        page.tab.tap("Deutsch")
+        page.tab.wait("document.documentElement.lang === 'de'")
+        page.begin()
+
+
+def pinch(page: PlayedPage, first: float, last: float) -> None:
+    """Two fingers that go apart or together, from one half distance to another, px."""
+    for step in range(11):
+        half = first + (last - first) * step / 10
+        page.tab.touch([(1, WIDTH / 2 - half, 300.0), (2, WIDTH / 2 + half, 300.0)])
+    page.tab.touch([])
+
+
+def test_a_table_that_is_left_zoomed_says_so_and_waits_until_two_fingers_undo_it(
+    browser: Browser, tmp_path: Path
+) -> None:
+    scale = "window.visualViewport.scale"
+    with playing(browser, tmp_path) as page:
+        # A browser of a desktop ignores the meta tag that keeps a page from being zoomed.
+        page.tab.call(
+            "Emulation.setDeviceMetricsOverride",
+            width=WIDTH,
+            height=HEIGHT,
+            deviceScaleFactor=1,
+            mobile=False,
+            screenWidth=WIDTH,
+            screenHeight=HEIGHT,
+        )
+        page.begin()
+        page.tab.touch([])
+        page.tab.tap(ENGLISH["tasks"])
+        page.tab.wait("!!document.querySelector('.veil')")
+        pinch(page, 20.0, 160.0)
+        page.tab.wait(f"{scale} > 1.5")
+        assert page.tab.evaluate("document.querySelector('.turned').hidden")
+        page.tab.evaluate("document.querySelector('.end-row .button').click()")
+        page.tab.wait("!document.querySelector('.turned').hidden")
+        assert page.tab.evaluate("document.querySelector('.turned').innerText") == ENGLISH["zoomed"]
+        # It stands in the part that is seen.
+        left, right = page.tab.evaluate(
+            "(() => { const box = document.querySelector('.turned').getBoundingClientRect();"
+            "const { offsetLeft, width } = visualViewport;"
+            "return [box.left - offsetLeft, offsetLeft + width - box.right]; })()"
+        )
+        assert left == pytest.approx(right, abs=2.0) and left > 0.0
+        assert wait_for(lambda: page.pause == "away")
+        stood = page.stops()
+        page.touch_again()
+        page.tab.touch([])
+        assert page.stops() == stood
+        pinch(page, 300.0, 20.0)
+        page.tab.wait(f"{scale} === 1 && document.querySelector('.turned').hidden")
+        assert wait_for(lambda: page.pause == "back")
+        page.touch_again()
+        assert wait_for(lambda: page.time > stood + 0.2)

@@ -11,7 +11,13 @@ import pytest
 
 from models.frames import TouchFrame
 from sandbox.server.page_server import PageServer
-from sandbox.server.protocol.protocol import LIFT_STRIP_PX, PageScreen
+from sandbox.server.protocol.protocol import (
+    LIFT_STRIP_PX,
+    ItemView,
+    PageScreen,
+    Sheet,
+    StudyView,
+)
 from sandbox.server.protocol.rectangle import LARGEST, rectangle
 from tests.sandbox.server.staged_page import READY, TASKS, frames, staged
 from tests.sandbox.server.test_page_server import Stage, wait_for
@@ -123,6 +129,71 @@ def test_the_lift_control_is_a_slider_that_keys_and_wheel_move(
     tab.call("Input.dispatchMouseEvent", type="mouseWheel", x=500, y=400, deltaX=0, deltaY=-250)
     tab.wait(f"Number({now}) > 20")
     tab.close()
+
+
+def press(tab: Tab, key: str, code: int) -> None:
+    """A key, with the number that browsers scroll by."""
+    for kind in ("rawKeyDown", "keyUp"):
+        tab.call("Input.dispatchKeyEvent", type=kind, key=key, code=key, windowsVirtualKeyCode=code)
+
+
+def roll(tab: Tab, by: float, **more: int) -> None:
+    """The wheel, over the middle of the page."""
+    at = {"x": 500, "y": 400, "deltaX": 0, "deltaY": by, **more}
+    tab.call("Input.dispatchMouseEvent", type="mouseWheel", **at)
+
+
+LIFT = "document.querySelector('.lift').getAttribute('aria-valuenow')"
+
+
+def test_wheel_and_keys_belong_to_the_menu_that_is_open_and_not_to_the_lift_control(
+    browser: Browser, tmp_path: Path
+) -> None:
+    with playing(browser, tmp_path, "stack") as page:
+        tab = page.tab
+        tab.wait(DRAWN)
+        press(tab, "PageUp", 33)
+        tab.wait(f"{LIFT} === '20'")
+        # With ctrl, it zooms the page.
+        roll(tab, -250, modifiers=2)
+        tab.tap("Tasks")
+        tab.wait("document.querySelector('.veil').scrollHeight > innerHeight")
+        scrolled = "document.querySelector('.veil').scrollTop"
+        roll(tab, 250)
+        tab.wait(f"{scrolled} > 100")
+        tab.evaluate(f"{scrolled} = 0")
+        press(tab, "PageDown", 34)
+        tab.wait(f"{scrolled} > 100")
+        press(tab, "ArrowUp", 38)
+        assert tab.evaluate(LIFT) == "20"
+
+
+def test_keys_belong_to_the_form_that_is_open_and_not_to_the_lift_control(
+    browser: Browser,
+) -> None:
+    server = PageServer(study=StudyView("en", {}, ["task"]))
+    try:
+        tab, _, _, _ = lifting(browser, server, "iPad")
+        items = [
+            ItemView("effort", "scale", "How much?", True, [], 0.0, 100.0, 5.0, "little", "much"),
+            ItemView("remarks", "text", "Anything?", True, [], 0.0, 1.0, 1.0, "", ""),
+        ]
+        server.show_sheet(Sheet(1, "form", "", "", items, {}, 0.0))
+        tab.wait("document.querySelector('.study').dataset.kind === 'form'")
+        tab.evaluate("document.querySelector('.line').focus()")
+        for _ in range(3):
+            press(tab, "ArrowUp", 38)
+        tab.wait("document.querySelector('.line').getAttribute('aria-valuenow') === '10'")
+        roll(tab, -250)
+        # In a text, the key goes to its beginning.
+        tab.evaluate("document.querySelector('textarea').focus()")
+        tab.call("Input.insertText", text="one line")
+        press(tab, "ArrowUp", 38)
+        tab.wait("document.querySelector('textarea').selectionStart === 0")
+        assert tab.evaluate(LIFT) == "0"
+        tab.close()
+    finally:
+        server.close()
 
 
 def test_the_hint_teaches_lifting_where_a_task_lifts(browser: Browser, tmp_path: Path) -> None:

@@ -11,6 +11,7 @@ import pytest
 
 from models.messages.message import Message
 from sandbox.server.page_server import PageServer
+from sandbox.server.protocol.protocol import Sheet, StudyView
 from sandbox.session.collision_gating import STUCK
 from sandbox.study.design.design import Design
 from sandbox.study.record.folder import PILOT, StudyFolder
@@ -198,3 +199,27 @@ text = "Gaat u akkoord?"
         assert tab.evaluate("document.documentElement.lang") == "nl"
         tab.wait(f"document.body.innerText.includes({own['agree']!r})")
         tab.close()
+
+
+@pytest.mark.parametrize(
+    ("code", "lang", "agree"),
+    [
+        ("de_AT", "de", GERMAN["agree"]),
+        ("pt_BR", "pt", words_in("en")["agree"]),
+        ("no language", "en", words_in("en")["agree"]),
+    ],
+)
+def test_a_code_that_browsers_do_not_take_is_no_empty_page(
+    browser: Browser, code: str, lang: str, agree: str
+) -> None:
+    server = PageServer(study=StudyView(code, {}, ["task"]))
+    try:
+        server.show_sheet(Sheet(1, "consent", "", "Read this.", [], {}, 0.0))
+        tab = browser.open(server.url, width=WIDTH, height=HEIGHT, storage=KNOWN)
+        tab.wait("document.body.innerText.includes('Read this.')")
+        assert agree in tab.text()
+        assert tab.evaluate("document.documentElement.lang") == lang
+        assert not tab.events("Runtime.exceptionThrown")
+        tab.close()
+    finally:
+        server.close()

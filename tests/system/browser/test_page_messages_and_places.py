@@ -275,3 +275,38 @@ def test_moves_are_sent_while_the_page_cannot_draw(browser: Browser, server: Pag
 def _at(x: float, found: list[TouchFrame]) -> bool:
     """True if the finger of the newest frame is there, px."""
     return bool(found) and px(found[-1])[0][1] == x
+
+
+STEADY = """
+// A clock on which every chance to draw comes after 10 ms, and every picture is finished by then.
+window.chances = 0;
+performance.now = () => 10 * chances;
+const next = window.requestAnimationFrame.bind(window);
+window.requestAnimationFrame = (draw) => next(() => ((chances += 1), draw(10 * chances)));
+window.pictures = 0;
+const gl = WebGL2RenderingContext.prototype, sync = gl.fenceSync;
+gl.drawElements = gl.drawArrays = () => undefined;
+gl.clientWaitSync = function () { return this.CONDITION_SATISFIED; };
+gl.fenceSync = function (...how) {
+  pictures += 1;
+  return sync.apply(this, how);
+};
+"""
+
+
+def test_pictures_that_come_seldom_and_are_drawn_at_once_leave_the_quality_as_it_is(
+    browser: Browser, server: PageServer
+) -> None:
+    stage = staged(server)
+    known = {**KNOWN, KEY: str(PPI), "hand-sandbox:quality": "2"}
+    tab = browser.open("about:blank", width=640, height=480, storage=known)
+    tab.call("Page.addScriptToEvaluateOnNewDocument", source=STEADY)
+    tab.go(server.url)
+    started(stage, tab)
+    before = tab.evaluate("pictures")
+    while tab.evaluate("pictures") < before + 50:
+        # 20 a second, by the page's clock.
+        tab.wait(f"chances >= {tab.evaluate('chances') + 5}")
+        stage.advance()
+    assert tab.evaluate("localStorage.getItem('hand-sandbox:quality')") == "2"
+    tab.close()

@@ -209,6 +209,68 @@ def test_a_tablet_can_be_named_in_the_place_of_a_card(browser: Browser, server: 
         assert server.screen.px_per_in == pytest.approx(132.0)
 
 
+def test_when_a_pixel_has_another_size_an_inch_has_another_number_of_them(
+    browser: Browser,
+) -> None:
+    server = PageServer(study=StudyView("en", {}, ["task"]))
+
+    def told(ppi: float, calibrated: bool) -> bool:
+        screen = server.screen
+        assert screen is not None
+        return screen.px_per_in == pytest.approx(ppi) and screen.calibrated == calibrated
+
+    def zoom(tab: Tab, factor: float, smaller: bool) -> None:
+        """As ctrl and + do; `smaller` in a browser that counts the screen in CSS pixels."""
+        width, height = (round(side / factor) for side in (1280, 800))
+        screen = (width, height) if smaller else (1280, 800)
+        tab.call(
+            "Emulation.setDeviceMetricsOverride",
+            width=width,
+            height=height,
+            deviceScaleFactor=factor,
+            mobile=False,
+            screenWidth=screen[0],
+            screenHeight=screen[1],
+        )
+
+    known = {"hand-sandbox:px-per-inch:800x1280@1": "80", "hand-sandbox:advised": "yes"}
+    try:
+        with opened(browser, server.url, (1280, 800), **known) as tab:  # type: ignore[arg-type]
+            tab.wait(READY)
+            assert told(80.0, True)
+            for smaller in (True, False):
+                zoom(tab, 1.25, smaller)
+                # Nobody can tell it from another monitor, so the number is a guess.
+                assert wait_for(lambda: told(64.0, False)), server.screen
+                zoom(tab, 1.0, smaller)
+                assert wait_for(lambda: told(80.0, True)), server.screen
+    finally:
+        server.close()
+
+
+def test_a_page_without_a_size_is_connected_once_it_has_one(browser: Browser) -> None:
+    server = PageServer()
+    try:
+        with opened(browser, "about:blank", (1280, 800)) as tab:
+            tab.call(
+                "Page.addScriptToEvaluateOnNewDocument",
+                source="window.wide = 0;"
+                "Object.defineProperty(window, 'innerWidth', { get: () => wide });",
+            )
+            tab.go(server.url)
+            tab.wait("wide === 0 && !!document.querySelector('.dot')")
+            tab.evaluate("new Promise((done) => setTimeout(done, 500))")
+            assert not server.clients and not server.counters.as_dict()
+            tab.evaluate("window.wide = 1280; dispatchEvent(new Event('resize')); true")
+            assert wait_for(lambda: server.screen is not None and server.screen.width_px == 1280)
+            # A window that is minimized keeps the size that it is known by.
+            tab.evaluate("window.wide = 0; dispatchEvent(new Event('resize')); true")
+            tab.evaluate("new Promise((done) => setTimeout(done, 500))")
+            assert not server.counters.as_dict()
+    finally:
+        server.close()
+
+
 def test_published_sizes_agree_with_the_diagonals_in_the_names() -> None:
     listed = json.loads(PUBLISHED.read_text(encoding="utf-8"))["devices"]
     for device in listed:

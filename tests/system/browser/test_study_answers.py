@@ -10,6 +10,8 @@ from pathlib import Path
 
 import pytest
 
+from sandbox.server.page_server import PageServer
+from sandbox.server.protocol.protocol import ItemAnswer, ItemView, Sheet, StudyView
 from sandbox.study.record.journal import read_journal
 from sandbox.words.words import words_in
 from tests.sandbox.server.test_page_server import wait_for
@@ -103,3 +105,36 @@ def test_a_number_out_of_its_range_is_not_left_out_in_silence(
     tab.wait("document.querySelector('.study').dataset.kind === 'text'")
     assert answers(running)["age"] == 33
     tab.close()
+
+
+def test_a_number_with_three_digits_after_its_only_sign_is_never_stored_as_a_thousandth(
+    browser: Browser,
+) -> None:
+    server = PageServer(study=StudyView("en", {}, ["task"]))
+    try:
+        item = ItemView("income", "number", "Income?", True, [], 0.0, 500000.0, 1.0, "", "")
+        server.show_sheet(Sheet(1, "form", "", "", [item], {}, 0.0))
+        tab = browser.open(server.url, width=WIDTH, height=HEIGHT, storage=KNOWN)
+        tab.wait("document.querySelector('.study').dataset.kind === 'form'")
+        stored: list[object] = []
+
+        def answered(value: object) -> bool:
+            stored.extend(up.value for up in server.filled() if isinstance(up, ItemAnswer))
+            return stored[-1:] == [value]
+
+        # Both signs mean thousands somewhere, and a decimal somewhere else.
+        for typed in ("40,000", "1.500", "٤٠٫٠٠٠", "٤٠٬٠٠٠", "1,234,567", "+40,000"):
+            type_in(tab, ".entry.short", "7")
+            assert wait_for(lambda: answered(7)), typed
+            type_in(tab, ".entry.short", typed)
+            tab.wait("document.querySelector('.item-number').classList.contains('is-wrong')")
+            assert ENGLISH["number"].format(low=0, high=500000) in tab.text()
+            assert wait_for(lambda: answered(None)), typed
+        assert set(stored) == {7, None}
+        # No country writes thousands so.
+        for typed, value in (("40000", 40000), ("0,125", 0.125), ("12,5", 12.5), ("٠٫١٢٥", 0.125)):
+            type_in(tab, ".entry.short", typed)
+            assert wait_for(lambda: answered(value)), typed  # noqa: B023
+        tab.close()
+    finally:
+        server.close()

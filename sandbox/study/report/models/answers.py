@@ -169,13 +169,14 @@ def _differences(
             assert factor is not None
             pair = Pair(factor, levels[j], levels[k], ())
             a, b = values[:, j], values[:, k]
+            largest = float(np.nanmax(np.abs([a, b]), initial=0.0))
             if factor.within:
                 d = b - a
                 d = d[np.isfinite(d)]
                 error = float(d.std(ddof=1) / np.sqrt(len(d))) if len(d) > 1 else np.nan
                 value = float(d.mean()) if len(d) else np.nan
                 counts = Counts(len(d) - 1.0, float(len(d)))
-                differences.append(t_difference(pair, value, error, counts))
+                differences.append(t_difference(pair, value, error, counts, largest))
                 continue
             a, b = a[np.isfinite(a)], b[np.isfinite(b)]
             if len(a) < 2 or len(b) < 2:
@@ -189,5 +190,6 @@ def _differences(
             )
             counts = Counts(float(freedom), len(a) * len(b) / (len(a) + len(b)))
             error = float(np.sqrt(va + vb))
-            differences.append(t_difference(pair, float(b.mean() - a.mean()), error, counts))
+            value = float(b.mean() - a.mean())
+            differences.append(t_difference(pair, value, error, counts, largest))
     return differences

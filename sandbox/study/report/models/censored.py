@@ -27,6 +27,7 @@ from sandbox.study.report.models.comparisons import (
     t_difference,
 )
 from sandbox.study.report.models.data import StudyData
+from sandbox.study.report.models.intervals import has_spread
 from sandbox.study.report.models.mixed import FEWEST_PEOPLE, fixed_effects
 
 if TYPE_CHECKING:
@@ -96,7 +97,7 @@ def tobit(
     if start is None:
         start = np.zeros(k + 1)
         spread = float(y.std())
-        if not spread > 0.0:
+        if not has_spread(spread, *y):
             return None
         start[:k] = np.linalg.lstsq(X, y, rcond=None)[0] / spread
         start[k] = 1.0 / spread

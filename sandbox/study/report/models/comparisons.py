@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 
 from sandbox.study.report.models.data import ObservedFactor, StudyData
-from sandbox.study.report.models.intervals import Estimate, t_quantile
+from sandbox.study.report.models.intervals import Estimate, has_spread, t_quantile
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -148,14 +148,24 @@ def titles_of(some: Sequence[OfPair]) -> list[str]:
     ]
 
 
-def t_difference(pair: Pair, value: float, error: float, people: Counts) -> Difference:
+def t_difference(
+    pair: Pair, value: float, error: float, people: Counts, largest: float = 0.0
+) -> Difference:
     """A difference whose estimate is t distributed.
 
-    If all people have the same difference, the data do not tell its error.
+    If all people have the same difference, but for rounding, the data do not tell its error.
+
+    Args:
+        pair: The levels.
+        value: Second minus first.
+        error: Its standard error.
+        people: Numbers of people behind it.
+        largest: Largest size of the compared values.
     """
     from scipy import stats
 
-    if not (np.isfinite(value) and np.isfinite(error) and error > 0 and people.freedom > 0):
+    known = np.isfinite(value) and np.isfinite(error) and has_spread(error, value, largest)
+    if not (known and people.freedom > 0):
         return Difference(pair, Estimate(value, nan, nan), nan, people, nan)
     half = t_quantile(people.freedom) * error
     p = float(2 * stats.t.sf(abs(value) / error, people.freedom))

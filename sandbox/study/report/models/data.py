@@ -49,6 +49,8 @@ SESSION = "session"
 """Name of the factor that is added if participants repeat the same levels in several sessions."""
 BETWEEN_NAMES = " / "
 """Separator of levels in the name of a condition; ASCII only, for spreadsheets."""
+BETWEEN_LISTED = ", "
+"""Separator of levels in the codebook."""
 TIMEOUT = "timeout"
 
 
@@ -378,12 +380,24 @@ def _factors(trials: DataFrame, meanings: dict[str, tuple[str, str]]) -> tuple[O
         if not column.startswith(FACTOR):
             continue
         seen = [x for x in dict.fromkeys(main[column]) if x]
-        listed = meanings.get(column, ("", ""))[1].removeprefix("level: ").split(", ")
+        listed = _listed(meanings.get(column, ("", ""))[1].removeprefix("level: "), seen)
         # The codebook has the order of the design; levels that it lacks come last.
         levels = [x for x in listed if x in seen] + [x for x in seen if x not in listed]
         within = len(main) > 0 and bool((main.groupby("ppid")[column].nunique() > 1).any())
         factors.append(ObservedFactor(column.removeprefix(FACTOR), tuple(levels), within))
     return tuple(factors)
+
+
+def _listed(text: str, names: Sequence[str]) -> list[str]:
+    """The entries of a list; names may have its separator in them, and the longest one counts."""
+    parts = text.split(BETWEEN_LISTED)
+    entries: list[str] = []
+    while parts:
+        lengths = range(len(parts), 0, -1)
+        count = next((n for n in lengths if BETWEEN_LISTED.join(parts[:n]) in names), 1)
+        entries.append(BETWEEN_LISTED.join(parts[:count]))
+        parts = parts[count:]
+    return list(dict.fromkeys(entries))
 
 
 def _used(

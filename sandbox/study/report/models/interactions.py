@@ -17,7 +17,7 @@ import numpy as np
 from sandbox.study.report.models.censored import Censored, bounded_difference
 from sandbox.study.report.models.comparisons import Counts, Pair, pairs_of, t_difference
 from sandbox.study.report.models.data import ObservedFactor, StudyData
-from sandbox.study.report.models.intervals import Estimate, difference
+from sandbox.study.report.models.intervals import Estimate, correlation_of, difference
 from sandbox.study.report.models.success import rates, success_differences
 
 SIMPLE, INTERACTION = "simple effect", "interaction"
@@ -165,4 +165,4 @@ def _correlation(own: np.ndarray, crossing: _Crossing) -> float:
     )
     both = np.isfinite(a) & np.isfinite(b)
     a, b = a[both], b[both]
-    return float(np.corrcoef(a, b)[0, 1]) if len(a) > 1 and a.std() and b.std() else 0.0
+    return correlation_of(a, b)

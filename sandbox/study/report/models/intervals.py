@@ -13,6 +13,23 @@ import numpy as np
 
 LEVEL = 0.95
 """Probability that an interval covers the truth."""
+ROUNDING = 2e-6
+"""Spread that equal values can have: tables have six decimals, so that two equal differences of
+their values can be so far apart."""
+PRECISION = 1e-6
+"""The same by computation, relative to the largest value: models add up squares, in which half of
+the digits are lost."""
+
+
+def has_spread(spread: float, *values: float) -> bool:
+    """True if a spread, or an error, is larger than rounding makes it of equal values.
+
+    Args:
+        spread: The spread; nan has none.
+        values: The values, or the largest of them.
+    """
+    largest = max(map(abs, values), default=0.0)
+    return bool(spread > max(ROUNDING, PRECISION * largest))
 
 
 @dataclass(frozen=True)
@@ -46,7 +63,7 @@ def mean_interval(values: Sequence[float]) -> Estimate:
     x = x[np.isfinite(x)]
     if not len(x):
         return Estimate(nan, nan, nan)
-    if len(x) < 2 or not np.ptp(x) > 0.0:
+    if len(x) < 2 or not has_spread(float(np.ptp(x)), *x):
         return Estimate(float(x[0]), nan, nan)
     half = t_quantile(len(x) - 1) * float(x.std(ddof=1)) / sqrt(len(x))
     return Estimate(float(x.mean()), float(x.mean()) - half, float(x.mean()) + half)
@@ -65,7 +82,9 @@ def within_intervals(table: np.ndarray) -> list[Estimate]:
     spread, people = within_spread(table)
     if spread is None:
         return means
-    halves = np.where(spread > 0.0, t_quantile(people - 1) * spread / sqrt(people), nan)
+    largest = float(np.nanmax(np.abs(table)))
+    known = np.array([has_spread(float(one), largest) for one in spread])
+    halves = np.where(known, t_quantile(people - 1) * spread / sqrt(people), nan)
     return [Estimate(m.value, m.value - h, m.value + h) for m, h in zip(means, halves, strict=True)]
 
 
@@ -131,7 +150,7 @@ def share(
         return Share(p, low, high, total)
     spread = (float(x.var(ddof=1)) if deviation is None else deviation**2) / people
     effective = total / max(effect, 1.0)
-    if spread > 0.0 and 0.0 < p < 1.0:
+    if has_spread(sqrt(spread)) and 0.0 < p < 1.0:
         effective = min(total, p * (1.0 - p) / spread)
     low, high = _wilson(p, effective, t_quantile(people - 1))
     return Share(p, low, high, effective)
@@ -155,6 +174,12 @@ def _wilson(p: float, n: float, z: float) -> tuple[float, float]:
     half = z * sqrt(p * (1 - p) / n + z * z / (4 * n * n)) / (1 + z * z / n)
     # Rounding must not put the share itself outside.
     return min(max(0.0, middle - half), p), max(min(1.0, middle + half), p)
+
+
+def correlation_of(a: np.ndarray, b: np.ndarray) -> float:
+    """Correlation of two values of the same people, each (people,); 0 where one has no spread."""
+    known = len(a) > 1 and has_spread(float(np.ptp(a)), *a) and has_spread(float(np.ptp(b)), *b)
+    return float(np.corrcoef(a, b)[0, 1]) if known else 0.0
 
 
 def difference(

@@ -22,7 +22,7 @@ from sandbox.study.report.models.comparisons import (
     t_difference,
 )
 from sandbox.study.report.models.data import ObservedFactor, StudyData
-from sandbox.study.report.models.intervals import t_quantile
+from sandbox.study.report.models.intervals import has_spread, t_quantile
 from sandbox.study.report.models.reml import fit_reml
 
 if TYPE_CHECKING:
@@ -113,7 +113,7 @@ def fit_mixed(data: StudyData, rows: DataFrame, y: np.ndarray) -> Mixed | str:
     X, names, present = fixed_effects(rows, data.conditions)
     if len(rows) <= X.shape[1] + people:
         return f"{len(rows)} trials are too few for {X.shape[1]} coefficients and {people} people"
-    if not np.ptp(y) > 0.0:
+    if not has_spread(float(np.ptp(y)), *y):
         return "all values are equal"
     left_out = [] if PRACTICE in names else ["practice: it cannot be separated from conditions"]
     factors, lacking = random_factors(rows, data.factors)
@@ -146,12 +146,13 @@ def fit_mixed(data: StudyData, rows: DataFrame, y: np.ndarray) -> Mixed | str:
 def mixed_differences(data: StudyData, rows: DataFrame, model: Mixed) -> list[Difference]:
     """Differences between all pairs of levels, by the model."""
     differences = []
+    largest = float(np.abs(model.coefficients[: len(model.present)]).max())
     for pair in pairs_of(data, model.present):
         weights = np.zeros(len(model.names))
         weights[: len(model.present)] = pair.weights(len(data.conditions))[list(model.present)]
         error = float(np.sqrt(weights @ model.covariance @ weights))
         value = float(weights @ model.coefficients)
-        differences.append(t_difference(pair, value, error, counts_of(pair, rows)))
+        differences.append(t_difference(pair, value, error, counts_of(pair, rows), largest))
     return differences
 
 

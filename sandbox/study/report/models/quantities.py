@@ -19,7 +19,8 @@ if TYPE_CHECKING:
 SHARE, LOG, PLAIN = "share", "log", "plain"
 """Scales: shares of 0 and 1; logarithms, so that effects are factors; plain values."""
 RATIO_UNITS = ("s", "m", "mm", "m/s", "bit/s", "ms")
-"""Units of positive measures that are compared by ratios, so that logarithms are modelled."""
+"""Units of measures that are compared by ratios, so that logarithms are modelled, if all values are
+above 0."""
 MAIN = ("time_s", "success")
 """Measures that have their own sections in the report."""
 
@@ -34,7 +35,7 @@ class Quantity:
         unit: Unit of its values; empty for counts and indices.
         means: Definition in one line.
         better: high or low, the better direction; empty if neither is better.
-        scale: `SHARE`, `LOG` or `PLAIN`.
+        scale: `SHARE`, `LOG` or `PLAIN`; `LOG` for completion time, whatever its values.
     """
 
     name: str
@@ -86,7 +87,8 @@ def quantity(data: StudyData, name: str) -> Quantity:
     scale = PLAIN
     if unit == "0/1" and set(values) <= {0.0, 1.0}:
         scale = SHARE
-    elif unit in RATIO_UNITS and (values > 0.0).all():
+    elif name == "time_s" or (unit in RATIO_UNITS and (values > 0.0).all()):
+        # A completion time is above 0; a trial that failed at once tells nothing of it.
         scale = LOG
     title = known.title if known else name.replace("_", " ")
     if name == "time_s":

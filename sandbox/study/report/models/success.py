@@ -25,7 +25,15 @@ from sandbox.study.report.models.comparisons import (
     t_difference,
 )
 from sandbox.study.report.models.data import StudyData, to_numbers
-from sandbox.study.report.models.intervals import Estimate, Share, design_effect, difference, share
+from sandbox.study.report.models.intervals import (
+    Estimate,
+    Share,
+    correlation_of,
+    design_effect,
+    difference,
+    has_spread,
+    share,
+)
 from sandbox.study.report.models.mixed import FEWEST_PEOPLE, fixed_effects
 
 EXACT = 12
@@ -58,7 +66,7 @@ class ShareDifference:
     @property
     def size(self) -> float:
         """Standardised effect: dz within people, Cohen's d between groups; nan if unknown."""
-        return self.estimate.value / self.spread if self.spread > 0.0 else nan
+        return self.estimate.value / self.spread if has_spread(self.spread) else nan
 
 
 def rates(data: StudyData, name: str = "success") -> tuple[list[str], np.ndarray, np.ndarray]:
@@ -108,7 +116,7 @@ def _compare(pair: Pair, own: np.ndarray, done: np.ndarray, usual: float) -> Sha
         who = both.any(axis=1)
         a, b = (np.nanmean(np.where(both, x, nan)[who], axis=1) for x in (a, b))
         n, m = (np.where(both, x, 0.0)[who].sum(axis=1) for x in (n, m))
-        tied = float(np.corrcoef(a, b)[0, 1]) if len(a) > 1 and a.std() and b.std() else 0.0
+        tied = correlation_of(a, b)
         p, people, spread = sign_test(b - a), len(a), _deviation(b - a)
     else:
         one, two = np.isfinite(a).any(axis=1), np.isfinite(b).any(axis=1)
@@ -125,8 +133,11 @@ def _compare(pair: Pair, own: np.ndarray, done: np.ndarray, usual: float) -> Sha
 
 
 def _deviation(values: np.ndarray, groups: int = 1) -> float:
-    """Standard deviation, for means of so many groups; nan with too few values."""
-    return float(values.std(ddof=groups)) if len(values) > groups else nan
+    """Standard deviation, for means of so many groups; nan with too few values, 0 of equal ones."""
+    if len(values) <= groups:
+        return nan
+    spread = float(values.std(ddof=groups))
+    return spread if has_spread(spread) else 0.0
 
 
 def sign_test(differences: np.ndarray) -> float:

@@ -40,7 +40,8 @@ def methods_section(analysis: Analysis) -> Section:
     )
     section.say(
         "Means. Each person's trials are averaged within a condition, then over conditions, then "
-        "over people (as logarithms for lengths, times and speeds). Intervals of means are "
+        "over people (as logarithms for completion time, and for other lengths, times and speeds "
+        "that are above 0 in all trials). Intervals of means are "
         "Student's t intervals over people. Intervals for comparing are computed without the "
         "differences between people (Cousineau 2005, Morey 2008). Shares have Wilson intervals, "
         "with the number of trials divided by the design effect of trials of the same person."

@@ -11,7 +11,7 @@ from sandbox.study.report.models.data import BETWEEN_NAMES, StudyData, to_number
 from sandbox.study.report.models.family import EXPLORATORY, Family
 from sandbox.study.report.models.intervals import Estimate
 from sandbox.study.report.models.mixed import Mixed, practice_effect
-from sandbox.study.report.models.quantities import LOG, SHARE, Quantity
+from sandbox.study.report.models.quantities import LOG, RATIO_UNITS, SHARE, Quantity
 from sandbox.study.report.models.success import ShareDifference
 from sandbox.study.report.models.summaries import Summary, median_with_unseen
 from sandbox.study.report.page import formats, plots
@@ -304,8 +304,17 @@ def _pairs_table(what: Quantity, some: Sequence[Difference], family: Family) -> 
             *("SD, log" if what.scale == LOG else "SD", "dz", "p", "p, Holm"),
         ],
         rows,
-        f"{EFFECT_NOTE} {test_note(family, what.name)}",
+        f"{_compared_by(what)} {EFFECT_NOTE} {test_note(family, what.name)}",
     )
+
+
+def _compared_by(what: Quantity) -> str:
+    """A sentence on the scale on which a measure is compared."""
+    if what.scale == LOG:
+        return "Compared by ratios, from logarithms."
+    unit = f" in {what.unit}" if what.unit else ""
+    why = ", as not all values are above 0" if what.unit in RATIO_UNITS else ""
+    return f"Compared by differences{unit}{why}."
 
 
 def effect_cells(d: Difference) -> list[str]:
@@ -335,11 +344,15 @@ def means_picture(data: StudyData, one: MeasureSummary, name: str) -> Picture:
     rows, series, places = [""], ["all"], {}
     if factors:
         series = list(factors[0].levels)
-        rest = {c: c.split(BETWEEN_NAMES, 1) for c in data.conditions}
-        rows = list(dict.fromkeys(r[1] if len(r) > 1 else "" for r in rest.values()))
-        rank = {x: i for f in factors[1:] for i, x in enumerate(f.levels)}
-        rows.sort(key=lambda r: [rank.get(x, 0) for x in r.split(BETWEEN_NAMES)])
-        places = {c: (r[1] if len(r) > 1 else "", r[0]) for c, r in rest.items()}
+        seen = data.used.drop_duplicates("cell").to_dict("records")
+        of = {r["condition"]: [r[f.column] for f in factors] for r in seen}
+        rank = [{x: i for i, x in enumerate(f.levels)} for f in factors]
+        ordered = sorted(
+            (levels[1:] for levels in of.values()),
+            key=lambda rest: [at.get(x, 0) for at, x in zip(rank[1:], rest, strict=True)],
+        )
+        rows = list(dict.fromkeys(map(BETWEEN_NAMES.join, ordered)))
+        places = {c: (BETWEEN_NAMES.join(rest), first) for c, (first, *rest) in of.items()}
     scale = 100.0 if what.scale == SHARE else 1.0
 
     def scaled(estimate: Estimate) -> Estimate:

@@ -3,7 +3,7 @@
 import { clientName, fileAddress, reload, socketAddress, spectator } from "./link";
 import { type Frame, parseFrame } from "./frame";
 import { type Down, PROTOCOL, type Refusal, type SceneMessage, type Sheet, type Told, type Up, type Welcome } from "./protocol";
-import { currentScreen } from "./screen";
+import { currentScreen, sized } from "./screen";
 import { type Skin, parseSkin } from "./skin";
 import { type Key, language } from "./words";
 
@@ -17,6 +17,8 @@ const SHORTEST_WAIT_MS = 100;
 const LONGEST_WAIT_MS = 500;
 /** While the page is hidden, nobody waits. */
 const HIDDEN_WAIT_MS = 5000;
+/** Number of failures after each of which it asks why: perhaps another program answers by now. */
+const ASKED_EVERY = 3;
 /** Unsent bytes above which moves are held back: the network has stalled. */
 const MOST_WAITING = 16384;
 
@@ -47,6 +49,7 @@ export class Connection {
   private socket: WebSocket | null = null;
   private wait = SHORTEST_WAIT_MS;
   private failures = 0;
+  private asking = false;
   private heard = 0;
   private roundTrip: number | null = null;
   private timer = 0;
@@ -89,6 +92,11 @@ export class Connection {
 
   private open(): void {
     window.clearTimeout(this.timer);
+    if (!sized()) {
+      // No table could be laid for it.
+      this.timer = window.setTimeout(() => this.open(), SHORTEST_WAIT_MS);
+      return;
+    }
     this.listener.onCondition("connecting", "connecting");
     const socket = new WebSocket(socketAddress());
     socket.binaryType = "arraybuffer";
@@ -184,12 +192,18 @@ export class Connection {
     const wait = document.hidden ? HIDDEN_WAIT_MS : this.wait;
     this.timer = window.setTimeout(() => this.open(), wait);
     this.wait = Math.min(this.wait * 1.7, LONGEST_WAIT_MS);
-    if (this.failures === 3) void this.askWhetherValid();
+    if (this.failures % ASKED_EVERY === 0) void this.askWhetherValid();
   }
 
   /** A browser does not say why a socket was refused; a request says it. */
   private async askWhetherValid(): Promise<void> {
-    const answer = await fetch(fileAddress("app.css")).catch(() => null);
+    if (this.asking) return;
+    this.asking = true;
+    const giveUp = new AbortController();
+    const timer = window.setTimeout(() => giveUp.abort(), CONNECT_MS);
+    const answer = await fetch(fileAddress("app.css"), { signal: giveUp.signal }).catch(() => null);
+    window.clearTimeout(timer);
+    this.asking = false;
     if (answer?.status !== 403 || this.isOpen) return;
     window.clearTimeout(this.timer);
     this.timer = 0;

@@ -70,6 +70,8 @@ class HeadsetPage {
   private live = false;
   private laid = false;
   private seq = 0;
+  /** ms, time of the last picture. */
+  private drawn = 0;
   /** ms, since when a finger has been in the ball; null while there is none. */
   private since: number | null = null;
 
@@ -193,7 +195,8 @@ class HeadsetPage {
     else if (!this.scene) return;
     this.post();
     this.renderer.render(this.world, this.lens.camera);
-    this.quality.note(now);
+    this.quality.note(now - this.drawn);
+    this.drawn = now;
   }
 
   /** Lays the table before the person once, and sends their hands. */

@@ -132,14 +132,22 @@ const at = (item: ItemView, step: number): number =>
 /** True where people read from right to left: a scale begins at the right, as its two ends say. */
 const backwards = (): boolean => document.documentElement.dir === "rtl";
 
-/** Digits as 0 to 9 and the decimal sign as a point, however they are written where people type them. */
+/** Digits as 0 to 9, however they are written where people type them. */
 const plain = (typed: string): string =>
   typed
     .trim()
     .normalize("NFKC")
     .replace(/[٠-٩]/g, (digit) => String(digit.charCodeAt(0) - 0x660))
-    .replace(/[۰-۹]/g, (digit) => String(digit.charCodeAt(0) - 0x6f0))
-    .replace(/[,٫]/, ".");
+    .replace(/[۰-۹]/g, (digit) => String(digit.charCodeAt(0) - 0x6f0));
+
+/** Three digits after a sign: 40,000 is forty in one country and forty thousand in the next. */
+const AMBIGUOUS = /^[+-]?(?!0+[.,٫٬])\d{1,3}([.,٫٬]\d{3})+$/;
+
+/** A number as people type it; NaN if it is none, or may mean two. */
+function read(typed: string): number {
+  const digits = plain(typed);
+  return AMBIGUOUS.test(digits) ? NaN : Number(digits.replace(/[,٫]/, "."));
+}
 
 /** A line that can be touched anywhere; it has no mark before the first touch. */
 function line(item: ItemView, give: (v: Value) => void): Control {
@@ -254,8 +262,7 @@ const CONTROLS: Record<ItemView["kind"], Maker> = {
     input.autocomplete = "off";
     input.placeholder = `${item.low} – ${item.high}`;
     return written(input, (text) => {
-      const typed = plain(text);
-      const value = typed === "" ? null : Number(typed);
+      const value = text.trim() === "" ? null : read(text);
       if (value === null || (value >= item.low && value <= item.high)) return give(value);
       give(null);
       const [low, high] = [String(item.low), String(item.high)];

@@ -6,8 +6,8 @@ const KEPT = "language";
 /** Languages that are written from right to left. */
 const RIGHT_TO_LEFT = ["ar", "ckb", "dv", "fa", "he", "ps", "sd", "ug", "ur", "yi"];
 
-/** `de` for `de-AT`. */
-export const base = (tag: string): string => tag.toLowerCase().split("-")[0] ?? "";
+/** `de` for `de-AT`, and for `de_AT`. */
+export const base = (tag: string): string => tag.toLowerCase().split(/[-_]/)[0] ?? "";
 
 /** Chooses a language with a file; to be called before the link is taken out of the address bar. */
 export function choose(codes: readonly string[]): string {

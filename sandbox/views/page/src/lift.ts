@@ -16,6 +16,11 @@ const KEYS: Record<string, number> = {
 };
 const KEPT = "lift";
 
+/** True for a wheel or a key that belongs to a menu, a form or a field. */
+const elsewhere = ({ target }: Event): boolean =>
+  document.querySelector(".veil, .study:not([hidden])") !== null ||
+  (target instanceof Element && target.closest("input, textarea, select") !== null);
+
 export class Lift {
   readonly root: HTMLElement;
   private readonly track: HTMLElement;
@@ -53,11 +58,13 @@ export class Lift {
         if (e.pointerId === this.pointer) this.pointer = null;
       });
     const perPixel = LIFT_NOTCH / NOTCH_PX;
-    window.addEventListener("wheel", (e) => this.set(this.value - e.deltaY * perPixel), {
-      passive: true,
-    });
+    const turn = (e: WheelEvent): void => {
+      // With ctrl it zooms the page; a pinch on a trackpad comes as that, too.
+      if (!e.ctrlKey && !elsewhere(e)) this.set(this.value - e.deltaY * perPixel);
+    };
+    window.addEventListener("wheel", turn, { passive: true });
     window.addEventListener("keydown", (e) => {
-      if (this.root.hidden || !(e.key in KEYS) || e.target instanceof HTMLInputElement) return;
+      if (this.root.hidden || !(e.key in KEYS) || elsewhere(e)) return;
       e.preventDefault();
       this.set(this.value + KEYS[e.key]!);
     });

@@ -25,15 +25,16 @@ import {
 } from "./protocol";
 import { askPhone } from "./phone";
 import { type Ring, Rings, TOLD, ringHeight } from "./rings";
-import { calibrated, currentScreen, pxPerInch, small, touchable } from "./screen";
+import { calibrated, currentScreen, onOtherPixels, pxPerInch, small, sized, touchable } from "./screen";
 import { Sender } from "./sender";
 import { Sheets } from "./sheet";
 import { Sound } from "./sound";
 import { Study } from "./study";
 import { Stage } from "./stage";
-import { Turned } from "./turned";
+import { type Hindrance, Turned } from "./turned";
 import { Vibration } from "./vibration";
 import { repeat, say } from "./words";
+import { tableZoomed, watchZoom } from "./zoom";
 
 /** ms between two reports of the latency from touch to picture. */
 const REPORT_MS = 100;
@@ -175,6 +176,8 @@ class Page {
     window.addEventListener("pagehide", () => this.lift.keep());
     this.appear();
     window.addEventListener("resize", () => this.resize());
+    onOtherPixels(() => this.resize());
+    watchZoom(() => this.fit());
     window.addEventListener("keydown", (e) => this.key(e));
     requestAnimationFrame((now) => this.draw(now));
   }
@@ -381,17 +384,21 @@ class Page {
   }
 
   /** A table that was laid for the page held the other way has no room on it now. While its trial runs,
-   * time stands still until the page is turned back, or the person asks for another table. */
+   * time stands still until the page is turned back, or the person asks for another table. So it does on
+   * a zoomed page, also before the trial has begun. */
   private fit(): void {
     const { frame, scene } = this;
     if (!frame || !scene) return;
-    const running = frame.state.status === "running" && frame.state.pause !== "start";
+    const running = frame.state.status === "running";
+    const begun = running && frame.state.pause !== "start";
     const strip = scene.lift > 0 ? LIFT_STRIP_PX : 0;
     const scale = this.pxPerTableInch * (1 - CHANGED);
     const room =
       scene.surface.width_in * scale <= window.innerWidth - strip &&
       scene.surface.height_in * scale <= window.innerHeight;
-    this.turned.show(this.touches && running && !room, this.inStudy !== null);
+    let why: Hindrance = begun && !room ? "turned" : "";
+    if (running && tableZoomed()) why = "zoomed";
+    this.turned.show(this.touches ? why : "", this.inStudy !== null);
     this.appear();
   }
 
@@ -434,6 +441,7 @@ class Page {
 
   /** Sends the page's size; if it has changed, the trial is restarted with a new layout. */
   private resized(measured: boolean): void {
+    if (!sized()) return;
     const screen = currentScreen();
     this.connection.say({ type: "resized", screen });
     this.layOut();
@@ -460,7 +468,9 @@ class Page {
     requestAnimationFrame((next) => this.draw(next));
     this.glass?.settle();
     this.sender.settle();
-    if (!this.dirty || !this.stage.free) return;
+    // Asked for every time, as it measures how long the last picture took.
+    const { free } = this.stage;
+    if (!this.dirty || !free) return;
     this.dirty = false;
     const { frame, scene } = this;
     const rings = this.ringsNow();
@@ -475,7 +485,7 @@ class Page {
     // Pictures of the table before may still come while another one is prepared.
     show(this.preparing, this.awaited);
     this.stage.move(frame, this.linked);
-    this.stage.draw(now);
+    this.stage.draw();
     this.report(frame);
     this.hud.setState(frame.state, scene.time_limit, this.player, this.turned.shown, atFinger);
     this.hint.follow(this.fingers, this.lift.value, frame.state);

@@ -10,7 +10,7 @@ const PICTURES = 45;
 /** ms, duration of a picture that makes the scene lag visibly; a few of them are enough. */
 const FAR_TOO_LONG = 150;
 const FEW = 3;
-/** ms without a picture above which the stream has paused, and the device is not slow. */
+/** ms above which the page was stopped meanwhile, and the device is not slow. */
 const PAUSE = 1000;
 /** Levels: full quality; no shadows; one pixel per CSS pixel; fewer pixels, and jagged edges. */
 const LOWEST = 3;
@@ -20,7 +20,6 @@ export class Quality {
   private level = Math.min(Math.max(Number(recall("quality")) || 0, 0), LOWEST);
   private sum = 0;
   private n = 0;
-  private last = 0;
   private pictures = 0;
   private slow = 0;
   private renderer: WebGLRenderer | null = null;
@@ -40,12 +39,20 @@ export class Quality {
     renderer.setPixelRatio(most < 1 ? most : Math.min(window.devicePixelRatio, most));
   }
 
-  /** Notes that a picture was drawn, at a time in ms. */
-  note(now: number): void {
-    const passed = now - this.last;
-    this.last = now;
-    if (passed > PAUSE) return;
-    this.sum += passed;
+  /** Notes how many ms a picture took, up to the first chance to draw another one. How many pictures
+   * come is up to the network, and says nothing about the device. The first ones take longer, as
+   * programs are compiled. */
+  finished(ms: number): void {
+    this.pictures += 1;
+    this.slow = ms > FAR_TOO_LONG && this.pictures > FEW ? this.slow + 1 : 0;
+    if (this.slow >= FEW && this.level < LOWEST) this.lower();
+    else this.note(ms);
+  }
+
+  /** The same for a page that draws at every chance, and does not know when a picture is finished. */
+  note(ms: number): void {
+    if (ms > PAUSE) return;
+    this.sum += ms;
     this.n += 1;
     if (this.n < PICTURES) return;
     const mean = this.sum / this.n;
@@ -53,15 +60,8 @@ export class Quality {
     if (mean > TOO_LONG && this.level < LOWEST) this.lower();
   }
 
-  /** Notes how many ms a picture took. The first ones take longer, as programs are compiled. */
-  finished(ms: number): void {
-    this.pictures += 1;
-    this.slow = ms > FAR_TOO_LONG && this.pictures > FEW ? this.slow + 1 : 0;
-    if (this.slow >= FEW && this.level < LOWEST) this.lower();
-  }
-
   private lower(): void {
-    this.slow = this.pictures = 0;
+    this.slow = this.pictures = this.sum = this.n = 0;
     this.level += 1;
     remember("quality", String(this.level));
     if (this.renderer) this.apply(this.renderer);

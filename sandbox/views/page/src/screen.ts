@@ -9,9 +9,12 @@ export const CARD_WIDTH = 85.6 / 25.4;
 export const CARD_HEIGHT = 53.98 / 25.4;
 export const FEWEST = 60;
 export const MOST = 320;
+/** The least that the computer takes, in a browser that is zoomed a lot. */
+const LEAST = 20;
 
-const sides = [window.screen.width, window.screen.height].sort((a, b) => a - b);
-const key = `px-per-inch:${sides.join("x")}@${window.devicePixelRatio}`;
+const sides = (): number[] => [window.screen.width, window.screen.height].sort((a, b) => a - b);
+/** Another one after the browser was zoomed, and on another monitor. */
+const key = (): string => `px-per-inch:${sides().join("x")}@${window.devicePixelRatio}`;
 
 export const touchable = navigator.maxTouchPoints > 0;
 
@@ -20,26 +23,54 @@ export const ipad =
   /iPad/.test(navigator.userAgent) || (/Macintosh/.test(navigator.userAgent) && touchable);
 
 function guess(): number {
-  const [short = 768] = sides;
+  const [short = 768] = sides();
   if (ipad) return short === 744 ? 163 : 132;
   if (touchable && short < 600) return 155;
   if (touchable) return 140;
   return 110;
 }
 
-function stored(): number | null {
-  const value = Number(recall(key));
-  return value >= FEWEST && value <= MOST ? value : null;
+/** The number that was measured last, for which pixels, and device pixels in one of them. */
+let measured: { value: number; of: string; ratio: number } | null = null;
+let looked = "";
+
+/** The number that was measured for the pixels as they are now, or null. */
+function here(): number | null {
+  const now = key();
+  if (now !== looked) {
+    looked = now;
+    const value = Number(recall(now));
+    if (value >= FEWEST && value <= MOST)
+      measured = { value, of: now, ratio: window.devicePixelRatio };
+  }
+  return measured?.of === now ? measured.value : null;
 }
 
-let measured = stored();
+/** What is known of the pixels before: right if the browser was zoomed, and a guess on another monitor. */
+const converted = (): number | null =>
+  measured && Math.min(Math.max((measured.value * measured.ratio) / window.devicePixelRatio, LEAST), MOST);
 
-export const calibrated = (): boolean => measured !== null;
-export const pxPerInch = (): number => measured ?? guess();
+export const calibrated = (): boolean => here() !== null;
+export const pxPerInch = (): number => here() ?? converted() ?? guess();
 
 export function calibrate(value: number): void {
-  measured = Math.min(Math.max(value, FEWEST), MOST);
-  remember(key, String(measured));
+  looked = key();
+  measured = {
+    value: Math.min(Math.max(value, FEWEST), MOST),
+    of: looked,
+    ratio: window.devicePixelRatio,
+  };
+  remember(looked, String(measured.value));
+}
+
+/** Tells when a CSS pixel has another size: the browser was zoomed, or has gone to another monitor. */
+export function onOtherPixels(tell: () => void): void {
+  const same = matchMedia(`(resolution: ${window.devicePixelRatio}dppx)`);
+  const changed = (): void => {
+    tell();
+    onOtherPixels(tell);
+  };
+  same.addEventListener("change", changed, { once: true });
 }
 
 const SHRUNK = "shrunk";
@@ -53,6 +84,9 @@ function fit(): PageScreen["fit"] & string {
   if (!touchable) return "mouse";
   return small() && recallHere(SHRUNK) === "yes" ? "phone" : "";
 }
+
+/** False in a window that has no size yet, or is minimized. */
+export const sized = (): boolean => window.innerWidth >= 1 && window.innerHeight >= 1;
 
 export function currentScreen(): PageScreen {
   return {

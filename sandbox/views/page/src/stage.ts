@@ -96,12 +96,11 @@ export class Stage {
     return true;
   }
 
-  draw(now: number): void {
+  draw(): void {
     this.began = performance.now();
     this.renderer.render(this.world, this.lens.camera);
     const gl = this.renderer.getContext() as WebGL2RenderingContext;
     this.unfinished = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
     gl.flush();
-    this.quality.note(now);
   }
 }

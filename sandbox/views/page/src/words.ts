@@ -39,7 +39,7 @@ let words: Record<string, string> = {};
 /** Formats of numbers by their decimals. */
 const numbers = new Map<number, Intl.NumberFormat>();
 let several = new Intl.ListFormat();
-/** By ISO 639-1. */
+/** By ISO 639-1, as the browser takes it. */
 export let language = "";
 
 /** Begins to speak a language.
@@ -47,11 +47,21 @@ export let language = "";
  * @param own Sentences of a study's design, which replace the page's or are in another language.
  */
 export function speak(code: string, own: Record<string, string> = {}): void {
-  language = code;
-  announce(code);
+  language = [code, base(code)].find(isTag) ?? "en";
+  announce(language);
   words = { ...allOf(en), ...allOf(FILES[base(code)] ?? en), ...own };
-  several = new Intl.ListFormat(code, { type: "unit", style: "short" });
+  several = new Intl.ListFormat(language, { type: "unit", style: "short" });
   numbers.clear();
+}
+
+/** True for a language that browsers take; they throw an error for `pt_BR`, and for none. */
+function isTag(code: string): boolean {
+  try {
+    return Intl.getCanonicalLocales(code).length > 0;
+  } catch (error) {
+    if (error instanceof RangeError) return false;
+    throw error;
+  }
 }
 
 /** A sentence of the page. */

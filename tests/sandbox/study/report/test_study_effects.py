@@ -8,15 +8,19 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from scipy import stats
 
 from sandbox.study.report.models.analysis import analyse
+from sandbox.study.report.models.answers import _differences
 from sandbox.study.report.models.comparisons import Counts, Pair, t_difference, titles_of
 from sandbox.study.report.models.data import ObservedFactor, StudyData, load_study
 from sandbox.study.report.models.interactions import INTERACTION, SIMPLE
-from sandbox.study.report.models.intervals import mean_interval, share
+from sandbox.study.report.models.intervals import mean_interval, share, within_intervals
 from sandbox.study.report.models.mixed import Mixed
-from tests.sandbox.study.report.study_reports import planted, put, report, rows_of
+from sandbox.study.report.models.success import success_differences
+from tests.sandbox.study.report.study_reports import LEAN, planted, put, report, rows_of
 from tools.planted_study import Truth
 
 EVERY = Truth(people=12, times=(10.0, 8.5), repetitions=2, losses=(1e-9, 1e-9), limit=3600.0)
@@ -139,6 +143,58 @@ def test_equal_values_have_no_interval() -> None:
     pair = Pair(ObservedFactor("f", ("a", "b"), True), "a", "b", ())
     d = t_difference(pair, 1.0, 0.0, Counts(2.0, 3.0))
     assert np.isnan([d.estimate.low, d.estimate.high, d.p]).all()
+
+
+@given(
+    own=st.lists(st.integers(0, 900), min_size=2, max_size=8),
+    step=st.integers(-300, 300),
+    parts=st.sampled_from([1, 6, 15]),
+)
+def test_differences_that_rounding_alone_makes_unequal_have_no_p_value_interval_or_dz(
+    own: list[int], step: int, parts: int
+) -> None:
+    values = np.array([[round(x / parts, 6), round((x + step) / parts, 6)] for x in own])
+    (d,) = _differences(ObservedFactor("f", ("a", "b"), True), ("a", "b"), values)
+    assert d.estimate.value == pytest.approx(step / parts, abs=2e-6)
+    assert np.isnan([d.p, d.estimate.low, d.estimate.high, d.size]).all()
+    assert all(np.isnan([e.low, e.high]).all() for e in within_intervals(values))
+
+
+def test_groups_that_rounding_alone_makes_unequal_have_no_p_value_interval_or_dz() -> None:
+    values = np.array([[0.1 + 0.2, np.nan], [0.3, np.nan], [np.nan, 0.7], [np.nan, 0.700001]])
+    (d,) = _differences(ObservedFactor("f", ("a", "b"), False), ("a", "b"), values)
+    assert np.isnan([d.p, d.estimate.low, d.estimate.high, d.size]).all()
+    one = mean_interval([0.1 + 0.2, 0.3, 0.300001])
+    assert np.isnan([one.low, one.high]).all()
+
+
+def test_a_spread_beyond_rounding_has_a_p_value_an_interval_and_dz() -> None:
+    values = np.array([[10.0, 20.0], [10.0, 20.0], [10.0, 20.0001]])
+    (d,) = _differences(ObservedFactor("f", ("a", "b"), True), ("a", "b"), values)
+    assert np.isfinite([d.p, d.estimate.low, d.estimate.high, d.size]).all()
+
+
+def test_equal_differences_of_a_measure_have_no_p_value_interval_or_dz(tmp_path: Path) -> None:
+    rows = planted(tmp_path, replace(EVERY, people=6, repetitions=2))
+    for r in rows:
+        own = 40 + int(r["ppid"][1:]) / 7 + 40 / 3 * "abc".index(r["factor_encoder"])
+        r["palm_sparc"] = f"{-own:.6f}"
+    put(tmp_path, rows, (*LEAN, "palm_sparc"))
+    (asked,) = analyse(load_study(tmp_path), ["palm_sparc"]).asked
+    for d in asked.differences:
+        assert np.isnan([d.p, d.estimate.low, d.estimate.high, d.size]).all()
+
+
+def test_equal_differences_of_shares_have_no_dz(tmp_path: Path) -> None:
+    rows = planted(tmp_path, replace(EVERY, people=6, repetitions=3, tasks=(1.0,)))
+    for r in rows:
+        # Of three trials each, some people succeed in one and two, the others in two and three.
+        won = 1 + int(r["ppid"][1:]) % 2 + ("abc".index(r["factor_encoder"]) == 1)
+        r["success"] = int(int(r["repetition"]) <= won)
+    put(tmp_path, rows)
+    (d,) = success_differences(load_study(tmp_path))
+    assert d.estimate.value == pytest.approx(1 / 3)
+    assert d.spread == 0.0 and np.isnan(d.size)
 
 
 def test_a_spread_is_told_where_nearly_all_did_both_levels_and_not_where_few_did(

@@ -8,6 +8,7 @@ import json
 import re
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -21,15 +22,18 @@ from sandbox.study.report.models.analysis import analyse
 from sandbox.study.report.models.censored import Censored, censored_differences, fit_censored
 from sandbox.study.report.models.data import load_study
 from sandbox.study.report.models.intervals import Estimate
+from sandbox.study.report.page import plots
 from sandbox.study.report.page.formats import UNKNOWN
-from sandbox.study.report.page.page import head
+from sandbox.study.report.page.page import head, page
 from sandbox.study.report.page.plots import lines_by_person
+from sandbox.study.report.page.section_results import means_picture
 from sandbox.study.run.simulate import simulate
 from sandbox.study.tables.column import csv_bytes
 from tests.sandbox.study.report.study_reports import (
     FILES,
     LEAN,
     Page,
+    Rows,
     hostile_names,
     planted,
     put,
@@ -222,6 +226,95 @@ def test_a_measure_that_was_asked_for_is_compared_and_others_are_not(tmp_path: P
     assert "drops" in {r["measure"] for r in rows_of(tmp_path / "report" / "means.csv")}
     script = (tmp_path / "report" / "analysis.R").read_text()
     assert "log(rows$object_path_m)" in script
+
+
+def test_a_failure_that_took_no_time_changes_no_comparison_of_completion_times(
+    tmp_path: Path,
+) -> None:
+    rows = planted(tmp_path / "all", Truth(limit=3600.0, losses=(1e-9,) * 3))
+    assert {r["success"] for r in rows} == {"1"}
+    some = []
+    # Its time says nothing: it is as if the trial had been left out.
+    for name, change in (
+        ("out", {"excluded": 1}),
+        ("zero", {"success": 0, "held": 0, "status": "input_ended", "time_s": "0.0"}),
+    ):
+        put(tmp_path / name, [{**r, **(change if i == 5 else {})} for i, r in enumerate(rows)])
+        some.append(analyse(load_study(tmp_path / name)))
+    out, zero = some
+    assert zero.time is not None and out.time is not None
+    assert zero.time.described.what.scale == "log"
+    for one, other in (
+        (zero.leading, out.leading),
+        (zero.unseen, out.unseen),
+        (zero.time.differences, out.time.differences),
+    ):
+        pairs = [(a.estimate.value, a.estimate.low, a.estimate.high, a.p) for a in one]
+        assert np.isfinite(pairs).all() and len(pairs) == 4
+        assert pairs == [
+            pytest.approx((b.estimate.value, b.estimate.low, b.estimate.high, b.p)) for b in other
+        ]
+    text = Page(page(zero)).text
+    assert "b took" in text and "e+" not in " ".join(head(zero)["findings"])
+
+
+def test_a_page_says_on_which_scale_a_measure_is_compared(tmp_path: Path) -> None:
+    rows = planted(tmp_path)
+    for i, r in enumerate(rows):
+        r["object_path_m"], r["palm_path_m"] = 0.2 + 0.01 * (i % 7), 0.01 * (i % 7)
+    put(tmp_path, rows, (*LEAN, "object_path_m", "palm_path_m"))
+    make_report(tmp_path, tmp_path / "report", ["object_path_m", "palm_path_m"])
+    text = Page((tmp_path / "report" / "report.html").read_text(encoding="utf-8")).text
+    assert text.count("Compared by ratios, from logarithms.") == 1
+    assert text.count("Compared by differences in m, as not all values are above 0.") == 1
+
+
+def drawn(folder: Path, rows: Rows, name: str, factors: tuple[str, str]) -> list[list[Any]]:
+    """Levels, directions and dots of a study in which a level has another name than `a`."""
+    levels = {"c": "c", "a": name, "b": "b"}
+    listed = {"factor_encoder": levels.values(), "factor_task": ("task2", "task1")}
+    book = [
+        {
+            "table": "trial_results.csv",
+            "column": column,
+            "unit": "",
+            "meaning": "level: " + ", ".join(names),
+        }
+        for column, names in listed.items()
+    ]
+    folder.mkdir()
+    (folder / "codebook.csv").write_bytes(csv_bytes(book, tuple(book[0])))
+    columns = [c for c in LEAN if c not in listed] + [f"factor_{factor}" for factor in factors]
+    changed = [{**r, "factor_encoder": levels[r["factor_encoder"]]} for r in rows]
+    put(folder, changed, tuple(columns))
+    data = load_study(folder)
+    time = analyse(data).time
+    assert time is not None
+    given: list[list[str]] = []
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(plots, "dots", lambda *a: given.extend([*a[3:5], list(a[5])]) or "")
+        means_picture(data, time.described, "time")
+    shown, series, dots = given
+    plain = {name: "a"}
+    return [
+        [plain.get(x, x) for x in (*data.factor("encoder").levels, *shown, *series)],
+        [tuple(plain.get(x, x) for x in dot) for dot in dots],
+        [
+            (plain.get(d.pair.first, d.pair.first), plain.get(d.pair.second, d.pair.second))
+            for d in time.differences
+        ],
+    ]
+
+
+@pytest.mark.parametrize("factors", [("encoder", "task"), ("task", "encoder")])
+@pytest.mark.parametrize("name", ["fast / soft", "fast, soft", "x, y / z", "/", " , "])
+def test_levels_directions_and_dots_do_not_depend_on_the_names_of_levels(
+    tmp_path: Path, name: str, factors: tuple[str, str]
+) -> None:
+    rows = planted(tmp_path)
+    some = drawn(tmp_path / "plain", rows, "a", factors)
+    assert some[0][:3] == ["c", "a", "b"]
+    assert drawn(tmp_path / "named", rows, name, factors) == some
 
 
 def test_scores_of_questionnaires_are_compared_within_people(tmp_path: Path) -> None:
