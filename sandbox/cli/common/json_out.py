@@ -66,9 +66,11 @@ def refuse_replacing(
         return
     target = path.resolve()
     for name, source in sources.items():
-        if source is not None and source.exists() and source.resolve() in (target, target.parent):
-            if source.is_dir() and not target.exists():
-                continue
+        if source is None:
+            continue
+        # In a folder that is read, a new file replaces nothing.
+        inside = source.is_dir() and target.exists() and source.resolve() == target.parent
+        if inside or source.resolve() == target:
             raise InputError(
                 "the result would replace what it is made from",
                 where=f"{option} {path}",

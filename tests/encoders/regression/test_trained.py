@@ -407,8 +407,8 @@ def test_the_command_makes_the_built_in_models_anew(
         (["--capture", CAPTURE_FILE, "--degree", "4"], "degree"),
         (["--capture", CAPTURE_FILE, "--out", "none/m.npz"], "no such folder"),
         (["--capture", CAPTURE_FILE, "--out", "."], "this is a folder"),
-        (["--capture", "c.npz", "--out", "./c.npz"], "would replace what it is trained from"),
-        (["--population", "p.npz", "--out", "./p.npz"], "would replace what it is trained from"),
+        (["--capture", "c.npz", "--out", "./c.npz"], "would replace what it is made from"),
+        (["--population", "p.npz", "--out", "./p.npz"], "would replace what it is made from"),
     ),
 )
 def test_the_command_answers_bad_input_with_one_line(
