@@ -13,6 +13,7 @@ import signal
 import socket
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -345,9 +346,17 @@ def test_help_and_formats_teach(capsys: pytest.CaptureFixture[str]) -> None:
         assert all(word in text for word in words), text
 
 
+@pytest.fixture
+def as_without_nohup() -> Iterator[None]:
+    """What tests start hears that its terminal is closed, also where the tests run under `nohup`."""
+    before = signal.signal(signal.SIGHUP, signal.SIG_DFL)
+    yield
+    signal.signal(signal.SIGHUP, before)
+
+
 @pytest.mark.parametrize("request_to_end", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 def test_however_sending_is_ended_no_finger_stays_down_at_the_receiver(
-    request_to_end: signal.Signals,
+    request_to_end: signal.Signals, as_without_nohup: None
 ) -> None:
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as receiver:
         receiver.bind(("127.0.0.1", 0))
