@@ -348,7 +348,7 @@ def test_help_and_formats_teach(capsys: pytest.CaptureFixture[str]) -> None:
 
 @pytest.fixture
 def as_without_nohup() -> Iterator[None]:
-    """What tests start hears that its terminal is closed, also where the tests run under `nohup`."""
+    """What a test starts hears that its terminal is closed, also where tests run under `nohup`."""
     before = signal.signal(signal.SIGHUP, signal.SIG_DFL)
     yield
     signal.signal(signal.SIGHUP, before)
