@@ -9,13 +9,14 @@ from xml.etree.ElementTree import tostring
 import mujoco
 import numpy as np
 
-from models.arithmetic.products import length
+from models.arithmetic.arrays import Array
+from models.arithmetic.products import length, stacked_applied
 from models.errors import InputError
 from models.hand import Hand
 from models.mjcf_object import check_object_name
 from models.objects import Box, Cylinder, MechanismPart, SceneObject
 from models.scene import TABLE, PaintedRing, Scene, SceneSpec
-from models.surface import Surface
+from models.surface import METRES_PER_INCH, Surface
 from tasks.sensing import Sensing
 from tasks.task import Measure, Task
 
@@ -291,16 +292,35 @@ def over_a_side(thing: SceneObject, surface: Surface) -> bool:
         surface: The surface as placed in the world.
     """
     position = np.asarray(thing.position, float)
-    away = surface.rotation.T @ (position - surface.corner)
-    x, off = float(away[0]), float(away[2])
-    width, height = surface.size.tolist()
-    if not 0.0 < x < width:
+    x, _, off = stacked_applied(surface.rotation.T, position - surface.corner).tolist()
+    if not 0.0 < x < surface.size[0]:
         return True
-    side = 0.0 if x < width / 2 else width
-    points = surface.to_world(np.column_stack([np.full(len(_SHARES), side), height * _SHARES]), off)
     c, s = cos(thing.yaw), sin(thing.yaw)
     turned = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
-    return bool(thing.clearance(points, position, turned).min() < 0.0)
+    return reaches_a_side(thing, position, turned, surface, (x, off))
+
+
+def reaches_a_side(
+    thing: SceneObject,
+    position: Array,
+    rotation: Array,
+    surface: Surface,
+    place: tuple[float, float],
+) -> bool:
+    """True if the nearer side of an upright surface runs through an object.
+
+    Args:
+        thing: The object.
+        position: (3,) m, its middle in the world.
+        rotation: (3, 3), world from object.
+        surface: The surface as placed in the world.
+        place: m, where its middle is along the surface, and how far off it.
+    """
+    x, off = place
+    width, height = METRES_PER_INCH * surface.width_in, METRES_PER_INCH * surface.height_in
+    side = 0.0 if x < width / 2 else width
+    points = np.column_stack([np.full(len(_SHARES), side), height * _SHARES])
+    return bool(thing.clearance(surface.to_world(points, off), position, rotation).min() < 0.0)
 
 
 def check_varied(task: Task, where: str, plain: Task | None = None) -> None:

@@ -23,6 +23,7 @@ from models.objects import MechanismPart, SceneObject
 from models.scene import CONTROL_PERIOD, Scene
 from models.surface import METRES_PER_INCH, Surface
 from sandbox.session.collision_gating import FINGERTIP
+from tasks.checks import reaches_a_side
 
 AWAY = 0.5
 """s that an object must be out of reach before it returns: the person sees where it went."""
@@ -148,17 +149,14 @@ class Respawn:
             x: m, where its middle is along the surface.
             off: m, how far its middle is off the surface.
         """
-        width, height = METRES_PER_INCH * surface.width_in, METRES_PER_INCH * surface.height_in
+        width = METRES_PER_INCH * surface.width_in
         far = min(x, width - x)
         if far <= 0.0:
             return True
         if far > place.radius:
             return False
-        side = 0.0 if x < width / 2 else width
-        points = np.column_stack([np.full(len(_SHARES), side), height * _SHARES])
         rotation = data.xmat[place.body].reshape(3, 3)
-        there = surface.to_world(points, off)
-        return bool(place.thing.clearance(there, data.xpos[place.body], rotation).min() < 0.0)
+        return reaches_a_side(place.thing, data.xpos[place.body], rotation, surface, (x, off))
 
     def _put(self, data: mujoco.MjData, place: _Place, points: Array, radii: Array) -> bool:
         """Puts an object at the free place nearest to its start; False without a free place.
