@@ -9,6 +9,7 @@ import time
 from pathlib import Path
 from typing import ClassVar
 
+from models.surface import Surface
 from tasks.box_to_goal import BoxToGoal
 from tasks.sensing import Sensing
 from tasks.task import Measure
@@ -32,6 +33,18 @@ class Worse(Quick):
 
     def measure(self, sensing: Sensing) -> Measure:
         return Measure(False, 0.0, "it fails now")
+
+
+class NoPlace(Quick):
+    """Its own code finds no place for seed 2."""
+
+    name: ClassVar[str] = "no-place"
+
+    @classmethod
+    def draw(cls, seed: int, surface: Surface) -> BoxToGoal:
+        if seed == 2:
+            raise ValueError("no room for the box")
+        return super().draw(seed, surface)
 
 
 class Newer(Quick):

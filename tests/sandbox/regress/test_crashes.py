@@ -24,7 +24,7 @@ from sandbox.study.design.reading import DesignError, Mistake
 from tasks.box_to_goal import BoxToGoal
 from tasks.sensing import Sensing
 from tasks.task import Measure
-from tests.support.regress_tasks import Exiting, Quick, Raising
+from tests.support.regress_tasks import Exiting, NoPlace, Quick, Raising
 
 
 def regress(task: type[Quick], *words: str | Path) -> int:
@@ -178,18 +178,6 @@ def test_an_error_of_any_class_comes_whole_from_another_process(
         again = pickle.loads(pickle.dumps(error))
         assert type(again) is type(error) and str(again) == str(error)
         assert vars(again) == vars(error)
-
-
-class NoPlace(Quick):
-    """Its own code finds no place for seed 2."""
-
-    name: ClassVar[str] = "no-place"
-
-    @classmethod
-    def draw(cls, seed: int, surface: Surface) -> BoxToGoal:
-        if seed == 2:
-            raise ValueError("no room for the box")
-        return super().draw(seed, surface)
 
 
 class NoNumber(Quick):

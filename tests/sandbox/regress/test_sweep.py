@@ -26,7 +26,7 @@ from tasks.sensing import Sensing
 from tasks.stack import Stack
 from tasks.task import Measure, Task
 from tasks.wrench_slide import WrenchSlide
-from tests.support.regress_tasks import Quick
+from tests.support.regress_tasks import NoPlace, Quick
 
 SEEDS = tuple(range(8))
 
@@ -364,18 +364,6 @@ def test_a_lost_cluster_is_never_taken_for_a_value_that_a_task_cannot_have() -> 
 
     with pytest.raises(InputError, match="the cluster is gone"):
         found_by(Heavy, "mass=4", runner=lost)
-
-
-class NoPlace(Quick):
-    """Its own code finds no place for seed 2."""
-
-    name: ClassVar[str] = "no-place"
-
-    @classmethod
-    def draw(cls, seed: int, surface: Surface) -> BoxToGoal:
-        if seed == 2:
-            raise ValueError("no room for the box")
-        return super().draw(seed, surface)
 
 
 def test_a_seed_that_a_task_s_own_code_cannot_draw_crashes_and_refuses_no_value() -> None:
