@@ -156,8 +156,31 @@ def _check_bodies(compiled: Compiled, where: str) -> None:
                 where=where,
                 expected=", ".join(kind for kind, _ in GEOM_KINDS.values()),
             )
+        _check_losses(model, body, called, where)
     inside = np.isin(model.geom_bodyid, list(compiled.bodies))
     if not np.any(inside & ((model.geom_contype | model.geom_conaffinity) > 0)):
         raise InputError(
             "it has no solid geom", where=where, expected="a geom with contype or conaffinity"
         )
+
+
+def _check_losses(model: Any, body: int, called: str, where: str) -> None:
+    """Raises if a body's joint would give energy away for nothing.
+
+    MuJoCo takes a negative damping, and the joint then drives itself. A negative stiffness is none
+    of this: it is that of a switch, which snaps over.
+    """
+    own = model.dof_bodyid == body
+    for what, values in (
+        ("damping", model.dof_damping),
+        ("frictionloss", model.dof_frictionloss),
+        ("armature", model.dof_armature),
+    ):
+        for value in values[own].tolist():
+            if not 0.0 <= value < float("inf"):
+                raise InputError(
+                    f"the {what} of the joint of {called} is out of range",
+                    where=where,
+                    got=f"{value:g}",
+                    expected="0 or more",
+                )

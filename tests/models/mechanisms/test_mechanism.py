@@ -3,6 +3,7 @@ line where it is none."""
 
 from __future__ import annotations
 
+from re import sub
 from typing import Any
 
 import mujoco
@@ -246,6 +247,14 @@ DRAWER = '<joint type="slide" axis="0 -1 0" range="0 .06" frictionloss=".5"'
         (
             DESK.replace('range="0 .06"', 'range="0 60"'),
             r"the slide of drawer is too long \(got '0 to 60 m', expected at most 1 m",
+        ),
+        *(
+            (
+                sub(f' {what}="[^"]*"', f' {what}="{value}"', DESK, count=1),
+                f"the {what} of the joint of drawer is out of range .*got '{value}', .*0 or more",
+            )
+            for what in ("damping", "frictionloss", "armature")
+            for value in ("-1e-06", "nan")
         ),
         (
             DESK.replace(' name="lid"', ""),

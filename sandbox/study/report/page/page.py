@@ -167,10 +167,13 @@ def _findings(analysis: Analysis) -> list[str]:
     return out
 
 
+_NO_SPREAD = "as there are too few people or all of them differ alike"
+
+
 def _certainty(ends: str, verdict: str) -> str:
     """What follows from a difference: its interval and verdict, or nothing without an interval."""
     if ends == formats.UNKNOWN:
-        return "too few people for an interval, so that nothing follows for others"
+        return f"no interval, {_NO_SPREAD}, so that nothing follows for others"
     return f"95 % interval {ends}; {verdict}"
 
 
@@ -180,6 +183,6 @@ def _verdict(family: Family, outcome: str, pair: Pair) -> str:
     if test is None:
         return "exploratory"
     if not isfinite(test.p_holm):
-        return "too few people for a test"
+        return f"no test, {_NO_SPREAD}"
     said = f"p, Holm {formats.p_value(test.p_holm)}"
     return said if test.found else f"{said}: there may be no difference"

@@ -194,6 +194,23 @@ def test_a_late_frame_is_left_out_and_a_new_clock_goes_on_from_the_old_one() -> 
     assert restarted[1].time - restarted[0].time == pytest.approx(0.01)
 
 
+@pytest.mark.parametrize("wrong", [3_000_000, 3_600_000_000, 10**15])
+def test_a_single_time_far_ahead_is_left_out_and_what_follows_keeps_its_time(wrong: int) -> None:
+    decoder = LeapDecoder()
+    frames = [decoder.feed(message(t)) for t in (0, 10_000, 20_000 + wrong, 30_000, 40_000)]
+    assert [frame and frame.time for frame in frames] == pytest.approx(
+        [0.0, 0.01, None, 0.03, 0.04], nan_ok=True
+    )
+    assert decoder.counts["frames whose time leapt ahead"] == 1
+    assert "restarts of the device's clock" not in decoder.counts
+
+
+def test_after_a_pause_the_second_frame_is_believed() -> None:
+    decoder = LeapDecoder()
+    frames = [decoder.feed(message(t)) for t in (0, 10_000, 9_000_000, 9_010_000, 9_020_000)]
+    assert [frame and frame.time for frame in frames] == [0.0, 0.01, None, 9.01, 9.02]
+
+
 def test_handshakes_events_and_foreign_messages_are_no_frames() -> None:
     decoder = LeapDecoder()
     said: Any = (

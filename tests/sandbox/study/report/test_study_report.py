@@ -167,7 +167,8 @@ def test_too_few_people_for_an_interval_are_said_to_be_so_and_show_nothing(
     said = head(analyse(load_study(tmp_path)))["findings"]
     times = [sentence for sentence in said if " time than " in sentence]
     assert times and all(
-        "(too few people for an interval, so that nothing follows for others)" in sentence
+        "(no interval, as there are too few people or all of them differ alike, so that "
+        "nothing follows for others)" in sentence
         for sentence in times
     )
     for sentence in said:
