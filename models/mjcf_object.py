@@ -350,6 +350,20 @@ def mesh_points(model: Any, mesh: int) -> Array:
     return points
 
 
+def drawn_colour(model: Any, geom: int) -> Array:
+    """RGBA (4,) in which MuJoCo draws a geom of a description: its own, before its material's."""
+    own: Array = model.geom_rgba[geom]
+    material = int(model.geom_matid[geom])
+    if material < 0 or not np.array_equal(own, _PLAIN_RGBA):
+        return own
+    of_material: Array = model.mat_rgba[material]
+    return of_material
+
+
+_PLAIN_RGBA = np.array([0.5, 0.5, 0.5, 1.0], np.float32)
+"""Of a geom that says none."""
+
+
 def geom_element(
     model: Any, geom: int, name: str, mesh_name: str, size: float, bits: tuple[int, int]
 ) -> Element:
@@ -364,14 +378,12 @@ def geom_element(
         bits: contype and conaffinity of a solid geom.
     """
     kind, sizes = GEOM_KINDS[int(model.geom_type[geom])]
-    material = int(model.geom_matid[geom])
-    rgba = model.geom_rgba[geom] if material < 0 else model.mat_rgba[material]
     element = Element(
         "geom",
         {
             "name": name,
             "type": kind,
-            "rgba": mjcf_text(rgba),
+            "rgba": mjcf_text(drawn_colour(model, geom)),
             "pos": mjcf_text(size * model.geom_pos[geom]),
             "quat": mjcf_text(model.geom_quat[geom]),
         },

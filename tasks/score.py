@@ -122,11 +122,11 @@ class Scorer:
         """True once something was reached for the hold time without a break."""
         if not reached:
             self._since = None
-        elif self._since is None:
+            return False
+        if self._since is None:
             self._since = time
-        lasted = 0.0 if self._since is None else time - self._since
         # Times are sums of steps, so the rule tolerates half a microsecond.
-        return lasted >= self._task.hold_time - 5e-7
+        return time - self._since >= self._task.hold_time - 5e-7
 
     def abort(self, status: Status, reason: str) -> Score:
         """Ends the trial for a reason outside the task: no more input, or a diverged simulation."""

@@ -109,11 +109,11 @@ class Sensing:
                 self._read[first] = self._read[second] = data.sensordata[adr : adr + 4]
                 self._sign[first], self._sign[second] = -1.0, 1.0
         self._weights = {
-            name: -float(model.opt.gravity[2]) * float(model.body_mass[body])
+            name: -float(model.opt.gravity[2]) * float(model.body_subtreemass[body])
             for name, body in scene.object_bodies.items()
         }
         # A free joint begins with the three speeds of the centre. An object on a hinge has one
-        # speed, and its centre moves at the end of a lever; one that is fixed has none.
+        # speed, and its centre moves about the axis; one that is fixed has none.
         self._speeds: dict[str, Array] = {}
         self._levers: dict[str, float] = {}
         # What is carried by something that moves has more speed than that of its own joint.
@@ -137,7 +137,7 @@ class Sensing:
             slides = int(np.sum(types == mujoco.mjtJoint.mjJNT_SLIDE))
             moves = slides or (1 if hinged else 3)
             self._speeds[obj.name] = data.qvel[dof : dof + moves]
-            self._levers[obj.name] = length(joint.pos) if hinged else 1.0
+            self._levers[obj.name] = _from_axis(joint.pos, joint.axis) if hinged else 1.0
             if not isinstance(obj, MechanismPart):
                 continue
             if obj.joint is not None:
@@ -229,6 +229,12 @@ class Sensing:
             parts = {part for pair in self._read for part in pair}
             raise _unknown(name if name not in parts else other, parts)
         return self._read[name, other]
+
+
+def _from_axis(position: Array, axis: Array) -> float:
+    """m from a body's origin to the axis of its hinge, which goes through a position (3,)."""
+    (x, y, z), (a, b, c) = position.tolist(), axis.tolist()
+    return length(np.array([y * c - z * b, z * a - x * c, x * b - y * a]))
 
 
 def _unknown(

@@ -14,7 +14,7 @@ BATCH = 120
 BUDGET = 0.5
 """s spent on each of the two measurements."""
 MOST = 3000
-"""Least number of single calls, enough for a median."""
+"""Largest number of measured calls, enough for a median."""
 
 
 def us_per_call(predict: Callable[[Array], Array], U: Array) -> float:

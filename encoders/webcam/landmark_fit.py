@@ -267,8 +267,8 @@ _NEAREST = 0.03
 _DAMPING = 1e-3
 _STILL = 1e-5
 """m or rad of a step that ends the search."""
-_AT_END = 1e-9
-"""rad within which a joint is at the end of its range."""
+_CENTRED = 1e-9
+"""Tangent of the angle from the middle of the picture, below which a hand is there."""
 
 
 def _prior(skeleton: Skeleton, s: FitSettings) -> tuple[Array, Array]:
@@ -343,7 +343,7 @@ def _turn_to_ray(rays: Array) -> Array:
     x, y = rays.mean(axis=0).tolist()
     long = sqrt(x * x + y * y + 1.0)
     across = sqrt(x * x + y * y)
-    if across < _AT_END:
+    if across < _CENTRED:
         return np.eye(3)
     # The turn about the axis (-y, x, 0) whose cosine is 1 / long and sine is across / long.
     k = np.array([[0.0, 0.0, x], [0.0, 0.0, y], [-x, -y, 0.0]]) / across

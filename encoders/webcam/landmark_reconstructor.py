@@ -93,9 +93,13 @@ class LandmarkReconstructor:
         """Processes a frame; called once per control step, even if nothing has changed."""
         dt = 0.0 if self._time is None else max(frame.time - self._time, 0.0)
         self._time = frame.time if self._time is None else max(frame.time, self._time)
-        if frame.taken != self._taken or not frame.hands:
+        before_the_first = self._taken is None and not frame.hands
+        if frame.taken != (self.empty.taken if before_the_first else self._taken):
             self._taken = frame.taken
             self._look(frame)
+        elif not frame.hands:
+            # A device that fell silent.
+            self._goal = None
         if self._goal is None:
             self._hand.lose(dt)
         else:

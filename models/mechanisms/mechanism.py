@@ -376,8 +376,9 @@ class Part(MechanismPart):
 
     @cached_property
     def bounds(self) -> tuple[Array, Array]:
-        """Lowest and highest corner (3,), (3,) m of a box around its solid geoms, in its frame."""
-        corners = []
+        """Lowest and highest corner (3,), (3,) m of a box around its solid geoms, in its frame;
+        both at its origin without any."""
+        corners = [] if self._solid else [np.zeros(3)]
         for _, place, turn, _, geom in self._solid:
             middle, half = self._model.geom_aabb[geom, :3], self._model.geom_aabb[geom, 3:]
             centre = place + stacked_applied(turn, middle)

@@ -23,6 +23,7 @@ import tomllib
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from importlib.util import find_spec
+from math import isfinite
 from pathlib import Path
 from typing import Any
 
@@ -98,6 +99,25 @@ class RobotMapping:
                 where=self.file or "mapping",
                 got=len(self.places),
                 expected=str(len(self.tips)),
+            )
+        for what, some in (
+            ("offset", self.offset),
+            ("places", [number for place in self.places for number in place]),
+            ("turn", self.turn),
+            ("ratios of [coupled]", [ratio for _, ratio in self.coupled.values()]),
+        ):
+            if not all(map(isfinite, some)):
+                raise InputError(
+                    f"the {what} must be finite numbers",
+                    where=self.file or "mapping",
+                    got=str(list(some)),
+                )
+        if still := [joint for joint, (_, ratio) in self.coupled.items() if ratio == 0.0]:
+            raise InputError(
+                "a joint with ratio 0 follows no other",
+                where=f"{self.file or 'mapping'}, [coupled]",
+                got=", ".join(still),
+                remedy="Leave it out of [coupled]",
             )
         for what, numbers in (("radii", self.radii), ("scales", self.scales)):
             if not all(0.0 < number < 10.0 for number in numbers):

@@ -20,6 +20,7 @@ from models.arithmetic.arrays import Array
 from models.arithmetic.products import length, stacked_applied, total
 from models.errors import InputError
 from models.frames import FINGERS
+from models.mjcf_object import drawn_colour
 from models.objects import mjcf_text
 from models.robot.mapping import RobotMapping
 from models.rotations import matrix_to_quaternion
@@ -120,15 +121,20 @@ class RobotModel:
         return np.where(limited, model.jnt_range[self.joints], [[-np.pi, np.pi]])
 
     def force_limits(self) -> Array:
-        """(n,) N m, greatest torque of the actuators of every joint; infinite where none says."""
+        """(n,) N m, greatest torque of the actuators of every joint, in its stronger direction;
+        infinite where none says."""
         model = self.model
-        out = np.full(len(self.joints), np.inf)
+        actuators: dict[int, float] = {}
         for a in range(model.nu):
             if int(model.actuator_trntype[a]) == int(mujoco.mjtTrn.mjTRN_JOINT):
                 joint = int(model.actuator_trnid[a, 0])
-                if joint in self.joints and model.actuator_forcelimited[a]:
-                    out[self.joints.index(joint)] = float(model.actuator_forcerange[a, 1])
-        return out
+                limited = bool(model.actuator_forcelimited[a])
+                force = float(np.abs(model.actuator_forcerange[a]).max()) if limited else np.inf
+                torque = abs(float(model.actuator_gear[a, 0])) * force
+                actuators[joint] = actuators.get(joint, 0.0) + torque
+        own = np.abs(model.jnt_actfrcrange).max(axis=1)
+        own[~model.jnt_actfrclimited.astype(bool)] = np.inf
+        return np.array([min(actuators.get(j, np.inf), own[j]) for j in self.joints])
 
     def bent(self, share: float) -> tuple[Array, Array]:
         """Where fingers begin, and fingertips, (n, 3) m each in the palm's frame.
@@ -369,13 +375,11 @@ class RobotModel:
     def _geom(self, geom: int, prefix: str) -> Element:
         model = self.model
         kind, sizes = _TYPES[int(model.geom_type[geom])]
-        material = int(model.geom_matid[geom])
-        rgba = model.geom_rgba[geom] if material < 0 else model.mat_rgba[material]
         element = Element(
             "geom",
             {
                 "type": kind,
-                "rgba": mjcf_text(rgba),
+                "rgba": mjcf_text(drawn_colour(model, geom)),
                 "pos": mjcf_text(model.geom_pos[geom]),
                 "quat": mjcf_text(model.geom_quat[geom]),
                 "contype": "0",

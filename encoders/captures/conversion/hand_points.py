@@ -19,6 +19,10 @@ from models.errors import CaptureError
 from models.frames import FINGERS
 from models.skeleton import Skeleton
 
+_KEPT = 2e-6
+"""s by which a touch lasts longer than its last pose, so that this one is within it; times are
+rounded to half of that."""
+
 ON_SURFACE = 0.006
 """m, height of a touching fingertip's centre: its radius minus the compressed flesh."""
 
@@ -67,7 +71,7 @@ def joints_from_points(
     palm = np.array([site.bone == PALM for site in chosen])
     outermost = [] if frame is not None else _tip_points(chosen, skeleton)
     if frame is None:
-        middle = recorded[:, palm].mean(axis=1)
+        middle = _middle(recorded[:, palm])
         frame = frame_from_fingertips(recorded[:, outermost], middle, tolerance)
     placed = frame.points(recorded)
     if left:
@@ -107,6 +111,21 @@ def joints_from_points(
         return joints
     with np.errstate(invalid="ignore"):
         return _on_the_surface(joints, np.abs(placed[fits][:, outermost, 2]) < tolerance)
+
+
+def _middle(palm: Array) -> Array:
+    """Middle (T, 3) of points of the palm (T, n, 3), where all of them are seen.
+
+    If they never are, as one of them may be missing in a whole recording, it is that of the points
+    that are.
+    """
+    middle: Array = palm.mean(axis=1)
+    if not np.isnan(middle).any(axis=1).all():
+        return middle
+    seen = ~np.isnan(palm).any(axis=2)
+    count = seen.sum(axis=1)[:, None]
+    sums = np.where(seen[:, :, None], palm, 0.0).sum(axis=1)
+    return np.where(count > 0, sums / np.maximum(count, 1), np.nan)
 
 
 def _tip_points(sites: list[Site], skeleton: Skeleton) -> list[int]:
@@ -158,7 +177,7 @@ def touches_from_tips(
                 down, begin = True, i
             if down and (z > LETS_GO * threshold or breaks[i]):
                 stop = i if z > LETS_GO * threshold else i + 1
-                end = float(joints.time[i]) + (0.0 if stop == i else 1e-6)
+                end = float(joints.time[i]) + (0.0 if stop == i else _KEPT)
                 if stop <= begin or end - joints.time[begin] < rules.shortest:
                     report.drop_contacts(f"shorter than {1000 * rules.shortest:g} ms")
                 else:

@@ -78,7 +78,7 @@ def read_asf(path: Path, unit: float | None = None) -> AcclaimSkeleton:
     length = numbers(units.get("length", ["1"]), 1, f"{path}, :units length")[0]
     if length <= 0:
         raise MotionError("not a unit of length", where=f"{path}, :units length", got=length)
-    degrees = units.get("angle", ["deg"])[0].lower().startswith("deg")
+    degrees = (units.get("angle") or ["deg"])[0].lower().startswith("deg")
     unit = INCH / length if unit is None else unit
     root, origin = _root(path, sections["root"], degrees, unit)
     bones = {root.name: root}
@@ -126,7 +126,7 @@ def read_amc(path: Path, skeleton: AcclaimSkeleton, rate: float | None = None) -
         if words[0].startswith(":"):
             if words[0].upper() in (":DEGREES", ":RADIANS"):
                 degrees = words[0].upper() == ":DEGREES"
-        elif len(words) == 1 and words[0].isdigit():
+        elif len(words) == 1 and words[0].isdecimal():
             _check_whole(frames, wanted, where)
             if int(words[0]) != len(frames) + 1:
                 raise MotionError(

@@ -212,6 +212,7 @@ class LeapDevice(HandDevice):
             with self._news:
                 self._decoder.counts["connections"] += 1
             self.connected.set()
+            self.trouble = None
             while not self._stop.is_set():
                 try:
                     message = channel.recv(timeout=0.2)

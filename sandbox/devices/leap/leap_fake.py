@@ -87,7 +87,8 @@ class FakeLeapd:
                 if self._stop.is_set():
                     return
                 if turn:  # When the messages repeat, their own times would run backwards.
-                    message = message | {"timestamp": round(sent * step_us) + self._last_time()}
+                    since = sent - len(self._messages) + 1
+                    message = message | {"timestamp": round(since * step_us) + self._last_time()}
                 channel.send(json.dumps(message, separators=(",", ":")))
                 sent += 1
                 self.counts["frames"] += 1

@@ -35,8 +35,8 @@ SECONDS_PER_US = 1e-6
 RESTART = 1.0
 """s. If time runs back by more, the service was restarted; by less, the frame is late."""
 LEAP = 2.0
-"""s. A time that is farther ahead is believed once the next frame's is later still: a single wrong
-one would stretch a recording."""
+"""s. A time that is farther ahead comes after a pause. It is believed once the next frame's follows
+on it, as that of a restart is: a single wrong one would stretch a recording."""
 
 _JOINTS = ("mcpPosition", "pipPosition", "dipPosition")
 _END = "btipPosition"
@@ -61,7 +61,7 @@ class LeapDecoder:
         self.version: str | None = None
         self._source, self._rate = source, rate
         self._time: float | None = None
-        # s, time of a frame that was refused as it leapt ahead.
+        # s, time of the frame before, if it was refused as it leapt.
         self._leapt: float | None = None
         self._offset = 0.0
 
@@ -94,7 +94,7 @@ class LeapDecoder:
 
     def _moment(self, message: Mapping[str, Any]) -> float | None:
         """s, time of a message on a clock that never runs backwards; None, which is counted, for a
-        late frame and for one that leaps ahead alone."""
+        late frame and for one that leaps back or ahead alone."""
         if "timestamp" not in message:
             rate = message.get("currentFrameRate", self._rate)
             step = 1.0 / (rate if _is_number(rate) and 1.0 <= rate <= 1000.0 else self._rate)
@@ -103,19 +103,20 @@ class LeapDecoder:
         if abs(stamp) > _TOO_LARGE:
             raise DeviceError("timestamp is out of range", got=f"{stamp:g}", expected="us")
         time = stamp * SECONDS_PER_US + self._offset
-        if self._time is not None and time <= self._time:
-            if time > self._time - RESTART:
-                self.counts["frames whose time ran backwards"] += 1
-                return None
+        before, self._leapt = self._leapt, None
+        if self._time is None or self._time < time <= self._time + LEAP:
+            return time
+        if self._time - RESTART < time <= self._time:
+            self.counts["frames whose time ran backwards"] += 1
+            return None
+        if before is None or not 0.0 < time - before <= LEAP:
+            self.counts["frames whose time leapt"] += 1
+            self._leapt = time
+            return None
+        if time < self._time:
             self.counts["restarts of the device's clock"] += 1
             self._offset += self._time + 1.0 / self._rate - time
             time = self._time + 1.0 / self._rate
-        before, self._leapt = self._leapt, None
-        ahead = self._time is not None and time > self._time + LEAP
-        if ahead and (before is None or time <= before):
-            self.counts["frames whose time leapt ahead"] += 1
-            self._leapt = time
-            return None
         return time
 
     def _hands(self, message: Mapping[str, Any]) -> tuple[TrackedHand, ...]:

@@ -8,6 +8,7 @@ from math import pi
 from typing import Any
 
 from models.errors import InputError
+from models.objects import MechanismPart
 from sandbox.trial.settings import RunSettings
 from tasks.task import Task
 from tasks.variation import RANGES
@@ -85,7 +86,8 @@ class Curriculum:
                 moved.append(thing)
                 continue
             lies = goal.on is None and abs(goal.position[2] - thing.position[2]) < 1e-3
-            if not (lies and is_dataclass(thing) and is_dataclass(task)) or _bolted(thing):
+            whole = is_dataclass(thing) and is_dataclass(task)
+            if not (lies and whole) or isinstance(thing, MechanismPart) or _bolted(thing):
                 raise InputError(
                     "this thing cannot start on the way to its goal",
                     where="reset(options=), near",

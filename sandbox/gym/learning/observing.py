@@ -152,7 +152,8 @@ def _things(session: Session) -> Array:
 
 def _thing(session: Session, name: str) -> Array:
     model, body = session.scene.model, session.scene.object_bodies[name]
-    corners = []
+    # A fixed base may have no geoms.
+    corners = [np.zeros(3)] if not np.any(model.geom_bodyid == body) else []
     for geom in np.flatnonzero(model.geom_bodyid == body):
         centre, half = model.geom_aabb[geom, :3], model.geom_aabb[geom, 3:]
         turn = np.empty(9)

@@ -265,7 +265,7 @@ def _beside(table: TomlTable, file: str, folder: Path) -> str | None:
             "file", f"{file} is outside of the design's folder", "Move it into that folder"
         )
         return None
-    if Path(file).suffix != ".toml" or file == "design.toml":
+    if Path(file).suffix != ".toml" or str(Path(file)).casefold() == "design.toml":
         # The study folder will contain a copy of it, which must not replace other files.
         table.add_mistake(
             "file", f"{file} is not allowed as a name", "Choose another name that ends in .toml"

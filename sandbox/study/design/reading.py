@@ -11,7 +11,7 @@ from typing import Any
 from models.errors import StudyError
 from sandbox.study.design.toml_lines import Path, TomlLines
 
-NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}$")
+NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}")
 """Names of folders and columns, valid in every program and system."""
 
 Text = dict[str, str]
@@ -132,7 +132,7 @@ class TomlTable:
     def name(self, key: str) -> str:
         """Takes a name that is used for files, columns or rows."""
         name = self.string(key)
-        if name and not NAME.match(name):
+        if name and not NAME.fullmatch(name):
             self.add_mistake(
                 key, f"got {name!r}", "Use up to 64 letters, digits, - and _; it names files"
             )

@@ -23,7 +23,7 @@ class TomlLines:
         counts: dict[Path, int] = {}
         table: Path = ()
         fence = ""
-        for number, line in enumerate(text.splitlines(), start=1):
+        for number, line in enumerate(text.split("\n"), start=1):
             if not fence:
                 if header := _HEADER.match(line):
                     names = tuple(n.strip().strip("\"'") for n in header[2].split("."))

@@ -6,8 +6,10 @@ file can compute the same measures.
 
 from __future__ import annotations
 
+import csv
 import gzip
 from collections.abc import Mapping
+from io import StringIO
 from typing import Any
 
 import numpy as np
@@ -36,15 +38,17 @@ class Columns:
     @classmethod
     def read(cls, data: bytes) -> Columns:
         """Reads a compressed CSV file."""
-        head, *rows = gzip.decompress(data).decode().splitlines()
-        cells = [row.split(",") for row in rows]
-        return cls({name: [row[i] for row in cells] for i, name in enumerate(head.split(","))})
+        head, *rows = csv.reader(StringIO(gzip.decompress(data).decode(), newline=""))
+        return cls({name: [row[i] for row in rows] for i, name in enumerate(head)})
 
     def csv(self) -> bytes:
         """Returns a compressed CSV file, which R and pandas can read directly."""
-        rows = zip(*self.texts.values(), strict=True)
-        lines = [",".join(self.texts), *map(",".join, rows), ""]
-        return gzip.compress("\n".join(lines).encode(), compresslevel=5, mtime=0)
+        out = StringIO(newline="")
+        # Names of objects are in names of columns, and may have commas.
+        writer = csv.writer(out, lineterminator="\n")
+        writer.writerow(self.texts)
+        writer.writerows(zip(*self.texts.values(), strict=True))
+        return gzip.compress(out.getvalue().encode(), compresslevel=5, mtime=0)
 
     def __contains__(self, name: str) -> bool:
         return name in self.texts

@@ -224,13 +224,18 @@ def csv_bytes(rows: Sequence[Row], columns: Sequence[str]) -> bytes:
     """A table as CSV, with ten digits of every number."""
     import pandas as pd
 
-    cells = [
-        {k: int(v) if isinstance(v, bool | np.bool_) else v for k, v in row.items()} for row in rows
-    ]
+    cells = [{k: _cell(v) for k, v in row.items()} for row in rows]
     text: str = pd.DataFrame(cells, columns=list(columns), dtype=object).to_csv(
-        index=False, lineterminator="\n", float_format="%.10g"
+        index=False, lineterminator="\n"
     )
     return text.encode()
+
+
+def _cell(value: Any) -> Any:
+    if isinstance(value, bool | np.bool_):
+        return int(value)
+    # The digits after the tenth differ from machine to machine.
+    return float(f"{value:.10g}") if isinstance(value, float) else value
 
 
 def _interval(estimate: Estimate) -> Row:

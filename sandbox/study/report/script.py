@@ -34,8 +34,10 @@ compare <- function(measure, model, rows, estimate, covariance) {{
     w <- setNames(rep(0, length(estimate)), names(estimate))
     w[pair$condition] <- pair$weight
     people <- length(unique(rows$ppid))
+    # Another group may do other conditions.
+    theirs <- length(unique(rows$ppid[rows$condition %in% pair$condition[pair$weight != 0]]))
     groups <- length(unique(rows[[paste0("factor_", pair$factor[1])]]))
-    freedom <- if (pair$factor[1] %in% within) people - 1 else people - groups
+    freedom <- if (pair$factor[1] %in% within) theirs - 1 else people - groups
     value <- sum(w * estimate)
     error <- sqrt(drop(t(w) %*% covariance %*% w))
     half <- qt(0.975, freedom) * error

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from fractions import Fraction
 from typing import Any, Protocol
 
 import numpy as np
@@ -153,6 +154,6 @@ class SimulatedForms:
             return item.choices[rng.integers(len(item.choices))]
         if item.kind == "text":
             return "simulated"
-        steps = int((item.high - item.low) / item.step)
-        value = item.low + item.step * int(rng.integers(steps + 1))
+        low, high, step = (Fraction(repr(float(x))) for x in (item.low, item.high, item.step))
+        value = float(low + step * int(rng.integers((high - low) // step + 1)))
         return int(value) if value == int(value) else value

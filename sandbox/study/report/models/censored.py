@@ -14,7 +14,7 @@ The likelihood is concave in the parameters of Olsen 1978, and so has one maximu
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -48,6 +48,7 @@ class Censored:
         replicates: (people, coefficients) without each person; nan where they cannot be estimated.
         sigma: Standard deviation of log time around its mean, between and within people.
         people, trials, unseen: Numbers of people, of trials, and of trials with a censored time.
+        rows: Rows of `data.used` that it was fitted to.
     """
 
     present: tuple[int, ...]
@@ -58,6 +59,7 @@ class Censored:
     people: int
     trials: int
     unseen: int
+    rows: DataFrame = field(repr=False, compare=False)
 
     def weights(self, pair: Pair, conditions: int) -> np.ndarray:
         """Weights of the coefficients in the difference between a pair of levels."""
@@ -175,6 +177,7 @@ def fit_bounded(
         people,
         len(rows),
         int((~seen).sum()),
+        rows,
     )
 
 
@@ -201,4 +204,4 @@ def bounded_difference(data: StudyData, model: Censored, pair: Pair) -> Differen
     """Difference between a pair of levels, by the model."""
     weights = model.weights(pair, len(data.conditions))
     value = float(weights @ model.coefficients)
-    return t_difference(pair, value, model.error(weights), counts_of(pair, data.used))
+    return t_difference(pair, value, model.error(weights), counts_of(pair, model.rows))

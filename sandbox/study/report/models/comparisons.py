@@ -175,22 +175,23 @@ def t_difference(
 def counts_of(pair: Pair, rows: DataFrame) -> Counts:
     """Numbers of people behind a comparison.
 
-    Within people, the standard deviation of their differences is known where nearly all who did
-    one of the conditions did both: a mixed model also uses the others, whose number says nothing
-    of differences. Else the effective number is nan.
+    Within people, they are those who did one of the conditions: another group may do others. The
+    standard deviation of their differences is known where nearly all of them did both: a mixed
+    model also uses the others, whose number says nothing of differences. Else the effective number
+    is nan.
 
     Args:
         pair: The compared levels. A simple effect is of the people in its conditions only.
-        rows: Rows of `data.used`.
+        rows: Rows of `data.used` that were compared.
     """
     sides = [set(rows["ppid"][rows["cell"].isin(cells)]) for cells in zip(*pair.cells, strict=True)]
+    both, some = len(sides[0] & sides[1]), len(sides[0] | sides[1])
+    if pair.factor.within:
+        return Counts(some - 1.0, float(both) if both >= NEARLY_ALL * some else nan)
     if pair.at:
         rows = rows[rows["ppid"].isin(sides[0] | sides[1])]
     levels = rows[["ppid", pair.factor.column]].drop_duplicates()
     count = rows["ppid"].nunique()
-    if pair.factor.within:
-        both, some = len(sides[0] & sides[1]), len(sides[0] | sides[1])
-        return Counts(count - 1.0, float(both) if both >= NEARLY_ALL * some else nan)
     groups = levels[pair.factor.column].value_counts()
     first, second = groups.get(pair.first, 0), groups.get(pair.second, 0)
     effective = first * second / (first + second) if first + second else nan

@@ -11,6 +11,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from itertools import combinations
 from math import nan
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -19,6 +20,9 @@ from sandbox.study.report.models.comparisons import Counts, Pair, pairs_of, t_di
 from sandbox.study.report.models.data import ObservedFactor, StudyData
 from sandbox.study.report.models.intervals import Estimate, correlation_of, difference
 from sandbox.study.report.models.success import rates, success_differences
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
 
 SIMPLE, INTERACTION = "simple effect", "interaction"
 
@@ -68,7 +72,7 @@ def model_dependences(data: StudyData, model: Censored, factor: ObservedFactor) 
         weights = model.weights(one.second, count) - model.weights(one.first, count)
         value = float(weights @ model.coefficients)
         told = t_difference(
-            one.second, value, model.error(weights), _counts(data, factor, one.other)
+            one.second, value, model.error(weights), _counts(model.rows, factor, one)
         )
         dependences.append(
             Dependence(INTERACTION, one.second, one.other, one.first.at, told.estimate)
@@ -149,11 +153,13 @@ def _pairs(
     return pairs
 
 
-def _counts(data: StudyData, factor: ObservedFactor, other: ObservedFactor) -> Counts:
-    """Numbers of people behind an interaction."""
-    between = [f.column for f in (factor, other) if not f.within]
-    people = data.used["ppid"].nunique()
-    groups = len(data.used[between].drop_duplicates()) if between else 1
+def _counts(rows: DataFrame, factor: ObservedFactor, crossing: _Crossing) -> Counts:
+    """Numbers of people behind an interaction: those with rows in its conditions."""
+    between = [f.column for f in (factor, crossing.other) if not f.within]
+    cells = {c for pair in (crossing.first, crossing.second) for both in pair.cells for c in both}
+    rows = rows[rows["cell"].isin(cells)]
+    people = rows["ppid"].nunique()
+    groups = len(rows[between].drop_duplicates()) if between else 1
     return Counts(float(people - groups), nan if between else float(people))
 
 

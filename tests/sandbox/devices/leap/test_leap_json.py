@@ -188,20 +188,21 @@ def test_a_late_frame_is_left_out_and_a_new_clock_goes_on_from_the_old_one() -> 
     times = [decoder.feed(message(t)) for t in (50_000_000, 50_010_000, 50_005_000, 50_010_000)]
     assert [f is not None for f in times] == [True, True, False, False]
     assert decoder.counts["frames whose time ran backwards"] == 2
-    restarted = [decoder.feed(message(t)) for t in (1_000, 11_000)]
-    assert restarted[0] is not None and restarted[1] is not None
+    # The first frame of a restart may be a single wrong time.
+    doubtful, *restarted = [decoder.feed(message(t)) for t in (1_000, 11_000, 21_000)]
+    assert doubtful is None and restarted[0] is not None and restarted[1] is not None
     assert restarted[0].time > 50.01
     assert restarted[1].time - restarted[0].time == pytest.approx(0.01)
 
 
-@pytest.mark.parametrize("wrong", [3_000_000, 3_600_000_000, 10**15])
-def test_a_single_time_far_ahead_is_left_out_and_what_follows_keeps_its_time(wrong: int) -> None:
+@pytest.mark.parametrize("wrong", [0, 7_000_000, 53_000_000, 3_600_000_000, 10**15])
+def test_a_single_wrong_time_is_left_out_and_what_follows_keeps_its_time(wrong: int) -> None:
     decoder = LeapDecoder()
-    frames = [decoder.feed(message(t)) for t in (0, 10_000, 20_000 + wrong, 30_000, 40_000)]
-    assert [frame and frame.time for frame in frames] == pytest.approx(
-        [0.0, 0.01, None, 0.03, 0.04], nan_ok=True
-    )
-    assert decoder.counts["frames whose time leapt ahead"] == 1
+    times = (50_000_000, 50_010_000, wrong, 50_030_000, 50_040_000)
+    frames = [decoder.feed(message(t)) for t in times]
+    assert frames.pop(2) is None
+    assert [f.time for f in frames] == pytest.approx([50.0, 50.01, 50.03, 50.04])
+    assert decoder.counts["frames whose time leapt"] == 1
     assert "restarts of the device's clock" not in decoder.counts
 
 

@@ -100,6 +100,41 @@ def test_a_nested_factor_has_no_interaction(tmp_path: Path) -> None:
     assert found.time is not None and not found.time.dependences
 
 
+def test_levels_that_one_group_alone_did_are_compared_by_the_people_of_that_group(
+    tmp_path: Path,
+) -> None:
+    rows = planted(tmp_path, replace(EVERY, repetitions=4))
+    for r in rows:
+        r["factor_task"] = "outer" if int(r["ppid"][1:]) % 3 else "other"
+        r["factor_encoder"] = f"{r['factor_encoder']} {r['factor_task']}"
+    put(tmp_path, rows)
+    found = analyse(load_study(tmp_path))
+    inner = {d.pair.title: d for d in found.leading if d.pair.factor.name == "encoder"}
+    assert {title: d.freedom for title, d in inner.items()} == {
+        "b outer against a outer": 7.0,
+        "b other against a other": 3.0,
+    }
+
+
+def test_simple_effects_and_interactions_count_only_people_whose_measure_is_known(
+    tmp_path: Path,
+) -> None:
+    rows = planted(tmp_path, EVERY)
+    for r in rows:
+        r["label_recovery_s"] = "" if int(r["ppid"][1:]) > 4 else r["time_s"]
+    put(tmp_path, rows, (*LEAN, "label_recovery_s"))
+    asked = ["label_recovery_s"]
+    some = analyse(load_study(tmp_path), asked).asked[0]
+    put(tmp_path, [r for r in rows if int(r["ppid"][1:]) <= 4], (*LEAN, "label_recovery_s"))
+    alone = analyse(load_study(tmp_path), asked).asked[0]
+    assert len(some.dependences) == 3
+    for one, same in zip(some.dependences, alone.dependences, strict=True):
+        assert (one.kind, one.pair.title) == (same.kind, same.pair.title)
+        assert (one.estimate.low, one.estimate.high) == pytest.approx(
+            (same.estimate.low, same.estimate.high)
+        )
+
+
 def test_a_singular_fit_is_said_to_be_one(tmp_path: Path) -> None:
     data = study(tmp_path, replace(EVERY, person_level=0.0, person=0.3, people=8), 3)
     found = analyse(data)
