@@ -208,3 +208,13 @@ def test_while_the_first_is_missing_its_reason_is_told() -> None:
     first = Measure(False, 0.0, "no finger rests")
     assert scorer.update(0.1, replace(REACHED, first=first)).reason == "no finger rests"
     assert not scorer.score.instant
+
+
+def test_without_a_hold_time_a_goal_is_held_once_it_is_reached_and_not_before() -> None:
+    class AtOnce(BoxToGoal):
+        hold_time = 0.0
+
+    scorer = Scorer(AtOnce.draw(0, Surface()))
+    assert not scorer.update(0.016, MISSED).held
+    assert not scorer.update(0.032, Measure(False, 1.0, "", first=MISSED)).held
+    assert scorer.update(0.048, REACHED).held

@@ -303,3 +303,23 @@ def test_poses_that_break_their_contract_are_refused(change: dict[str, Any]) -> 
     sound = JointTrack(np.array([0.0, 0.1]), np.zeros((2, 48)), ADULT)
     with pytest.raises(CaptureError, match="joints"):
         replace(sound, **change)
+
+
+def test_a_point_of_the_palm_that_is_never_seen_is_done_without(truth: Truth) -> None:
+    some = slice(None, None, 6)
+    seen = {name: points[some] for name, points in markers(truth).items()}
+    never = {**seen, "fourth": np.full_like(seen["hand_top"], np.nan)}
+    sites = {**SITES, "fourth": sites_of(ADULT)["index_mcp_skin"]}
+    without = joints_from_points(truth.time[some], seen, SITES, None, ADULT, ConversionReport())
+    found = joints_from_points(truth.time[some], never, sites, None, ADULT, ConversionReport())
+    assert len(found.time) == len(without.time)
+    assert joint_error(found.q, without.q) < 1.0
+
+
+def test_every_pose_of_a_hand_that_rests_to_the_end_is_a_frame(truth: Truth) -> None:
+    at = int(np.flatnonzero(truth.down.sum(axis=1) >= 2)[30])
+    time = np.arange(41) / 30.0
+    resting = JointTrack(time, np.repeat(truth.q[at][None], len(time), axis=0), truth.skeleton)
+    rules = replace(RULES, rate=30.0)
+    capture = capture_from_poses(resting, 0.005, rules, ConversionReport(), {})
+    assert capture.time == pytest.approx(time)

@@ -114,3 +114,13 @@ def test_a_reset_forgets_everything() -> None:
     first = watched(reconstructor, still([hand]), 1.0)
     reconstructor.reset()
     assert watched(reconstructor, still([hand]), 1.0).q.tobytes() == first.q.tobytes()
+
+
+def test_pictures_without_the_hand_are_counted_and_not_the_steps_that_see_them() -> None:
+    reconstructor = LandmarkReconstructor(CAMERA)
+    for step in range(20):
+        reconstructor.step(replace(reconstructor.empty, time=step * PERIOD))
+    assert not reconstructor.counts
+    for step in range(20, 40):
+        reconstructor.step(LandmarkFrame(step * PERIOD, (), SIZE, 1.0 + step // 10))
+    assert dict(reconstructor.counts) == {"pictures without the hand": 2}

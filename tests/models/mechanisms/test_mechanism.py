@@ -16,6 +16,7 @@ from models.arithmetic.arrays import Array
 from models.errors import InputError
 from models.hand import Hand
 from models.mechanisms.mechanism import Mechanism
+from models.mjcf_object import MjcfObject
 from models.objects import Box
 from models.scene import Scene, SceneSpec
 from tasks.sensing import Sensing
@@ -289,6 +290,7 @@ def test_what_is_no_mechanism_is_refused_in_one_line(mjcf: str, says: str) -> No
     ("values", "says"),
     [
         ({"name": "table"}, "cannot have this name"),
+        ({"name": "two\nlines"}, "cannot have this name"),
         ({"size": 0.0}, "size is out of range"),
         ({"resistance": -1.0}, "resistance is out of range"),
         ({"position": (0.1, 0.2)}, r"desk: its position is not three numbers .*\(x, y, z\) in m"),
@@ -380,3 +382,58 @@ def test_a_finger_touches_a_part_from_half_a_millimetre_on_and_pushes_it_from_it
     force, told, top = beside(-1e-5, skin)
     assert told and force > 0.0
     assert top == pytest.approx(0.01 + skin)
+
+
+@given(
+    axis=st.tuples(*[st.floats(-1.0, 1.0)] * 3).filter(lambda a: sum(map(abs, a)) > 0.1),
+    place=st.tuples(*[st.floats(-0.05, 0.05)] * 3),
+    speed=st.floats(-3.0, 3.0),
+)
+@settings(max_examples=15)
+def test_the_speed_of_a_part_on_a_hinge_is_that_of_its_origin(
+    axis: tuple[float, float, float], place: tuple[float, float, float], speed: float
+) -> None:
+    hinge = f'axis="{" ".join(map(str, axis))}" pos="{" ".join(map(str, place))}" range="-90 90"'
+    mjcf = (
+        f'<mujoco><worldbody><body>{BOX}<body name="lid" pos="0 0 .3"><joint {hinge}/>{BOX}'
+        "</body></body></worldbody></mujoco>"
+    )
+    parts = Mechanism("case", mjcf).parts
+    scene = Scene(SceneSpec((Hand(),), parts))
+    data = mujoco.MjData(scene.model)
+    data.qvel[scene.model.joint("case/lid").dofadr[0]] = speed
+    mujoco.mj_forward(scene.model, data)
+    velocity = np.empty(6)
+    body = scene.object_bodies["case/lid"]
+    mujoco.mj_objectVelocity(scene.model, data, mujoco.mjtObj.mjOBJ_XBODY, body, velocity, 0)
+    sensed = Sensing(scene, data).object("case/lid").speed
+    assert sensed == pytest.approx(np.linalg.norm(velocity[3:]), abs=1e-9)
+
+
+def test_a_part_without_geoms_has_no_extent() -> None:
+    base = Mechanism(
+        "desk", DESK.replace('<geom type="box" size=".06 .05 .002" pos="0 0 .002"/>', "")
+    ).parts[0]
+    assert np.array_equal(base.bounds, np.zeros((2, 3)))
+
+
+@pytest.mark.parametrize(
+    ("geom", "drawn"),
+    [
+        ('material="paint"', (0.0, 0.0, 1.0, 1.0)),
+        ('material="paint" rgba=".8 .5 .2 1"', (0.8, 0.5, 0.2, 1.0)),
+        ('rgba=".8 .5 .2 1"', (0.8, 0.5, 0.2, 1.0)),
+        ("", (0.5, 0.5, 0.5, 1.0)),
+    ],
+)
+def test_a_geom_is_drawn_in_its_own_colour_before_its_material_s(
+    geom: str, drawn: tuple[float, ...]
+) -> None:
+    mjcf = (
+        '<mujoco><asset><material name="paint" rgba="0 0 1 1"/></asset><worldbody><body>'
+        f"{BOX.replace('/>', f' {geom}/>')}</body></worldbody></mujoco>"
+    )
+    spec = SceneSpec((Hand(),), (MjcfObject("block", mjcf, 0.1),))
+    scene = Scene(spec)
+    (of_block,) = np.flatnonzero(scene.model.geom_bodyid == scene.object_bodies["block"])
+    assert scene.model.geom_rgba[of_block] == pytest.approx(drawn)

@@ -267,6 +267,7 @@ def test_real_markers_lie_on_one_hand(shared_data: Path) -> None:
         ("amc", "thigh -5 5", ""),
         ("amc", "thigh 40 50", "foot 40 50"),
         ("amc", "\n2\n", "\n3\n"),
+        ("amc", "\n2\n", "\n²\n"),
         ("amc", "\n1\n", "\n"),
         ("tsv", "NO_OF_FRAMES\t3", "NO_OF_FRAMES\t4"),
         ("tsv", "NO_OF_FRAMES\t3", "NO_OF_FRAMES\tmany"),

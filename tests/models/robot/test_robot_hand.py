@@ -19,6 +19,7 @@ from models.robot.known import find_robot
 from models.robot.mapping import RobotMapping, load_mapping
 from models.robot.mapping_fit import fit_mapping
 from models.robot.robot_hand import RobotHand
+from models.robot.robot_model import RobotModel
 from models.scene import Scene, SceneSpec
 from models.scene_hand import SceneHand
 from models.skeleton import ADULT
@@ -262,6 +263,21 @@ def bad_mappings() -> dict[str, tuple[str, str, str]]:
             "no_such_hands:hand.xml",
             "the package with this hand is not installed: no_such_hands",
         ),
+        "an offset that is none": (
+            "offset = [",
+            "offset = [nan, 0, 0]\n#",
+            "offset must be finite",
+        ),
+        "a ratio that is none": (
+            "turn = [",
+            'coupled.ring_dip = ["ring_pip", nan]\nturn = [',
+            "ratios of .coupled. must be finite",
+        ),
+        "a ratio of 0": (
+            "turn = [",
+            'coupled.ring_dip = ["ring_pip", 0.0]\nturn = [',
+            "a joint with ratio 0 follows no other .got 'ring_dip'",
+        ),
         "a radius too many": ("radii = [", "radii = [0.01, ", "as many radii as tips"),
     }
 
@@ -311,3 +327,30 @@ def test_models_that_are_no_hands_are_refused(tmp_path: Path) -> None:
         find_robot("gripper")
     with pytest.raises(InputError, match="no mapping"):
         find_robot(str(lost))
+
+
+def test_a_joint_s_greatest_torque_is_that_of_all_its_actuators_within_its_own_limit(
+    tmp_path: Path,
+) -> None:
+    motors = (
+        ("index_mcp", 'gear="5" forcerange="-1 1"'),
+        ("ring_pip", 'forcerange="-2 0.1"'),
+        ("middle_mcp", 'forcerange="-1 1"'),
+        ("middle_mcp", 'gear="-2" forcerange="0 1"'),
+        ("ring_mcp", 'forcerange="-1 1"'),
+        ("ring_mcp", ""),
+    )
+    extra = "".join(f'<motor joint="{joint}" {said}/>' for joint, said in motors)
+    path = hinge_hand(tmp_path, extra=f"<actuator>{extra}</actuator>")
+    path.write_text(
+        path.read_text().replace('name="little_mcp"', 'name="little_mcp" actuatorfrcrange="-.3 .3"')
+    )
+    robot = RobotModel(path, "palm", TIPS)
+    torque = dict(zip(robot.joint_names(), robot.force_limits(), strict=True))
+    assert {name: value for name, value in torque.items() if np.isfinite(value)} == {
+        "index_mcp": 5.0,
+        "index_pip": 0.7,
+        "ring_pip": 2.0,
+        "middle_mcp": 3.0,
+        "little_mcp": 0.3,
+    }

@@ -181,6 +181,7 @@ def test_a_curriculum_changes_one_trial_and_the_next_is_as_ever(env: LearningEnv
         ("box-to-goal", {"near": 1.5}),
         ("stack", {"near": 0.5}),
         ("wrench-turn", {"near": 0.5}),
+        ("dial", {"near": 0.5}),
     ],
 )
 def test_options_of_a_reset_that_cannot_be_are_refused_in_a_line(

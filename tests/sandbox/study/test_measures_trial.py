@@ -10,6 +10,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import example, given
+from hypothesis import strategies as st
 
 from models.arithmetic.arrays import Array
 from models.frames import FINGERS
@@ -366,3 +368,15 @@ def test_a_rule_may_look_at_any_measure(tmp_path: Path) -> None:
     rebuild_study(made)
     rows = list(csv.DictReader((made.path / "trial_results.csv").open()))
     assert {row["exclusion_reason"] for row in rows} == {"rule none"}
+
+
+NAMES = st.text(st.characters(exclude_categories=["Cc", "Cs"]), min_size=1, max_size=8)
+
+
+@given(names=st.lists(NAMES, min_size=1, max_size=4, unique=True))
+@example(names=["red, box_x", 'a "die"_y'])
+def test_a_table_is_read_as_it_was_written_whatever_its_objects_are_called(
+    names: list[str],
+) -> None:
+    table = Columns({name: [str(i), ""] for i, name in enumerate(names)})
+    assert Columns.read(table.csv()).texts == table.texts

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from models.errors import StudyError
 from sandbox.study.design.conditions import combinations, run_settings
-from sandbox.study.design.design import FILLED, JOINED, LISTED
+from sandbox.study.design.design import FILLED, JOINED, LISTED, Item
 from sandbox.study.design.design_file import load_design, parse_design
 from sandbox.study.design.orders import balanced_latin_square, every_order, order_of
 from sandbox.study.design.plan import (
@@ -31,6 +31,8 @@ from sandbox.study.design.reading import DesignError
 from sandbox.study.design.toml_lines import TomlLines
 from sandbox.study.record.pseudonym import ALPHABET, is_text, new_pseudonym, read_pseudonym
 from sandbox.study.report.models.data import BETWEEN_LISTED, BETWEEN_NAMES
+from sandbox.study.run.answers import read_answer
+from sandbox.study.run.forms import SimulatedForms
 from sandbox.study.tables.column import names_of
 from sandbox.study.tables.participant_table import PARTICIPANT
 from sandbox.trial.settings import HandSettings
@@ -377,3 +379,29 @@ def test_that_levels_were_not_tried_is_said_where_something_else_is_wrong() -> N
     text = CROSSED.replace("repetitions = 2", "repetitions = 0").replace("linear", "papr")
     with pytest.raises(DesignError, match="levels are checked afterwards"):
         design(text)
+
+
+@pytest.mark.parametrize("name", ["quick\\n", "qui\\nck", "\\nquick"])
+def test_a_line_break_is_no_part_of_a_name(name: str) -> None:
+    with pytest.raises(DesignError, match="name: got"):
+        design(DESIGN.replace('"quick"', f'"{name}"', 1))
+
+
+@pytest.mark.parametrize("space", ["\u2028", "\u2029", "\u0085"])
+def test_only_line_breaks_of_toml_begin_a_line(space: str) -> None:
+    lines = TomlLines(f'title = "a{space}b"\n[settings]\ntask = "x"')
+    assert lines.of(("settings", "task")) == 3
+
+
+@given(
+    low=st.integers(-20, 20), steps=st.integers(1, 12), step=st.sampled_from([0.1, 0.25, 1.0, 3.0])
+)
+def test_simulated_answers_reach_both_ends_of_a_scale_and_are_answers_to_it(
+    low: int, steps: int, step: float
+) -> None:
+    first = round(low * step, 10)
+    item = Item("a", "scale", {}, low=first, high=round(first + steps * step, 10), step=step)
+    answers = {SimulatedForms(seed)._answer("end", item) for seed in range(40 * steps)}
+    for answer in answers:
+        assert read_answer(item, str(answer)) == answer
+    assert {min(answers), max(answers)} == {item.low, item.high}

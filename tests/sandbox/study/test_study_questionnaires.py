@@ -261,9 +261,14 @@ def test_two_scales_of_one_name_are_refused_in_a_design_and_do_not_close_a_study
     assert len(begun.questionnaires[0].scales) == 2
 
 
-@pytest.mark.parametrize("name", ["../strain.toml", "/etc/passwd", "design.toml", "strain.txt"])
+@pytest.mark.parametrize(
+    "name",
+    ["../strain.toml", "/etc/passwd", "design.toml", "./design.toml", "Design.toml", "strain.txt"],
+)
 def test_a_file_from_elsewhere_is_refused(tmp_path: Path, name: str) -> None:
     added = f'[[questionnaires]]\nname = "strain"\nfile = "{name}"\nat = "end"\n'
+    for there in ("design.toml", "Design.toml", "strain.toml"):
+        (tmp_path / there).write_text(OWN, encoding="utf-8")
     with pytest.raises(DesignError):
         parse_design(JAPANESE + added, tmp_path / "design.toml")
 

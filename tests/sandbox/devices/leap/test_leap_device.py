@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import socket
 import time
 from collections.abc import Callable
@@ -142,3 +143,32 @@ def test_a_taken_port_and_an_address_that_is_none_are_refused() -> None:
         server.close()
     with pytest.raises(DeviceError, match="not a WebSocket address"):
         LeapDevice("http://127.0.0.1:6437")
+
+
+def test_a_service_that_falls_silent_is_not_told_to_be_one_that_never_answered() -> None:
+    port = free_port()
+    device = LeapDevice(f"ws://127.0.0.1:{port}/v6.json")
+    try:
+        assert until(lambda: device.trouble is not None)
+        assert "refused" in str(device.silent(5.0))
+        server = FakeLeapd(messages(), port=port, rate=400.0, loop=True)
+        try:
+            assert device.wait(PATIENCE)
+            assert "no frame for 5 s" in str(device.silent(5.0))
+        finally:
+            server.close()
+    finally:
+        device.close()
+
+
+def test_the_time_of_frames_that_come_again_goes_on() -> None:
+    server = FakeLeapd(messages()[:40], port=0, rate=400.0, loop=True)
+    try:
+        with connect(server.address) as channel:
+            frames = [json.loads(channel.recv()) for _ in range(100)]
+    finally:
+        server.close()
+    times = [frame["timestamp"] for frame in frames if "timestamp" in frame]
+    again = messages()[39]["timestamp"]
+    later = [time for time in times if time > again]
+    assert later == [round(again + 2500 * n) for n in range(1, len(later) + 1)] and len(later) > 50
