@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import math
 import time
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated, Literal
 
 import tyro
 from rich.console import Console
+from rich.markup import escape
 
 from encoders.labels.population_belief import builtin_population_belief
 from encoders.person.hand_size import SPREADS, HandSize, builtin_sizes
@@ -26,7 +28,7 @@ from sandbox.devices.simulated.spreads import SimulatedSpreads
 from sandbox.devices.tuio.tuio import DEFAULT_PORT, LOOPBACK
 from sandbox.options.metavars import choices
 from sandbox.options.profiles import Profile, default_path, save_profile
-from sandbox.options.scene_options import Plan, SceneOptions, plan
+from sandbox.options.scene_options import Plan, SceneOptions, is_in_air, plan
 from sandbox.recording.recording import is_recording
 from sandbox.session.device import Device
 from sandbox.session.own_layouts import Layouts, kept_layouts
@@ -98,11 +100,20 @@ def main(argv: list[str]) -> int:
         raise InputError(
             "a mouse has no hand to measure", where="--device mouse", expected="a touch device"
         )
+    if is_in_air(options.device) or options.device == "web":
+        raise InputError(
+            "this device has no fingers at rest on a surface",
+            where=f"--device {options.device}",
+            expected="tuio, evdev:PATH, simulated, or a file of touches",
+        )
     if not options.seconds > 0.0:
         raise InputError("expected a positive time", where="--seconds", got=options.seconds)
     path = options.out or default_path()
-    if options.out is not None:
-        check_output(path, "--out")
+    if options.out is None:
+        with suppress(OSError):
+            # Whether it could be made is said next.
+            path.parent.mkdir(parents=True, exist_ok=True)
+    check_output(path, "--out")
     refuse_replacing(path, {"--device": Path(options.device), "--rest": options.rest})
     console = Console()
     simulated = options.device == "simulated"
@@ -117,6 +128,12 @@ def main(argv: list[str]) -> int:
         )
     )
     settings = chosen.settings
+    if settings.in_air or len(chosen.makers) != 1:
+        raise InputError(
+            "this is not a recording of touches of one hand",
+            where=f"--device {options.device}",
+            remedy="Record five fingers at rest with `sandbox touches record`",
+        )
     _check_surface(options, settings)
     surface = settings.surface
     asked = replace(settings.hands[0].person, hand_size=1.0)
@@ -145,11 +162,13 @@ def main(argv: list[str]) -> int:
         try:
             looks = load_rest(options.rest, measured.hand, measured.hand_size)
         except InputError:
-            console.print(f"{profile.line}; written to {path}, without --rest", soft_wrap=True)
+            console.print(
+                f"{profile.line}; written to {escape(str(path))}, without --rest", soft_wrap=True
+            )
             raise
         profile = replace(profile, rest=looks)
         save_profile(profile, path)
-    console.print(f"{profile.line}; written to {path}", soft_wrap=True)
+    console.print(f"{profile.line}; written to {escape(str(path))}", soft_wrap=True)
     return 0
 
 

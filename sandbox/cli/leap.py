@@ -22,6 +22,7 @@ from encoders.store import load_capture
 from models.arithmetic.arrays import Array
 from models.errors import InputError
 from models.rotations import exp
+from sandbox.cli.common.json_out import refuse_replacing
 from sandbox.cli.common.parse import subcommand
 from sandbox.devices.leap.leap_fake import DEFAULT_PORT, FakeLeapd
 from sandbox.devices.leap.leap_file import read_leap
@@ -108,6 +109,7 @@ def simulate(
     """
     if seed < 0 or takes < 1:
         raise InputError("out of range", where="--seed, --takes", expected="0 or more, 1 or more")
+    refuse_replacing(out, {"--capture": capture})
     rotation = _rotation(turned)
     motions: list[AirTake]
     if capture is not None:

@@ -39,8 +39,8 @@ def main(argv: list[str]) -> int:
         # Also layouts that cannot be used are forgotten.
         profile = replace(load_profile(path, with_layouts=False), layouts=())
         save_profile(profile, path)
-        console.print(f"{path}: all layouts are forgotten", soft_wrap=True)
+        console.print(f"{path}: all layouts are forgotten", soft_wrap=True, markup=False)
     else:
         profile = load_profile(path)
-    console.print(f"{path}: {profile.line}", soft_wrap=True)
+    console.print(f"{path}: {profile.line}", soft_wrap=True, markup=False)
     return 0

@@ -19,7 +19,7 @@ from rich.markup import escape
 from encoders.regression.model_registry import DEFAULT_MODEL
 from models.errors import InputError
 from models.messages.wording import counted
-from sandbox.cli.common.json_out import TERMINAL, check_output
+from sandbox.cli.common.json_out import TERMINAL, check_output, refuse_same
 from sandbox.cli.common.parse import parse, with_one_line_errors
 from sandbox.options.variations import KINDS, help_with_names
 from sandbox.regress.breaking_off import BreakOff
@@ -252,6 +252,7 @@ def _check(options: RegressOptions) -> None:
     from sandbox.regress.baseline import check_whole
 
     written = {"--json": options.json, "--junit": options.junit}
+    refuse_same({**written, "--baseline": options.baseline, "--plot": options.plot})
     if options.update_baseline:
         written["--baseline"] = options.baseline
     for option, path in written.items():
@@ -417,7 +418,8 @@ def _update(
     new = update(options.baseline, report.configuration, plan.versions(), report.trials)
     kept = [name for name in new.tasks if name not in plan.names]
     also = f", as they were: {', '.join(kept)}" if kept else ""
-    console.print(f"baseline {options.baseline}: {counted(len(report.trials), 'trial')}{also}")
+    told = f"baseline {options.baseline}: {counted(len(report.trials), 'trial')}{also}"
+    console.print(told, markup=False)
     return True
 
 

@@ -15,6 +15,7 @@ from models.robot.mapping import located
 from models.robot.mapping_fit import fit_mapping
 from models.robot.retargeting import REACHED
 from models.robot.robot_hand import RobotHand
+from sandbox.cli.common.json_out import refuse_replacing
 from sandbox.cli.common.parse import subcommand
 
 
@@ -55,6 +56,7 @@ def fit(
     if out is None and inside:
         raise InputError("a mapping of a package's model needs a file", where="--out")
     out = out or path.with_suffix(".toml")
+    refuse_replacing(out, {"MODEL": path})
     near = path.resolve().parent == out.resolve().parent
     name = model if inside else path.name if near else str(path.resolve())
     fitted = fit_mapping(path, [tip.strip() for tip in tips.split(",")], palm, name, ends)

@@ -15,7 +15,7 @@ from rich.markup import escape
 from models.errors import InputError
 from models.surface import Surface
 from sandbox.cli.common.films import open_film
-from sandbox.cli.common.json_out import TERMINAL, check_output, write_json
+from sandbox.cli.common.json_out import TERMINAL, check_output, refuse_same, write_json
 from sandbox.cli.common.lsl_options import LslOptions, streaming
 from sandbox.cli.common.notices import NoticePrinter
 from sandbox.cli.common.page_view import address_line
@@ -82,6 +82,8 @@ def perform(options: RunOptions) -> int:
                 remedy=f"Use `sandbox play {options.task} --device {device}`",
             )
     check_output(options.json)
+    names = ("record", "film", "motion", "events", "json")
+    refuse_same({f"--{name}": getattr(options, name) for name in names})
     events = EventLog(options.events)
     # With `--json -`, only the result goes to standard output.
     console = Console(stderr=options.json == TERMINAL)
@@ -124,7 +126,7 @@ def _run(options: RunOptions, chosen: Plan, events: EventLog, console: Console) 
             events.tell("listening", address=address)
         damage = device.damage
         if damage:
-            console.print(f"[yellow]{damage}[/]")
+            console.print(f"[yellow]{escape(str(damage))}[/]")
             events.tell("warning", what=str(damage))
         if not started:
             started.append(True)

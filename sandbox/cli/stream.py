@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import signal
 import threading
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -36,6 +35,7 @@ from sandbox.stream.player import StreamPace, StreamPlayer
 from sandbox.stream.script import script
 from sandbox.stream.sender import Moment, Sender, parse_address
 from sandbox.study.record.trial_files import find_recordings
+from sandbox.system.ending import heeding
 
 if TYPE_CHECKING:
     from sandbox.trial.device_makers import DeviceMakers
@@ -366,12 +366,10 @@ def _print(player: StreamPlayer, console: Console) -> int:
 
 @contextmanager
 def _interruptible(stop: threading.Event) -> Iterator[None]:
-    """Context in which Ctrl-C sets `stop`, so that the receiver can still be told to stop."""
-    before = signal.signal(signal.SIGINT, lambda *_: stop.set())
-    try:
+    """Context in which Ctrl-C, and a request of the system to end, sets `stop`, so that the
+    receiver can still be told to stop."""
+    with heeding(lambda *_: stop.set()):
         yield
-    finally:
-        signal.signal(signal.SIGINT, before)
 
 
 @contextmanager
@@ -403,8 +401,10 @@ def _reporting_connection(sender: Sender, console: Console) -> Iterator[None]:
         thread.join()
 
 
-def _sent(moments: int, counts: Mapping[str, int]) -> str:
-    """What came of the moments, in a sentence; what the other program answered is in the JSON."""
+def _sent(times: int, hands: int, counts: Mapping[str, int]) -> str:
+    """What came of the moments of each hand, in a sentence; what the other program answered is in
+    the JSON."""
+    moments = times * hands
     sent, dropped = counts.get("moments sent", 0), counts.get("moments dropped", 0)
     if not sent:
         return f"{moments} moments; nothing was sent"
@@ -440,5 +440,5 @@ def _report(
     ):
         if warning:
             console.print(warning, style="yellow", soft_wrap=True, markup=False)
-    console.print(_sent(player.moments, counts), soft_wrap=True)
+    console.print(_sent(player.moments, len(player.hands), counts), soft_wrap=True)
     write_json(options.json, result)

@@ -10,6 +10,7 @@ from typing import Annotated, Literal
 import numpy as np
 import tyro
 from rich.console import Console
+from rich.markup import escape
 from rich.progress import Progress
 
 from encoders.captures.population import save_population, simulate_population
@@ -105,7 +106,7 @@ def main(argv: list[str]) -> int:
     fingers = capture.down.sum(axis=1)
     split = ", ".join(f"{(fingers == n).sum():,} with {n}" for n in range(2, 6))
     console.print(
-        f"{options.out}: {len(capture):,} frames at {capture.meta['rate_hz']:g} Hz in "
+        f"{escape(str(options.out))}: {len(capture):,} frames at {capture.meta['rate_hz']:g} Hz in "
         f"{len(np.unique(capture.trial))} takes ({split} fingers), simulated",
         soft_wrap=True,
     )
@@ -140,7 +141,7 @@ def _population(argv: list[str]) -> int:
         ) from error
     frames = sum(len(person) for person in population.people)
     console.print(
-        f"{options.out}: {counted(len(population.people), 'person', 'people')}, "
+        f"{escape(str(options.out))}: {counted(len(population.people), 'person', 'people')}, "
         f"{counted(frames, 'frame')}, digest {population.digest}, simulated",
         soft_wrap=True,
     )

@@ -9,6 +9,7 @@ from typing import Annotated, Literal
 import numpy as np
 import tyro
 from rich.console import Console
+from rich.markup import escape
 from rich.progress import Progress
 
 from encoders.capture import Capture
@@ -194,7 +195,7 @@ def _names(path: Path, out: Path, console: Console) -> int:
         )
     belief.save(out)
     console.print(
-        f"{out}: names for any person, trained on {len(people):,} "
+        f"{escape(str(out))}: names for any person, trained on {len(people):,} "
         f"simulated people, {out.stat().st_size:,} bytes",
         soft_wrap=True,
     )
@@ -222,7 +223,7 @@ def _report(console: Console, path: Path, model: TrainedModel) -> None:
     unseen = "takes" if model.personal_covariance is None else "people"
     source = "simulated" if model.meta["simulated"] else "not marked as simulated"
     console.print(
-        f"{path}: {_kind(model)}, "
+        f"{escape(str(path))}: {_kind(model)}, "
         f"{len(model.training_u):,} frames ({source}); error of the wrist on unseen {unseen} "
         f"{wrist:.1f} cm (root mean square, outliers bounded)",
         soft_wrap=True,

@@ -224,7 +224,7 @@ def _tracks(path: Path) -> Iterator[tuple[Array, Array, str]]:
 
     In a damaged file, the last item has the error text and no poses.
     """
-    nothing, number, ended, any_track = np.zeros(0), 0, False, False
+    nothing, number, ended, any_track, last = np.zeros(0), 0, False, False, -1
     try:
         for text in _lines(path):
             number += 1
@@ -236,10 +236,21 @@ def _tracks(path: Path) -> Iterator[tuple[Array, Array, str]]:
             any_track, track = True, PoseTrack()
             read_track_line(json.loads(text), track)
             steps = sorted(track.qpos)
+            if steps and steps[0] <= last:
+                raise ValueError("it repeats what came before")
+            last = steps[-1] if steps else last
             yield np.array(steps, float), np.array([track.qpos[s] for s in steps]), ""
         if any_track and not ended:
             yield nothing, nothing, "it breaks off before its end"
-    except (ValueError, KeyError, TypeError, EOFError, OSError, zlib.error) as error:
+    except (
+        ValueError,
+        KeyError,
+        TypeError,
+        OverflowError,
+        EOFError,
+        OSError,
+        zlib.error,
+    ) as error:
         yield nothing, nothing, f"line {number} is damaged ({error}); what follows is left"
 
 

@@ -75,6 +75,9 @@ _PARTS: dict[str, dict[str, Any]] = {
 Around = Callable[[DeviceMaker], DeviceMaker]
 """Function that puts something around the device that a maker opens."""
 
+Adjust = Callable[[RunSettings], RunSettings]
+"""Function that changes the settings of a run."""
+
 
 # `--help` lists the options of the last base first: those that most people need.
 @dataclass(frozen=True)
@@ -99,12 +102,15 @@ class Plan:
     makers: DeviceMakers
 
 
-def plan(options: SceneOptions, around: Around = lambda make: make) -> Plan:
+def plan(
+    options: SceneOptions, around: Around = lambda make: make, adjust: Adjust = lambda s: s
+) -> Plan:
     """Resolves options into settings and makers of devices.
 
     Args:
         options: The options.
         around: Change of the maker of the first device, beneath all that degrades or shares it.
+        adjust: Change of the settings before devices are made for them, as to another task.
 
     Raises:
         InputError: An option has an invalid value, or options contradict each other.
@@ -115,12 +121,18 @@ def plan(options: SceneOptions, around: Around = lambda make: make) -> Plan:
         played = _recording(options.second_device) if options.second_device else None
         settings = with_webcam_hands(with_leap_hands(settings, options, played), options)
         settings = with_headset_hands(settings, options)
+    settings = adjust(settings)
     first = _plan(options, recording, settings, 0, around)
     if len(settings.hands) == 1:
         return first
     (make_first,) = first.makers
     other = options.second_device or ("simulated" if recording is None else options.device)
-    more = replace(options, device=other, port=options.port and options.port + 1)
+    more = replace(
+        options,
+        device=other,
+        port=options.port and options.port + 1,
+        websocket_port=options.websocket_port and options.websocket_port + 1,
+    )
     if options.second_user:
         more = replace(more, user=options.second_user)
     if both_over_one_device(options):

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
+from models.errors import RecordingError
 from models.scene import CONTROL_PERIOD
 from sandbox.recording.recording import Recording
 from sandbox.session.device import Device
@@ -20,9 +21,14 @@ class RecordedDevice(Device):
 
     name: str
     has_lift = True
+    plays_file = True
+    damage: RecordingError | None
 
     def __init__(self, recording: Recording, hand: int = 0) -> None:
         self.name = str(recording.path)
+        self.damage = (
+            RecordingError(recording.damage, where=self.name) if recording.damage else None
+        )
         self._timestep = float(recording.header["settings"]["timestep"])
         self._inputs = recording.inputs.get(hand, [])
         self._switches = [e for e in recording.events if e.what == "contact"]

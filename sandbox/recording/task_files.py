@@ -81,11 +81,13 @@ def _descriptions(kind: type[Task], seed: int, surface: Surface) -> list[Path]:
 
 
 def _named(files: Iterable[Path], folder: Path) -> dict[str, str]:
-    digests = {}
+    digests: dict[str, list[str]] = {}
     for file in sorted(set(files)):
         with suppress(ValueError):
             # On another drive of Windows there is no way from the folder to the file.
             name = Path(os.path.relpath(file, folder)).as_posix()
-            # Folders outside the task's own may tell whose they are.
-            digests[file.name if name.startswith("../") else name] = bytes_digest(file)
-    return digests
+            # Folders outside the task's own may tell whose they are, so that two files there may
+            # have one name.
+            name = file.name if name.startswith("../") else name
+            digests.setdefault(name, []).append(bytes_digest(file))
+    return {name: "+".join(sorted(some)) for name, some in digests.items()}

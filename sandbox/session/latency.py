@@ -43,6 +43,7 @@ class LatencyLog:
     def __init__(self) -> None:
         self._lock = threading.Lock()
         self._values: dict[str, list[float]] = {}
+        self._of_trial: dict[str, list[float]] = {}
         self._resumed = 0.0
 
     def resume(self) -> None:
@@ -62,24 +63,23 @@ class LatencyLog:
     def add(self, kind: str, milliseconds: float) -> None:
         """Adds a value."""
         with self._lock:
-            values = self._values.setdefault(kind, [])
-            values.append(milliseconds)
-            if len(values) > 2 * KEPT:
-                del values[:KEPT]
+            for kept in (self._values, self._of_trial):
+                values = kept.setdefault(kind, [])
+                values.append(milliseconds)
+                if len(values) > 2 * KEPT:
+                    del values[:KEPT]
 
-    def reset(self) -> None:
-        """Removes all values, as before another trial."""
+    def begin_trial(self) -> None:
+        """Begins another trial, of which `as_json` tells."""
         with self._lock:
-            self._values.clear()
+            self._of_trial.clear()
 
     def percentiles(self) -> dict[str, Percentiles]:
-        """Percentiles by kind of latency."""
-        with self._lock:
-            kinds = {kind: np.array(values[-KEPT:]) for kind, values in self._values.items()}
-        return {kind: _percentiles(v) for kind, v in kinds.items()}
+        """Percentiles of all trials, by kind of latency."""
+        return self._percentiles(self._values)
 
     def as_json(self) -> dict[str, Any]:
-        """Percentiles as JSON values, for results and events."""
+        """Percentiles of this trial as JSON values, for its result and events."""
         return {
             kind: {
                 "n": p.n,
@@ -88,8 +88,13 @@ class LatencyLog:
                 "p99_ms": round(p.p99, 3),
                 "max_ms": round(p.largest, 3),
             }
-            for kind, p in self.percentiles().items()
+            for kind, p in self._percentiles(self._of_trial).items()
         }
+
+    def _percentiles(self, log: dict[str, list[float]]) -> dict[str, Percentiles]:
+        with self._lock:
+            kinds = {kind: np.array(values[-KEPT:]) for kind, values in log.items()}
+        return {kind: _percentiles(v) for kind, v in kinds.items()}
 
 
 def _percentiles(values: NDArray[np.float64]) -> Percentiles:

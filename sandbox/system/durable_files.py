@@ -22,7 +22,8 @@ Release = Callable[[], None]
 BESIDE = ".held"
 """What is appended to the name of a file for the database that is locked in its place."""
 LONGEST_WAIT = 3600.0
-"""s after which waiting for another program's lock is given up."""
+"""s after which waiting for another program's lock is given up, where a database is locked; a file
+is waited for as long as it takes."""
 OPEN = getattr(os, "O_BINARY", 0)
 """Flag for `os.open` that leaves line breaks as they are; only Windows needs it."""
 

@@ -4,15 +4,23 @@ from __future__ import annotations
 
 import signal
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from types import FrameType
 
-_ENDING = ("SIGTERM", "SIGHUP")
+_ENDING = ("SIGINT", "SIGTERM", "SIGHUP")
 
 
 @contextmanager
 def ending_as_by_ctrl_c() -> Iterator[None]:
-    """Context in which requests to end raise KeyboardInterrupt, as Ctrl-C does.
+    """Context in which requests to end raise KeyboardInterrupt, as Ctrl-C does; see `heeding`."""
+    with heeding(signal.default_int_handler):
+        yield
+
+
+@contextmanager
+def heeding(handler: Callable[[int, FrameType | None], object]) -> Iterator[None]:
+    """Context in which Ctrl-C and requests to end call a handler of signals.
 
     A signal that is ignored, as SIGHUP is under `nohup`, stays ignored. Outside the main thread it
     changes nothing, since only that one gets signals.
@@ -23,9 +31,9 @@ def ending_as_by_ctrl_c() -> Iterator[None]:
         for number in (signal.Signals[name] for name in _ENDING if hasattr(signal, name)):
             # None is a handler that Python did not set, and cannot put back.
             if signal.getsignal(number) not in (signal.SIG_IGN, None):
-                before[number] = signal.signal(number, signal.default_int_handler)
+                before[number] = signal.signal(number, handler)
     try:
         yield
     finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
+        for number, earlier in before.items():
+            signal.signal(number, earlier)

@@ -156,15 +156,20 @@ def open_trial(
             recording exists or cannot be written.
     """
     trial_recorder = TrialRecorder(trial_header(settings, about), record, dump)
+    begun = False
     try:
         with undisturbed():
             session = build(settings, makers, trial_recorder.recorder, may_overlap=may_overlap)
             try:
-                yield Trial(session, make_views(session), trial_recorder)
+                trial = Trial(session, make_views(session), trial_recorder)
+                begun = True
+                yield trial
             finally:
                 session.close()
     finally:
         trial_recorder.close()
+        if not begun:
+            trial_recorder.withdraw()
 
 
 @contextmanager

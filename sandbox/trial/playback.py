@@ -65,7 +65,12 @@ class Playback:
         return int(self._place) == len(self._snapshots) - 1
 
     def move(self, steps: int) -> None:
-        """Moves by a number of control periods, negative backwards; stops at either end."""
+        """Moves by a number of control periods, negative backwards; stops at either end.
+
+        The place is then the beginning of a period; 0 leaves it where it is.
+        """
+        if not steps:
+            return
         self._go()
         self._place = float(min(max(int(self._place) + steps, 0), len(self._snapshots) - 1))
 

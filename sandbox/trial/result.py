@@ -256,7 +256,7 @@ class TrialResult(msgspec.Struct, frozen=True, kw_only=True):
             more: Further fields by name, such as those of a recording's header.
 
         Raises:
-            TypeError: A value has another type than its field.
+            TypeError: A field without a default is missing.
         """
         score = session.scorer.score
         values = {

@@ -176,14 +176,24 @@ class RunSettings:
     def __post_init__(self) -> None:
         if self.rules not in RULES:
             raise InputError(
-                "no such rules", where="rules", got=self.rules, expected=f"{RULES[0]} or {RULES[1]}"
+                "no such rules",
+                where="rules",
+                got=self.rules,
+                expected=" or ".join(map(str, RULES)),
             )
         if self.vary_rules not in VARY_RULES:
             raise InputError(
                 "no such rules",
                 where="vary_rules",
                 got=self.vary_rules,
-                expected=f"{VARY_RULES[0]} or {VARY_RULES[1]}",
+                expected=" or ".join(map(str, VARY_RULES)),
+            )
+        if not 0.0 < self.timestep < 1.0:
+            raise InputError(
+                "not a physics time step",
+                where="timestep",
+                got=self.timestep,
+                expected="s, between 0 and 1",
             )
         if self.labels not in LABELS:
             raise InputError(

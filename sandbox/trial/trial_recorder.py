@@ -74,6 +74,12 @@ class TrialRecorder:
         if self._writer:
             self._writer.check()
 
+    def withdraw(self) -> None:
+        """Removes the recording of a trial that never began, once it is closed: the same command
+        may be given again."""
+        if self._record is not None:
+            self._record.unlink(missing_ok=True)
+
     def close(self) -> None:
         """Waits until everything is on disk.
 

@@ -189,10 +189,27 @@ class _Mp4:
     def close(self) -> None:
         self._pipe.close()
         if self._count:
-            if not self._part.exists() or self._part.stat().st_size == 0:
-                raise FilmError("ffmpeg wrote no film", where=str(self._path))
+            written = self._written()
+            if written != self._count:
+                self.discard()
+                raise FilmError(
+                    "ffmpeg did not write the whole film",
+                    where=str(self._path),
+                    got=f"{written} of {self._count} pictures",
+                    remedy="Make room on the disk, or choose another folder",
+                )
             os.replace(self._part, self._path)
         self.discard()
+
+    def _written(self) -> int:
+        """Number of pictures in the file: ffmpeg does not tell that a disk is full."""
+        import imageio_ffmpeg
+
+        try:
+            count, _ = imageio_ffmpeg.count_frames_and_secs(str(self._part))
+        except (RuntimeError, OSError):
+            return 0
+        return int(count)
 
     def discard(self) -> None:
         self._pipe.close()

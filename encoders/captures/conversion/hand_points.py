@@ -122,7 +122,7 @@ def _middle(palm: Array) -> Array:
     middle: Array = palm.mean(axis=1)
     if not np.isnan(middle).any(axis=1).all():
         return middle
-    seen = ~np.isnan(palm).any(axis=2)
+    seen = np.asarray(~np.isnan(palm).any(axis=2))
     count = seen.sum(axis=1)[:, None]
     sums = np.where(seen[:, :, None], palm, 0.0).sum(axis=1)
     return np.where(count > 0, sums / np.maximum(count, 1), np.nan)

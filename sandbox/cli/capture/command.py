@@ -13,6 +13,7 @@ from typing import Annotated, Any, Literal
 import numpy as np
 import tyro
 from rich.console import Console
+from rich.markup import escape
 from rich.progress import Progress
 from rich.table import Table
 
@@ -308,7 +309,7 @@ def _print(
     fingers = capture.down.sum(axis=1)
     split = ", ".join(f"{(fingers == n).sum():,} with {n}" for n in range(2, 6))
     console.print(
-        f"{options.out}: {len(capture):,} frames at {options.rate:g} Hz in "
+        f"{escape(str(options.out))}: {len(capture):,} frames at {options.rate:g} Hz in "
         f"{len(np.unique(capture.trial))} takes ({split} fingers), "
         f"{len(np.unique(capture.down, axis=0))} of 26 sets of fingers",
         soft_wrap=True,

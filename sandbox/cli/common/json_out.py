@@ -49,6 +49,29 @@ def check_output(path: Path | None, option: str = "--json") -> None:
         ) from None
 
 
+def refuse_same(outputs: Mapping[str, Path | None]) -> None:
+    """Checks that no result of a command replaces another one of it.
+
+    Args:
+        outputs: Files that are written, by the option that names them; None is none.
+
+    Raises:
+        InputError: Two options name one file.
+    """
+    named: dict[Path, str] = {}
+    for option, path in outputs.items():
+        if path is None or path == TERMINAL:
+            continue
+        other = named.setdefault(path.resolve(), option)
+        if other != option:
+            raise InputError(
+                "two results would be in one file",
+                where=f"{option} {path}",
+                got=other,
+                remedy="Name another file",
+            )
+
+
 def refuse_replacing(
     path: Path | None, sources: Mapping[str, Path | None], option: str = "--out"
 ) -> None:

@@ -23,7 +23,7 @@ from encoders.paalm.simulated.forward import LeapTake, leap_take
 from encoders.paalm.simulated.leap_configuration import PRINTED_LEAP
 from models.errors import EncoderError, InputError, RecordingError
 from models.frames import SIDES
-from sandbox.cli.common.json_out import check_output, write_json
+from sandbox.cli.common.json_out import check_output, refuse_replacing, write_json
 from sandbox.cli.common.parse import parse
 from sandbox.cli.evaluate.paalm_readings import SIMULATED_FIT, judge_readings, show_readings
 from sandbox.devices.leap.leap_file import LeapRecording, read_leap
@@ -78,6 +78,8 @@ def main(argv: list[str]) -> int:
     if options.readings and options.paalm != SIMULATED:
         raise InputError("readings are judged on simulated hands only", where="--readings")
     check_output(options.json)
+    if options.paalm != SIMULATED:
+        refuse_replacing(options.json, {"--paalm": Path(options.paalm)}, "--json")
     console = Console(stderr=True)
     with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
         job = bar.add_task("judging", total=1.0)

@@ -27,7 +27,7 @@ from encoders.person.rest_posture import MOST, Looks, knowing_rest, looks_of
 from encoders.regression.population_training import at_trained_size, train_population
 from encoders.regression.trained import POPULATION, TrainedModel, builtin
 from models.errors import InputError
-from sandbox.cli.common.json_out import check_output, write_json
+from sandbox.cli.common.json_out import check_output, refuse_replacing, write_json
 from sandbox.cli.common.parse import parse
 
 SCHEMA = 1
@@ -133,6 +133,7 @@ def _check(options: StrangersOptions) -> None:
             remedy="Use --train population",
         )
     check_output(options.json)
+    refuse_replacing(options.json, {"--population": options.population}, "--json")
 
 
 def _rows(options: StrangersOptions, progress: Progress) -> dict[str, list[StrangerResult]]:

@@ -21,6 +21,7 @@ from encoders.paalm.calibration_file import read_calibration, write_calibration
 from encoders.paalm.recorded import calibrate_on_recording
 from models.errors import InputError
 from models.frames import SIDES, HandFrame
+from sandbox.cli.common.json_out import refuse_replacing
 from sandbox.cli.common.parse import subcommand
 from sandbox.cli.paalm.views import check_picture, show_pictures
 from sandbox.devices.leap.leap import DEFAULT_ADDRESS, LeapDevice, LeapFileDevice
@@ -169,6 +170,8 @@ def calibrate(
     own = out == Path(DEFAULT)
     if out is not None and not own and not out.absolute().parent.is_dir():
         raise InputError("no such folder", where=f"--out {out}", remedy="Make it, or name another")
+    if not own:
+        refuse_replacing(out, {"FILE": file})
     source = _Source(file, address)
     paalm = Paalm()
     try:

@@ -93,7 +93,7 @@ def _play(
     """Shows the frames; returns the last one and its reconstruction."""
     begin: float | None = None
     started = time.monotonic()
-    last = None
+    last, late = None, False
     for frame in stream:
         begin = frame.time if begin is None else begin
         due = frame.time - begin
@@ -104,9 +104,12 @@ def _play(
                 return last
             time.sleep(min(_LONGEST_REST, max(0.0, due - (time.monotonic() - started))))
         last = frame, paalm.step(frame)
-        # Late frames are not drawn, except the newest.
-        if (not paced or time.monotonic() - started < due + 0.1) and not shown.show(*last):
+        # Late frames are not drawn, except the last one.
+        late = paced and time.monotonic() - started >= due + 0.1
+        if not late and not shown.show(*last):
             break
+    if last is not None and late:
+        shown.show(*last)
     return last
 
 

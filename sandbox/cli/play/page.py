@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from rich.console import Console
+from rich.markup import escape
 
 from models.errors import InputError
 from models.messages.message import Message
@@ -31,6 +32,7 @@ from sandbox.server.protocol.rectangle import common, rectangle, scaled
 from sandbox.server.publishing import publish
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
+from sandbox.system.ending import ending_as_by_ctrl_c
 from sandbox.trial.device_makers import with_first
 from sandbox.trial.driver import Trial, View, open_trial
 from sandbox.trial.events import EventLog, NoticeEvents
@@ -64,6 +66,7 @@ class PlayerRequests:
         again: True if a new trial is requested.
         paused: True if the trial is to pause.
         seated: Count of changes of the player's page at the start of this trial.
+        hands: Index of the hand of every page.
     """
 
     task: str
@@ -72,6 +75,7 @@ class PlayerRequests:
     again: bool = False
     paused: bool = False
     seated: int = 0
+    hands: tuple[int, ...] = (0, 1)
 
     @classmethod
     def of(cls, settings: RunSettings) -> PlayerRequests:
@@ -155,7 +159,7 @@ class PagePlay:
 
     def _hear(self, wishes: PlayerRequests) -> None:
         """Handles requests; a change of the player's screen starts a new trial."""
-        for hand, server in enumerate(self.servers):
+        for hand, server in zip(wishes.hands, self.servers, strict=False):
             wishes.hear(server.asked(), hand)
         if self._seated != wishes.seated:
             wishes.again, wishes.paused = True, False
@@ -169,6 +173,8 @@ class PagePlay:
         chosen = self._chosen(wishes)
         record = self.options.record
         timing = Timing(self.servers[0].latency)
+        for server in self.servers:
+            server.latency.begin_trial()
         makers = chosen.makers
         if chosen.live:
             makers = with_first(makers, lambda maker: timed(maker, timing))
@@ -210,7 +216,7 @@ class PagePlay:
         # Touches elsewhere, as over TUIO, are shown on the page without additional delay.
         hears = touched[0] if touched else session.first_rig.device
         live = LiveTrial(trial, news=hears.news)
-        self._show(session, chosen)
+        wishes.hands = self._show(session, chosen)
         absences = Absences(list(zip(self.servers, touched, strict=False)))
         live.pause(bool(touched))
         live.start()
@@ -254,17 +260,20 @@ class PagePlay:
             )
 
     def _chosen(self, wishes: PlayerRequests) -> Plan:
-        chosen = plan(replace(self.options, record=None))
-        settings = wishes.wanted(chosen.settings)
+        options = replace(self.options, record=None)
+        return plan(options, adjust=lambda settings: self._fitted(wishes.wanted(settings)))
+
+    def _fitted(self, settings: RunSettings) -> RunSettings:
+        """The settings with the surface of the pages that are touched."""
         screens = [server.screen for server in self.servers if server.screen]
         if "web" in (self.options.device, self.options.second_device) and screens:
             hands = len(settings.hands) if settings.one_surface else 1
             if self._scaled(settings):
                 size = scaled(screens[0], lifts(settings))
-                return replace(chosen, settings=replace(settings, **size))
+                return replace(settings, **size)
             sizes = [rectangle(screen, hands, lifts(settings)) for screen in screens]
             settings = replace(settings, **common(sizes))
-        return replace(chosen, settings=settings)
+        return settings
 
     def _scaled(self, settings: RunSettings) -> bool:
         """True if the only page fills itself with its table. Two tablets have one scale, the true
@@ -273,16 +282,20 @@ class PagePlay:
         alone = len(self.servers) == 1 and not settings.one_surface
         return alone and screen is not None and screen.fit != ""
 
-    def _show(self, session: Session, chosen: Plan) -> None:
+    def _show(self, session: Session, chosen: Plan) -> tuple[int, ...]:
+        """Returns the index of the hand that each page is for."""
         caption = SIMULATED_USER if chosen.about.get("user") else ""
         hands, touched = chosen.settings.hands, touched_pages(session)
+        shown = []
         for k, server in enumerate(self.servers):
             own, device = touched[k] if k < len(touched) else (None, None)
             side, scored = hands[own or 0].side, chosen.settings.scored
             show_session(server, session, side, caption, device, own, scored)
+            shown.append(own or 0)
         language = self.servers[0].language
         said = {"language": language} if language else {}
         self.events.tell("trial_start", task=session.task.name, seed=session.task.seed, **said)
+        return tuple(shown)
 
     def _views(self, session: Session, timing: Timing) -> list[View]:
         notices = NoticeEvents(self.events, self._notices.say)
@@ -299,7 +312,7 @@ class PagePlay:
             strip = LIFT_STRIP_PX / server.screen.px_per_in if server.screen else 0.0
             server.show_problem(*explain_refusal(error, settings, strip))
         self.events.tell("warning", what=str(error))
-        self.console.print(f"[yellow]{error}[/]")
+        self.console.print(f"[yellow]{escape(str(error))}[/]")
 
 
 def play_on_page(
@@ -337,7 +350,8 @@ def play_on_page(
                 soft_wrap=True,
                 highlight=False,
             )
-        PagePlay(options, tuple(servers), events, console, learner).run()
+        with ending_as_by_ctrl_c():
+            PagePlay(options, tuple(servers), events, console, learner).run()
     except KeyboardInterrupt:
         console.print("stopped")
     finally:

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 
 from rich.console import Console
+from rich.markup import escape
 
 from models.errors import InputError
 from models.surface import Surface
@@ -38,11 +40,13 @@ from sandbox.session.device import Device
 from sandbox.session.latency import LatencyLog
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
+from sandbox.system.ending import ending_as_by_ctrl_c
 from sandbox.trial.device_makers import DeviceMaker, DeviceMakers, with_first
 from sandbox.trial.driver import View, open_trial
 from sandbox.trial.events import EventLog, NoticeEvents
 from sandbox.trial.lift import with_lift
 from sandbox.trial.live import LiveTrial
+from sandbox.trial.result import TrialResult
 from sandbox.trial.timing import Timing, timed
 from sandbox.views.window.window import SIZE, Window
 from tasks.score import Status
@@ -130,18 +134,20 @@ class WindowPlay:
         done = wishes.task, wishes.sides
         try:
             while True:
+                # The trial hears what the next one shall be.
+                playing = wishes.task, wishes.sides
                 try:
                     go_on = self._trial(wishes)
+                    done = playing
                 except InputError as error:
-                    if self.window is None or (wishes.task, wishes.sides) == done:
+                    if self.window is None or playing == done:
                         raise
                     # The page's request cannot be met: show why there, and continue.
                     self._tell(str(error))
                     wishes.task, wishes.sides = done
-                    continue
+                    go_on = True
                 if not go_on:
                     return
-                done = wishes.task, wishes.sides
                 wishes.trial += 1
                 wishes.again = wishes.paused = False
         finally:
@@ -155,6 +161,7 @@ class WindowPlay:
         # A second trial gets another file, so that no recording is overwritten.
         kept = numbered(record, wishes.trial) if record else None
         timing = Timing(self.latency)
+        self.latency.begin_trial()
         with open_trial(
             chosen.settings,
             self._device_makers(chosen, timing),
@@ -164,31 +171,45 @@ class WindowPlay:
             self.options.dump,
         ) as trial:
             session = trial.session
+            ended: list[TrialResult] = []
+
+            def end() -> None:
+                if not ended:
+                    ended.append(trial.end(latency=self.latency.as_json()))
+                    self.events.tell("trial_end", **ended[0].as_json())
+                    if self.learner is not None:
+                        self.learner.after(session)
+
             try:
                 window = self._open_window(session, chosen)
                 live = LiveTrial(trial, window.speed, session.first_rig.device.news)
                 try:
-                    self._show_on_page(session, chosen)
+                    wishes.hands = (self._show_on_page(session, chosen),)
                     live.pause(_waiting(session))
                     live.start()
-                    again = self._watch(session, live, wishes, timing)
+                    again = self._watch(session, live, wishes, timing, end)
                 finally:
                     live.stop()
             finally:
-                result = trial.end(latency=self.latency.as_json())
-                if self.learner is not None:
-                    self.learner.after(session)
+                end()
         if live.failure:
             raise live.failure
-        self.events.tell("trial_end", **result.as_json())
         self._notices.wait()
-        report_end(result, self.console)
+        report_end(ended[0], self.console)
         return again
 
     def _watch(
-        self, session: Session, live: LiveTrial, wishes: PlayerRequests, timing: Timing
+        self,
+        session: Session,
+        live: LiveTrial,
+        wishes: PlayerRequests,
+        timing: Timing,
+        end: Callable[[], None],
     ) -> bool:
-        """Draws until the window is closed (False) or another trial is requested (True)."""
+        """Draws until the window is closed (False) or another trial is requested (True).
+
+        `end` keeps the trial's result once the trial is over: its last picture may stay for long.
+        """
         window = self.window
         assert window is not None
         footer = Footer(short_address(self.server) if self.server else "")
@@ -200,6 +221,8 @@ class WindowPlay:
             if live.over and live.failure:
                 # A picture that stands still would not tell the person.
                 return False
+            if live.over:
+                end()
             waiting = waiting and _waiting(session)
             if window.seen is not None and window.seen is not seen:
                 seen = window.seen
@@ -207,7 +230,7 @@ class WindowPlay:
                 self.latency.add("picture", 1000.0 * window.picture_time)
             if self.server:
                 wishes.paused = window.paused
-                wishes.hear(self.server.asked())
+                wishes.hear(self.server.asked(), wishes.hands[0])
                 window.paused = wishes.paused
                 if (window.paused or waiting) and seen is not None:
                     self.server.publish(
@@ -217,7 +240,7 @@ class WindowPlay:
             window.footer = footer.lines(window, live.lost, session)
             live.pause(window.paused or waiting)
             live.set_speed(window.speed)
-            if window.take_contact():
+            if window.take_contact() and not live.over:
                 session.set_contact(session.contact.next)
             if window.take_reset() or wishes.again:
                 return True
@@ -236,11 +259,11 @@ class WindowPlay:
 
     def _chosen(self, wishes: PlayerRequests) -> Plan:
         options = replace(self.options, record=None)
-        chosen = plan(options)
+        chosen = plan(options, adjust=wishes.wanted)
         if self._waits(chosen):
             # Beneath what makes touches late or shares them: neither works while no time passes.
-            chosen = plan(options, _from_first_touch)
-        return replace(chosen, settings=wishes.wanted(chosen.settings))
+            chosen = plan(options, _from_first_touch, wishes.wanted)
+        return chosen
 
     def _device_makers(self, chosen: Plan, timing: Timing) -> DeviceMakers:
         """Returns device makers; the first adds the page's touches and measures latency."""
@@ -280,14 +303,17 @@ class WindowPlay:
         self.events.tell("trial_start", task=session.task.name, seed=session.task.seed)
         return self.window
 
-    def _show_on_page(self, session: Session, chosen: Plan) -> None:
-        if self.server:
-            caption = SIMULATED_USER if chosen.about.get("user") is not None else ""
-            # The page is for the second hand, or for touches beside the mouse.
-            beside = session.first_rig.device.find(WebDevice)
-            own, web = next(iter(touched_pages(session)), (0, beside))
-            side = chosen.settings.hands[own or 0].side
-            show_session(self.server, session, side, caption, web, own)
+    def _show_on_page(self, session: Session, chosen: Plan) -> int:
+        """Returns the index of the hand that the page is for."""
+        if self.server is None:
+            return 0
+        caption = SIMULATED_USER if chosen.about.get("user") is not None else ""
+        # The page is for the second hand, or for touches beside the mouse.
+        beside = session.first_rig.device.find(WebDevice)
+        own, web = next(iter(touched_pages(session)), (0, beside))
+        side = chosen.settings.hands[own or 0].side
+        show_session(self.server, session, side, caption, web, own)
+        return own or 0
 
     def _views(self, session: Session, timing: Timing) -> list[View]:
         notices = NoticeEvents(self.events, self._notices.say)
@@ -300,7 +326,7 @@ class WindowPlay:
         if self.server:
             self.server.show_problem(CANNOT_BEGIN)
         self.events.tell("warning", what=text)
-        self.console.print(f"[yellow]{text}[/]")
+        self.console.print(f"[yellow]{escape(text)}[/]")
 
 
 def play_in_window(
@@ -329,7 +355,8 @@ def play_in_window(
         lan = page.tablet or page.lan is not None
         play = WindowPlay(options, server, share, lan, events, console, latency, learner)
         try:
-            play.run()
+            with ending_as_by_ctrl_c():
+                play.run()
         finally:
             if server:
                 server.close()

@@ -10,6 +10,7 @@ from typing import Annotated, Literal
 
 import tyro
 from rich.console import Console
+from rich.markup import escape
 from rich.progress import Progress
 
 from models.errors import InputError
@@ -124,7 +125,7 @@ def _replay(file: Path, options: ReplayOptions, brief: bool, console: Console) -
     """Replays one recording; returns the exit status."""
     recording = load_recording(file)
     if recording.damage:
-        console.print(f"[yellow]{file}: {recording.damage}[/]")
+        console.print(f"[yellow]{escape(f'{file}: {recording.damage}')}[/]")
     kept: list[Snapshot] = []
     keeps = options.view in ("window", "web")
     film = options.film
@@ -169,7 +170,7 @@ def _replay(file: Path, options: ReplayOptions, brief: bool, console: Console) -
                 highlight=False,
             )
     if film is not None:
-        console.print(f"film: {film}")
+        console.print(f"film: {film}", markup=False)
     if kept:
         caption = f"replay; {caption}" if caption else "replay"
         _show(recording, session, kept, options, caption, console)

@@ -86,8 +86,8 @@ class Curriculum:
                 moved.append(thing)
                 continue
             lies = goal.on is None and abs(goal.position[2] - thing.position[2]) < 1e-3
-            whole = is_dataclass(thing) and is_dataclass(task)
-            if not (lies and whole) or isinstance(thing, MechanismPart) or _bolted(thing):
+            lies = lies and not isinstance(thing, MechanismPart)
+            if not (lies and is_dataclass(thing) and is_dataclass(task)) or _bolted(thing):
                 raise InputError(
                     "this thing cannot start on the way to its goal",
                     where="reset(options=), near",

@@ -30,16 +30,24 @@ def kept_token(path: Path) -> str:
     except FileExistsError:
         return _read(path)
     except OSError as error:
-        raise InputError(
-            "the page's token cannot be stored",
-            where=str(path),
-            got=error.strerror,
-            remedy="Leave --page-port out: then every start has a new token",
-        ) from None
-    with os.fdopen(fresh, "w", encoding="ascii") as file:
-        token = secrets.token_urlsafe(TOKEN_BYTES)
-        file.write(token + "\n")
+        raise _not_stored(path, error) from None
+    token = secrets.token_urlsafe(TOKEN_BYTES)
+    try:
+        with os.fdopen(fresh, "w", encoding="ascii") as file:
+            file.write(token + "\n")
+    except OSError as error:
+        path.unlink(missing_ok=True)
+        raise _not_stored(path, error) from None
     return token
+
+
+def _not_stored(path: Path, error: OSError) -> InputError:
+    return InputError(
+        "the page's token cannot be stored",
+        where=str(path),
+        got=error.strerror,
+        remedy="Leave --page-port out: then every start has a new token",
+    )
 
 
 def _read(path: Path) -> str:

@@ -154,6 +154,6 @@ class SimulatedForms:
             return item.choices[rng.integers(len(item.choices))]
         if item.kind == "text":
             return "simulated"
-        low, high, step = (Fraction(repr(float(x))) for x in (item.low, item.high, item.step))
-        value = float(low + step * int(rng.integers((high - low) // step + 1)))
+        low, high, one = (Fraction(repr(float(n))) for n in (item.low, item.high, item.step))
+        value = float(low + one * int(rng.integers((high - low) // one + 1)))
         return int(value) if value == int(value) else value

@@ -47,7 +47,7 @@ class PagePlayer:
 
     def play(self, request: TrialRequest) -> PlayedAttempt:
         for page in self._page.pages:
-            page.server.latency.reset()
+            page.server.latency.begin_trial()
             page.device = None  # trials over a Leap have none
         attempt = RunningAttempt(request)
         try:

@@ -131,6 +131,8 @@ class Window(Closeable):
             if before.camera is not None and _same(surface, self._surface):
                 # A camera that the person has turned is kept for the next trial.
                 camera = before.camera
+            else:
+                self._above = False
             before.close()
         self._surface, self._touched, self._caption = surface, surface, caption
         self._mouse = self._lift = self._snapshot = self.seen = self._shown = None

@@ -22,6 +22,7 @@ from sandbox.cli.play.command import PlayOptions
 from sandbox.devices.simulated.spreads import SimulatedSpreads
 from sandbox.options.profiles import Profile, default_path, find_profile, load_profile, save_profile
 from sandbox.options.scene_options import SceneOptions, plan
+from sandbox.trial.driver import open_trial
 from sandbox.trial.headless import run_trial
 from sandbox.trial.settings import HandSettings, RunSettings
 
@@ -136,6 +137,9 @@ def test_a_recording_of_five_fingers_in_three_spreads_gives_the_size_of_the_hand
     ("arguments", "says"),
     [
         (["--device", "mouse"], "mouse"),
+        (["--device", "web"], "no fingers at rest"),
+        (["--device", "leap-simulated"], "no fingers at rest"),
+        (["--device", "webxr-simulated"], "no fingers at rest"),
         (["--device", "tuio"], "--surface"),
         (["--device", "nothing-there"], "nothing-there"),
         (["--device", "simulated", "--hand-size", "7"], "--hand-size"),
@@ -262,3 +266,27 @@ def test_a_file_that_is_no_profile_is_refused_with_its_name(data: bytes, tmp_pat
 def test_a_profile_that_is_not_there_is_one_clear_error(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="calibrate"):
         find_profile(str(tmp_path / "no.json"))
+
+
+@pytest.mark.parametrize(
+    "task, device", [("carry-together", "simulated"), ("stack", "leap-simulated")]
+)
+def test_a_recording_of_two_hands_or_of_one_in_the_air_is_no_rest_of_five_fingers(
+    task: str, device: str, tmp_path: Path
+) -> None:
+    chosen = plan(SceneOptions(task=task, device=device))
+    recorded = tmp_path / "run.jsonl"
+    with open_trial(chosen.settings, chosen.makers, record=recorded, about=chosen.about) as trial:
+        trial.session.advance()
+        trial.end()
+    with pytest.raises(InputError):
+        calibrate.main(["--device", str(recorded), "--out", str(tmp_path / "p.json")])
+
+
+def test_a_profile_that_cannot_be_kept_is_told_before_fingers_are_put_down(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("XDG_CONFIG_HOME", "/proc")
+    with pytest.raises(InputError):
+        calibrate.main(["--device", "simulated"])
+    assert "spread" not in capsys.readouterr().out

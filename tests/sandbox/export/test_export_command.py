@@ -6,6 +6,7 @@ import gzip
 import json
 from collections.abc import Sequence
 from pathlib import Path
+from re import sub
 from typing import Any, Literal
 
 import numpy as np
@@ -314,3 +315,32 @@ def test_settings_that_make_no_points_are_refused(
     source = open_source(folder / "run.jsonl")
     with pytest.raises(InputError, match="no such fingers"):
         Exporter(folder / "x.csv", source.armatures, source.names, ExportSettings(fingers=(7,)))
+
+
+def test_a_recording_with_a_line_twice_is_written_up_to_it_and_names_the_line(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "run.jsonl"
+    chosen = plan(SceneOptions(seed=3))
+    run_trial(chosen.settings, chosen.makers, record=path, about=chosen.about)
+    lines = path.read_bytes().splitlines(keepends=True)
+    twice = next(i for i, line in enumerate(lines) if b'"kind":"track"' in line)
+    (tmp_path / "twice.jsonl").write_bytes(b"".join([*lines[: twice + 1], *lines[twice:]]))
+    assert main(["export", str(tmp_path / "twice.jsonl"), "--to", str(tmp_path / "a.bvh")]) == 0
+    assert f"line {twice + 2} is damaged" in capsys.readouterr().err.replace("\n", " ")
+
+
+@pytest.mark.parametrize("steps", ["[0,1e999,3]", "[0,2,NaN]"])
+def test_steps_that_are_none_are_damage(
+    steps: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "run.jsonl"
+    chosen = plan(SceneOptions(seed=3))
+    run_trial(chosen.settings, chosen.makers, record=path, about=chosen.about)
+    lines = path.read_bytes().splitlines(keepends=True)
+    at = [i for i, line in enumerate(lines) if b'"kind":"track"' in line][1]
+    lines[at] = sub(rb'"steps":\[[^\]]*\]', f'"steps":{steps}'.encode(), lines[at])
+    path.with_stem("spoiled").write_bytes(b"".join(lines))
+    spoiled = str(path.with_stem("spoiled"))
+    assert main(["export", spoiled, "--to", str(tmp_path / "a.bvh")]) == 0
+    assert f"line {at + 1} is damaged" in capsys.readouterr().err.replace("\n", " ")

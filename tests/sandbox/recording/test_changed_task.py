@@ -15,10 +15,12 @@ from models.outside import files_of, place_of
 from models.surface import Surface
 from sandbox import replay_recording
 from sandbox.cli.main import main
+from sandbox.options.scene_options import SceneOptions, plan
 from sandbox.recording.recorded_task import task_change, task_origin
 from sandbox.recording.recording import load_recording
 from sandbox.recording.task_files import task_files
 from sandbox.trial.driver import trial_header
+from sandbox.trial.headless import run_trial
 from sandbox.trial.settings import RunSettings
 from tasks.registry import find_task
 
@@ -217,3 +219,63 @@ def test_the_change_of_a_package_names_the_package_and_its_recorded_version() ->
     released = {**older, "package": "my-lab", "version": "1.2"}
     line = task_change({"task_from": released}, place, 0, SURFACE)
     assert line.endswith("Install it: pip install 'my-lab==1.2'")
+
+
+TWICE = """
+from pathlib import Path
+
+from models import MjcfObject
+from tasks import CustomTask, Goal, judge
+
+
+class Push(CustomTask):
+    name = "lab-two"
+
+    @classmethod
+    def place(cls, rng, surface):
+        there = Path(__file__).parent.parent
+        things = [
+            MjcfObject.on_table(name, there / name / "thing.xml", 0.2, (0.06 * i, 0.0))
+            for i, name in enumerate(("a", "b"))
+        ]
+        return things, [Goal("a", (0.05, 0.05, things[0].height), 0.0)]
+
+    def measure(self, sensing):
+        return judge(0.0, (True, "never"))
+"""
+
+
+@pytest.mark.parametrize("changed", ["a", "b"])
+def test_of_two_files_with_one_name_elsewhere_either_is_missed(
+    changed: str, tmp_path: Path
+) -> None:
+    for name in ("a", "b", "task"):
+        (tmp_path / name).mkdir()
+    for name, size in (("a", ".02"), ("b", ".021")):
+        (tmp_path / name / "thing.xml").write_text(
+            f'<mujoco><worldbody><body><geom size="{size}"/></body></worldbody></mujoco>'
+        )
+    file = tmp_path / "task" / "two.py"
+    file.write_text(TWICE)
+    place = f"{file}:Push"
+    before = task_files(place, 0, SURFACE)
+    thing = tmp_path / changed / "thing.xml"
+    thing.write_text(thing.read_text().replace("geom ", 'geom rgba="1 0 0 1" '))
+    after = task_files(place, 0, SURFACE)
+    assert before.keys() == after.keys() and before["thing.xml"] != after["thing.xml"]
+
+
+@pytest.mark.parametrize("name", ["cut [old].jsonl", "cut [/b].jsonl"])
+def test_brackets_in_a_file_s_name_are_a_part_of_it(
+    name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    chosen = plan(SceneOptions(seed=3))
+    path = tmp_path / "run.jsonl"
+    run_trial(chosen.settings, chosen.makers, record=path, about=chosen.about)
+    lines = path.read_bytes().splitlines(keepends=True)
+    (tmp_path / name).parent.mkdir(exist_ok=True)
+    (tmp_path / name).write_bytes(b"".join(lines[:40]))
+    film = tmp_path / name.replace("jsonl", "webp")
+    assert main(["replay", str(tmp_path / name), "--film", str(film)]) == 0
+    said = "".join(capsys.readouterr().out.split())
+    assert name.replace(" ", "") in said and film.name.replace(" ", "") in said

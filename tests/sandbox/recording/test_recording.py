@@ -54,7 +54,7 @@ def write(path: Path, written: list[TouchFrame], end: bool = True) -> None:
         writer.input(8 * i, 0, frame, f"{i:032x}")
     writer.keyframe(0, np.array([1.0, -0.0, 1e-300, np.pi]), "0")
     if end:
-        writer.end(8 * len(written), {"state_hash": "ff", "success": True})
+        writer.end(8 * len(written), {"state_hash": "ff", "status": "held", "success": True})
     writer.close()
 
 
@@ -123,6 +123,8 @@ def test_a_truncated_recording_plays_up_to_the_damage_and_says_so(
         b'{"kind": "keyframe", "step": 1, "state": "***", "hash": ""}',
         b'{"kind": "keyframe", "step": 1, "state": "AAAA", "hash": ""}',
         b'{"kind": "end"}',
+        b'{"kind": "end", "step": 8, "hash": ""}',
+        b'{"kind": "end", "step": 8, "hash": "", "result": {"success": true}}',
         b"[]",
         b"7",
     ],
@@ -254,3 +256,11 @@ def test_a_number_that_is_infinite_is_damage_like_any_other(tmp_path: Path, line
     recording = load_recording(path)
     assert len(recording.inputs[0]) == 1 and recording.end is None
     assert f"line {len(lines) + 1} is damaged" in recording.damage
+
+
+def test_a_recorded_device_says_that_its_recording_breaks_off(tmp_path: Path) -> None:
+    for end in (True, False):
+        path = tmp_path / f"{end}.jsonl"
+        write(path, [], end)
+        device = RecordedDevice(load_recording(path))
+        assert device.plays_file and (device.damage is None) == end

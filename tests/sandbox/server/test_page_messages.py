@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import resource
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -44,6 +45,18 @@ def test_a_kept_token_is_the_same_and_for_this_user_alone(tmp_path: Path) -> Non
     path.write_text("short")
     with pytest.raises(InputError, match="does not hold a token"):
         kept_token(path)
+
+
+def test_a_token_that_cannot_be_written_leaves_no_file(tmp_path: Path) -> None:
+    path = tmp_path / "page-token"
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (0, hard))
+    try:
+        with pytest.raises(InputError, match="cannot be stored"):
+            kept_token(path)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+    assert not path.exists() and len(kept_token(path)) >= 20
 
 
 def test_what_a_hand_presses_with_and_how_sure_its_labels_are_is_told(stage: Stage) -> None:

@@ -102,6 +102,18 @@ def test_who_is_there_first_is_told_what_is_missing(
             assert not any(s["surface"]["calibrated"] for s in scenes)
 
 
+def test_the_only_page_of_two_hands_asks_for_the_hand_that_it_touches(
+    servers: tuple[PageServer, PageServer],
+) -> None:
+    server = servers[0]
+    options = replace(OPTIONS, device="simulated")
+    play = PagePlay(options, (server,), EventLog(None), Console(quiet=True))
+    with played(play, server), Page(server.url) as page:
+        assert page.until("scene")["hand"] == "left"
+        page.say(type="ask", what="hand", value="right")
+        assert page.until("scene", hand="right")["hand"] == "right"
+
+
 @pytest.mark.slow
 def test_two_tablets_carry_a_tray_together(servers: tuple[PageServer, PageServer]) -> None:
     size = common([rectangle(PageScreen(**SCREEN))] * 2)

@@ -234,3 +234,13 @@ def test_whatever_one_does_there_is_something_to_see(
         playback.paused = paused
         playback.move(moved)
         assert 0 <= playback.now.step < 50
+
+
+@pytest.mark.parametrize("speed", [1.0, 0.9, 0.5, 0.1, 2.0])
+def test_who_looks_at_every_picture_of_a_screen_sees_the_whole_of_the_time(speed: float) -> None:
+    clock = Clock()
+    playback = Playback(row(10_000), speed, clock)
+    for picture in range(1, 601):
+        clock.time = picture / 60.0
+        playback.move(0)
+    assert playback.now.step == pytest.approx(10.0 * speed / PERIOD, abs=1.0)

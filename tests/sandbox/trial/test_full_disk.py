@@ -7,16 +7,21 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+import numpy as np
 import pytest
+from PIL import Image
 
-from models.errors import RecordingError
+from models.errors import InputError, RecordingError
 from sandbox.options.scene_options import SceneOptions, plan
 from sandbox.recording.recording import load_recording
 from sandbox.session.messages import Snapshot
-from sandbox.trial.driver import open_trial
+from sandbox.session.session import Session
+from sandbox.trial.driver import View, open_trial
 from sandbox.trial.headless import run_trial
 from sandbox.trial.live import LiveTrial
 from sandbox.trial.replay import replay
+from sandbox.views.errors import FilmError
+from sandbox.views.film_files import _Mp4, open_film
 from tests.support.processes import until
 
 ROOM = 60_000
@@ -64,3 +69,38 @@ def test_a_person_who_plays_is_told_while_playing(tmp_path: Path) -> None:
         live.stop()
         assert isinstance(live.failure, RecordingError)
         assert not trial.session.over
+
+
+def test_a_film_of_which_ffmpeg_wrote_a_part_is_refused_and_the_old_one_stays(
+    tmp_path: Path,
+) -> None:
+    path = tmp_path / "film.mp4"
+    path.write_bytes(b"the old one")
+    film = open_film(path, (320, 240), 30.0)
+    rng = np.random.default_rng(0)
+    for _ in range(20):
+        film.add(Image.fromarray(rng.integers(0, 255, (240, 320, 3), np.uint8)))
+    assert isinstance(film, _Mp4)
+    # What a full disk leaves: ffmpeg has ended, and its file stops in the middle.
+    film._pipe.close()
+    with film._part.open("r+b") as part:
+        part.truncate(film._part.stat().st_size // 2)
+    with pytest.raises(FilmError, match="did not write the whole film"):
+        film.close()
+    assert [each.name for each in tmp_path.iterdir()] == ["film.mp4"]
+    assert path.read_bytes() == b"the old one"
+
+
+def test_a_trial_that_cannot_begin_leaves_no_recording(tmp_path: Path) -> None:
+    chosen, path = plan(SceneOptions(seed=3)), tmp_path / "run.jsonl"
+
+    def no_views(session: Session) -> list[View]:
+        raise InputError("no such format of films")
+
+    with pytest.raises(InputError, match="no such format"):
+        run_trial(chosen.settings, chosen.makers, no_views, path, chosen.about)
+    assert not path.exists()
+    path.write_text("somebody's own")
+    with pytest.raises(RecordingError, match="exists"):
+        run_trial(chosen.settings, chosen.makers, no_views, path, chosen.about)
+    assert path.read_text() == "somebody's own"

@@ -225,3 +225,13 @@ def test_touches_that_came_while_time_stood_still_did_not_wait_for_a_step() -> N
     log.take_in(arrived, arrived + 0.25)
     waited = log.percentiles()["waited"]
     assert (waited.n, waited.largest) == (2, 1000.0)
+
+
+def test_a_result_tells_the_latency_of_its_own_trial_and_the_session_that_of_all() -> None:
+    log = LatencyLog()
+    for trial in range(1, 4):
+        log.begin_trial()
+        for _ in range(trial):
+            log.add("picture", float(trial))
+        assert log.as_json()["picture"]["n"] == trial
+    assert log.percentiles()["picture"].n == 6

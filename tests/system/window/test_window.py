@@ -18,6 +18,8 @@ from models.errors import HandSandboxError
 from sandbox.devices.mouse import MouseDevice
 from sandbox.devices.wrappers.lift_keys import SPEED, LiftKeys
 from sandbox.session.messages import ContactView, Snapshot
+from sandbox.trial.assembly import build
+from sandbox.trial.settings import RunSettings
 from sandbox.views.renderer import Renderer
 from sandbox.views.window import drawing_quality
 from sandbox.views.window.window import Window
@@ -325,3 +327,24 @@ def test_without_a_screen_one_error_says_so() -> None:
         check=True,
     )
     assert "no window can be opened" in done.stdout and "screen" in done.stdout
+
+
+def test_from_above_another_table_is_seen_from_the_front_and_a_key_looks_down_again(
+    display: Screen, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(drawing_quality, "SLOW", np.inf)
+    desk = Desk(display, viewed())
+    try:
+        desk.do("key", "v")
+        assert desk.window._renderer.camera.orthographic
+        wall = build(
+            RunSettings(task="stack-vertical"), (lambda task, surface: MouseDevice(surface),)
+        )
+        desk.window.show_scene(wall.scene, wall.whole_surface, "another table")
+        desk.snapshot = wall.snapshot()
+        desk.pump()
+        assert not desk.window._renderer.camera.orthographic
+        desk.do("key", "v")
+        assert desk.window._renderer.camera.orthographic
+    finally:
+        desk.window.close()

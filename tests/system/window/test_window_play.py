@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import signal
 import subprocess
 import sys
 import time
@@ -20,6 +21,7 @@ from sandbox.cli.play.window import Footer
 from sandbox.devices.mouse import MouseDevice
 from sandbox.devices.wrappers.lift_keys import LiftKeys
 from sandbox.devices.wrappers.merged import MergedDevice
+from sandbox.recording.recording import load_recording
 from sandbox.server.web import WebDevice
 from sandbox.session.latency import LatencyLog
 from sandbox.trial.assembly import build
@@ -290,6 +292,55 @@ def test_mouse_and_page_touch_one_scene_and_the_session_says_how_long_touches_to
         play.process.kill()
         play.process.wait()
     assert record.exists() and record.with_stem("run-2").exists()
+
+
+def test_a_task_that_cannot_be_played_here_is_told_and_the_last_one_comes_back(
+    display: Screen, tmp_path: Path
+) -> None:
+    record = tmp_path / "run.jsonl"
+    play = Play(display, tmp_path, "box-to-goal", "--turn", "90", "--record", str(record))
+    try:
+        (told,) = play.until(lambda: play.events("listening"), "it says where its page is")
+        play.until(lambda: play.events("trial_start"), "it begins")
+        with Page(told["address"]) as page:
+            page.until("scene", task="box-to-goal")
+            page.say(type="ask", what="task", value="stack-vertical")
+            (warned,) = play.until(lambda: play.events("warning"), "it says why not")
+            assert "stack-vertical" in warned["what"]
+            play.until(lambda: len(play.events("trial_start")) == 2, "and goes on")
+            page.say(type="ask", what="hand", value="left")
+            play.until(lambda: len(play.events("trial_start")) == 3, "with another hand, too")
+            assert page.until("scene", hand="left")["task"] == "box-to-goal"
+    finally:
+        play.process.terminate()
+        out, _ = play.process.communicate(timeout=PATIENCE)
+    assert play.process.returncode == 130, out
+    assert [e["task"] for e in play.events("trial_start")] == ["box-to-goal"] * 3
+    ends = play.events("trial_end")
+    assert [e["settings"]["hand"] for e in ends] == ["right", "right", "left"]
+    kept = sorted(path.name for path in tmp_path.glob("run*.jsonl"))
+    assert kept == ["run-3.jsonl", "run-4.jsonl", "run.jsonl"]
+    assert all(load_recording(tmp_path / name).end for name in kept)
+
+
+@pytest.mark.parametrize("ends", [signal.SIGTERM, signal.SIGHUP, signal.SIGINT])
+def test_the_result_of_a_trial_that_is_over_is_kept_while_its_last_picture_is_shown(
+    display: Screen, tmp_path: Path, ends: signal.Signals
+) -> None:
+    record = tmp_path / "run.jsonl"
+    options = ("box-to-goal", "--device", "simulated", "--seed", "3", "--record", str(record))
+    play = Play(display, tmp_path, *options)
+    try:
+        (ended,) = play.until(lambda: play.events("trial_end"), "its end is told at once")
+        assert ended["success"] and play.process.poll() is None
+        play.process.send_signal(ends)
+        play.process.communicate(timeout=PATIENCE)
+    finally:
+        play.process.kill()
+        play.process.wait()
+    assert len(play.events("trial_end")) == 1
+    recording = load_recording(record)
+    assert not recording.damage and recording.end["result"]["success"]
 
 
 BROKEN = """

@@ -5,6 +5,7 @@ from __future__ import annotations
 import socket
 import time
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -14,6 +15,8 @@ from models.frames import TouchFrame
 from models.surface import METRES_PER_INCH, Surface
 from sandbox.cli.touches.views import what_to_check
 from sandbox.devices.tuio.tuio import Transport, TuioDevice
+from sandbox.options.scene_options import SceneOptions, plan
+from tasks.registry import find_task
 from tests.support.processes import PATIENCE, Sender, until
 from tests.support.tuio_packets import MALFORMED, blobs, frame
 
@@ -206,3 +209,20 @@ def test_a_socket_that_breaks_is_reported_by_the_next_poll() -> None:
         device.poll()
     assert device.finished
     device.close()
+
+
+@pytest.mark.parametrize("transport", ["udp", "websocket"])
+def test_two_hands_have_ports_one_after_the_other(transport: Transport) -> None:
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        port = taken.getsockname()[1]
+    options = SceneOptions(device="tuio", second_device="tuio")
+    ports = {"tuio_transport": transport, "port": port, "websocket_port": port}
+    chosen = plan(replace(options, **ports))  # type: ignore[arg-type]
+    task = find_task("box-to-goal").draw(0, Surface())
+    devices = [make(task, Surface()) for make in chosen.makers]
+    try:
+        assert [d.address for d in devices] == [f"127.0.0.1:{port}", f"127.0.0.1:{port + 1}"]
+    finally:
+        for device in devices:
+            device.close()
