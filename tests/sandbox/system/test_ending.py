@@ -21,7 +21,7 @@ def test_a_signal_that_is_ignored_stays_ignored() -> None:
 
 
 @pytest.mark.parametrize("name", ["SIGTERM", "SIGHUP"])
-def test_a_signal_to_end_ends_as_by_ctrl_c(name: str) -> None:
+def test_a_signal_to_end_ends_as_by_ctrl_c(name: str, as_without_nohup: None) -> None:
     if not hasattr(signal, name):
         pytest.skip(f"this system has no {name}")
     before = signal.getsignal(signal.Signals[name])

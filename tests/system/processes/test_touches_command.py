@@ -13,7 +13,6 @@ import signal
 import socket
 import subprocess
 import sys
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -344,14 +343,6 @@ def test_help_and_formats_teach(capsys: pytest.CaptureFixture[str]) -> None:
         text = capsys.readouterr().out
         assert status == 0
         assert all(word in text for word in words), text
-
-
-@pytest.fixture
-def as_without_nohup() -> Iterator[None]:
-    """What a test starts hears that its terminal is closed, also where tests run under `nohup`."""
-    before = signal.signal(signal.SIGHUP, signal.SIG_DFL)
-    yield
-    signal.signal(signal.SIGHUP, before)
 
 
 @pytest.mark.parametrize("request_to_end", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])

@@ -325,7 +325,7 @@ def test_a_task_that_cannot_be_played_here_is_told_and_the_last_one_comes_back(
 
 @pytest.mark.parametrize("ends", [signal.SIGTERM, signal.SIGHUP, signal.SIGINT])
 def test_the_result_of_a_trial_that_is_over_is_kept_while_its_last_picture_is_shown(
-    display: Screen, tmp_path: Path, ends: signal.Signals
+    display: Screen, tmp_path: Path, ends: signal.Signals, as_without_nohup: None
 ) -> None:
     record = tmp_path / "run.jsonl"
     options = ("box-to-goal", "--device", "simulated", "--seed", "3", "--record", str(record))
