@@ -128,6 +128,15 @@ class Trial:
         assert self._trial_recorder is not None, "a trial without a recorder has no result"
         return self._trial_recorder.end(self.session, **more)
 
+    def settle(self) -> None:
+        """Waits until the recording is on disk, end included; nothing is recorded afterwards.
+
+        Raises:
+            RecordingError: Something could not be written; what came before it is safe.
+        """
+        if self._trial_recorder is not None:
+            self._trial_recorder.close()
+
 
 @contextmanager
 def open_trial(

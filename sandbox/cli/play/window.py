@@ -176,6 +176,8 @@ class WindowPlay:
             def end() -> None:
                 if not ended:
                     ended.append(trial.end(latency=self.latency.as_json()))
+                    # Whoever hears of the end may read the recording.
+                    trial.settle()
                     self.events.tell("trial_end", **ended[0].as_json())
                     if self.learner is not None:
                         self.learner.after(session)
