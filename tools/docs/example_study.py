@@ -44,6 +44,10 @@ about people. The design is [examples/study/design.toml](../examples/study/desig
 report [examples/study/report.html](../examples/study/report.html) (save it, and open it in a
 browser). `python -m tools.docs.example_study FOLDER` wrote this page and all numbers in it.
 
+The level `paper` is the whole method of the paper: its encoder is a quadratic, too, and it differs
+from the level `quadratic` in labels, correction and smoothing. So its results are about these
+three, and not about the encoder.
+
 ```console
 $ sandbox study check {design}
 {check}
@@ -56,8 +60,8 @@ $ sandbox study simulate {design} --out out --participants {people}
 $ sandbox study report out/three-encoders-simulated
 ```
 
-Of the {planned} participants of the design, {people} were simulated. They differ in skill
-(reaction, speed, noise, aim), in the number of fingers, in the length of the hand, and in which
+The design plans {planned} participants. For this page {people} simulated ones were played, and nobody else.
+They differ in skill (reaction, speed, noise, aim), in the number of fingers, in the length of the hand, and in which
 hand is the better one: `sandbox/study/run/simulate.py`. **Their answers to questionnaires are by
 chance**, and so are the differences between encoders in them. The encoders learned from a simulated
 subject, too.
