@@ -218,7 +218,7 @@ def test_two_hands_have_ports_one_after_the_other(transport: Transport) -> None:
         port = taken.getsockname()[1]
     options = SceneOptions(device="tuio", second_device="tuio")
     ports = {"tuio_transport": transport, "port": port, "websocket_port": port}
-    chosen = plan(replace(options, **ports))  # type: ignore[arg-type]
+    chosen = plan(replace(options, **ports))
     task = find_task("box-to-goal").draw(0, Surface())
     devices = [make(task, Surface()) for make in chosen.makers]
     try:
