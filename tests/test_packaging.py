@@ -54,7 +54,7 @@ def test_ci_says_which_thirty_tests_took_longest_and_draws_the_same_examples(ci_
     options = r'^export PYTEST_ADDOPTS="--durations=30 --hypothesis-seed=0"$'
     assert re.search(options, ci_run, re.MULTILINE)
     # The bare root begins with an empty environment.
-    assert re.search(r'env -i [^#]*PYTEST_ADDOPTS="\$PYTEST_ADDOPTS ', ci_run)
+    assert re.search(r'env -i [^#]*PYTEST_ADDOPTS="\$PYTEST_ADDOPTS"', ci_run)
 
 
 def test_every_folder_of_modules_is_a_package() -> None:
