@@ -29,6 +29,7 @@ from sandbox.devices.tuio.tuio import DEFAULT_PORT, LOOPBACK
 from sandbox.options.metavars import choices
 from sandbox.options.profiles import Profile, default_path, save_profile
 from sandbox.options.scene_options import Plan, SceneOptions, is_in_air, plan
+from sandbox.options.touch_devices import first_line
 from sandbox.recording.recording import is_recording
 from sandbox.session.device import Device
 from sandbox.session.own_layouts import Layouts, kept_layouts
@@ -182,16 +183,22 @@ def _opened(chosen: Plan, surface: Surface) -> Device:
 def _check_surface(options: CalibrateOptions, settings: RunSettings) -> None:
     """Checks that the size of the surface is known, since a guess cannot measure a hand."""
     file = Path(options.device)
-    recorded = file.is_file() and is_recording(file)
-    # A recording is in metres already, so a size given now has no effect.
-    known = settings.surface_calibrated and (recorded or not file.is_file())
-    if not known and (recorded or options.surface is None):
+    told: object = None
+    if file.is_file():
+        told = (
+            settings.surface_calibrated
+            if is_recording(file)
+            else first_line(file).get("surface_calibrated")
+        )
+    # What tells is in lengths already, so that a size given now has no effect.
+    asked = options.surface is not None or (settings.surface_calibrated and not file.is_file())
+    if not (asked if told is None else told):
         raise InputError(
             "the size of the touch surface is not known",
             where=f"--device {options.device}",
-            remedy="Record again with --surface"
-            if recorded
-            else "Measure the touch area with a ruler, for example --surface 197x148mm",
+            remedy="Measure the touch area with a ruler, for example --surface 197x148mm"
+            if told is None
+            else "Record again with --surface",
         )
 
 

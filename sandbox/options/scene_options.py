@@ -371,6 +371,7 @@ def _settings(options: SceneOptions, recording: Recording | None) -> RunSettings
         values["surface_in"] = (surface.width_in, surface.height_in)
     elif (native := native_surface(options.device)) is not None:
         values["surface_in"] = (native.width_in, native.height_in)
+        values["surface_calibrated"] = native.calibrated
     elif has_unknown_size(options.device):
         # TUIO does not transmit a size: without --surface, inches are a guess, and views say so.
         values["surface_calibrated"] = False

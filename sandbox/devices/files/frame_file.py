@@ -1,10 +1,11 @@
 """Recorded touch frames: JSON lines, one per frame, lengths in inches.
 
-    {"surface_in": [7.76, 5.82], "device": "evdev"}
+    {"surface_in": [7.76, 5.82], "surface_calibrated": true, "device": "evdev"}
     {"time": 2.99, "contacts": [{"id": 0, "x": 1.21, "y": 1.21, "finger": null}]}
 
-The first line is optional. A frame may also have `cancelled` (ids) and `lift` (0 to 1), a contact
-`size`, or `width` and `height` too. A damaged file is read up to the damage.
+The first line is optional; its `surface_calibrated` is false where the size is a guess. A frame may
+also have `cancelled` (ids) and `lift` (0 to 1), a contact `size`, or `width` and `height` too. A
+damaged file is read up to the damage.
 """
 
 from __future__ import annotations
@@ -57,6 +58,7 @@ class HeaderLine(Struct):
     """The first line of a file with a header."""
 
     surface_in: tuple[float, float] | None = None
+    surface_calibrated: bool = True
 
 
 @dataclass(frozen=True)
@@ -136,7 +138,8 @@ def frame_record(frame: TouchFrame) -> dict[str, Any]:
 
 def header_record(surface: Surface, device: str) -> dict[str, Any]:
     """JSON values of a file's first line."""
-    return {"surface_in": [surface.width_in, surface.height_in], "device": device}
+    size = [surface.width_in, surface.height_in]
+    return {"surface_in": size, "surface_calibrated": surface.calibrated, "device": device}
 
 
 def read_frame_file(path: Path) -> FrameFile:
@@ -218,7 +221,9 @@ def frame_surface(line: bytes, where: str) -> Surface | None:
         expected=_EXPECTED,
         remedy=_FORMATS,
     )
-    return None if header.surface_in is None else Surface(*header.surface_in)
+    if header.surface_in is None:
+        return None
+    return Surface(*header.surface_in, calibrated=header.surface_calibrated)
 
 
 def _frame(line: FrameLine) -> TouchFrame:

@@ -17,8 +17,10 @@ from models.arithmetic.arrays import Array
 from models.errors import InputError
 from models.frames import Contact, TouchFrame
 from models.person import HANDS, TURNS, Person
+from models.surface import Surface
 from sandbox.cli import calibrate
 from sandbox.cli.play.command import PlayOptions
+from sandbox.devices.files.frame_file import frame_record, header_record
 from sandbox.devices.simulated.spreads import SimulatedSpreads
 from sandbox.options.profiles import Profile, default_path, find_profile, load_profile, save_profile
 from sandbox.options.scene_options import SceneOptions, plan
@@ -131,6 +133,57 @@ def test_a_recording_of_five_fingers_in_three_spreads_gives_the_size_of_the_hand
     assert profile.person.hand == "left" and profile.simulated
     assert profile.interval[0] < 1.12 < profile.interval[1]
     assert 1 <= len(profile.layouts) <= 3
+
+
+def touches_of_spreads(path: Path, surface: Surface, tells: bool = True) -> Path:
+    """Writes three spreads of a hand of 1.12 as `sandbox touches record` does."""
+    device = SimulatedSpreads(Person("right", 1.12), surface, 3)
+    first = header_record(surface, "tuio")
+    if not tells:
+        # As files were before headers told whether the size was known.
+        del first["surface_calibrated"]
+    frames = (frame_record(frame) for tick in range(1500) for frame in device.poll(tick / 60))
+    path.write_text("".join(json.dumps(line) + "\n" for line in (first, *frames)))
+    return path
+
+
+def test_a_file_of_touches_that_knows_its_size_needs_no_other(tmp_path: Path) -> None:
+    out = tmp_path / "p.json"
+    touches = touches_of_spreads(tmp_path / "touches.jsonl", Surface())
+    assert calibrate.main(["--device", str(touches), "--out", str(out)]) == 0
+    low, high = load_profile(out).interval
+    assert low < 1.12 < high
+
+
+@pytest.mark.parametrize(
+    ("guessed", "tells", "size", "says"),
+    [
+        (True, True, [], "Record again"),
+        (True, True, ["--surface", "ipad2"], "Record again"),
+        (False, False, [], "Measure"),
+        (False, False, ["--surface", "ipad2"], None),
+    ],
+)
+def test_a_file_of_touches_on_a_guessed_size_measures_no_hand(
+    guessed: bool, tells: bool, size: list[str], says: str | None, tmp_path: Path
+) -> None:
+    surface = Surface(calibrated=not guessed)
+    touches = touches_of_spreads(tmp_path / "touches.jsonl", surface, tells)
+    arguments = ["--device", str(touches), "--out", str(tmp_path / "p.json"), *size]
+    if says is None:
+        assert calibrate.main(arguments) == 0
+        return
+    with pytest.raises(InputError, match=says):
+        calibrate.main(arguments)
+
+
+@pytest.mark.parametrize("guessed", [False, True])
+def test_a_file_of_touches_on_a_guessed_size_plays_as_such(guessed: bool, tmp_path: Path) -> None:
+    surface = Surface(9.0, 6.0, calibrated=not guessed)
+    touches = touches_of_spreads(tmp_path / "touches.jsonl", surface)
+    settings = plan(SceneOptions(device=str(touches))).settings
+    assert settings.surface_in == (9.0, 6.0)
+    assert settings.surface_calibrated is not guessed
 
 
 @pytest.mark.parametrize(
