@@ -6,7 +6,7 @@ from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
 from math import cos, sin
 from pathlib import Path
-from typing import ClassVar, Protocol
+from typing import ClassVar, Protocol, runtime_checkable
 from xml.etree.ElementTree import Element, SubElement
 
 import numpy as np
@@ -49,6 +49,27 @@ class SceneObject(Protocol):
     def clearance(self, points: ArrayLike, position: Array, rotation: Array) -> Array:
         """Signed distances (n,) m of world points (n, 3) to the object, negative inside."""
         ...
+
+
+@runtime_checkable
+class Scalable(Protocol):
+    """Contract of an object whose size can be varied."""
+
+    def scaled(self, size: float) -> SceneObject:
+        """The object with all its lengths times a factor, of the same mass, as it starts."""
+        ...
+
+
+@runtime_checkable
+class Symmetric(Protocol):
+    """Contract of an object that looks the same from several sides.
+
+    Attributes:
+        symmetry: Number of equivalent angles in one full turn about the vertical; 0: all.
+    """
+
+    @property
+    def symmetry(self) -> int: ...
 
 
 @dataclass(frozen=True)

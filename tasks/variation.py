@@ -18,7 +18,7 @@ from models.arithmetic import functions
 from models.arithmetic.arrays import Array
 from models.arithmetic.products import length
 from models.errors import InputError
-from models.objects import Box, MechanismPart, SceneObject
+from models.objects import Box, MechanismPart, Scalable, SceneObject, Wrench
 from models.surface import Surface
 from tasks.checks import over_a_side
 from tasks.task import Goal, Task
@@ -177,16 +177,14 @@ def _sized(obj: SceneObject, size: float, where: str) -> SceneObject:
         a, b, c = (size * half for half in obj.half_size)
         # The point on which it stands stays where it is.
         return replace(obj, half_size=(a, b, c), position=(x, y, z + c - obj.half_size[2]))
-    scaled = getattr(obj, "scaled", None)
-    if scaled is None:
+    if not isinstance(obj, Scalable):
         raise InputError(
             "this object has one size only",
             where=where,
             got=obj.name,
             remedy="Vary something else, or give its class `scaled(size)`",
         )
-    resized: SceneObject = scaled(size)
-    return resized
+    return obj.scaled(size)
 
 
 def _step(old: SceneObject, new: SceneObject) -> tuple[float, float, float]:
@@ -286,7 +284,8 @@ def _moved(
     bolted = [
         objects[i].name
         for i in own
-        if isinstance(objects[i], MechanismPart) or getattr(objects[i], "bolt", None) is not None
+        if isinstance(thing := objects[i], MechanismPart)
+        or (isinstance(thing, Wrench) and thing.bolt is not None)
     ]
     fixed = bolted or [objects[i].name for i in own if not is_dataclass(objects[i])]
     if fixed:

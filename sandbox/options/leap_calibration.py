@@ -33,12 +33,12 @@ def chosen_calibration(options: Any) -> Path | None:
     """Returns the calibration file named by --calibration or --profile; None if there is none.
 
     Args:
-        options: `LeapOptions`, with or without `profile`.
+        options: `SceneOptions`, or those of a command with the same names.
 
     Raises:
         InputError: The options name two files.
     """
-    named: str | None = getattr(options, "profile", None)
+    named: str | None = options.profile
     path: Path | None = None
     if named == DEFAULT:
         path = own_calibration_path() if own_calibration_path().exists() else None

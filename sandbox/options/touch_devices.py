@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Protocol
 
 import tyro
 
@@ -24,6 +24,9 @@ from sandbox.session.device import Device
 
 SERVED = ("web",)
 """Built-in devices that are opened by the page server."""
+
+STALE_AFTER = 2.0
+"""s without a packet after which the touches of a TUIO sender are lifted, unless it is chosen."""
 
 _LONGEST_LINE = 1_000_000
 
@@ -61,7 +64,7 @@ class TouchOptions:
     ipad-mini). TUIO does not transmit the size, so without this option inches are a guess. A
     browser page is measured on the page, and most touch screens report their size."""
 
-    stale_after: float = 2.0
+    stale_after: float = STALE_AFTER
     """Seconds without a packet after which the touches of a TUIO sender are lifted."""
 
     tablet: tyro.conf.FlagCreatePairsOff[bool] = False
@@ -85,14 +88,42 @@ class Opened:
     surface: Surface
 
 
-def live_maker(options: Any, tap: Tap | None = None) -> Callable[[Surface], Device] | None:
+class LiveOptions(Protocol):
+    """What a live device needs to know; for each see `TouchOptions`."""
+
+    @property
+    def device(self) -> str: ...
+
+    @property
+    def bind(self) -> str: ...
+
+    @property
+    def port(self) -> int: ...
+
+    @property
+    def tuio_transport(self) -> Transport: ...
+
+    @property
+    def websocket_port(self) -> int: ...
+
+    @property
+    def tuio_connect(self) -> str: ...
+
+    @property
+    def grab(self) -> bool: ...
+
+
+def live_maker(
+    options: LiveOptions, tap: Tap | None = None, stale_after: float = STALE_AFTER
+) -> Callable[[Surface], Device] | None:
     """Returns a function that opens the live device of options; None if they name no live device.
 
     Args:
-        options: `TouchOptions`, or others with the same names.
+        options: Which device, and how it is reached.
         tap: Called with every TUIO packet.
+        stale_after: s without a packet after which the touches of a TUIO sender are lifted.
     """
-    name: str = options.device
+    name = options.device
     if name == "tuio":
         return lambda surface: TuioDevice(
             surface,
@@ -101,7 +132,7 @@ def live_maker(options: Any, tap: Tap | None = None) -> Callable[[Surface], Devi
             transport=options.tuio_transport,
             websocket_port=options.websocket_port,
             connect=options.tuio_connect,
-            stale_after=getattr(options, "stale_after", 2.0),
+            stale_after=stale_after,
             tap=tap,
         )
     if is_evdev(name):
@@ -149,14 +180,14 @@ def open_touches(options: TouchOptions, tap: Tap | None = None) -> Opened:
         InputError: The device or file is missing or cannot be opened.
     """
     given = parse_surface(options.surface) if options.surface else None
-    maker = live_maker(options, tap)
+    maker = live_maker(options, tap, options.stale_after)
     if maker is not None:
         size = given or native_surface(options.device) or guessed_surface()
         return Opened(maker(size), size)
     return open_file(Path(options.device), given, options.stale_after)
 
 
-def open_file(path: Path, surface: Surface | None, stale_after: float = 2.0) -> Opened:
+def open_file(path: Path, surface: Surface | None, stale_after: float = STALE_AFTER) -> Opened:
     """Opens a file as a device; its content decides the format.
 
     Args:

@@ -45,8 +45,9 @@ class GltfWriter(MotionWriter):
         self._rate = checked_rate(rate)
         self._armatures = armatures
         self._names = names or tuple(f"{a.skeleton.side} hand" for a in armatures)
-        super().__init__(path)
+        # Before the file is opened, since that may fail, and then everything is closed.
         self._closing = ExitStack()
+        super().__init__(path)
         self._last: list[Array | None] = [None] * len(armatures)
         self._first: list[tuple[Array, Array]] = []
         try:
@@ -78,9 +79,8 @@ class GltfWriter(MotionWriter):
     def abort(self) -> None:
         """Removes the unfinished files."""
         super().abort()
-        if hasattr(self, "_closing"):
-            with suppress(OSError):
-                self._closing.close()
+        with suppress(OSError):
+            self._closing.close()
 
     def _temporary(self) -> BinaryIO:
         folder = self.paths[0].parent

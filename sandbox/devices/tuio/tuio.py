@@ -389,7 +389,7 @@ def _bound(kind: socket.SocketKind, bind: str, port: int) -> socket.socket:
             where=f"{'UDP' if kind == socket.SOCK_DGRAM else 'TCP'} {bind}:{port}",
             expected="an IPv4 address of this machine and a free port from 0 to 65535",
             remedy="Close the program that has the port, or choose another with --port"
-            if getattr(error, "errno", None) == errno.EADDRINUSE
+            if isinstance(error, OSError) and error.errno == errno.EADDRINUSE
             else "0.0.0.0 means all addresses of this machine",
         ) from error
     return sock

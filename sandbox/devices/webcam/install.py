@@ -210,7 +210,7 @@ def _fetched(address: str) -> bytes:
         with urlopen(asked, timeout=_LONGEST) as answer:
             data: bytes = answer.read(_LARGEST)
     except (URLError, OSError, ValueError) as error:
-        reason = getattr(error, "reason", error)
+        reason = error.reason if isinstance(error, URLError) else error
         raise _unfetched(address, str(reason)[:160]) from None
     return data
 

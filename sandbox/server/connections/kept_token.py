@@ -55,7 +55,7 @@ def _read(path: Path) -> str:
     try:
         text, mode = path.read_text(encoding="ascii").strip(), path.stat().st_mode
     except (OSError, UnicodeDecodeError) as error:
-        reason = getattr(error, "strerror", None) or "it is not text"
+        reason = error.strerror if isinstance(error, OSError) else "it is not text"
         raise InputError(
             "the page's token cannot be read", where=str(path), got=reason, remedy=remedy
         ) from None

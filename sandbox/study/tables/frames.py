@@ -15,6 +15,7 @@ import numpy as np
 
 from models.errors import RecordingError
 from models.frames import FINGERS, TouchFrame
+from models.objects import Box, Symmetric
 from models.pose import POSE_SIZE
 from models.rotations import matrix_to_quaternion
 from models.skeleton import ADULT
@@ -213,10 +214,10 @@ class FrameTable:
         objects = self._session.task.objects if self._session is not None else ()
         symmetries = {}
         for item in objects:
-            half = getattr(item, "half_size", None)
-            symmetries[item.name] = int(getattr(item, "symmetry", 1))
-            if half is not None:
-                symmetries[item.name] = 4 if abs(half[0] - half[1]) < 1e-9 else 2
+            symmetries[item.name] = item.symmetry if isinstance(item, Symmetric) else 1
+            if isinstance(item, Box):
+                a, b, _ = item.half_size
+                symmetries[item.name] = 4 if abs(a - b) < 1e-9 else 2
         return symmetries
 
     def _touches(self) -> dict[str, Any]:
