@@ -55,8 +55,8 @@ class StudyExportOptions:
     them."""
 
     keep_hands: tyro.conf.FlagCreatePairsOff[bool] = False
-    """Keep recordings over a Leap, which contain the lengths of fingers, and those of hands whose
-    exact size fewer than five participants share."""
+    """Keep recordings over a Leap, which contain the lengths of fingers, and recordings and tables
+    of touches of hands whose exact size fewer than five participants share."""
 
     drop: Annotated[tuple[str, ...], tyro.conf.arg(metavar="ITEM")] = ()
     """Demographic item to leave out; may be repeated."""

@@ -6,7 +6,10 @@ of the groups of a factor between participants. Rows of all factors together are
 
 - over a full cycle every combination of rows occurs exactly once, and
 - among the first n participants, for every n, the uses of two rows of one factor differ by at most
-  one, and so do those of two combinations.
+  one, and so do those of two combinations of all factors.
+
+With three factors or more, two of them may go together until a cycle is full; `confounded` names
+such pairs.
 
 Inner orders are the same at all places of outer ones. So both hold for the inner orders at each
 place of the outer factor, for those inside of each of its levels, and for both together.
@@ -81,7 +84,7 @@ def confounded(design: Design, people: int) -> list[str]:
     if not rest:
         return []
     fixed = [i for i, factor in enumerate(design.factors) if cycle_of(factor) > 1]
-    rows = [rows_of(design, number) for number in range(rest)]
+    rows = [row for number in range(rest) for row in _rounds(design, rows_of(design, number))]
     lines: dict[tuple[int, ...], str] = {}
     for size in range(1, len(fixed) + 1):
         for some in combinations(fixed, size):
@@ -91,6 +94,19 @@ def confounded(design: Design, people: int) -> list[str]:
             if line:
                 lines[some] = line
     return list(lines.values())
+
+
+def _rounds(design: Design, first: tuple[int, ...]) -> Iterator[tuple[int, ...]]:
+    """Rows of all rounds of a participant: with `repeat_inside`, each round has the next orders."""
+    if not design.repeat_inside:
+        yield first
+        return
+    inside = [factor.name for factor in design.factors].index(design.repeat_inside) + 1
+    for again in range(design.repetitions):
+        yield tuple(
+            (row + again) % cycle_of(factor) if i >= inside and factor.order != "between" else row
+            for i, (factor, row) in enumerate(zip(design.factors, first, strict=True))
+        )
 
 
 def _confounded(design: Design, rows: list[tuple[int, ...]], some: tuple[int, ...]) -> str:

@@ -302,8 +302,8 @@ BUILT_IN: tuple[TrialMeasure, ...] = (
         "waited_s",
         "s",
         "Time before the first touch",
-        "real time from the first picture of the scene to the first touch, which starts simulated "
-        "time; 0 if simulated time starts at once",
+        "real time for which the scene is seen until the first touch, which starts simulated time; "
+        "pauses and time without the page are left out; 0 if simulated time starts at once",
         better=LOW,
         tasks=PAGE,
         of_result=live_measure("waited_s"),

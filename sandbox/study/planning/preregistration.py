@@ -84,9 +84,9 @@ def preregistration(
             *(_form(design, i) for i in range(len(design.questionnaires))),
         ],
         "Participants": [
-            f"- {participants} participants finish all sessions. Who drops out, or is excluded by "
-            "the experimenter, is replaced by the next participant with the same orders. Data "
-            "collection ends with that number, whatever the results are.",
+            f"- {participants} participants finish all sessions. Who does not consent, is excluded "
+            "by the experimenter or withdraws, is replaced by the next participant with the same "
+            "orders. Data collection ends with that number, whatever the results are.",
             f"- Recruitment, and who may take part: {TO_WRITE}.",
         ],
         "Power": [f"- {line.strip()}" for line in power],

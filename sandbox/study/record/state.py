@@ -155,6 +155,13 @@ class SessionState:
         last = max(started, key=lambda a: a.start["n"], default=None)
         return last if last and last.end is None else None
 
+    def last_finished(self, steps: Sequence[Step]) -> TrialStep | None:
+        """The trial whose attempt ended last; None before one has."""
+        ended = [a.end for some in self.attempts.values() for a in some if a.end is not None]
+        last = max(ended, key=lambda end: end["n"], default={"trial": None})
+        trials = (step for step in steps if isinstance(step, TrialStep))
+        return next((step for step in trials if step.number == last["trial"]), None)
+
     def next_step(self, steps: Sequence[Step]) -> Step | None:
         """The first step that is not finished; None at the end."""
         return next((step for step in steps if step.id not in self.finished), None)

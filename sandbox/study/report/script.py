@@ -17,7 +17,8 @@ trials <- text
 # Pseudonyms such as 12E345 and levels such as 1 are not numbers.
 for (name in setdiff(names(text), {texts}))
   trials[[name]] <- suppressWarnings(as.numeric(text[[name]]))
-contrasts <- read.csv("contrasts.csv", colClasses = c(first = "character", second = "character"),
+columns <- c("factor", "first", "second", "condition")
+contrasts <- read.csv("contrasts.csv", colClasses = sapply(columns, function(name) "character"),
                       encoding = "UTF-8")
 conditions <- {conditions}
 trials$condition <- factor(trials$condition, levels = conditions)

@@ -150,6 +150,10 @@ class _PageClock:
             page.check_connection()
         self._follow_pause(attempt.check_pause())
         now = time.monotonic()
+        away = {page for page in self._pages if page.server.away}
+        if self._waited is None and (self._paused or away):
+            # Nobody sees the scene meanwhile.
+            self._shown += now - self._last
         self._add_silence(now)
         gone = any(page.gone for page in self._pages)
         if gone and self._options.when_gone == "repeat" and self._waited is not None:
@@ -160,7 +164,6 @@ class _PageClock:
         ):
             # The trial began on a surface that is no longer there.
             attempt.broken = attempt.broken or "another device became the participant's page"
-        away = {page for page in self._pages if page.server.away}
         if self._options.when_gone == "pause" and not held and self._waited is not None:
             self._awaited |= away
         if self._paused:

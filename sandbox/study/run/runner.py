@@ -89,7 +89,8 @@ class SessionRunner:
     def __post_init__(self) -> None:
         self._leave_key = self._leave_reason = ""
         self._step: Step | None = None
-        self._last: TrialStep | None = None
+        # A session that goes on after a crash may begin with a trial to exclude.
+        self._last = self.session.state.last_finished(self.session.steps)
         self._study_tables = self.tables or StudyTables(self.session.study, self.say)
 
     def run(self) -> SessionOutcome:
@@ -125,7 +126,10 @@ class SessionRunner:
             if self._leave_key == "q":
                 return SessionOutcome.STOPPED
             if session.state.consent is False:
-                session.write("session_end", durable=True, complete=False, why="no consent")
+                why = SessionOutcome.NO_CONSENT.value
+                session.write("session_end", durable=True, complete=False, why=why)
+                # The next participant gets the same orders.
+                session.study.release(session.person.ppid, why)
                 return SessionOutcome.NO_CONSENT
         if not session.state.complete:
             session.write("session_end", durable=True, complete=True)

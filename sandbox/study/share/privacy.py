@@ -8,6 +8,7 @@ results.
 
 from __future__ import annotations
 
+import gzip
 import shutil
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
@@ -21,7 +22,7 @@ from sandbox.recording.recording_file import read_stored, stored
 from sandbox.study.design.design import DEMOGRAPHICS, FILLED, Design
 from sandbox.study.design.plan import in_the_air
 from sandbox.study.record.chain import DIGEST, Record
-from sandbox.study.record.file_digests import recording_digests, tables_of
+from sandbox.study.record.file_digests import file_digests, recording_digests, tables_of
 from sandbox.study.record.files import json_bytes, make_folder, remove_locks, write_atomically
 from sandbox.study.record.folder import (
     ANONYMISED,
@@ -269,6 +270,7 @@ def _write_session(
     path = session_path(work, person_masking.ppid, session.number)
     for folder in ("trials", "trackers", "session_info"):
         make_folder(path / folder)
+    emptied: dict[str, str] = {}
     for attempt in (a for some in SessionState.of(records).attempts.values() for a in some):
         recording = source / attempt.start["file"]
         tells = tells_hand or in_the_air(attempt.start["values"])
@@ -279,14 +281,33 @@ def _write_session(
                 for line in _whole_lines(read_stored(recording).data).split(b"\n")
             )
             write_atomically(path / attempt.start["file"], copied, durable=False)
-        # Tables of poses and touches contain only numbers and names of fingers and objects.
+        # Tables of poses and touches contain only numbers and names of fingers and objects, but
+        # touches beside poses of the trained size tell the size of the hand.
         for table in tables_of(source / "trackers", recording.stem):
-            shutil.copyfile(table, path / "trackers" / table.name)
+            copy = path / "trackers" / table.name
+            if tells_hand and not masking.hands and table.name.startswith("touches_"):
+                emptied |= _without_rows(table, copy)
+            else:
+                shutil.copyfile(table, copy)
     for record in records:
+        if record["kind"] == "tables":
+            theirs = {name: emptied.get(name, digest) for name, digest in record["files"].items()}
+            record["files"] = theirs
         if record.get("recording") is not None:
             digests = recording_digests(path / record["file"])
             record["recording"] = digests or {LEFT_OUT: True}
     write_atomically(path / JOURNAL, journal_bytes(records), durable=False)
+
+
+def _without_rows(table: Path, copy: Path) -> dict[str, str]:
+    """Writes a table with its columns and no rows; its name and digest, or nothing for a table of
+    another format, which is left out."""
+    if not table.name.endswith(".csv.gz"):
+        return {}
+    with gzip.open(table) as file:
+        columns = file.readline()
+    write_atomically(copy, gzip.compress(columns, mtime=0), durable=False)
+    return file_digests([copy])
 
 
 def _whole_lines(data: bytes) -> bytes:
@@ -347,6 +368,7 @@ def _finish(
         "rounded_down_to": {HAND_SIZE: HAND_SIZE_BIN, **(masking.bins or {})},
         "recordings": masking.recordings,
         "recordings_that_tell_how_a_hand_is_made": masking.recordings and masking.hands,
+        "touches_that_tell_how_a_hand_is_made": masking.hands,
         "compared": list(group_sizes.columns),
         "smallest_group": group_sizes.smallest,
         "people_in_groups_below_5": group_sizes.exposed,

@@ -40,6 +40,20 @@ def exclude_person(design: Design, states: Sequence[SessionState], rows: Sequenc
             row |= {"excluded": True, "exclusion_reason": PERSON + reason}
 
 
+def excluded_person(design: Design, states: Sequence[SessionState], rows: Sequence[Row]) -> str:
+    """Reason why a participant is excluded, after `exclude_person`; empty for one who is not.
+
+    An experimenter may begin the reason for a single trial with `participant: `, too: only a rule
+    of the design that marks all trials is a rule on participants.
+    """
+    for state in states:
+        if state.excluded_participant:
+            return state.excluded_participant
+    marks = {row["exclusion_reason"] for row in rows}
+    rules = (f"rule {rule.name}" for rule in design.exclusions if rule.of == "participant")
+    return next((reason for reason in rules if marks == {PERSON + reason}), "")
+
+
 def _by_rule(design: Design, rows: Sequence[Row]) -> str:
     """Name of the first rule on participants that the mean over these trials meets, as a reason."""
     counted = [r for r in rows if r["counted"] and not r["practice"] and not r["excluded"]]

@@ -8,7 +8,7 @@ from sandbox.study.design.design import Design
 from sandbox.study.record.session_clock import CLOCK_STEPS
 from sandbox.study.record.state import SessionState
 from sandbox.study.tables.column import Column, Row, names_of
-from sandbox.study.tables.exclusions import PERSON
+from sandbox.study.tables.exclusions import excluded_person
 from sandbox.study.tables.trial_table import SESSION, UXF
 
 _COMMON = {column.name: column for column in (*UXF, *SESSION)}
@@ -67,10 +67,7 @@ def participant_row(
         sessions: Planned number of sessions.
     """
     start = states[0].start
-    reasons = [r["exclusion_reason"] for r in rows if r["exclusion_reason"].startswith(PERSON)]
-    # A participant without a finished trial has no rows to take the reason from.
-    reasons += [s.excluded_participant for s in states if s.excluded_participant]
-    reason = reasons[0].removeprefix(PERSON) if reasons else ""
+    reason = excluded_person(design, states, rows)
     asked = [s.about_person for s in states if s.about_person is not None]
     ended = sum(state.complete for state in states)  # any order: whole numbers
     return {

@@ -6,7 +6,7 @@ import csv
 import io
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
 from queue import SimpleQueue
@@ -17,13 +17,14 @@ from hypothesis import strategies as st
 
 from models.errors import StudyError
 from sandbox.cli.main import main
-from sandbox.study.design.design import Form, Item
+from sandbox.study.design.design import DEMOGRAPHICS, Form, Item
+from sandbox.study.design.plan import FormStep
 from sandbox.study.record.folder import StudyFolder
 from sandbox.study.record.journal import read_journal
 from sandbox.study.record.session_folder import SessionFolder
 from sandbox.study.record.state import SessionState
 from sandbox.study.record.stored_sessions import session_path
-from sandbox.study.run.answers import Draft, hint, read_answer
+from sandbox.study.run.answers import Answers, Draft, hint, read_answer
 from sandbox.study.run.controls import Command, Controls, Terminal, parse_command
 from sandbox.study.run.forms import SimulatedForms, TerminalForms
 from sandbox.study.run.players import HeadlessPlayer
@@ -106,6 +107,48 @@ def test_consent_cannot_be_skipped(tmp_path: Path) -> None:
     assert any("consent is not skipped" in line for line in typist.said)
 
 
+class Leaving(SimulatedForms):
+    """A participant who is gone when they are asked about what they did."""
+
+    controls: Controls
+
+    def ask(self, form: Form, language: str, poll: Callable[[], None], draft: Draft) -> Answers:
+        if form.name != DEMOGRAPHICS:
+            self.controls.type("q")
+            poll()
+        return super().ask(form, language, poll, draft)
+
+
+def test_the_last_trial_can_be_excluded_after_the_program_was_started_again(
+    tmp_path: Path,
+) -> None:
+    study = open_study(tmp_path)
+    person = study.add(**simulated_person(study.design, 0))
+    leaving, outcomes, last = Leaving(1), list[SessionOutcome](), 0
+    runs: list[tuple[SimulatedForms, dict[int, str]]] = [
+        (leaving, {}),
+        (SimulatedForms(1), {1: "x the phone rang"}),
+    ]
+    for forms, lines in runs:
+        typist = Typist(lines)
+        leaving.controls = typist.controls
+        with SessionFolder(study, person) as session:
+            step = session.state.next_step(session.steps)
+            runner = SessionRunner(
+                session,
+                HeadlessPlayer(),
+                simulated_devices(person),
+                forms,
+                typist.controls,
+                typist.said.append,
+            )
+            outcomes.append(runner.run())
+            state = session.state
+        last = last or max(state.attempts)
+    assert outcomes == [SessionOutcome.STOPPED, SessionOutcome.COMPLETE]
+    assert isinstance(step, FormStep) and state.excluded == {last: "the phone rang"}
+
+
 def test_a_stopped_session_goes_on_where_it_was(tmp_path: Path) -> None:
     study, state, outcome, _ = run_with(tmp_path, {30: "q"})
     done = [t for t in range(1, TRIALS + 1) if state.counted(t)]
@@ -173,6 +216,8 @@ def test_without_consent_nothing_is_played(tmp_path: Path) -> None:
         )
         assert runner.run() is SessionOutcome.NO_CONSENT
         assert not session.state.attempts
+    # Whoever declines uses up neither a number nor its orders.
+    assert study.add(**simulated_person(study.design, 0)).number == person.number
 
 
 def test_a_session_in_the_terminal_asks_plays_and_hears_the_experimenter(

@@ -296,6 +296,38 @@ def begin_trial(running: OnPage, page: Page) -> None:
 
 
 SLOW = pytest.mark.slow
+PAUSED = 4.0
+"""s"""
+
+
+def test_the_time_before_the_first_touch_is_without_the_experimenter_s_pause(
+    tmp_path: Path,
+) -> None:
+    text = SMALL.replace("time_limit_s = 20", "time_limit_s = 1")
+    study = study_in(tmp_path, text.replace("practice = 1", "practice = 0"))
+    with on_page(study, study.add(hand="right", hand_size=1.0, language="en")) as running:
+        with opened(running) as page:
+            leave(page, page.until("sheet", kind="consent"), "yes")
+            page.until("sheet", kind="form")
+            running.type("s")
+            leave(page, page.until("sheet", kind="text"))
+            page.until("sheet", kind="none")
+            running.type("p")
+            page.until("sheet", kind="wait")
+            time.sleep(PAUSED)
+            running.type("p")
+            page.until("sheet", kind="none")
+            shown = time.monotonic()
+            page.touch((1, 5.0, 3.0))
+            while page.until("frame")["time"] == 0.0:
+                pass
+            seen = time.monotonic() - shown
+            page.until("sheet", kind="form")
+            running.type("q")
+        running.ended()
+    state = SessionState.of(read_journal(running.folder / "journal.jsonl"))
+    # The scene is seen for a moment before the pause, too.
+    assert state.counted(1).end["result"]["measures"]["waited_s"] < seen + PAUSED / 2
 
 
 @pytest.mark.parametrize(

@@ -75,13 +75,15 @@ def _each(
 ) -> list[ScaleAnswers]:
     table = table[~table["ppid"].isin(_left_out(data))]
     scales: list[ScaleAnswers] = []
+    firsts = table.drop_duplicates(form).set_index(form)[item]
     for (name, scale), rows in table.groupby([form, item], sort=False):
         numbers = to_numbers(rows[value])
         given = rows[value].astype(str).str.strip() != ""
         # A question is numerical only if every answer is a number.
         if not given.any() or numbers[given].isna().any():
             continue
-        main = score and str(name) not in {s.questionnaire for s in scales}
+        # The first one, even if nobody answered it.
+        main = score and firsts[name] == scale
         scales.append(
             _scale(data, str(name), str(scale), score, main, rows, numbers.to_numpy(float))
         )
@@ -89,9 +91,12 @@ def _each(
 
 
 def _left_out(data: StudyData) -> list[str]:
-    """Participants with counted trials of which none is used."""
+    """Participants who are excluded, and those with counted trials of which none is used."""
     main = data.trials[(data.trials["counted"] == 1) & (data.trials["practice"] != 1)]
-    return sorted(set(main["ppid"]) - set(data.used["ppid"]))
+    gone = set(main["ppid"]) - set(data.used["ppid"])
+    if "excluded" in data.people.columns:
+        gone |= set(data.people.loc[to_numbers(data.people["excluded"]) == 1, "ppid"])
+    return sorted(gone)
 
 
 def _scale(

@@ -73,6 +73,21 @@ class ObservedFactor:
         """Name of its column in tables."""
         return FACTOR + self.name
 
+    @property
+    def place(self) -> str:
+        """Name of the column of `StudyData.used` with the place of its level in its order."""
+        return "place of " + self.name
+
+    @property
+    def round(self) -> str:
+        """Name of the column of `StudyData.used` with the round, whose order is its own."""
+        return "round of " + self.name
+
+    @property
+    def count(self) -> str:
+        """Name of the column of `StudyData.used` with the number of the trial with its level."""
+        return "count of " + self.name
+
 
 @dataclass(frozen=True)
 class StudyData:
@@ -85,7 +100,10 @@ class StudyData:
         trials: Every finished attempt, as in the table, with numbers converted.
         used: Counted attempts, without practice and excluded trials. Added columns: `condition`,
             `cell` (its number), `position` (number of the participant's trial, from 1, without
-            practice) and `censored` (no success, so that it would have taken longer).
+            practice), `censored` (no success, so that it would have taken longer), and for every
+            factor the round, the place of its level in the order of the round, and the number of
+            the participant's trial with its level, all from 1. Excluded trials count in them and
+            in `position`, since they were practice as well.
         conditions: Names of all combinations of levels that were used, in the design's order.
         people: `participants.csv`, or participants derived from the trials.
         answers: `questionnaires.csv`; may be empty.
@@ -400,6 +418,23 @@ def _listed(text: str, names: Sequence[str]) -> list[str]:
     return list(dict.fromkeys(entries))
 
 
+def _rounds(main: DataFrame, within: Sequence[str], factor: ObservedFactor) -> Series:
+    """Number of the round of every trial: with `repeat_inside`, levels come back in an order of
+    their own; without it there is one round."""
+    import pandas as pd
+
+    if "repetition" in main.columns:
+        for _, levels in main.groupby(list(within), sort=False)[factor.column]:
+            if (levels != levels.shift()).sum() > levels.nunique():
+                return to_numbers(main["repetition"]).fillna(1).astype(int)
+    return pd.Series(1, index=main.index)
+
+
+def _first_places(levels: Series) -> Series:
+    """Place of every level in the order of their first appearance, from 1."""
+    return levels.map({x: i + 1 for i, x in enumerate(dict.fromkeys(levels))}).astype(int)
+
+
 def _used(
     trials: DataFrame, factors: Sequence[ObservedFactor]
 ) -> tuple[DataFrame, tuple[str, ...]]:
@@ -410,6 +445,12 @@ def _used(
     main = main.sort_values(order, kind="stable").copy()
     # Excluded trials were practice as well, so they are counted in the position.
     main["position"] = main.groupby("ppid", sort=False).cumcount() + 1
+    for i, factor in enumerate(factors):
+        within = ["ppid", *(f.column for f in factors[:i])]
+        main[factor.round] = _rounds(main, within, factor)
+        places = main.groupby([*within, factor.round], sort=False)[factor.column]
+        main[factor.place] = places.transform(_first_places)
+        main[factor.count] = main.groupby(["ppid", factor.column], sort=False).cumcount() + 1
     used = main[(main["excluded"] != 1) & main["success"].isin([0, 1])].copy()
     used = used.sort_values("ppid", kind="stable").reset_index(drop=True)
     columns = [f.column for f in factors if len(f.levels) > 1]

@@ -30,8 +30,10 @@ class FlowStep:
 def flow(data: StudyData) -> list[FlowStep]:
     """Steps from all finished attempts to the used trials."""
     trials = data.trials
-    steps = [
-        FlowStep("began", len(data.people), 0, True),
+    steps = [FlowStep("began", len(data.people), 0, True)]
+    if refused := len(_without_consent(data)):
+        steps.append(FlowStep("did not consent", refused, 0))
+    steps += [
         FlowStep("finished attempts", trials["ppid"].nunique(), len(trials), True),
     ]
     rest = trials
@@ -63,11 +65,20 @@ def _take(steps: list[FlowStep], rest: DataFrame, gone: DataFrame, what: str) ->
 
 
 def unfinished(data: StudyData) -> list[str]:
-    """Participants who have not finished all sessions; empty if the table does not say."""
+    """Participants who consented, if they were asked, and have not finished all sessions; empty if
+    the table does not say."""
     if "complete" not in data.people.columns:
         return []
     done = to_numbers(data.people["complete"])
-    return [str(p) for p in data.people.loc[done != 1, "ppid"]]
+    without = _without_consent(data)
+    return [str(p) for p in data.people.loc[done != 1, "ppid"] if p not in without]
+
+
+def _without_consent(data: StudyData) -> set[str]:
+    """Participants who declined: nothing was asked of them, and nobody waits for them."""
+    if "consent" not in data.people.columns:
+        return set()
+    return set(data.people.loc[to_numbers(data.people["consent"]) == 0, "ppid"])
 
 
 def gaps(data: StudyData) -> list[str]:

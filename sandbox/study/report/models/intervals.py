@@ -72,37 +72,65 @@ def mean_interval(values: Sequence[float]) -> Estimate:
 def within_intervals(table: np.ndarray) -> list[Estimate]:
     """Means of conditions with intervals for comparisons, without differences between people.
 
-    Cousineau 2005, corrected as in Morey 2008. People who lack a condition are left out of the
-    half-widths, not of the means.
+    Cousineau 2005, corrected as in Morey 2008, for each set of conditions that the same people
+    have. People who lack one of these are left out of the half-widths, not of the means. A
+    condition whose people have no other one has the interval of its mean.
 
     Args:
         table: (people, conditions); nan if missing.
     """
     means = [mean_interval(column[np.isfinite(column)]) for column in table.T]
     spread, people = within_spread(table)
-    if spread is None:
-        return means
-    largest = float(np.nanmax(np.abs(table)))
-    known = np.array([has_spread(float(one), largest) for one in spread])
-    halves = np.where(known, t_quantile(people - 1) * spread / sqrt(people), nan)
-    return [Estimate(m.value, m.value - h, m.value + h) for m, h in zip(means, halves, strict=True)]
+    largest = max(map(abs, table[np.isfinite(table)].tolist()), default=0.0)
+    found = []
+    for mean, deviation, count in zip(means, spread.tolist(), people.tolist(), strict=True):
+        if count == 0:
+            found.append(mean)
+            continue
+        known = has_spread(deviation, largest)
+        half = t_quantile(count - 1) * deviation / sqrt(count) if known else nan
+        found.append(Estimate(mean.value, mean.value - half, mean.value + half))
+    return found
 
 
-def within_spread(table: np.ndarray) -> tuple[np.ndarray | None, int]:
-    """Standard deviations (conditions,) without differences between people, and number of people.
+def within_spread(table: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Standard deviations without differences between people.
 
     Args:
-        table: (people, conditions); people who lack a condition are left out.
+        table: (people, conditions); people who lack a condition that others of their set have are
+            left out.
 
     Returns:
-        The deviations, None for fewer than two people or conditions; and the number of people.
+        (conditions,) deviations, nan where fewer than two people have all conditions of the set;
+        and (conditions,) numbers of these people, 0 where people have no other condition, and
+        otherwise at least 1.
     """
-    whole = table[np.isfinite(table).all(axis=1)]
-    people, count = whole.shape
-    if people < 2 or count < 2:
-        return None, people
-    centred = whole - whole.mean(axis=1, keepdims=True)
-    return centred.std(axis=0, ddof=1) * sqrt(count / (count - 1)), people
+    spread, people = np.full(table.shape[1], nan), np.zeros(table.shape[1], int)
+    for some in shared_conditions(table):
+        if len(some) < 2:
+            continue
+        whole = table[:, some]
+        whole = whole[np.isfinite(whole).all(axis=1)]
+        people[some] = max(len(whole), 1)
+        if len(whole) > 1:
+            centred = whole - whole.mean(axis=1, keepdims=True)
+            spread[some] = centred.std(axis=0, ddof=1) * sqrt(len(some) / (len(some) - 1))
+    return spread, people
+
+
+def shared_conditions(table: np.ndarray) -> list[list[int]]:
+    """Sets of conditions, by index, such that nobody has conditions of two: those of each group.
+
+    Args:
+        table: (people, conditions); nan if missing.
+    """
+    sets: list[set[int]] = [{i} for i in range(table.shape[1])]
+    for row in np.isfinite(table):
+        mine = set(np.flatnonzero(row).tolist())
+        joined = [each for each in sets if each & mine]
+        if len(joined) > 1:
+            sets = [each for each in sets if not each & mine] + [set().union(*joined)]
+    return sorted(sorted(each) for each in sets)
 
 
 @dataclass(frozen=True)

@@ -27,16 +27,11 @@ def confounded_pairs(data: StudyData) -> list[tuple[str, str]]:
 
 
 def _met(data: StudyData, outer: ObservedFactor, inner: ObservedFactor) -> list[Hashable]:
-    """(outer level, its place, inner level, its place within) of every person, once each."""
-    met: list[Hashable] = []
-    for _, rows in data.used.groupby("ppid", sort=False):
-        within: dict[str, dict[str, int]] = {}
-        for a, b in zip(rows[outer.column], rows[inner.column], strict=True):
-            orders = within.setdefault(str(a), {})
-            orders.setdefault(str(b), len(orders))
-        for place, (level, orders) in enumerate(within.items()):
-            met += [(level, place, each, number) for each, number in orders.items()]
-    return met
+    """(outer level, its place, inner level, its place within) of every round of every person."""
+    before = [f.column for f in data.factors[: data.factors.index(outer)]]
+    met = [outer.column, outer.place, inner.column, inner.place]
+    seen = data.used[["ppid", *before, outer.round, inner.round, *met]].drop_duplicates()
+    return list(zip(*(seen[name] for name in met), strict=True))
 
 
 def _even(met: Sequence[Hashable]) -> bool:

@@ -38,14 +38,11 @@ def places(data: StudyData, what: Quantity, factor: ObservedFactor) -> list[Leve
     """Means of every level of a factor at each of its positions."""
     rows, y = rows_with(data, what)
     outer = [f.column for f in data.factors[: data.factors.index(factor)]]
-    place = _place(data, factor, outer)
     level = rows[factor.column].to_numpy()
     corrected = _corrected(data, rows["cell"].to_numpy(int), y, level)
-    at = place[rows.index]
-    everywhere = data.used[["ppid", factor.column, *outer]].assign(place=place)
-    often = Counter(
-        zip(*(everywhere.drop_duplicates()[c] for c in (factor.column, "place")), strict=True)
-    )
+    at = rows[factor.place].to_numpy(int)
+    seen = data.used[["ppid", *outer, factor.round, factor.column, factor.place]].drop_duplicates()
+    often = Counter(zip(seen[factor.column], seen[factor.place], strict=True))
     result = []
     for name in factor.levels:
         for number in sorted({p for x, p in often if x == name}):
@@ -61,14 +58,6 @@ def places(data: StudyData, what: Quantity, factor: ObservedFactor) -> list[Leve
                 )
             )
     return result
-
-
-def _place(data: StudyData, factor: ObservedFactor, outer: list[str]) -> np.ndarray:
-    used = data.used
-    groups = used.groupby(["ppid", *outer], sort=False)[factor.column]
-    return groups.transform(
-        lambda column: column.map({x: i + 1 for i, x in enumerate(dict.fromkeys(column))})
-    ).to_numpy(int)
 
 
 def balanced(places: list[LevelPlace], factor: ObservedFactor) -> bool:
@@ -110,10 +99,7 @@ def learning(data: StudyData, what: Quantity, factor: ObservedFactor | None) -> 
     rows, y = rows_with(data, what)
     if not len(rows):
         return []
-    used = data.used
-    keys = ["ppid"] if factor is None else ["ppid", factor.column]
-    # Trials without success were practice as well.
-    number = (used.sort_values(["ppid", "position"]).groupby(keys).cumcount() + 1)[rows.index]
+    number = rows["position" if factor is None else factor.count]
     level = np.full(len(rows), "all") if factor is None else rows[factor.column].to_numpy()
     corrected = _corrected(data, rows["cell"].to_numpy(int), y, level)
     size = int(np.ceil(number.max() / POINTS))

@@ -94,9 +94,7 @@ def summaries(
     within = [e.mapped(what.back) for e in within_intervals(table)]
     if what.scale == SHARE:
         means = [Estimate(s.value, s.low, s.high) for s in _shares(data, what, groups, table)]
-        spread, _ = within_spread(table)
-        inner = means if spread is None else _shares(data, what, groups, table, spread)
-        within = [Estimate(s.value, s.low, s.high) for s in inner]
+        within = _shares_within(data, what, groups, table, means)
     else:
         means = [mean_interval(list(column)).mapped(what.back) for column in table.T]
     return [
@@ -128,9 +126,27 @@ def _shares(
     for i, ((_, cells), column) in enumerate(zip(groups, table.T, strict=True)):
         known = np.isfinite(column)
         trials = [int(n) for n in done[:, cells].sum(axis=1)[known]]
-        deviation = None if spread is None else float(spread[i])
+        deviation = None if spread is None or np.isnan(spread[i]) else float(spread[i])
         shares.append(share(list(column[known]), trials, usual, deviation))
     return shares
+
+
+def _shares_within(
+    data: StudyData,
+    what: Quantity,
+    groups: list[tuple[str, list[int]]],
+    table: np.ndarray,
+    means: list[Estimate],
+) -> list[Estimate]:
+    """Shares with intervals for comparisons, of the conditions of `within_intervals`."""
+    spread, people = within_spread(table)
+    found = []
+    for s, mean, count in zip(
+        _shares(data, what, groups, table, spread), means, people.tolist(), strict=True
+    ):
+        one = Estimate(s.value, s.low, s.high) if count > 1 else Estimate(s.value, nan, nan)
+        found.append(mean if count == 0 else one)
+    return found
 
 
 def median_with_unseen(data: StudyData, cell: int) -> float:

@@ -7,10 +7,13 @@ from pathlib import Path
 
 import pytest
 
+from sandbox.study.design.balance import confounded
 from sandbox.study.design.design import Design
 from sandbox.study.design.plan import session_plan, trials_of
 from sandbox.study.report.models.data import StudyData, load_study
 from sandbox.study.report.models.joint_order import confounded_pairs, design_orders
+from sandbox.study.report.models.order import places
+from sandbox.study.report.models.quantities import quantity
 from sandbox.study.tables.codebook import codebook
 from sandbox.study.tables.column import csv_bytes
 from tests.support.study_files import DESIGN, design
@@ -24,24 +27,29 @@ def crossed() -> Design:
     return design(DESIGN.replace("[trials]", SECOND + "[trials]"))
 
 
-def study(folder: Path, people: int) -> StudyData:
-    """Tables of a study in which everybody did what the plan says."""
+def study(
+    folder: Path, people: int, made: Design | None = None, left_out: tuple[str, int] | None = None
+) -> StudyData:
+    """Tables of a study in which everybody did what the plan says; `left_out` excludes trials of
+    the person with this number at this level of `contact`."""
+    made = made or crossed()
     rows = [
         {
             "ppid": f"P{number:02}",
             "trial_num": trial.number,
             "counted": 1,
             "practice": int(trial.practice),
-            "excluded": 0,
+            "excluded": int((trial.levels["contact"], number) == left_out),
+            "repetition": trial.repetition,
             "success": 1,
             "time_s": 2.0,
             **{f"factor_{name}": level for name, level in trial.levels.items()},
         }
         for number in range(people)
-        for trial in trials_of(session_plan(crossed(), number))
+        for trial in trials_of(session_plan(made, number))
     ]
     (folder / "trial_results.csv").write_bytes(csv_bytes(rows, list(rows[0])))
-    (folder / "codebook.csv").write_bytes(codebook(crossed()))
+    (folder / "codebook.csv").write_bytes(codebook(made))
     return load_study(folder)
 
 
@@ -52,3 +60,28 @@ def test_only_full_cycles_leave_no_interaction_confounded(
     data = study(tmp_path, people)
     assert confounded_pairs(data) == ([] if even else [("contact", "servo")])
     assert design_orders(data).startswith("a full cycle of orders takes 4 participants")
+
+
+def often(data: StudyData, name: str) -> dict[tuple[str, int], int]:
+    """How often each level of a factor was at each place."""
+    (factor,) = (f for f in data.factors if f.name == name)
+    return {(p.level, p.place): p.times for p in places(data, quantity(data, "time_s"), factor)}
+
+
+def test_levels_that_come_back_in_rounds_have_a_place_in_every_round(tmp_path: Path) -> None:
+    text = DESIGN.replace("[trials]", SECOND + '[trials]\nrepeat_inside = "contact"')
+    rounds = design(text)
+    data = study(tmp_path, 3, rounds)
+    both = "orientation", "position"
+    assert often(data, "servo") == {(level, place): 6 for level in both for place in (1, 2)}
+    # Orders of `contact` are not even among three people, those of `servo` inside are.
+    assert [line.split(":")[0] for line in confounded(rounds, 3)] == ["contact with practice"]
+
+
+def test_an_excluded_level_was_practice_for_the_one_after_it(tmp_path: Path) -> None:
+    whole = often(study(tmp_path, 4), "contact")
+    assert set(whole.values()) == {2}
+    data = study(tmp_path, 4, left_out=("hard", 0))
+    lost = {key: whole[key] - n for key, n in often(data, "contact").items()}
+    # Level `soft` stays at its place, which is the second one for this person.
+    assert lost == {("hard", 1): 1, ("hard", 2): 0, ("soft", 1): 0, ("soft", 2): 0}

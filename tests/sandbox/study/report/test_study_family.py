@@ -11,13 +11,14 @@ from sandbox.study.design.design_file import parse_design
 from sandbox.study.design.reading import DesignError
 from sandbox.study.design.scoring import scores
 from sandbox.study.report.models.analysis import analyse
+from sandbox.study.report.models.answers import score_scales
 from sandbox.study.report.models.data import load_study
 from sandbox.study.report.models.family import CONFIRMATORY, EXPLORATORY
 from sandbox.study.report.models.intervals import holm
 from sandbox.study.report.page.page import head
 from sandbox.study.tables.codebook import codebook
 from sandbox.study.tables.column import csv_bytes
-from tests.sandbox.study.report.study_reports import planted, report, rows_of
+from tests.sandbox.study.report.study_reports import planted, put, report, rows_of
 from tests.support.study_files import DESIGN
 
 SCALED = (
@@ -107,6 +108,30 @@ def test_of_a_questionnaire_its_score_is_tested_and_neither_other_scales_nor_que
     assert told["mental"]["role"] == EXPLORATORY
     assert not told["mental"]["p"] + told["mental"]["p_holm"]
     assert "mental differs" not in page.text
+
+
+def test_a_score_that_nobody_has_is_not_replaced_by_the_next_scale(tmp_path: Path) -> None:
+    answered(tmp_path)
+    path = tmp_path / "questionnaire_scores.csv"
+    rows = [
+        {**row, "score": "" if row["scale"] == "effort" else row["score"]} for row in rows_of(path)
+    ]
+    path.write_bytes(csv_bytes(rows, tuple(rows[0])))
+    assert "effort" not in family_names(tmp_path)
+    assert not any(scale.main for scale in score_scales(load_study(tmp_path)))
+
+
+def test_of_whom_the_experimenter_excluded_no_answer_is_described(tmp_path: Path) -> None:
+    answered(tmp_path)
+    whole = [len(scale.values) for scale in score_scales(load_study(tmp_path))]
+    about = [{"ppid": f"P{i:03d}", "excluded": int(i == 2)} for i in range(1, 7)]
+    (tmp_path / "participants.csv").write_bytes(csv_bytes(about, tuple(about[0])))
+    # The person had begun, and had no trial yet that counts.
+    rows = [row for row in rows_of(tmp_path / "trial_results.csv") if row["ppid"] != "P002"]
+    put(tmp_path, rows)
+    assert [len(scale.values) for scale in score_scales(load_study(tmp_path))] == [
+        n - 1 for n in whole
+    ]
 
 
 def test_with_primary_outcomes_only_these_are_tested(tmp_path: Path) -> None:

@@ -69,6 +69,28 @@ def test_intervals_for_comparing_two_conditions_are_those_of_the_paired_t_test()
         assert (e.high - e.low) * np.sqrt(2) == pytest.approx(high - low)
 
 
+def test_intervals_for_comparing_are_those_of_each_group_alone() -> None:
+    rng = np.random.default_rng(1)
+    first, second = (rng.normal(size=(n, 1)) * 5 + rng.normal(size=(n, 3)) for n in (6, 7))
+    nothing = np.full((6, 3), np.nan), np.full((7, 3), np.nan)
+    table = np.vstack([np.hstack([first, nothing[0]]), np.hstack([nothing[1], second])])
+    found = within_intervals(table)
+    assert found == [*within_intervals(first), *within_intervals(second)]
+    own = mean_interval(first[:, 0].tolist())
+    # The means of people who differ much are far less certain than the differences.
+    assert found[0].high - found[0].low < 0.5 * (own.high - own.low)
+
+
+def test_intervals_for_comparing_of_people_with_one_condition_are_those_of_their_means() -> None:
+    table = np.array([[1.0, np.nan], [2.0, np.nan], [np.nan, 3.0], [np.nan, 5.0]])
+    assert within_intervals(table) == [mean_interval([1.0, 2.0]), mean_interval([3.0, 5.0])]
+
+
+def test_intervals_for_comparing_are_not_known_where_one_person_has_all_conditions() -> None:
+    for e in within_intervals(np.array([[1.0, 2.0], [2.0, np.nan], [3.0, np.nan]])):
+        assert np.isfinite(e.value) and np.isnan([e.low, e.high]).all()
+
+
 def test_a_mean_of_one_person_has_no_interval() -> None:
     assert mean_interval([3.0]).value == 3.0
     assert np.isnan(mean_interval([3.0]).low)

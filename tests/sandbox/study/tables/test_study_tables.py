@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import json
 from collections.abc import Callable
 from pathlib import Path
@@ -270,6 +271,28 @@ def test_a_report_has_the_trials_of_a_session_whose_program_was_killed(
     assert "rebuilt" in capsys.readouterr().out and not tables_are_outdated(sessions.study.path)
     after = (sessions.study.path / "trial_results.csv").read_bytes()
     assert after.startswith(before) and after.count(b"\n") == before.count(b"\n") + 1
+
+
+def people_of(study: StudyFolder) -> list[dict[str, str]]:
+    """Rows of `participants.csv`."""
+    with (study.path / "participants.csv").open(newline="", encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+def test_a_trial_that_is_excluded_in_words_for_people_excludes_nobody(tmp_path: Path) -> None:
+    sessions = Sessions(open_study(tmp_path))
+    sessions.do("new", 0, 1.5)
+    sessions.do("trial", 0, 1.5)
+    sessions.do("trial", 0, 1.5)
+    person = sessions.study.participants()[0]
+    with SessionFolder(sessions.study, person) as session:
+        session.write("exclude", trial=2, reason="participant: coughed")
+    sessions.do("trial", 0, 1.5)
+    (row,) = people_of(sessions.study)
+    assert (row["excluded"], row["exclusion_reason"]) == ("0", "")
+    sessions.do("exclude_person", 0, 1.5)
+    (row,) = people_of(sessions.study)
+    assert (row["excluded"], row["exclusion_reason"]) == ("1", 'said "no"')
 
 
 def test_a_copy_without_a_journal_keeps_its_tables(tmp_path: Path) -> None:
