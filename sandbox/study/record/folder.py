@@ -74,6 +74,8 @@ LOCK = "study"
 ANEW = "locked_anew"
 """Kind of the record of a study that is locked to something else before anybody has taken part."""
 STUDY_JOURNAL, STUDY_FILE, DESIGN_FILE = "study.jsonl", "study.json", "design.toml"
+REPORT = "report.html"
+"""Name of the page of a report, wherever it is."""
 _ABOUT = ("schema", "study", "experiment", "mode", "created", "build")
 """Fields of `study.json`, in order."""
 

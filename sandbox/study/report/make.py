@@ -8,8 +8,9 @@ from pathlib import Path
 from models.errors import StudyError
 from models.messages.wording import counted
 from sandbox.study.record.files import make_folder, write_atomically
+from sandbox.study.record.folder import REPORT
 
-PAGE, SCRIPT = "report.html", "analysis.R"
+SCRIPT = "analysis.R"
 NEEDS = ("pandas", "statsmodels", "matplotlib", "jinja2")
 
 
@@ -62,8 +63,8 @@ def make_report(
     for name, content in tables(analysis).items():
         write_atomically(out / name, content, durable=False)
     write_atomically(out / SCRIPT, script(analysis).encode(), durable=False)
-    write_atomically(out / PAGE, page(analysis, lacking).encode(), durable=False)
-    return out / PAGE
+    write_atomically(out / REPORT, page(analysis, lacking).encode(), durable=False)
+    return out / REPORT
 
 
 def check_libraries() -> None:

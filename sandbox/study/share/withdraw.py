@@ -25,7 +25,7 @@ from sandbox.study.record.chain import (
     replaced,
 )
 from sandbox.study.record.files import LOCK_FILES, locked, study_error, write_atomically
-from sandbox.study.record.folder import STUDY_JOURNAL, WITHDRAWN, StudyFolder
+from sandbox.study.record.folder import REPORT, STUDY_JOURNAL, WITHDRAWN, StudyFolder
 from sandbox.study.record.journal import now, read_journal
 from sandbox.study.record.stored_sessions import session_folders
 from sandbox.study.share.export_log import COPIES, Copy, copies
@@ -45,8 +45,8 @@ class Withdrawal:
         files: Number of deleted files.
         before: True if the participant had been withdrawn before.
         copies: Backups, exports and merged folders that contain the data.
-        still: Files in the study folder that still contain the pseudonym, such as a report, or
-            that may contain it because they are damaged.
+        still: Files in the study folder that still contain the pseudonym, or may contain it
+            because they are damaged, and pages of reports, which have the participant in them.
     """
 
     files: int
@@ -147,8 +147,8 @@ def _remove_from_sites(path: Path, ppid: str) -> None:
 
 
 def _traces(study: StudyFolder, ppid: str) -> list[Path]:
-    """Files of the study that contain the pseudonym, or may contain it since they are damaged;
-    folders of other participants are not searched."""
+    """Files of the study that contain the pseudonym or may contain it, since they are damaged, and
+    pages of reports, which count the participant; not in folders of other participants."""
     others = {person.ppid for person in study.participants()}
     own = {study.path / STUDY_JOURNAL, study.path / COPIES}
     paths = []
@@ -162,6 +162,6 @@ def _traces(study: StudyFolder, ppid: str) -> list[Path]:
         except (OSError, EOFError, zlib.error):
             paths.append(path)
             continue
-        if ppid.encode() in data or ppid in str(Path(*inside)):
+        if path.name == REPORT or ppid.encode() in data or ppid in str(Path(*inside)):
             paths.append(path)
     return paths
