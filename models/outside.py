@@ -179,7 +179,8 @@ class OutsideKind:
             yield
         except HandSandboxError:
             raise
-        except Exception as error:
+        except (Exception, SystemExit) as error:
+            # A file that ends the program when it is read must not pass for one that was run.
             what = what or f"this {self.noun} cannot be {self.loaded}"
             raise self.error(what, where=where, got=failure(error)) from error
 

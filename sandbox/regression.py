@@ -19,10 +19,11 @@ from encoders.regression.model_registry import DEFAULT_MODEL
 from encoders.regression.trained import TrainedModel, save_model
 from models.errors import InputError
 from sandbox.regress import statistics
-from sandbox.regress.baseline import Baseline, check_whole, load_baseline, replaceable, update
+from sandbox.regress.baseline import Baseline, load_baseline, replaceable, update
 from sandbox.regress.execute import CRASHED, Processes, Serial
 from sandbox.regress.plan import RegressionPlan, differing, find_tasks, parse_seeds
 from sandbox.regress.report import Report, make_report, without_baseline
+from sandbox.system.whole_files import check_whole
 from tasks.task import Task
 
 UPDATE = "--sandbox-update-baseline"

@@ -166,7 +166,7 @@ def _drawn(kind: type[Task], seed: int, surface: Surface, where: str) -> Task:
         return kind.draw(seed, surface)
     except HandSandboxError:
         raise
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         raise InputError("the task cannot be drawn", where=where, got=failure(error)) from error
 
 

@@ -6,6 +6,7 @@ import os
 from abc import ABC, abstractmethod
 from contextlib import suppress
 from pathlib import Path
+from secrets import token_hex
 from types import TracebackType
 from typing import BinaryIO, Self
 
@@ -32,10 +33,12 @@ class AtomicFile:
 
     def __init__(self, path: Path) -> None:
         self.path = path
-        self._part = path.with_name(path.name + ".part")
         try:
-            self.file: BinaryIO = self._part.open("w+b")
-        except OSError as error:
+            # A link stays, and another program that writes the same file has a name of its own.
+            self._target = path.resolve()
+            self._part = self._target.with_name(f"{path.name}.{token_hex(4)}.part")
+            self.file: BinaryIO = self._part.open("x+b")
+        except (OSError, RuntimeError) as error:
             raise refused(path, error) from error
 
     def write(self, data: bytes) -> None:
@@ -77,7 +80,7 @@ class AtomicFile:
     def commit(self) -> None:
         """Gives the complete file its name."""
         try:
-            os.replace(self._part, self.path)
+            os.replace(self._part, self._target)
         except OSError as error:
             raise refused(self.path, error) from error
 
@@ -151,9 +154,10 @@ class MotionWriter(ABC):
             raise
 
 
-def refused(path: Path, error: OSError) -> MotionError:
-    """The error for a file that cannot be written."""
-    return MotionError("the motion cannot be written here", where=str(path), got=error.strerror)
+def refused(path: Path, error: OSError | RuntimeError) -> MotionError:
+    """The error for a file that cannot be written; a loop of links is a `RuntimeError`."""
+    got = error.strerror if isinstance(error, OSError) else str(error)
+    return MotionError("the motion cannot be written here", where=str(path), got=got)
 
 
 def checked_rate(rate: float) -> float:

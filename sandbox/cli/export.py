@@ -27,6 +27,7 @@ from sandbox.study.record.journal import read_journal
 from sandbox.study.record.state import SessionState
 from sandbox.study.record.stored_sessions import JOURNAL
 from sandbox.study.record.trial_files import find_recordings
+from sandbox.system.whole_files import resolved
 
 Finger = Literal["thumb", "index", "middle", "ring", "little"]
 Order = Literal["XYZ", "XZY", "YXZ", "YZX", "ZXY", "ZYX"]
@@ -141,7 +142,7 @@ def main(argv: list[str]) -> int:
     settings = _settings(options)
     format_of(options.to)
     file = _input_file(options)
-    if options.to.absolute() == file.absolute():
+    if resolved(options.to, "--to") == resolved(file, "FILE"):
         raise InputError("the output would replace the input", where=f"--to {options.to}")
     with Progress(console=errors, transient=True, disable=not errors.is_terminal) as progress:
         bar = progress.add_task("reading", total=None)

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import errno
 import importlib
-import os
 import sys
 
 from models.errors import HandSandboxError, InputError
+from sandbox.cli.common.printing import prepare, print_no_more
 
 COMMANDS: dict[str, str] = {
     "demo": "watch the simulated user move a box to its goal; makes a film and a picture",
@@ -57,6 +58,7 @@ def main(argv: list[str] | None = None) -> int:
         0 done (whatever the score), 1 a gate failed, 2 bad input: one clear line, no traceback.
     """
     args = list(sys.argv[1:] if argv is None else argv)
+    prepare()
     name, rest = (args[0], args[1:]) if args else ("--help", [])
     try:
         if name in ("-h", "--help"):
@@ -65,7 +67,7 @@ def main(argv: list[str] | None = None) -> int:
             print(overview(COMMANDS), flush=True)
             return EXIT_DONE
         if name == "--version":
-            print(_versions())
+            print(_versions(), flush=True)
             return EXIT_DONE
         if name not in COMMANDS:
             raise InputError(
@@ -90,8 +92,15 @@ def main(argv: list[str] | None = None) -> int:
     except BrokenPipeError:
         # The reader of our output left, as `head` does: this is not an error. Text that is still in
         # the buffer goes nowhere: Python flushes it on its way out and would fail once more.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        print_no_more()
         return EXIT_DONE
+    except OSError as error:
+        # Files have errors of ours; so this is what was printed.
+        if error.errno not in (errno.ENOSPC, errno.EIO) or error.filename is not None:
+            raise
+        print_no_more()
+        print(f"sandbox: standard output: {error.strerror}", file=sys.stderr)
+        return EXIT_GATE_FAILED
 
 
 if __name__ == "__main__":

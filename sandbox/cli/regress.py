@@ -21,6 +21,7 @@ from models.errors import InputError
 from models.messages.wording import counted
 from sandbox.cli.common.json_out import TERMINAL, check_output, refuse_same
 from sandbox.cli.common.parse import parse, with_one_line_errors
+from sandbox.cli.common.printing import printing
 from sandbox.options.variations import KINDS, help_with_names
 from sandbox.regress.breaking_off import BreakOff
 from sandbox.regress.progress import progress_shown
@@ -131,11 +132,11 @@ def main(argv: list[str]) -> int:
     """Runs `sandbox regress ...`."""
     options, more = parse_known(argv)
     _check(options)
-    from sandbox.regress.baseline import write_whole
     from sandbox.regress.junit import save_junit
     from sandbox.regress.plan import RegressionPlan, find_tasks, parse_seeds
     from sandbox.regress.report import make_report
     from sandbox.regress.show import show
+    from sandbox.system.whole_files import write_whole
 
     plan = RegressionPlan(
         find_tasks(options.tasks),
@@ -168,7 +169,8 @@ def main(argv: list[str]) -> int:
             report = make_report(
                 plan, trials, old, options.exact, options.across_encoders, options.allow_crashes
             )
-            show(report, console)
+            with printing():
+                show(report, console)
             if options.json is not None:
                 ran = {"executor": executor.name, "workers": options.workers}
                 values = {**report.as_json(), **ran, "wall_s": round(wall_s, 3)}
@@ -249,7 +251,7 @@ def _check(options: RegressOptions) -> None:
         raise InputError("a baseline is one encoder's", where="--across-encoders --update-baseline")
     if options.address is not None and options.executor != "ray":
         raise InputError("only Ray has an address", where="--address", remedy="Add --executor ray")
-    from sandbox.regress.baseline import check_whole
+    from sandbox.system.whole_files import check_whole
 
     written = {"--json": options.json, "--junit": options.junit}
     refuse_same({**written, "--baseline": options.baseline, "--plot": options.plot})
@@ -481,10 +483,10 @@ def run_vary(
         run: Runs a plan's trials.
         console: For people.
     """
-    from sandbox.regress.baseline import write_whole
     from sandbox.regress.show import show_crashes
     from sandbox.regress.show_sweep import show_sweep
     from sandbox.regress.sweep import parse_wanted, sweep
+    from sandbox.system.whole_files import write_whole
 
     began = perf_counter()
     result = sweep(plan, parse_wanted(options.vary or ()), run)

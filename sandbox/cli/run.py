@@ -20,11 +20,13 @@ from sandbox.cli.common.lsl_options import LslOptions, streaming
 from sandbox.cli.common.notices import NoticePrinter
 from sandbox.cli.common.page_view import address_line
 from sandbox.cli.common.parse import parse
+from sandbox.cli.common.printing import printing
 from sandbox.export.view import MotionView
 from sandbox.options.scene_options import Plan, SceneOptions, check_labels, plan
 from sandbox.session.device import Device
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
+from sandbox.system.ending import ending_as_by_ctrl_c
 from sandbox.trial.device_makers import DeviceMaker
 from sandbox.trial.driver import View
 from sandbox.trial.events import EventLog, NoticeEvents
@@ -88,12 +90,14 @@ def perform(options: RunOptions) -> int:
     # With `--json -`, only the result goes to standard output.
     console = Console(stderr=options.json == TERMINAL)
     try:
-        with streaming(options.lsl, console):
+        # What ends a service or closes a terminal loses no motion either.
+        with streaming(options.lsl, console), ending_as_by_ctrl_c():
             result = _run(options, chosen, events, console)
-        _report(result, console)
-        for what, path in (("recording", options.record), ("film", options.film)):
-            if path is not None:
-                console.print(f"[dim]{what}: {escape(str(path))}[/]", soft_wrap=True)
+        with printing():
+            _report(result, console)
+            for what, path in (("recording", options.record), ("film", options.film)):
+                if path is not None:
+                    console.print(f"[dim]{what}: {escape(str(path))}[/]", soft_wrap=True)
         write_json(options.json, result.as_json())
     finally:
         events.close()

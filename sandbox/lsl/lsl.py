@@ -30,6 +30,7 @@ from models.frames import Frame, TouchFrame
 from models.pose import POSE_SIZE
 from models.scene import CONTROL_PERIOD
 from sandbox.recording.versions import versions
+from sandbox.system.home import home
 
 CONTACTS = 10
 """Contacts of one touch sample; more than ten are not sent."""
@@ -222,6 +223,6 @@ def _settings_files() -> list[Path]:
     return [
         *([Path(given)] if given else []),
         Path(name),
-        Path.home() / "lsl_api" / name,
+        home() / "lsl_api" / name,
         Path("/etc/lsl_api") / name,
     ]

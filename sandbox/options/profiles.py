@@ -22,6 +22,7 @@ from models.errors import EncoderError, InputError
 from models.json_input import check_layout, decoded, read_bytes
 from models.person import Person
 from sandbox.session.own_layouts import Layouts, known_layouts
+from sandbox.system.home import home
 from sandbox.trial.settings import HandSettings
 
 SCHEMA = 1
@@ -94,11 +95,11 @@ class Profile:
 def default_path() -> Path:
     """Returns the path of this user's profile, in the system's folder for settings."""
     if sys.platform == "win32":
-        base = os.environ.get("APPDATA") or Path.home() / "AppData" / "Roaming"
+        base = os.environ.get("APPDATA") or home() / "AppData" / "Roaming"
     elif sys.platform == "darwin":
-        base = Path.home() / "Library" / "Application Support"
+        base = home() / "Library" / "Application Support"
     else:
-        base = os.environ.get("XDG_CONFIG_HOME") or Path.home() / ".config"
+        base = os.environ.get("XDG_CONFIG_HOME") or home() / ".config"
     return Path(base) / "hand-sandbox" / "profile.json"
 
 

@@ -20,6 +20,7 @@ from sandbox.devices.tuio.touch_capture import CaptureDevice, read_capture
 from sandbox.devices.tuio.tuio import DEFAULT_PORT, LOOPBACK, Tap, Transport, TuioDevice
 from sandbox.devices.tuio.tuio_streams import DEFAULT_WEBSOCKET_PORT
 from sandbox.options.metavars import TOUCH_DEVICE_CHOICES
+from sandbox.recording import recording_file
 from sandbox.session.device import Device
 
 SERVED = ("web",)
@@ -242,14 +243,13 @@ def _recording(path: Path, surface: Surface | None) -> Opened | None:
 
 
 def first_line(path: Path) -> dict[str, object]:
-    """Returns the first line of a JSON lines file; empty if it is not JSON.
+    """Returns the first line of a JSON lines file, plain or compressed; empty if it is not JSON.
 
     Raises:
         RecordingError: The file cannot be read.
     """
     try:
-        with path.open("rb") as file:
-            line = file.readline(_LONGEST_LINE)
+        line = recording_file.first_line(path, _LONGEST_LINE)
     except OSError as error:
         raise RecordingError("cannot be read", where=str(path), got=error.strerror) from None
     try:

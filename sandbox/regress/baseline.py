@@ -8,7 +8,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import astuple, dataclass, field
 from pathlib import Path
-from secrets import token_hex
 from typing import Any
 
 from msgspec import Struct
@@ -17,6 +16,7 @@ from models.errors import InputError
 from models.json_input import check_layout, decoded, read_bytes
 from sandbox.regress.execute import CRASHED, Trial
 from sandbox.system.durable_files import OPEN, Release, lock
+from sandbox.system.whole_files import resolved, write_whole
 from sandbox.trial.result import KeptIn, kept_fields
 
 SCHEMA = 1
@@ -317,7 +317,7 @@ def update(
     Raises:
         InputError: A trial has no result, the file is no baseline, or it cannot be written.
     """
-    with _alone(path.resolve()):
+    with _alone(resolved(path, "--baseline")):
         old = replaceable(path) or Baseline(configuration, {}, path)
         new = old.updated(configuration, versions, trials)
         new.save()
@@ -365,58 +365,3 @@ def flat(values: Mapping[str, Any]) -> dict[str, Any]:
             yield prefix, value
 
     return dict(walk("", json.loads(json.dumps(values))))
-
-
-def write_whole(path: Path, text: str, option: str) -> None:
-    """Writes a temporary file and renames it, so that incomplete content is never read.
-
-    A link stays, and its target is replaced. A pipe or a device is written itself.
-
-    Raises:
-        InputError: It cannot be written.
-    """
-    try:
-        if path.exists() and not path.is_file():
-            path.write_text(text, encoding="utf-8")
-            return
-        target = path.resolve()
-        new = _beside(target)
-        try:
-            new.write_text(text, encoding="utf-8")
-            new.replace(target)
-        finally:
-            new.unlink(missing_ok=True)
-    except OSError as error:
-        raise InputError(
-            "it cannot be written", where=f"{option} {path}", got=error.strerror
-        ) from None
-
-
-def check_whole(path: Path | None, option: str) -> None:
-    """Checks, before anything is run, that `write_whole` will find room for its temporary file.
-
-    Args:
-        path: The file; None needs none.
-        option: Name of the option, for the message.
-
-    Raises:
-        InputError: No file can be made in its folder.
-    """
-    if path is None or (path.exists() and not path.is_file()):
-        return
-    new = _beside(path.resolve())
-    try:
-        new.touch(exist_ok=False)
-        new.unlink()
-    except OSError as error:
-        raise InputError(
-            "nothing can be made in the folder of this file, which is written beside it first",
-            where=f"{option} {path}",
-            got=error.strerror,
-            remedy="Name a file in a folder of yours",
-        ) from None
-
-
-def _beside(path: Path) -> Path:
-    """A temporary file that no other run takes."""
-    return path.with_name(f"{path.name}.{token_hex(4)}.new")

@@ -7,8 +7,8 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 from models.messages.wording import counted
-from sandbox.regress.baseline import write_whole
 from sandbox.regress.report import Report, TaskResult
+from sandbox.system.whole_files import write_whole
 
 _ILLEGAL = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 """Characters that XML 1.0 cannot hold, not even escaped."""

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from models.errors import InputError
+from sandbox.system.whole_files import resolved, why, write_whole
 
 TERMINAL = Path("-")
 
@@ -40,11 +41,11 @@ def check_output(path: Path | None, option: str = "--json") -> None:
         target.open("ab").close()
         if not there:
             target.unlink()
-    except OSError as error:
+    except (OSError, RuntimeError) as error:
         raise InputError(
             "this file cannot be written",
             where=f"{option} {path}",
-            got=error.strerror,
+            got=why(error),
             remedy="Name a file in a folder of yours",
         ) from None
 
@@ -62,7 +63,7 @@ def refuse_same(outputs: Mapping[str, Path | None]) -> None:
     for option, path in outputs.items():
         if path is None or path == TERMINAL:
             continue
-        other = named.setdefault(path.resolve(), option)
+        other = named.setdefault(resolved(path, option), option)
         if other != option:
             raise InputError(
                 "two results would be in one file",
@@ -87,13 +88,13 @@ def refuse_replacing(
     """
     if path is None or path == TERMINAL:
         return
-    target = path.resolve()
+    target = resolved(path, option)
     for name, source in sources.items():
         if source is None:
             continue
         # In a folder that is read, a new file replaces nothing.
-        inside = source.is_dir() and target.exists() and source.resolve() == target.parent
-        if inside or source.resolve() == target:
+        inside = source.is_dir() and target.exists() and resolved(source, name) == target.parent
+        if inside or resolved(source, name) == target:
             raise InputError(
                 "the result would replace what it is made from",
                 where=f"{option} {path}",
@@ -119,10 +120,5 @@ def write_json(path: Path | None, values: dict[str, Any], sort_keys: bool = Fals
     if path == TERMINAL:
         print(text)
         return
-    try:
-        path.write_text(text + "\n", encoding="utf-8")
-    except OSError as error:
-        # The result was printed already; only the file is missing.
-        raise InputError(
-            "the result cannot be written", where=f"--json {path}", got=error.strerror
-        ) from None
+    # The result was printed already; if it cannot be written, only the file is missing.
+    write_whole(path, text + "\n", "--json")

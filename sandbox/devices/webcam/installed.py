@@ -14,6 +14,7 @@ from hashlib import sha256
 from pathlib import Path
 
 from models.errors import DeviceError
+from sandbox.system.home import home
 
 ENGINE_VERSION, MODEL_VERSION = "0.10.35", "0.10.21"
 """Versions of npm's @mediapipe/tasks-vision, and of PyPI's mediapipe, whose model is used."""
@@ -38,11 +39,11 @@ INSTALL = "`sandbox webcam install` brings it, once, with the network"
 def data_folder() -> Path:
     """The folder for this user's data, in the system's place for such folders."""
     if sys.platform == "win32":
-        base = os.environ.get("LOCALAPPDATA") or str(Path.home() / "AppData" / "Local")
+        base = os.environ.get("LOCALAPPDATA") or str(home() / "AppData" / "Local")
     elif sys.platform == "darwin":
-        base = str(Path.home() / "Library" / "Application Support")
+        base = str(home() / "Library" / "Application Support")
     else:
-        base = os.environ.get("XDG_DATA_HOME") or str(Path.home() / ".local" / "share")
+        base = os.environ.get("XDG_DATA_HOME") or str(home() / ".local" / "share")
     return Path(base) / "hand-sandbox"
 
 

@@ -54,7 +54,7 @@ def load_design(path: Path, try_out: bool = True) -> Design:
         StudyError: The file cannot be read.
     """
     try:
-        text = path.read_text(encoding="utf-8")
+        text = path.read_text(encoding="utf-8-sig")
     except OSError as error:
         raise StudyError(
             "the design cannot be read",
@@ -81,7 +81,7 @@ def parse_design(text: str, path: Path, try_out: bool = True) -> Design:
     """
     try:
         values = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
+    except (tomllib.TOMLDecodeError, RecursionError) as error:
         at = re.search(r"line (\d+)", str(error))
         line = int(at[1]) if at else text.count("\n") + 1
         raise DesignError(
@@ -123,7 +123,7 @@ def read_draft(path: Path) -> Design | None:
         unknown = any(mistake.where == PRIMARY for mistake in error.mistakes)
         if any(not mistake.alone and mistake.where != PRIMARY for mistake in error.mistakes):
             return None
-        text = path.read_text(encoding="utf-8")
+        text = path.read_text(encoding="utf-8-sig")
         reader = Reader(text)
         draft = _design(TomlTable(reader, tomllib.loads(text)), text, path)
         return replace(draft, primary=()) if unknown else draft

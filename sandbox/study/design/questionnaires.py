@@ -272,7 +272,7 @@ def _beside(table: TomlTable, file: str, folder: Path) -> str | None:
         )
         return None
     try:
-        return (folder / file).read_text(encoding="utf-8")
+        return (folder / file).read_text(encoding="utf-8-sig")
     except (OSError, ValueError) as error:
         table.add_mistake("file", f"{file} cannot be read: {error}", "Give a TOML file with items")
         return None

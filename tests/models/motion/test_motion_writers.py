@@ -28,6 +28,7 @@ from models.motion.armature import (
 )
 from models.motion.euler import ContinuousEuler, angles_of
 from models.motion.motion import Motion, rotations_of_angles
+from models.motion.output import AtomicFile
 from models.motion.points import HandPoints
 from models.motion.read.asf import read_amc, read_asf
 from models.motion.read.bvh import read_bvh
@@ -108,6 +109,24 @@ def test_a_hand_comes_back_from_amc_and_v_within_a_micrometre(
         motion = read_back(kind, paths)
     assert_same(motion, skeleton, q, up)
     assert len(motion) == len(q) and abs(motion.frame_time * rate - 1) < 1e-9
+
+
+def test_two_writers_of_one_file_leave_the_whole_file_of_the_one_that_ends_last(
+    tmp_path: Path,
+) -> None:
+    path, link = tmp_path / "x.bvh", tmp_path / "link.bvh"
+    link.symlink_to(path)
+    first, second = AtomicFile(path), AtomicFile(link)
+    first.write(b"1" * 20_000)
+    second.write(b"2" * 50)
+    second.complete()
+    second.commit()
+    assert path.read_bytes() == b"2" * 50 and link.is_symlink()
+    first.write(b"1" * 20_000)
+    first.complete()
+    first.commit()
+    assert path.read_bytes() == b"1" * 40_000
+    assert sorted(tmp_path.iterdir()) == [link, path]
 
 
 def test_points_come_back_from_a_table_within_a_micrometre(tmp_path: Path) -> None:

@@ -23,12 +23,13 @@ from encoders.regression.model_registry import find_model
 from encoders.regression.trained import save_model
 from models.errors import InputError
 from sandbox.cli.main import main
-from sandbox.regress.baseline import Baseline, load_baseline, update, write_whole
+from sandbox.regress.baseline import Baseline, load_baseline, update
 from sandbox.regress.execute import Serial
 from sandbox.regress.junit import junit
 from sandbox.regress.plan import RegressionPlan, registered
 from sandbox.regress.report import Report, make_report
 from sandbox.regression import Regression
+from sandbox.system.whole_files import write_whole
 from sandbox.trial.result import KeptIn, kept_fields
 from tasks.registry import TASKS
 from tasks.sensing import Sensing

@@ -282,6 +282,19 @@ def test_our_own_designs_are_without_mistake(name: str) -> None:
     assert any(isinstance(s, InstructionStep) for s in steps)
 
 
+def test_a_design_that_begins_with_a_byte_order_mark_is_the_same_design(tmp_path: Path) -> None:
+    paths = [tmp_path / name for name in ("plain.toml", "marked.toml")]
+    for path, encoding in zip(paths, ("utf-8", "utf-8-sig"), strict=True):
+        path.write_text(CROSSED, encoding=encoding)
+    assert load_design(paths[0]).text == load_design(paths[1]).text
+
+
+def test_a_design_of_brackets_alone_is_a_mistake_of_one_line(tmp_path: Path) -> None:
+    (tmp_path / "deep.toml").write_text("a = " + "[" * 20_000)
+    with pytest.raises(DesignError):
+        load_design(tmp_path / "deep.toml")
+
+
 def test_lines_of_a_file_are_found_past_texts_of_several_lines() -> None:
     text = '# one\na = """\nb = 3\n[c]\n"""\n[[d]]\n  e = 1\n[d.f]\ng = 2\n[[d]]\n\'e\' = 4 # x\n'
     lines = TomlLines(text)

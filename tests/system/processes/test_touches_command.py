@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import errno
+import gzip
 import json
 import os
 import pty
@@ -113,6 +114,14 @@ def test_a_capture_played_as_a_device_shows_the_same_frames(tmp_path: Path) -> N
     assert_same(inches(lines), expected_inches(SCENES))
     times = [json.loads(line)["time"] for line in lines]
     assert times == pytest.approx([0.01 * n for n in range(len(SCENES))])
+
+
+def test_a_compressed_recording_is_shown_as_the_plain_one(tmp_path: Path) -> None:
+    recording = ROOT / "sandbox" / "data" / "demo.jsonl"
+    packed = tmp_path / "demo.jsonl.gz"
+    packed.write_bytes(gzip.compress(recording.read_bytes()))
+    shown = [run("touches", "show", "--device", str(x), "--json") for x in (recording, packed)]
+    assert shown[0] == shown[1] and shown[0][0] == 0 and len(shown[0][1]) > 10
 
 
 def test_sending_keeps_bytes_order_and_pauses(tmp_path: Path) -> None:

@@ -1,0 +1,94 @@
+"""What a command does and says with its exit status does not depend on who reads what it prints."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+COMMAND = [sys.executable, "-m", "sandbox"]
+REGRESS = [*COMMAND, "regress", "--tasks", "box-to-goal", "--seeds", "0:1", "--json", "r.json"]
+FULL = Path("/dev/full")
+
+
+def run(*command: str, **options: Any) -> subprocess.CompletedProcess[str]:
+    """Runs a command; its output is what the test says, and its errors are read."""
+    options = {"stdout": subprocess.PIPE} | options
+    return subprocess.run(command, stderr=subprocess.PIPE, text=True, check=False, **options)
+
+
+def test_a_full_disk_behind_the_output_costs_no_report(tmp_path: Path) -> None:
+    if not FULL.exists():
+        pytest.skip("this system has no /dev/full")
+    with FULL.open("wb") as full:
+        done = run(*REGRESS, cwd=tmp_path, stdout=full)
+    assert done.returncode == 0
+    assert "standard output: No space left on device" in done.stderr
+    assert "Traceback" not in done.stderr
+    assert json.loads((tmp_path / "r.json").read_text())["passed"] is True
+
+
+def test_a_reader_that_leaves_changes_neither_the_report_nor_the_exit_status(
+    tmp_path: Path,
+) -> None:
+    read, write = os.pipe()
+    os.close(read)
+    done = run(*REGRESS, cwd=tmp_path, stdout=write)
+    os.close(write)
+    assert (done.returncode, "Traceback" in done.stderr) == (0, False)
+    assert json.loads((tmp_path / "r.json").read_text())["passed"] is True
+
+
+@pytest.mark.parametrize("words", [["--version"], ["run", "--help"], ["--help"]])
+def test_help_on_a_full_disk_is_one_line(words: list[str]) -> None:
+    if not FULL.exists():
+        pytest.skip("this system has no /dev/full")
+    with FULL.open("wb") as full:
+        done = run(*COMMAND, *words, stdout=full)
+    assert done.returncode == 1
+    assert done.stderr == "sandbox: standard output: No space left on device\n"
+
+
+def test_help_without_an_output_ends_without_a_word(tmp_path: Path) -> None:
+    code = "import os, sys; os.close(1); os.execv(sys.executable, sys.argv[1:])"
+    command = [sys.executable, "-c", code, *COMMAND, "run", "--help"]
+    done = run(*command)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_where_the_encoding_lacks_a_character_its_number_is_printed() -> None:
+    odd = {**os.environ, "PYTHONIOENCODING": "ascii", "PYTHONUTF8": "0"}
+    done = run(*COMMAND, "touches", "--help", env=odd)
+    assert done.returncode == 0 and "Traceback" not in done.stderr
+
+
+@pytest.mark.parametrize("command", [["run", "ends.py"], ["regress", "--tasks", "ends.py"]])
+def test_a_task_that_ends_the_program_when_it_is_read_passes_no_gate(
+    tmp_path: Path, command: list[str]
+) -> None:
+    (tmp_path / "ends.py").write_text("import sys\nsys.exit()\n")
+    done = run(*COMMAND, *command, cwd=tmp_path)
+    assert done.returncode == 2
+    assert "this task cannot be loaded" in done.stderr and "SystemExit" in done.stderr
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["run", "box-to-goal", "--json", "loop"],
+        ["run", "box-to-goal", "--record", "loop"],
+        ["regress", "--tasks", "box-to-goal", "--seeds", "0:1", "--baseline", "loop"],
+        ["export", "run.jsonl", "--to", "loop/x.bvh"],
+    ],
+)
+def test_links_in_a_circle_are_one_line(tmp_path: Path, words: list[str]) -> None:
+    (tmp_path / "loop").symlink_to("loop")
+    (tmp_path / "run.jsonl").write_text("")
+    done = run(*COMMAND, *words, cwd=tmp_path)
+    assert done.returncode == 2
+    assert "Traceback" not in done.stderr and len(done.stderr.splitlines()) == 1
