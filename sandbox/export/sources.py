@@ -146,6 +146,10 @@ def _simulated(path: Path) -> MotionSource:
     def run(take: PoseCallback) -> str:
         any_rows = False
         for steps, qpos, damage in _tracks(path):
+            if damage and not any_rows:
+                raise RecordingError(
+                    "it breaks off before the first pose", where=str(path), got=damage
+                )
             if damage:
                 return damage
             if qpos.shape[1] < len(names) * HAND_JOINTS:

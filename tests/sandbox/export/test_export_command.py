@@ -229,6 +229,18 @@ def test_a_recording_without_its_end_is_said_to_break_off(
     assert "it breaks off before its end" in " ".join(capsys.readouterr().err.split())
 
 
+def test_a_recording_that_is_cut_before_its_first_pose_says_so_and_names_itself(
+    two_hands: tuple[Path, list[Array]], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    lines = two_hands[0].read_bytes().splitlines(keepends=True)
+    first = next(i for i, line in enumerate(lines) if b'"kind":"track"' in line[:20])
+    cut = tmp_path / "cut.jsonl"
+    cut.write_bytes(b"".join(lines[:first]) + lines[first][:60])
+    assert main(["export", str(cut), "--to", str(tmp_path / "cut.csv")]) != 0
+    said = capsys.readouterr().err
+    assert "cut.jsonl: it breaks off before the first pose" in said and "cut.csv" not in said
+
+
 def test_a_compressed_recording_is_the_same_to_the_bit(
     session: tuple[Path, dict[str, list[Keys]], dict[float, Array]],
     tmp_path: Path,
