@@ -251,16 +251,12 @@ def _check(options: RegressOptions) -> None:
         raise InputError("a baseline is one encoder's", where="--across-encoders --update-baseline")
     if options.address is not None and options.executor != "ray":
         raise InputError("only Ray has an address", where="--address", remedy="Add --executor ray")
-    from sandbox.system.whole_files import check_whole
-
     written = {"--json": options.json, "--junit": options.junit}
     refuse_same({**written, "--baseline": options.baseline, "--plot": options.plot})
     if options.update_baseline:
         written["--baseline"] = options.baseline
     for option, path in written.items():
         check_output(path, option)
-        if path != TERMINAL:
-            check_whole(path, option)
 
 
 def _empty_folder(folder: Path) -> None:

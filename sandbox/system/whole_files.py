@@ -45,7 +45,7 @@ def write_whole(path: Path, text: str, option: str) -> None:
             path.write_text(text, encoding="utf-8")
             return
         target = path.resolve()
-        new = beside(target)
+        new = _beside(target)
         try:
             new.write_text(text, encoding="utf-8")
             new.replace(target)
@@ -67,7 +67,7 @@ def check_whole(path: Path | None, option: str) -> None:
     """
     if path is None or (path.exists() and not path.is_file()):
         return
-    new = beside(path.resolve())
+    new = _beside(path.resolve())
     try:
         new.touch(exist_ok=False)
         new.unlink()
@@ -80,6 +80,6 @@ def check_whole(path: Path | None, option: str) -> None:
         ) from None
 
 
-def beside(path: Path) -> Path:
+def _beside(path: Path) -> Path:
     """A temporary file that no other run takes."""
     return path.with_name(f"{path.name}.{token_hex(4)}.new")

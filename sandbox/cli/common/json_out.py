@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from models.errors import InputError
-from sandbox.system.whole_files import resolved, why, write_whole
+from sandbox.system.whole_files import check_whole, resolved, why, write_whole
 
 TERMINAL = Path("-")
 
@@ -48,6 +48,8 @@ def check_output(path: Path | None, option: str = "--json") -> None:
             got=why(error),
             remedy="Name a file in a folder of yours",
         ) from None
+    # Results are written beside their file first.
+    check_whole(path, option)
 
 
 def refuse_same(outputs: Mapping[str, Path | None]) -> None:

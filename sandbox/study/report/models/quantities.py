@@ -66,9 +66,9 @@ def quantity(data: StudyData, name: str) -> Quantity:
         StudyError: The column does not exist, or has no numbers.
     """
     known = registry.find_measure(name)
-    if name not in data.used.columns or name in ("cell", "position", "condition", "censored"):
+    if name not in data.trials.columns or name not in data.used.columns:
         known_here = ", ".join(q.name for q in quantities(data))
-        numbers = [c for c in data.used.columns if np.isfinite(to_numbers(data.used[c])).any()]
+        numbers = [c for c in data.trials.columns if np.isfinite(to_numbers(data.trials[c])).any()]
         near = get_close_matches(name, numbers, 1)
         raise StudyError(
             "no such measure in this study",

@@ -85,6 +85,9 @@ def test_the_command_refuses_other_folders_and_measures_that_there_are_not(
     assert main(["study", "report", str(plain / "nowhere")]) == 2
     assert main(["study", "report", str(plain), "--measure", "beauty"]) == 2
     assert "no such measure" in capsys.readouterr().err
+    # A column of the report's own is no measure.
+    assert main(["study", "report", str(plain), "--measure", "place of encoder"]) == 2
+    assert "no such measure" in capsys.readouterr().err
     assert main(["study", "report", str(plain), "--measure", "progres"]) == 2
     assert "Did you mean progress?" in " ".join(capsys.readouterr().err.split())
 
