@@ -45,9 +45,12 @@ JUDGED = FIRST + LATER
 def configuration() -> dict[str, Any]:
     """Settings, models and versions of tasks that decide how a run goes, as they are now."""
     settings = RunSettings()
+    reconstructor = asdict(reconstructor_settings(settings))
+    # Of later rules than those that were frozen.
+    assert not reconstructor["arrival"].pop("stays")
     return {
         "settings": frozen_settings(settings),
-        "reconstructor": asdict(reconstructor_settings(settings)),
+        "reconstructor": reconstructor,
         "user": UserConfiguration().as_json(),
         "digests": digests(settings),
         "tasks": {name: TASKS[name].version for name in JUDGED},

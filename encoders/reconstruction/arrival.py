@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import StrEnum
+from math import inf
 
 
 class Phase(StrEnum):
@@ -38,6 +39,8 @@ class ArrivalSettings:
         place: m, how near to its place the hand must be to come down.
         down: m/s of the hand on its way down.
         up: m/s of the hand on its way up.
+        stays: Touches also rest while each stays, for `dwell` s, within as far as it comes at the
+            speed `rest`: noise of a screen is quick from step to step, and goes nowhere.
     """
 
     hover: float = 0.09
@@ -48,6 +51,7 @@ class ArrivalSettings:
     place: float = 0.006
     down: float = 0.40
     up: float = 0.60
+    stays: bool = False
 
 
 class Arrival:
@@ -64,7 +68,16 @@ class Arrival:
         self._still = 0.0
         self._waited = 0.0
 
-    def step(self, dt: float, *, touched: bool, named: bool, speed: float, off: float) -> None:
+    def step(
+        self,
+        dt: float,
+        *,
+        touched: bool,
+        named: bool,
+        speed: float,
+        off: float,
+        moved: float = inf,
+    ) -> None:
         """Advances by one time step.
 
         Args:
@@ -74,6 +87,8 @@ class Arrival:
                 hand is down may be unlabelled for a while without lifting the hand.
             speed: m/s of the fastest contact.
             off: m, distance of the hand from its place, seen along the surface's normal.
+            moved: m, farthest that a contact is from where it was `dwell` s ago; infinite where
+                none is known that long.
         """
         s = self.settings
         if s.hover <= 0:
@@ -89,7 +104,8 @@ class Arrival:
         if self.phase is Phase.ABOVE:
             self._waited += dt
             self._still = self._still + dt if speed < s.rest else 0.0
-            ready = self._still >= s.dwell or self._waited >= s.patience
+            stayed = s.stays and self._waited >= s.dwell and moved < s.rest * s.dwell
+            ready = self._still >= s.dwell or stayed or self._waited >= s.patience
             if ready and off <= s.place:
                 self.phase = Phase.COMING_DOWN
         if self.phase is Phase.COMING_DOWN:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from math import sqrt
+from math import inf, sqrt
 from typing import Any
 
 import numpy as np
@@ -19,6 +19,7 @@ from encoders.labels.labelling import Labeller, Labelling
 from encoders.reconstruction.arrival import Arrival, ArrivalSettings, Phase
 from encoders.reconstruction.contact_tracker import ContactTracker, TrackerSettings
 from encoders.reconstruction.lift import Lift, LiftSettings
+from encoders.reconstruction.recent_places import RecentPlaces
 from encoders.regression.trained import TrainedModel
 from encoders.smoothing import Motion, PoseFilter, common_motion
 from models.arithmetic.arrays import Array
@@ -171,6 +172,7 @@ class TouchReconstructor:
         self._mean = model.training_pose.mean(axis=0)
         self._tracker = ContactTracker(s.tracker)
         self._arrival = Arrival(s.arrival)
+        self._recent = RecentPlaces(s.arrival.dwell)
         self._lift = Lift(s.lift)
         self._filter = PoseFilter(s.posture_tau)
         self.reset()
@@ -199,6 +201,7 @@ class TouchReconstructor:
         self.lead(None)
         self._tracker.reset()
         self._arrival.reset()
+        self._recent.reset()
         self._lift.reset()
         self._filter.reset()
         self.labeller.restart()
@@ -242,6 +245,7 @@ class TouchReconstructor:
         goal = self._raised(self._place)
         rate = self.settings.rate if self._low else self._rate_above
         self._commanded = rate(self._commanded, goal, dt)
+        stays = self.settings.arrival.stays
         self._arrival.step(
             dt,
             touched=bool(named) if self._arrival.phase is Phase.DOWN else bool(tracks),
@@ -249,6 +253,7 @@ class TouchReconstructor:
             speed=speed,
             # Not needed without tracks, or once the hand is coming down.
             off=self._off(goal) if tracks and not self._low else 0.0,
+            moved=self._recent.step(frame.time, self._last_xy) if stays else inf,
         )
         if not tracks:
             self._filter.reset()

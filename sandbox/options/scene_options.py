@@ -55,7 +55,7 @@ from sandbox.server.web import WebDevice
 from sandbox.session.device import Device
 from sandbox.trial.device_makers import DeviceMaker, DeviceMakers, merging, sharing
 from sandbox.trial.recorded_models import recorded_encoder, with_kept_models
-from sandbox.trial.settings import RunSettings, bare
+from sandbox.trial.settings import RULES, RunSettings, bare
 from sandbox.trial.surfaces import home
 from tasks.task import Task
 from tasks.user import UserConfiguration
@@ -121,7 +121,7 @@ def plan(
         played = _recording(options.second_device) if options.second_device else None
         settings = with_webcam_hands(with_leap_hands(settings, options, played), options)
         settings = with_headset_hands(settings, options)
-    settings = adjust(settings)
+    settings = _with_touch_rules(adjust(settings), options, recording)
     first = _plan(options, recording, settings, 0, around)
     if len(settings.hands) == 1:
         return first
@@ -170,6 +170,21 @@ def check_labels(options: SceneOptions) -> None:
             got=f"--labels {options.labels}",
             remedy="Leave one of them out; `--without correction smoothing` keeps labels of ours",
         )
+
+
+def _with_touch_rules(
+    settings: RunSettings, options: SceneOptions, recording: Recording | None
+) -> RunSettings:
+    """The settings with rules that stand the noise of any screen.
+
+    A recording keeps its own. So do the simulated user's touches without further noise: what was
+    judged, and baselines that were made, are of the rules before.
+    """
+    entries = [built_in(name) for name in (options.device, options.second_device) if name]
+    known = all(entry is not None and entry.simulated for entry in entries)
+    if recording is not None or (known and not settings.variation.noise):
+        return settings
+    return replace(settings, rules=RULES[-1])
 
 
 def _plan(

@@ -109,7 +109,7 @@ def reconstructor_settings(settings: RunSettings, lift_range: float = 0.0) -> Re
         settings: Settings of the run.
         lift_range: m by which the task's lift control raises the hand.
     """
-    tracker, arrival = TrackerSettings(), ArrivalSettings()
+    tracker, arrival = TrackerSettings(), ArrivalSettings(stays=settings.rules > 2)
     if not settings.stitch:
         tracker = replace(tracker, grace=0.0, cancelled_grace=0.0)
     if not settings.smoothing:

@@ -29,9 +29,10 @@ LABELS = ("history", "population", "paper", "device")
 during a trial; `paper`: nearest training pose; `device`: labels of the device if it knows them,
 also as an upper bound with the simulated user."""
 
-RULES = (1, 2)
-"""Rules of fingers near things, by number: 1 is what was in force before there were others; 2 leads
-fingertips out of things beside their touches, and lets fingers that spread let go at once."""
+RULES = (1, 2, 3)
+"""Rules of touching hands, by number: 1 is what was in force before there were others; 2 leads
+fingertips out of things beside their touches, and lets fingers that spread let go at once; 3 also
+takes touches for resting while they stay where they are, whatever noise their screen has."""
 
 SOLID = ("fingertips", "hand")
 """What of a hand collides: the last links of touching fingers, or palm and all links."""
@@ -135,7 +136,8 @@ class RunSettings:
         hands: One entry per hand, in the order of devices, rigs and recorded inputs.
         one_surface: All hands touch one surface; otherwise each has its own, of the same size.
         variation: Differences from the drawn trial, and disturbances of the touches.
-        rules: One of `RULES`, by default the second; a header without it has the first.
+        rules: One of `RULES`, by default the second, by which numbers were judged; a header without
+            it has the first.
         kept_names: Digest of the names of an earlier release that label the fingers; empty for
             those that ship (see `encoders.kept`).
         robot: The robot whose hand is in the place of the person's (see `models.robot.known`);

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from math import inf
 
 import numpy as np
 import pytest
@@ -24,6 +25,7 @@ class Moment:
     named: bool = True
     speed: float = 0.0
     off: float = 0.0
+    moved: float = inf
 
 
 READY = Moment()
@@ -35,6 +37,7 @@ moments = st.builds(
     st.booleans(),
     st.sampled_from([0.0, 0.04, 0.06, 0.5]),
     st.sampled_from([0.0, 0.005, 0.007, 0.2]),
+    st.sampled_from([0.0, 0.003, 0.008, inf]),
 )
 stretches = st.lists(st.tuples(moments, st.integers(1, 30)), max_size=10).map(
     lambda parts: [moment for moment, n in parts for _ in range(n)]
@@ -50,6 +53,7 @@ def told(arrival: Arrival, moment: Moment, seconds: float = DT, dt: float = DT) 
             named=moment.named,
             speed=moment.speed,
             off=moment.off,
+            moved=moment.moved,
         )
     return arrival
 
@@ -148,6 +152,33 @@ def test_moving_touches_keep_a_hand_up_until_its_patience_is_over() -> None:
     arrival = told(Arrival(S), moving, S.patience - 2 * DT)
     assert (arrival.phase, arrival.height) == (Phase.ABOVE, S.hover)
     assert told(arrival, moving, 3 * DT).phase is Phase.COMING_DOWN
+
+
+STAYING = replace(S, stays=True)
+TREMBLING = Moment(speed=0.3, moved=0.002)
+
+
+def test_touches_that_tremble_and_stay_rest_where_staying_counts() -> None:
+    assert told(Arrival(STAYING), TREMBLING, S.dwell + 2 * DT).phase is Phase.COMING_DOWN
+    assert told(Arrival(S), TREMBLING, S.patience - 2 * DT).phase is Phase.ABOVE
+
+
+def test_touches_that_go_somewhere_do_not_rest_however_steadily_they_go() -> None:
+    going = Moment(speed=S.rest + 0.01, moved=(S.rest + 0.01) * S.dwell)
+    assert told(Arrival(STAYING), going, S.patience - 2 * DT).phase is Phase.ABOVE
+
+
+def test_touches_that_stay_still_dwell() -> None:
+    assert told(Arrival(STAYING), TREMBLING, S.dwell - DT).phase is Phase.ABOVE
+
+
+@given(history=stretches)
+def test_where_staying_counts_a_hand_never_comes_down_later(history: list[Moment]) -> None:
+    with_it, without = Arrival(STAYING), Arrival(S)
+    for moment in history:
+        told(with_it, moment)
+        told(without, moment)
+        assert with_it.phase in LOW or without.phase not in LOW
 
 
 def test_a_rest_that_is_broken_begins_anew() -> None:

@@ -297,4 +297,4 @@ def test_the_rules_decide_the_states(recorded: tuple[int, Path]) -> None:
 
 def test_rules_that_do_not_exist_are_refused() -> None:
     with pytest.raises(InputError, match="no such rules"):
-        RunSettings(rules=3)
+        RunSettings(rules=4)
