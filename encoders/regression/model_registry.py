@@ -118,11 +118,20 @@ def find_model(name: str, tell: Callable[[str], None]) -> TrainedModel:
 
 
 def cache_folder() -> Path:
-    """Where models that took long to train are kept, by the custom of the system."""
-    if sys.platform == "win32":
-        base = os.environ.get("LOCALAPPDATA") or Path.home() / "AppData" / "Local"
-    else:
-        base = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
+    """Where models that took long to train are kept, by the custom of the system.
+
+    Raises:
+        EncoderError: Nothing says where that is, as for a user without an account in a container.
+    """
+    windows = sys.platform == "win32"
+    variable = "LOCALAPPDATA" if windows else "XDG_CACHE_HOME"
+    inside = Path("AppData", "Local") if windows else Path(".cache")
+    try:
+        base = os.environ.get(variable) or Path.home() / inside
+    except RuntimeError as error:
+        raise EncoderError(
+            "no home folder is known", got=str(error), remedy=f"Set HOME or {variable} to a folder"
+        ) from None
     return Path(base) / "hand-sandbox" / "encoders"
 
 

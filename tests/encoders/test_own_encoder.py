@@ -498,3 +498,18 @@ def test_an_unusable_installed_encoder_is_refused_with_a_one_line_error(
     refused = sandbox(installed, "run", QUICK, "--encoder", name)
     assert refused.returncode == 2
     assert says in refused.stderr and refused.stderr.count("\n") == 1
+
+
+def test_a_user_without_a_home_is_told_where_to_keep_models(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def home() -> Path:
+        raise RuntimeError("Could not determine home directory.")
+
+    monkeypatch.setattr(Path, "home", home)
+    monkeypatch.delenv("XDG_CACHE_HOME", raising=False)
+    with pytest.raises(EncoderError, match="no home folder is known") as error:
+        cache_folder()
+    assert "XDG_CACHE_HOME" in str(error.value)
+    monkeypatch.setenv("XDG_CACHE_HOME", "/kept")
+    assert cache_folder() == Path("/kept/hand-sandbox/encoders")
