@@ -96,7 +96,8 @@ class Training:
     def _model(self, encoder: Encoder) -> TrainedModel:
         U, Q = self._inputs
         with guarded("the encoder cannot learn", type(encoder).__qualname__):
-            encoder.fit(U, Q)
+            # Copies: other encoders learn from the same frames afterwards.
+            encoder.fit(U.copy("K"), Q.copy("K"))
         predicted(encoder, U[:1])
         return TrainedModel("", encoder, np.eye(POSE_SIZE), U, Q)
 

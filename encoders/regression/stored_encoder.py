@@ -75,7 +75,7 @@ def restored(
     with guarded("the encoder does not take its own options", kind.__qualname__):
         encoder = kind(**options)
     with guarded("the encoder cannot be restored from its arrays", kind.__qualname__):
-        complete: Encoder = encoder.restore(arrays, U, Q)
+        complete: Encoder = encoder.restore(arrays, U.copy("K"), Q.copy("K"))
     return complete
 
 
@@ -137,13 +137,21 @@ def predicted(encoder: Encoder, U: ArrayLike) -> Array:
     """Poses (T, 48) that an encoder predicts from contact vectors (T, 15), checked.
 
     Raises:
-        EncoderError: The encoder fails, or returns something else, for many vectors or for one.
+        EncoderError: The encoder fails, returns something else, or changes its input, for many
+            vectors or for one.
     """
     U = np.asarray(U, float)
     where = f"{type(encoder).__qualname__}.predict"
     for rows, shape in ((U[0], (POSE_SIZE,)), (U, (len(U), POSE_SIZE))):
+        given = rows.copy("K")
         with guarded(f"the encoder cannot predict from U of shape {rows.shape}", where):
-            poses = np.asarray(encoder.predict(rows), float)
+            poses = np.asarray(encoder.predict(given), float)
+        if not np.array_equal(given, rows):
+            raise EncoderError(
+                "the encoder changes its input",
+                where=where,
+                remedy="Write `U = U - mean`, not `U -= mean`: others read the same array",
+            )
         if poses.shape != shape:
             raise EncoderError(
                 "the encoder predicts poses of another shape",

@@ -160,7 +160,8 @@ def train_encoder(
     U, Q = capture.u, capture.relative
     residuals = Q - blocked_predictions(make, capture, progress=progress)
     with guarded("the encoder cannot learn", name):
-        encoder = make().fit(U, Q)
+        # Copies: a fit that subtracts means in place must not change the capture for others.
+        encoder = make().fit(U.copy("K"), Q.copy("K"))
     predicted(encoder, U[:1])
     covariance = robust_covariance(residuals)
     return rounded(TrainedModel(name, encoder, covariance, U, Q, origin(capture)))

@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike
 from encoders.capture import Capture
 from encoders.discovery import source_digest
 from encoders.encoder import Encoder
+from encoders.evaluation.training import Training
 from encoders.regression.mean import MeanEncoder
 from encoders.regression.model_registry import cache_folder, find_model, pca_ik_model
 from encoders.regression.registry import ENCODERS, builtin_name, find_encoder, is_external, origin
@@ -311,6 +312,55 @@ def test_an_encoder_with_unseeded_random_numbers_is_refused(
  def fit(self, U, Q): return super().fit(U, Q + np.random.default_rng().normal(0, 10))"""
     with pytest.raises(EncoderError, match=r"two trainings on equal frames.*fixed seed"):
         train_encoder(capture, "a", find_encoder(write(tmp_path / "lab.py", body)))
+
+
+class Centred(Mean):
+    """Subtracts means in place, as one does with arrays that are one's own."""
+
+    def fit(self, U: ArrayLike, Q: ArrayLike) -> Self:
+        super().fit(U, Q)
+        for given in (U, Q):
+            assert isinstance(given, np.ndarray)
+            given -= given.mean(axis=0)
+        return self
+
+    def arrays(self) -> dict[str, Any]:
+        return {"mean": self.mean}
+
+    def restore(self, arrays: Any, U: Array, Q: Array) -> Self:
+        self.mean = arrays["mean"]
+        U += 1.0
+        return self
+
+
+class InPlace(Mean):
+    """Changes what it is asked about."""
+
+    def predict(self, U: ArrayLike) -> Array:
+        assert isinstance(U, np.ndarray)
+        U *= 2.54
+        return super().predict(U)
+
+
+def test_an_encoder_that_learns_in_place_changes_no_capture_and_no_training_frame(
+    capture: Capture, tmp_path: Path
+) -> None:
+    U, Q = capture.u.copy(), capture.relative.copy()
+    model = train_encoder(capture, "centred", Centred)
+    save_model(model, tmp_path / "c.npz")
+    for frames in (model, load_model(tmp_path / "c.npz")):
+        np.testing.assert_array_equal(frames.training_u, U.astype(np.float32))
+        np.testing.assert_array_equal(frames.training_pose, Q.astype(np.float32))
+    body = "from tests.encoders.test_own_encoder import Centred\nclass A(Centred): pass"
+    (tmp_path / "lab.py").write_text(body)
+    Training(capture).method(str(tmp_path / "lab.py"))
+    np.testing.assert_array_equal(capture.u, U)
+    np.testing.assert_array_equal(capture.relative, Q)
+
+
+def test_an_encoder_that_changes_its_input_is_refused(capture: Capture) -> None:
+    with pytest.raises(EncoderError, match=r"InPlace.predict: .*changes its input"):
+        train_encoder(capture, "in place", InPlace)
 
 
 def test_the_error_of_a_prediction_names_the_shape_of_its_input(
