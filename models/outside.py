@@ -258,7 +258,8 @@ def _importing_from(folder: Path) -> Iterator[set[str]]:
     second and has kept its size, and then another code would run than the one that is recorded.
     """
     for name, owner in list(_neighbours.items()):
-        if owner != folder and _is_beside(folder, name):
+        top = folder / name.partition(".")[0]
+        if owner != folder and (_is_beside(folder, name) or top.is_dir()):
             sys.modules.pop(name, None)
             del _neighbours[name]
     before = set(sys.modules)
@@ -273,7 +274,9 @@ def _importing_from(folder: Path) -> Iterator[set[str]]:
         sys.dont_write_bytecode = written
         sys.path.remove(str(folder))
         new = set(sys.modules) - before
-        imported.update(name for name in new if _is_beside(folder, name))
+        imported.update(
+            name for name in new if _is_beside(folder, name) or _is_in_plain_folder(folder, name)
+        )
         _neighbours.update(dict.fromkeys(imported, folder))
 
 
@@ -281,6 +284,14 @@ def _is_beside(folder: Path, name: str) -> bool:
     """True if a folder holds the module or package of a dotted name."""
     top = folder / name.partition(".")[0]
     return top.with_suffix(".py").is_file() or (top / "__init__.py").is_file()
+
+
+def _is_in_plain_folder(folder: Path, name: str) -> bool:
+    """True if an imported module is of a folder in a folder that has no `__init__.py`."""
+    both = name.partition(".")[0], name
+    top, own = (getattr(sys.modules.get(module), "__dict__", {}) for module in both)
+    places = [own["__file__"]] if own.get("__file__") else own.get("__path__", ())
+    return not top.get("__file__") and any(Path(p).is_relative_to(folder) for p in places)
 
 
 def files_of(file: Path) -> list[Path]:

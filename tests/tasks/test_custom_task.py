@@ -18,6 +18,7 @@ from hypothesis import strategies as st
 from models.errors import InputError, RecordingError
 from models.mechanisms.mechanism import Mechanism
 from models.objects import Box
+from models.outside import files_of
 from models.scene import PaintedRing
 from models.surface import Surface
 from sandbox.cli.main import main
@@ -387,6 +388,21 @@ def test_a_file_can_import_modules_from_its_own_folder(tmp_path: Path) -> None:
         kind = find_task(str(tmp_path / folder / "lab.py"))
         assert (kind.name, kind.hold_time) == (f"lab-{folder}", size)
     assert sys.path == path
+
+
+def test_folders_without_an_init_file_do_not_mix_either(tmp_path: Path) -> None:
+    for folder, size in (("one", 0.01), ("two", 0.02)):
+        (tmp_path / folder / "sizes_of_a_lab").mkdir(parents=True)
+        (tmp_path / folder / "sizes_of_a_lab" / "held.py").write_text(f"HOLD = {size}\n")
+        write(
+            tmp_path / folder / "lab.py",
+            "from sizes_of_a_lab.held import HOLD\n"
+            f"class A(Slide):\n    name = 'lab-{folder}'\n    hold_time = HOLD\n",
+        )
+    for folder, size in (("one", 0.01), ("two", 0.02)):
+        file = tmp_path / folder / "lab.py"
+        assert find_task(str(file)).hold_time == size
+        assert files_of(file) == [file, file.parent / "sizes_of_a_lab" / "held.py"]
 
 
 def test_a_description_beside_a_task_is_found_from_any_folder(
