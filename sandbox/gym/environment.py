@@ -15,7 +15,7 @@ from models.errors import InputError
 from models.scene import CONTROL_PERIOD
 from models.skeleton import ADULT
 from sandbox.gym.actions import Hands, PoseHands, TouchHands
-from sandbox.gym.observation import observation_space, observe
+from sandbox.gym.observation import check_counts, observation_space, observe
 from sandbox.session.session import Session
 from sandbox.trial.assembly import build, place_surface
 from sandbox.trial.device_makers import DeviceMaker
@@ -158,6 +158,9 @@ class HandSandboxEnv(gymnasium.Env[Observation, Array]):
         Args:
             seed: Seed of the trial; None draws one.
             options: Not used.
+
+        Raises:
+            InputError: The trial has another number of objects or goals than that of seed 0.
         """
         super().reset(seed=seed)
         trial = int(self.np_random.integers(SEEDS)) if seed is None else seed
@@ -165,16 +168,17 @@ class HandSandboxEnv(gymnasium.Env[Observation, Array]):
         self._hands = self._make_hands()
         settings = replace(self.settings, seed=trial)
         remaining_hands = iter(self._hands)
-        self.session = build(
+        session = build(
             settings,
             tuple(_given(hand) for hand in self._hands),
             wrap_reconstructor=lambda touched: next(remaining_hands).reconstructor_for(touched),
         )
-        self._trial = Trial(self.session)
-        self._snapshot = self.session.snapshot()
-        sensing = Sensing(self.session.scene, self.session.data)
-        self._progress = measure(self.session.task, sensing).progress
-        self._seen = self._observed(self.session)
+        check_counts(session.task, self._space)
+        self.session, self._trial = session, Trial(session)
+        self._snapshot = session.snapshot()
+        sensing = Sensing(session.scene, session.data)
+        self._progress = measure(session.task, sensing).progress
+        self._seen = self._observed(session)
         return self._copied(), self._info()
 
     def step(self, action: ArrayLike) -> tuple[Observation, float, bool, bool, dict[str, Any]]:

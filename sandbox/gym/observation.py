@@ -10,6 +10,7 @@ import numpy as np
 from gymnasium import spaces
 
 from models.arithmetic.arrays import Array
+from models.errors import InputError
 from sandbox.gym.actions import SLOTS
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
@@ -39,6 +40,26 @@ def observation_space(task: Task, hands: int = 1) -> spaces.Dict:
     if goals:
         spaces_by_name["goals"] = _symmetric(np.tile([FAR, FAR, FAR, np.pi], (goals, 1)))
     return spaces.Dict(spaces_by_name)
+
+
+def check_counts(task: Task, space: spaces.Dict) -> None:
+    """Checks that a trial has as many objects and goals as the space, which was made of another.
+
+    NumPy would repeat one object until there are as many as there should be.
+
+    Raises:
+        InputError: It has more or fewer.
+    """
+    for what, things in (("objects", task.objects), ("goals", task.goals)):
+        shape = space[what].shape if what in space.spaces else (0,)
+        if shape is not None and len(things) != shape[0]:
+            raise InputError(
+                f"this trial has another number of {what} than an environment can show",
+                where=f"{task.name}, seed {task.seed}",
+                got=len(things),
+                expected=f"{shape[0]}, as in the trial of seed 0",
+                remedy=f"A task for Gymnasium places as many {what} in every trial",
+            )
 
 
 def _symmetric(bound: Array) -> spaces.Box:

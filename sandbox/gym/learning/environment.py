@@ -24,6 +24,7 @@ from sandbox.gym.learning.options import STEP, LearningOptions, parts, run_setti
 from sandbox.gym.learning.pictures import Pictures
 from sandbox.gym.learning.rewards import Reward
 from sandbox.gym.learning.touches import FingerTouches
+from sandbox.gym.observation import check_counts
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
 from sandbox.trial.assembly import build, place_surface
@@ -122,16 +123,19 @@ class LearningEnv(gymnasium.Env[dict[str, Array], Array]):
                 `sandbox.gym.learning.curriculum.Curriculum`).
 
         Raises:
-            InputError: An option is unknown or not allowed.
+            InputError: An option is unknown or not allowed, or the trial has another number of
+                objects or goals than that of seed 0.
         """
         curriculum = Curriculum.of(options)
         super().reset(seed=seed)
         trial = int(self.np_random.integers(SEEDS)) if seed is None else seed
         if self.session is not None:
             self.session.close()
+            self.session = None
         self._hands, self._touches = self._make_hands()
-        self.session = session = self._build(curriculum, trial)
-        self._trial = Trial(session)
+        session = self._build(curriculum, trial)
+        check_counts(session.task, self._observing.space)
+        self.session, self._trial = session, Trial(session)
         self._take(session.snapshot())
         progress = measure(session.task, Sensing(session.scene, session.data)).progress
         self._reward = Reward(self.options.reward, self._snapshot, progress)

@@ -19,7 +19,7 @@ from models.frames import Contact, TouchFrame
 from models.rotations import exp
 from models.skeleton import ADULT
 from sandbox.cli.main import main
-from sandbox.gym import HandSandboxEnv, register_task
+from sandbox.gym import HandSandboxEnv, learning_id, register_task
 from sandbox.recording.recording import RecordedInput, Recording, load_recording
 from tasks.registry import TASKS, hands_of
 
@@ -435,3 +435,45 @@ def test_a_task_with_the_id_of_another_one_is_refused_and_the_same_one_is_not(
     with pytest.raises(InputError, match="BoxToGoalLearn-v1 is another task's"):
         register_task(str(alias))
     assert set(gymnasium.registry) == before
+
+
+HEAPS = """
+from models import Box
+from tasks import CustomTask, Goal, judge
+
+
+class Heap(CustomTask):
+    name = "lab-heap"
+
+    @classmethod
+    def place(cls, rng, surface):
+        places = [(0.04 * i - 0.05, 0.0, 0.01) for i in range(int(rng.integers(1, 4)))]
+        boxes = [Box(f"box {i}", (0.01,) * 3, 0.1, place) for i, place in enumerate(places)]
+        return boxes, [Goal(box.name, (*box.position[:1], 0.03, 0.01), 0.0) for box in boxes]
+
+    def measure(self, sensing):
+        return judge(0.5, (True, "never"))
+"""
+
+
+def test_a_trial_with_another_number_of_things_is_refused_and_no_thing_is_seen_twice(
+    tmp_path: Path,
+) -> None:
+    (tmp_path / "heap.py").write_text(HEAPS)
+    touch, _ = register_task(str(tmp_path / "heap.py"))
+    for id in (touch, learning_id(str(tmp_path / "heap.py"))):
+        env: Any = gymnasium.make(id)
+        most, refused = env.observation_space["objects"].shape[0], 0
+        for seed in range(6):
+            try:
+                seen, _ = env.reset(seed=seed)
+            except InputError as error:
+                assert "lab-heap, seed" in str(error) and "another number of objects" in str(error)
+                assert "\n" not in str(error)
+                with pytest.raises(gymnasium.error.ResetNeeded):
+                    env.unwrapped.step(env.action_space.sample())
+                refused += 1
+                continue
+            assert len(env.unwrapped.session.task.objects) == len(seen["objects"]) == most
+        assert 0 < refused < 6
+        env.close()
