@@ -13,7 +13,7 @@ is called with the touch surface and the argument (an empty text without one), a
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from importlib.metadata import EntryPoint
 from typing import Any
 
@@ -41,10 +41,7 @@ _TAKEN_OVER = (
     "address",
     "title",
     "plays_file",
-    "damage",
-    "clock_origin",
     "latency",
-    "truth",
 )
 """Members whose values are copied when a device is adapted; see `sandbox.session.device`. The other
 members are read on every access, because they may change."""
@@ -119,6 +116,24 @@ class AdaptedDevice(Device):
     def looks(self) -> bool:
         """True if the device has `show`."""
         return hasattr(self._outside, "show")
+
+    @property
+    def damage(self) -> Exception | None:
+        """The device's, which may find it out as it plays; None if it has none."""
+        damage: Exception | None = getattr(self._outside, "damage", None)
+        return damage
+
+    @property
+    def clock_origin(self) -> float | None:
+        """The device's, which may know it from its first frame on; 0 if it has none."""
+        origin: float | None = getattr(self._outside, "clock_origin", 0.0)
+        return origin
+
+    @property
+    def truth(self) -> Mapping[int, int]:
+        """The device's, which may come to know it with the touches; empty if it has none."""
+        truth: Mapping[int, int] = getattr(self._outside, "truth", {})
+        return truth
 
     @property
     def news(self) -> threading.Event | None:

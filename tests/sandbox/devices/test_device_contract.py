@@ -131,6 +131,15 @@ def test_optional_members_of_an_adapted_device_are_used() -> None:
     assert device.notice == "nothing moves"
 
 
+def test_what_an_adapted_device_comes_to_know_as_it_plays_is_heard() -> None:
+    outside: Any = Minimal()
+    device = adapted(outside, "test")
+    assert (device.damage, dict(device.truth), device.clock_origin) == (None, {}, 0.0)
+    outside.damage, outside.truth, outside.clock_origin = DeviceError("cut short"), {7: 1}, 12.5
+    assert device.damage is outside.damage
+    assert (device.truth, device.clock_origin) == ({7: 1}, 12.5)
+
+
 def test_what_is_missing_of_the_required_members_is_said() -> None:
     with pytest.raises(DeviceError, match="without close, finished"):
         adapted(type("Half", (), {"name": "half", "poll": lambda self, now: []})(), "test")
