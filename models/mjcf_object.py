@@ -270,9 +270,9 @@ def check_object_name(name: str, where: str) -> None:
     """Checks that an object may have a name.
 
     Raises:
-        InputError: It is empty, the scene uses it itself, or it has a line break.
+        InputError: It is no text, empty, the scene uses it itself, or it has a line break.
     """
-    if not name or name in _WORLD_NAMES or {"\n", "\r"} & set(name):
+    if not isinstance(name, str) or not name or name in _WORLD_NAMES or {"\n", "\r"} & set(name):
         raise InputError("an object cannot have this name", where=where, got=name)
 
 

@@ -14,7 +14,7 @@ from models.arithmetic.products import length, stacked_applied
 from models.errors import InputError
 from models.hand import Hand
 from models.mjcf_object import check_object_name
-from models.objects import Box, Cylinder, MechanismPart, SceneObject
+from models.objects import Box, Cylinder, MechanismPart, SceneObject, Wrench
 from models.scene import TABLE, PaintedRing, Scene, SceneSpec
 from models.surface import METRES_PER_INCH, Surface
 from tasks.sensing import Sensing
@@ -40,11 +40,14 @@ def check_values(task: Task, where: str) -> None:
         where: Task and seed, for messages.
 
     Raises:
-        InputError: A name is the scene's or a hand's, or a size, mass, place, angle or friction is
-            not what it has to be.
+        InputError: Something is no object or no goal, a name is the scene's or a hand's, or a size,
+            mass, place, angle, colour or friction is not what it has to be.
     """
     for thing in task.objects:
+        _check_kind("object", thing, _OBJECT, where, "a Box, an MjcfObject or a mechanism's part")
         _check_thing(thing, where)
+    for goal in task.goals:
+        _check_kind("goal", goal, _GOAL, where, "a Goal")
     for ring in _rings(task, where):
         _check_numbers(f"the middle of {ring.name}", ring.middle, 2, where)
         _check_numbers(f"the radius of {ring.name}", ring.radius, 0, where, above=0.0)
@@ -59,9 +62,31 @@ def check_values(task: Task, where: str) -> None:
                 got=", ".join(names + rings),
             )
     for goal in task.goals:
+        if not isinstance(goal.object, str):
+            raise InputError(
+                "a goal names its object by a text", where=where, got=repr(goal.object)[:80]
+            )
         whose = f"the goal of {goal.object}"
         _check_numbers(f"the position of {whose}", goal.position, 3, where)
         _check_numbers(f"the yaw of {whose}", goal.yaw, 0, where)
+
+
+_OBJECT = ("name", "mass", "position", "yaw", "body")
+_GOAL = ("object", "position", "yaw", "on", "shown")
+
+
+def _check_kind(
+    what: str, thing: object, parts: tuple[str, ...], where: str, expected: str
+) -> None:
+    """Checks that an object or a goal of a task has what such a thing has."""
+    if not all(hasattr(thing, part) for part in parts):
+        raise InputError(
+            f"this is no {what}",
+            where=where,
+            got=repr(thing)[:80],
+            expected=expected,
+            remedy="`place` returns the objects, and then the goals: ([box], [Goal(...)])",
+        )
 
 
 def _rings(task: Task, where: str) -> tuple[PaintedRing, ...]:
@@ -111,6 +136,12 @@ def _check_thing(thing: SceneObject, where: str) -> None:
         _check_numbers(f"half_height of {name}", thing.half_height, 0, where, above=0.0)
     if isinstance(thing, Box | Cylinder):
         _check_numbers(f"the friction of {name}", thing.friction, 0, where, least=0.0)
+    if isinstance(thing, Wrench):
+        _check_numbers(f"the size of {name}", thing.size, 0, where, above=0.0)
+        bolt = 0.0 if thing.bolt is None else thing.bolt
+        _check_numbers(f"the bolt of {name}", bolt, 0, where, least=0.0)
+    if isinstance(thing, Box | Cylinder | Wrench):
+        _check_numbers(f"the rgb of {name}", thing.rgb, 3, where)
 
 
 def _check_numbers(
@@ -128,7 +159,9 @@ def _check_numbers(
     if least == 0.0:
         expected += ", 0 or more"
     try:
-        numbers = np.asarray(value, float)
+        # A text of digits would become a number here, and fail where it is used.
+        written = np.asarray(value).dtype.kind in "US"
+        numbers = np.array(np.nan) if written else np.asarray(value, float)
     except (TypeError, ValueError):
         numbers = np.array(np.nan)
     right = numbers.shape == ((count,) if count else ())
@@ -215,7 +248,7 @@ def check_repeatable(task: Task, again: Task, where: str) -> None:
 
 
 def _drawn(task: Task) -> dict[str, tuple[object, ...]]:
-    """The random values of a draw, by object and by goal."""
+    """The random values of a draw, by object, by goal and by painted ring."""
     objects = {
         obj.name: (*map(float, obj.position), float(obj.yaw), float(obj.mass))
         for obj in task.objects
@@ -224,7 +257,11 @@ def _drawn(task: Task) -> dict[str, tuple[object, ...]]:
         f"goal {i} of {goal.object}": (*map(float, goal.position), float(goal.yaw), goal.on)
         for i, goal in enumerate(task.goals)
     }
-    return {**objects, **goals}
+    rings = {
+        f"ring {ring.name}": (*map(float, ring.middle), float(ring.radius), float(ring.width))
+        for ring in task.painted
+    }
+    return {**objects, **goals, **rings}
 
 
 def check_places(task: Task, surface: Surface, where: str) -> None:

@@ -151,6 +151,14 @@ def check_task(kind: Any, where: str) -> None:
             expected="table or front",
         )
     _check_limits(kind, where)
+    user = getattr(kind, "user", None)
+    if user is not None and not callable(user):
+        raise InputError(
+            "a task's user is wrong",
+            where=where,
+            got=repr(user)[:80],
+            expected="a class that is made from (configuration, surface, seed), or None",
+        )
     missing: frozenset[str] = getattr(kind, "__abstractmethods__", frozenset())
     if missing:
         raise InputError("this task lacks members", where=where, got=", ".join(sorted(missing)))

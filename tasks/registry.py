@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from difflib import get_close_matches
 from importlib import import_module
 from pathlib import Path
@@ -151,19 +153,22 @@ def draw_task(kind: type[Task], seed: int, surface: Surface) -> Task:
     where = f"{kind.name}, seed {seed}"
     if seed < 0:
         raise InputError("the seed is out of range", where="seed", got=seed, expected="0 or more")
-    task = _drawn(kind, seed, surface, where)
-    if not is_built_in(kind):
-        check_values(task, where)
-    check_names(task, where)
-    if not is_built_in(kind):
-        check_repeatable(task, _drawn(kind, seed, surface, where), where)
-        check_places(task, surface, where)
+    with _guarded(where):
+        task = kind.draw(seed, surface)
+        if not is_built_in(kind):
+            check_values(task, where)
+        check_names(task, where)
+        if not is_built_in(kind):
+            check_repeatable(task, kind.draw(seed, surface), where)
+            check_places(task, surface, where)
     return task
 
 
-def _drawn(kind: type[Task], seed: int, surface: Surface, where: str) -> Task:
+@contextmanager
+def _guarded(where: str) -> Iterator[None]:
+    """Converts any error of a task's own code to one of one line."""
     try:
-        return kind.draw(seed, surface)
+        yield
     except HandSandboxError:
         raise
     except (Exception, SystemExit) as error:

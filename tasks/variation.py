@@ -17,8 +17,9 @@ import numpy as np
 from models.arithmetic import functions
 from models.arithmetic.arrays import Array
 from models.arithmetic.products import length
-from models.errors import InputError
+from models.errors import HandSandboxError, InputError
 from models.objects import Box, MechanismPart, Scalable, SceneObject, Wrench
+from models.outside import failure
 from models.surface import Surface
 from tasks.checks import over_a_side
 from tasks.task import Goal, Task
@@ -127,10 +128,22 @@ def vary(task: Task, variation: Variation, surface: Surface, rules: int = RULES[
         rules: One of `RULES`, those that a recording was made with.
 
     Raises:
-        InputError: The task or one of its objects does not support the change.
+        InputError: The task or one of its objects does not support the change, or its own code
+            fails.
     """
     if replace(variation, friction=1.0, **dict.fromkeys(TOUCHES, 0.0)).neutral:
         return task
+    try:
+        return _varied(task, variation, surface, rules)
+    except HandSandboxError:
+        raise
+    except (Exception, SystemExit) as error:
+        where = f"{task.name}, seed {task.seed}"
+        raise InputError("the task cannot be varied", where=where, got=failure(error)) from error
+
+
+def _varied(task: Task, variation: Variation, surface: Surface, rules: int) -> Task:
+    """The same of a variation that changes the scene."""
     if variation.resistance != 1.0 and not any(
         isinstance(obj, MechanismPart) and obj.joint for obj in task.objects
     ):

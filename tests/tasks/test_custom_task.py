@@ -6,7 +6,7 @@ import itertools
 import json
 import sys
 from collections.abc import Callable
-from dataclasses import asdict, replace
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any, NoReturn, cast
 
@@ -17,7 +17,7 @@ from hypothesis import strategies as st
 
 from models.errors import InputError, RecordingError
 from models.mechanisms.mechanism import Mechanism
-from models.objects import Box
+from models.objects import Box, Wrench
 from models.outside import files_of
 from models.scene import PaintedRing
 from models.surface import Surface
@@ -28,6 +28,7 @@ from sandbox.regression import Regression
 from sandbox.trial.assembly import build
 from sandbox.trial.replay import settings_of
 from sandbox.trial.settings import RunSettings
+from tasks import variation
 from tasks.checks import measure
 from tasks.custom_task import CustomTask, judge, two_places
 from tasks.registry import TASKS, draw_task, find_task, origin
@@ -103,6 +104,9 @@ def fails(cls: type[Slide], rng: np.random.Generator, surface: Surface) -> NoRet
 COUNTER = itertools.count()
 DESK = '<mujoco><worldbody><body><geom size=".01"/></body></worldbody></mujoco>'
 BOX = Box("it", (0.02, 0.02, 0.02), 0.1, (0.0, 0.0, 0.02))
+GOAL = Goal("it", (0.0, 0.0, 0.02), 0.0)
+TYPED_WRONG: Any = replace
+"""`replace` for values of other types than an object's."""
 
 
 @pytest.mark.parametrize(
@@ -210,6 +214,26 @@ BOX = Box("it", (0.02, 0.02, 0.02), 0.1, (0.0, 0.0, 0.02))
             r"`place` did not return a list of goals .*'Goal', expected a list of goals\)$",
         ),
         (lambda cls, rng, surface: two_places(rng, surface, (9.0, 9.5)), "too small"),
+        (
+            lambda cls, rng, surface: ([Goal("it", (0, 0, 0.02), 0)], [BOX]),
+            r"this is no object \(got .Goal.*returns the objects, and then the goals",
+        ),
+        (lambda cls, rng, surface: ([BOX], [None]), "this is no goal .*'None'"),
+        (
+            lambda cls, rng, surface: ([BOX], [TYPED_WRONG(GOAL, object=5)]),
+            "object by a text .*'5'",
+        ),
+        (lambda cls, rng, surface: ([TYPED_WRONG(BOX, name=5)], []), "cannot have this name .*5"),
+        (lambda cls, rng, surface: ([TYPED_WRONG(BOX, mass="0.1")], []), "the mass of it is wrong"),
+        (lambda cls, rng, surface: ([TYPED_WRONG(BOX, rgb="red")], []), "rgb of it .*3 numbers"),
+        (
+            lambda cls, rng, surface: ([Wrench("it", 0.1, (0.0, 0.0, 0.012), bolt=-1.0)], []),
+            "the bolt of it is wrong .*0 or more",
+        ),
+        (
+            lambda cls, rng, surface: ([Wrench("it", 0.1, (0, 0, 0.02), size=float("nan"))], []),
+            "the size of it is wrong .*above 0",
+        ),
     ],
 )
 def test_a_trial_that_cannot_be_drawn_is_refused_with_a_one_line_error(
@@ -316,6 +340,61 @@ def test_a_measure_that_later_returns_nothing_ends_the_trial_with_a_one_line_err
             session.advance()
 
 
+def test_a_user_whose_touch_returns_nothing_is_told_in_one_line(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    body = """
+class Nobody:
+    def __init__(self, configuration, surface, seed): pass
+    def look(self, sight): pass
+    def touch(self, now): pass
+class A(Slide):
+    name = 'lab-a'
+    user = Nobody
+"""
+    assert main(["run", str(write(tmp_path / "lab.py", body))]) == 2
+    told = capsys.readouterr().err.strip()
+    assert "Nobody: `touch` of the simulated user did not return a TouchFrame" in told
+    assert "\n" not in told
+
+
+@pytest.mark.parametrize(
+    ("parts", "vary"),
+    [
+        ({"with_room": lambda self, factor: None}, {"room": 0.5}),
+        ({"with_room": lambda self, factor: 1 / 0}, {"room": 0.5}),
+        ({"shifted": lambda self: None}, {"start": 0.01}),
+        ({"place": classmethod(lambda *_: ([Rigid("it", (0.0, 0.0, 0.02))], []))}, {"size": 0.5}),
+    ],
+)
+def test_what_fails_in_a_task_that_is_varied_is_told_in_one_line(
+    parts: dict[str, Any], vary: dict[str, float]
+) -> None:
+    task = draw_task(broken(**parts), 4, SURFACE)
+    with pytest.raises(InputError, match="test-broken, seed 4: the task cannot be varied") as error:
+        variation.vary(task, variation.Variation(**vary), SURFACE)
+    assert "\n" not in str(error.value)
+
+
+@dataclass(frozen=True)
+class Rigid:
+    """An object of a lab's own, whose size cannot be changed after all."""
+
+    name: str
+    position: tuple[float, float, float]
+    mass: float = 0.1
+    yaw: float = 0.0
+
+    def body(self) -> Any:
+        return replace(BOX, position=self.position).body()
+
+    def clearance(self, points: Any, position: Any, rotation: Any) -> Any:
+        return BOX.clearance(points, position, rotation)
+
+    def scaled(self, size: float) -> None:
+        return None
+
+
 def write(path: Path, body: str) -> Path:
     path.write_text("from tests.tasks.test_custom_task import Slide\n" + body)
     return path
@@ -339,6 +418,7 @@ def write(path: Path, body: str) -> Path:
         ("class A(Slide): name = 'a'; hands = 0", "hands are wrong"),
         ("class A(Slide): name = 'a'; touch_height = -0.01", "touch_height is missing or invalid"),
         ("class A(Slide): name = 'a'; plane = 'ceiling'", "plane is missing or invalid"),
+        ("class A(Slide): name = 'a'; user = 'me'", "user is wrong .*'me'.*a class"),
         (
             "from tasks.custom_task import CustomTask\nclass A(CustomTask): name = 'a'",
             "lacks .*measure",
@@ -585,6 +665,11 @@ def test_progress_of_any_task_is_from_0_to_1(progress: float) -> None:
         (PaintedRing("ring", (0.0, 0.0), 0.04), "what is painted is wrong"),
         ((PaintedRing("ring", (np.nan, 0.0), 0.04),), "the middle of ring is wrong"),
         ((PaintedRing("ring", (0.0, 0.0), -0.04),), "the radius of ring is wrong"),
+        (property(lambda self: 1 / 0), "test-broken, seed 0: .*ZeroDivisionError.*test_custom"),
+        (
+            property(lambda self: (PaintedRing("ring", (0.001 * next(COUNTER), 0.0), 0.04),)),
+            "two draws of one seed differ .*another ring ring",
+        ),
     ],
 )
 def test_a_ring_that_cannot_be_painted_is_refused(painted: Any, says: str) -> None:

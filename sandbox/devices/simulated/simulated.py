@@ -147,6 +147,14 @@ class SimulatedDevice(Device):
         if self.finished:
             return []
         frame = self._seated.touch(now)
+        if not isinstance(frame, TouchFrame):
+            raise InputError(
+                "`touch` of the simulated user did not return a TouchFrame",
+                where=type(self.user).__name__,
+                got=repr(frame)[:80],
+                expected="TouchFrame(now) where nothing touches",
+                remedy="Every branch of `touch` needs a `return`",
+            )
         if not isinstance(self.user, FingersKnown):
             return [self._screen.degrade(frame)]
         finger_of = self.user.finger_of
