@@ -254,8 +254,7 @@ class RobotHand:
     @cached_property
     def _joints(self) -> list[str]:
         """Names in the scene of the joints below the palm."""
-        named = zip(self.robot.joints, self.robot.joint_names(), strict=True)
-        return [f"{self._prefix}{name or f'joint{number}'}" for number, name in named]
+        return [self._prefix + name for name in self.robot.scene_names()]
 
     @cached_property
     def _kinematic(self) -> Any:

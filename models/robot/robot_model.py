@@ -6,6 +6,7 @@ below the palm goes into our scene as plain MJCF, so neither names nor settings 
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
@@ -38,6 +39,8 @@ _TYPES = {
 _JOINTS = (int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE))
 _SEEN_GROUPS = 3
 """MuJoCo's viewer shows the geoms of groups 0 to 2."""
+_OURS = re.compile(rf"palm|root(_[xyz])?|({'|'.join(FINGERS)})_link\d+")
+"""Names that bodies and joints of a hand in a scene have already; a robot's own get others."""
 LEAST_LINK = 0.004
 """m, shortest link of a finger: shorter ones are the parts of one joint."""
 
@@ -113,6 +116,10 @@ class RobotModel:
     def joint_names(self) -> list[str]:
         """Names of the joints below the palm."""
         return [self.model.joint(j).name for j in self.joints]
+
+    def scene_names(self) -> list[str]:
+        """Names of the joints below the palm in a scene, without the name of the hand."""
+        return [_own(self.model.joint(j).name) or f"joint{j}" for j in self.joints]
 
     def limits(self) -> Array:
         """(n, 2) rad, least and greatest angle of every joint."""
@@ -262,8 +269,7 @@ class RobotModel:
         return np.asarray(values)[self.model.jnt_dofadr[self.joints]]
 
     def _name(self, body: int) -> str:
-        name: str = self.model.body(body).name
-        return name or f"body{body}"
+        return _own(self.model.body(body).name) or f"body{body}"
 
     def _below(self, body: int) -> bool:
         while body > 0:
@@ -360,7 +366,7 @@ class RobotModel:
         return Element(
             "joint",
             {
-                "name": f"{prefix}{model.joint(joint).name or f'joint{joint}'}",
+                "name": prefix + self.scene_names()[self.joints.index(joint)],
                 "type": "slide" if slides else "hinge",
                 "pos": mjcf_text(model.jnt_pos[joint]),
                 "axis": mjcf_text(model.jnt_axis[joint]),
@@ -441,6 +447,11 @@ def link_turn(end: tuple[float, float, float]) -> Array:
     z = np.cross(other, y)
     z /= length(z)
     return matrix_to_quaternion(np.stack([np.cross(y, z), y, z], axis=1))
+
+
+def _own(name: str) -> str:
+    """A robot's own name for a scene, in which ours are taken."""
+    return f"own_{name}" if _OURS.fullmatch(name) else name
 
 
 def _tuple(v: Array) -> tuple[float, float, float]:

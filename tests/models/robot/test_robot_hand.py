@@ -297,6 +297,22 @@ def test_a_wrong_mapping_is_one_clear_error(
     assert "\n" not in str(error.value)
 
 
+def test_a_robot_whose_bodies_and_joints_have_names_of_ours_is_the_same_hand(
+    mapping: RobotMapping, tmp_path: Path
+) -> None:
+    path = hinge_hand(tmp_path)
+    text = path.read_text(encoding="utf-8")
+    for old, new in (("near", "link0"), ("middle", "link1"), ("far", "link2")):
+        for finger in FINGERS:
+            text = text.replace(f'"{finger}_{old}"', f'"{finger}_{new}"')
+    path.write_text(text.replace('"index_spread"', '"root"').replace('"ring_spread"', '"root_x"'))
+    named = fit_mapping(path, TIPS, model=path.name).mapping
+    ours, theirs = RobotHand("right", named), RobotHand("right", mapping)
+    for q in people_s_poses(3):
+        # The other mapping was read from a file of nine digits.
+        np.testing.assert_allclose(held_tips(ours, q), held_tips(theirs, q), atol=1e-8)
+
+
 def test_models_that_are_no_hands_are_refused(tmp_path: Path) -> None:
     path = hinge_hand(tmp_path, tips=4)
     with pytest.raises(InputError, match="no site or body"):
