@@ -41,6 +41,8 @@ _PROBE = 1e-3
 """m, radius of the ball with which distances are measured; the result is corrected by it."""
 _FLOOR = 10.0
 """m below the object, top of the block against which its lowest point is measured."""
+_PROBE_NAME, _FLOOR_NAME = "hand sandbox probe", "hand sandbox floor"
+"""Names of the ball and of the block, which no description has; many have a floor of their own."""
 _FAR = 100.0
 """m, largest distance that is measured."""
 
@@ -166,7 +168,7 @@ class MjcfObject:
             self._measuring.mocap_pos[0] = point
             mujoco.mj_kinematics(self._compiled, self._measuring)
             for geom in self._solid:
-                distances[i] = min(distances[i], self._distance(geom, "probe") + _PROBE)
+                distances[i] = min(distances[i], self._distance(geom, _PROBE_NAME) + _PROBE)
         return self.size * distances
 
     def scaled(self, size: float) -> MjcfObject:
@@ -178,7 +180,7 @@ class MjcfObject:
     def height(self) -> float:
         """Height in m of its origin above the table when it stands as described."""
         mujoco.mj_kinematics(self._compiled, self._measuring)
-        lowest = min(self._distance(geom, "floor") for geom in self._solid) - _FLOOR
+        lowest = min(self._distance(geom, _FLOOR_NAME) for geom in self._solid) - _FLOOR
         return -self.size * lowest
 
     @cached_property
@@ -211,10 +213,10 @@ class MjcfObject:
             count = len(bodies)
             if count == 1 and not bodies[0].joints:
                 bodies[0].add_freejoint()
-            probe = spec.worldbody.add_body(name="probe", mocap=True)
-            probe.add_geom(name="probe", type=_GEOM.mjGEOM_SPHERE, size=[_PROBE, 0.0, 0.0])
-            floor = spec.worldbody.add_body(name="floor", mocap=True)
-            floor.add_geom(name="floor", type=_GEOM.mjGEOM_BOX, size=[_FLOOR] * 3)
+            probe = spec.worldbody.add_body(name=_PROBE_NAME, mocap=True)
+            probe.add_geom(name=_PROBE_NAME, type=_GEOM.mjGEOM_SPHERE, size=[_PROBE, 0.0, 0.0])
+            floor = spec.worldbody.add_body(name=_FLOOR_NAME, mocap=True)
+            floor.add_geom(name=_FLOOR_NAME, type=_GEOM.mjGEOM_BOX, size=[_FLOOR] * 3)
             model = spec.compile()
         except (ValueError, OSError) as error:
             raise unreadable(self.mjcf, self.name, error) from None
@@ -430,7 +432,7 @@ def read_mjcf(mjcf: str | Path, kind: str) -> Any:
         InputError: There is no such file.
     """
     if not _is_file(mjcf):
-        return mujoco.MjSpec.from_string(str(mjcf))
+        return _without_references(mujoco.MjSpec.from_string(str(mjcf)))
     if not Path(mjcf).is_file():
         beside = f'Path(__file__).parent / "{Path(mjcf).name}"'
         raise InputError(
@@ -440,7 +442,17 @@ def read_mjcf(mjcf: str | Path, kind: str) -> Any:
             expected=f"a file in {_folder(mjcf)}",
             remedy=f"For a file beside the task's, write {beside}",
         )
-    return mujoco.MjSpec.from_file(str(mjcf))
+    return _without_references(mujoco.MjSpec.from_file(str(mjcf)))
+
+
+def _without_references(spec: Any) -> Any:
+    """The specification without sensors, pairs and keyframes, none of which a scene takes over.
+
+    MuJoCo leaves a body apart from the one that it is welded to if one of them names it.
+    """
+    for element in (*spec.sensors, *spec.excludes, *spec.pairs, *spec.keys):
+        spec.delete(element)
+    return spec
 
 
 def described_files(mjcf: str | Path) -> list[Path]:
@@ -474,15 +486,22 @@ def _find_files(mjcf: str | Path, folders: list[Path], found: list[Path]) -> Non
     except (ElementTree.ParseError, LookupError, ValueError):
         # MuJoCo refuses it with the line, where it is used.
         return
+    # MuJoCo may be told to look for names alone, whatever folders the description has before them.
+    bare = False
     for compiler in root.iter("compiler"):
+        bare = compiler.get("strippath") == "true" or bare
         named = (compiler.get("meshdir"), compiler.get("assetdir"))
         folders += [folders[0] / name for name in named if name]
     for element in root.iter():
         name = element.get("file")
         if name and element.tag != "texture":
-            for place in [folder / name for folder in folders]:
+            inside = re.split(r"[/\\]", name)[-1] if bare else name
+            for place in [folder / inside for folder in folders]:
                 if element.tag == "include":
                     _find_files(place, folders, found)
+                elif element.tag == "model":
+                    # What it names is relative to its own folder.
+                    _find_files(place, [place.parent], found)
                 elif place.is_file() and place not in found:
                     found.append(place)
 

@@ -19,7 +19,7 @@ from models.arithmetic.arrays import Array
 from models.errors import InputError
 from models.hand import Hand
 from models.mechanisms.mechanism import Mechanism
-from models.mjcf_object import MjcfObject
+from models.mjcf_object import MjcfObject, described_files
 from models.scene import Scene, SceneSpec
 
 SPHERE = '<geom type="sphere" size=".03"/>'
@@ -179,6 +179,57 @@ def test_a_description_without_one_rigid_body_is_refused_with_a_one_line_error(
     with pytest.raises(InputError, match=says) as error:
         MjcfObject("thing", text, 0.1)
     assert "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize("name", ["floor", "probe"])
+def test_names_that_measuring_needs_are_free_in_a_description(name: str) -> None:
+    text = mjcf(SPHERE).replace(
+        "<worldbody><body", f'<worldbody><geom name="{name}" type="plane" size="1 1 1"/><body'
+    )
+    plain, named = MjcfObject("thing", mjcf(SPHERE), 0.1), MjcfObject("thing", text, 0.1)
+    assert named.height == plain.height and tostring(named.body()) == tostring(plain.body())
+    body = mjcf(SPHERE).replace("<body", f'<body name="{name}"')
+    assert MjcfObject("thing", body, 0.1).height == plain.height
+
+
+@pytest.mark.parametrize(
+    "more",
+    [
+        '<contact><exclude body1="mug" body2="handle"/></contact>',
+        '<sensor><framepos objtype="body" objname="handle"/></sensor>',
+        '<contact><pair geom1="a" geom2="b"/></contact>',
+    ],
+)
+def test_bodies_that_are_welded_are_one_whatever_else_names_them(more: str) -> None:
+    welded = """<worldbody><body name="mug"><geom name="a" size=".02"/>
+      <body name="handle" pos=".03 0 0"><geom name="b" size=".01"/></body></body></worldbody>"""
+    plain, named = (
+        MjcfObject("thing", f"<mujoco>{welded}{text}</mujoco>", 0.1) for text in ("", more)
+    )
+    assert tostring(named.body()) == tostring(plain.body())
+
+
+def test_files_of_a_model_within_a_description_are_its_files_too(tmp_path: Path) -> None:
+    (tmp_path / "inner" / "shapes").mkdir(parents=True)
+    files = [tmp_path / "outer.xml", tmp_path / "inner/inner.xml", tmp_path / "inner/shapes/b.obj"]
+    files[0].write_text(
+        '<mujoco><asset><model name="in" file="inner/inner.xml"/></asset><worldbody><body>'
+        f'{SPHERE}<attach model="in" body="part" prefix="in_"/></body></worldbody></mujoco>'
+    )
+    text = mjcf(MESH_BLOCK, '<mesh name="block" file="b.obj"/>').replace(
+        "<mujoco>", '<mujoco><compiler meshdir="shapes"/>'
+    )
+    files[1].write_text(text.replace("<body", '<body name="part"'))
+    points = ["v 0 0 0", "v .02 0 0", "v 0 .02 0", "v 0 0 .02"]
+    files[2].write_text("\n".join([*points, "f 1 3 2", "f 1 2 4", "f 2 3 4", "f 1 4 3"]))
+    MjcfObject("thing", files[0], 0.1)
+    assert described_files(files[0]) == files
+    # Folders of another machine, which MuJoCo is told to leave out.
+    files[1].write_text(
+        text.replace("shapes", 'shapes" strippath="true').replace("b.obj", "/x/b.obj")
+    )
+    MjcfObject("thing", files[1], 0.1)
+    assert described_files(files[1]) == files[1:]
 
 
 IN_PARTS = "<mujoco><compiler meshdir='meshes' texturedir='pictures'/>{}</mujoco>"
