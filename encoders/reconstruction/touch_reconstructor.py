@@ -24,6 +24,7 @@ from encoders.regression.trained import TrainedModel
 from encoders.smoothing import Motion, PoseFilter, common_motion
 from models.arithmetic.arrays import Array
 from models.arithmetic.products import distance
+from models.errors import EncoderError
 from models.frames import TouchFrame
 from models.lazy_fields import LazyFields
 from models.limits import RateLimit, within_limits
@@ -350,7 +351,7 @@ class TouchReconstructor:
             guess = self._filter.step(self._held(carried), (0.0, 0.0), dt)
             guess = self._shifted(guess, labels, targets)
         else:
-            relative = self.model.encoder.predict(u) if self.settings.encode else self._mean
+            relative = self._predicted(u) if self.settings.encode else self._mean
             guess = _carried(relative, *min(places))
             if not self.settings.encode:
                 guess = self._shifted(guess, labels, targets)
@@ -364,6 +365,22 @@ class TouchReconstructor:
         corrected = self._correction.correct(guess, labels, targets, start, settled)
         self._tip_error = corrected.error
         return corrected.q
+
+    def _predicted(self, u: Array) -> Array:
+        """The relative pose (48,) that the encoder predicts.
+
+        Raises:
+            EncoderError: It is not finite, as of contacts that an encoder of somebody's own has not
+                foreseen.
+        """
+        relative = self.model.encoder.predict(u)
+        if not np.isfinite(relative).all():
+            raise EncoderError(
+                "the encoder predicts a pose that is not finite",
+                where=f"{type(self.model.encoder).__qualname__}.predict",
+                got=f"of the contact vector {np.round(u, 3).tolist()}",
+            )
+        return relative
 
     def _held(self, carried: tuple[float, float]) -> Array:
         """The last pose, shifted with the touches."""

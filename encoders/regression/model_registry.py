@@ -18,7 +18,7 @@ from pathlib import Path
 from tempfile import NamedTemporaryFile
 from time import perf_counter
 
-from encoders.discovery import offered, source_digest
+from encoders.discovery import guarded, offered, source_digest
 from encoders.encoder import Encoder
 from encoders.regression.pca_ik import PcaIkEncoder
 from encoders.regression.registry import find_encoder, is_external, origin_of
@@ -154,14 +154,17 @@ def _trained(kind: type[Encoder], tell: Callable[[str], None]) -> TrainedModel:
 
 def _key(kind: type[Encoder]) -> str:
     """Digest of all that a trained model follows from."""
+    with guarded("the encoder does not tell its configuration", kind.__qualname__):
+        configuration = kind().configuration()
     parts = [
         SCHEMA,
         origin_of(kind),
         source_digest(kind),
-        kind().configuration(),
+        configuration,
         builtin("quadratic").digest,
     ]
-    text = json.dumps(parts, sort_keys=True)
+    with guarded("the encoder's configuration is not made of JSON values", kind.__qualname__):
+        text = json.dumps(parts, sort_keys=True)
     return blake2b(text.encode(), digest_size=16).hexdigest()
 
 

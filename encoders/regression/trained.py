@@ -161,7 +161,7 @@ def train_encoder(
     residuals = Q - blocked_predictions(make, capture, progress=progress)
     with guarded("the encoder cannot learn", name):
         # Copies: a fit that subtracts means in place must not change the capture for others.
-        encoder = make().fit(U.copy("K"), Q.copy("K"))
+        encoder = _itself(make().fit(U.copy("K"), Q.copy("K")), name)
     predicted(encoder, U[:1])
     covariance = robust_covariance(residuals)
     return rounded(TrainedModel(name, encoder, covariance, U, Q, origin(capture)))
@@ -190,11 +190,24 @@ def blocked_predictions(
     for k in np.unique(fold):
         out = fold == k
         with guarded("the encoder cannot learn", "fit"):
-            encoder = make().fit(U[~out], Q[~out])
+            encoder = _itself(make().fit(U[~out], Q[~out]), "fit")
         poses[out] = predicted(encoder, U[out])
         if progress:
             progress((k + 1) / (folds + 1))
     return poses
+
+
+def _itself(fitted: Encoder | None, where: str) -> Encoder:
+    """What `fit` returned.
+
+    Raises:
+        EncoderError: It is nothing.
+    """
+    if fitted is None:
+        raise EncoderError(
+            "`fit` did not return the encoder", where=where, remedy="End it with `return self`"
+        )
+    return fitted
 
 
 def origin(capture: Capture) -> dict[str, Any]:

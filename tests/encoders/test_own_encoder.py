@@ -267,6 +267,7 @@ def test_an_unknown_encoder_name_is_refused_with_a_one_line_error(
 @pytest.mark.parametrize(
     ("method", "says"),
     [
+        ("fit(self, U, Q): super().fit(U, Q)", "did not return the encoder.*return self"),
         ("fit(self, U, Q): 1/0", "cannot learn.*ZeroDivisionError.*lab.py:5"),
         ("predict(self, U): 1/0", "cannot predict.*ZeroDivisionError"),
         ("predict(self, U): return np.zeros((len(U), 48))", r"another shape.*\(15,\)"),
@@ -295,6 +296,29 @@ def test_an_encoder_that_breaks_the_contract_is_refused_with_a_one_line_error(
     with pytest.raises(EncoderError, match=says) as error:
         train_encoder(capture, "a", kind)
     assert "\n" not in str(error.value)
+
+
+def test_a_configuration_that_is_no_json_is_told_in_one_line(tmp_path: Path) -> None:
+    body = "class A(Mean):\n def configuration(self): return {'a': np.float32(0.5)}"
+    file = write(tmp_path / "lab.py", body)
+    with pytest.raises(EncoderError, match=r"A: .*not made of JSON values.*float32") as error:
+        find_model(f"{file}:A", print)
+    assert "\n" not in str(error.value)
+
+
+def test_a_pose_that_is_not_finite_in_the_midst_of_a_trial_is_told_in_one_line(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    body = """class A(Mean):
+ asked = 0
+ def predict(self, U):
+  self.asked += np.ndim(U) == 1
+  return super().predict(U) * (np.nan if self.asked > 20 else 1.0)"""
+    file = write(tmp_path / "lab.py", body)
+    assert main(["run", "box-to-goal", "--encoder", f"{file}:A"]) == 2
+    told = capsys.readouterr().err.strip().splitlines()[-1]
+    assert told.startswith("sandbox: A.predict: the encoder predicts a pose that is not finite")
+    assert "of the contact vector [" in told
 
 
 def test_poses_that_storing_changes_are_refused(capture: Capture, tmp_path: Path) -> None:
