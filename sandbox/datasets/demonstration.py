@@ -19,6 +19,7 @@ from sandbox.gym.learning.environment import LearningEnv
 from sandbox.recording.recorded_task import task_change
 from sandbox.recording.recording import Recording, load_recording
 from sandbox.trial.replay import settings_of, versions_of
+from tasks.discovery import place_file, place_member
 from tasks.registry import find_task
 
 
@@ -89,7 +90,7 @@ def environment_options(recording: Recording, observe: Sequence[str]) -> dict[st
         RecordingError: Its task, encoder or robot is not on this machine.
     """
     settings = settings_of(recording).as_json()
-    task = settings.pop("task")
+    task = _from_anywhere(settings.pop("task"))
     del settings["seed"]
     if settings.get("variation"):
         disturbed = ("noise", "dropped", "ghosts", "latency")
@@ -107,6 +108,12 @@ def environment_options(recording: Recording, observe: Sequence[str]) -> dict[st
         "reward": "progress",
         "settings": settings,
     }
+
+
+def _from_anywhere(task: str) -> str:
+    """The place of a task in a file as it is found from any folder; any other name as it is."""
+    file = place_file(task)
+    return task if file is None else f"{file}:{place_member(task)}"
 
 
 def changed_task(recording: Recording) -> str:

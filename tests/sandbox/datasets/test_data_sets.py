@@ -25,6 +25,7 @@ from sandbox.datasets.playback import first_difference
 from sandbox.datasets.slots import actions_of, slots_of, touches_of
 from sandbox.study.record.journal import Journal
 from tests.support.needs import require
+from tests.support.processes import ROOT
 
 SEEDS = (6000, 6001)
 
@@ -393,3 +394,23 @@ def test_a_recording_whose_header_lacks_versions_is_one_clear_error(
             assert main(words) == 2
             (line,) = capsys.readouterr().err.strip().splitlines()
             assert "does not say which versions" in line and "old.jsonl" in line
+
+
+def test_a_data_set_of_a_task_in_a_file_gives_its_environment_from_any_folder(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    lab, elsewhere = tmp_path / "lab", tmp_path / "elsewhere"
+    lab.mkdir()
+    elsewhere.mkdir()
+    text = (ROOT / "examples" / "push_the_puck.py").read_text(encoding="utf-8")
+    (lab / "puck.py").write_text(text.replace("my-lab-push-the-puck", "lab-puck-of-a-data-set"))
+    monkeypatch.chdir(lab)
+    assert main(["run", "puck.py", "--seed", "2", "--record", "a.jsonl"]) == 0
+    assert main(["run", f"{lab}/puck.py:PushThePuck", "--seed", "3", "--record", "b.jsonl"]) == 0
+    assert main(["export", "a.jsonl", "b.jsonl", "--to", "both.npz"]) == 0
+    monkeypatch.chdir(elsewhere)
+    data = read_npz(lab / "both.npz")
+    assert data.environment["task"] == f"{lab / 'puck.py'}:PushThePuck"
+    env = made(data)
+    assert env.reset(seed=2)[1]["state_hash"] == data.episodes[0].hashes[0]
+    env.close()
