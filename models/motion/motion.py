@@ -33,6 +33,8 @@ class Motion:
         rotations: (T, J, 3, 3), parent from joint.
         ends: (J, 3) m, end of a joint's bone in the joint's frame; NaN where there is none.
         frame_time: s, duration of one frame.
+        numbers: (T,) number of each frame from 0, increasing, where the recorder left frames out;
+            None if it left out none.
     """
 
     names: tuple[str, ...]
@@ -41,6 +43,7 @@ class Motion:
     rotations: Array
     ends: Array
     frame_time: float
+    numbers: Array | None = None
 
     def __len__(self) -> int:
         return len(self.shifts)
@@ -48,7 +51,8 @@ class Motion:
     @property
     def time(self) -> Array:
         """Times (T,) s from the first frame."""
-        return np.arange(len(self), dtype=np.float64) * self.frame_time
+        numbers = np.arange(len(self), dtype=np.float64) if self.numbers is None else self.numbers
+        return np.asarray(numbers * self.frame_time)
 
     def index(self, name: str) -> int:
         """Index of a joint.

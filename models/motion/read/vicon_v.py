@@ -45,11 +45,13 @@ class ViconMotion:
         labels: One label for each column.
         rate: Hz.
         values: (T, columns), mm and rad.
+        numbers: (T,) number of each frame from 0; a recorder may leave frames out.
     """
 
     labels: tuple[str, ...]
     rate: float
     values: Array
+    numbers: Array
 
 
 def read_v(path: Path) -> ViconMotion:
@@ -140,7 +142,7 @@ def motion_of(
         still = np.tile(np.eye(3), (count, len(marks), 1, 1))
         rotations = np.concatenate([rotations, still], axis=1)
         ends = np.concatenate([ends, np.full((len(marks), 3), np.nan)])
-    return Motion(names, parents, shifts, rotations, ends, 1.0 / motion.rate)
+    return Motion(names, parents, shifts, rotations, ends, 1.0 / motion.rate, motion.numbers)
 
 
 @dataclass(frozen=True)
@@ -189,7 +191,7 @@ def _group(data: bytes, at: int) -> _Group:
 def _values(path: Path, data: bytes, group: _Group, at: int) -> ViconMotion:
     size = np.dtype(group.kind).itemsize * len(group.labels)
     rows = []
-    frame = -1
+    frames: list[int] = []
     while at + 2 <= len(data):
         length, number, this = RECORD.unpack_from(data, at)
         if not length:
@@ -197,9 +199,9 @@ def _values(path: Path, data: bytes, group: _Group, at: int) -> ViconMotion:
         if number == group.number:
             if length != size + RECORD.size - 2 or at + RECORD.size + size > len(data):
                 raise ValueError  # of another length, or cut short
-            if this <= frame:
+            if frames and this <= frames[-1]:
                 raise MotionError("frames are out of order", where=f"{path}, frame {this}")
-            frame = this
+            frames.append(this)
             rows.append(np.frombuffer(data, group.kind, len(group.labels), at + RECORD.size))
         at += 2 + length
     if not rows:
@@ -213,4 +215,4 @@ def _values(path: Path, data: bytes, group: _Group, at: int) -> ViconMotion:
             where=str(path),
             expected=f"up to {MOST:g}",
         )
-    return ViconMotion(group.labels, group.rate, values)
+    return ViconMotion(group.labels, group.rate, values, np.array(frames, float) - frames[0])

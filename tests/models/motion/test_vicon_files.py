@@ -123,6 +123,16 @@ def test_a_motion_turns_segments_by_rotation_vectors_after_their_rest(tmp_path: 
         np.testing.assert_allclose(placed[t, 3], hand + arm.apply([0.01, 0, 0.3]), atol=1e-12)
 
 
+def test_frames_that_a_recorder_left_out_move_no_later_frame_in_time(tmp_path: Path) -> None:
+    path = tmp_path / "file.v"
+    data = motion_bytes(LABELS, [*FRAMES, *FRAMES], other=False)
+    record = 8 + 8 * len(LABELS)
+    # The second of four frames is missing.
+    path.write_bytes(data[: -3 * record] + data[-2 * record :])
+    motion = motion_of(path, skeleton(tmp_path), read_v(path))
+    np.testing.assert_allclose(motion.time, [0.0, 0.02, 0.03], atol=1e-12)
+
+
 def test_rotation_vectors_of_a_wrist_that_turns_round_and_round_do_not_jump(tmp_path: Path) -> None:
     q = moving(ADULT, 600, 1)
     path, _ = written(lambda a: VWriter(tmp_path / "h.v", a, 60), ADULT, q)
