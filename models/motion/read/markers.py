@@ -71,7 +71,13 @@ def read_markers(path: Path, unit: float = MILLIMETRE) -> MarkerTracks:
     if titles and titles[0].strip() and not _is_number(titles[0]):
         lead = sum(title.strip() in ("Frame", "Time") for title in titles[:2])
         at += 1
-    rows = [(n, line) for n, line in enumerate(lines[at:], start=at + 1) if line.strip()]
+    width = lead + 3 * len(names)
+    # Where no marker was seen, a line is tabs alone.
+    rows = [
+        (n, line)
+        for n, line in enumerate(lines[at:], start=at + 1)
+        if line.strip() or line.count("\t") >= width - 1
+    ]
     if len(rows) != frames:
         raise MotionError(
             "the number of frames differs from the one that the file states",
@@ -80,7 +86,6 @@ def read_markers(path: Path, unit: float = MILLIMETRE) -> MarkerTracks:
             expected=str(frames),
             remedy="The file was probably cut short",
         )
-    width = lead + 3 * len(names)
     places = np.array([_row(line, width, f"{path}, line {n}")[lead:] for n, line in rows])
     places = places.reshape(frames, len(names), 3)
     unseen = (np.nan_to_num(places) == 0).all(axis=2) | np.isnan(places).any(axis=2)

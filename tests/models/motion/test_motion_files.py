@@ -160,6 +160,15 @@ def test_markers_that_were_not_seen_are_missing_and_others_keep_their_place(tmp_
     )
 
 
+@pytest.mark.parametrize("row", (6, 7, 8))
+def test_a_frame_in_which_no_marker_was_seen_is_a_frame(tmp_path: Path, row: int) -> None:
+    lines = TSV.splitlines()
+    lines[row] = "\t" * 5
+    tracks = read_markers(written(tmp_path, "tsv", "\n".join(lines) + "\n"))
+    np.testing.assert_allclose(tracks.time, [0, 0.02, 0.04])
+    assert np.isnan(tracks.places[row - 6]).all()
+
+
 def test_a_packed_file_reads_like_a_plain_one(tmp_path: Path) -> None:
     plain = read_markers(written(tmp_path, "tsv", TSV))
     packed = tmp_path / "packed.tsv.gz"
