@@ -103,7 +103,8 @@ def _mixamo(side: str) -> dict[str, str]:
         stem = hand + ("Pinky" if finger == "little" else finger.capitalize())
         for i, level in enumerate(levels.get(finger, ("mcp", "pip", "dip")), start=1):
             names[f"{stem}{i}"] = f"{finger}_{level}"
-        names[f"{stem}3 end"] = f"{finger}_tip"
+        # Mixamo's own skeleton has a joint at the tip; without it, that is the end of the third.
+        names[f"{stem}4"] = names[f"{stem}3 end"] = f"{finger}_tip"
     return names
 
 
@@ -112,7 +113,8 @@ def recognised(names: Sequence[str], side: str, skeleton: Skeleton) -> dict[str,
 
     Known names are our own, those of Qualisys glove recordings (`index_middle`, `hand_top`, ..) and
     those of Mixamo rigs (`RightHandIndex1`, ..), each with or without a prefix before a colon. The
-    end of a joint's bone is named after the joint: `RightHandIndex3 end`.
+    end of a joint's bone is named after the joint: `RightHandIndex3 end`. A joint at the tip is
+    `RightHandIndex4`.
 
     Raises:
         CaptureError: None of the three sets of names fits.

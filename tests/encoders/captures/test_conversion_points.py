@@ -241,6 +241,16 @@ def test_the_fingers_of_the_other_hand_are_not_taken() -> None:
         recognised(["LeftHand", *names], "right", ADULT)
 
 
+@pytest.mark.parametrize("tip", ("3 end", "4"))
+def test_the_tips_of_a_mixamo_rig_are_recognised(tip: str) -> None:
+    fingers = {f"RightHand{f}": f.lower() for f in ("Thumb", "Index", "Middle", "Ring", "Pinky")}
+    names = [f"mixamorig:{stem}{i}" for stem in fingers for i in ("1", "2", "3", tip)]
+    known = recognised(["mixamorig:RightHand", *names], "right", ADULT)
+    assert len(known) == 21
+    for stem, finger in fingers.items():
+        assert known[f"mixamorig:{stem}{tip}"] == f"{finger.replace('pinky', 'little')}_tip"
+
+
 @pytest.mark.parametrize(
     ("change", "message"),
     (
