@@ -198,7 +198,7 @@ def read_hands(path: Path) -> HandsFile:
         RecordingError: The file cannot be read, or holds no usable frame.
     """
     recording = read_leap(path)
-    decoder = LeapDecoder(path.name)
+    decoder = LeapDecoder(path.name, recording.rate)
     frames, host = [], []
     for message in recording.messages:
         frame = decoder.feed(message)

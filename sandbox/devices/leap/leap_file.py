@@ -63,6 +63,11 @@ class LeapRecording:
     damage: RecordingError | None = None
 
     @property
+    def rate(self) -> float:
+        """Hz of frames without times, by the metadata; 100 without."""
+        return _rate(self.metadata)
+
+    @property
     def duration(self) -> float:
         """Seconds from the first frame to the last."""
         return self.frames[-1].time - self.frames[0].time

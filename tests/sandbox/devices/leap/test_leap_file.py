@@ -16,6 +16,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from models.errors import RecordingError
+from sandbox.devices.files.paired_capture import read_hands
 from sandbox.devices.leap.leap import LeapFileDevice
 from sandbox.devices.leap.leap_file import read_leap
 from sandbox.devices.leap.leap_lz import decompress_base64
@@ -97,6 +98,15 @@ def test_every_form_of_a_file_holds_the_same_frames(form: str, tmp_path: Path) -
     known = [[f.tip for f in frame.hands[0].fingers] for frame in take(0, "v3").frames[:20]]
     np.testing.assert_allclose(tips, known, atol=1e-9)
     assert recording.damage is None
+
+
+def test_frames_without_times_have_the_rate_of_the_file_also_beside_touches(tmp_path: Path) -> None:
+    path = tmp_path / "slow.json"
+    bare = [{k: v for k, v in m.items() if k != "timestamp"} for m in messages()]
+    path.write_text(json.dumps({"metadata": {"frameRate": "50"}, "frames": bare}))
+    known = 0.02 * np.arange(len(bare))
+    np.testing.assert_allclose([f.time for f in read_leap(path).frames], known, atol=1e-9)
+    np.testing.assert_allclose(read_hands(path).time, known, atol=1e-9)
 
 
 def test_lines_are_good_up_to_the_damage(tmp_path: Path) -> None:
