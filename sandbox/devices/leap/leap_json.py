@@ -113,7 +113,8 @@ class LeapDecoder:
             self.counts["frames whose time leapt"] += 1
             self._leapt = time
             return None
-        if time < self._time:
+        if time < self._time or self.counts["frames"] == 1:
+            # After a single frame it is that one whose time was wrong.
             self.counts["restarts of the device's clock"] += 1
             self._offset += self._time + 1.0 / self._rate - time
             time = self._time + 1.0 / self._rate

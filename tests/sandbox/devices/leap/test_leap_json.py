@@ -206,6 +206,15 @@ def test_a_single_wrong_time_is_left_out_and_what_follows_keeps_its_time(wrong: 
     assert "restarts of the device's clock" not in decoder.counts
 
 
+@pytest.mark.parametrize("wrong", [0, 3_600_000_000, 10**15])
+def test_a_first_time_that_is_wrong_stretches_no_recording(wrong: int) -> None:
+    decoder = LeapDecoder()
+    times = (wrong, 50_010_000, 50_020_000, 50_030_000)
+    first, _, *others = [decoder.feed(message(t)) for t in times]
+    assert first is not None
+    assert [f and f.time - first.time for f in others] == pytest.approx([0.01, 0.02], abs=1e-6)
+
+
 def test_after_a_pause_the_second_frame_is_believed() -> None:
     decoder = LeapDecoder()
     frames = [decoder.feed(message(t)) for t in (0, 10_000, 9_000_000, 9_010_000, 9_020_000)]
