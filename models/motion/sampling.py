@@ -16,6 +16,10 @@ from models.motion.armature import Armature, Keys
 from models.motion.output import checked_rate
 from models.rotations import quaternion_to_matrix
 
+MOST = 250_000
+"""Keys that may lie between two poses, 70 minutes at 60 Hz: where a clock leaps by days there would
+be more than any memory holds."""
+
 SLACK = 1e-6
 """Share of a period by which a key may lie after the last pose, since clocks round."""
 
@@ -53,7 +57,7 @@ class Sampler:
         none.
 
         Raises:
-            MotionError: The time of the poses does not increase.
+            MotionError: The time of the poses does not increase, or pauses for too long.
         """
         if not len(poses.time):
             return None
@@ -63,6 +67,7 @@ class Sampler:
             poses = Poses(*(np.concatenate(pair) for pair in zip(self._last, poses, strict=True)))
         if (np.diff(poses.time) <= 0).any() or not np.isfinite(poses.time).all():
             raise MotionError("the time of the poses does not increase")
+        self._check_pauses(poses.time)
         self._last = Poses(*(part[-1:] for part in poses))
         time = poses.time - self._first
         end = int(np.floor(time[-1] * self._rate + SLACK))
@@ -71,6 +76,18 @@ class Sampler:
         at = np.arange(self._next, end + 1) / self._rate
         self._next = end + 1
         return self._between(time, poses, at)
+
+    def _check_pauses(self, time: Array) -> None:
+        pauses = np.diff(time)
+        if not len(pauses) or (longest := float(pauses.max())) * self._rate <= MOST:
+            return
+        after = float(time[int(pauses.argmax())]) - self._first
+        raise MotionError(
+            "the motion pauses for too long, or its clock was set",
+            got=f"{longest:.0f} s without a pose, {after:.2f} s after the first",
+            expected=f"at most {MOST / self._rate:.0f} s at {self._rate:g} keys a second",
+            remedy="Cut the recording in two there",
+        )
 
     def _between(self, time: Array, poses: Poses, at: Array) -> tuple[Keys, ...]:
         before = np.clip(np.searchsorted(time, at, side="right") - 1, 0, max(len(time) - 2, 0))

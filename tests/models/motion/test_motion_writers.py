@@ -449,6 +449,13 @@ def test_time_that_stands_still_is_refused() -> None:
             Sampler((Armature(ADULT),), rate)
 
 
+def test_a_clock_that_leaps_by_a_day_is_refused_and_says_where() -> None:
+    time = np.array([0.0, 0.1, 86_400.1, 86_400.2])
+    turns = np.tile([1.0, 0, 0, 0], (4, 1, 15, 1))
+    with pytest.raises(MotionError, match=r"86400 s without a pose, 0\.10 s after"):
+        Sampler((Armature(ADULT),), 60).add(Poses(time, np.zeros((4, 1, 3)), turns))
+
+
 def test_the_armature_stands_where_the_kinematics_stand() -> None:
     for skeleton in HANDS.values():
         armature = Armature(skeleton)
