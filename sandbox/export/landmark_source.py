@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -47,16 +48,19 @@ def open_landmarks(path: Path, hand: Hand | None = None) -> MotionSource:
     camera = recording.camera or Camera()
     sides = _sides(recording, hand, str(path))
     begin = recording.frames[0].taken
+    # Of pictures of one moment, as there are where a page is opened anew, the last one counts.
+    follows = pairwise(recording.frames)
+    frames = [a for a, b in follows if b.taken > a.taken] + [recording.frames[-1]]
 
     def run(take: PoseCallback) -> str:
         hands = [LandmarkReconstructor(camera, side, following=STRAIGHT) for side in sides]
         times: list[float] = []
         poses: list[list[Array]] = []
-        for frame in recording.frames:
+        for frame in frames:
             at = frame.taken - begin
             poses.append([one.step(replace(frame, time=at)).q for one in hands])
             times.append(at)
-            if len(times) == CHUNK or frame is recording.frames[-1]:
+            if len(times) == CHUNK or frame is frames[-1]:
                 q = np.array(poses)
                 time = np.array(times)
                 take(together([poses_of(time, q[:, i]) for i in range(len(sides))]))

@@ -15,6 +15,7 @@ from hypothesis import strategies as st
 from encoders.webcam.camera import Camera
 from models.errors import DeviceError, FrameError, InputError, RecordingError
 from models.frames import LandmarkFrame
+from models.motion.sampling import Poses
 from sandbox.devices.webcam.landmark_file import (
     LandmarkFileDevice,
     header_record,
@@ -22,6 +23,7 @@ from sandbox.devices.webcam.landmark_file import (
     read_landmarks,
 )
 from sandbox.devices.webcam.landmarks_json import frame_of, message_of, picture_message
+from sandbox.export.landmark_source import open_landmarks
 from sandbox.options.leap_devices import is_leap
 from sandbox.options.webcam_devices import is_webcam
 from sandbox.recording.recorded_frames import frame_from_json, frame_to_json
@@ -53,6 +55,16 @@ def test_a_damaged_line_ends_the_file_and_is_named(tmp_path: Path) -> None:
     recording = read_landmarks(path)
     assert len(recording.frames) == 5
     assert "line 7" in str(recording.damage)
+
+
+def test_two_pictures_of_one_moment_are_one_in_an_export(tmp_path: Path) -> None:
+    frames = pictures()
+    again = replace(frames[2], time=frames[2].time + 0.01)
+    file = written(tmp_path / "hands.jsonl", [*frames[:3], again, *frames[3:]])
+    shown: list[Poses] = []
+    assert open_landmarks(file).play(shown.append) == ""
+    times = [frame.taken - frames[0].taken for frame in frames]
+    assert [t for poses in shown for t in poses.time] == pytest.approx(times)
 
 
 def test_time_that_runs_backwards_ends_the_file(tmp_path: Path) -> None:
