@@ -16,6 +16,9 @@ from encoders.captures.conversion.report import ConversionReport, ConversionRule
 from models.arithmetic.arrays import Array
 from models.errors import CaptureError
 
+LEAP = 2.0
+"""s; a frame that is ahead of the one after it by more has a wrong time, as of a Leap."""
+
 _STILL = 1e-4
 """m, movement below which a contact rests."""
 
@@ -99,9 +102,15 @@ def valid_contacts(
     log: TouchLog, rules: ConversionRules, report: ConversionReport
 ) -> list[ContactTrack]:
     """Extracts the contacts of a log without its glitches, by time; counts dropped ones."""
-    good = log.time >= np.maximum.accumulate(log.time)
-    good[1:] &= log.time[1:] > np.maximum.accumulate(log.time)[:-1]
-    report.drop_parts("touch frames whose time ran backwards or stood still", int((~good).sum()))
+    # A single time that is far ahead would make all later ones run backwards.
+    ahead = np.append(log.time[:-1] - log.time[1:] > LEAP, False)
+    ahead[1:] &= log.time[1:] - log.time[:-1] > LEAP
+    time = np.where(ahead, -np.inf, log.time)
+    good = ~ahead & (time >= np.maximum.accumulate(time))
+    good[1:] &= time[1:] > np.maximum.accumulate(time)[:-1]
+    report.drop_parts("touch frames whose time leapt ahead", int(ahead.sum()))
+    back = int((~good & ~ahead).sum())
+    report.drop_parts("touch frames whose time ran backwards or stood still", back)
     tracks: list[ContactTrack] = []
     period = _period(log.time[good], rules)
     for track, ended in _lives(log, good):

@@ -268,6 +268,20 @@ def test_frames_whose_time_runs_backwards_are_dropped_and_counted(
     np.testing.assert_array_equal(capture.down, truth.down[rows])
 
 
+@pytest.mark.parametrize("row", (0, 400))
+def test_a_single_time_that_leaps_ahead_costs_no_other_frame(
+    truth: Truth, joints: JointTrack, row: int
+) -> None:
+    log = touch_log(truth, AHEAD)
+    time = log.time.copy()
+    time[row] += 3600.0
+    capture, report = converted(replace(log, time=time), joints)
+    clean, _ = converted(log, joints)
+    assert report.parts == {"touch frames whose time leapt ahead": 1}
+    assert abs(len(capture) - len(clean)) <= 1
+    np.testing.assert_array_equal(capture.down, truth.down[rows_of(truth, capture)])
+
+
 def test_a_contact_between_two_fingers_is_refused(truth: Truth, joints: JointTrack) -> None:
     """A third of its life at another finger is more than the fifth that is allowed."""
     index = truth.xy[:, 1]
