@@ -125,8 +125,14 @@ def record(options: Record) -> int:
             file.write(packet_record(CapturedPacket(now, data, peer)))
 
         packets = options.device == "tuio"
-        opened = open_touches_or_page(options, options.seconds, tap if packets else None)
+        try:
+            opened = open_touches_or_page(options, options.seconds, tap if packets else None)
+        except BaseException:
+            # The corrected command makes a new file.
+            file.discard()
+            raise
         if opened is None:
+            file.discard()
             return 0
         if not packets:
             file.write(header_record(opened.surface, opened.device.name))

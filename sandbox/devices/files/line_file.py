@@ -49,6 +49,11 @@ class LineFile(Closeable):
                 remedy="Make room on the disk; the lines before this are kept",
             ) from None
 
+    def discard(self) -> None:
+        """Closes the file and removes it, where nothing was to be written."""
+        self.close()
+        self.path.unlink(missing_ok=True)
+
     def close(self) -> None:
         """Closes the file; may be called twice."""
         # `write` has already reported a line that could not be written.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from pathlib import Path
 
 import pytest
 
@@ -153,3 +154,15 @@ def test_a_new_quantity_is_named_by_the_help_with_its_unit() -> None:
     kinds = [*KINDS.values(), Kind("wind", "wind over the table", 0.0, "m/s")]
     assert help_with_units(kinds).endswith(" wind: m/s.")
     assert help_with_names(kinds).endswith(", latency or wind")
+
+
+def test_touches_that_cannot_be_recorded_leave_no_file_in_the_way_of_the_corrected_command(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file, source = tmp_path / "new.jsonl", tmp_path / "frames.jsonl"
+    line = ["touches", "record", str(file), "--device", str(source)]
+    assert main(line) == 2
+    assert "no such device" in capsys.readouterr().err and not file.exists()
+    source.write_text('{"time": 0, "contacts": []}\n')
+    assert main(line) == 0
+    assert len(file.read_text().splitlines()) == 2
