@@ -30,6 +30,9 @@ LARGEST = 1 << 28
 _LOOKED_AT = 1 << 16
 """Bytes at the beginning of a file by which it is recognised."""
 
+_BYTE_ORDER_MARK = b"\xef\xbb\xbf"
+"""Bytes that some editors put before a text."""
+
 _UNREADABLE = (msgspec.DecodeError, UnicodeDecodeError, RecursionError)
 """Errors that damaged JSON raises; a field name that is not UTF-8 raises no DecodeError."""
 
@@ -104,7 +107,7 @@ def is_leap_recording(path: Path) -> bool:
     """
     try:
         with path.open("rb") as file:
-            start = file.read(_LOOKED_AT).lstrip()
+            start = file.read(_LOOKED_AT).removeprefix(_BYTE_ORDER_MARK).lstrip()
     except OSError:
         return False
     if start[:1] not in (b"{", b"["):
@@ -133,7 +136,7 @@ def read_leap(path: Path) -> LeapRecording:
     try:
         if path.stat().st_size > LARGEST:
             raise RecordingError("the file is too large", where=where, expected=f"{LARGEST} bytes")
-        data = path.read_bytes()
+        data = path.read_bytes().removeprefix(_BYTE_ORDER_MARK)
     except OSError as error:
         raise RecordingError(f"the recording cannot be read: {error}", where=where) from error
     try:

@@ -22,6 +22,7 @@ from sandbox.devices.leap.leap_file import read_leap
 from sandbox.devices.leap.leap_lz import decompress_base64
 from sandbox.devices.leap.leap_truth import take_with_truth, write_take
 from sandbox.devices.leap.leap_write import leap_message
+from sandbox.export.leap_frames import LeapFrames
 from sandbox.options.leap_devices import is_leap
 from tests.support.leap_hands import take
 
@@ -107,6 +108,14 @@ def test_frames_without_times_have_the_rate_of_the_file_also_beside_touches(tmp_
     known = 0.02 * np.arange(len(bare))
     np.testing.assert_allclose([f.time for f in read_leap(path).frames], known, atol=1e-9)
     np.testing.assert_allclose(read_hands(path).time, known, atol=1e-9)
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_a_byte_order_mark_changes_nothing(form: str, tmp_path: Path) -> None:
+    path = tmp_path / "edited.json"
+    path.write_text("\ufeff" + FORMS[form](), encoding="utf-8")
+    assert is_leap(str(path))
+    assert len(read_leap(path).frames) == len(list(LeapFrames(path))) == len(messages())
 
 
 def test_lines_are_good_up_to_the_damage(tmp_path: Path) -> None:
