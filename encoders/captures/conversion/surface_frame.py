@@ -107,7 +107,10 @@ def frame_from_fingertips(tips: Array, palm: Array, tolerance: float = ON_PLANE)
             remedy="Give the surface's corners in the --mapping file",
         )
     z = plane[1]
-    y = np.nanmean(np.nanmean(tips, axis=1) - palm, axis=0)
+    shown = np.asarray(~np.isnan(tips).any(axis=2)).any(axis=1)
+    middles = np.full(palm.shape, np.nan)
+    middles[shown] = np.nanmean(tips[shown], axis=1)
+    y = np.nanmean(middles - palm, axis=0)
     y -= (y @ z) * z
     y /= np.linalg.norm(y)
     return SurfaceFrame(plane[0], np.stack([np.cross(y, z), y, z], axis=1))

@@ -133,6 +133,17 @@ def test_short_gaps_of_markers_are_bridged_and_long_ones_give_no_poses(truth: Tr
     np.testing.assert_array_equal(np.flatnonzero(~known), np.arange(100, 140))
 
 
+@pytest.mark.filterwarnings("error")
+def test_a_surface_is_found_without_a_warning_where_the_hand_is_out_of_sight(truth: Truth) -> None:
+    seen = {name: p.copy() for name, p in markers(truth).items()}
+    tips = np.stack([seen[name] for name in QUALISYS if name.endswith("_tip")], axis=1)
+    palm = np.mean([seen[name] for name in QUALISYS if name.startswith("hand_")], axis=0)
+    whole = frame_from_fingertips(tips, palm)
+    tips[10:14], palm[10:14] = np.nan, np.nan
+    found = frame_from_fingertips(tips, palm)
+    np.testing.assert_allclose(found.rotation, whole.rotation, atol=0.02)
+
+
 @pytest.mark.parametrize("pair", (("index_tip", "little_tip"), ("thumb_tip", "hand_top")))
 def test_swapped_markers_are_noticed(truth: Truth, pair: tuple[str, str]) -> None:
     points = {name: p[::4] for name, p in markers(truth).items()}
