@@ -13,6 +13,7 @@ from sandbox.cli.main import main
 from sandbox.devices.leap.leap_fake import FakeLeapd
 from sandbox.devices.leap.leap_file import read_leap
 from sandbox.devices.leap.leap_truth import write_take
+from sandbox.devices.leap.leap_write import leap_message
 from tests.support.leap_hands import take
 
 
@@ -141,6 +142,17 @@ def test_a_folder_of_simulated_recordings_is_judged_by_the_truth_in_them(
     assert set(found["identity_percent"]) == {"paper", "tracked"}
     assert "notes.txt" in found["left_out"]
     assert set(found["couplings"]) == {"two_thirds", "equal", "fitted"}
+
+
+def test_a_recording_that_breaks_off_is_judged_and_said_to_break_off(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder, out = tmp_path / "takes", tmp_path / "out.json"
+    folder.mkdir()
+    lines = [json.dumps(leap_message(f, n)) for n, f in enumerate(take(1).frames[:300])]
+    (folder / "v1.jsonl").write_text("\n".join(lines)[:-50])
+    assert main(["evaluate", "--paalm", str(folder), "--json", str(out)]) == 0
+    assert "line 300" in json.loads(out.read_text())["left_out"]["v1.jsonl (its end)"]
 
 
 def test_recordings_whose_joints_bend_alike_by_construction_are_no_truth(
