@@ -9,9 +9,14 @@ import numpy as np
 from encoders.capture import Capture
 from encoders.npz import read_npz, write_npz
 from models.errors import CaptureError
+from models.pose import JOINTS
 
 SCHEMA = 1
 """Version of the file's layout."""
+
+FARTHEST = 3.0
+"""m, median distance of a wrist from its touches beyond which lengths are surely no metres: it is
+0.1 to 0.2 m."""
 
 _ARRAYS = {"time": "f", "trial": "i", "ids": "i", "xy": "f", "q": "f"}
 
@@ -69,6 +74,32 @@ def check_order(capture: Capture) -> None:
         )
 
 
+def check_units(capture: Capture) -> None:
+    """Checks that places are in metres and rotations in radians, as far as a hand's size tells.
+
+    Raises:
+        CaptureError: They are not.
+    """
+    apart = capture.q[:, None, :2] * [1.0, -1.0] - capture.xy
+    far = float(np.median(np.linalg.norm(apart[capture.down], axis=-1)))
+    if far > FARTHEST:
+        raise CaptureError(
+            "the wrist is too far from its touches",
+            where="xy, q",
+            got=f"{far:.3g} m",
+            expected=f"up to {FARTHEST:g} m",
+            remedy="Both are in metres, on one surface: x right and y down in xy, up in q",
+        )
+    most = float(np.abs(capture.q[:, JOINTS]).max())
+    if most > 2 * np.pi:
+        raise CaptureError(
+            "a joint turns farther than round",
+            where="q",
+            got=f"{most:.3g} rad",
+            expected="rotation vectors in radians",
+        )
+
+
 def load_capture(path: Path | str) -> Capture:
     """Reads a capture, written by `save_capture` or `sandbox capture`.
 
@@ -102,6 +133,7 @@ def load_capture(path: Path | str) -> Capture:
             meta,
         )
         check_order(capture)
+        check_units(capture)
         return capture
     except CaptureError as error:
         place = f"{where}: {error.where}" if error.where else where

@@ -162,6 +162,17 @@ def test_a_capture_out_of_order_is_refused_when_it_is_read(tmp_path: Path) -> No
     load_capture(tmp_path / "c.npz")
 
 
+@pytest.mark.parametrize("units", ("touches", "wrists", "joints"))
+def test_millimetres_and_degrees_are_noticed(tmp_path: Path, units: str) -> None:
+    made = capture()
+    factor = np.ones(48)
+    factor[:3], factor[6:] = (1000 if units == "wrists" else 1), (57.3 if units == "joints" else 1)
+    xy = made.xy * (1000 if units == "touches" else 1)
+    save_capture(replace(made, xy=xy, q=made.q * factor), tmp_path / "c.npz")
+    with pytest.raises(CaptureError, match=r"too far from its touches|farther than round"):
+        load_capture(tmp_path / "c.npz")
+
+
 def test_a_missing_file_is_reported_as_missing(tmp_path: Path) -> None:
     with pytest.raises(CaptureError, match="no such file"):
         load_capture(tmp_path / "none.npz")
