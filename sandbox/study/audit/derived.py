@@ -20,10 +20,12 @@ from sandbox.study.audit.journals import ReadJournal
 from sandbox.study.record.folder import STUDY_JOURNAL, Participant, StudyFolder, participants_of
 from sandbox.study.record.state import SessionState
 from sandbox.study.record.stored_sessions import StoredSession
+from sandbox.study.tables.column import united
 from sandbox.study.tables.tables import (
     LOG,
     SOURCES,
     csv_of,
+    earlier_of,
     log_bytes,
     participant_rows,
     session_files,
@@ -255,11 +257,13 @@ def _study_files(
                 by_person.setdefault(person.ppid, []).append(stored)
                 sizes[session.name] = _end(session.journal, counts[session.name])
     rows = [
-        csv_of(study.design, participant_rows(study, person, by_person[person.ppid]))
+        participant_rows(study, person, by_person[person.ppid])
         for person in people
         if person.ppid in by_person
     ]
-    return study_files(study.design, rows, sizes)
+    earlier = united(earlier_of(study.design, one) for one in rows)
+    written = [csv_of(study.design, one, earlier) for one in rows]
+    return study_files(study.design, written, sizes, earlier)
 
 
 def _end(journal: ReadJournal, count: int) -> int:

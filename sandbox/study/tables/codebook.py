@@ -9,7 +9,7 @@ from sandbox.study.design.balance import cycle_line
 from sandbox.study.design.design import Design, Form
 from sandbox.study.measures.kept import ORDERS, WORDING
 from sandbox.study.measures.measure import PRIMARY
-from sandbox.study.tables.column import Column, csv_bytes
+from sandbox.study.tables.column import NO_EARLIER, Column, Earlier, csv_bytes
 from sandbox.study.tables.frame_columns import FRAMES, TOUCHES
 from sandbox.study.tables.participant_table import participant_columns
 from sandbox.study.tables.questionnaire_tables import answer_columns, score_columns
@@ -19,12 +19,12 @@ TOLD = {"paraphrase": "a paraphrase", "translation": "a translation that nobody 
 """Wordings that readers have to know of, in their words."""
 
 
-def columns_by_table(design: Design) -> dict[str, list[Column]]:
+def columns_by_table(design: Design, earlier: Earlier = NO_EARLIER) -> dict[str, list[Column]]:
     """Columns of the tables that exist for each session and for the whole study."""
     return {
-        "trial_results.csv": trial_columns(design),
-        "questionnaires.csv": answer_columns(design),
-        "questionnaire_scores.csv": score_columns(design),
+        "trial_results.csv": trial_columns(design, earlier),
+        "questionnaires.csv": answer_columns(design, earlier),
+        "questionnaire_scores.csv": score_columns(design, earlier),
         "participants.csv": participant_columns(design),
     }
 
@@ -35,10 +35,10 @@ def _wording(form: Form) -> str:
     return f"not the published wording, but {', '.join(told)}" if told else ""
 
 
-def codebook(design: Design) -> bytes:
+def codebook(design: Design, earlier: Earlier = NO_EARLIER) -> bytes:
     """Content of `codebook.csv`."""
     tables: dict[str, Sequence[Column]] = {
-        **columns_by_table(design),
+        **columns_by_table(design, earlier),
         "trackers/frames_*": FRAMES,
         "trackers/touches_*": TOUCHES,
     }

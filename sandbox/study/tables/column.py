@@ -4,13 +4,21 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Any
 
 from sandbox.study.design.design import LISTED, Design
 
 Row = dict[str, Any]
+Earlier = Mapping[str, Sequence[str]]
+"""Levels of the factors that rows have and their design has not, by name of the column: the factors
+of an earlier design."""
+FACTOR = "factor_"
+"""Prefix of the names of columns with levels."""
+NO_EARLIER: Earlier = MappingProxyType({})
+"""What the rows of one design have."""
 
 
 @dataclass(frozen=True)
@@ -28,12 +36,39 @@ class Column:
     meaning: str
 
 
-def factor_columns(design: Design) -> list[Column]:
-    """Columns of the factors of a design."""
+def factor_columns(design: Design, earlier: Earlier = NO_EARLIER) -> list[Column]:
+    """Columns of the factors of a design, and then those of earlier designs."""
     return [
-        Column(f"factor_{f.name}", "", "level: " + LISTED.join(x.name for x in f.levels))
-        for f in design.factors
+        *(
+            Column(FACTOR + f.name, "", "level: " + LISTED.join(x.name for x in f.levels))
+            for f in design.factors
+        ),
+        *(
+            Column(name, "", "level in an earlier design, empty since then: " + LISTED.join(levels))
+            for name, levels in earlier.items()
+        ),
     ]
+
+
+def earlier_factors(design: Design, rows: Iterable[Row]) -> Earlier:
+    """Factors that rows have and a design has not, as after `--force-upgrade`, with their levels in
+    order of appearance."""
+    own = {FACTOR + factor.name for factor in design.factors}
+    return united(
+        {name: (level,)}
+        for row in rows
+        for name, level in row.items()
+        if name.startswith(FACTOR) and name not in own
+    )
+
+
+def united(some: Iterable[Earlier]) -> Earlier:
+    """Several of `earlier_factors` as one."""
+    levels: dict[str, dict[str, None]] = {}
+    for one in some:
+        for name, names in one.items():
+            levels.setdefault(name, {}).update(dict.fromkeys(names))
+    return {name: tuple(names) for name, names in levels.items()}
 
 
 def names_of(columns: Iterable[Column]) -> list[str]:

@@ -11,7 +11,7 @@ from sandbox.study.design.design import Design
 from sandbox.study.design.scoring import scores
 from sandbox.study.record.chain import Record
 from sandbox.study.record.state import SessionState
-from sandbox.study.tables.column import Column, Row, factor_columns
+from sandbox.study.tables.column import NO_EARLIER, Column, Earlier, Row, factor_columns
 from sandbox.study.tables.trial_table import SESSION, UXF, level_cells, session_cells
 
 _COMMON = {column.name: column for column in (*UXF, *SESSION)}
@@ -45,14 +45,14 @@ WHEN = (
 """Last columns of both tables."""
 
 
-def answer_columns(design: Design) -> list[Column]:
+def answer_columns(design: Design, earlier: Earlier = NO_EARLIER) -> list[Column]:
     """Columns of `questionnaires.csv`."""
-    return [*ABOUT, *factor_columns(design), *ANSWER, *WHEN]
+    return [*ABOUT, *factor_columns(design, earlier), *ANSWER, *WHEN]
 
 
-def score_columns(design: Design) -> list[Column]:
+def score_columns(design: Design, earlier: Earlier = NO_EARLIER) -> list[Column]:
     """Columns of `questionnaire_scores.csv`."""
-    return [*ABOUT, PLACE, *factor_columns(design), *SCORE, *WHEN]
+    return [*ABOUT, PLACE, *factor_columns(design, earlier), *SCORE, *WHEN]
 
 
 def answer_rows(state: SessionState) -> list[Row]:

@@ -37,7 +37,16 @@ from sandbox.study.record.stored_sessions import (
     sessions_of,
 )
 from sandbox.study.tables.codebook import codebook, columns_by_table
-from sandbox.study.tables.column import Row, csv_bytes, csv_rows, names_of
+from sandbox.study.tables.column import (
+    NO_EARLIER,
+    Earlier,
+    Row,
+    csv_bytes,
+    csv_rows,
+    earlier_factors,
+    names_of,
+    united,
+)
 from sandbox.study.tables.exclusions import exclude_person
 from sandbox.study.tables.participant_table import participant_row
 from sandbox.study.tables.questionnaire_tables import answer_rows, score_rows
@@ -70,6 +79,7 @@ class _ParticipantRows:
         settled: True if the files had not changed for `SETTLED` when they were read.
         rows: Rows as CSV without the header line, by table.
         trials, excluded: Number of counted trials, and how many of them are excluded.
+        earlier: The participant's factors of an earlier design.
     """
 
     person: Participant
@@ -79,6 +89,7 @@ class _ParticipantRows:
     rows: dict[str, bytes]
     trials: int
     excluded: int
+    earlier: Earlier
 
 
 class StudyTables:
@@ -95,6 +106,7 @@ class StudyTables:
     def __init__(self, study: StudyFolder, say: Say = _silent) -> None:
         self._study, self._say = study, say
         self._kept: dict[str, _ParticipantRows] = {}
+        self._earlier: Earlier = NO_EARLIER
 
     def update(self) -> dict[str, int]:
         """Brings the tables up to date with all journals.
@@ -107,24 +119,34 @@ class StudyTables:
         """
         study, design = self._study, self._study.design
         with study.lock():
-            tables = _column_names(design)
             # Its size first: what is added meanwhile is in the tables of the next update.
             journal = study.path / STUDY_JOURNAL
             sizes = {STUDY_JOURNAL: journal.stat().st_size if journal.exists() else 0}
-            self._kept = {
-                person.ppid: rows
-                for person in study.participants()
-                if (rows := self._rows(person, tables)) is not None
-            }
+            people = study.participants()
+            self._keep(people)
+            earlier = united(rows.earlier for rows in self._kept.values())
+            if earlier != self._earlier:
+                # Somebody has factors of an earlier design: all rows have their columns.
+                self._earlier = earlier
+                self._keep(people)
             kept = self._kept.values()
             sizes |= {f"{p.person.ppid}/{name}": size for p in kept for name, size, *_ in p.sources}
-            files = study_files(design, [participant.rows for participant in kept], sizes)
+            files = study_files(design, [person.rows for person in kept], sizes, earlier)
             for name, data in files.items():
                 write_atomically(study.path / name, data)
         return {
             "participants": len(kept),
             "trials": sum(person.trials for person in kept),  # any order: whole numbers
             "excluded": sum(person.excluded for person in kept),  # any order: whole numbers
+        }
+
+    def _keep(self, people: Iterable[Participant]) -> None:
+        """Keeps the rows of everybody, with columns for the factors of earlier designs."""
+        columns = _column_names(self._study.design, self._earlier)
+        self._kept = {
+            person.ppid: rows
+            for person in people
+            if (rows := self._rows(person, columns)) is not None
         }
 
     def _rows(self, person: Participant, columns: dict[str, list[str]]) -> _ParticipantRows | None:
@@ -146,9 +168,10 @@ class StudyTables:
             columns,
             sources,
             settled,
-            csv_of(self._study.design, rows),
+            csv_of(self._study.design, rows, self._earlier),
             len(counted),
             sum(row["excluded"] for row in counted),  # any order: whole numbers
+            earlier_of(self._study.design, rows),
         )
 
 
@@ -160,13 +183,22 @@ def participant_rows(
     return _rows_by_table(study, sessions, study.path, planned, times, say)
 
 
-def csv_of(design: Design, rows: Mapping[str, list[Row]]) -> dict[str, bytes]:
+def earlier_of(design: Design, rows: Mapping[str, list[Row]]) -> Earlier:
+    """Factors of an earlier design in the rows of a participant or a session, by table."""
+    return earlier_factors(design, (row for some in rows.values() for row in some))
+
+
+def csv_of(design: Design, rows: Mapping[str, list[Row]], earlier: Earlier) -> dict[str, bytes]:
     """Rows as CSV without the header line, by table."""
-    return {name: csv_rows(rows[name], names) for name, names in _column_names(design).items()}
+    columns = _column_names(design, earlier)
+    return {name: csv_rows(rows[name], names) for name, names in columns.items()}
 
 
 def study_files(
-    design: Design, rows: Sequence[Mapping[str, bytes]], sizes: Mapping[str, int]
+    design: Design,
+    rows: Sequence[Mapping[str, bytes]],
+    sizes: Mapping[str, int],
+    earlier: Earlier,
 ) -> dict[str, bytes]:
     """Tables of a study by name, in the order in which they are written.
 
@@ -174,13 +206,14 @@ def study_files(
         design: The design.
         rows: Rows of every participant; see `csv_of`.
         sizes: Size of every journal, bytes.
+        earlier: Factors of an earlier design that somebody has; see `earlier_of`.
     """
     return {
         **{
             name: csv_bytes([], columns) + b"".join(of_person[name] for of_person in rows)
-            for name, columns in _column_names(design).items()
+            for name, columns in _column_names(design, earlier).items()
         },
-        "codebook.csv": codebook(design),
+        "codebook.csv": codebook(design, earlier),
         SOURCES: json.dumps(sizes, indent=1).encode() + b"\n",
     }
 
@@ -291,15 +324,16 @@ def session_files(
     design = study.design
     planned = len(trials_of(plan_of(study, session)))
     rows = _rows_by_table(study, [session], session.path, planned, 1, say)
+    earlier = earlier_of(design, rows)
     names = {"participants.csv": "session_info/participant_details.csv"}
     builds = [r["build"] for r in session.records if r["kind"] in RUNS]
     settings = {"settings": design.settings, "build": builds[-1], "design": design.digest}
     return {
         **{
             names.get(table, table): csv_bytes(rows[table], columns)
-            for table, columns in _column_names(design).items()
+            for table, columns in _column_names(design, earlier).items()
         },
-        "codebook.csv": codebook(design),
+        "codebook.csv": codebook(design, earlier),
         "session_info/settings.json": json.dumps(settings, indent=1, sort_keys=True).encode()
         + b"\n",
         LOG: log_bytes(session.records),
@@ -323,8 +357,9 @@ def log_bytes(records: Iterable[Record]) -> bytes:
     return csv_bytes(rows, ["timestamp", "log_type", "message"])
 
 
-def _column_names(design: Design) -> dict[str, list[str]]:
-    return {table: names_of(columns) for table, columns in columns_by_table(design).items()}
+def _column_names(design: Design, earlier: Earlier) -> dict[str, list[str]]:
+    by_table = columns_by_table(design, earlier)
+    return {table: names_of(columns) for table, columns in by_table.items()}
 
 
 def _sources(folder: Path) -> tuple[tuple[Any, ...], ...]:

@@ -12,7 +12,14 @@ from sandbox.study.measures.compute import measure_result, measure_trials
 from sandbox.study.measures.kept import DIFFERS
 from sandbox.study.measures.registry import find_measure, measure_columns, measures
 from sandbox.study.record.state import Attempt, SessionState
-from sandbox.study.tables.column import Column, Row, factor_columns
+from sandbox.study.tables.column import (
+    FACTOR,
+    NO_EARLIER,
+    Column,
+    Earlier,
+    Row,
+    factor_columns,
+)
 from sandbox.study.tables.exclusions import exclude_person, excluded_by_rule
 from sandbox.study.tables.measures_file import read_measures
 from sandbox.trial.result import KeptIn, fields, kept_fields
@@ -103,13 +110,13 @@ RESULT = tuple(
 """Fields of the trial's result."""
 
 
-def trial_columns(design: Design) -> list[Column]:
-    """Columns of `trial_results.csv`, the same in every session of a study."""
+def trial_columns(design: Design, earlier: Earlier = NO_EARLIER) -> list[Column]:
+    """Columns of `trial_results.csv`, the same in every session of a study whose factors stay."""
     measured = [m for m in measures() if m.name in measure_columns()]
     return [
         *UXF,
         *SESSION,
-        *factor_columns(design),
+        *factor_columns(design, earlier),
         *(Column(c.name, c.unit, meaning_of(c)) for c in RESULT),
         *(Column(m.name, m.unit, m.meaning) for m in measured),
         *REPLAYS,
@@ -164,7 +171,7 @@ def session_cells(state: SessionState) -> Row:
 
 def level_cells(levels: Mapping[str, str]) -> Row:
     """Cells of the columns of factors."""
-    return {f"factor_{name}": level for name, level in levels.items()}
+    return {FACTOR + name: level for name, level in levels.items()}
 
 
 def _trial_row(
@@ -208,7 +215,7 @@ def _measure_combinations(rows: list[Row], say: Callable[[str], object]) -> None
     """Adds the measures over several trials to all rows with the same task and levels."""
     cells: dict[tuple[Any, ...], list[Row]] = {}
     for row in rows:
-        levels = tuple(v for name, v in row.items() if name.startswith("factor_"))
+        levels = tuple(v for name, v in row.items() if name.startswith(FACTOR))
         cells.setdefault((row["task"], *levels), []).append(row)
     for some in cells.values():
         used = [

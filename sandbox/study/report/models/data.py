@@ -398,7 +398,7 @@ def _factors(trials: DataFrame, meanings: dict[str, tuple[str, str]]) -> tuple[O
         if not column.startswith(FACTOR):
             continue
         seen = [x for x in dict.fromkeys(main[column]) if x]
-        listed = _listed(meanings.get(column, ("", ""))[1].removeprefix("level: "), seen)
+        listed = _listed(meanings.get(column, ("", ""))[1].partition(": ")[2], seen)
         # The codebook has the order of the design; levels that it lacks come last.
         levels = [x for x in listed if x in seen] + [x for x in seen if x not in listed]
         within = len(main) > 0 and bool((main.groupby("ppid")[column].nunique() > 1).any())

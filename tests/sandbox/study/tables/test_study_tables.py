@@ -14,11 +14,13 @@ from hypothesis import strategies as st
 from rich.console import Console
 
 from sandbox.cli.study.report import ReportOptions, report
+from sandbox.study.design.design import DEMOGRAPHICS
 from sandbox.study.design.plan import FormStep, TrialStep
 from sandbox.study.measures.compute import VERSION
-from sandbox.study.record.folder import Participant, StudyFolder
+from sandbox.study.record.folder import SIMULATED, Participant, StudyFolder
 from sandbox.study.record.session_folder import SessionFolder
 from sandbox.study.record.stored_sessions import StoredSession, session_path, sessions_of
+from sandbox.study.report.models.data import load_study
 from sandbox.study.share.withdraw import withdraw
 from sandbox.study.tables import tables
 from sandbox.study.tables.tables import (
@@ -29,7 +31,7 @@ from sandbox.study.tables.tables import (
 )
 from sandbox.trial.result import TrialResult
 from tasks.score import Status
-from tests.support.study_files import DESIGN, open_study
+from tests.support.study_files import DESIGN, design, open_study, rows_of
 
 RULES = """
 [[exclusions]]
@@ -303,3 +305,40 @@ def test_a_copy_without_a_journal_keeps_its_tables(tmp_path: Path) -> None:
     person = sessions.study.participants()[0]
     (session_path(sessions.study.path, person.ppid) / "journal.jsonl").unlink()
     assert not tables_are_outdated(sessions.study.path)
+
+
+RENAMED = (
+    DESIGN.replace('name = "contact"\n', 'name = "feel"\nsetting = "contact"\n')
+    .replace('practice_each = "contact"', 'practice_each = "feel"')
+    .replace('at = "contact"', 'at = "feel"')
+)
+"""The same design, whose factor has another name."""
+
+
+def test_levels_of_a_factor_that_was_renamed_in_the_middle_stay_in_all_tables(
+    tmp_path: Path,
+) -> None:
+    """The cells of those who had come before were empty, and no table had their levels."""
+    Sessions(open_study(tmp_path)).do("new", 0, 1.5)
+    before = Sessions(open_study(tmp_path))
+    before.do("finish", 0, 1.5)
+    study = StudyFolder(tmp_path, design(RENAMED), SIMULATED, "a better name")
+    after = Sessions(study)
+    after.do("new", 0, 1.5)
+    after.do("finish", 1, 1.5)
+    old, new = (person.ppid for person in study.participants())
+    for name in ("trial_results.csv", "questionnaires.csv"):
+        rows = [row for row in rows_of(study.path / name) if row.get("instrument") != DEMOGRAPHICS]
+        levels = {(row["ppid"], row["factor_contact"], row["factor_feel"]) for row in rows}
+        expected = {(old, "hard", ""), (old, "soft", ""), (new, "", "hard"), (new, "", "soft")}
+        assert levels == expected
+    book = {r["column"]: r["meaning"] for r in rows_of(study.path / "codebook.csv")}
+    assert book["factor_feel"] == "level: hard, soft"
+    assert book["factor_contact"] == "level in an earlier design, empty since then: hard, soft"
+    followed = written(study.path)
+    rebuild_all(StudyFolder.at(study.path))
+    for name in {*followed} - {path for path in followed if path.startswith(old)}:
+        assert written(study.path)[name] == followed[name]
+    assert "factor_contact" in (study.path / old / "S001" / "trial_results.csv").read_text()
+    factors = {factor.name: factor.levels for factor in load_study(study.path).factors}
+    assert factors == {"feel": ("hard", "soft"), "contact": ("hard", "soft")}
