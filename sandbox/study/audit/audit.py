@@ -27,6 +27,7 @@ from sandbox.study.record.files import LOCK_FILES, TEMPORARY, json_bytes
 from sandbox.study.record.folder import (
     ANONYMISED,
     DESIGN_FILE,
+    EARLIER,
     STUDY_FILE,
     STUDY_JOURNAL,
     WITHDRAWN,
@@ -146,6 +147,9 @@ def _check_lock(findings: Findings, journal: ReadJournal) -> StudyFolder | None:
         for name, data in design_files(study.design).items()
     ]
     findings.counts["files of the lock compared"] += sum(same)
+    for path in sorted((root / EARLIER).glob("*")):
+        if study.design_of(path.name).digest != path.name:
+            findings.notes.append(f"{findings.name(path)}: a design that cannot be read here")
     return study if all(same) else None
 
 
@@ -257,6 +261,7 @@ def _check_entries(findings: Findings, people: set[str], study: StudyFolder | No
         STUDY_FILE,
         STUDY_JOURNAL,
         DESIGN_FILE,
+        EARLIER,
         COPIES,
         SITES,
         ABOUT,

@@ -6,6 +6,7 @@ OUT/EXPERIMENT/            real data; pilot data are in EXPERIMENT-pilot, simula
                            (derived from the journal of the study)
   study.jsonl              journal of the study: its lock, participants, sessions, upgrades
   design.toml              the locked design
+  earlier_designs/DIGEST/  each design that participants had before, with its questionnaires
   participants.csv  trial_results.csv  questionnaires.csv  codebook.csv     (derived tables)
   PPID/S001/               a session, with the layout of UXF (Unity Experiment Framework)
 """
@@ -15,13 +16,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from hashlib import blake2b
 from pathlib import Path
 from typing import Any
 from uuid import uuid4
 
 from msgspec import Struct
 
-from models.errors import StudyError
+from models.errors import InputError, StudyError
 from models.json_input import check_layout, checked, decoded_record
 from sandbox.study.design.design import Design
 from sandbox.study.record.build import build_of, changes, noted_changes
@@ -74,6 +76,9 @@ LOCK = "study"
 ANEW = "locked_anew"
 """Kind of the record of a study that is locked to something else before anybody has taken part."""
 STUDY_JOURNAL, STUDY_FILE, DESIGN_FILE = "study.jsonl", "study.json", "design.toml"
+EARLIER = "earlier_designs"
+"""Folder of the designs that `--force-upgrade` has replaced, each in a folder with the name of its
+digest."""
 REPORT = "report.html"
 """Name of the page of a report, wherever it is."""
 _ABOUT = ("schema", "study", "experiment", "mode", "created", "build")
@@ -116,10 +121,12 @@ class StudyFolder:
         self._about: dict[str, Any] = {}
         self.noted: list[str] = []
         self.anew: list[str] = []
+        self._designs: dict[str, Design] = {}
         make_folder(self.path)
         with self.lock():
             remove_unfinished(self.path)
             self._lock_to(build_of(design), upgrade)
+            self._keep_design()
             write_design(self.path, design)
 
     @classmethod
@@ -141,7 +148,7 @@ class StudyFolder:
             )
         folder = cls.__new__(cls)
         folder._about = read_study_json(path / STUDY_FILE)
-        folder.noted, folder.anew = [], []
+        folder.noted, folder.anew, folder._designs = [], [], {}
         folder.path, folder.mode = path, str(folder._about["mode"])
         folder.design = load_design(path / DESIGN_FILE, try_out=False)
         return folder
@@ -160,6 +167,17 @@ class StudyFolder:
     def build(self) -> dict[str, Any]:
         """Program, encoders and design that the study is locked to."""
         return dict(self._about["build"])
+
+    def design_of(self, digest: str) -> Design:
+        """The design of a digest, as a session's records name it; today's one if it was not kept or
+        cannot be read any more."""
+        if digest == self.design.digest:
+            return self.design
+        if digest not in self._designs:
+            path = self.path / EARLIER / digest / DESIGN_FILE
+            found = _readable(path)
+            self._designs[digest] = found if found and found.digest == digest else self.design
+        return self._designs[digest]
 
     @contextmanager
     def lock(self) -> Iterator[None]:
@@ -252,6 +270,23 @@ class StudyFolder:
         finally:
             journal.close()
 
+    def _keep_design(self) -> None:
+        """Keeps the design in the folder, before another one takes its place, if somebody may have
+        taken part by it."""
+        path = self.path / DESIGN_FILE
+        begun = any(r["kind"] in ("participant", WITHDRAWN) for r in self.records())
+        if not begun or not path.is_file():
+            return
+        before = _readable(path)
+        if before is None:
+            # What cannot be read any more is kept as it is, by the digest of its text.
+            data = path.read_bytes()
+            name = blake2b(data, digest_size=16).hexdigest()
+            make_folder(self.path / EARLIER / name)
+            write_atomically(self.path / EARLIER / name / DESIGN_FILE, data)
+        elif before.digest != self.design.digest:
+            write_design(self.path / EARLIER / before.digest, before)
+
     def _lock_to(self, build: dict[str, Any], upgrade: str) -> None:
         path = self.path / STUDY_FILE
         with self._journal() as journal:
@@ -333,6 +368,25 @@ def about_of(records: list[Record], where: Path) -> dict[str, Any]:
     builds = [r["after"] for r in own if r["kind"] in (ANEW, "upgrade", "libraries")]
     about = {name: start[name] for name in _ABOUT}
     return {**about, "build": builds[-1]} if builds else about
+
+
+def copy_earlier_designs(source: Path, to: Path) -> None:
+    """Copies the designs of earlier participants from one study folder to another."""
+    for path in sorted((source / EARLIER).rglob("*")):
+        if path.is_file():
+            copy = to / path.relative_to(source)
+            make_folder(copy.parent)
+            write_atomically(copy, path.read_bytes())
+
+
+def _readable(path: Path) -> Design | None:
+    """A design, or None if it is not there or this version cannot read it."""
+    from sandbox.study.design.design_file import load_design
+
+    try:
+        return load_design(path, try_out=False)
+    except InputError:
+        return None
 
 
 def write_design(folder: Path, design: Design) -> None:

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from sandbox.study.design.design import Design
 from sandbox.study.design.plan import Step, session_plan, trials_of
 from sandbox.study.record.chain import Record
 from sandbox.study.record.folder import Participant, StudyFolder
 from sandbox.study.record.journal import read_journal
+from sandbox.study.record.session_clock import RUNS
 from sandbox.study.record.state import SessionState
 
 JOURNAL = "journal.jsonl"
@@ -86,10 +88,26 @@ def all_sessions(study: StudyFolder) -> Iterator[tuple[Participant, list[StoredS
 
 def plan_of(study: StudyFolder, session: StoredSession) -> list[Step]:
     """All steps of a session."""
-    return session_plan(study.design, session.person.number, session.number)
+    return session_plan(design_of(study, session), session.person.number, session.number)
 
 
-def planned_trials(study: StudyFolder, person: Participant) -> int:
-    """Number of trials of a participant in all their sessions, practice included."""
-    plans = (session_plan(study.design, person.number, s + 1) for s in range(study.design.sessions))
-    return sum(len(trials_of(plan)) for plan in plans)
+def design_of(study: StudyFolder, session: StoredSession) -> Design:
+    """The design by which a session was run last."""
+    runs = [r for r in session.records if r["kind"] in RUNS]
+    return study.design_of(runs[-1]["design"])
+
+
+def planned_trials(study: StudyFolder, person: Participant, begun: Sequence[StoredSession]) -> int:
+    """Number of trials of a participant in all their sessions, practice included.
+
+    Args:
+        study: The study.
+        person: The participant.
+        begun: Sessions that have begun, each of which has the plan of its own design.
+    """
+    plans = {
+        s + 1: session_plan(study.design, person.number, s + 1)
+        for s in range(study.design.sessions)
+    }
+    plans |= {session.number: plan_of(study, session) for session in begun}
+    return sum(len(trials_of(plan)) for plan in plans.values())

@@ -83,7 +83,11 @@ def export_bids(study: StudyFolder, out: Path, say: Say) -> int:
             runs += written
             people.append(
                 participant_row(
-                    study.design, states, planned_trials(study, person), mine, study.design.sessions
+                    study.design,
+                    states,
+                    planned_trials(study, person, sessions),
+                    mine,
+                    study.design.sessions,
                 )
             )
             say(f"sub-{person.ppid}: {written} runs")

@@ -46,6 +46,7 @@ from sandbox.study.record.folder import (
     STUDY_JOURNAL,
     WITHDRAWN,
     StudyFolder,
+    copy_earlier_designs,
     write_design,
 )
 from sandbox.study.record.journal import journal_bytes, now, read_journal
@@ -109,6 +110,8 @@ def merge(first: StudyFolder, second: StudyFolder, out: Path, force: str = "") -
         }
         write_atomically(work / STUDY_FILE, json_bytes(about))
         write_design(work, first.design)
+        for study in (first, second):
+            copy_earlier_designs(study.path, work)
         _write_journal(work, about, sites, chosen, different, force)
         for (site, old), new in chosen.items():
             _copy(sites[site].path, old, work, new, new_id)

@@ -31,6 +31,7 @@ from sandbox.study.record.folder import (
     STUDY_JOURNAL,
     WITHDRAWN,
     StudyFolder,
+    copy_earlier_designs,
     withdrawals_of,
     write_design,
 )
@@ -130,6 +131,7 @@ def anonymise(study: StudyFolder, out: Path, masking: Masking, say: Say) -> Anon
         about["build"] = without_folders(study.build)
         write_atomically(work / STUDY_FILE, json_bytes(about))
         write_design(work, study.design)
+        copy_earlier_designs(study.path, work)
         for old in sorted(agreed, key=names.__getitem__):
             answer = _answer(study.design, masking)
             person_masking = PersonMasking(

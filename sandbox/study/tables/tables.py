@@ -31,6 +31,7 @@ from sandbox.study.record.stored_sessions import (
     SESSIONS,
     StoredSession,
     all_sessions,
+    design_of,
     plan_of,
     planned_trials,
     session_folders,
@@ -179,8 +180,8 @@ def participant_rows(
     study: StudyFolder, person: Participant, sessions: Sequence[StoredSession], say: Say = _silent
 ) -> dict[str, list[Row]]:
     """Rows of a participant in the tables of the study, by table."""
-    planned, times = planned_trials(study, person), study.design.sessions
-    return _rows_by_table(study, sessions, study.path, planned, times, say)
+    planned, times = planned_trials(study, person, sessions), study.design.sessions
+    return _rows_by_table(study.design, sessions, study.path, planned, times, say)
 
 
 def earlier_of(design: Design, rows: Mapping[str, list[Row]]) -> Earlier:
@@ -319,11 +320,12 @@ def session_files(
 ) -> dict[str, bytes]:
     """Tables of a session by name, in the order in which they are written.
 
-    They follow from the journal, the design and the measures of the trials.
+    They follow from the journal, the design by which the session was run last and the measures of
+    the trials.
     """
-    design = study.design
+    design = design_of(study, session)
     planned = len(trials_of(plan_of(study, session)))
-    rows = _rows_by_table(study, [session], session.path, planned, 1, say)
+    rows = _rows_by_table(design, [session], session.path, planned, 1, say)
     earlier = earlier_of(design, rows)
     names = {"participants.csv": "session_info/participant_details.csv"}
     builds = [r["build"] for r in session.records if r["kind"] in RUNS]
@@ -380,7 +382,7 @@ def _sources(folder: Path) -> tuple[tuple[Any, ...], ...]:
 
 
 def _rows_by_table(
-    study: StudyFolder,
+    design: Design,
     sessions: Sequence[StoredSession],
     base: Path,
     planned: int,
@@ -390,14 +392,13 @@ def _rows_by_table(
     """Rows of every table for one participant.
 
     Args:
-        study: The study.
+        design: The design.
         sessions: Sessions of the participant, at least one.
         base: Folder that names of files in `trial_results.csv` are relative to.
         planned: Planned number of trials, practice included.
         planned_sessions: Planned number of sessions.
         say: Called with a line for every failed measure.
     """
-    design = study.design
     trials: list[Row] = []
     for session in sessions:
         inside = PurePosixPath(session.path.relative_to(base).as_posix())

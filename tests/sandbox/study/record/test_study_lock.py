@@ -9,6 +9,7 @@ import pytest
 
 from models.errors import StudyError
 from sandbox.recording.versions import DECISIVE
+from sandbox.study.audit.audit import audit
 from sandbox.study.record import build as build_module
 from sandbox.study.record.build import (
     COMPUTES,
@@ -19,9 +20,13 @@ from sandbox.study.record.build import (
     digest_of,
     noted_changes,
 )
-from sandbox.study.record.folder import ANEW, SIMULATED, StudyFolder
+from sandbox.study.record.folder import ANEW, EARLIER, SIMULATED, StudyFolder
 from sandbox.study.record.journal import read_journal
-from tests.support.study_files import DESIGN, design, open_study
+from sandbox.study.record.stored_sessions import session_path
+from sandbox.study.run.simulate import run_simulated
+from sandbox.study.share.privacy import Masking, anonymise
+from sandbox.study.tables.tables import rebuild_all
+from tests.support.study_files import DESIGN, design, open_study, rows_of
 from tools.house import ROOT, House
 
 BEGIN = (
@@ -220,3 +225,34 @@ def test_a_study_from_before_tasks_of_ones_own_were_locked_goes_on() -> None:
     here = build_module.build_of(design())
     before = {name: value for name, value in here.items() if name != OWN_TASKS}
     assert changes(before, here) == []
+
+
+def test_a_design_that_is_replaced_is_kept_and_the_sessions_run_by_it_still_have_it(
+    tmp_path: Path,
+) -> None:
+    """It was overwritten, and tables of sessions of before named the new one or were "changed"."""
+    first = open_study(tmp_path)
+    run_simulated(first, 0, lambda text: None)
+    ppid = first.participants()[0].ppid
+    settings = session_path(first.path, ppid) / "session_info" / "settings.json"
+    before = settings.read_bytes()
+    text = DESIGN.replace("repetitions = 2", "repetitions = 3").replace("step = 5", "step = 10")
+    study = StudyFolder(tmp_path, design(text), SIMULATED, "more trials")
+    kept = study.path / EARLIER / first.design.digest / "design.toml"
+    assert (study.path / "design.toml").read_text() == text and kept.read_text() == DESIGN
+    rebuild_all(study)
+    assert settings.read_bytes() == before
+    (row,) = rows_of(study.path / "participants.csv")
+    assert (row["trials_done"], row["trials_planned"]) == ("6", "6")
+    assert not audit(study.path).findings.found
+    open_study(tmp_path, text)
+    assert [path.name for path in (study.path / EARLIER).iterdir()] == [first.design.digest]
+    anonymise(study, tmp_path / "shared", Masking(), lambda text: None)
+    assert (tmp_path / "shared" / EARLIER / kept.parent.name / kept.name).read_text() == DESIGN
+    assert not audit(tmp_path / "shared").findings.found
+
+
+def test_a_design_before_anybody_has_taken_part_is_not_kept(tmp_path: Path) -> None:
+    open_study(tmp_path)
+    study = open_study(tmp_path, DESIGN.replace("repetitions = 2", "repetitions = 3"))
+    assert not (study.path / EARLIER).exists()
