@@ -111,6 +111,9 @@ class SessionState:
                 self._attempt(record).end = record
                 self.learned |= _learned(record)
                 self.finished.add(record["step"])
+            case "trial_broken":
+                # What the experimenter excluded was this attempt; the trial begins anew.
+                self.excluded.pop(record["trial"], None)
             case "repeat":
                 self._set_aside(record)
             case "skip":

@@ -101,6 +101,14 @@ def test_notes_exclusions_and_skips_are_written_down_and_delete_nothing(tmp_path
     assert len(rows) == TRIALS - 1
 
 
+def test_an_exclusion_ends_with_the_attempt_that_was_excluded(tmp_path: Path) -> None:
+    """The attempt after one that was excluded and then repeated was excluded, too, and lost."""
+    study, state, _, _ = run_with(tmp_path, {9: "x sneezed", 10: "r sneezed"})
+    assert [a.end is None for a in state.attempts[1]] == [True, False] and state.excluded == {}
+    rows = rows_of(session_path(study.path, study.participants()[0].ppid) / "trial_results.csv")
+    assert {(row["excluded"], row["exclusion_reason"]) for row in rows} == {("0", "")}
+
+
 def test_consent_cannot_be_skipped(tmp_path: Path) -> None:
     _, state, _, typist = run_with(tmp_path, {1: "s in a hurry", 20: "q"})
     assert not state.skipped and state.consent is True
