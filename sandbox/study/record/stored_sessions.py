@@ -55,7 +55,8 @@ def has_finished(study: StudyFolder, person: Participant) -> bool:
         StudyError: A journal is damaged.
     """
     ended = sum(session.state.complete for session in sessions_of(study, person))
-    return ended == study.design.sessions
+    # More than planned, if fewer are planned since `--force-upgrade`.
+    return ended >= study.design.sessions
 
 
 def sessions_of(study: StudyFolder, person: Participant) -> list[StoredSession]:

@@ -33,7 +33,7 @@ def exclude_person(design: Design, states: Sequence[SessionState], rows: Sequenc
         rows: Rows of `trial_results.csv` of these sessions.
     """
     reason = next((s.excluded_participant for s in states if s.excluded_participant), "")
-    if not reason and len(states) == design.sessions and all(s.complete for s in states):
+    if not reason and len(states) >= design.sessions and all(s.complete for s in states):
         reason = _by_rule(design, rows)
     if reason:
         for row in rows:

@@ -82,7 +82,7 @@ def participant_row(
         "sessions_done": ended,
         "trials_done": sum(s.counted(t) is not None for s in states for t in s.attempts),
         "trials_planned": planned,
-        "complete": ended == sessions,
+        "complete": ended >= sessions,
         "excluded": bool(reason),
         "exclusion_reason": reason,
         CLOCK_STEPS: " ".join(f"{step:+g}" for s in states for step in s.clock_steps),
