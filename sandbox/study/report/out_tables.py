@@ -137,6 +137,7 @@ FILES: dict[str, tuple[Column, ...]] = {
     "scores.csv": (
         ("questionnaire", "", "name of the questionnaire"),
         ("scale", "", "scale of the questionnaire, or a single question"),
+        ("factor", "", "factor of the level; empty for questions about the whole session"),
         ("level", "", "level that the questions were about"),
         ("people", "", "number of participants who answered"),
         ("mean", "", "mean over people"),
@@ -145,6 +146,7 @@ FILES: dict[str, tuple[Column, ...]] = {
     "score_comparisons.csv": (
         ("questionnaire", "", "name of the questionnaire"),
         ("scale", "", "scale of the questionnaire, or a single question"),
+        ("factor", "", "factor of the levels"),
         ("first", "", "first level, the reference"),
         ("second", "", "second level"),
         ("estimate", "", "difference of the means, second - first"),
@@ -323,7 +325,7 @@ def _differences(
 
 
 def _pair_cells(pair: Pair, estimate: Estimate) -> Row:
-    """Cells of a comparison between two levels; `factor` is left out where it is not a column."""
+    """Cells of a comparison between two levels;"""
     return {
         "factor": pair.factor.name,
         "first": pair.first,
@@ -423,6 +425,7 @@ def _scores(analysis: Analysis) -> list[Row]:
         {
             "questionnaire": s.questionnaire,
             "scale": s.scale,
+            "factor": s.factor.name if s.factor else "",
             "level": level,
             "people": int(np.isfinite(s.values[:, j]).sum()),
             **_interval(s.means[j]),

@@ -84,10 +84,24 @@ def _each(
             continue
         # The first one, even if nobody answered it.
         main = score and firsts[name] == scale
-        scales.append(
-            _scale(data, str(name), str(scale), score, main, rows, numbers.to_numpy(float))
-        )
+        for some in _alike(data, rows):
+            mine = numbers[some.index].to_numpy(float)
+            scales.append(_scale(data, str(name), str(scale), score, main, some, mine))
     return scales
+
+
+def _alike(data: StudyData, rows: DataFrame) -> list[DataFrame]:
+    """Rows about levels of one factor each: where a design was changed in the middle, the same
+    questions may be about another factor since then."""
+    if _level(data, rows)[0] is not None or "at" in rows.columns:
+        return [rows]
+    left, some = rows, []
+    for factor in reversed(data.factors):
+        if factor.column in left.columns:
+            about = left[factor.column].isin(factor.levels)
+            some.append(left[about])
+            left = left[~about]
+    return [part for part in (*reversed(some), left) if len(part)]
 
 
 def _left_out(data: StudyData) -> list[str]:

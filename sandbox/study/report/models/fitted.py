@@ -144,6 +144,5 @@ class Fitted:
             what = asked.get(outcome) or quantity(self.data, outcome)
             compared = self.compared(what)
             return compared.shares or compared.differences
-        return next(
-            (s.differences for s in self.scores if s.main and s.questionnaire == outcome), ()
-        )
+        scores = (s for s in self.scores if s.main and s.questionnaire == outcome)
+        return [difference for s in scores for difference in s.differences]

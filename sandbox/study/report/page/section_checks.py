@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from math import nan
 
@@ -269,8 +270,14 @@ def questionnaire_section(analysis: Analysis) -> Section:
         section.say("No questionnaire has numerical answers.")
     for name, told in analysis.data.wordings.items():
         section.say(f"{name} has {told}.", "note")
+    factors = {(s.questionnaire, s.factor) for s in analysis.scales}
+    about = Counter(questionnaire for questionnaire, _ in factors)
     for i, some in enumerate(_together(analysis.scales)):
-        section.parts.append(_scales(i, some, analysis.family))
+        first = some[0]
+        # A design that was changed in the middle may ask the same about another factor.
+        twice = about[first.questionnaire] > 1
+        where = f", by {first.factor.name}" if twice and first.factor else ""
+        section.parts.append(_scales(i, some, analysis.family, where))
     return section
 
 
@@ -280,17 +287,17 @@ def _together(scales: Sequence[ScaleAnswers]) -> list[list[ScaleAnswers]]:
     A question that is also a score, such as a rating of the NASA-TLX, is not shown twice.
     """
     scored = {(s.questionnaire, s.scale) for s in scales if s.score}
-    groups: dict[tuple[str, bool, tuple[str, ...]], list[ScaleAnswers]] = {}
+    groups: dict[tuple[object, ...], list[ScaleAnswers]] = {}
     for name in dict.fromkeys(s.questionnaire for s in scales):
         for s in scales:
             if s.questionnaire == name and (s.score or (name, s.scale) not in scored):
-                groups.setdefault((name, s.score, s.levels), []).append(s)
+                groups.setdefault((name, s.score, s.factor, s.levels), []).append(s)
     return list(groups.values())
 
 
-def _scales(number: int, some: list[ScaleAnswers], family: Family) -> Picture:
+def _scales(number: int, some: list[ScaleAnswers], family: Family, about: str = "") -> Picture:
     first, several = some[0], len(some) > 1
-    title = first.questionnaire if several else first.title
+    title = (first.questionnaire if several else first.title) + about
     names = [s.scale if several else "" for s in some]
     values = {
         (name, level): plots.Dot(s.means[j].value, s.means[j], s.within[j])

@@ -183,3 +183,27 @@ def test_primary_outcomes_are_part_of_the_lock() -> None:
         for text in (SCALED, with_primary("time_s"), with_primary("effort"))
     }
     assert len(digests) == 3
+
+
+def test_scores_about_a_factor_that_was_renamed_in_the_middle_are_compared_by_either_name(
+    tmp_path: Path,
+) -> None:
+    """They were averaged over all levels, as if they were about the whole session."""
+    answered(tmp_path, 20.0)
+    for name in ("trial_results.csv", "questionnaire_scores.csv", "questionnaires.csv"):
+        rows = rows_of(tmp_path / name)
+        for row in rows:
+            late = row["ppid"] > "P003"
+            row["factor_method"] = row["factor_encoder"] if late else ""
+            row["factor_encoder"] = "" if late else row["factor_encoder"]
+        (tmp_path / name).write_bytes(csv_bytes(rows, tuple(rows[0])))
+    page = report(tmp_path)
+    told = rows_of(tmp_path / "report" / "scores.csv")
+    assert {(r["factor"], r["level"], r["people"]) for r in told if r["scale"] == "effort"} == {
+        (factor, level, "3") for factor in ("encoder", "method") for level in "abc"
+    }
+    rows = rows_of(tmp_path / "report" / "score_comparisons.csv")
+    effort = [r for r in rows if r["scale"] == "effort"]
+    assert len(effort) == 6 and all(r["role"] == CONFIRMATORY and r["p_holm"] for r in effort)
+    assert {r["factor"] for r in effort} == {"encoder", "method"}
+    assert "effort, by encoder" in page.text and "effort, by method" in page.text
