@@ -97,11 +97,9 @@ FRAMES = (
 TOUCHES = (
     Column("time_s", "s", "simulated time since the trial's start"),
     Column("contact", "", "id of the contact, from touch-down to touch-up"),
-    Column(
-        "x, y, z",
-        "m",
-        "position of the touch in the world: x right, y away from the person, z up",
-    ),
+    Column("x", "m", "position of the touch in the world, to the right"),
+    Column("y", "m", "position of the touch in the world, away from the person"),
+    Column("z", "m", "position of the touch in the world, upwards"),
     Column(
         "finger",
         "",

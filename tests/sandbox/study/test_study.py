@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import gzip
 import io
 import json
 from pathlib import Path
@@ -101,6 +102,9 @@ def test_every_column_is_in_the_codebook(finished: StudyFolder) -> None:
     for table in ("trial_results.csv", "questionnaires.csv"):
         head = (finished.path / table).read_text().splitlines()[0].split(",")
         assert head and all(told[table, name] for name in head)
+    touches = next(finished.path.glob("*/S001/trackers/touches_*.csv.gz"))
+    names = gzip.decompress(touches.read_bytes()).decode().splitlines()[0].split(",")
+    assert names and all(told["trackers/touches_*", name] for name in names)
 
 
 def test_answers_are_there_once_each(finished: StudyFolder) -> None:
