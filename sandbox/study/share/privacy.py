@@ -124,8 +124,11 @@ def anonymise(study: StudyFolder, out: Path, masking: Masking, say: Say) -> Anon
     names = _new_names(agreed)
     new_id = str(uuid4())
     sizes = {p: some[0].state.start[HAND_SIZE] for p, some in agreed.items()}
-    # Recordings of sessions that learn have layouts of the person's fingers in their headers.
-    tell_hands = set(sizes) if study.design.learning == "session" else _rare(sizes)
+    # Recordings of sessions that learn have layouts of the person's fingers in their headers; an
+    # earlier design may have let them learn.
+    learns = study.design.learning == "session"
+    learned = {p for p, some in agreed.items() if learns or any(s.state.learned for s in some)}
+    tell_hands = learned | _rare(sizes)
     with new_folder(out) as work:
         about = {**study.about, "study": new_id, "created": EPOCH.isoformat()}
         about["build"] = without_folders(study.build)

@@ -147,6 +147,16 @@ def test_an_anonymous_copy_tells_no_layouts_unless_hands_are_kept(
         assert "learned" not in json.dumps(read_journal(path))
 
 
+def test_layouts_of_an_earlier_design_are_not_told_either(tmp_path: Path) -> None:
+    study = StudyFolder(tmp_path, design(DESIGN), SIMULATED)
+    assert play(study) is SessionOutcome.COMPLETE
+    changed = design(DESIGN.replace('learning = "session"\n', ""))
+    study = StudyFolder(tmp_path, changed, SIMULATED, "no learning any more")
+    assert study.design.learning == "trial"
+    assert anonymise(study, tmp_path / "copy", Masking(), quiet).hands == 4
+    assert not list((tmp_path / "copy").rglob("T0*.jsonl*"))
+
+
 def test_a_design_that_learns_with_names_that_never_learn_has_a_mistake() -> None:
     with pytest.raises(DesignError, match="labels"):
         design(DESIGN.replace('labels = "population"', 'labels = "history"'))
