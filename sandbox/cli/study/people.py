@@ -24,9 +24,10 @@ def find_participant(options: StudyRunOptions, study: StudyFolder, console: Cons
         StudyError: The options name no known participant, or are not valid for a new one.
     """
     if options.participant and options.participant != "new":
-        return study.find(
-            read_pseudonym(options.participant), "`--participant new` adds a participant"
-        )
+        known = read_pseudonym(options.participant)
+        person = study.find(known, "`--participant new` adds a participant")
+        _check_same(options, person)
+        return person
     unfinished = [person.ppid for person in study.participants() if _comes_again(study, person)]
     if not options.participant:
         raise StudyError(
@@ -56,6 +57,27 @@ def find_participant(options: StudyRunOptions, study: StudyFolder, console: Cons
         hand_size=checked.hand_size,
         language=options.language or design.languages[0],
     )
+
+
+def _check_same(options: StudyRunOptions, person: Participant) -> None:
+    """Checks that options for a new participant, where given, say what is known of this one.
+
+    Raises:
+        StudyError: They differ. A default counts as not given.
+    """
+    asked = {
+        "--hand": (options.hand, "right", person.hand),
+        "--hand-size": (options.hand_size, 1.0, person.hand_size),
+        "--language": (options.language, "", person.language),
+    }
+    for option, (given, default, known) in asked.items():
+        if given not in (default, known):
+            raise StudyError(
+                "this participant began with another value, which stays for all sessions",
+                where=f"{option} {given}",
+                expected=str(known),
+                remedy=f"Leave out {option}",
+            )
 
 
 def next_session(study: StudyFolder, person: Participant) -> int:

@@ -375,6 +375,12 @@ def test_the_command_begins_the_next_session_and_refuses_what_is_not_its_turn(
         assert f"{person}, session 2 of 2: complete" in capsys.readouterr().out
     assert main([*run, "--participant", person, "--session", "3"]) == 2
     assert "no session of this number" in capsys.readouterr().err
+    hand = study.participants()[0].hand
+    other = "left" if hand == "right" else "right"
+    assert hand == "right" and main([*run, "--participant", person, "--hand", other]) == 2
+    assert "stays for all sessions" in capsys.readouterr().err
+    assert main([*run, "--participant", person, "--hand", hand, "--hand-size", "1.25"]) == 2
+    assert "Leave out --hand-size" in capsys.readouterr().err
     records = read_journal(session_path(study.path, person, 2) / "journal.jsonl")
     assert sum(r["kind"] == "trial_end" for r in records) == SECOND
 
