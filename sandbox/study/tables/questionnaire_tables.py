@@ -64,14 +64,17 @@ def answer_rows(state: SessionState) -> list[Row]:
     ]
 
 
-def score_rows(design: Design, states: Sequence[SessionState]) -> list[Row]:
+def score_rows(
+    design: Design, states: Sequence[SessionState], own: Sequence[Design]
+) -> list[Row]:
     """Rows of `questionnaire_scores.csv`; forms without scales have none.
 
     Args:
         design: Design of the study.
         states: States of a participant's sessions, over which places are counted.
+        own: The design of each session, which may have forms that the study has no longer.
     """
-    forms = {form.name: form for form in design.questionnaires}
+    forms = {form.name: form for form in chain(*(d.questionnaires for d in (*own, design)))}
     places: Counter[str] = Counter()
     rows: list[Row] = []
     for record, common in chain.from_iterable(map(_forms, states)):

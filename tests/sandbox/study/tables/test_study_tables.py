@@ -21,6 +21,7 @@ from sandbox.study.record.folder import SIMULATED, Participant, StudyFolder
 from sandbox.study.record.session_folder import SessionFolder
 from sandbox.study.record.stored_sessions import StoredSession, session_path, sessions_of
 from sandbox.study.report.models.data import load_study
+from sandbox.study.run.simulate import run_simulated
 from sandbox.study.share.withdraw import withdraw
 from sandbox.study.tables import tables
 from sandbox.study.tables.tables import (
@@ -342,3 +343,16 @@ def test_levels_of_a_factor_that_was_renamed_in_the_middle_stay_in_all_tables(
     assert "factor_contact" in (study.path / old / "S001" / "trial_results.csv").read_text()
     factors = {factor.name: factor.levels for factor in load_study(study.path).factors}
     assert factors == {"feel": ("hard", "soft"), "contact": ("hard", "soft")}
+
+
+def test_scores_of_a_questionnaire_that_is_asked_no_longer_stay(tmp_path: Path) -> None:
+    """Answers stayed, and their scores were gone."""
+    asked = DESIGN + '[[questionnaires]]\nuse = "sus"\nat = "end"\n'
+    run_simulated(StudyFolder(tmp_path, design(asked), SIMULATED), 0, print)
+    study = StudyFolder(tmp_path, design(DESIGN), SIMULATED, "too long")
+    run_simulated(study, 1, print)
+    old, new = (person.ppid for person in study.participants())
+    scores = rows_of(study.path / "questionnaire_scores.csv")
+    assert [row["ppid"] for row in scores if row["instrument"] == "sus"] == [old]
+    rebuild_all(StudyFolder.at(study.path))
+    assert rows_of(study.path / "questionnaire_scores.csv") == scores
