@@ -8,6 +8,7 @@ import numpy as np
 
 from encoders.capture import Capture
 from encoders.npz import read_npz, write_npz
+from models.arithmetic.products import squared_lengths
 from models.errors import CaptureError
 from models.pose import JOINTS
 
@@ -81,7 +82,7 @@ def check_units(capture: Capture) -> None:
         CaptureError: They are not.
     """
     apart = capture.q[:, None, :2] * [1.0, -1.0] - capture.xy
-    far = float(np.median(np.linalg.norm(apart[capture.down], axis=-1)))
+    far = float(np.sqrt(np.median(squared_lengths(apart[capture.down]))))
     if far > FARTHEST:
         raise CaptureError(
             "the wrist is too far from its touches",

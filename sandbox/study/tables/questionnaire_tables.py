@@ -64,9 +64,7 @@ def answer_rows(state: SessionState) -> list[Row]:
     ]
 
 
-def score_rows(
-    design: Design, states: Sequence[SessionState], own: Sequence[Design]
-) -> list[Row]:
+def score_rows(design: Design, states: Sequence[SessionState], own: Sequence[Design]) -> list[Row]:
     """Rows of `questionnaire_scores.csv`; forms without scales have none.
 
     Args:
