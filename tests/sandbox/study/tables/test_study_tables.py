@@ -351,7 +351,7 @@ def test_scores_of_a_questionnaire_that_is_asked_no_longer_stay(tmp_path: Path) 
     run_simulated(StudyFolder(tmp_path, design(asked), SIMULATED), 0, print)
     study = StudyFolder(tmp_path, design(DESIGN), SIMULATED, "too long")
     run_simulated(study, 1, print)
-    old, new = (person.ppid for person in study.participants())
+    old = study.participants()[0].ppid
     scores = rows_of(study.path / "questionnaire_scores.csv")
     assert [row["ppid"] for row in scores if row["instrument"] == "sus"] == [old]
     rebuild_all(StudyFolder.at(study.path))
