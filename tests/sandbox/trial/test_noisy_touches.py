@@ -7,10 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from encoders.reconstruction.arrival import Phase
+from benchmarks.noisy_touches import Waits
 from sandbox.options.scene_options import SceneOptions, plan
 from sandbox.recording.recording import load_recording
-from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
 from sandbox.trial.headless import run_trial
 from sandbox.trial.replay import replay
@@ -32,27 +31,6 @@ def test_one_screen_of_a_person_beside_a_simulated_hand_is_enough() -> None:
 def test_simulated_touches_keep_the_rules_by_which_they_were_judged_but_for_noise() -> None:
     assert rules_of() == rules_of(vary="latency=40") == 2
     assert rules_of(vary="noise=0.5") == 3
-
-
-class Waits:
-    """s that a hand waited over its touches, each time it came down.
-
-    Args:
-        session: The session that is watched.
-    """
-
-    def __init__(self, session: Session) -> None:
-        self._session, self._since = session, 0.0
-        self._before = Phase.AWAY
-        self.waits: list[float] = []
-
-    def __call__(self, snapshot: Snapshot) -> None:
-        phase = self._session.reconstructions[0].phase
-        if phase is Phase.ABOVE and self._before is not Phase.ABOVE:
-            self._since = snapshot.time
-        if phase is Phase.COMING_DOWN and self._before is Phase.ABOVE:
-            self.waits.append(snapshot.time - self._since)
-        self._before = phase
 
 
 def waits(rules: int, noise: float, record: Path | None = None) -> list[float]:
