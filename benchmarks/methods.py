@@ -42,6 +42,7 @@ from benchmarks.solid_hand import Pushes
 from benchmarks.success import wilson
 from sandbox.figures.canvas import COLOURS, FAINT, STYLE, figure, need_matplotlib
 from sandbox.options.scene_options import SceneOptions, plan
+from sandbox.regress.plan import parse_seeds
 from sandbox.regress.statistics import holm
 from sandbox.session.session import Session
 from sandbox.trial.driver import ViewMaker
@@ -359,10 +360,11 @@ def main() -> None:
         need_matplotlib()
     kept = KeptTrials(Job, Played, options.table or [options.out, *options.kept])
     if not options.table:
-        first, end = map(int, options.seeds.split(":"))
         # Seed by seed, so that what is cut short has all tasks and methods to the same extent.
         chosen = (options.tasks, options.methods, options.solid, options.fingers)
-        jobs = [Job(*each, seed) for seed in range(first, end) for each in product(*chosen)]
+        jobs = [
+            Job(*each, seed) for seed in parse_seeds(options.seeds) for each in product(*chosen)
+        ]
         kept.play(play, jobs, options.workers)
     print(describe_machine())
     print("\n".join(rows(kept.done)))

@@ -23,6 +23,7 @@ from benchmarks.one_line import run
 from benchmarks.success import wilson
 from encoders.reconstruction.arrival import Phase
 from sandbox.options.scene_options import SceneOptions, plan
+from sandbox.regress.plan import parse_seeds
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
 from sandbox.trial.headless import run_trial
@@ -126,10 +127,9 @@ def main() -> None:
     parser.add_argument("--workers", type=int, default=os.cpu_count() or 1)
     parser.add_argument("--out", type=Path, default=Path("out/noisy_touches.jsonl"))
     options = parser.parse_args()
-    first, end = map(int, options.seeds.split(":"))
     jobs = [
         Job(task, noise, rules, seed)
-        for seed in range(first, end)
+        for seed in parse_seeds(options.seeds)
         for task in options.tasks
         for noise in options.noise
         for rules in RULES
