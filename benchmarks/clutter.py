@@ -19,8 +19,10 @@ from functools import partial
 from statistics import mean, median
 from typing import Literal, get_args
 
+from benchmarks.one_line import run
 from benchmarks.success import wilson
 from sandbox.options.scene_options import SceneOptions, plan
+from sandbox.regress.plan import parse_seeds
 from sandbox.trial.headless import run_trial
 from sandbox.trial.result import TrialResult
 from tasks.registry import find_task
@@ -71,7 +73,7 @@ def main() -> None:
     parser.add_argument("--users", nargs="+", choices=get_args(Kind), default=["skilled"])
     parser.add_argument("--workers", type=int, default=os.cpu_count() or 1)
     options = parser.parse_args()
-    first, end = map(int, options.seeds.split(":"))
+    seeds = parse_seeds(options.seeds)
     heads = ["task", "user", "fingers", "room", "solid", *HEADS]
     print("| " + " | ".join(heads) + " |")
     print("| --- " * len(heads) + "|")
@@ -82,10 +84,10 @@ def main() -> None:
                     for solid in options.solid:
                         one = partial(play, task, fingers, user, room, solid)
                         with ProcessPoolExecutor(options.workers) as pool:
-                            results = list(pool.map(one, range(first, end)))
+                            results = list(pool.map(one, seeds))
                         row = [task, user, str(fingers), f"{room:g}", solid, *cells(results)]
                         print("| " + " | ".join(row) + " |", flush=True)
 
 
 if __name__ == "__main__":
-    main()
+    run(main)

@@ -18,8 +18,10 @@ from statistics import mean, median
 from typing import Any, Literal
 
 from benchmarks.machine import describe_machine
+from benchmarks.one_line import run
 from sandbox.devices.simulated.simulated import SimulatedDevice
 from sandbox.options.scene_options import SceneOptions, plan
+from sandbox.regress.plan import parse_seeds
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
 from sandbox.trial.headless import run_trial
@@ -90,7 +92,7 @@ def play(task: str, seed: int, options: dict[str, Any]) -> Played:
     return Played(done.success, score, done.time_s, watched[0].right)
 
 
-def row(task: str, name: str, seeds: range, fingers: int) -> str:
+def row(task: str, name: str, seeds: Sequence[int], fingers: int) -> str:
     """One line of the table."""
     cells = [task, name]
     for solid in SOLID:
@@ -117,7 +119,7 @@ def main() -> None:
     parser.add_argument("--fingers", type=int, default=3)
     parser.add_argument("--seeds", default="6000:6025", help="first and last but one training seed")
     options = parser.parse_args()
-    first, end = map(int, options.seeds.split(":"))
+    seeds = parse_seeds(options.seeds)
     print(describe_machine())
     heads = [
         f"{what}, {solid}"
@@ -128,8 +130,8 @@ def main() -> None:
     print("| --- " * (2 + len(heads)) + "|")
     for task in options.tasks:
         for name in options.rows:
-            print(row(task, name, range(first, end), options.fingers), flush=True)
+            print(row(task, name, seeds, options.fingers), flush=True)
 
 
 if __name__ == "__main__":
-    main()
+    run(main)

@@ -33,6 +33,7 @@ from models.scene import CONTROL_PERIOD, Scene
 from sandbox.clearing.clearing import SPEED
 from sandbox.clearing.hand_distances import HandDistances
 from sandbox.options.scene_options import SceneOptions, plan
+from sandbox.regress.plan import parse_seeds
 from sandbox.session.session import Session
 from sandbox.trial.headless import run_trial
 
@@ -158,8 +159,8 @@ def main() -> None:
     parser.add_argument("--methods", nargs="+", default=list(COMPARED), choices=list(METHODS))
     parser.add_argument("--workers", type=int, default=os.cpu_count() or 1)
     options = parser.parse_args()
-    first, end = map(int, options.seeds.split(":"))
-    jobs = [Job(*each) for each in product(options.methods, range(first, end))]
+    seeds = parse_seeds(options.seeds)
+    jobs = [Job(*each) for each in product(options.methods, seeds)]
     os.environ["OMP_NUM_THREADS"] = "1"
     seen: dict[str, list[Seen]] = {}
     with ProcessPoolExecutor(options.workers) as pool:

@@ -23,7 +23,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.machine import describe_machine
+from benchmarks.one_line import run
 from sandbox.options.scene_options import SceneOptions, plan
+from sandbox.regress.plan import parse_seeds
 from sandbox.session.session import Session
 from sandbox.trial.headless import run_trial
 
@@ -131,7 +133,7 @@ def play(task: str, fingers: int, seed: int, solid: Literal["fingertips", "hand"
     )
 
 
-def row(task: str, fingers: int, seeds: range) -> str:
+def row(task: str, fingers: int, seeds: Sequence[int]) -> str:
     """One line of the table."""
     plays = {solid: [play(task, fingers, seed, solid) for seed in seeds] for solid in SOLID}
     ours, peer = plays[SOLID[1]], plays[SOLID[0]]
@@ -158,7 +160,7 @@ def main() -> None:
     parser.add_argument("--fingers", nargs="+", type=int, default=[3])
     parser.add_argument("--seeds", default="0:20", help="first and last but one training seed")
     options = parser.parse_args()
-    first, end = map(int, options.seeds.split(":"))
+    seeds = parse_seeds(options.seeds)
     print(describe_machine())
     print(
         "| task | fingers | success, fingertips | success, hand | s, fingertips | s, hand "
@@ -169,8 +171,8 @@ def main() -> None:
     print("| --- " * 11 + "|")
     for fingers in options.fingers:
         for task in options.tasks:
-            print(row(task, fingers, range(first, end)), flush=True)
+            print(row(task, fingers, seeds), flush=True)
 
 
 if __name__ == "__main__":
-    main()
+    run(main)

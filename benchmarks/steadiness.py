@@ -33,6 +33,7 @@ from models.arithmetic.arrays import Array
 from models.pose import ROOT_POSITION
 from models.scene import CONTROL_PERIOD
 from sandbox.clearing import clearing
+from sandbox.regress.plan import parse_seeds
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
 from tasks.registry import TASKS
@@ -146,7 +147,7 @@ def main() -> None:
     parser.add_argument("--seeds", default="9000:9030", help="first and last but one training seed")
     parser.add_argument("--workers", type=int, default=os.cpu_count() or 1)
     options = parser.parse_args()
-    first, end = map(int, options.seeds.split(":"))
+    seeds = parse_seeds(options.seeds)
     print(describe_machine())
     heads = ("task", "method", "STEADY", "TAU, s", "succeeded", "points", "s")
     print("| " + " | ".join((*heads, "push: mean, max (N)", "to and fro, mrad", "at full speed")))
@@ -157,7 +158,7 @@ def main() -> None:
         for task, method, tau, steady in product(
             options.tasks, options.methods, options.tau, options.steady
         ):
-            jobs = [Job(task, method, steady, tau, seed) for seed in range(first, end)]
+            jobs = [Job(task, method, steady, tau, seed) for seed in seeds]
             print(row(jobs[0], list(pool.map(play, jobs))), flush=True)
 
 

@@ -27,6 +27,7 @@ from models.one_pose import OnePose
 from models.pose import JOINTS
 from models.scene import CONTROL_PERIOD
 from sandbox.options.scene_options import SceneOptions, plan
+from sandbox.regress.plan import parse_seeds
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
 from sandbox.trial.headless import run_trial
@@ -132,7 +133,7 @@ def main() -> None:
     parser.add_argument("--impulse", default="safe", help="paper, safe, or N s of an impulse")
     parser.add_argument("--workers", type=int, default=os.cpu_count() or 1)
     options = parser.parse_args()
-    first, end = map(int, options.seeds.split(":"))
+    seeds = parse_seeds(options.seeds)
     print(describe_machine())
     heads = ("task", "succeeded", "steps", "moved: median, most (mm)", "moved by more than 1 mm")
     print("| " + " | ".join((*heads, "fastest, rad/s", f"faster than {FAST:g} rad/s")) + " |")
@@ -141,7 +142,7 @@ def main() -> None:
     os.environ["OMP_NUM_THREADS"] = "1"
     with ProcessPoolExecutor(options.workers) as pool:
         for task in options.tasks:
-            jobs = [Job(task, options.impulse, seed) for seed in range(first, end)]
+            jobs = [Job(task, options.impulse, seed) for seed in seeds]
             print(row(task, list(pool.map(play, jobs))), flush=True)
 
 
