@@ -27,9 +27,13 @@ from sandbox.study.measures.columns import SECOND, Columns
 from sandbox.study.record.folder import SIMULATED, StudyFolder
 from sandbox.study.record.stored_sessions import StoredSession, all_sessions, planned_trials
 from sandbox.study.share.export_folder import new_folder
-from sandbox.study.tables.column import Row, names_of
+from sandbox.study.tables.column import Earlier, Row, names_of
 from sandbox.study.tables.exclusions import exclude_person
-from sandbox.study.tables.participant_table import participant_columns, participant_row
+from sandbox.study.tables.participant_table import (
+    earlier_questions,
+    participant_columns,
+    participant_row,
+)
 from sandbox.study.tables.trial_table import RESULT, SESSION, trial_rows
 
 TRACKSYS = "handsandbox"
@@ -218,14 +222,15 @@ def _table(path: Path) -> Columns:
 def _about(study: StudyFolder, work: Path, people: Sequence[Row]) -> None:
     _json(work / "dataset_description.json", dataset_description(study))
     (work / "README").write_text(readme(study), encoding="utf-8")
-    asked = names_of(participant_columns(study.design))
+    earlier = earlier_questions(study.design, people)
+    asked = names_of(participant_columns(study.design, earlier))
     known = ("hand", "hand_size", "language", "simulated", "complete", "excluded")
     # An older design may have a question that is named like a column which the program fills.
     own = [item.name for item in study.design.demographics if item.name not in FILLED]
-    used = [*(name for name in known if name in asked), *own]
+    used = [*(name for name in known if name in asked), *own, *earlier.questions]
     rows = [[f"sub-{p['ppid']}", *(p.get(name) for name in used)] for p in people]
     _tsv(work / "participants.tsv", ["participant_id", *used], rows)
-    _json(work / "participants.json", participants_json(study.design, used))
+    _json(work / "participants.json", participants_json(study.design, used, earlier))
 
 
 def _tsv(path: Path, head: Sequence[str] | None, rows: Sequence[Sequence[Any]]) -> None:
@@ -360,7 +365,7 @@ def event_columns() -> dict[str, Any]:
     }
 
 
-def participants_json(design: Design, used: Sequence[str]) -> dict[str, Any]:
+def participants_json(design: Design, used: Sequence[str], earlier: Earlier) -> dict[str, Any]:
     """Content of `participants.json`."""
-    meanings = {column.name: column.meaning for column in participant_columns(design)}
+    meanings = {column.name: column.meaning for column in participant_columns(design, earlier)}
     return {name: {"Description": meanings[name]} for name in used}

@@ -39,7 +39,13 @@ from sandbox.study.record.journal import journal_bytes, read_journal
 from sandbox.study.record.pseudonym import new_pseudonym
 from sandbox.study.record.session_folder import BEGUN, SEALED
 from sandbox.study.record.state import SessionState
-from sandbox.study.record.stored_sessions import JOURNAL, StoredSession, all_sessions, session_path
+from sandbox.study.record.stored_sessions import (
+    JOURNAL,
+    StoredSession,
+    all_sessions,
+    design_of,
+    session_path,
+)
 from sandbox.study.share.export_folder import new_folder
 from sandbox.study.share.privacy_groups import SMALLEST, Groups, binned, groups
 from sandbox.study.share.privacy_records import (
@@ -114,8 +120,12 @@ def anonymise(study: StudyFolder, out: Path, masking: Masking, say: Say) -> Anon
         StudyError: A journal is damaged, there are no participants, or the copy cannot be
             written.
     """
-    _check(study.design, masking)
     sessions = {person.ppid: kept_session for person, kept_session in all_sessions(study)}
+    # The design first, then those that earlier sessions were run by.
+    of_sessions = [design_of(study, s) for some in sessions.values() for s in some]
+    designs = list({d.digest: d for d in (study.design, *of_sessions)}.values())
+    asked = {item.name: item for design in reversed(designs) for item in design.demographics}
+    _check([*asked], masking)
     agreed = {
         p: some for p, some in sessions.items() if all(s.state.consent is not False for s in some)
     }
@@ -136,7 +146,7 @@ def anonymise(study: StudyFolder, out: Path, masking: Masking, say: Say) -> Anon
         write_design(work, study.design)
         copy_earlier_designs(study.path, work)
         for old in sorted(agreed, key=names.__getitem__):
-            answer = _answer(study.design, masking)
+            answer = _answer(designs, masking)
             person_masking = PersonMasking(
                 names[old], new_id, answer, masking.words, lambda size: shared_size(size, masking)
             )
@@ -146,7 +156,7 @@ def anonymise(study: StudyFolder, out: Path, masking: Masking, say: Say) -> Anon
         copied = [(names[old], agreed[old]) for old in sorted(agreed, key=names.__getitem__)]
         exact = {names[old]: size for old, size in sizes.items()}
         left_out = len(sessions) - len(agreed), withdrawals_of(study.records())
-        anonymised = _finish(work, about, copied, masking, left_out, exact)
+        anonymised = _finish(work, about, copied, masking, left_out, exact, [*asked])
     starts = [
         in_the_air(r["values"]) or ppid in tell_hands
         for ppid, some in agreed.items()
@@ -169,8 +179,7 @@ def _rare(sizes: Mapping[str, float]) -> set[str]:
     return {ppid for ppid, size in sizes.items() if shared[size] < min(SMALLEST, len(sizes))}
 
 
-def _check(design: Design, masking: Masking) -> None:
-    known = [item.name for item in design.demographics]
+def _check(known: Sequence[str], masking: Masking) -> None:
     for name in (*masking.drop, *(masking.bins or {})):
         if name not in known and (name != HAND_SIZE or name in masking.drop):
             raise StudyError(
@@ -197,16 +206,24 @@ def _new_names(sessions: Mapping[str, object]) -> dict[str, str]:
     return names
 
 
-def _answer(design: Design, masking: Masking) -> Callable[[str, str, Any], Any]:
-    """Returns a function of form, item and answer that returns the kept part of the answer."""
-    kinds = {
-        (form.name, item.name): item.kind for form in design.questionnaires for item in form.items
-    }
-    kinds |= {(DEMOGRAPHICS, item.name): item.kind for item in design.demographics}
+def _answer(designs: Sequence[Design], masking: Masking) -> Callable[[str, str, Any], Any]:
+    """Returns a function of form, item and answer that returns the kept part of the answer.
+
+    Args:
+        designs: Designs of all sessions.
+        masking: Settings of the copy.
+    """
+    kinds: dict[tuple[str, str], set[str]] = {}
+    for design in designs:
+        for form in design.questionnaires:
+            for item in form.items:
+                kinds.setdefault((form.name, item.name), set()).add(item.kind)
+        for item in design.demographics:
+            kinds.setdefault((DEMOGRAPHICS, item.name), set()).add(item.kind)
 
     def kept(form: str, item: str, value: Any) -> Any:
-        # Items that are not in the design are treated as free text.
-        if kinds.get((form, item), "text") == "text" and not masking.words:
+        # Items that are in no design are treated as free text.
+        if "text" in kinds.get((form, item), {"text"}) and not masking.words:
             return None
         if form == DEMOGRAPHICS and item in masking.drop:
             return None
@@ -324,6 +341,7 @@ def _finish(
     masking: Masking,
     left_out: tuple[int, int],
     exact: Mapping[str, float],
+    questions: Sequence[str],
 ) -> Anonymised:
     """Builds all tables from the written files, and documents the anonymisation in the folder.
 
@@ -334,32 +352,30 @@ def _finish(
         masking: Settings of the copy.
         left_out: Numbers of participants who did not agree, and who withdrew.
         exact: Exact sizes of hands by new pseudonym.
+        questions: Names of all questions about the person, of any design.
     """
     without_consent, withdrawn = left_out
     records = _study_records(work, study, copied, masking)
     _write_study_journal(work, records)
     copy = StudyFolder.at(work)
-    design = copy.design
     people: list[dict[str, Any]] = []
     for sessions in rebuild_all(copy).values():
         start = sessions[0].state.start
         asked = [s.state.about_person for s in sessions if s.state.about_person is not None]
+        answers = asked[-1] if asked else {}
         # Recordings contain the exact size.
         seen = masking.recordings and masking.hands
         people.append(
             {
-                **({_asked(name): value for name, value in asked[-1].items()} if asked else {}),
+                **{_asked(name): value for name, value in answers.items()},
                 "hand": start["hand"],
                 HAND_SIZE: exact[start["ppid"]] if seen else start[HAND_SIZE],
                 "language": start["language"],
             }
         )
-    columns = ["hand", HAND_SIZE, "language"] + [
-        _asked(item.name)
-        for item in design.demographics
-        if item.name not in masking.drop and (masking.words or item.kind != "text")
-    ]
-    columns = [name for name in columns if len({p.get(name) for p in people}) > 1]
+    # Answers that are left out are the same for everybody: None.
+    known = ["hand", HAND_SIZE, "language", *map(_asked, questions)]
+    columns = [name for name in known if len({p.get(name) for p in people}) > 1]
     group_sizes = groups(people, columns)
     about = {
         "participants": len(people),

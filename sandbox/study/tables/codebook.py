@@ -25,7 +25,7 @@ def columns_by_table(design: Design, earlier: Earlier = NO_EARLIER) -> dict[str,
         "trial_results.csv": trial_columns(design, earlier),
         "questionnaires.csv": answer_columns(design, earlier),
         "questionnaire_scores.csv": score_columns(design, earlier),
-        "participants.csv": participant_columns(design),
+        "participants.csv": participant_columns(design, earlier),
     }
 
 

@@ -5,19 +5,31 @@ from __future__ import annotations
 import csv
 import io
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Any
 
 from sandbox.study.design.design import LISTED, Design
 
 Row = dict[str, Any]
-Earlier = Mapping[str, Sequence[str]]
-"""Levels of the factors that rows have and their design has not, by name of the column: the factors
-of an earlier design."""
 FACTOR = "factor_"
 """Prefix of the names of columns with levels."""
-NO_EARLIER: Earlier = MappingProxyType({})
+
+
+@dataclass(frozen=True)
+class Earlier:
+    """What rows have from an earlier design and their design has not, as after `--force-upgrade`.
+
+    Attributes:
+        factors: Levels of factors in order of appearance, by name of the column.
+        questions: Questions about the person.
+    """
+
+    factors: Mapping[str, tuple[str, ...]] = field(default_factory=lambda: MappingProxyType({}))
+    questions: tuple[str, ...] = ()
+
+
+NO_EARLIER = Earlier()
 """What the rows of one design have."""
 
 
@@ -45,17 +57,16 @@ def factor_columns(design: Design, earlier: Earlier = NO_EARLIER) -> list[Column
         ),
         *(
             Column(name, "", "level in an earlier design, empty since then: " + LISTED.join(levels))
-            for name, levels in earlier.items()
+            for name, levels in earlier.factors.items()
         ),
     ]
 
 
 def earlier_factors(design: Design, rows: Iterable[Row]) -> Earlier:
-    """Factors that rows have and a design has not, as after `--force-upgrade`, with their levels in
-    order of appearance."""
+    """Factors that rows have and a design has not."""
     own = {FACTOR + factor.name for factor in design.factors}
     return united(
-        {name: (level,)}
+        Earlier({name: (level,)})
         for row in rows
         for name, level in row.items()
         if name.startswith(FACTOR) and name not in own
@@ -63,12 +74,14 @@ def earlier_factors(design: Design, rows: Iterable[Row]) -> Earlier:
 
 
 def united(some: Iterable[Earlier]) -> Earlier:
-    """Several of `earlier_factors` as one."""
+    """What any of several have."""
     levels: dict[str, dict[str, None]] = {}
+    questions: dict[str, None] = {}
     for one in some:
-        for name, names in one.items():
+        for name, names in one.factors.items():
             levels.setdefault(name, {}).update(dict.fromkeys(names))
-    return {name: tuple(names) for name, names in levels.items()}
+        questions.update(dict.fromkeys(one.questions))
+    return Earlier({name: tuple(names) for name, names in levels.items()}, tuple(questions))
 
 
 def names_of(columns: Iterable[Column]) -> list[str]:

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 from sandbox.study.design.design import Design
 from sandbox.study.record.session_clock import CLOCK_STEPS
 from sandbox.study.record.state import SessionState
-from sandbox.study.tables.column import Column, Row, names_of
+from sandbox.study.tables.column import NO_EARLIER, Column, Earlier, Row, names_of
 from sandbox.study.tables.exclusions import excluded_person
 from sandbox.study.tables.trial_table import SESSION, UXF
 
@@ -39,15 +39,28 @@ PARTICIPANT = (
 )
 
 
-def participant_columns(design: Design) -> list[Column]:
-    """Columns of `participants.csv`.
+def participant_columns(design: Design, earlier: Earlier = NO_EARLIER) -> list[Column]:
+    """Columns of `participants.csv`, and then those of the questions of earlier designs.
 
     A question of an older design that is named like one of `PARTICIPANT` has no column here; its
     answers are in `questionnaires.csv`.
     """
     language, filled = design.languages[0], names_of(PARTICIPANT)
     asked = [x for x in design.demographics if x.name not in filled]
-    return [*PARTICIPANT, *(Column(x.name, "", x.ask[language]) for x in asked)]
+    return [
+        *PARTICIPANT,
+        *(Column(x.name, "", x.ask[language]) for x in asked),
+        *(
+            Column(name, "", "answer to a question of an earlier design, empty since then")
+            for name in earlier.questions
+        ),
+    ]
+
+
+def earlier_questions(design: Design, rows: Iterable[Row]) -> Earlier:
+    """Questions about the person that rows of `participants.csv` have and a design has not."""
+    own = {*names_of(participant_columns(design))}
+    return Earlier(questions=tuple(dict.fromkeys(n for row in rows for n in row if n not in own)))
 
 
 def participant_row(

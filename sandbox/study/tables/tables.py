@@ -49,7 +49,7 @@ from sandbox.study.tables.column import (
     united,
 )
 from sandbox.study.tables.exclusions import exclude_person
-from sandbox.study.tables.participant_table import participant_row
+from sandbox.study.tables.participant_table import earlier_questions, participant_row
 from sandbox.study.tables.questionnaire_tables import answer_rows, score_rows
 from sandbox.study.tables.trial_table import FILE_NAMES, trial_rows
 
@@ -80,7 +80,7 @@ class _ParticipantRows:
         settled: True if the files had not changed for `SETTLED` when they were read.
         rows: Rows as CSV without the header line, by table.
         trials, excluded: Number of counted trials, and how many of them are excluded.
-        earlier: The participant's factors of an earlier design.
+        earlier: What the participant has from an earlier design.
     """
 
     person: Participant
@@ -127,7 +127,7 @@ class StudyTables:
             self._keep(people)
             earlier = united(rows.earlier for rows in self._kept.values())
             if earlier != self._earlier:
-                # Somebody has factors of an earlier design: all rows have their columns.
+                # Somebody has factors or answers of an earlier design: all rows have their columns.
                 self._earlier = earlier
                 self._keep(people)
             kept = self._kept.values()
@@ -142,7 +142,7 @@ class StudyTables:
         }
 
     def _keep(self, people: Iterable[Participant]) -> None:
-        """Keeps the rows of everybody, with columns for the factors of earlier designs."""
+        """Keeps the rows of everybody, with columns for what earlier designs had."""
         columns = _column_names(self._study.design, self._earlier)
         self._kept = {
             person.ppid: rows
@@ -186,8 +186,14 @@ def participant_rows(
 
 
 def earlier_of(design: Design, rows: Mapping[str, list[Row]]) -> Earlier:
-    """Factors of an earlier design in the rows of a participant or a session, by table."""
-    return earlier_factors(design, (row for some in rows.values() for row in some))
+    """What the rows of a participant or a session have from an earlier design.
+
+    Args:
+        design: The design.
+        rows: The rows by table.
+    """
+    factors = earlier_factors(design, (row for some in rows.values() for row in some))
+    return united([factors, earlier_questions(design, rows["participants.csv"])])
 
 
 def csv_of(design: Design, rows: Mapping[str, list[Row]], earlier: Earlier) -> dict[str, bytes]:
@@ -208,7 +214,7 @@ def study_files(
         design: The design.
         rows: Rows of every participant; see `csv_of`.
         sizes: Size of every journal, bytes.
-        earlier: Factors of an earlier design that somebody has; see `earlier_of`.
+        earlier: What anybody has from an earlier design; see `earlier_of`.
     """
     return {
         **{

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 from rich.console import Console
 
 from sandbox.cli.study.report import ReportOptions, report
+from sandbox.study.audit.audit import audit
 from sandbox.study.design.design import DEMOGRAPHICS
 from sandbox.study.design.plan import FormStep, TrialStep
 from sandbox.study.measures.compute import VERSION
@@ -22,6 +23,7 @@ from sandbox.study.record.session_folder import SessionFolder
 from sandbox.study.record.stored_sessions import StoredSession, session_path, sessions_of
 from sandbox.study.report.models.data import load_study
 from sandbox.study.run.simulate import run_simulated
+from sandbox.study.share.privacy import Masking, anonymise
 from sandbox.study.share.withdraw import withdraw
 from sandbox.study.tables import tables
 from sandbox.study.tables.tables import (
@@ -343,6 +345,39 @@ def test_levels_of_a_factor_that_was_renamed_in_the_middle_stay_in_all_tables(
     assert "factor_contact" in (study.path / old / "S001" / "trial_results.csv").read_text()
     factors = {factor.name: factor.levels for factor in load_study(study.path).factors}
     assert factors == {"feel": ("hard", "soft"), "contact": ("hard", "soft")}
+
+
+OLDER = DESIGN.replace('name = "age"\nkind', 'name = "years"\nkind')
+"""The same design, whose question about the person has another name."""
+
+
+def test_answers_to_a_question_about_the_person_that_was_renamed_stay(tmp_path: Path) -> None:
+    """They were in no column of `participants.csv`, and `--drop` did not know them."""
+    before = Sessions(open_study(tmp_path / "study"))
+    before.do("new", 0, 1.5)
+    before.do("finish", 0, 1.5)
+    study = StudyFolder(tmp_path / "study", design(OLDER), SIMULATED, "a better name")
+    after = Sessions(study)
+    after.do("new", 0, 1.5)
+    after.do("finish", 1, 1.5)
+    old, new = rows_of(study.path / "participants.csv")
+    assert old["age"] and not old["years"] and new["years"] and not new["age"]
+    book = {r["column"]: r["meaning"] for r in rows_of(study.path / "codebook.csv")}
+    assert book["years"] == "How old are you?"
+    assert book["age"] == "answer to a question of an earlier design, empty since then"
+    assert audit(study.path).findings.found == []
+
+    def shared(name: str, masking: Masking) -> tuple[list[dict[str, str]], Sequence[str]]:
+        done = anonymise(study, tmp_path / name, masking, lambda text: None)
+        return rows_of(tmp_path / name / "participants.csv"), done.groups.columns
+
+    (both, compared), (one, fewer) = (
+        shared("whole", Masking(bins={"age": 5.0}, recordings=False)),
+        shared("less", Masking(drop=("age",), recordings=False)),
+    )
+    assert {"age", "years"} <= {*compared} and "age" not in fewer and "years" in fewer
+    assert [row["age"] for row in both if row["age"]] == [str(int(old["age"]) // 5 * 5)]
+    assert not any(row.get("age") for row in one) and sum(bool(row["years"]) for row in one) == 1
 
 
 def test_scores_of_a_questionnaire_that_is_asked_no_longer_stay(tmp_path: Path) -> None:
