@@ -178,24 +178,17 @@ class OnePose:
         self._blocks += skew
 
 
-class SeveralPoses:
-    """Fingertips of several poses of one skeleton, and their derivative.
+def tips_and_jacobians(hand: OnePose, q: Array) -> tuple[Array, Array]:
+    """Fingertips (n, k, 3) in m and their derivative (n, k, 3, 48) by the poses (n, 48).
 
     A trial must get the same result side by side with others as alone, so every pose is computed
-    as `OnePose` does it.
-
-    Args:
-        skeleton: The hand's skeleton.
-        fingers: Labels of the k wanted fingers, in this order.
+    by itself.
     """
-
-    def __init__(self, skeleton: Skeleton, fingers: Sequence[int]) -> None:
-        self._one = OnePose(skeleton, fingers)
-
-    def tips_and_jacobian(self, q: Array) -> tuple[Array, Array]:
-        """Fingertips (n, k, 3) in m and their derivative (n, k, 3, 48) by the poses (n, 48)."""
-        each = [self._one.tips_and_jacobian(row) for row in q]
-        return np.array([tips for tips, _ in each]), np.array([jacobian for _, jacobian in each])
+    if len(q) == 1:
+        tips, jacobian = hand.tips_and_jacobian(q[0])
+        return tips[None], jacobian[None]
+    each = [hand.tips_and_jacobian(row) for row in q]
+    return np.array([tips for tips, _ in each]), np.array([jacobian for _, jacobian in each])
 
 
 def _compiled(skeleton: Skeleton) -> mujoco.MjModel:

@@ -7,7 +7,6 @@ Subclasses define the start and one step.
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Callable
 from typing import Any, NamedTuple, Self
 
 import numpy as np
@@ -19,7 +18,7 @@ from encoders.regression.touch_neighbour import TouchNeighbours, touches_of
 from models.arithmetic.arrays import Array, Mask
 from models.arithmetic.products import squared_lengths
 from models.errors import EncoderError
-from models.one_pose import OnePose, SeveralPoses
+from models.one_pose import OnePose, tips_and_jacobians
 from models.pose import POSE_SIZE
 from models.skeleton import ADULT, Skeleton
 
@@ -151,15 +150,16 @@ class TouchIkEncoder(Encoder):
 
     def _iterate(self, start: Array, fingers: Mask, targets: Array) -> IkSolution:
         """Iterates from poses (n, 48) until fingertips are at their targets (n, k, 3)."""
-        tips_and_jacobian = self._tips_and_jacobian_of(fingers, len(start))
+        hand = OnePose(self.skeleton, np.flatnonzero(fingers).tolist())
         q = start.copy()
         taken = np.zeros(len(q), np.int64)
-        moving = np.arange(len(q))
+        # All rows first, as a slice, which makes no copies.
+        moving: slice | NDArray[np.int64] = slice(None)
         pace, length = np.ones(len(q)), np.full(len(q), np.inf)
         for i in range(self.iterations):
-            tips, jacobian = tips_and_jacobian(q[moving])
-            off = (targets[moving] - tips).reshape(len(moving), -1)
-            J = jacobian.reshape(len(moving), -1, POSE_SIZE)
+            tips, jacobian = tips_and_jacobians(hand, q[moving])
+            off = (targets[moving] - tips).reshape(len(tips), -1)
+            J = jacobian.reshape(len(tips), -1, POSE_SIZE)
             step = self._step(q[moving], start[moving], off, J)
             turn = np.abs(step[:, 3:]).max(axis=1, keepdims=True)
             step *= np.minimum(1.0, _LARGEST_TURN / np.maximum(turn, _LARGEST_TURN))
@@ -169,30 +169,13 @@ class TouchIkEncoder(Encoder):
                 length[moving] = now
             q[moving] += pace[moving, None] * step
             taken[moving] += 1
-            moving = moving[np.abs(step).max(axis=1) > self.settled]
-            if not len(moving):
+            far = np.abs(step).max(axis=1) > self.settled
+            if not far.any():
                 break
-        hand = OnePose(self.skeleton, np.flatnonzero(fingers).tolist())
+            if not far.all():
+                moving = np.arange(len(q))[moving][far]
         off = targets - np.array([hand.tips(row) for row in q])
         return IkSolution(q, np.sqrt(squared_lengths(off).max(axis=1)), taken)
-
-    def _tips_and_jacobian_of(
-        self, fingers: Mask, many: int
-    ) -> Callable[[Array], tuple[Array, Array]]:
-        """Function from poses (n, 48) to tips (n, k, 3) and Jacobians (n, k, 3, 48) of fingers.
-
-        For the single poses of sessions, a quicker function gives the same bits.
-        """
-        which = np.flatnonzero(fingers).tolist()
-        if many > 1:
-            return SeveralPoses(self.skeleton, which).tips_and_jacobian
-        hand = OnePose(self.skeleton, which)
-
-        def one(q: Array) -> tuple[Array, Array]:
-            tips, jacobian = hand.tips_and_jacobian(q[0])
-            return tips[None], jacobian[None]
-
-        return one
 
     def configuration(self) -> dict[str, Any]:
         """Options of all encoders by inverse kinematics; subclasses add their own.

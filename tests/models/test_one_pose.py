@@ -14,7 +14,7 @@ from encoders.regression.trained import builtin
 from encoders.smoothing import common_motion, rigid_motion
 from models.arithmetic.arrays import Array
 from models.kinematics import Kinematics
-from models.one_pose import OnePose, SeveralPoses
+from models.one_pose import OnePose, tips_and_jacobians
 from models.rotations import (
     exp,
     log,
@@ -72,7 +72,8 @@ def test_several_poses_are_found_to_the_bit_as_each_alone(
     rng: np.random.Generator, size: float, count: int, fingers: list[int]
 ) -> None:
     q = size * rng.normal(size=(count, 48))
-    one, together = OnePose(ADULT, fingers), SeveralPoses(ADULT, fingers).tips_and_jacobian(q)
+    one = OnePose(ADULT, fingers)
+    together = tips_and_jacobians(one, q)
     for i in range(count):
         for alone, all_of_them in zip(one.tips_and_jacobian(q[i]), together, strict=True):
             np.testing.assert_array_equal(alone, all_of_them[i])
