@@ -219,7 +219,12 @@ class Sensing:
         """True if the table or another object supports an object: pushes up most of its weight.
 
         A brush from the side, or a corner that only leans, does not count as support.
+
+        Raises:
+            InputError: The first is no object, or there is no such part of the scene.
         """
+        if name not in self._weights:
+            raise _unknown(name, self._weights, "this scene has no object of this name")
         up = float(self._sensor(name, other)[3]) * self._sign[name, other]
         return up > SUPPORT * self._weights[name]
 
