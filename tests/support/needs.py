@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import ctypes
 import shutil
+import subprocess
 from collections.abc import Callable
 from functools import cache
 from importlib.util import find_spec
@@ -82,6 +83,15 @@ def _iwer() -> str:
     return "" if IWER.is_file() else "no iwer (npm ci in sandbox/views/page)"
 
 
+def _r() -> str:
+    if shutil.which("Rscript") is None:
+        return "no R (Debian's r-base-core)"
+    packages = ("lme4", "survival", "geepack")
+    code = f"cat(setdiff(c{packages}, rownames(installed.packages())))"
+    run = subprocess.run(["Rscript", "-e", code], capture_output=True, text=True, check=True)
+    return " and ".join(f"no {name} (Debian's r-cran-{name})" for name in run.stdout.split())
+
+
 _WHAT_LACKS: dict[str, Callable[[], str]] = {
     "opengl": _opengl,
     "egl": lambda: _library("libEGL.so.1", "libegl1"),
@@ -93,6 +103,7 @@ _WHAT_LACKS: dict[str, Callable[[], str]] = {
     "firefox": _firefox,
     "webkit": _webkit,
     "datasets": lambda: _packages("datasets", "minari", "h5py", "pyarrow", "pandas"),
+    "r": _r,
     "robots": lambda: _package("gymnasium_robotics", "robots"),
 }
 """Need -> what is missing for it on this machine; empty: nothing."""

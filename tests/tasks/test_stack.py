@@ -172,7 +172,7 @@ def test_boxes_side_by_side_that_push_each_other_are_not_stacked(trial: Trial) -
     assert not trial.sensing.rests_on("second", "base")
     assert not trial.sensing.rests_on("base", "second")
     assert not measure.reached
-    with pytest.raises(InputError, match="no object of this name .got 'table'"):
+    with pytest.raises(InputError, match=r"no object of this name \(got 'table'"):
         trial.sensing.rests_on("table", "base")
 
 

@@ -2,15 +2,25 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from sandbox.study.report.models.analysis import Analysis, MeasureModel
-from sandbox.study.report.models.mixed import PRACTICE, Mixed
+from sandbox.study.report.models.censored import bounded_rows
+from sandbox.study.report.models.data import StudyData
+from sandbox.study.report.models.mixed import PRACTICE, Mixed, fixed_effects
 from sandbox.study.report.models.quantities import LOG
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
 
 HEAD = """\
 # The models of report.html, in R: Rscript analysis.R, in the folder of the CSVs.
 # Needs lme4, and uses survival and geepack if they are installed. Writes comparisons_R.csv.
 
 options(width = 100)
+# Names of levels may have letters that the locale lacks, as that of many scheduled jobs.
+for (locale in c("C.UTF-8", "en_US.UTF-8"))
+  if (!l10n_info()[["UTF-8"]]) suppressWarnings(Sys.setlocale("LC_CTYPE", locale))
 text <- read.csv("trials.csv", colClasses = "character", check.names = FALSE,
                  na.strings = character(0), encoding = "UTF-8")
 trials <- text
@@ -119,17 +129,18 @@ def script(analysis: Analysis) -> str:
     for one in (analysis.time, *analysis.asked):
         if one is not None and isinstance(one.model, Mixed):
             parts.append(_mixed(one, one.model))
-    fixed = "0 + condition" if len(data.conditions) > 1 else "1"
-    practice = analysis.time is not None and (
-        not isinstance(analysis.time.model, Mixed) or PRACTICE in analysis.time.model.names
-    )
-    both = fixed + (" + practice" if practice else "")
     if len(data.conditions) > 1:
         if analysis.unseen:
-            parts.append(CENSORED.format(fixed=both))
+            parts.append(CENSORED.format(fixed=_fixed(data, bounded_rows(data))))
         finite = "FALSE" if isinstance(analysis.odds, str) else "TRUE"
-        parts.append(SUCCESS.format(fixed=both, finite=finite))
+        parts.append(SUCCESS.format(fixed=_fixed(data, data.used), finite=finite))
     return "".join(parts) + TAIL
+
+
+def _fixed(data: StudyData, rows: DataFrame) -> str:
+    """Right side of a formula: conditions, and practice where these rows can tell it from them."""
+    both = PRACTICE in fixed_effects(rows, data.conditions)[1]
+    return "0 + condition" + (" + practice" if both else "")
 
 
 def _mixed(one: MeasureModel, model: Mixed) -> str:
@@ -167,5 +178,10 @@ def _mixed(one: MeasureModel, model: Mixed) -> str:
 
 
 def _vector(names: list[str]) -> str:
-    quoted = ['"' + n.replace("\\", "\\\\").replace('"', '\\"') + '"' for n in names]
-    return "c(" + ", ".join(quoted) + ")" if quoted else "character(0)"
+    return "c(" + ", ".join(map(_quoted, names)) + ")" if names else "character(0)"
+
+
+def _quoted(text: str) -> str:
+    """A string of R, all of ASCII: R reads a script in the encoding of its locale."""
+    plain = text.replace("\\", "\\\\").replace('"', '\\"')
+    return '"' + "".join(c if c.isascii() else f"\\U{ord(c):08x}" for c in plain) + '"'

@@ -136,11 +136,16 @@ def tobit(
 
 def fit_censored(data: StudyData) -> Censored | str:
     """Fits the model to all used trials, or returns the reason why it cannot."""
+    rows = bounded_rows(data)
+    return fit_bounded(data, rows, np.log(rows["time_s"].to_numpy(float)), ~rows["censored"])
+
+
+def bounded_rows(data: StudyData) -> DataFrame:
+    """Rows of `data.used` that the model of completion times is fitted to."""
     rows = data.used[data.used["time_s"] > 0.0]
     succeeded = set(rows.loc[~rows["censored"], "cell"])
     # Without any success, the times of a condition have no upper bound.
-    rows = rows[rows["cell"].isin(succeeded)]
-    return fit_bounded(data, rows, np.log(rows["time_s"].to_numpy(float)), ~rows["censored"])
+    return rows[rows["cell"].isin(succeeded)]
 
 
 def fit_bounded(
