@@ -104,6 +104,8 @@ _WHAT_LACKS: dict[str, Callable[[], str]] = {
     "webkit": _webkit,
     "datasets": lambda: _packages("datasets", "minari", "h5py", "pyarrow", "pandas"),
     "r": _r,
+    # It has no wheels for Linux on ARM.
+    "ezc3d": lambda: _package("ezc3d", "test"),
     "robots": lambda: _package("gymnasium_robotics", "robots"),
 }
 """Need -> what is missing for it on this machine; empty: nothing."""

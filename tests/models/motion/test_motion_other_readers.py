@@ -7,7 +7,6 @@ from pathlib import Path
 
 import bvhio
 import c3d
-import ezc3d
 import numpy as np
 import pyacclaim
 import pygltflib
@@ -159,8 +158,11 @@ def test_pygltflib_finds_unit_quaternions_that_never_flip_in_a_glb(
     assert wrists == 2
 
 
+@pytest.mark.needs("ezc3d")
 @pytest.mark.parametrize("joints", (True, False))
 def test_ezc3d_and_c3d_find_every_point_of_a_c3d(tmp_path: Path, joints: bool) -> None:
+    import ezc3d
+
     hands = [HANDS["right"], HANDS["large left"]]
     poses = [legal(s, 120, 20 + i) for i, s in enumerate(hands)]
     armatures = [Armature(s) for s in hands]
@@ -190,7 +192,10 @@ def test_ezc3d_and_c3d_find_every_point_of_a_c3d(tmp_path: Path, joints: bool) -
     assert np.abs(found - wanted).max() < 1e-6
 
 
+@pytest.mark.needs("ezc3d")
 def test_a_c3d_of_more_frames_than_16_bits_count_is_still_whole(tmp_path: Path) -> None:
+    import ezc3d
+
     count = MOST + 1000
     points = HandPoints([Armature(ADULT)], ["right"], fingers=(1,))
     q = np.tile(legal(ADULT, 1, 3), (count, 1))

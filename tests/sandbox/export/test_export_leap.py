@@ -9,7 +9,6 @@ from io import StringIO
 from pathlib import Path
 from typing import Any, cast
 
-import ezc3d
 import numpy as np
 import pytest
 
@@ -203,7 +202,10 @@ def test_every_format_takes_both_hands_of_a_leap(
     assert all((tmp_path / name).stat().st_size > 400 for name in names)
 
 
+@pytest.mark.needs("ezc3d")
 def test_other_programs_find_paalms_fingertips_where_the_leap_saw_them(tmp_path: Path) -> None:
+    import ezc3d
+
     path = write(tmp_path / "leap.json", alone("left"))
     for name in ("x.c3d", "x.bvh"):
         assert exported(path, tmp_path / name, "--hand", "left") == 0
