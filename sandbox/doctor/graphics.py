@@ -25,7 +25,7 @@ print((GL.glGetString(GL.GL_RENDERER) or b"an OpenGL without a name").decode())
 """
 
 _OFFSCREEN = """
-import os, mujoco
+import mujoco
 world = "<worldbody><light pos='0 0 3'/><geom size='1'/></worldbody>"
 model = mujoco.MjModel.from_xml_string(f"<mujoco>{world}</mujoco>")
 data = mujoco.MjData(model)
@@ -37,6 +37,13 @@ with mujoco.Renderer(model, 64, 64) as renderer:
     from OpenGL import GL
     print((GL.glGetString(GL.GL_RENDERER) or b"an OpenGL without a name").decode())
 """
+
+_OBSTACLE = """
+import sys
+from sandbox.views.graphics import obstacle
+sys.exit(obstacle({backend!r}))
+"""
+"""Where a backend is missing, MuJoCo cannot be imported, and does not say what is missing."""
 
 _BY_SOFTWARE = ("llvmpipe", "softpipe", "swrast", "swiftshader")
 
@@ -70,7 +77,7 @@ def graphics_checks() -> list[Check]:
             )
         )
     answers = {
-        name: run_probe(_OFFSCREEN, MUJOCO_GL=backend, PYOPENGL_PLATFORM=backend)
+        name: _offscreen(backend)
         for name, backend in (("EGL", "egl"), ("OSMesa", "osmesa"))
         if sys.platform == "linux"
     }
@@ -93,6 +100,14 @@ def graphics_checks() -> list[Check]:
             )
         )
     return checks
+
+
+def _offscreen(backend: str) -> ProbeResult:
+    """What drawing without a screen says, or what is in its way."""
+    there = run_probe(_OBSTACLE.format(backend=backend))
+    if not there.ok:
+        return there
+    return run_probe(_OFFSCREEN, MUJOCO_GL=backend, PYOPENGL_PLATFORM=backend)
 
 
 def _told(answer: ProbeResult) -> str:

@@ -73,8 +73,8 @@ def choose_backend() -> str:
     if sys.platform != "linux":
         return "glfw"
     reasons = []
-    for name, obstacle in (("egl", _egl_obstacle), ("osmesa", _osmesa_obstacle)):
-        reason = obstacle()
+    for name in ("egl", "osmesa"):
+        reason = obstacle(name)
         if reason is None:
             return name
         reasons.append(f"{name}: {reason}")
@@ -147,6 +147,11 @@ def _no_graphics(reason: str) -> GraphicsError:
         expected="EGL or OSMesa",
         remedy=f"On Debian or Ubuntu: apt-get install {DEBIAN_PACKAGES} (or libosmesa6)",
     )
+
+
+def obstacle(backend: str) -> str | None:
+    """Reason why `egl` or `osmesa` cannot draw without a screen; None if it can."""
+    return {"egl": _egl_obstacle, "osmesa": _osmesa_obstacle}[backend]()
 
 
 def _egl_obstacle() -> str | None:

@@ -53,9 +53,10 @@ class ReplayOptions:
     session, which stands for all its trials."""
 
     verify: tyro.conf.FlagCreatePairsOff[bool] = False
-    """Exit status 1 unless the recording is complete and every state is equal. Of a whole study,
-    also compares journals, recordings, derived tables and the lock, and names what is missing,
-    orphaned, changed or reordered."""
+    """Exit status 1 unless the recording is complete and every state is equal. States of another
+    machine's recording may differ if the outcome is the same and nothing is more than 1 mm or 2
+    degrees away. Of a whole study, also compares journals, recordings, derived tables and the
+    lock, and names what is missing, orphaned, changed or reordered."""
 
     witness: Annotated[tuple[Path, ...], tyro.conf.arg(metavar="FILE")] = ()
     """With --verify and a study: file that `sandbox study run --witness FILE` wrote, kept where

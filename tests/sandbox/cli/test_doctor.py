@@ -42,6 +42,7 @@ def test_everything_has_a_state_and_what_is_missing_has_a_remedy(found: list[Che
     assert len({(c.group, c.name) for c in found}) == len(found)
     for check in found:
         assert check.found and bool(check.remedy) is not check.ok, check
+        assert "Error:" not in check.found, "what is missing is said, not what Python says of it"
     told = json.loads(json.dumps(doctor.as_json(found)))
     assert told["missing"] == [c.name for c in found if not c.ok]
     assert {c["state"] for c in told["checks"]} <= {"ok", "missing"}
