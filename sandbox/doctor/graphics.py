@@ -7,7 +7,7 @@ import sys
 
 from sandbox.doctor.check import Check, ProbeResult, run_probe
 from sandbox.views.display import VARIABLES
-from sandbox.views.errors import DEBIAN_PACKAGES
+from sandbox.views.errors import OFFSCREEN_REMEDY, OPENGL_REMEDY
 
 _WINDOW = """
 import glfw
@@ -73,7 +73,7 @@ def graphics_checks() -> list[Check]:
                 window.ok,
                 _told(window),
                 "`sandbox play` in a window",
-                "" if window.ok else f"On Debian or Ubuntu: apt-get install {DEBIAN_PACKAGES}",
+                "" if window.ok else OPENGL_REMEDY,
             )
         )
     answers = {
@@ -94,9 +94,7 @@ def graphics_checks() -> list[Check]:
                 any_ok,
                 told,
                 "films and pictures",
-                ""
-                if any_ok
-                else f"On Debian or Ubuntu: apt-get install {DEBIAN_PACKAGES} (or libosmesa6)",
+                "" if any_ok else OFFSCREEN_REMEDY,
             )
         )
     return checks

@@ -38,7 +38,7 @@ def versions() -> dict[str, str]:
             known[package] = "checkout"
     known["machine"] = f"{platform.system()} {platform.machine()}"
     known["processor"] = _processor()
-    known["libm"] = f"{' '.join(platform.libc_ver()) or platform.system()}, {libm_digest()}"
+    known["libm"] = f"{' '.join(platform.libc_ver()).strip() or platform.system()}, {libm_digest()}"
     known["arithmetic"] = arithmetic_digest()
     text = "\n".join(f"{name}={decisive_part(name, known[name])}" for name in DECISIVE)
     known["fingerprint"] = blake2b(text.encode(), digest_size=8).hexdigest()

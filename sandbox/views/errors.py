@@ -2,11 +2,21 @@
 
 from __future__ import annotations
 
+import sys
+
 from models.errors import HandSandboxError
 
 DEBIAN_PACKAGES = "libgl1 libegl1 libegl-mesa0 libgl1-mesa-dri libglx-mesa0"
-"""Packages of Debian and Ubuntu for pictures without a graphics card; libosmesa6 is the
-fallback."""
+"""Packages of Debian and Ubuntu for pictures without a graphics card."""
+
+OPENGL_REMEDY = (
+    f"On Debian or Ubuntu: apt-get install {DEBIAN_PACKAGES}"
+    if sys.platform == "linux"
+    else "Install the driver of the graphics card; over a remote desktop there is often no OpenGL"
+)
+"""How to get OpenGL."""
+OFFSCREEN_REMEDY = OPENGL_REMEDY + (" (or libosmesa6)" if sys.platform == "linux" else "")
+"""How to get OpenGL that draws without a screen."""
 
 
 class GraphicsError(HandSandboxError):

@@ -19,7 +19,7 @@ from typing import Protocol
 
 import mujoco
 
-from sandbox.views.errors import DEBIAN_PACKAGES, GraphicsError
+from sandbox.views.errors import OFFSCREEN_REMEDY, GraphicsError
 
 BACKENDS = ("egl", "osmesa", "glfw", "cgl")
 """Ways to draw without a screen. glfw needs a display for its hidden window; cgl is for macOS."""
@@ -144,8 +144,8 @@ def _no_graphics(reason: str) -> GraphicsError:
     return GraphicsError(
         "this machine has no OpenGL to draw pictures with",
         got=reason,
-        expected="EGL or OSMesa",
-        remedy=f"On Debian or Ubuntu: apt-get install {DEBIAN_PACKAGES} (or libosmesa6)",
+        expected="EGL or OSMesa" if sys.platform == "linux" else None,
+        remedy=OFFSCREEN_REMEDY,
     )
 
 

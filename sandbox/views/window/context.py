@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import atexit
+import sys
 from collections.abc import Iterator
 from contextlib import AbstractContextManager, contextmanager
 from typing import Any, cast
 
 import glfw
 
-from sandbox.views.errors import DEBIAN_PACKAGES, GraphicsError
+from sandbox.views.errors import OPENGL_REMEDY, GraphicsError
 
 SMALLEST = (480, 320)
 """px, smallest size to which a person can shrink the window."""
@@ -38,7 +39,8 @@ class WindowContext:
             raise GraphicsError(
                 "no window can be opened without a screen",
                 got="; ".join(said) or None,
-                remedy="`sandbox run` needs no window; on a machine without a screen, try xvfb-run",
+                remedy="`sandbox run` needs no window"
+                + ("; without a screen, try xvfb-run" if sys.platform == "linux" else ""),
             )
         # Only at exit: otherwise the first window to close would close the others.
         atexit.register(glfw.terminate)
@@ -51,7 +53,7 @@ class WindowContext:
             raise GraphicsError(
                 "no window can be opened, since this screen has no OpenGL",
                 got="; ".join(said) or None,
-                remedy=f"On Debian or Ubuntu: apt-get install {DEBIAN_PACKAGES}",
+                remedy=OPENGL_REMEDY,
             )
         glfw.set_window_size_limits(handle, *SMALLEST, glfw.DONT_CARE, glfw.DONT_CARE)
         glfw.set_cursor(handle, glfw.create_standard_cursor(glfw.CROSSHAIR_CURSOR))
