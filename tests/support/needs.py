@@ -7,6 +7,7 @@ such a skip fails the run: there, all of it is installed.
 from __future__ import annotations
 
 import ctypes
+import os
 import shutil
 import subprocess
 from collections.abc import Callable
@@ -103,6 +104,7 @@ _WHAT_LACKS: dict[str, Callable[[], str]] = {
     "firefox": _firefox,
     "webkit": _webkit,
     "datasets": lambda: _packages("datasets", "minari", "h5py", "pyarrow", "pandas"),
+    "fork": lambda: "" if os.name == "posix" else "no fork of processes",
     "r": _r,
     # It has no wheels for Linux on ARM.
     "ezc3d": lambda: _package("ezc3d", "test"),

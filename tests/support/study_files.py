@@ -21,6 +21,7 @@ from sandbox.study.record.recorded_result import finished_result
 from sandbox.study.record.state import SessionState
 from sandbox.study.record.stored_sessions import session_path
 from sandbox.study.tables.trial_table import trial_rows
+from tests.support.needs import require
 
 DESIGN = """
 name = "quick"
@@ -83,6 +84,7 @@ def open_study(out: Path, text: str = DESIGN, mode: str = SIMULATED) -> StudyFol
 
 def in_child(work: Callable[[Callable[[str], object]], object]) -> tuple[int, int]:
     """Runs `work(say)` in a process of its own; its id, and the end of a pipe with what it says."""
+    require("fork")
     reading, writing = os.pipe()
     pid = os.fork()
     if pid:

@@ -21,7 +21,7 @@ import os, sys
 for name in {missing!r}:
     sys.modules[name] = None
 for name in ("fdatasync", "pread", "pwrite", "O_CLOEXEC"):
-    delattr(os, name)
+    vars(os).pop(name, None)
 from sandbox.cli.main import main
 status = main(["study", "simulate", "design.toml", "--out", "out", "--participants", "1"])
 status += main(["replay", "out/quick-simulated", "--verify"])
@@ -33,7 +33,7 @@ sys.exit(status)
 
 
 def test_a_study_and_a_regression_run_are_played_without_them(tmp_path: Path) -> None:
-    task = str(ROOT / "tests/support/regress_tasks.py:Quick")
+    task = (ROOT / "tests/support/regress_tasks.py:Quick").as_posix()
     text = DESIGN.replace("tests/support/regress_tasks.py:Quick", task)
     (tmp_path / "design.toml").write_text(text)
     work = WORK.format(missing=MISSING, task=task)
