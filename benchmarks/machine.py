@@ -13,7 +13,7 @@ def describe_machine() -> str:
     found = versions()
     load = ", ".join(f"{x:.1f}" for x in os.getloadavg()) if hasattr(os, "getloadavg") else "?"
     return (
-        f"{found['processor']}, {os.cpu_count()} cores, load {load}; "
+        f"{found['processor']}, {os.cpu_count() or '?'} cores, load {load}; "
         f"{platform.system()}, Python {found['python']}, MuJoCo {found['mujoco']}, "
         f"NumPy {found['numpy']}, SciPy {found['scipy']}"
     )
