@@ -10,9 +10,10 @@ from sandbox.recording.versions import decisive_differences
 from sandbox.trial.replay import replay
 from tools.release.released import Release, file_digest
 
-NEAR = 0.9
-"""Share of a release's recordings that are near enough for the second verdict on other machines:
-loose things that push each other, as in `gather`, are not (docs/measured/other-machines.md)."""
+OUTCOME_ALONE = ("task-gather", "other-servos")
+"""Recordings of which another machine is promised the outcome, and no places. Twelve dice push each
+other in the one, soft servos push soft things in the other, so that a rounded digit grows there
+(docs/measured/other-machines.md)."""
 
 
 @dataclass(frozen=True)
@@ -21,41 +22,37 @@ class Verdict:
 
     Attributes:
         name: Name of the recording.
-        holds: What is promised of this recording by itself is kept.
-        near: Its states are equal, or near enough for the second verdict.
+        holds: The promise is kept.
         says: The verdict in words.
     """
 
     name: str
     holds: bool
-    near: bool
     says: str
 
 
 def verdict(release: Release, name: str) -> Verdict:
-    """Replays a recording: to the bit where the fingerprint is equal, else to the same outcome."""
+    """Replays a recording: to the bit where the fingerprint is equal, else the second verdict."""
     path, entry = release.path(name), release.recordings[name]
     if not path.is_file() or file_digest(path) != entry["sha256"]:
-        return Verdict(name, False, False, "its file is missing, or not the one that was released")
+        return Verdict(name, False, "its file is missing, or not the one that was released")
     try:
         recording = load_recording(path)
         session, found = replay(recording)
         session.close()
     except HandSandboxError as error:
-        return Verdict(name, False, False, str(error))
+        return Verdict(name, False, str(error))
     if found.exact and found.complete:
-        return Verdict(name, True, True, f"{found.compared} states equal to the bit")
+        return Verdict(name, True, f"{found.compared} states equal to the bit")
     if found.same_machine:
-        says = f"states differ from physics step {found.first_difference} on"
-        return Verdict(name, False, False, says)
+        return Verdict(name, False, f"states differ from physics step {found.first_difference} on")
     agreed = found.agreement
     if agreed is None:
-        return Verdict(name, False, False, "states differ, and no poses can be compared")
+        return Verdict(name, False, "states differ, and no poses can be compared")
     distance = f"objects within {agreed.objects_mm:.2f} mm, hands within {agreed.hands_mm:.2f} mm"
     outcome = "same outcome" if agreed.same_outcome else "another outcome"
-    # Without a recorded end, only places can tell.
-    holds = agreed.holds or agreed.same_outcome is True
-    return Verdict(name, holds, agreed.holds, f"another machine: {outcome}, {distance}")
+    holds = agreed.holds or (name in OUTCOME_ALONE and agreed.same_outcome is True)
+    return Verdict(name, holds, f"another machine: {outcome}, {distance}")
 
 
 def promised(release: Release) -> str:
@@ -63,4 +60,4 @@ def promised(release: Release) -> str:
     differs = decisive_differences(release.versions)
     if not differs:
         return "to the bit"
-    return f"to the same outcome, since this machine differs in {' and '.join(differs)}"
+    return f"by the second verdict, since this machine differs in {' and '.join(differs)}"
