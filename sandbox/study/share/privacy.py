@@ -124,8 +124,8 @@ def anonymise(study: StudyFolder, out: Path, masking: Masking, say: Say) -> Anon
     # The design first, then those that earlier sessions were run by.
     of_sessions = [design_of(study, s) for some in sessions.values() for s in some]
     designs = list({d.digest: d for d in (study.design, *of_sessions)}.values())
-    asked = {item.name: item for design in reversed(designs) for item in design.demographics}
-    _check([*asked], masking)
+    asked = list(dict.fromkeys(x.name for design in designs for x in design.demographics))
+    _check(asked, masking)
     agreed = {
         p: some for p, some in sessions.items() if all(s.state.consent is not False for s in some)
     }
@@ -156,7 +156,7 @@ def anonymise(study: StudyFolder, out: Path, masking: Masking, say: Say) -> Anon
         copied = [(names[old], agreed[old]) for old in sorted(agreed, key=names.__getitem__)]
         exact = {names[old]: size for old, size in sizes.items()}
         left_out = len(sessions) - len(agreed), withdrawals_of(study.records())
-        anonymised = _finish(work, about, copied, masking, left_out, exact, [*asked])
+        anonymised = _finish(work, about, copied, masking, left_out, exact, asked)
     starts = [
         in_the_air(r["values"]) or ppid in tell_hands
         for ppid, some in agreed.items()

@@ -23,8 +23,6 @@ from tests.sandbox.study.report.study_reports import (
 )
 from tools.planted_study import Truth
 
-pytestmark = pytest.mark.needs("r")
-
 LOGARITHMS = ("time_s", "object_path_m", "success")
 """Measures whose differences the report tells as ratios, and R as their logarithms."""
 TIGHT, LOOSE = 1e-3, 0.02
@@ -72,6 +70,7 @@ def differences(path: Path) -> dict[Key, dict[str, str]]:
     return {tuple(row[name] for name in names): row for row in rows}
 
 
+@pytest.mark.needs("r")
 @pytest.mark.parametrize(
     "change",
     [
