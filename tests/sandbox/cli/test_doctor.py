@@ -90,10 +90,24 @@ def test_without_a_screen_the_window_is_missing_and_a_page_is_proposed(
     for name in ("DISPLAY", "WAYLAND_DISPLAY"):
         monkeypatch.delenv(name, raising=False)
     monkeypatch.setattr("sandbox.doctor.graphics.sys.platform", "linux")
+    monkeypatch.setattr("sandbox.doctor.graphics._OBSTACLE", "# nothing is in its way")
     monkeypatch.setattr("sandbox.doctor.graphics._OFFSCREEN", "import os; os.abort()")
     display, drawing = graphics_checks()
     assert not display.ok and "--view web" in display.remedy
     assert not drawing.ok and "SIGABRT" in drawing.found and "apt-get" in drawing.remedy
+
+
+def test_what_is_in_the_way_of_drawing_is_said_before_it_is_tried(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("sandbox.doctor.graphics.sys.platform", "linux")
+    monkeypatch.setattr(
+        "sandbox.doctor.graphics._OBSTACLE", "raise SystemExit('{backend} is missing')"
+    )
+    monkeypatch.setattr("sandbox.doctor.graphics._OFFSCREEN", "import os; os.abort()")
+    _, drawing = graphics_checks()
+    assert not drawing.ok and "apt-get" in drawing.remedy
+    assert drawing.found == "EGL: egl is missing; OSMesa: osmesa is missing"
 
 
 def test_it_simulates_a_second_to_say_how_fast_it_is(
