@@ -15,6 +15,7 @@ from models.errors import InputError
 from models.hand import Hand
 from models.mjcf_object import check_object_name
 from models.objects import Box, Cylinder, MechanismPart, SceneObject, Wrench
+from models.outside import failure
 from models.scene import TABLE, PaintedRing, Scene, SceneSpec
 from models.surface import METRES_PER_INCH, Surface
 from tasks.sensing import Sensing
@@ -429,9 +430,17 @@ def measure(task: Task, sensing: Sensing) -> Measure:
 
     Raises:
         InputError: `measure` of the task returns something else, such as nothing, or a progress
-            that is no number.
+            that is no number; or it would end the program, which then ended as if all were well.
     """
-    result = task.measure(sensing)
+    try:
+        result = task.measure(sensing)
+    except SystemExit as error:
+        raise InputError(
+            "`measure` ends the program",
+            where=task.name,
+            got=failure(error),
+            expected="a Measure, such as `return judge(...)`",
+        ) from error
     if not isinstance(result, Measure):
         raise InputError(
             "`measure` did not return a Measure",

@@ -7,7 +7,7 @@ import importlib
 import sys
 
 from models.errors import HandSandboxError, InputError
-from sandbox.cli.common.printing import prepare, print_no_more
+from sandbox.cli.common.printing import HelpShown, prepare, print_no_more
 
 COMMANDS: dict[str, str] = {
     "demo": "watch the simulated user move a box to its goal; makes a film and a picture",
@@ -85,6 +85,17 @@ def main(argv: list[str] | None = None) -> int:
         return EXIT_BAD_INPUT
     except HandSandboxError as error:
         print(f"sandbox: {error}", file=sys.stderr)
+        return EXIT_GATE_FAILED
+    except HelpShown:
+        raise
+    except SystemExit as end:
+        # None of ours ends so. A task, a device or an encoder of somebody else did, and a command
+        # that broke off must not look like one that is done.
+        if end.code not in (0, None):
+            raise
+        from models.outside import failure
+
+        print(f"sandbox: code from outside ended the program ({failure(end)})", file=sys.stderr)
         return EXIT_GATE_FAILED
     except KeyboardInterrupt:
         print("sandbox: stopped", file=sys.stderr)

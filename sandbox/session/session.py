@@ -8,6 +8,7 @@ bit, because nothing here reads a clock.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from hashlib import blake2b
 from typing import Any, Protocol
@@ -350,9 +351,10 @@ class Session:
         )
 
     def close(self) -> None:
-        """Closes the devices."""
-        for rig in self.rigs:
-            rig.device.close()
+        """Closes the devices, each of them, whatever the others raise."""
+        with ExitStack() as closing:
+            for rig in self.rigs:
+                closing.callback(rig.device.close)
 
     def _notices(self) -> list[str]:
         notices = [rig.yaw.notice for rig in self.rigs if rig.yaw and rig.yaw.notice]

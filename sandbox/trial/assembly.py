@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable
+from contextlib import ExitStack
 from dataclasses import replace
 from typing import Any
 
@@ -289,9 +290,10 @@ def build(
             task, rigs, rules, settings.timestep, recorder, settings.contact, friction
         )
     except BaseException:
-        for rig in rigs:
-            rig.device.close()
-        raise
+        with ExitStack() as closing:
+            for rig in rigs:
+                closing.callback(rig.device.close)
+            raise
     if isinstance(recorder, ForwardingRecorder):
         recorder.watch(session)
     return session

@@ -305,11 +305,12 @@ def test_objects_that_just_touch_do_not_overlap() -> None:
             lambda self, sensing: None,
             "test-broken: `measure` did not return a Measure .*got 'None'",
         ),
+        (lambda self, sensing: sys.exit(0), "`measure` ends the program .*test_custom_task.py:"),
         (lambda self, sensing: sensing.object("mug"), "got 'mug', expected it"),
         (lambda self, sensing: sensing.touching("it", "mug"), "got 'mug', expected it, .*table"),
     ],
 )
-def test_a_task_whose_measure_returns_nothing_is_refused_before_the_trial(
+def test_a_task_whose_measure_returns_no_measure_is_refused_before_the_trial(
     measure: Callable[[Slide, Sensing], object], says: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setitem(TASKS, "test-broken", broken(measure=measure))

@@ -16,6 +16,7 @@ import tyro
 
 from models.errors import InputError
 from sandbox.cli.common.help_text import OPTIONS, HelpBuffer, parameter_types
+from sandbox.cli.common.printing import HelpShown
 
 T = TypeVar("T")
 
@@ -61,6 +62,7 @@ def with_one_line_errors(
 
     Raises:
         InputError: The options are invalid.
+        HelpShown: Help was asked for.
     """
     errors, screen = io.StringIO(), HelpBuffer(sys.stdout)
     try:
@@ -70,7 +72,7 @@ def with_one_line_errors(
         if not end.code:
             screen.show()
             sys.stderr.write(errors.getvalue())
-            raise
+            raise HelpShown(0) from None
         error = _error_text(errors.getvalue())
     command = argv[:1] if argv and argv[0] in commands else []
     if lacking := _LACKING.fullmatch(error):

@@ -24,6 +24,10 @@ def prepare() -> None:
             stream.reconfigure(errors="backslashreplace")
 
 
+class HelpShown(SystemExit):
+    """The end of a program that was asked for help, and showed it."""
+
+
 @contextmanager
 def printing() -> Iterator[None]:
     """Context that only prints: if nobody can read it, the command goes on all the same."""

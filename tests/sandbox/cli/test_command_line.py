@@ -25,6 +25,19 @@ EVERY = [
 ]
 
 
+DEVICE_THAT_ENDS_THE_PROGRAM = """
+from sandbox.session.device import Device
+
+class Ends(Device):
+    name = "ends"
+    finished = False
+    def __init__(self, surface, argument):
+        pass
+    def poll(self, now):
+        raise SystemExit
+"""
+
+
 def refused(capsys: pytest.CaptureFixture[str], *argv: str) -> str:
     """The one line."""
     assert main(list(argv)) == 2
@@ -143,6 +156,16 @@ def test_help_says_what_every_exit_status_means(
     said = " ".join(capsys.readouterr().out.split())
     told = said.partition("Exit status ")[2].partition("Try:")[0]
     assert [status for status in statuses if f"{status}: " not in told] == []
+
+
+def test_code_from_outside_that_ends_the_program_is_no_command_that_is_done(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    device = tmp_path / "ends.py"
+    device.write_text(DEVICE_THAT_ENDS_THE_PROGRAM)
+    assert main(["run", "box-to-goal", "--device", f"{device}:Ends"]) == 1
+    said = capsys.readouterr().err
+    assert "code from outside ended the program (SystemExit" in said and "ends.py:" in said
 
 
 def test_a_trial_that_fails_exits_with_0(capsys: pytest.CaptureFixture[str]) -> None:

@@ -95,6 +95,22 @@ def test_a_stored_state_is_taken_back_to_the_bit_and_steps_on_alike(
         assert ends[0] == ends[1]
 
 
+def test_a_device_that_fails_to_close_keeps_no_other_one_open() -> None:
+    closed = []
+
+    class Closes(Script):
+        def close(self) -> None:
+            closed.append(self)
+            raise OSError("the cable is out")
+
+    both = (lambda task, surface: Closes(lambda now: []),) * 2
+    chosen = plan(SceneOptions(task="carry-together"))
+    session = build(chosen.settings, both)
+    with pytest.raises(OSError, match="the cable is out"):
+        session.close()
+    assert len(closed) == 2
+
+
 def test_without_touches_nothing_is_touched() -> None:
     session = build(RunSettings(), (lambda task, surface: Script(lambda now: []),))
     before = session.data.qpos.copy()
