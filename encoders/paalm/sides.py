@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections import Counter
+from collections.abc import Sequence
+
 from encoders.paalm.palm import palm_of
 from models.arithmetic.products import distance
 from models.frames import HandFrame, TrackedHand, Vector
@@ -15,6 +18,8 @@ _SURE = 5
 """Frames, more on one side than on the other, that decide by the thumb."""
 _MOST = 50
 """Limit of these frames, so that a mistake can be mended."""
+_ENOUGH, _CONTRARY = 50, 0.25
+"""Frames of a recording that must show a side, and share of these that may show the other one."""
 _REMEMBERED = 64
 """Number of the device's ids beyond which those of hands that are gone are forgotten."""
 
@@ -98,6 +103,24 @@ class HandSides:
                 return
             chosen[side] = unknown.pop(index)
             free.remove(side)
+
+
+def side_by_thumb(frames: Sequence[HandFrame]) -> str:
+    """Side of the only hand of a recording by its thumb.
+
+    Args:
+        frames: Frames of a device that does not know sides. Those with another number of hands than
+            one, and hands whose side is known, do not count.
+
+    Returns:
+        `right` or `left`; empty where too few frames show the thumb, or they contradict each other.
+    """
+    alone = [f.hands[0] for f in frames if len(f.hands) == 1]
+    shown = Counter(_thumb_side(hand) for hand in alone if hand.side is None)
+    side = max((1, -1), key=shown.__getitem__)
+    if shown[side] < _ENOUGH or shown[-side] > _CONTRARY * shown[side]:
+        return ""
+    return "right" if side > 0 else "left"
 
 
 def _thumb_side(hand: TrackedHand) -> int:

@@ -21,6 +21,7 @@ from sandbox.devices.leap.leap import DEFAULT_ADDRESS, LeapDevice, LeapFileDevic
 from sandbox.devices.leap.leap_file import (
     LeapRecording,
     check_side,
+    doubt_of_side,
     is_leap_recording,
     read_leap,
 )
@@ -238,8 +239,9 @@ def _recorded(recording: LeapRecording, side: str, name: str) -> HandCalibration
     check_side(recording.frames, side, name, "--hand")
     paalm = Paalm()
     why = calibrate_on_recording(paalm, recording.frames, cast(Any, side))
-    if why:
-        _warn(why)
+    for text in (doubt_of_side(recording.frames, side, "--hand"), why):
+        if text:
+            _warn(text)
     return paalm.calibration[side]
 
 

@@ -25,7 +25,7 @@ from sandbox.cli.common.json_out import refuse_replacing
 from sandbox.cli.common.parse import subcommand
 from sandbox.cli.paalm.views import check_picture, show_pictures
 from sandbox.devices.leap.leap import DEFAULT_ADDRESS, LeapDevice, LeapFileDevice
-from sandbox.devices.leap.leap_file import read_leap
+from sandbox.devices.leap.leap_file import doubt_of_side, read_leap
 from sandbox.devices.leap.leap_truth import GENERATOR
 from sandbox.options.leap_calibration import own_calibration_path, save_calibrations
 from sandbox.options.profiles import DEFAULT
@@ -110,9 +110,11 @@ def show(
             paalm.use(read_calibration(calibration))
         else:
             if file is not None and frames is None:
-                why = calibrate_on_recording(paalm, list(stream), hands)
-                if why:
-                    Console(stderr=True).print(Text(why))
+                recorded = list(stream)
+                why = calibrate_on_recording(paalm, recorded, hands)
+                doubt = "" if hands == "both" else doubt_of_side(recorded, hands, "--hands")
+                for told in filter(None, (doubt, why)):
+                    Console(stderr=True).print(Text(told))
             elif frames is not None or not _has_bones(paalm, source, hands):
                 _measure(paalm, stream, hands, frames or PAPER_FRAMES)
             if file is not None:

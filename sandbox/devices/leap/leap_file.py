@@ -19,6 +19,7 @@ from typing import Any
 
 import msgspec
 
+from encoders.paalm.sides import side_by_thumb
 from models.errors import InputError, RecordingError
 from models.frames import HandFrame
 from sandbox.devices.leap.leap_json import LeapDecoder
@@ -98,6 +99,25 @@ def check_side(frames: Sequence[HandFrame], side: str, where: str, option: str) 
             expected=other,
             remedy=f"{option} {other}",
         )
+
+
+def doubt_of_side(frames: Sequence[HandFrame], side: str, option: str) -> str:
+    """What to tell a person where thumbs say that a recorded hand is not of the side asked for.
+
+    The first Leap software tells no sides.
+
+    Args:
+        frames: Frames of a recording.
+        side: Side that the hand is taken for.
+        option: Command-line option that chooses the side.
+
+    Returns:
+        One line; empty where thumbs say nothing, or the same.
+    """
+    shown = side_by_thumb(frames)
+    if shown in ("", side):
+        return ""
+    return f"by its thumb, the recorded hand is a {shown} hand: {option} {shown} takes it for one"
 
 
 def is_leap_recording(path: Path) -> bool:

@@ -103,6 +103,19 @@ def test_a_hand_that_was_never_open_is_shown_as_an_average_one_and_this_is_said(
     assert len(said.out.splitlines()) == len(closed)
 
 
+@pytest.mark.parametrize("hand", ["right", "left"])
+def test_a_hand_whose_thumb_is_that_of_the_other_one_is_not_taken_for_this_one_without_a_word(
+    hand: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = str(tmp_path / "hand.json")
+    assert main(["leap", "simulate", "--hand", hand, "--out", path]) == 0
+    for taken_for in ("right", "left"):
+        capsys.readouterr()
+        assert main(["paalm", "show", path, "--hands", taken_for, "--seconds", "0.1"]) == 0
+        told = f"by its thumb, the recorded hand is a {hand} hand: --hands {hand}"
+        assert (told in " ".join(capsys.readouterr().err.split())) == (taken_for != hand)
+
+
 @pytest.mark.parametrize(
     "args",
     (
