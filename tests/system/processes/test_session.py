@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import re
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -15,6 +17,7 @@ from sandbox.recording.recording import load_recording
 from sandbox.trial.headless import run_trial
 from sandbox.trial.replay import replay
 from sandbox.trial.result import TrialResult
+from tests.support.processes import program, until
 
 
 def trial(record: Path | None = None, **options: Any) -> TrialResult:
@@ -66,6 +69,26 @@ def test_a_changed_touch_is_noticed_by_the_replay(
     assert found.first_difference is not None
     done = command("replay", str(forged), cwd=tmp_path)
     assert done.returncode == 1 and "differs" in done.stdout
+
+
+@pytest.mark.parametrize("ends", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_a_live_run_that_is_ended_keeps_its_motion_and_a_recording_that_replays(
+    ends: signal.Signals, tmp_path: Path, as_without_nohup: None
+) -> None:
+    motion, record = tmp_path / "hand.bvh", tmp_path / "run.jsonl"
+    files = ("--motion", motion, "--record", record)
+    with program("run", "--device", "tuio", "--port", "0", *files) as it:
+        # Some seconds of the trial: a keyframe is the state after one of them.
+        until(lambda: record.exists() and record.read_text().count('"keyframe"') >= 3)
+        it.process.send_signal(ends)
+        status, _ = it.end()
+    assert status == 130 and "Traceback" not in "".join(it.errors)
+    written = motion.read_text()
+    frames = re.search(r"^Frames: (\d+) *$", written, re.M)
+    lines = written.partition("Frame Time:")[2].splitlines()[1:]
+    assert frames and int(frames[1]) == len(lines) >= 60
+    _, found = replay(load_recording(record))
+    assert found.exact
 
 
 @pytest.mark.parametrize(
