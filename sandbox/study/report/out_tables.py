@@ -173,7 +173,12 @@ FILES: dict[str, tuple[Column, ...]] = {
 """Columns of every file; the codebook is made from it."""
 TRIALS: tuple[Column, ...] = (
     ("condition", "", "levels of all factors"),
-    ("position", "", "number of the trial of this participant, from 1, without practice"),
+    (
+        "position",
+        "",
+        "number of the trial of this participant, from 1, without practice; in its session, where "
+        "sessions are compared",
+    ),
     ("log2_position", "", "logarithm of position to base 2, minus its mean over all rows"),
     ("censored", "0/1", "1: no success, so that the completion time is longer than time_s"),
 )

@@ -36,7 +36,7 @@ within <- {within}
 found <- NULL
 
 # Differences between levels from the means of conditions: t intervals whose degrees of freedom are
-# those of a paired t test over people, or of groups.
+# those of a paired t test over the people who did both, or of groups.
 compare <- function(measure, model, rows, estimate, covariance) {{
   names(estimate) <- sub("^condition", "", names(estimate))
   dimnames(covariance) <- list(names(estimate), names(estimate))
@@ -45,10 +45,14 @@ compare <- function(measure, model, rows, estimate, covariance) {{
     w <- setNames(rep(0, length(estimate)), names(estimate))
     w[pair$condition] <- pair$weight
     people <- length(unique(rows$ppid))
-    # Another group may do other conditions.
-    theirs <- length(unique(rows$ppid[rows$condition %in% pair$condition[pair$weight != 0]]))
+    # Who did one condition only says nothing of how differences vary.
+    who <- function(side) unique(rows$ppid[rows$condition %in% pair$condition[side]])
+    one <- who(pair$weight < 0)
+    other <- who(pair$weight > 0)
+    both <- length(intersect(one, other))
+    paired <- if (both > 0) both - 1 else length(union(one, other)) - 2
     groups <- length(unique(rows[[paste0("factor_", pair$factor[1])]]))
-    freedom <- if (pair$factor[1] %in% within) theirs - 1 else people - groups
+    freedom <- if (pair$factor[1] %in% within) paired else people - groups
     value <- sum(w * estimate)
     error <- sqrt(drop(t(w) %*% covariance %*% w))
     half <- qt(0.975, freedom) * error

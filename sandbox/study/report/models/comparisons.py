@@ -175,10 +175,10 @@ def t_difference(
 def counts_of(pair: Pair, rows: DataFrame) -> Counts:
     """Numbers of people behind a comparison.
 
-    Within people, they are those who did one of the conditions: another group may do others. The
-    standard deviation of their differences is known where nearly all of them did both: a mixed
-    model also uses the others, whose number says nothing of differences. Else the effective number
-    is nan.
+    Within people, the degrees of freedom are those of a paired t test of the people who did both
+    conditions: who did one says little of differences, and nothing of how these vary. Where nobody
+    did both, two groups are compared. The standard deviation of differences is known where nearly
+    all did both: a mixed model also uses the others. Else the effective number is nan.
 
     Args:
         pair: The compared levels. A simple effect is of the people in its conditions only.
@@ -187,7 +187,8 @@ def counts_of(pair: Pair, rows: DataFrame) -> Counts:
     sides = [set(rows["ppid"][rows["cell"].isin(cells)]) for cells in zip(*pair.cells, strict=True)]
     both, some = len(sides[0] & sides[1]), len(sides[0] | sides[1])
     if pair.factor.within:
-        return Counts(some - 1.0, float(both) if both >= NEARLY_ALL * some else nan)
+        freedom = both - 1.0 if both else some - 2.0
+        return Counts(freedom, float(both) if both >= NEARLY_ALL * some else nan)
     if pair.at:
         rows = rows[rows["ppid"].isin(sides[0] | sides[1])]
     levels = rows[["ppid", pair.factor.column]].drop_duplicates()

@@ -100,10 +100,10 @@ class StudyData:
         trials: Every finished attempt, as in the table, with numbers converted.
         used: Counted attempts, without practice and excluded trials. Added columns: `condition`,
             `cell` (its number), `position` (number of the participant's trial, from 1, without
-            practice), `censored` (no success, so that it would have taken longer), and for every
-            factor the round, the place of its level in the order of the round, and the number of
-            the participant's trial with its level, all from 1. Excluded trials count in them and
-            in `position`, since they were practice as well.
+            practice; in its session, where `by_session`), `censored` (no success, so that it would
+            have taken longer), and for every factor the round, the place of its level in the order
+            of the round, and the number of the participant's trial with its level, all from 1.
+            Excluded trials count in them and in `position`, since they were practice as well.
         conditions: Names of all combinations of levels that were used, in the design's order.
         people: `participants.csv`, or participants derived from the trials.
         answers: `questionnaires.csv`; may be empty.
@@ -236,7 +236,7 @@ def load_study(folder: Path) -> StudyData:
             _name_sessions(table)
         meanings[FACTOR + SESSION] = ("", "session number of this participant, from 1")
     factors = _factors(trials, meanings)
-    used, conditions = _used(trials, factors)
+    used, conditions = _used(trials, factors, by_session)
     people = _optional(folder / "participants.csv")
     if "ppid" not in people.columns:
         people = trials[["ppid"]].drop_duplicates().reset_index(drop=True)
@@ -436,15 +436,17 @@ def _first_places(levels: Series) -> Series:
 
 
 def _used(
-    trials: DataFrame, factors: Sequence[ObservedFactor]
+    trials: DataFrame, factors: Sequence[ObservedFactor], by_session: bool
 ) -> tuple[DataFrame, tuple[str, ...]]:
     import numpy as np
 
     order = [name for name in ("session_num", "trial_num") if name in trials.columns]
     main = trials[(trials["counted"] == 1) & (trials["practice"] != 1)]
     main = main.sort_values(order, kind="stable").copy()
-    # Excluded trials were practice as well, so they are counted in the position.
-    main["position"] = main.groupby("ppid", sort=False).cumcount() + 1
+    # Excluded trials were practice as well, so they are counted in the position. What is learned
+    # from one session to the next is the difference between sessions, where these are compared.
+    once = ["ppid", "session_num"] if by_session else ["ppid"]
+    main["position"] = main.groupby(once, sort=False).cumcount() + 1
     for i, factor in enumerate(factors):
         within = ["ppid", *(f.column for f in factors[:i])]
         main[factor.round] = _rounds(main, within, factor)

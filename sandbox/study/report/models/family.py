@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import nan
+from math import isfinite, nan
 
 from sandbox.study.report.models.comparisons import Pair
 from sandbox.study.report.models.data import SESSION
@@ -29,7 +29,7 @@ class Tested:
         outcome: Name of the measure, or of the questionnaire.
         pair: The compared levels.
         p: P value of this test alone; nan where it cannot be computed.
-        p_holm: P value adjusted for all tests of the study.
+        p_holm: P value adjusted for all tests of the study whose p value can be computed.
     """
 
     outcome: str
@@ -54,6 +54,11 @@ class Family:
 
     primary: tuple[str, ...]
     tests: tuple[Tested, ...]
+
+    @property
+    def adjusted_for(self) -> int:
+        """Number of tests that p values are adjusted for: those whose p value can be computed."""
+        return sum(isfinite(test.p) for test in self.tests)
 
     @property
     def findings(self) -> list[Tested]:

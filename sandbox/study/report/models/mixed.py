@@ -4,7 +4,7 @@
 
 It is fitted by restricted maximum likelihood; the same in R is
 `lmer(y ~ 0 + condition + log2_position + (1 | ppid) + (1 | ppid:factor) + ...)`. Degrees of freedom
-are those of a paired t test over people, which is slightly conservative.
+are those of a paired t test over the people who did both levels, which is slightly conservative.
 """
 
 from __future__ import annotations

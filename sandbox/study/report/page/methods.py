@@ -51,11 +51,13 @@ def methods_section(analysis: Analysis) -> Section:
         section.say(
             "Completion time of successful trials: a linear mixed model of its logarithm, with a "
             "mean for every condition, a linear effect of the logarithm of the trial number "
-            "(practice), and random effects of person"
+            + ("in the session " if analysis.data.by_session else "")
+            + "(practice), and random effects of person"
             + "".join(f", {t}" for t in terms)
             + ", fitted by restricted maximum likelihood. Levels are compared by their means over "
             "the levels of the other factors, with equal weights. The degrees of freedom are those "
-            "of a t test over people, paired for factors within participants."
+            "of a t test over people; for factors within participants of a paired one, over those "
+            "who did both levels."
         )
     if analysis.unseen:
         section.say(
@@ -99,6 +101,12 @@ def _tests(family: Family) -> str:
         f"{', '.join(outcomes) or 'nothing'}."
     )
     missing = f" Without data to compare: {', '.join(family.missing)}." if family.missing else ""
+    unknown = len(family.tests) - family.adjusted_for
+    if unknown:
+        missing += (
+            f" Of these, {unknown} cannot be computed from these data and do not count in the "
+            "adjustment."
+        )
     return (
         f"Tests. {named}{missing} P values are adjusted for all of them together (Holm 1979), so "
         f"that a study without any difference has a finding with probability {ALPHA:g} or less. "

@@ -149,7 +149,12 @@ def _findings(analysis: Analysis) -> list[str]:
     if out and analysis.with_unseen:
         out[-1] += " Trials without success are assumed to take longer than they lasted."
     for s in analysis.success.shares if analysis.success else []:
-        if s.pair.factor.name == main:
+        if s.pair.factor.name == main and not isfinite(s.estimate.value):
+            out.append(
+                f"Success with {s.pair.second} and with {s.pair.first} is not compared, as nobody "
+                "did both."
+            )
+        elif s.pair.factor.name == main:
             ends = formats.interval(formats.points(s.estimate.low), formats.points(s.estimate.high))
             out.append(
                 f"{s.pair.second} succeeded in {formats.percent(s.second.value)} of trials, "

@@ -332,8 +332,9 @@ def test_note(family: Family, outcome: str) -> str:
     if family.role(outcome) == EXPLORATORY:
         return "Exploratory: estimates with intervals, not tested."
     return (
-        f"p, Holm is adjusted for all {formats.count(len(family.tests), 'test')} of the study; "
-        "intervals are not adjusted."
+        f"p, Holm is adjusted for all {formats.count(family.adjusted_for, 'test')} of the study"
+        + (" that can be computed" if family.adjusted_for < len(family.tests) else "")
+        + "; intervals are not adjusted."
     )
 
 

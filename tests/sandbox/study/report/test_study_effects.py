@@ -242,12 +242,61 @@ def test_a_spread_is_told_where_nearly_all_did_both_levels_and_not_where_few_did
         put(tmp_path / folder, some)
         data = load_study(tmp_path / folder)
         (d,) = (d for d in analyse(data).leading if d.pair.factor.name == "encoder")
+        # Who did one level only tells nothing of how differences vary over people.
+        assert d.freedom == len(people) - len(missing) - 1
         if folder == "few":
             assert np.isnan(d.spread) and np.isnan(d.size) and d.p > 0.0
             continue
         y = data.used.assign(y=np.log(data.used["time_s"]))
         own = y.pivot_table(index="ppid", columns="factor_encoder", values="y").diff(axis=1)["b"]
         assert d.spread == pytest.approx(own.std(), rel=0.15)
+
+
+def test_levels_that_nobody_did_both_of_are_compared_as_groups(tmp_path: Path) -> None:
+    rows = planted(tmp_path, replace(EVERY, repetitions=4))
+    a, b = "ab"
+    kept = [
+        {**r, "factor_encoder": a if int(r["ppid"][1:]) % 2 else b}
+        for r in rows
+        if r["factor_encoder"] == (a if int(r["ppid"][1:]) % 2 else b)
+    ]
+    # One person with both makes it a factor within people, and then is left out of this pair.
+    rest = [{**r, "factor_encoder": "c"} for r in kept if r["ppid"] in ("P001", "P002")]
+    put(tmp_path, [*kept, *rest])
+    (d,) = (d for d in analyse(load_study(tmp_path)).leading if d.pair.title == "b against a")
+    assert d.pair.factor.within and d.freedom == EVERY.people - 2
+    assert "nobody did both" in report(tmp_path).text
+
+
+def test_what_is_learned_from_one_session_to_the_next_is_the_difference_between_them(
+    tmp_path: Path,
+) -> None:
+    rng, rows = np.random.default_rng(3), []
+    for person in range(10):
+        own, done = rng.normal(0.0, 0.2), 0
+        for session in (1, 2):
+            for trial in range(1, 13):
+                done += 1
+                time = 12.0 * done**-0.25 * np.exp(own + rng.normal(0.0, 0.1))
+                row = dict.fromkeys(LEAN, "") | {
+                    "ppid": f"P{person:03d}",
+                    "session_num": session,
+                    "trial_num": trial,
+                    "counted": 1,
+                    "practice": 0,
+                    "excluded": 0,
+                    "success": 1,
+                    "time_s": float(time),
+                    "factor_encoder": "best",
+                }
+                rows.append(row)
+    put(tmp_path, rows)
+    (d,) = analyse(load_study(tmp_path)).leading
+    means = [
+        float(np.mean([-0.25 * log(i) for i in span])) for span in (range(1, 13), range(13, 25))
+    ]
+    assert d.pair.title == "session 2 against session 1"
+    assert d.estimate.low < means[1] - means[0] < d.estimate.high < 0.0
 
 
 def test_the_spread_of_a_factor_inside_of_groups_is_that_of_the_people_who_did_it(

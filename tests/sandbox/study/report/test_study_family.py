@@ -90,6 +90,20 @@ def test_all_that_is_tested_is_one_family(tmp_path: Path) -> None:
     assert [t.p_holm for t in family.tests] == holm([t.p for t in family.tests])
 
 
+def test_it_is_said_how_many_tests_p_values_are_adjusted_for(tmp_path: Path) -> None:
+    answered(tmp_path)
+    # Where all trials of everybody succeed, no p value of times changes, and success has p = 1;
+    # of two people alone, times have none.
+    rows = rows_of(tmp_path / "trial_results.csv")
+    put(tmp_path, [r for r in rows if r["factor_encoder"] == "a" or r["ppid"] in ("P001",)])
+    family = analyse(load_study(tmp_path)).family
+    known = sum(np.isfinite(t.p) for t in family.tests)
+    assert 0 < known < len(family.tests)
+    text = report(tmp_path).text
+    assert f"adjusted for all {known} test" in text and "that can be computed" in text
+    assert f"Of these, {len(family.tests) - known} cannot be computed" in text
+
+
 def family_names(folder: Path) -> list[str]:
     tests = analyse(load_study(folder)).family.tests
     return list(dict.fromkeys(test.outcome for test in tests))
