@@ -11,7 +11,7 @@ from models.json_input import checked
 from sandbox.session.own_layouts import Layouts
 from sandbox.study.design.plan import ABOUT_PERSON, Step, TrialStep
 from sandbox.study.record.chain import Record
-from sandbox.study.record.session_clock import SessionClock
+from sandbox.study.record.session_clock import RUNS, SessionClock
 from sandbox.trial.result import TrialResult
 
 
@@ -52,7 +52,9 @@ class SessionState:
         skipped: Reasons for skipping, by step.
         excluded: Reasons for exclusion, by trial number.
         excluded_participant: Reason for excluding the participant; empty if not excluded.
+        design: Digest of the design that the session is run by now.
         answers: Records of completed forms by step, in order; the last one of a step counts.
+        asked_by: Digest of the design that asked each of these forms, by step.
         drafts: Answers in unfinished forms, by step.
         consent: True if the participant consented; None before the question.
         calibration: Calibration of the hand over a Leap, in the format of `sandbox paalm
@@ -71,7 +73,9 @@ class SessionState:
     skipped: dict[str, str] = field(default_factory=dict)
     excluded: dict[int, str] = field(default_factory=dict)
     excluded_participant: str = ""
+    design: str = ""
     answers: dict[str, Record] = field(default_factory=dict)
+    asked_by: dict[str, str] = field(default_factory=dict)
     drafts: dict[str, dict[str, Any]] = field(default_factory=dict)
     consent: bool | None = None
     calibration: dict[str, Any] | None = None
@@ -93,6 +97,8 @@ class SessionState:
     def take(self, record: Record) -> None:
         """Updates the state by one record; kinds of later versions are ignored."""
         self.seconds.take(record)
+        if record["kind"] in RUNS:
+            self.design = record.get("design", "")
         if "recording" in record and "file" in record:
             self.recordings[record["file"]] = record["recording"]
         match record["kind"]:
@@ -125,6 +131,7 @@ class SessionState:
                 self.drafts.setdefault(record["step"], {})[record["item"]] = record["answer"]
             case "answers":
                 self.answers[record["step"]] = record
+                self.asked_by[record["step"]] = self.design
                 self.finished.add(record["step"])
             case "step_done":
                 self.finished.add(record["step"])

@@ -4,8 +4,7 @@ scale of every answered questionnaire."""
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
-from itertools import chain
+from collections.abc import Callable, Iterator, Sequence
 
 from sandbox.study.design.design import Design
 from sandbox.study.design.scoring import scores
@@ -64,19 +63,21 @@ def answer_rows(state: SessionState) -> list[Row]:
     ]
 
 
-def score_rows(design: Design, states: Sequence[SessionState], own: Sequence[Design]) -> list[Row]:
+def score_rows(states: Sequence[SessionState], designs: Callable[[str], Design]) -> list[Row]:
     """Rows of `questionnaire_scores.csv`; forms without scales have none.
 
+    Answers are scored by the form as it was asked: a later design may ask, and score, otherwise.
+
     Args:
-        design: Design of the study.
         states: States of a participant's sessions, over which places are counted.
-        own: The design of each session, which may have forms that the study has no longer.
+        designs: Function from a digest to the design, such as `StudyFolder.design_of`.
     """
-    forms = {form.name: form for form in chain(*(d.questionnaires for d in (*own, design)))}
     places: Counter[str] = Counter()
     rows: list[Row] = []
-    for record, common in chain.from_iterable(map(_forms, states)):
-        form = forms.get(record["form"])
+    answered = [(state, form) for state in states for form in _forms(state)]
+    for state, (record, common) in answered:
+        forms = designs(state.asked_by[record["step"]]).questionnaires
+        form = next((f for f in forms if f.name == record["form"]), None)
         if form is None:
             continue
         places[form.name] += 1

@@ -181,8 +181,8 @@ def participant_rows(
 ) -> dict[str, list[Row]]:
     """Rows of a participant in the tables of the study, by table."""
     planned, times = planned_trials(study, person, sessions), study.design.sessions
-    own = [design_of(study, session) for session in sessions]
-    return _rows_by_table(study.design, sessions, own, study.path, planned, times, say)
+    of = study.design_of
+    return _rows_by_table(study.design, sessions, of, study.path, planned, times, say)
 
 
 def earlier_of(design: Design, rows: Mapping[str, list[Row]]) -> Earlier:
@@ -332,7 +332,8 @@ def session_files(
     """
     design = design_of(study, session)
     planned = len(trials_of(plan_of(study, session)))
-    rows = _rows_by_table(design, [session], [design], session.path, planned, 1, say)
+    of = study.design_of
+    rows = _rows_by_table(design, [session], of, session.path, planned, 1, say)
     earlier = earlier_of(design, rows)
     names = {"participants.csv": "session_info/participant_details.csv"}
     builds = [r["build"] for r in session.records if r["kind"] in RUNS]
@@ -391,7 +392,7 @@ def _sources(folder: Path) -> tuple[tuple[Any, ...], ...]:
 def _rows_by_table(
     design: Design,
     sessions: Sequence[StoredSession],
-    own: Sequence[Design],
+    designs: Callable[[str], Design],
     base: Path,
     planned: int,
     planned_sessions: int,
@@ -402,7 +403,7 @@ def _rows_by_table(
     Args:
         design: The design.
         sessions: Sessions of the participant, at least one.
-        own: The design of each of them.
+        designs: Function from the digest of a design that was in use to this design.
         base: Folder that names of files in `trial_results.csv` are relative to.
         planned: Planned number of trials, practice included.
         planned_sessions: Planned number of sessions.
@@ -421,5 +422,5 @@ def _rows_by_table(
         "participants.csv": [participant_row(design, states, planned, trials, planned_sessions)],
         "trial_results.csv": trials,
         "questionnaires.csv": [row for state in states for row in answer_rows(state)],
-        "questionnaire_scores.csv": score_rows(design, states, own),
+        "questionnaire_scores.csv": score_rows(states, designs),
     }
