@@ -112,6 +112,10 @@ class StudyError(InputError):
     """A user study's design, folder or journal cannot be used as requested."""
 
 
+class OtherPlanError(StudyError):
+    """A session, or a participant's earlier one, was run by another plan than the study has now."""
+
+
 class SceneError(HandSandboxError):
     """A scene cannot be built as described."""
 

@@ -70,6 +70,9 @@ def run(options: StudyRunOptions, console: Console) -> int:
     )
     say = sayer(console)
     say_noted(study, say)
+    if options.force_upgrade and study.participants():
+        # Tables follow the new design whatever becomes of the next session.
+        StudyTables(study, say).update()
     controls = Controls(say)
     terminal = Terminal(controls)
     person = find_participant(options, study, console)

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import json
+from collections.abc import Sequence
 from contextlib import ExitStack, suppress
 from pathlib import Path
 from typing import Any
 
-from models.errors import StudyError
+from models.errors import OtherPlanError, StudyError
 from sandbox.lsl.lsl_listening import tell
 from sandbox.recording.recording_file import stored
 from sandbox.recording.versions import versions
@@ -32,7 +34,12 @@ from sandbox.study.record.pack import pack
 from sandbox.study.record.recorded_result import finished_result
 from sandbox.study.record.session_clock import RUNS
 from sandbox.study.record.state import Attempt, SessionState
-from sandbox.study.record.stored_sessions import JOURNAL, session_path, sessions_of
+from sandbox.study.record.stored_sessions import (
+    JOURNAL,
+    StoredSession,
+    session_path,
+    sessions_of,
+)
 from sandbox.system.durable_files import sync_file, sync_folder
 from sandbox.trial.result import KeptIn, TrialResult
 
@@ -77,9 +84,9 @@ class SessionFolder(Closeable):
         recovering: bool = False,
     ) -> None:
         self.study, self.person, self.number = study, person, number
+        self.steps: list[Step] = session_plan(study.design, person.number, number)
         self._check_turn()
         self.path = session_path(study.path, person.ppid, number)
-        self.steps: list[Step] = session_plan(study.design, person.number, number)
         for folder in (
             self.path,
             self.path / "trials",
@@ -109,7 +116,8 @@ class SessionFolder(Closeable):
         self.state = SessionState.of(self.journal.records)
         if self.state.start:
             self._check()
-            self._check_plan()
+            if not self.state.complete:
+                self._check_plan()
         self.resumed = bool(self.state.start)
         self._tell_study()
         # Who opens what is complete resumes it only if something is left to be written down.
@@ -367,7 +375,8 @@ class SessionFolder(Closeable):
             )
         if self.number == 1:
             return
-        done = {s.number for s in sessions_of(self.study, self.person) if s.state.complete}
+        earlier = [s for s in sessions_of(self.study, self.person) if s.number < self.number]
+        done = {s.number for s in earlier if s.state.complete}
         missing = next((n for n in range(1, self.number) if n not in done), None)
         if missing is not None:
             raise StudyError(
@@ -377,6 +386,27 @@ class SessionFolder(Closeable):
                 remedy=f"Continue with --session {missing}; the key s skips steps that will not be "
                 "done",
             )
+        self._check_group(earlier)
+
+    def _check_group(self, earlier: Sequence[StoredSession]) -> None:
+        """Raises an error if this session would put its person into another group."""
+        planned = trials_of(self.steps)
+        for factor in self.study.design.factors:
+            had = {
+                attempt.start["levels"].get(factor.name)
+                for session in earlier
+                for attempts in session.state.attempts.values()
+                for attempt in attempts
+            } - {None}
+            now = {trial.levels[factor.name] for trial in planned if factor.name in trial.levels}
+            if factor.order == "between" and len(had) == 1 and had != now:
+                raise OtherPlanError(
+                    "this participant was in another group before the design changed",
+                    where=f"participant {self.person.ppid}, session {self.number}",
+                    got=f"{factor.name} {', '.join(sorted(now))}",
+                    expected=", ".join(sorted(had)),
+                    remedy="Go on with the design of before, or leave the participant as they are",
+                )
 
     def _check(self) -> None:
         """Raises an error for a folder of another study, such as one copied from a pilot."""
@@ -403,14 +433,29 @@ class SessionFolder(Closeable):
         This happens if the design was changed with --force-upgrade.
         """
         planned = {t.number: t for t in trials_of(self.steps)}
+        chosen = {
+            name
+            for factor in self.study.design.factors
+            for level in factor.levels
+            for name in level.settings
+        }
         for trial, attempts in self.state.attempts.items():
             start, plan = attempts[-1].start, planned.get(trial)
+            got = ""
             if plan is None or (plan.seed, plan.levels) != (start["seed"], start["levels"]):
-                raise StudyError(
+                got = "another trial"
+            elif "values" in start:
+                # The same name of a level must mean the same to the end of a session.
+                new = json.loads(json.dumps(plan.values))
+                other = sorted(n for n in chosen if new.get(n) != start["values"].get(n))
+                got = ", ".join(f"{n} {start['values'].get(n)}, now {new.get(n)}" for n in other)
+            if got:
+                raise OtherPlanError(
                     "this session began with another plan, since the design has changed",
                     where=f"{self.path}, trial {trial}",
-                    remedy="Finish it with its original design, or leave it as it is and add a new "
-                    "participant",
+                    got=got,
+                    remedy="Finish it with its original design, which earlier_designs has, or "
+                    "leave it as it is and add a new participant",
                 )
 
     def _check_losses(self) -> None:

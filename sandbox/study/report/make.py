@@ -48,7 +48,7 @@ def make_report(
 
     say("reading the tables")
     data = load_study(folder)
-    for line in (*data.kept, *data.clock_steps):
+    for line in (*data.upgrades, *data.kept, *data.clock_steps):
         note(line)
     if data.withdrawn:
         note(data.withdrawals)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Any
@@ -124,6 +125,16 @@ def check_answer(item: Item, value: object) -> Any:
         got=str(value)[:80],
         expected=hint(item) or "a text",
     )
+
+
+def still_allowed(items: Sequence[Item], answers: Mapping[str, Any]) -> dict[str, Any]:
+    """Those of some stored answers that a form still allows: its design may have changed since."""
+    kept = {}
+    for item in items:
+        with suppress(StudyError):
+            if item.name in answers:
+                kept[item.name] = check_answer(item, answers[item.name])
+    return kept
 
 
 def _number(item: Item, value: float, given: str) -> Any:

@@ -23,7 +23,7 @@ from sandbox.study.design.plan import (
     TrialStep,
 )
 from sandbox.study.record.session_folder import SessionFolder
-from sandbox.study.run.answers import Draft
+from sandbox.study.run.answers import Draft, still_allowed
 from sandbox.study.run.controls import Command, Controls
 from sandbox.study.run.finished_trials import bring_up_to_date
 from sandbox.study.run.forms import Forms, Poll
@@ -172,7 +172,7 @@ class SessionRunner:
                 case FormStep():
                     began = time.monotonic()
                     draft = Draft(
-                        dict(session.state.drafts.get(step.id, {})),
+                        still_allowed(step.form.items, session.state.drafts.get(step.id, {})),
                         lambda item, answer: session.write(
                             "draft", step=step.id, item=item, answer=answer
                         ),

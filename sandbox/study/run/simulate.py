@@ -10,7 +10,7 @@ from typing import Any, cast
 
 import numpy as np
 
-from models.errors import StudyError
+from models.errors import OtherPlanError, StudyError
 from models.surface import Surface
 from sandbox.devices.simulated.leap_user import SimulatedLeap
 from sandbox.devices.simulated.simulated import NEXT_PERSON, SimulatedDevice
@@ -24,6 +24,7 @@ from sandbox.study.record.folder import Participant, StudyFolder
 from sandbox.study.record.session_folder import SessionFolder
 from sandbox.study.record.stored_sessions import has_finished
 from sandbox.study.run.controls import Controls
+from sandbox.study.run.finished_trials import bring_up_to_date
 from sandbox.study.run.forms import SimulatedForms
 from sandbox.study.run.players import HeadlessPlayer
 from sandbox.study.run.runner import OpenDevices, SessionOutcome, SessionRunner
@@ -144,6 +145,10 @@ def run_simulated(
     outcome = SessionOutcome.COMPLETE
     for n in range(1, study.design.sessions + 1):
         with SessionFolder(study, person, n) as session:
+            if session.state.complete:
+                # A design that has changed since may have more for it; it stays as it was.
+                bring_up_to_date(session, tables or StudyTables(study, say), say, witness=witness)
+                continue
             forms = SimulatedForms((study.design.seed % 2**31 + number) ^ ((n - 1) << DAYS))
             outcome = SessionRunner(
                 session,
@@ -197,9 +202,16 @@ def simulate(
             remedy='Simulate a copy of the design with device = "leap" or "touch"',
         )
     tables = StudyTables(study, say)
-    finished = {p.number for p in study.participants() if has_finished(study, p)}
+    people = study.participants()
+    finished = {p.number for p in people if has_finished(study, p)}
+    if people:
+        # After a change of the design, tables follow it whatever becomes of the next session.
+        tables.update()
     for number in range(participants):
-        outcome = run_simulated(study, number, say, tables=tables, witness=witness)
+        try:
+            outcome: str = run_simulated(study, number, say, tables=tables, witness=witness)
+        except OtherPlanError as error:
+            outcome = f"left as it is: {error}"
         already = " already" if number in finished else ""
         say(f"participant {number + 1} of {participants}: {outcome}{already}")
     if finished >= set(range(participants)):

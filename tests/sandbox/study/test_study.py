@@ -278,18 +278,6 @@ def test_another_design_under_the_same_name_is_refused(tmp_path: Path) -> None:
     assert (study.path / "design.toml").read_text() == DESIGN
 
 
-def test_a_session_does_not_go_on_by_the_plan_of_another_design(tmp_path: Path) -> None:
-    study = open_study(tmp_path)
-    run_simulated(study, 0, quiet)
-    before = next(study.path.glob("*/S001/journal.jsonl")).read_bytes()
-    longer = design(DESIGN.replace("repetitions = 2", "repetitions = 3"))
-    changed = StudyFolder(tmp_path, longer, SIMULATED, "more trials")
-    with pytest.raises(StudyError, match="another plan"):
-        run_simulated(changed, 0, quiet)
-    assert next(study.path.glob("*/S001/journal.jsonl")).read_bytes() == before
-    assert run_simulated(changed, 1, quiet) is SessionOutcome.COMPLETE
-
-
 def test_newcomers_get_numbers_that_nobody_has_and_those_of_the_excluded(tmp_path: Path) -> None:
     study = open_study(tmp_path)
     people = [study.add() for _ in range(3)]

@@ -331,8 +331,8 @@ def test_a_report_compares_sessions_where_people_did_the_same_in_both(made: Path
     assert data.factor("session").levels == ("session 1", "session 2")
     assert data.factor("session").within and len(data.conditions) == 4
     assert data.codebook["factor_session"][1]
-    # Nobody's first trial of a second session is their first one.
-    assert list(data.used.groupby("ppid")["position"].max()) == [4, 4]
+    # What was learned from the first session to the second is the difference between them.
+    assert list(data.used.groupby("ppid")["position"].max()) == [2, 2]
 
 
 def test_a_report_does_not_compare_sessions_that_had_levels_of_their_own(tmp_path: Path) -> None:

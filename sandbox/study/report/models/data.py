@@ -23,6 +23,7 @@ from sandbox.study.measures.measure import PRIMARY, SIMULATED_USER
 from sandbox.study.record.folder import SIMULATED, STUDY_JOURNAL, withdrawals_of
 from sandbox.study.record.journal import read_journal
 from sandbox.study.record.session_clock import CLOCK_STEPS
+from sandbox.study.report.models.upgrades import upgrades_of
 
 if TYPE_CHECKING:
     from pandas import DataFrame, Series
@@ -116,6 +117,7 @@ class StudyData:
         digest: SHA-256 of `trial_results.csv`.
         withdrawn: Number of people who withdrew, and of whom nothing else is here; None if the
             folder has no sound journal of the study.
+        upgrades: Sentences on every change by force after somebody had taken part.
     """
 
     name: str
@@ -133,6 +135,7 @@ class StudyData:
     digest: str = ""
     wordings: dict[str, str] = field(default_factory=dict)
     withdrawn: int | None = None
+    upgrades: tuple[str, ...] = ()
 
     @property
     def ppids(self) -> list[str]:
@@ -256,6 +259,7 @@ def load_study(folder: Path) -> StudyData:
         digest=sha256(path.read_bytes()).hexdigest(),
         wordings=told,
         withdrawn=_withdrawn(folder),
+        upgrades=upgrades_of(folder),
     )
 
 

@@ -77,6 +77,8 @@ def methods_section(analysis: Analysis) -> Section:
         "docs/report.md of Hand Sandbox reports how often these intervals cover the true value in "
         "simulated studies with known true values."
     )
+    for sentence in data.upgrades:
+        section.say(sentence, "note")
     for line in (*data.kept, *data.clock_steps):
         section.say(f"{line}.", "note")
     section.parts.append(

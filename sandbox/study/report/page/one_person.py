@@ -95,6 +95,8 @@ def _used(data: StudyData) -> Section:
 
 def _source(data: StudyData) -> Section:
     section = Section("methods", "How this was computed")
+    for sentence in data.upgrades:
+        section.say(sentence, "note")
     for line in (*data.kept, *data.clock_steps):
         section.say(f"{line}.", "note")
     rows = formats.count(len(data.trials), "row")

@@ -81,11 +81,16 @@ def head(analysis: Analysis) -> dict[str, Any]:
     kind, title, warning = UNKNOWN
     if mode != "unknown":
         kind, title, warning = KINDS[mode], TITLES[mode], WARNINGS.get(mode, "")
+    upgraded = (
+        "The study was changed by force after people had begun; the last section says what changed."
+        if data.upgrades
+        else ""
+    )
     return {
         "mode": mode,
         "kind": kind,
         "title": title.format(data.name),
-        "warning": " ".join(filter(None, (warning, data.rehearsed))),
+        "warning": " ".join(filter(None, (warning, data.rehearsed, upgraded))),
         "facts": _facts(analysis),
         "findings": [] if of_one_person(analysis.data) else _findings(analysis),
     }

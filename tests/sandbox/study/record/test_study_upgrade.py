@@ -1,0 +1,137 @@
+"""What a design that is changed in the middle of a study does, and what it leaves as it is."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from models.errors import OtherPlanError
+from sandbox.study.audit.audit import audit
+from sandbox.study.design.plan import trials_of
+from sandbox.study.record.folder import SIMULATED, StudyFolder
+from sandbox.study.record.journal import read_journal
+from sandbox.study.record.session_folder import SessionFolder
+from sandbox.study.report.make import make_report
+from sandbox.study.report.models.data import load_study
+from sandbox.study.run.answers import still_allowed
+from sandbox.study.run.controls import Controls
+from sandbox.study.run.forms import SimulatedForms
+from sandbox.study.run.players import HeadlessPlayer
+from sandbox.study.run.runner import SessionOutcome, SessionRunner
+from sandbox.study.run.simulate import (
+    run_simulated,
+    simulate,
+    simulated_devices,
+    simulated_person,
+)
+from tests.support.study_files import DESIGN, design, open_study, rows_of
+
+
+def quiet(text: str) -> None:
+    """Nobody listens."""
+
+
+def with_lag(vary: str) -> str:
+    levels = f'[{{name = "hard", contact = "hard"}}, {{name = "soft", vary = "latency={vary}"}}]'
+    return DESIGN.replace('levels = ["hard", "soft"]', f"levels = {levels}")
+
+
+def begun(study: StudyFolder) -> SessionFolder:
+    """A session in which every trial but the last has been begun."""
+    person = study.add(0, **simulated_person(study.design, 0))
+    session = SessionFolder(study, person)
+    for trial in trials_of(session.steps)[:-1]:
+        session.begin(trial)
+    return session
+
+
+@pytest.mark.parametrize(
+    ("other", "says"),
+    [
+        (with_lag("50").replace("repetitions = 2", "repetitions = 3"), "another trial"),
+        (with_lag("250"), "vary latency=50, now latency=250"),
+    ],
+)
+def test_a_session_does_not_go_on_by_the_plan_of_another_design(
+    tmp_path: Path, other: str, says: str
+) -> None:
+    study = open_study(tmp_path, with_lag("50"))
+    begun(study).close()
+    before = next(study.path.glob("*/S001/journal.jsonl")).read_bytes()
+    changed = StudyFolder(tmp_path, design(other), SIMULATED, "it was better")
+    with pytest.raises(OtherPlanError, match="another plan") as error:
+        run_simulated(changed, 0, quiet)
+    assert says in str(error.value)
+    assert next(study.path.glob("*/S001/journal.jsonl")).read_bytes() == before
+    # Others take part, and the tables are those of the new design.
+    said: list[str] = []
+    assert simulate(changed, 2, True, said.append)["participants"] == 2
+    assert any("participant 1 of 2: left as it is" in line for line in said)
+    assert any("participant 2 of 2: complete" in line for line in said)
+    assert audit(changed.path).findings.found == []
+
+
+def test_what_is_complete_stays_as_it_is_under_another_design(tmp_path: Path) -> None:
+    study = open_study(tmp_path)
+    run_simulated(study, 0, quiet)
+    before = read_journal(next(study.path.glob("*/S001/journal.jsonl")))
+    longer = design(DESIGN.replace("repetitions = 2", "repetitions = 3"))
+    changed = StudyFolder(tmp_path, longer, SIMULATED, "more trials")
+    assert run_simulated(changed, 0, quiet) is SessionOutcome.COMPLETE
+    assert read_journal(next(study.path.glob("*/S001/journal.jsonl"))) == before
+
+
+def test_a_person_stays_in_their_group_under_another_design(tmp_path: Path) -> None:
+    groups = DESIGN.replace('order = "latin"', 'order = "between"').replace(
+        "seed = 3", "seed = 3\nsessions = 2"
+    )
+    study = open_study(tmp_path, groups)
+    person = study.add(0, **simulated_person(study.design, 0))
+    with SessionFolder(study, person) as first:
+        level = trials_of(first.steps)[0].levels["contact"]
+        one = (HeadlessPlayer(), simulated_devices(person), SimulatedForms(1))
+        SessionRunner(first, *one, Controls(quiet), quiet).run()
+    turned = groups.replace('["hard", "soft"]', '["soft", "hard"]')
+    assert level == "hard"
+    changed = StudyFolder(tmp_path, design(turned), SIMULATED, "the other way round")
+    with pytest.raises(OtherPlanError, match="another group"):
+        SessionFolder(changed, person, 2)
+
+
+def test_answers_are_scored_by_the_form_as_it_was_asked(tmp_path: Path) -> None:
+    scale = '[[questionnaires.scales]]\nname = "total"\nrule = "mean"\nitems = ["effort"]\n'
+    study = open_study(tmp_path, DESIGN + scale)
+    run_simulated(study, 0, quiet)
+    table = study.path / "questionnaire_scores.csv"
+    before = [(r["score"], r["score_high"]) for r in rows_of(table)]
+    other = DESIGN.replace("step = 5", "high = 5") + scale
+    changed = StudyFolder(tmp_path, design(other), SIMULATED, "a shorter scale")
+    simulate(changed, 2, True, quiet)
+    after = [(r["score"], float(r["score_high"])) for r in rows_of(table)]
+    assert after[: len(before)] == [(s, float(h)) for s, h in before]
+    assert {high for _, high in after[len(before) :]} == {5.0}
+
+
+def test_a_half_filled_form_keeps_what_the_new_design_still_allows() -> None:
+    items = design(DESIGN.replace("step = 5", "high = 5")).questionnaires[0].items
+    assert still_allowed(items, {"effort": 7, "gone": "text"}) == {}
+    assert still_allowed(items, {"effort": 4, "gone": "text"}) == {"effort": 4}
+
+
+def test_the_report_says_what_was_changed_by_force_and_what_it_means_for_results(
+    tmp_path: Path,
+) -> None:
+    primary = '[analysis]\nprimary = ["time_s"]\n'
+    study = open_study(tmp_path, with_lag("50") + primary)
+    simulate(study, 1, False, quiet)
+    assert load_study(study.path).upgrades == ()
+    other = with_lag("250") + primary.replace("time_s", "success")
+    changed = StudyFolder(tmp_path, design(other), SIMULATED, "the lag was too short")
+    simulate(changed, 2, True, quiet)
+    (told,) = load_study(study.path).upgrades
+    assert "after 1 participant had begun: design" in told and "the lag was too short." in told
+    assert "Primary outcomes were time_s before and are success." in told
+    assert "contact soft had vary latency=50 before and latency=250 after" in told
+    page = make_report(study.path, tmp_path / "report").read_text(encoding="utf-8")
+    assert "was changed by force after people had begun" in page and "too short" in page
