@@ -10,6 +10,7 @@ options `--sandbox-update-baseline` and `--sandbox-workers N`.
 from __future__ import annotations
 
 import warnings
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +19,7 @@ import pytest
 from encoders.regression.model_registry import DEFAULT_MODEL
 from encoders.regression.trained import TrainedModel, save_model
 from models.errors import InputError
+from models.messages.wording import counted
 from sandbox.regress import statistics
 from sandbox.regress.baseline import Baseline, load_baseline, replaceable, update
 from sandbox.regress.execute import CRASHED, Processes, Serial
@@ -106,6 +108,8 @@ class Regression:
                         f"`pytest -p sandbox.regression {UPDATE}` adds them",
                         stacklevel=2,
                     )
+        for warning in _toothless(report, at_least):
+            warnings.warn(warning, stacklevel=2)
         _assert(report, at_least)
         return report
 
@@ -151,6 +155,24 @@ class Regression:
         # Before the run rather than after it.
         old.check(plan.configuration(), plan.versions(), across_encoders)
         return old
+
+
+def _toothless(report: Report, at_least: float | None) -> Iterator[str]:
+    """Sentences on what cannot fail with so few seeds, whatever is lost."""
+    needed = statistics.fewest_losses(len(report.comparisons))
+    for name, comparison in report.comparisons.items():
+        if comparison.pairs < needed:
+            yield (
+                f"{name}: of {counted(comparison.pairs, 'seed')}, no loss is beyond chance, so "
+                f"this test cannot fail by its baseline: give {needed} seeds or more"
+            )
+    for task in report.tasks if at_least else ():
+        if statistics.falls_short(0, task.n, float(at_least or 0.0)) > statistics.ALPHA:
+            yield (
+                f"{task.name}: of {counted(task.n, 'seed')}, no number of successes falls short "
+                f"of {at_least:.0%} beyond chance, so this test cannot fail by at_least: give more "
+                "seeds"
+            )
 
 
 def _assert(report: Report, at_least: float | None) -> None:

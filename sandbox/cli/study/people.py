@@ -49,9 +49,15 @@ def find_participant(options: StudyRunOptions, study: StudyFolder, console: Cons
             got=options.language,
             expected=", ".join(design.languages),
         )
-    if options.device == "simulated":
-        return study.add(**simulated_person(design, len(study.participants())))
     checked = Person(options.hand, options.hand_size)
+    if options.device == "simulated":
+        drawn = simulated_person(design, len(study.participants()))
+        # What is not the default was asked for.
+        if checked.hand != "right":
+            drawn["hand"] = checked.hand
+        if checked.hand_size != 1.0:
+            drawn["hand_size"] = checked.hand_size
+        return study.add(**drawn)
     return study.add(
         hand=checked.hand,
         hand_size=checked.hand_size,

@@ -134,7 +134,9 @@ class TomlTable:
         name = self.string(key)
         if name and not NAME.fullmatch(name):
             self.add_mistake(
-                key, f"got {name!r}", "Use up to 64 letters, digits, - and _; it names files"
+                key,
+                f"got {name!r}",
+                "Use up to 64 letters from a to z, digits, - and _; it names files",
             )
         return name
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import errno
 import json
 import os
+import warnings
 from collections.abc import Collection
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
@@ -255,6 +256,19 @@ def test_the_fixture_warns_of_seeds_that_the_baseline_lacks(tmp_path: Path) -> N
     Regression(tmp_path, tmp_path, update=True)(Quick, "0:3", baseline="base.json")
     with pytest.warns(UserWarning, match="1 seed has no baseline and is not compared: 3"):
         Regression(tmp_path, tmp_path)(Quick, "1:4", baseline="base.json")
+
+
+def test_the_fixture_warns_of_a_test_that_so_few_seeds_cannot_fail(tmp_path: Path) -> None:
+    Regression(tmp_path, tmp_path, update=True)(Quick, "0:5", baseline="base.json")
+    asking = Regression(tmp_path, tmp_path)
+    with pytest.warns(UserWarning, match="of 4 seeds, no loss is beyond chance.*give 5 seeds"):
+        asking(Quick, "0:4", baseline="base.json")
+    with pytest.warns(UserWarning, match="of 1 seed, no number of successes falls short of 50%"):
+        asking(Quick, "0:1", at_least=0.5)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        asking(Quick, "0:5", baseline="base.json")
+        asking(Quick, "0:5", at_least=0.5)
 
 
 MINE = """

@@ -138,6 +138,6 @@ def test_the_example_for_a_lab_makes_its_baseline_and_passes_it(tmp_path: Path) 
     (tmp_path / "test_my_lab.py").write_text(source)
     assert not failures(tmp_path, "--sandbox-update-baseline")
     assert load_baseline(tmp_path / "put-away.json").tasks["my-lab-put-away"].trials.keys() == {
-        *range(4)
+        *range(8)
     }
     assert not failures(tmp_path)
