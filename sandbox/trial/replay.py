@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any
 
 from models.errors import InputError, RecordingError
@@ -74,17 +75,22 @@ def settings_of(recording: Recording) -> RunSettings:
     settings = with_kept_models(settings, header)
     here, there = digests(settings), header.get("digests")
     if here != there:
+        before = there if isinstance(there, dict) else {}
+        changed = [name for name in here if here[name] != before.get(name)] or list(before)
         remedy = "Use the version of the sandbox that its header names"
-        if "encoder_from" in header:
+        if "encoder" in changed and "encoder_from" in header:
             remedy = (
-                "The encoder's file, its libraries or the machine differ. For replays on other "
-                "machines, train it once with `sandbox train --encoder` into a model file"
+                "Put the encoder's file back as it was; its libraries or the machine may differ, "
+                "too. For replays on other machines, train it once with `sandbox train --encoder` "
+                "into a model file"
             )
+        elif "encoder" in changed and Path(settings.encoder).is_file():
+            remedy = "Put the model file, or the code of its encoder, back as it was"
         raise RecordingError(
-            "it was made with another encoder, or other labels, of the same name",
+            f"its {' and '.join(changed) or 'encoder'} of the same name changed since it was made",
             where=where,
-            got=here,
-            expected=str(there),
+            got=", ".join(str(here.get(name)) for name in changed),
+            expected=", ".join(str(before.get(name)) for name in changed) or str(there),
             remedy=remedy,
         )
     return settings
