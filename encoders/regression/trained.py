@@ -46,6 +46,9 @@ from models.skeleton import ADULT, Skeleton
 SCHEMA = 2
 """Version of the file's layout."""
 
+CAPTURED = frozenset(("time", "trial", "ids", "xy", "q"))
+"""Arrays of a capture, which is easily taken for the model that is trained from it."""
+
 _REMEDY = "`sandbox train --out FILE` makes a valid one"
 
 RIDGES = (1e-4, 3e-4, 1e-3, 3e-3, 1e-2, 3e-2, 1e-1, 3e-1, 1.0, 3.0)
@@ -332,6 +335,13 @@ def load_model(path: Path | str, capture: Capture | None = None) -> TrainedModel
     """
     where = str(path)
     header, raw = read_npz(Path(path), None, EncoderError, "a trained model", _REMEDY)
+    if raw.keys() >= CAPTURED:
+        raise EncoderError(
+            "this is a capture, from which a model is trained",
+            where=where,
+            expected="a trained model",
+            remedy=f"`sandbox train --capture {path} --out MODEL.npz` makes one of it",
+        )
     if header.get("schema") != SCHEMA:
         raise EncoderError(
             "the model has another version",

@@ -198,7 +198,9 @@ def _check_surface(options: CalibrateOptions, settings: RunSettings) -> None:
             where=f"--device {options.device}",
             remedy="Measure the touch area with a ruler, for example --surface 197x148mm"
             if told is None
-            else "Record again with --surface",
+            else "Its lengths are by a guess, which --surface does not change here. Record again "
+            "with a known size: hold a bank card to the page where it asks for one, or give "
+            "--surface to what records",
         )
 
 

@@ -23,6 +23,7 @@ from sandbox.export.sources import Of, open_source
 from sandbox.export.targets import Exporter, ExportSettings, format_of
 from sandbox.recording.recording import is_dump, is_recording
 from sandbox.recording.recording_file import stored
+from sandbox.study.record.folder import STUDY_FILE
 from sandbox.study.record.journal import read_journal
 from sandbox.study.record.state import SessionState
 from sandbox.study.record.stored_sessions import JOURNAL
@@ -242,12 +243,14 @@ def _data_set(options: ExportOptions, console: Console, errors: Console) -> int:
 def _recordings(name: str, out: Path) -> list[tuple[Path, bool]]:
     """Recordings that a word names, each with whether it counts.
 
-    A word names a folder of recordings, or what `sandbox replay` takes. In a folder, the dump of a
-    divergence is no recording of its own. Of a trial of a study one attempt counts.
+    A word names a folder of recordings and of folders with some, or what `sandbox replay` takes. In
+    a folder, the dump of a divergence is no recording of its own. Of a trial of a study one attempt
+    counts.
     """
     folder = Path(name)
     if folder.is_dir() and not (folder.parent / JOURNAL).exists():
-        files = [file for file in sorted(folder.glob("*.jsonl*")) if is_recording(file)]
+        inside = [file for file in sorted(folder.rglob("*.jsonl*")) if not _of_study(file, folder)]
+        files = [file for file in inside if is_recording(file)]
         if files:
             return [(file, True) for file in files if not is_dump(file)]
     files = find_recordings(name, out)
@@ -256,6 +259,12 @@ def _recordings(name: str, out: Path) -> list[tuple[Path, bool]]:
         return [(file, True) for file in files]
     counting = _counting({file.parent.parent for file in files})
     return [(f, f.name in counting.get(f.parent.parent, {f.name})) for f in files]
+
+
+def _of_study(file: Path, folder: Path) -> bool:
+    """True if a file inside a folder belongs to a study, whose trials have attempts."""
+    above = [folder, *(p for p in file.parents if p.is_relative_to(folder))]
+    return any((p / name).is_file() for p in above for name in (STUDY_FILE, JOURNAL))
 
 
 def _counting(sessions: set[Path]) -> dict[Path, set[str]]:

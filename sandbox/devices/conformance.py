@@ -99,7 +99,8 @@ class DeviceConformance(ABC):
         in_time(device.close, "the second close")
         rest = in_time(lambda: list(device.poll(STEPS * PERIOD)), "poll after close")
         check_frames(rest, self.surface, whole=False)
-        assert not in_time(lambda: list(device.poll(STEPS * PERIOD)), "poll after close")
+        after = in_time(lambda: list(device.poll(STEPS * PERIOD)), "poll after close")
+        assert not after, "a device that is closed has no frames: poll must return an empty list"
         assert isinstance(device.finished, bool)
 
     def test_it_can_be_opened_again_after_it_was_closed(self) -> None:

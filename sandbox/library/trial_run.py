@@ -6,14 +6,17 @@ import warnings
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass, field, fields
+from difflib import get_close_matches
+from inspect import signature
 from pathlib import Path
-from typing import Any
+from typing import Any, get_type_hints
 
 import numpy as np
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from models.errors import InputError
+from models.json_input import checked
 from models.surface import Surface
 from sandbox.devices.discovery import adapted
 from sandbox.library.trajectories import Trajectories, TrajectoryView
@@ -224,18 +227,44 @@ def _scene_options(**values: Any) -> SceneOptions:
     """Options of `sandbox run`, by name.
 
     Raises:
-        InputError: A name is not an option.
+        InputError: A name is not an option, or a value is of another type.
     """
+    types = get_type_hints(SceneOptions)
     known = {f.name for f in fields(SceneOptions)}
     unknown = sorted(set(values) - known)
     if unknown:
+        own = {*signature(run_trial).parameters} - {"options"}
+        near = [get_close_matches(name, known | own, 1) for name in unknown]
         raise InputError(
             "this option is unknown",
             where="run_trial",
             got=", ".join(unknown),
-            expected=", ".join(sorted(known)),
+            expected=", ".join(sorted(known | own)),
+            remedy=f"Did you mean {', '.join(n[0] for n in near)}?" if all(near) else None,
         )
-    return SceneOptions(**values)
+    return SceneOptions(**{name: _of_type(name, values[name], types[name]) for name in values})
+
+
+def _of_type(name: str, value: Any, kind: Any) -> Any:
+    """A value of an option: also a number of NumPy, and a path where a text is asked for."""
+    if isinstance(value, np.generic):
+        value = value.item()
+    if kind in (Path, Path | None):
+        return None if value is None else Path(value)
+    if isinstance(value, Path):
+        value = str(value)
+    remedy = None
+    if name == "encoder" and not isinstance(value, str):
+        remedy = (
+            "`encoders.save_model(model, FILE)` writes a trained model to a file: give its name"
+        )
+    elif name == "vary" and isinstance(value, Mapping):
+        remedy = 'Give it as a text, such as vary="size=0.8,latency=100"'
+    if isinstance(value, bool) and kind is not bool:
+        raise InputError("not a value of this option", where=name, got=repr(value), remedy=remedy)
+    return checked(
+        value, kind, InputError, what="not a value of this option", where=name, remedy=remedy
+    )
 
 
 def _place(task: str | type[Task]) -> str:

@@ -47,7 +47,7 @@ def find_recordings(name: str, out: Path) -> list[Path]:
     near = next((p for p in (out / path).parents if p.is_relative_to(out) and p.is_dir()), None)
     kept = [p.name for p in near.iterdir() if p.is_dir() and p.name[0] != "."] if near else []
     raise RecordingError(
-        "no such recording",
+        "this folder has no recordings" if path.is_dir() else "no such recording",
         where=name,
         expected="a file, or a trial such as NAME/3B5G5T/S001/T007"
         + (f"; in {near} there are {', '.join(sorted(kept)[:6])}" if kept else ""),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import json
+import shutil
 from pathlib import Path
 from typing import Any
 
@@ -70,6 +71,20 @@ def test_every_recording_is_a_demonstration_with_its_own_states(
         assert json.loads(lines[-1])["hash"] == about["recorded_state_hash"] == episode.hashes[-1]
         assert json.loads(lines[0])["versions"] == about["versions"]
         assert episode.rewards.sum() == pytest.approx(2.0)
+
+
+def test_recordings_in_folders_of_a_folder_are_demonstrations_too_and_those_of_a_study_are_not(
+    recordings: Path, tmp_path: Path
+) -> None:
+    first, second = (recordings / f"{seed}.jsonl" for seed in SEEDS)
+    folder = tmp_path / "demonstrations"
+    for file, place in ((first, "."), (second, "simulated"), (first, "studies/mine/trials")):
+        (folder / place).mkdir(parents=True, exist_ok=True)
+        shutil.copy(file, folder / place)
+    (folder / "studies" / "mine" / "study.json").write_text("{}")
+    out = tmp_path / "all.npz"
+    assert main(["export", str(folder), "--to", str(out)]) == 0
+    assert [episode.seed for episode in read_npz(out).episodes] == list(SEEDS)
 
 
 def test_playing_it_back_gives_the_same_hashes_and_a_changed_action_does_not(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import math
+import re
 from pathlib import Path
 from typing import Any
 
@@ -223,3 +224,30 @@ def test_the_turn_of_a_knob_is_the_one_that_its_pose_has_and_goes_on_beyond_a_wh
     with (tmp_path / "objects.csv").open() as file:
         told = [float(row["dial/knob_hinge_rad"]) for row in csv.DictReader(file)]
     assert told == pytest.approx(knob.position.tolist(), abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("options", "says"),
+    [
+        ({"sed": 3}, "Did you mean seed?"),
+        ({"flim": "a.webp"}, "Did you mean film?"),
+        ({"seed": "3"}, "seed: not a value of this option"),
+        ({"fingers": True}, "fingers: not a value of this option"),
+        ({"without": "correction"}, "without: not a value of this option"),
+        ({"bare": "yes"}, "bare: not a value of this option"),
+        ({"hand": "middle"}, "hand: not a value of this option"),
+        ({"vary": {"size": 0.8}}, 'such as vary="size=0.8,latency=100"'),
+        ({"encoder": object()}, "save_model"),
+    ],
+    ids=lambda v: v if isinstance(v, str) else None,
+)
+def test_an_option_of_another_type_is_one_clear_line(options: dict[str, Any], says: str) -> None:
+    with pytest.raises(InputError, match=re.escape(says)) as refused:
+        run_trial("box-to-goal", **{"seed": 0, **options})
+    assert "\n" not in str(refused.value)
+
+
+def test_numbers_of_numpy_paths_and_lists_are_options_too(tmp_path: Path) -> None:
+    options: dict[str, Any] = {"fingers": np.int64(2), "hand_size": np.float32(1.0)}
+    done = run_trial("box-to-goal", np.int64(3), without=["ghost"], **options)
+    assert done.result["seed"] == 3 and done.score.status
