@@ -12,15 +12,18 @@ from sandbox import TouchDevice
 class CirclingFinger(TouchDevice):
     time = 0.0
 
+    def __init__(self, surface, argument):
+        super().__init__(surface, argument)
+        self.fingers = int(argument or 1)  # what is no number is one clear line
+
     def poll(self, now):
         """Frames since the last call. Never waits: read a thread's queue, or compute."""
         width, height = self.surface.size
-        fingers = int(self.argument or 1)
         frames = []
         while not self.finished and self.time <= now:
             contacts = []
-            for i in range(fingers):
-                angle = self.time + 2 * math.pi * i / fingers
+            for i in range(self.fingers):
+                angle = self.time + 2 * math.pi * i / self.fingers
                 x = width * (0.5 + 0.3 * math.cos(angle))
                 y = height * (0.5 + 0.3 * math.sin(angle))
                 contacts.append(Contact(i, x, y))

@@ -141,7 +141,7 @@ def main(argv: list[str]) -> int:
             expected="--to minari, --to lerobot or --to FILE.npz",
         )
     settings = _settings(options)
-    format_of(options.to)
+    _check_effect(options, format_of(options.to).points)
     file = _input_file(options)
     if resolved(options.to, "--to") == resolved(file, "FILE"):
         raise InputError("the output would replace the input", where=f"--to {options.to}")
@@ -295,6 +295,20 @@ def _input_file(options: ExportOptions) -> Path:
             remedy=f"Name one of them, such as {files[0].stem}",
         )
     return files[0]
+
+
+def _check_effect(options: ExportOptions, points: bool) -> None:
+    """Refuses options that have no effect on this kind of file."""
+    default, kind = ExportOptions(options.file, options.to), options.to.suffix
+    of_points = {"--points": ("points", points), "--fingers": ("fingers", points)}
+    for option, (name, has) in {**of_points, "--euler": ("euler", kind == ".bvh")}.items():
+        if not has and getattr(options, name) != getattr(default, name):
+            raise InputError(
+                "this option has no effect on such a file",
+                where=option,
+                got=f"--to {options.to}",
+                expected="--to FILE.bvh" if option == "--euler" else "--to FILE.c3d or FILE.csv",
+            )
 
 
 def _settings(options: ExportOptions) -> ExportSettings:

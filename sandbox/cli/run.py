@@ -86,7 +86,7 @@ def perform(options: RunOptions) -> int:
     check_output(options.json)
     names = ("record", "film", "motion", "events", "json")
     refuse_same({f"--{name}": getattr(options, name) for name in names})
-    events = EventLog(options.events)
+    events, before = EventLog(options.events), _written(options)
     # With `--json -`, only the result goes to standard output.
     console = Console(stderr=options.json == TERMINAL)
     try:
@@ -99,9 +99,20 @@ def perform(options: RunOptions) -> int:
                 if path is not None:
                     console.print(f"[dim]{what}: {escape(str(path))}[/]", soft_wrap=True)
         write_json(options.json, result.as_json())
+    except KeyboardInterrupt:
+        for file, _ in sorted(_written(options) - before):
+            line = f"what came before is in {file}"
+            Console(stderr=True).print(line, soft_wrap=True, markup=False)
+        raise
     finally:
         events.close()
     return 0
+
+
+def _written(options: RunOptions) -> set[tuple[str, int]]:
+    """Name and time of change of those files that a trial which is stopped leaves."""
+    files = [path for path in (options.record, options.motion) if path is not None]
+    return {(str(path), path.stat().st_mtime_ns) for path in files if path.exists()}
 
 
 def _run(options: RunOptions, chosen: Plan, events: EventLog, console: Console) -> TrialResult:
@@ -178,7 +189,8 @@ def report_end(result: TrialResult, console: Console) -> None:
     if result.scored is False:
         line += ", not scored: the table was scaled"
     if result.reason:
-        line += f", {escape(result.reason)}"
+        # After success a trial goes on for a second.
+        line += f"{'; a second later, ' if result.success else ', '}{escape(result.reason)}"
     console.print(line)
 
 

@@ -15,6 +15,7 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable, Mapping, Sequence
 from importlib.metadata import EntryPoint
+from inspect import signature
 from typing import Any
 
 from models.errors import DeviceError
@@ -173,6 +174,17 @@ def adapted(outside: Any, where: str) -> Device:
 
 def _opener(device_class: Any, argument: str, where: str) -> Maker:
     def make(surface: Surface) -> Device:
+        try:
+            signature(device_class).bind(surface, argument)
+        except TypeError as error:
+            raise DeviceError(
+                "this device cannot be opened with a surface and a text",
+                where=where,
+                got=str(error),
+                expected="`__init__(self, surface, argument)`",
+            ) from None
+        except ValueError:
+            pass  # code without a signature, which says itself what is wrong
         with OUTSIDE.guarded(where):
             device = device_class(surface, argument)
         return CheckedDevice(adapted(device, where), surface, where)

@@ -98,10 +98,12 @@ class Format:
     Attributes:
         make: Function that opens a writer.
         all_hands: True if one file holds all hands; otherwise each hand has a file.
+        points: True if it holds points, which can be chosen, and no skeleton.
     """
 
     make: Maker
     all_hands: bool
+    points: bool = False
 
 
 FORMATS: dict[str, Format] = {
@@ -111,8 +113,8 @@ FORMATS: dict[str, Format] = {
     ".asf": Format(_amc, False),  # the same
     ".v": Format(_v, False),  # motion, with its skeleton in .vsk; z up, mm, rad
     ".vsk": Format(_vsk, False),  # the skeleton alone
-    ".c3d": Format(_c3d, True),  # points in motion, z up, mm
-    ".csv": Format(_csv, True),  # points in motion, z up, m
+    ".c3d": Format(_c3d, True, True),  # points in motion, z up, mm
+    ".csv": Format(_csv, True, True),  # points in motion, z up, m
 }
 
 

@@ -161,6 +161,10 @@ def parse_value(quantity: Kind, text: str) -> float:
             where=f"--vary {quantity.name}",
             got=text,
             expected=f"such as {quantity.name}={(quantity.up or quantity.down)[0]:g}",
+            # `run` separates quantities by commas, where one trial has all of them.
+            remedy="Separate quantities by spaces here: each is varied by itself"
+            if "=" in text
+            else None,
         ) from None
     combined([(quantity, value)])
     return value

@@ -124,6 +124,27 @@ def test_what_a_device_of_ones_own_cannot_have_meant_is_one_clear_error(
     assert len(lines) == 1 and "odd.py:Odd" in lines[0]
 
 
+@pytest.mark.parametrize(
+    ("takes", "said"),
+    [
+        ("self, port", "cannot be opened with a surface and a text"),
+        ("self, surface, argument", "ValueError: no such port"),
+    ],
+)
+def test_a_device_that_cannot_be_made_is_one_clear_error(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], takes: str, said: str
+) -> None:
+    file = tmp_path / "odd.py"
+    file.write_text(
+        "from sandbox import TouchDevice\n"
+        "class Odd(TouchDevice):\n"
+        f"    def __init__({takes}):\n        raise ValueError('no such port')\n"
+    )
+    assert main(["run", "box-to-goal", "--device", f"{file}:Odd:7"]) == 2
+    (line,) = [line for line in capsys.readouterr().err.splitlines() if said in line]
+    assert "odd.py:Odd" in line
+
+
 def test_numbers_of_numpy_are_recorded_as_any_others(tmp_path: Path) -> None:
     file, record = tmp_path / "pad.py", tmp_path / "run.jsonl"
     file.write_text(

@@ -286,6 +286,9 @@ def test_what_cannot_be_exported_is_refused_in_one_line(
     for line, why in (
         ([str(tmp_path / "none.jsonl"), "--to", out], "no such recording"),
         ([str(tmp_path), "--to", out], "this folder has no recordings"),
+        ([str(tmp_path), "--to", "a.bvh", "--points", "joints"], "--points: this option has no"),
+        ([str(tmp_path), "--to", "a.glb", "--fingers", "thumb"], "--fingers: this option has no"),
+        ([str(tmp_path), "--to", "a.csv", "--euler", "XYZ"], "--euler: this option has no effect"),
         ([str(tmp_path / "notes.txt"), "--to", out], "neither a recording nor a capture"),
         ([str(tmp_path / "zip.npz"), "--to", out], "zip.npz"),
         ([str(tmp_path / "empty.jsonl"), "--to", out], "holds no poses"),

@@ -82,7 +82,9 @@ def test_a_live_run_that_is_ended_keeps_its_motion_and_a_recording_that_replays(
         until(lambda: record.exists() and record.read_text().count('"keyframe"') >= 3)
         it.process.send_signal(ends)
         status, _ = it.end()
-    assert status == 130 and "Traceback" not in "".join(it.errors)
+    said = "".join(it.errors)
+    assert status == 130 and "Traceback" not in said
+    assert all(f"what came before is in {path}" in said for path in (motion, record))
     written = motion.read_text()
     frames = re.search(r"^Frames: (\d+) *$", written, re.M)
     lines = written.partition("Frame Time:")[2].splitlines()[1:]
