@@ -139,6 +139,7 @@ def test_a_device_that_cannot_be_made_is_one_clear_error(
         "from sandbox import TouchDevice\n"
         "class Odd(TouchDevice):\n"
         f"    def __init__({takes}):\n        raise ValueError('no such port')\n"
+        "    def poll(self, now):\n        return []\n"
     )
     assert main(["run", "box-to-goal", "--device", f"{file}:Odd:7"]) == 2
     (line,) = [line for line in capsys.readouterr().err.splitlines() if said in line]
