@@ -9,6 +9,7 @@ from __future__ import annotations
 import ast
 import importlib
 import importlib.util
+import os
 import re
 import sys
 import traceback
@@ -234,7 +235,20 @@ def failure(error: BaseException) -> str:
     theirs = [step for step in trace if not step.filename.startswith("<frozen")]
     if isinstance(error, SyntaxError | ImportError) or not theirs:
         return text
-    return f"{text} ({theirs[-1].filename}:{theirs[-1].lineno})"
+    # Where their code called ours wrongly, the line of theirs is the one to look at.
+    last = ([step for step in theirs if not _is_ours(step.filename)] or theirs)[-1]
+    return f"{text} ({last.filename}:{last.lineno})"
+
+
+def _is_ours(file: str) -> bool:
+    """True for a file of this program's four packages."""
+    return any(file.startswith(folder) for folder in _OURS)
+
+
+_OURS = tuple(
+    f"{Path(__file__).resolve().parents[1] / package}{os.sep}"
+    for package in ("models", "encoders", "tasks", "sandbox")
+)
 
 
 _FILES: dict[str, Path] = {}

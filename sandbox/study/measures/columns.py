@@ -9,6 +9,7 @@ from __future__ import annotations
 import csv
 import gzip
 from collections.abc import Mapping
+from difflib import get_close_matches
 from io import StringIO
 from typing import Any
 
@@ -57,17 +58,26 @@ class Columns:
         return len(next(iter(self.texts.values()), []))
 
     def words(self, name: str) -> list[str]:
-        """Cells of a column."""
+        """Cells of a column.
+
+        Raises:
+            KeyError: There is no such column; the error names one that is nearly called so.
+        """
+        if name not in self.texts:
+            near = get_close_matches(name, self.texts, 1)
+            raise KeyError(
+                f"there is no column {name}" + (f"; did you mean {near[0]}?" if near else ""),
+            )
         return self.texts[name]
 
     def numbers(self, *names: str) -> Array:
         """Numbers in some columns, (rows, columns); NaN in empty cells."""
-        cells = np.array([self.texts[name] for name in names]).reshape(len(names), -1)
+        cells = np.array([self.words(name) for name in names]).reshape(len(names), -1)
         return np.where(cells == "", "nan", cells).astype(float).T
 
     def whole(self, name: str) -> list[int | None]:
         """Integers in a column; None in empty cells."""
-        return [int(text) if text else None for text in self.texts[name]]
+        return [int(text) if text else None for text in self.words(name)]
 
     @property
     def hands(self) -> tuple[str, ...]:

@@ -11,7 +11,7 @@ import numpy as np
 
 from models.outside import failure
 from sandbox.study.measures.columns import Columns
-from sandbox.study.measures.measure import Row, TrialMeasure, Value
+from sandbox.study.measures.measure import ALL, Row, TrialMeasure, Value
 from sandbox.study.measures.played_trial import PlayedTrial
 from sandbox.study.measures.registry import measures
 from sandbox.trial.result import TrialResult
@@ -83,7 +83,9 @@ def _compute(calls: Sequence[tuple[TrialMeasure, Callable[[T], Value], T]]) -> M
             failed.append(name)
             continue
         if value is None:
-            reasons[name] = f"it does not apply here; it applies to: {measure.tasks}"
+            reasons[name] = "it does not apply here" + (
+                f"; it applies to: {measure.tasks}" if measure.tasks != ALL else ""
+            )
         elif (wrong := _wrong(value)) is not None:
             reasons[name] = wrong
             failed.append(name)

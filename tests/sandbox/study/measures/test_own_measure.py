@@ -13,6 +13,7 @@ import pytest
 
 from models.errors import InputError, StudyError
 from sandbox.recording.source_digest import package_digest
+from sandbox.study.measures.columns import Columns
 from sandbox.study.measures.measure import TrialMeasure
 from sandbox.study.measures.registry import find_measure, register, rule_measures, unregister
 from sandbox.study.record.folder import SIMULATED, StudyFolder
@@ -99,7 +100,9 @@ def test_a_measure_that_fails_or_has_no_value_costs_no_trial_and_its_reason_is_s
         assert {row[name] for row in table} == {""}
     session = session_path(study.path, study.participants()[0].ppid)
     reasons = json.loads((session / "trackers" / "measures_T001.json").read_bytes())["reasons"]
-    assert "ZeroDivisionError" in reasons["broken"] and "all" in reasons["nothing"]
+    assert (
+        "ZeroDivisionError" in reasons["broken"] and reasons["nothing"] == "it does not apply here"
+    )
     assert "inf" in reasons["endless"]
     for name, error in (("broken", "ZeroDivisionError"), ("endless", "inf"), ("several", "Index")):
         assert any(f"measure {name} is empty" in line and error in line for line in said)
@@ -209,3 +212,10 @@ def test_a_measure_with_a_name_that_is_taken_or_without_a_value_is_refused(
     with pytest.raises(InputError):
         register(measure)
     assert find_measure(measure.name) is not measure
+
+
+def test_a_column_that_is_not_there_is_named_with_the_nearest_one() -> None:
+    columns = Columns({"time": ["0"], "q_x": ["1"]})
+    for ask in (columns.words, columns.numbers, columns.whole):
+        with pytest.raises(KeyError, match="there is no column q_y; did you mean q_x?"):
+            ask("q_y")
