@@ -217,5 +217,5 @@ def test_a_measure_with_a_name_that_is_taken_or_without_a_value_is_refused(
 def test_a_column_that_is_not_there_is_named_with_the_nearest_one() -> None:
     columns = Columns({"time": ["0"], "q_x": ["1"]})
     for ask in (columns.words, columns.numbers, columns.whole):
-        with pytest.raises(KeyError, match="there is no column q_y; did you mean q_x?"):
+        with pytest.raises(KeyError, match="there is no column q_y; did you mean q_x"):
             ask("q_y")
