@@ -6,7 +6,7 @@ import csv
 import math
 import re
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -249,5 +249,5 @@ def test_an_option_of_another_type_is_one_clear_line(options: dict[str, Any], sa
 
 def test_numbers_of_numpy_paths_and_lists_are_options_too(tmp_path: Path) -> None:
     options: dict[str, Any] = {"fingers": np.int64(2), "hand_size": np.float32(1.0)}
-    done = run_trial("box-to-goal", np.int64(3), without=["ghost"], **options)
+    done = run_trial("box-to-goal", cast(int, np.int64(3)), without=["ghost"], **options)
     assert done.result["seed"] == 3 and done.score.status
