@@ -174,19 +174,26 @@ def adapted(outside: Any, where: str) -> Device:
 
 def _opener(device_class: Any, argument: str, where: str) -> Maker:
     def make(surface: Surface) -> Device:
-        try:
-            signature(device_class).bind(surface, argument)
-        except TypeError as error:
+        if mismatch := _mismatch(device_class, surface, argument):
             raise DeviceError(
                 "this device cannot be opened with a surface and a text",
                 where=where,
-                got=str(error),
+                got=mismatch,
                 expected="`__init__(self, surface, argument)`",
-            ) from None
-        except ValueError:
-            pass  # code without a signature, which says itself what is wrong
+            )
         with OUTSIDE.guarded(where):
             device = device_class(surface, argument)
         return CheckedDevice(adapted(device, where), surface, where)
 
     return make
+
+
+def _mismatch(device_class: Any, *given: object) -> str:
+    """Why a class does not take some arguments; empty if it does, or has no signature that says."""
+    try:
+        signature(device_class).bind(*given)
+    except TypeError as error:
+        return str(error)
+    except ValueError:
+        return ""
+    return ""

@@ -181,12 +181,12 @@ def test_a_recording_that_is_refused_costs_no_recorded_value_and_no_folder_is_na
     stored(path).write_bytes(gzip.compress(b"\n".join(lines)))
     said: list[str] = []
     run_simulated(study, 0, said.append)
-    assert any("another encoder" in text for text in said)
+    assert any("of the same name changed" in text for text in said)
     kept = told(session)
     assert {n: kept[n] for n in values if n != "reasons"} == {
         n: v for n, v in values.items() if n != "reasons"
     }
-    assert kept[ADDED.name] is None and "another encoder" in kept["reasons"][ADDED.name]
+    assert kept[ADDED.name] is None and "of the same name changed" in kept["reasons"][ADDED.name]
     assert str(study.path) not in json.dumps(kept)
 
 
