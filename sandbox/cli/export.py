@@ -3,6 +3,7 @@ programs."""
 
 from __future__ import annotations
 
+from collections.abc import Container
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Literal
@@ -20,7 +21,7 @@ from sandbox.cli.common.parse import parse
 from sandbox.datasets.kind import NAMED, is_data_set
 from sandbox.export.leap_source import Hand
 from sandbox.export.sources import Of, open_source
-from sandbox.export.targets import Exporter, ExportSettings, format_of
+from sandbox.export.targets import FORMATS, Exporter, ExportSettings, format_of
 from sandbox.recording.recording import is_dump, is_recording
 from sandbox.recording.recording_file import stored
 from sandbox.study.record.folder import STUDY_FILE
@@ -141,7 +142,7 @@ def main(argv: list[str]) -> int:
             expected="--to minari, --to lerobot or --to FILE.npz",
         )
     settings = _settings(options)
-    _check_effect(options, format_of(options.to).points)
+    _check_effect(options, format_of(options.to).heeds)
     file = _input_file(options)
     if resolved(options.to, "--to") == resolved(file, "FILE"):
         raise InputError("the output would replace the input", where=f"--to {options.to}")
@@ -297,17 +298,16 @@ def _input_file(options: ExportOptions) -> Path:
     return files[0]
 
 
-def _check_effect(options: ExportOptions, points: bool) -> None:
+def _check_effect(options: ExportOptions, heeds: Container[str]) -> None:
     """Refuses options that have no effect on this kind of file."""
-    default, kind = ExportOptions(options.file, options.to), options.to.suffix
-    of_points = {"--points": ("points", points), "--fingers": ("fingers", points)}
-    for option, (name, has) in {**of_points, "--euler": ("euler", kind == ".bvh")}.items():
-        if not has and getattr(options, name) != getattr(default, name):
+    default = ExportOptions(options.file, options.to)
+    for name in ("points", "fingers", "euler"):
+        if name not in heeds and getattr(options, name) != getattr(default, name):
             raise InputError(
                 "this option has no effect on such a file",
-                where=option,
+                where=f"--{name}",
                 got=f"--to {options.to}",
-                expected="--to FILE.bvh" if option == "--euler" else "--to FILE.c3d or FILE.csv",
+                expected=", ".join(kind for kind, form in FORMATS.items() if name in form.heeds),
             )
 
 

@@ -189,8 +189,8 @@ def report_end(result: TrialResult, console: Console) -> None:
     if result.scored is False:
         line += ", not scored: the table was scaled"
     if result.reason:
-        # After success a trial goes on for a second.
-        line += f"{'; a second later, ' if result.success else ', '}{escape(result.reason)}"
+        # After success a trial goes on, and what was done may be undone.
+        line += f"{'; afterwards, ' if result.success else ', '}{escape(result.reason)}"
     console.print(line)
 
 

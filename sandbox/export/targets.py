@@ -98,23 +98,23 @@ class Format:
     Attributes:
         make: Function that opens a writer.
         all_hands: True if one file holds all hands; otherwise each hand has a file.
-        points: True if it holds points, which can be chosen, and no skeleton.
+        heeds: Fields of `ExportSettings`, besides the rate, that have an effect on it.
     """
 
     make: Maker
     all_hands: bool
-    points: bool = False
+    heeds: tuple[str, ...] = ()
 
 
 FORMATS: dict[str, Format] = {
-    ".bvh": Format(_bvh, False),  # skeleton and motion, y up, cm, degrees
+    ".bvh": Format(_bvh, False, ("euler",)),  # skeleton and motion, y up, cm, degrees
     ".glb": Format(_glb, True),  # skinned hands in motion, y up, m, quaternions
     ".amc": Format(_amc, False),  # motion, with its skeleton in .asf; y up, cm, degrees
     ".asf": Format(_amc, False),  # the same
     ".v": Format(_v, False),  # motion, with its skeleton in .vsk; z up, mm, rad
     ".vsk": Format(_vsk, False),  # the skeleton alone
-    ".c3d": Format(_c3d, True, True),  # points in motion, z up, mm
-    ".csv": Format(_csv, True, True),  # points in motion, z up, m
+    ".c3d": Format(_c3d, True, ("points", "fingers")),  # points in motion, z up, mm
+    ".csv": Format(_csv, True, ("points", "fingers")),  # points in motion, z up, m
 }
 
 

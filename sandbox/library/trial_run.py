@@ -260,8 +260,6 @@ def _of_type(name: str, value: Any, kind: Any) -> Any:
         )
     elif name == "vary" and isinstance(value, Mapping):
         remedy = 'Give it as a text, such as vary="size=0.8,latency=100"'
-    if isinstance(value, bool) and kind is not bool:
-        raise InputError("not a value of this option", where=name, got=repr(value), remedy=remedy)
     return checked(
         value, kind, InputError, what="not a value of this option", where=name, remedy=remedy
     )

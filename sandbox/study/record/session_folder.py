@@ -435,7 +435,8 @@ class SessionFolder(Closeable):
         planned = {t.number: t for t in trials_of(self.steps)}
         chosen = {
             name
-            for factor in self.study.design.factors
+            for design in (self.study.design, self.study.design_of(self.state.design))
+            for factor in design.factors
             for level in factor.levels
             for name in level.settings
         }

@@ -9,7 +9,7 @@ from models.errors import HandSandboxError, StudyError
 from models.messages.wording import counted
 from sandbox.study.design.design import Design
 from sandbox.study.design.design_file import load_design
-from sandbox.study.record.folder import DESIGN_FILE, EARLIER, STUDY_JOURNAL
+from sandbox.study.record.folder import ANONYMISED, DESIGN_FILE, EARLIER, STUDY_JOURNAL
 from sandbox.study.record.journal import read_journal
 
 
@@ -25,6 +25,8 @@ def upgrades_of(folder: Path) -> tuple[str, ...]:
         records = read_journal(path) if path.is_file() else []
     except StudyError:
         return ()
+    if any(record["kind"] == ANONYMISED for record in records):
+        return tuple(_of_anonymous_copy(folder))
     told, begun = [], 0
     for record in records:
         begun += record["kind"] == "participant"
@@ -32,29 +34,44 @@ def upgrades_of(folder: Path) -> tuple[str, ...]:
             continue
         what = ", ".join(str(name) for name in record["changed"])
         before, after = (_design(folder, record[k].get("design", "")) for k in ("before", "after"))
-        inside = list(_differences(before, after)) if before and after else []
         told.append(
             f"The study was changed by force after {counted(begun, 'participant')} had begun: "
-            f"{what}. The reason given: {record['reason']}."
-            + "".join(f" {sentence}." for sentence in inside)
+            f"{what}. The reason given: {record['reason']}.{_differences(before, after)}"
         )
     return tuple(told)
 
 
+def _of_anonymous_copy(folder: Path) -> Iterator[str]:
+    """The same of a copy, which has the designs, and neither an order of people nor reasons."""
+    today = _design(folder, "")
+    for path in sorted(folder.glob(f"{EARLIER}/*")):
+        yield (
+            f"Some sessions were run by an earlier design ({path.name}), before the study was "
+            f"changed by force.{_differences(_design(folder, path.name), today)}"
+        )
+
+
 def _design(folder: Path, digest: str) -> Design | None:
-    """The design of a digest, among those that were kept; None where it cannot be read."""
+    """The design of a digest, or today's without one; None where it was not kept, or cannot be
+    read."""
     for path in (folder / EARLIER / digest / DESIGN_FILE, folder / DESIGN_FILE):
         try:
             design = load_design(path, try_out=False)
         except HandSandboxError:
             continue
-        if design.digest == digest:
+        if design.digest == (digest or design.digest):
             return design
     return None
 
 
-def _differences(before: Design, after: Design) -> Iterator[str]:
-    """What a reader of the results must know: other primary outcomes, other meanings of levels."""
+def _differences(before: Design | None, after: Design | None) -> str:
+    """What a reader of the results must know of two designs, in sentences after a space."""
+    known = _meanings(before, after) if before and after else ()
+    return "".join(f" {sentence}." for sentence in known)
+
+
+def _meanings(before: Design, after: Design) -> Iterator[str]:
+    """Other primary outcomes, and other meanings of levels with the same names."""
     if before.primary != after.primary:
         names = [", ".join(design.primary) or "none" for design in (before, after)]
         yield f"Primary outcomes were {names[0]} before and are {names[1]}"

@@ -25,6 +25,7 @@ from sandbox.study.run.simulate import (
     simulated_devices,
     simulated_person,
 )
+from sandbox.study.share.privacy import Masking, anonymise
 from tests.support.study_files import DESIGN, design, open_study, rows_of
 
 
@@ -51,6 +52,8 @@ def begun(study: StudyFolder) -> SessionFolder:
     [
         (with_lag("50").replace("repetitions = 2", "repetitions = 3"), "another trial"),
         (with_lag("250"), "vary latency=50, now latency=250"),
+        # What no level sets any more is another meaning, too.
+        (DESIGN, "vary latency=50, now "),
     ],
 )
 def test_a_session_does_not_go_on_by_the_plan_of_another_design(
@@ -135,3 +138,7 @@ def test_the_report_says_what_was_changed_by_force_and_what_it_means_for_results
     assert "contact soft had vary latency=50 before and latency=250 after" in told
     page = make_report(study.path, tmp_path / "report").read_text(encoding="utf-8")
     assert "was changed by force after people had begun" in page and "too short" in page
+    # A copy without names tells what it means, and neither when it was nor why.
+    anonymise(changed, tmp_path / "copy", Masking(), quiet)
+    (told,) = load_study(tmp_path / "copy").upgrades
+    assert "contact soft had vary latency=50 before" in told and "too short" not in told
