@@ -117,7 +117,7 @@ class StudyData:
         digest: SHA-256 of `trial_results.csv`.
         withdrawn: Number of people who withdrew, and of whom nothing else is here; None if the
             folder has no sound journal of the study.
-        upgrades: Sentences on every change by force after somebody had taken part.
+        upgrades: Sentences on every `--force-upgrade` after somebody had taken part.
     """
 
     name: str

@@ -35,8 +35,9 @@ def upgrades_of(folder: Path) -> tuple[str, ...]:
         what = ", ".join(str(name) for name in record["changed"])
         before, after = (_design(folder, record[k].get("design", "")) for k in ("before", "after"))
         told.append(
-            f"The study was changed by force after {counted(begun, 'participant')} had begun: "
-            f"{what}. The reason given: {record['reason']}.{_differences(before, after)}"
+            f"After {counted(begun, 'participant')} had begun, the study was changed "
+            f"(--force-upgrade): {what}. The reason given: {record['reason']}."
+            f"{_differences(before, after)}"
         )
     return tuple(told)
 
@@ -47,7 +48,7 @@ def _of_anonymous_copy(folder: Path) -> Iterator[str]:
     for path in sorted(folder.glob(f"{EARLIER}/*")):
         yield (
             f"Some sessions were run by an earlier design ({path.name}), before the study was "
-            f"changed by force.{_differences(_design(folder, path.name), today)}"
+            f"changed (--force-upgrade).{_differences(_design(folder, path.name), today)}"
         )
 
 

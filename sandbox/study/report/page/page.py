@@ -82,7 +82,7 @@ def head(analysis: Analysis) -> dict[str, Any]:
     if mode != "unknown":
         kind, title, warning = KINDS[mode], TITLES[mode], WARNINGS.get(mode, "")
     upgraded = (
-        "The study was changed by force after people had begun; the last section says what changed."
+        "The study was changed after people had begun; the last section says what and why."
         if data.upgrades
         else ""
     )
