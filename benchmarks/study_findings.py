@@ -1,5 +1,5 @@
-"""Measures what reports find in studies whose truth is known: nothing where nothing is, and planted
-effects as often as `sandbox study plan` says.
+"""Measures what reports find in studies whose truth is known: nothing where nothing is, also where
+people did one level only, and planted effects as often as `sandbox study plan` says.
 
 python -m benchmarks.study_findings [--studies 1000] [--only nothing] [--dz 0.4 0.8]
 
@@ -10,6 +10,7 @@ tables, read again, and tested by the code of `sandbox study report`.
 from __future__ import annotations
 
 import argparse
+import csv
 import tempfile
 from collections import Counter
 from collections.abc import Iterator, Sequence
@@ -44,6 +45,9 @@ PLANTED = Truth(times=(10.0, 10.0), tasks=(1.0,), losses=(1e-9,) * 2, limit=3600
 SIZES = (0.4, 0.8)
 """Planted standardised effects dz."""
 PEOPLE = (12, 36)
+INCOMPLETE = ((6, 2), (8, 3), (8, 6))
+"""People, and how many of them did both levels."""
+TABLES = ("nothing", "planted", "incomplete")
 SEED = 7_331
 
 
@@ -61,19 +65,22 @@ class Told:
 
 
 def main() -> None:
-    """Prints both tables."""
+    """Prints the tables."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--studies", type=int, default=1000, help="of each kind")
-    parser.add_argument("--only", choices=("nothing", "planted"), help="one of the two tables")
+    parser.add_argument("--only", choices=TABLES, help="one of the tables")
     parser.add_argument("--dz", type=float, nargs="+", default=SIZES, help="planted effects")
     options = parser.parse_args()
     print(f"{describe_machine()}\n", flush=True)
-    if options.only != "planted":
+    wanted = (options.only,) if options.only else TABLES
+    if "nothing" in wanted:
         _print_nothing(options.studies)
-    if options.only != "nothing":
+    if "planted" in wanted:
         _print_planted(options.studies, options.dz)
+    if "incomplete" in wanted:
+        _print_incomplete(options.studies)
 
 
 def _print_nothing(count: int) -> None:
@@ -117,6 +124,21 @@ def _print_planted(count: int, sizes: Sequence[float]) -> None:
                 f"{_shares(covers, count)} |",
                 flush=True,
             )
+
+
+def _print_incomplete(count: int) -> None:
+    print("\nEqual levels, and people who did one of the two levels only\n")
+    print(
+        "| people | did both | the others | degrees of freedom | p < 0.05 | share | 95 % interval |"
+    )
+    print("| --- | --- | --- | --- | --- | --- | --- |")
+    for people, both in INCOMPLETE:
+        for others, turns in (("the first level", False), ("either, by turns", True)):
+            differences = list(incomplete(people, both, turns, count))
+            wrong = sum(d.p < ALPHA for d in differences)
+            freedom = differences[0].freedom
+            about = f"{people} | {both} | {others} | {freedom:g}"
+            print(f"| {about} | {_shares(wrong, count)} |", flush=True)
 
 
 def _shares(count: int, studies: int) -> str:
@@ -173,6 +195,36 @@ def planted(size: float, people: int, count: int) -> Iterator[Told]:
             true = ratio if d.pair.second == truth.levels[1] else -ratio
             covers = d.estimate.low <= true <= d.estimate.high
             yield Told(test.found and d.estimate.value * true > 0.0, covers)
+
+
+def incomplete(people: int, both: int, turns: bool, count: int) -> Iterator[Difference]:
+    """Comparisons of two equal levels, of which some people did one only.
+
+    Args:
+        people: Number of participants.
+        turns: True if the others did the first and the second level by turns, False if all did the
+            first one, as where the second was added later.
+        both: How many did both levels.
+        count: How many studies.
+    """
+    truth = replace(PLANTED, people=people, repetitions=2, person_level=0.25, residual=0.12)
+    with tempfile.TemporaryDirectory() as work:
+        table = Path(work) / "trial_results.csv"
+        for seed in range(count):
+            write_study(table.parent, truth, seed)
+            with table.open(newline="", encoding="utf-8") as file:
+                rows = list(csv.DictReader(file))
+            numbers = {ppid: i for i, ppid in enumerate(sorted({r["ppid"] for r in rows}))}
+            kept = []
+            for row in rows:
+                number = numbers[row["ppid"]]
+                own = truth.levels[number % 2 if turns else 0]
+                if number < both or row["factor_encoder"] == own:
+                    kept.append(row)
+            table.write_bytes(csv_bytes(kept, tuple(rows[0])))
+            (d,) = Fitted(load_study(table.parent), ()).pairs("time_s")
+            assert isinstance(d, Difference)
+            yield d
 
 
 def spread_of(truth: Truth) -> Spread:

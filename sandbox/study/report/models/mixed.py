@@ -4,7 +4,8 @@
 
 It is fitted by restricted maximum likelihood; the same in R is
 `lmer(y ~ 0 + condition + log2_position + (1 | ppid) + (1 | ppid:factor) + ...)`. Degrees of freedom
-are those of a paired t test over the people who did both levels, which is slightly conservative.
+are those of a paired t test over the people who did both levels, which is conservative: slightly
+where nearly all did, clearly where few did (docs/measured/study_findings.md).
 """
 
 from __future__ import annotations
