@@ -11,7 +11,8 @@ ships with one of the three changed. Bare is what ships with the paper's labels 
 correction and filter, the paper's method has its encoder, too; both keep our rules of arrival.
 
 Columns: success with its Wilson interval; points of `tasks.score.points` with a t interval of their
-mean; median time of successes; trials that ended because something was toppled; things that left
+mean; median time of successes; trials that ended early, as something was toppled, pushed away or
+overtightened; things that left
 the surface and were put back; the largest push, N, of palm and free fingers on things: median and
 largest of trials.
 
@@ -95,7 +96,7 @@ class Played:
         success: The goal was held.
         points: 0 to 100.
         seconds: s until it was held, or until the trial ended.
-        toppled: It ended because a thing was toppled.
+        toppled: It ended early: a thing was toppled or pushed away, or a nut was overtightened.
         back: Number of things that left the surface and were put back.
         push: N, the largest one of palm and free fingers on things.
     """
@@ -194,7 +195,7 @@ def difference(method: Sequence[Played], ships: Sequence[Played]) -> Difference:
 def rows(done: dict[Job, Played]) -> Iterator[str]:
     """A table of all trials, one line a task, solidity, number of fingers and method."""
     heads = ("task", "solid", "fingers", "method", "success [95 %]", "points [95 %]", "s")
-    yield "| " + " | ".join((*heads, "toppled", "put back", "push, N")) + " |"
+    yield "| " + " | ".join((*heads, "ended early", "put back", "push, N")) + " |"
     yield "| --- " * 10 + "|"
     for (task, solid, fingers), methods in _cells(done).items():
         for method, trials in methods.items():

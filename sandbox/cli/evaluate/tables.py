@@ -143,23 +143,19 @@ def _motion(report: Report) -> Table:
 
 
 def _fit(report: Report) -> Table:
-    table = Table(title="Overfitted joints of 48 (Copas test), and time", title_justify="left")
+    tested = any(e["copas"] for e in report["encoders"].values())
+    what = "Overfitted joints of 48 (Copas test), and time" if tested else "Time"
+    table = Table(title=what, title_justify="left")
     table.add_column("method")
-    for column in (
-        "random frames",
-        "clustered",
-        "slope",
-        "whole takes",
-        "clustered",
-        "slope",
-        "one pose us",
-        "in a batch us",
-    ):
+    if tested:
+        for column in ("random frames", "clustered", "slope", "whole takes", "clustered", "slope"):
+            table.add_column(column, justify="right")
+    for column in ("one pose us", "in a batch us"):
         table.add_column(column, justify="right")
     counts, times = report["paper"]["overfitted_joints"], report["paper"]["us_per_pose"]
     for name, e in report["encoders"].items():
         cells: list[str] = []
-        for folds in ("random", "blocked"):
+        for folds in ("random", "blocked") if tested else ():
             test = e["copas"].get(folds)
             if test is None:
                 cells += ["", "", ""]
@@ -171,19 +167,9 @@ def _fit(report: Report) -> Table:
             name, *cells, _number(e["us_per_pose"], 1), _number(e["us_per_pose_batch"], 2)
         )
         known = row(name)
-        if known in counts or known in times:
-            table.add_row(
-                _PAPER,
-                _number(counts.get(known), 1),
-                "",
-                "",
-                "",
-                "",
-                "",
-                _number(times.get(known), 1),
-                "",
-                style="dim",
-            )
+        if known in times or (tested and known in counts):
+            figures = [_number(counts.get(known), 1), "", "", "", "", ""] if tested else []
+            table.add_row(_PAPER, *figures, _number(times.get(known), 1), "", style="dim")
     return table
 
 

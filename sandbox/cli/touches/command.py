@@ -66,7 +66,8 @@ class Record(TouchOptions):
     """Records touches in a file, until Ctrl-C; the file can be used as a --device.
 
     TUIO is recorded packet by packet, including invalid ones; other devices frame by frame. If the
-    program is killed, at most the last line is lost.
+    program is killed, at most the last line is lost. If nothing arrives, no file is left, and the
+    exit status is 1.
 
         sandbox touches record touches.jsonl --device evdev
 
@@ -138,8 +139,12 @@ def record(options: Record) -> int:
             file.write(header_record(opened.surface, opened.device.name))
         view = _Recorder(TextView(opened.device, opened.surface), None if packets else file)
         status = _shown(opened, view, options.seconds, options.frames)
-    Console(stderr=True).print(Text(f"written to {options.file}"), soft_wrap=True)
-    return status
+        empty = file.lines == (0 if packets else 1)
+        if empty:
+            file.discard()
+    told = "nothing arrived, so there is no" if empty else "written to"
+    Console(stderr=True).print(Text(f"{told} {options.file}"), soft_wrap=True)
+    return 1 if empty else status
 
 
 def formats() -> int:

@@ -18,12 +18,15 @@ class LineFile(Closeable):
     Args:
         path: The file; an existing file is never overwritten.
 
+    Attributes:
+        lines: Number of lines written.
+
     Raises:
         RecordingError: The file exists or cannot be made.
     """
 
     def __init__(self, path: Path) -> None:
-        self.path = path
+        self.path, self.lines = path, 0
         try:
             self._file = path.open("x", encoding="utf-8")
         except FileExistsError:
@@ -48,6 +51,7 @@ class LineFile(Closeable):
                 got=error.strerror,
                 remedy="Make room on the disk; the lines before this are kept",
             ) from None
+        self.lines += 1
 
     def discard(self) -> None:
         """Closes the file and removes it, where nothing was to be written."""

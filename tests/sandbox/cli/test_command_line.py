@@ -189,3 +189,13 @@ def test_touches_that_cannot_be_recorded_leave_no_file_in_the_way_of_the_correct
     source.write_text('{"time": 0, "contacts": []}\n')
     assert main(line) == 0
     assert len(file.read_text().splitlines()) == 2
+
+
+def test_a_recording_into_which_nothing_came_leaves_no_file(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "new.jsonl"
+    line = ["touches", "record", str(file), "--device", "tuio", "--port", "0", "--seconds", "0.2"]
+    assert main(line) == 1
+    assert "nothing arrived" in capsys.readouterr().err
+    assert not file.exists()
