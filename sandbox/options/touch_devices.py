@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Annotated, Protocol
+from typing import Annotated, Any, Protocol
 
 import tyro
 
@@ -161,10 +161,17 @@ def is_evdev(name: str) -> bool:
 
 
 def native_surface(name: str) -> Surface | None:
-    """Returns the surface that a device or a file of frames reports; None if it reports none."""
+    """Returns the surface of a device or a file of touches; None if it has none of its own.
+
+    Files of touches that do not say a size get one that is marked as a guess. A recording of this
+    program has its surface in its settings.
+    """
     path = Path(name)
     if path.is_file():
-        return read_frame_file(path).surface if "surface_in" in first_line(path) else None
+        head = first_line(path)
+        if "surface_in" in head:
+            return read_frame_file(path).surface
+        return guessed_surface() if {"contacts", "hex", "closed"} & set(head) else None
     if not is_evdev(name):
         return None
     node = open_node(_node(name))
@@ -235,11 +242,19 @@ def _recording(path: Path, surface: Surface | None) -> Opened | None:
     if not is_recording(path):
         return None
     recording = load_recording(path)
-    size_in = recording.header["settings"].get("surface_in")
     frames = recording.touches()
     damage = RecordingError(recording.damage, where=str(path)) if recording.damage else None
-    size = Surface(float(size_in[0]), float(size_in[1])) if size_in else guessed_surface()
-    return Opened(FramesDevice(frames, damage), surface or size)
+    size = surface or recorded_surface(recording.header["settings"]) or guessed_surface()
+    return Opened(FramesDevice(frames, damage), size)
+
+
+def recorded_surface(settings: Mapping[str, Any]) -> Surface | None:
+    """The surface in a recording's settings, of any version; None if they name none."""
+    size_in = settings.get("surface_in")
+    if not size_in:
+        return None
+    calibrated = bool(settings.get("surface_calibrated", True))
+    return Surface(float(size_in[0]), float(size_in[1]), calibrated=calibrated)
 
 
 def first_line(path: Path) -> dict[str, object]:

@@ -29,16 +29,12 @@ from encoders.captures.paired.hand_track import HandTrack, hand_track
 from encoders.captures.paired.labels import label_by_fingertips
 from encoders.captures.paired.registration import DevicePose, first_guess, register
 from encoders.correction import FingertipCorrection
-from encoders.paalm import Paalm
 from encoders.paalm.calibration import HandCalibration
 from encoders.regression.bone_fit import tip_targets
 from models.arithmetic.arrays import Array
 from models.errors import CaptureError
 from models.frames import HandFrame
 from models.pose import JOINTS, POSE_SIZE, ROOT_POSITION, ROOT_ROTATION
-
-OPEN_FRAMES = 200
-"""Frames of the open hand at the beginning; the paper's 1000 lasted 10 s."""
 
 ONE_CLOCK = 0.5
 """s, largest difference of the latencies of two devices recorded with one clock."""
@@ -54,16 +50,6 @@ _NEAR_PLANE = 0.012
 POSE_ERROR = (0.004, np.deg2rad(2.0), np.deg2rad(8.0))
 """m, rad, rad: standard deviation of a pose by PAALM in position, rotation and joints
 (docs/paalm.md). Parts that the touches do not determine stay as in PAALM's pose."""
-
-
-def open_hand(frames: Sequence[HandFrame], side: str, wanted: int = OPEN_FRAMES) -> HandCalibration:
-    """Measures the hand that is held open at the beginning of a recording.
-
-    Raises:
-        EncoderError: It is not held open; the error gives the reason.
-    """
-    which: Any = side
-    return Paalm().calibrate(frames, which, wanted)[side]
 
 
 def capture_from_hands(

@@ -1,8 +1,8 @@
 """Instructions for a person during a paired capture, with progress.
 
-First the open hand, for PAALM to measure; then three taps, for the clocks; then every set of two to
-five fingers, since a missing set cannot be reconstructed later. A touch device does not know which
-fingers it feels: the guide counts them and trusts the person.
+First the open hand, which PAALM must be able to measure; then three taps, for the clocks; then
+every set of two to five fingers, since a missing set cannot be reconstructed later. A touch device
+does not know which fingers it feels: the guide counts them and trusts the person.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from itertools import combinations
 
-from encoders.captures.paired.capture_from_hands import OPEN_FRAMES
+from encoders.captures.paired.open_hand import OPEN_FRAMES, OpenHandSearch, is_whole
 from models.frames import FINGERS, HandFrame, LandmarkFrame, TouchFrame
 
 TAPS = 3
@@ -61,6 +61,8 @@ class Guide:
         self._side, self._each, self._sets, self._camera = side, each, sets, camera
         self._wanted = PICTURES if camera else OPEN_FRAMES
         self._open = self._taps = self._set = 0
+        self._search = OpenHandSearch(side)
+        self._lifted = True
         self._played = 0.0
         self._touched: float | None = None
         self._last: float | None = None
@@ -73,6 +75,8 @@ class Guide:
             text = f"Hold your {self._side} hand open over the surface, palm down, fingers spread"
             if self._camera:
                 text += ", all of it in the picture"
+            if self._search.refused:
+                text += f" (not yet: {self._search.refused})"
             return GuideStep(text, self._open / self._wanted)
         if self._taps < TAPS:
             return GuideStep("Tap with all five fingers, three times, unevenly", self._taps / TAPS)
@@ -92,7 +96,14 @@ class Guide:
 
     def hand(self, frame: HandFrame) -> None:
         """Processes a frame of the Leap."""
-        if self._open < self._wanted and any(len(h.fingers) == len(FINGERS) for h in frame.hands):
+        if self._open >= self._wanted:
+            return
+        whole = [h for h in frame.hands if is_whole(h, self._side)]
+        if any(f.joints for h in whole for f in h.fingers):
+            # Five fingers that are not held open could not be measured after the session.
+            found = self._search.add(frame) is not None
+            self._open = self._wanted if found else min(self._search.seen, self._wanted - 1)
+        elif whole:
             self._open += 1
 
     def picture(self, frame: LandmarkFrame) -> None:
@@ -111,11 +122,12 @@ class Guide:
         """Processes a frame of the touch device that came at `now`, s."""
         if self._open < self._wanted or self.done:
             return
-        gone = self._touched is None or now - self._touched > APART
         if frame.contacts:
+            apart = self._touched is None or now - self._touched > APART
             if self._taps < TAPS:
-                self._taps += gone
+                self._taps += self._lifted and apart
             self._touched = now
+        self._lifted = not frame.contacts
         self.pass_time(now, len(frame.contacts))
 
     def pass_time(self, now: float, down: int) -> None:

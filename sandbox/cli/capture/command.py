@@ -32,7 +32,7 @@ from sandbox.cli.capture.hand_files import read_hand, read_mapping
 from sandbox.cli.capture.touch_files import read_touch_log
 from sandbox.cli.common.json_out import check_output, refuse_replacing
 from sandbox.cli.common.parse import parse
-from sandbox.devices.files.paired_capture import HANDS
+from sandbox.devices.files.paired_capture import HANDS, UNNAMED
 from sandbox.devices.webcam.landmark_file import is_landmark_file
 
 
@@ -151,8 +151,8 @@ class CaptureOptions:
     rate: Annotated[float, tyro.conf.arg(metavar="HZ")] = 30.0
     """Frames per second of the capture."""
 
-    subject: str = "unnamed"
-    """Pseudonym of the person."""
+    subject: str | None = None
+    """Pseudonym of the person; without it, the one in the recording, or "unnamed"."""
 
     simulated: bool = False
     """Mark the capture as simulated."""
@@ -290,7 +290,7 @@ def _meta(
 ) -> dict[str, Any]:
     meta: dict[str, Any] = {
         "simulated": options.simulated,
-        "subject": options.subject,
+        "subject": options.subject or UNNAMED,
         # The poses are those of a right hand; a left hand was mirrored.
         "side": "right",
         "recorded_side": options.side,

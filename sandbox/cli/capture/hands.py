@@ -8,8 +8,9 @@ from typing import Any
 
 from encoders.capture import Capture
 from encoders.captures.conversion import ConversionReport, ConversionRules
-from encoders.captures.paired.capture_from_hands import OPEN_FRAMES, capture_from_hands, open_hand
+from encoders.captures.paired.capture_from_hands import capture_from_hands
 from encoders.captures.paired.clocks import host_clock
+from encoders.captures.paired.open_hand import OPEN_FRAMES, open_hand
 from encoders.paalm.calibration import HandCalibration
 from encoders.paalm.calibration_file import read_hand
 from models.errors import EncoderError, InputError
@@ -60,7 +61,7 @@ def capture_of_hands(
         log = replace(log, xy=log.xy * [-1.0, 1.0])
     meta: dict[str, Any] = {
         "simulated": options.simulated or about.simulated,
-        "subject": options.subject if about.subject is None else about.subject,
+        "subject": about.person(options.subject),
         "side": "right",
         "recorded_side": side,
         "skeleton": "PAALM's",

@@ -137,7 +137,7 @@ def capture_of_pictures(
     report.notes["arrival_jitter_ms"] = [round(1e3 * c.jitter, 2) for c in session.clocks]
     meta: dict[str, Any] = {
         "simulated": options.simulated or about.simulated,
-        "subject": options.subject if about.subject is None else about.subject,
+        "subject": about.person(options.subject),
         "side": "right",
         "recorded_side": about.side,
         "skeleton": "average, scaled",

@@ -17,6 +17,7 @@ from rich.progress import BarColumn, Progress, TextColumn
 from rich.text import Text
 
 from encoders.captures.paired.guide import Guide
+from encoders.webcam.camera import Camera
 from models.errors import InputError, RecordingError
 from models.frames import HandFrame, TouchFrame
 from sandbox.cli.capture.live_naming import LiveNaming
@@ -167,12 +168,14 @@ def _record(options: RecordOptions, opened: Opened, hands: Hands) -> int:
     camera, first = isinstance(hands, LandmarkDevice), None
     naming: LiveNaming | None = None
     if camera:
-        first = header_record(webcam_choice(options.webcam).camera)
+        about |= _known_of_camera(options)
+        first = header_record(webcam_choice(options.webcam, _recorded_camera(options)).camera)
         naming = LiveNaming(opened.surface, options.side)
-        if "fov=" in options.webcam:
+        if any(key in options.webcam for key in ("fov=", "sees=")):
             about["fov"] = webcam_choice(options.webcam).camera.view
         if options.corners is not None:
             about["corners"] = parsed_corners(options.corners)
+        if "corners" in about:
             naming.corners(about["corners"], _WIDTH)
     guide = None if options.free else Guide(options.side, options.each, camera=camera)
     with (
@@ -222,6 +225,10 @@ def _follow(
     """Writes touches and hands until the end; returns the reason for the end."""
     console = Console(stderr=True)
     late_touches, late_hands = _start_offsets(options)
+    for device in (touched, hands):
+        if not device.plays_file:
+            # What came while the devices were opened did not arrive now.
+            device.poll(0.0)
     begin = time.monotonic()
     last: TouchFrame | None = None
     bar = Progress(
@@ -309,6 +316,22 @@ def _simulated(path: Path) -> bool:
     if not (path.is_file() and (path.parent / ABOUT).is_file()):
         return False
     return read_about(path.parent).simulated
+
+
+def _recorded_camera(options: RecordOptions) -> Camera | None:
+    """The camera of a recording that plays as a device; None if there is none."""
+    path = Path(options.hands)
+    return read_landmarks(path).camera if path.is_file() else None
+
+
+def _known_of_camera(options: RecordOptions) -> dict[str, Any]:
+    """What the session of a recording that plays as a device knew of its camera."""
+    path = Path(options.hands)
+    if not (path.is_file() and (path.parent / ABOUT).is_file()):
+        return {}
+    about = read_about(path.parent)
+    known = {"fov": about.fov, "corners": about.corners}
+    return {name: value for name, value in known.items() if value is not None}
 
 
 def parsed_corners(text: str) -> list[tuple[float, float]]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -15,8 +16,11 @@ from models.json_input import numbered_lines
 from models.surface import METRES_PER_INCH, Surface
 from sandbox.devices.files.frame_file import LONGEST_LINE, decoded_frame, frame_surface
 from sandbox.devices.tuio.touch_capture import CaptureDevice, read_capture
-from sandbox.options.touch_devices import first_line
+from sandbox.options.touch_devices import first_line, recorded_surface
 from sandbox.recording.recording import is_recording, load_recording
+
+_SAME_SIZE = 0.01
+"""Share by which two sizes of one surface may differ."""
 
 
 def read_touch_log(path: Path, surface: Surface | None) -> tuple[TouchLog, str]:
@@ -24,17 +28,22 @@ def read_touch_log(path: Path, surface: Surface | None) -> tuple[TouchLog, str]:
 
     Args:
         path: The file.
-        surface: Touch surface; only captures of TUIO packets need it.
+        surface: Touch surface, as measured. Captures of TUIO packets need it. Places of a file
+            that guessed its surface's size are stretched to it.
 
     Returns:
-        The log, and a description of damage at the end of the file; empty without damage.
+        The log, and what is to be said of the file: damage at its end, or that its size is a guess;
+        empty if it is sound.
 
     Raises:
-        InputError: The file has none of the three formats, or holds no touch.
+        InputError: The file has none of the three formats, holds no touch, or is of another
+            surface.
     """
     if is_recording(path):
         recording = load_recording(path)
-        return _log(recording.touches(), path), recording.damage
+        recorded = recorded_surface(recording.header["settings"])
+        log = _log(recording.touches(), path)
+        return _measured(log, recording.damage, recorded, surface, path)
     head = first_line(path)
     if "hex" in head:
         if surface is None:
@@ -47,7 +56,7 @@ def read_touch_log(path: Path, surface: Surface | None) -> tuple[TouchLog, str]:
         damage = str(capture.damage) if capture.damage else ""
         return _log(CaptureDevice(capture, surface).poll(math.inf), path), damage
     if "contacts" in head or "surface_in" in head:
-        return _shown(path)
+        return _measured(*_shown(path), touch_surface(path), surface, path)
     raise InputError(
         "this is not a recording of touches",
         where=str(path),
@@ -65,6 +74,29 @@ def touch_surface(path: Path) -> Surface | None:
     for number, line in numbered_lines(path, LONGEST_LINE):
         return frame_surface(line, f"{path}, line {number}")
     return None
+
+
+def _measured(
+    log: TouchLog, damage: str, recorded: Surface | None, given: Surface | None, path: Path
+) -> tuple[TouchLog, str]:
+    """The touches at the size of `given`; `recorded` is the surface that the file names."""
+    if recorded is None:
+        return log, damage
+    if given is None:
+        guess = "" if recorded.calibrated else "the surface's size is a guess: give --surface"
+        return log, "; ".join(filter(None, (damage, guess)))
+    factors = np.array(given.size) / np.array(recorded.size)
+    if not recorded.calibrated:
+        return replace(log, xy=log.xy * factors), damage
+    if np.abs(factors - 1.0).max() > _SAME_SIZE:
+        raise InputError(
+            "the file says another size of the surface",
+            where=str(path),
+            got=f"{recorded.width_in:g}x{recorded.height_in:g}in",
+            expected=f"{given.width_in:g}x{given.height_in:g}in of --surface",
+            remedy="Leave out --surface, or check which of the two is right",
+        )
+    return log, damage
 
 
 def _log(frames: Iterable[TouchFrame], path: Path) -> TouchLog:

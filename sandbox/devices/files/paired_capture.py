@@ -35,6 +35,9 @@ from sandbox.devices.leap.leap_json import LeapDecoder
 from sandbox.devices.leap.leap_write import leap_message
 from sandbox.session.closeable import Closeable
 
+UNNAMED = "unnamed"
+"""Pseudonym of a person who was given none."""
+
 TOUCHES, HANDS, ASKED, ABOUT = "touches.jsonl", "hands.jsonl", "asked.jsonl", "about.json"
 
 
@@ -55,6 +58,10 @@ class About(Struct):
     simulated: bool = False
     corners: list[tuple[float, float]] | None = None
     fov: float | None = None
+
+    def person(self, asked: str | None) -> str:
+        """Pseudonym of the person: the one that is asked for, or else the recorded one."""
+        return asked or self.subject or UNNAMED
 
 
 class _Arrival(Struct):

@@ -13,10 +13,11 @@ import pytest
 
 from encoders.capture import Capture
 from encoders.captures.conversion import ConversionReport, ConversionRules, TouchLog
-from encoders.captures.paired.capture_from_hands import capture_from_hands, open_hand
+from encoders.captures.paired.capture_from_hands import capture_from_hands
 from encoders.captures.paired.clocks import host_clock
 from encoders.captures.paired.guide import SETS, Guide
 from encoders.captures.paired.hand_track import _smooth, skeleton_of
+from encoders.captures.paired.open_hand import OPEN_FRAMES, open_hand
 from encoders.captures.paired.registration import register
 from encoders.captures.paired.simulated import FROZEN_PAIRED, PairedSession, simulate_paired
 from encoders.regression.bone_fit import tip_targets
@@ -202,6 +203,35 @@ def test_a_recording_that_begins_with_a_playing_hand_is_not_calibrated() -> None
         open_hand(frames, "right")
 
 
+def test_a_hand_that_comes_late_is_measured_when_it_is_open() -> None:
+    frames = session().leap.frames
+    at_once = open_hand(frames, "right")
+    empty = replace(frames[0], hands=())
+    late = open_hand([*[empty] * 500, *frames], "right")
+    assert late.frames > OPEN_FRAMES / 2
+    assert late.standard == pytest.approx(at_once.standard, abs=0.001)
+
+
+def test_the_guide_waits_until_the_right_hand_could_be_measured() -> None:
+    frames = session().leap.frames
+    guide = Guide("right")
+    for frame in frames[: 2 * OPEN_FRAMES]:
+        guide.hand(replace(frame, hands=tuple(replace(h, side="left") for h in frame.hands)))
+    assert guide.share == 0.0
+    empty = replace(frames[0], hands=())
+    for frame in [*[empty] * 500, *frames[: OPEN_FRAMES + 25]]:
+        guide.hand(frame)
+    assert "Tap" in guide.step.text
+
+
+def test_a_tap_that_rests_and_lifts_finger_by_finger_is_one() -> None:
+    guide = guided(0.2)
+    before = guide.step.share
+    for now, fingers in ((0.0, 5), (0.3, 4), (0.31, 3), (0.5, 1), (0.52, 0)):
+        guide.touch(frame_of(now, fingers), now)
+    assert before == 0.0 and guide.step.share == pytest.approx(1 / 3)
+
+
 def test_clock_drift_is_estimated_despite_jitter() -> None:
     rng = np.random.default_rng(0)
     device = np.arange(0.0, 300.0, 0.01)
@@ -308,6 +338,9 @@ def test_a_folder_becomes_a_capture_that_says_it_is_simulated(
     capture = load_capture(tmp_path / "c.npz")
     assert capture.meta["simulated"] is True and capture.meta["subject"] == "P1"
     assert "taps agreeing" in out and "clock drift" in out
+    asked = ("--recorded", folder, "--out", tmp_path / "d.npz", "--subject", "P07")
+    assert said(capsys, *asked)[0] == 0
+    assert load_capture(tmp_path / "d.npz").meta["subject"] == "P07"
 
 
 @pytest.mark.parametrize(

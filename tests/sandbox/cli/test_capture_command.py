@@ -11,13 +11,16 @@ import pytest
 
 from encoders.capture import Capture
 from encoders.store import load_capture
-from models.errors import MotionError
+from models.errors import InputError, MotionError
 from models.frames import Contact, TouchFrame
 from models.motion.read.pose_table import COLUMNS, read_pose_table
 from models.pose import joint_vectors
 from models.rotations import geodesic_angle
 from models.skeleton import ADULT
+from models.surface import Surface
+from sandbox.cli.capture.touch_files import read_touch_log
 from sandbox.cli.main import main
+from sandbox.options.scene_options import SceneOptions, plan
 from sandbox.recording.recording import RecordingWriter
 from tests.support.hand_recording import (
     RATE,
@@ -454,3 +457,31 @@ def test_a_table_with_a_wrong_part_is_refused_and_named(tmp_path: Path, old: str
     path.write_text(text.splitlines()[0])
     with pytest.raises(MotionError, match="no pose"):
         read_pose_table(path)
+
+
+def test_touches_at_a_guessed_size_are_stretched_to_the_measured_one(tmp_path: Path) -> None:
+    lines = [
+        {"surface_in": [8.0, 6.0], "surface_calibrated": False, "device": "tuio"},
+        {"time": 0.0, "contacts": [{"id": 1, "x": 8.0, "y": 3.0, "finger": None}]},
+    ]
+    file = tmp_path / "touches.jsonl"
+    file.write_text("".join(json.dumps(line) + "\n" for line in lines))
+    log, said = read_touch_log(file, None)
+    assert "a guess: give --surface" in said
+    np.testing.assert_allclose(log.xy, [[8.0 * 0.0254, 3.0 * 0.0254]])
+    log, said = read_touch_log(file, Surface(12.0, 9.0))
+    assert not said
+    np.testing.assert_allclose(log.xy, [[12.0 * 0.0254, 4.5 * 0.0254]])
+    lines[0]["surface_calibrated"] = True
+    file.write_text("".join(json.dumps(line) + "\n" for line in lines))
+    with pytest.raises(InputError, match="another size"):
+        read_touch_log(file, Surface(12.0, 9.0))
+    assert read_touch_log(file, Surface(8.0, 6.02))[1] == ""
+
+
+def test_touches_of_a_file_without_a_size_are_called_a_guess(tmp_path: Path) -> None:
+    file = tmp_path / "touches.jsonl"
+    file.write_text('{"time": 0.0, "contacts": [{"id": 1, "x": 8.0, "y": 3.0}]}\n')
+    assert not plan(SceneOptions(device=str(file))).settings.surface_calibrated
+    given = SceneOptions(device=str(file), surface="9x6in")
+    assert plan(given).settings.surface_calibrated

@@ -13,7 +13,7 @@ from encoders.captures.overhead.simulated import simulate_overhead
 from encoders.captures.paired.simulated import FROZEN_PAIRED, PairedSession, simulate_paired
 from sandbox.cli.capture.simulate import write_simulated, write_simulated_camera
 from sandbox.cli.main import main
-from sandbox.devices.files.paired_capture import ASKED, HANDS
+from sandbox.devices.files.paired_capture import ASKED, HANDS, TOUCHES, read_about
 
 SHORT = replace(FROZEN_PAIRED, play=9.0, open_seconds=1.5)
 
@@ -86,3 +86,16 @@ def test_a_folder_that_is_no_session_under_a_camera_is_told_in_one_line(
         assert main(["capture", "report", str(wrong)]) == 2
         err = capsys.readouterr().err
         assert err.count("\n") == 1 and "Traceback" not in err, err
+
+
+def test_a_session_that_is_recorded_again_keeps_what_was_known_of_the_camera(
+    folder: Path, tmp_path: Path
+) -> None:
+    copy = tmp_path / "copy"
+    files = ["--touches", str(folder / TOUCHES), "--hands", str(folder / HANDS)]
+    line = ["capture", "record", *files, "--out", str(copy), "--seconds", "4"]
+    assert main(line) == 0
+    assert read_about(copy).corners == read_about(folder).corners is not None
+    assert read_about(copy).fov == read_about(folder).fov is not None
+    first = [(each / HANDS).read_text().split("\n")[0] for each in (folder, copy)]
+    assert json.loads(first[0])["camera"] == json.loads(first[1])["camera"]

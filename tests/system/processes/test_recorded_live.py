@@ -14,9 +14,10 @@ import pytest
 
 from encoders.captures.paired.simulated import FROZEN_PAIRED, PairedSession, simulate_paired
 from encoders.store import load_capture
+from sandbox.cli.capture import record
 from sandbox.cli.capture.simulate import write_simulated
 from sandbox.cli.main import main
-from sandbox.devices.files.paired_capture import HANDS
+from sandbox.devices.files.paired_capture import HANDS, TOUCHES
 from sandbox.devices.leap.leap_fake import FakeLeapd
 from sandbox.devices.leap.leap_file import read_leap
 from sandbox.devices.tuio.tuio_sender import TuioOutput
@@ -104,3 +105,28 @@ def test_live_touches_and_a_live_leap_become_a_capture_of_the_same_fingers(
     notes = [c.meta["conversion"] for c in (filed, live)]
     place = [np.array(n["device_at_m"]) for n in notes]
     assert np.linalg.norm(place[0] - place[1]) < 0.004
+
+
+def test_frames_that_came_before_the_recording_are_not_part_of_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    s = simulate_paired(3, 1, "first", "v3", "right", QUICK)
+    write_simulated(s, tmp_path / "day", "P1")
+    leapd = FakeLeapd(read_leap(tmp_path / "day" / HANDS).messages, port=0, rate=100.0)
+    opened = record._touches
+
+    def late(options: record.RecordOptions) -> object:
+        # As long as a person needs to open the page on a tablet.
+        time.sleep(1.5)
+        return opened(options)
+
+    monkeypatch.setattr(record, "_touches", late)
+    touches = str(tmp_path / "day" / TOUCHES)
+    line = ["--touches", touches, "--leap", leapd.address, "--free", "--seconds", "1"]
+    try:
+        assert main(["capture", "record", *line, "--out", str(tmp_path / "live")]) == 0
+    finally:
+        leapd.close()
+    lines = (tmp_path / "live" / HANDS).read_text().splitlines()
+    hosts = [json.loads(line)["host"] for line in lines]
+    assert sum(host < 0.05 for host in hosts) < 20 < len(hosts)
