@@ -159,6 +159,8 @@ def main(argv: list[str]) -> int:
     if options.script:
         print(script(options.script), end="")
         return 0
+    if (options.tablet or options.lan is not None) and not (options.file or options.device):
+        options = replace(options, device="web")
     target, address = _target(options)
     _check(options)
     console, stop = Console(stderr=True), threading.Event()

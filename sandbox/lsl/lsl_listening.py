@@ -88,12 +88,16 @@ class ForwardingRecorder:
         self._recorder, self._listeners = recorder, tuple(listeners)
         self._session: Session | None = None
         self._states, self._posed = 0, 0
-        for listener in self._listeners:
-            listener.begin(header)
+        self._header = header
 
     def watch(self, session: Session) -> None:
-        """Sets the session whose poses are sent."""
+        """Sets the session whose poses are sent, and forwards the start of its trial.
+
+        A trial whose scene or device cannot be made has no session, and so neither start nor end.
+        """
         self._session = session
+        for listener in self._listeners:
+            listener.begin(self._header)
 
     def input(self, step: int, hand: int, frame: Frame, state_hash: str) -> None:
         """See `Recorder`."""

@@ -80,6 +80,11 @@ class TouchOptions:
     grab: tyro.conf.FlagCreatePairsOff[bool] = False
     """evdev: hide the touches from the desktop, so that a trackpad does not move the pointer."""
 
+    @property
+    def is_page(self) -> bool:
+        """True if the touches come from the page, whether by --device or by where it is opened."""
+        return self.device == "web" or self.tablet or self.lan is not None
+
 
 @dataclass(frozen=True)
 class Opened:

@@ -7,8 +7,10 @@ stand from where they were recorded?
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from math import asin, degrees
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -16,6 +18,7 @@ import numpy as np
 from models.arithmetic.arrays import Array
 from sandbox.recording.recording import Recording
 from sandbox.session.session import Session
+from tasks.score import Score, Status
 
 BOUND_MM = 1.0
 """mm that objects or fingertips may be apart at most: 3.5 times the largest of 87 recordings,
@@ -30,7 +33,7 @@ class Agreement:
 
     Attributes:
         same_outcome: Status and success are those that were recorded; None where the recording has
-            no end.
+            no end. See `is_same_outcome`.
         objects_mm: mm, largest distance of an object from its recorded place.
         objects_degrees: Degrees, largest turn of an object from its recorded one.
         hands_mm: mm, largest distance of a fingertip from its recorded place.
@@ -102,11 +105,31 @@ class PoseComparison:
         """The verdict on everything that was compared."""
         end, same = self._recording.end, None
         if end is not None:
-            recorded = end["result"]
-            score = self._session.scorer.score
-            same = (score.status, score.success) == (recorded["status"], recorded["success"])
+            score, ended_with_input = self._session.scorer.score, self._session.step == end["step"]
+            same = is_same_outcome(score, end["result"], ended_with_input)
         objects_mm, objects_degrees, hands_mm, hands_degrees = self._largest
         return Agreement(same, objects_mm, objects_degrees, hands_mm, hands_degrees, self._compared)
+
+
+def is_same_outcome(score: Score, recorded: Mapping[str, Any], ended_with_input: bool) -> bool:
+    """True if a replay ended as the recorded trial did.
+
+    A person who goes on to another trial, or a study's own limit, ends a trial from outside. Its
+    replay sees nothing but the end of the input. Then success decides.
+
+    Args:
+        score: The replay's.
+        recorded: The recorded result.
+        ended_with_input: The replay ended at the step at which the recording ends.
+    """
+    if score.success != recorded["success"]:
+        return False
+    from_outside = (
+        ended_with_input
+        and score.status in (Status.INPUT_ENDED, Status.HELD)
+        and recorded["status"] in (Status.RUNNING, Status.TIMEOUT)
+    )
+    return from_outside or score.status == recorded["status"]
 
 
 def _longest(vectors: Array) -> float:

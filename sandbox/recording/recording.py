@@ -320,7 +320,7 @@ def read_header(line: bytes, path: Path) -> dict[str, Any]:
     """
     try:
         header = json.loads(line)
-    except ValueError:
+    except (ValueError, RecursionError):
         raise RecordingError("its first line is damaged", where=str(path)) from None
     if header.get("schema") != SCHEMA:
         raise RecordingError(
@@ -333,6 +333,18 @@ def read_header(line: bytes, path: Path) -> dict[str, Any]:
             remedy="Use the version of the sandbox that made it, or record again",
         )
     return dict(header)
+
+
+_DAMAGED = (
+    ValueError,
+    KeyError,
+    TypeError,
+    OverflowError,
+    RecursionError,
+    InputError,
+    zlib.error,
+)
+"""What a damaged line may raise."""
 
 
 def load_recording(path: Path | str) -> Recording:
@@ -364,7 +376,7 @@ def load_recording(path: Path | str) -> Recording:
                 end = line
             else:
                 _take(line, recording)
-        except (ValueError, KeyError, TypeError, OverflowError, InputError, zlib.error) as error:
+        except _DAMAGED as error:
             damage = f"line {number} is damaged ({error}); everything before it is used"
             break
     if not whole and (damage or end is not None):

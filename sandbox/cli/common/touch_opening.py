@@ -11,7 +11,7 @@ from sandbox.options.touch_devices import Opened, TouchOptions, open_touches
 
 def open_touches_or_page(options: TouchOptions, seconds: float, tap: Any = None) -> Opened | None:
     """Opens the device; returns None if nobody opened the page in time."""
-    if options.device != "web" and not options.tablet and not options.lan:
+    if not options.is_page:
         return open_touches(options, tap)
     # This import loads the whole program, which only the page needs.
     from sandbox.cli.common.touch_page import open_page_touches

@@ -32,6 +32,7 @@ from sandbox.cli.run import report_end
 from sandbox.devices.wrappers.first_touch import FirstTouch
 from sandbox.devices.wrappers.merged import MergedDevice
 from sandbox.options.scene_options import Plan, SceneOptions, plan
+from sandbox.server.page_device import PageDevice
 from sandbox.server.page_server import PageServer
 from sandbox.server.protocol.describe import summary
 from sandbox.server.publishing import publish
@@ -273,7 +274,7 @@ class WindowPlay:
 
         def beside_page(maker: DeviceMaker) -> DeviceMaker:
             def make_both(task: Task, surface: Surface) -> Device:
-                return MergedDevice((maker(task, surface), WebDevice(surface)))
+                return MergedDevice((maker(task, surface), WebDevice(surface)), kept=1)
 
             return make_both
 
@@ -376,5 +377,6 @@ def _from_first_touch(maker: DeviceMaker) -> DeviceMaker:
 def _waiting(session: Session) -> bool:
     """True while a person has not touched the surface yet."""
     person = session.first_rig.device.find(FirstTouch)
-    begun = any(page.touched for _, page in touched_pages(session))
+    inside = (device for rig in session.rigs for device in rig.device.within())
+    begun = any(device.touched for device in inside if isinstance(device, PageDevice))
     return person is not None and not person.came() and not begun

@@ -26,7 +26,7 @@ from sandbox.study.record.trial_files import find_recordings, finished_only
 from sandbox.trial.driver import View, undisturbed
 from sandbox.trial.replay import Verification, replay
 from sandbox.trial.result import TrialResult
-from tasks.score import ending
+from tasks.score import Status, ending
 
 SELDOM = 64
 """Control periods between two updates of the progress bar, which take longer than one period."""
@@ -226,6 +226,9 @@ def _report(
         and not verification.same_machine
         and recording.end
     ):
+        score = TrialResult.from_json(recording.end["result"], str(recording.path)).score
+    elif verification.complete and recording.end and score.status is Status.INPUT_ENDED:
+        # The person or a study's limit ended it, which a replay cannot see.
         score = TrialResult.from_json(recording.end["result"], str(recording.path)).score
     if not verification.same_machine:
         shown = "its recorded poses" if verification.shown_recorded else "what is simulated here"

@@ -125,7 +125,7 @@ def record(options: Record) -> int:
         def tap(now: float, peer: str, data: bytes | None) -> None:
             file.write(packet_record(CapturedPacket(now, data, peer)))
 
-        packets = options.device == "tuio"
+        packets = options.device == "tuio" and not options.is_page
         try:
             opened = open_touches_or_page(options, options.seconds, tap if packets else None)
         except BaseException:

@@ -26,6 +26,9 @@ from sandbox.system.ending import ending_as_by_ctrl_c
 MOST_SENDERS = 64
 """Number of senders of a capture that keep their sockets; a sender needs one."""
 
+_LONGEST_SLEEP = 1.0
+"""s; a capture may hold times that no clock has."""
+
 
 @dataclass(frozen=True)
 class Send(TouchOptions):
@@ -76,7 +79,7 @@ def send(options: Send) -> int:
         return _send_tuio(options)
     if options.file is None:
         raise InputError("no file to send", where="--to", expected="a capture of packets")
-    return _send_packets(options.file, options.to, options.speed)
+    return _send_packets(options.file, options.to, options.speed, options.seconds)
 
 
 def _send_tuio(options: Send) -> int:
@@ -115,7 +118,7 @@ def _send_tuio(options: Send) -> int:
     return 0
 
 
-def _send_packets(file: Path, to: str, speed: float) -> int:
+def _send_packets(file: Path, to: str, speed: float, seconds: float) -> int:
     """Sends the packets of a capture at their times, each recorded sender from its own socket.
 
     A socket is closed with the connection whose packets it sends, or when too many others are in
@@ -133,7 +136,10 @@ def _send_packets(file: Path, to: str, speed: float) -> int:
         begin = time.monotonic()
         for packet in capture.packets:
             due = begin + (packet.time - capture.packets[0].time) / speed
-            time.sleep(max(0.0, due - time.monotonic()))
+            while (left := min(due, begin + seconds) - time.monotonic()) > 0.0:
+                time.sleep(min(left, _LONGEST_SLEEP))
+            if due > begin + seconds:
+                break
             bar.advance(job)
             if packet.data is None:
                 if packet.peer in channels:

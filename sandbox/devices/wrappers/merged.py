@@ -10,12 +10,17 @@ from models.frames import Contact, TouchFrame
 from sandbox.devices.wrappers.lift_keys import LiftKeys
 from sandbox.session.device import Device
 
+FAR = 2**30
+"""First new id beside a device whose ids stay; no page counts so far."""
+
 
 class MergedDevice(Device):
     """Merges the touches of several devices on one surface, with distinct ids.
 
     Args:
         devices: The devices; frames keep the times of their own clocks.
+        kept: Index of the device whose ids stay as they are, as a page knows its own touches by
+            them; None if all get new ones.
 
     Attributes:
         parts: The devices.
@@ -28,8 +33,9 @@ class MergedDevice(Device):
     has_lift: bool
     parts: tuple[Device, ...]
 
-    def __init__(self, devices: Sequence[Device]) -> None:
+    def __init__(self, devices: Sequence[Device], kept: int | None = None) -> None:
         self.parts = tuple(devices)
+        self._kept = kept
         self.name = "+".join(device.name for device in devices)
         self.has_lift = any(device.has_lift for device in devices)
         self.news = threading.Event()
@@ -40,7 +46,7 @@ class MergedDevice(Device):
         self._lifts: list[float | None] = [None] * len(devices)
         self._contacts: list[tuple[Contact, ...]] = [()] * len(devices)
         self._ids: list[dict[int, int]] = [{} for _ in devices]
-        self._next = 0
+        self._next = 0 if kept is None else FAR
 
     @property
     def finished(self) -> bool:
@@ -71,7 +77,7 @@ class MergedDevice(Device):
     def _merged(self, i: int, frame: TouchFrame) -> TouchFrame:
         known, ids = self._ids[i], {}
         for contact in frame.contacts:
-            ids[contact.id] = known[contact.id] if contact.id in known else self._new()
+            ids[contact.id] = known[contact.id] if contact.id in known else self._new(i, contact.id)
         self._ids[i] = ids
         self._contacts[i] = tuple(replace(c, id=ids[c.id]) for c in frame.contacts)
         if frame.lift is not None and frame.lift != self._lifts[i]:
@@ -94,6 +100,12 @@ class MergedDevice(Device):
                 other.follow(lift)
                 self._lifts[k] = lift
 
-    def _new(self) -> int:
+    def _new(self, i: int, own: int) -> int:
+        """The id of a new contact that the device `i` calls `own`."""
+        used = {id_ for ids in self._ids for id_ in ids.values()}
+        if i == self._kept and own not in used:
+            return own
+        while self._next in used:
+            self._next += 1
         self._next += 1
         return self._next - 1

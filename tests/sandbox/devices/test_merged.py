@@ -75,6 +75,19 @@ def test_touches_that_were_cancelled_stay_cancelled_under_their_new_ids() -> Non
     assert {c.id for c in first.contacts} == {gone} == third.cancelled
 
 
+@given(st.lists(frames_of_one, min_size=2, max_size=3), st.integers(0, 1))
+def test_ids_of_a_device_stay_where_asked_and_no_two_touches_share_one(
+    scripts: list[list[TouchFrame]], kept: int
+) -> None:
+    merged = MergedDevice([Played(script) for script in scripts], kept)
+    for frame in merged.poll(1.0):
+        ids = [c.id for c in frame.contacts]
+        assert len(set(ids)) == len(ids)
+    last = scripts[kept][-1].contacts if scripts[kept] else ()
+    found = merged.poll(2.0) or [TouchFrame(2.0, merged._contacts[kept])]
+    assert {c.id for c in found[-1].contacts} >= {c.id for c in last}
+
+
 def touch(
     web: WebDevice, seq: int, *contacts: tuple[int, float, float], lift: float | None = None
 ) -> None:

@@ -16,12 +16,15 @@ from models.arithmetic.arrays import Array
 from models.errors import RecordingError
 from sandbox.cli.replay import command
 from sandbox.options.scene_options import SceneOptions, plan
+from sandbox.recording.agreement import is_same_outcome
 from sandbox.recording.recording import load_recording
 from sandbox.session.messages import Snapshot
 from sandbox.session.pose_track import GRAIN, PoseTrack, PoseTrackWriter, read_track_line
+from sandbox.trial.driver import open_trial
 from sandbox.trial.headless import run_trial
 from sandbox.trial.replay import Verification, replay
 from sandbox.trial.result import TrialResult
+from tasks.score import Score, Status
 
 
 @pytest.fixture(scope="module")
@@ -106,6 +109,44 @@ def test_elsewhere_equal_states_are_still_told_to_be_equal(
     assert command.main([str(forged(path, "equal.jsonl"))]) == 0
     said = " ".join(capsys.readouterr().out.split())
     assert "exact" in said and "the system's libm" in said and "agrees" not in said
+
+
+@pytest.mark.parametrize(
+    ("recorded_as", "replayed_as", "at_its_end", "same"),
+    [
+        ("timeout", Score(status=Status.INPUT_ENDED), True, True),
+        ("running", Score(status=Status.INPUT_ENDED), True, True),
+        ("timeout", Score(status=Status.INPUT_ENDED), False, False),
+        ("timeout", Score(held=True, status=Status.HELD), True, False),
+        ("failed", Score(status=Status.INPUT_ENDED), True, False),
+        ("input_ended", Score(status=Status.TIMEOUT), True, False),
+        ("timeout", Score(status=Status.TIMEOUT), True, True),
+    ],
+)
+def test_a_trial_that_was_ended_from_outside_has_the_same_outcome_where_its_input_ends(
+    recorded_as: str, replayed_as: Score, at_its_end: bool, same: bool
+) -> None:
+    recorded = {"status": recorded_as, "success": False}
+    assert is_same_outcome(replayed_as, recorded, at_its_end) is same
+
+
+def test_a_trial_that_was_left_is_called_broken_off_by_its_replay(
+    recorded: tuple[dict[int, Snapshot], TrialResult, Path], capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = recorded[2].with_name("left.jsonl")
+    chosen = plan(SceneOptions(seed=11, fingers=3))
+    with open_trial(chosen.settings, chosen.makers, record=path, about=chosen.about) as trial:
+        for _ in range(60):
+            trial.step()
+        trial.end()
+    assert command.main([str(path)]) == 0
+    assert "broken off after" in capsys.readouterr().out
+    other = forged(path, "left-elsewhere.jsonl")
+    lines = other.read_text().splitlines()
+    first = next(found["hash"] for found in map(json.loads, lines[1:]) if "hash" in found)
+    other.write_text("\n".join(lines).replace(first, "0" * len(first)) + "\n")
+    assert command.main([str(other), "--verify"]) == 0
+    assert "the same outcome" in capsys.readouterr().out
 
 
 def test_on_the_same_machine_a_difference_still_fails(

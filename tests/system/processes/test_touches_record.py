@@ -135,6 +135,40 @@ def test_a_live_device_is_sent_until_control_c_and_then_lifts() -> None:
         assert frames[-1].contacts == ()
 
 
+def test_touches_of_the_page_are_recorded_however_the_page_was_asked_for(tmp_path: Path) -> None:
+    file = tmp_path / "touches.jsonl"
+    with program("touches", "record", file, "--lan", "127.0.0.1") as recorder:
+        page = Page(recorder.error_line(r"open (http://\S+)")[1])
+        try:
+            page.until("scene")
+
+            def arrived() -> bool:
+                page.touch((5, 1.5, 2.25), (6, 4.0, 3.0))
+                return len(read_lines(file)) > 2
+
+            until(arrived)
+        finally:
+            page.close()
+        recorder.process.send_signal(signal.SIGINT)
+        assert recorder.end()[0] == 0
+    recorded = read_frame_file(file)
+    assert recorded.surface is not None
+    assert max(len(frame.contacts) for frame in recorded.frames) == 2
+
+
+def read_lines(file: Path) -> list[str]:
+    return file.read_text().splitlines() if file.exists() else []
+
+
+def test_sending_a_capture_stops_after_the_time_given(tmp_path: Path) -> None:
+    capture = tmp_path / "far.jsonl"
+    lines = [{"t": t, "hex": frame(1, {1: (0.5, 0.5)}).hex()} for t in (0.0, 0.1, 1e300)]
+    capture.write_text("".join(json.dumps(line) + "\n" for line in lines))
+    status, _, errors = run("touches", "send", capture, "--to", "127.0.0.1:9", "--seconds", "0.5")
+    assert status == 0, errors
+    assert "sent 2 packets" in errors
+
+
 def test_the_page_can_feed_other_programs() -> None:
     surface = Surface()
     with (

@@ -294,6 +294,27 @@ def test_mouse_and_page_touch_one_scene_and_the_session_says_how_long_touches_to
     assert record.exists() and record.with_stem("run-2").exists()
 
 
+def test_fingers_on_the_page_alone_begin_a_trial_and_keep_the_pages_ids(
+    display: Screen, tmp_path: Path
+) -> None:
+    play = Play(display, tmp_path, "box-to-goal")
+    try:
+        (told,) = play.until(lambda: play.events("listening"), "it says where its page is")
+        play.until(lambda: play.events("trial_start"), "it waits")
+        with Page(told["address"]) as page:
+
+            def running() -> dict[str, Any] | None:
+                page.touch((3, 2.0, 2.0), (4, 3.0, 2.0))
+                state: dict[str, Any] = page.until("frame")["state"]
+                return state if state["time"] > 0.3 else None
+
+            state = play.until(running, "time begins with the page's fingers")
+            assert {contact["id"] for contact in state["hands"][0]["contacts"]} == {3, 4}
+    finally:
+        play.process.kill()
+        play.process.wait()
+
+
 def test_a_task_that_cannot_be_played_here_is_told_and_the_last_one_comes_back(
     display: Screen, tmp_path: Path
 ) -> None:
