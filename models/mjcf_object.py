@@ -18,7 +18,7 @@ from xml.etree.ElementTree import Element, SubElement
 
 import mujoco
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from models.arithmetic.arrays import Array
 from models.arithmetic.products import matrix_product, stacked_applied
@@ -333,17 +333,31 @@ def mesh_assets(model: Any, geoms: list[int], name: str, size: float) -> list[El
     for mesh in sorted({int(model.geom_dataid[g]) for g in geoms} - {-1}):
         points = size * mesh_points(model, mesh)
         faces = model.mesh_face[_part(model.mesh_faceadr, model.mesh_facenum, mesh)]
-        elements.append(
-            Element(
-                "mesh",
-                {
-                    "name": f"{name}_mesh{mesh}",
-                    "vertex": mjcf_text(points.ravel()),
-                    "face": " ".join(map(str, faces.ravel().tolist())),
-                },
-            )
-        )
+        values = {
+            "name": f"{name}_mesh{mesh}",
+            "vertex": mjcf_text(points.ravel()),
+            "face": " ".join(map(str, faces.ravel().tolist())),
+        }
+        if _is_sheet(points, faces):
+            # MuJoCo wants a volume, though the body's inertia is given.
+            values["inertia"] = "shell"
+        elements.append(Element("mesh", values))
     return elements
+
+
+_LEAST_VOLUME = 1e-14
+"""m3; MuJoCo refuses less than 1e-15, and turned triangles."""
+
+
+def _is_sheet(points: Array, faces: NDArray[np.int32]) -> bool:
+    """True if a mesh has so little volume that MuJoCo refuses it as a solid."""
+    corners = points[faces]
+    areas = np.linalg.norm(
+        np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1
+    )
+    middle = areas @ corners.mean(axis=1) / max(float(areas.sum()), _LEAST_VOLUME)
+    a, b, c = (corners[:, i] - middle for i in range(3))
+    return float((a * np.cross(b, c)).sum()) / 6.0 < _LEAST_VOLUME
 
 
 def mesh_points(model: Any, mesh: int) -> Array:

@@ -149,6 +149,15 @@ class MechanismPart(ABC):
         """Its hinge or slide; None for a body that is fixed or free."""
 
     @abstractmethod
+    def placed(self, value: float) -> tuple[tuple[float, float, float], float]:
+        """Position (3,) m and yaw, rad, of its body with its joint at a value, rad or m, and all
+        other joints at their starts.
+
+        Raises:
+            InputError: It has no joint.
+        """
+
+    @abstractmethod
     def body(self) -> Element:
         """MJCF of the body, with all that it carries."""
 

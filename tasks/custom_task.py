@@ -156,11 +156,13 @@ def judge(progress: float, *lacks: tuple[bool, str]) -> Measure:
     Args:
         progress: 0 (as at the start) to 1, before the conditions are taken into account.
         lacks: Pairs of a boolean, true while a condition is not met, and its text. People are shown
-            the first text.
+            the first text that is not empty.
     """
-    reason = next((why for lacking, why in lacks if lacking), "")
+    missing = [why for lacking, why in lacks if lacking]
     # Only success is 1.
-    return Measure(not reason, float(np.clip(progress, 0.0, 0.99)) if reason else 1.0, reason)
+    reached = not missing
+    part = 1.0 if reached else float(np.clip(progress, 0.0, 0.99))
+    return Measure(reached, part, next(filter(None, missing), ""))
 
 
 def two_places(
@@ -179,7 +181,14 @@ def two_places(
 
     Raises:
         SurfaceTooSmallError: The surface is too small for them.
+        InputError: The surface is upright (`plane = "front"`), where things stand on a floor.
     """
+    if surface.upright:
+        raise InputError(
+            "two places are drawn on a table, and this surface is upright",
+            where="two_places",
+            remedy="Draw the places yourself: x along the screen, z up, y at its plane",
+        )
     low, high = np.full(2, border), surface.size - border
     for _ in range(_TRIES if np.all(high > low) else 0):
         start, end = rng.uniform(low, high), rng.uniform(low, high)

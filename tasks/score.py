@@ -96,7 +96,7 @@ class Scorer:
             return self.score
         first = None if self._begun else measure.first
         if first is not None:
-            measure = replace(first, reached=False, lost=measure.lost)
+            measure = replace(first, reached=False, lost=measure.lost or first.lost)
             if self._lasted(time, first.reached):
                 self._begun, self._since = True, None
         elif self._held_at is None and self._lasted(time, measure.reached):

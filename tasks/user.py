@@ -92,11 +92,20 @@ class UserConfiguration:
 
 @dataclass(frozen=True)
 class SeenObject:
-    """An object on the screen: its shape, position (3,) m and rotation (3, 3)."""
+    """An object on the screen, as its user sees it.
+
+    Attributes:
+        shape: The object.
+        position: (3,) m.
+        rotation: (3, 3).
+        mirrored: True where a left-handed user sees the mirror image of a shape with a left and a
+            right side: a point (x, y, z) of the shape is at (x, -y, z) in the frame of `rotation`.
+    """
 
     shape: SceneObject
     position: Array
     rotation: Array
+    mirrored: bool = False
 
     @property
     def yaw(self) -> float:

@@ -236,6 +236,10 @@ def _goals_of_parts(
         if isinstance(old, MechanismPart) and old.carrier is None
         for name in old.together
     }
+    goals = tuple(
+        _on_its_slide(goal, old, task, objects, size)
+        for goal, old in zip(goals, task.goals, strict=True)
+    )
     # The first body's place: its goal if it has one, else where it starts.
     before = {old.name: old.position for old in task.objects}
     after = {new.name: new.position for new in objects}
@@ -252,6 +256,23 @@ def _goals_of_parts(
             goal = replace(goal, position=(x, y, z))
         placed.append(goal)
     return tuple(placed)
+
+
+def _on_its_slide(
+    goal: Goal, before: Goal, task: Task, objects: tuple[SceneObject, ...], size: float
+) -> Goal:
+    """The goal of a first body on a slide of its own, which has become as much longer as it has;
+    any other goal as it is."""
+    pairs = {old.name: (old, new) for old, new in zip(task.objects, objects, strict=True)}
+    old, new = pairs[goal.object]
+    if goal.on is not None or not isinstance(old, MechanismPart):
+        return goal
+    slides = old.joint is not None and old.joint.kind == "slide"
+    if old.carrier is not None or not slides or not isinstance(new, MechanismPart):
+        return goal
+    zero, other = old.placed(0.0)[0], new.placed(0.0)[0]
+    x, y, z = (c + size * (b - a) for a, b, c in zip(zero, before.position, other, strict=True))
+    return replace(goal, position=(x, y, z))
 
 
 def _shifted(task: Task) -> list[str]:

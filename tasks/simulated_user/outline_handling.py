@@ -21,7 +21,7 @@ class OutlineGrasp(Grasp):
     """A pinch across the bounding box of an object.
 
     Attributes:
-        offset: (2,) m, the box's middle in the object's frame, as seen from above.
+        offset: (2,) m, the box's middle in the frame of the object as it is seen from above.
     """
 
     offset: tuple[float, float] = (0.0, 0.0)
@@ -66,10 +66,11 @@ class OutlineHandling:
         grasp = choose_grasp(about, turn, hand)
         a, b, _ = self._box.half_size
         face = 2 * b if grasp.width == 2 * a else 2 * a
+        x, y = self._middle[:2].tolist()
         on_middle = {"side": grasp.axis - seen.yaw, "skew": 0.0, "fingers": hand.fitting(face / 2)}
         return OutlineGrasp(
             **{**vars(grasp), **on_middle},
-            offset=(float(self._middle[0]), float(self._middle[1])),
+            offset=(x, -y if seen.mirrored else y),
         )
 
     def pivot(self, seen: SeenObject) -> Array:

@@ -47,6 +47,7 @@ class Seat:
         # Objects in a mirror image have one of their own axes reversed, so that rotations stay
         # proper.
         flip_own = -1.0 if person.left else 1.0
+        self._mirrors = person.left
         self._own = np.diag([flip_own, 1.0, 1.0])
         self._own_of_long = np.diag([1.0, flip_own, 1.0])
 
@@ -80,7 +81,10 @@ class Seat:
         long = {n: isinstance(o.shape, Wrench | MjcfObject) for n, o in sight.objects.items()}
         objects = {
             name: replace(
-                o, position=self.point(o.position), rotation=self.rotation(o.rotation, long[name])
+                o,
+                position=self.point(o.position),
+                rotation=self.rotation(o.rotation, long[name]),
+                mirrored=self._mirrors and isinstance(o.shape, MjcfObject),
             )
             for name, o in sight.objects.items()
         }

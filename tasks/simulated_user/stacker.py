@@ -153,7 +153,7 @@ class Stacker(SkilledUser):
 
     def _highest(self) -> float:
         """Height in m of the highest other object."""
-        return max(_top(other) for other in self._boxes.around.neighbours)
+        return max((_top(other) for other in self._boxes.around.neighbours), default=0.0)
 
     def _carry(self, sight: Sight, box: SeenObject, now: float) -> None:
         low = self._highest() + _HARDLY_OVER - self._lowest

@@ -306,3 +306,11 @@ def test_what_mujoco_says_of_a_description_is_told_as_it_is() -> None:
 def test_impossible_objects_are_refused(wrong: dict[str, Any]) -> None:
     with pytest.raises(InputError):
         MjcfObject(**{"name": "thing", "mjcf": mjcf(SPHERE), "mass": 0.1, **wrong})
+
+
+def test_a_flat_sheet_that_is_only_seen_is_in_the_scene() -> None:
+    sheet = '<mesh name="sheet" inertia="shell" vertex="0 0 0 .03 0 0 .03 .03 0 0 .03 0"/>'
+    faces = sheet.replace("/>", ' face="0 1 2 0 2 3"/>')
+    inside = f'{BLOCK}<geom type="mesh" mesh="sheet" contype="0" conaffinity="0"/>'
+    thing = MjcfObject.on_table("it", mjcf(inside, faces), 0.1, (0.0, 0.0))
+    assert Scene(SceneSpec((), (thing,))).model.nmesh == 1

@@ -91,6 +91,51 @@ def test_the_first_missing_condition_is_reported_and_only_success_has_progress_o
     assert judge(2.0, (True, "b")).progress < 1.0
     assert judge(-1.0, (True, "b")).progress == 0.0
     assert judge(0.2, (False, "b")).reached and judge(0.2).progress == 1.0
+    untold = judge(0.5, (True, ""), (True, "far"))
+    assert not untold.reached and untold.reason == "far"
+    assert not judge(0.5, (True, "")).reached
+
+
+def test_two_places_on_an_upright_surface_are_refused() -> None:
+    with pytest.raises(InputError, match="this surface is upright"):
+        two_places(np.random.default_rng(1), Surface().placed_upright(0.006, -0.015))
+
+
+LIFTED = """
+from models.objects import Box, Cylinder
+from tasks.custom_task import CustomTask, judge, two_places
+from tasks.task import Goal
+
+class Lift(CustomTask):
+    name = "test-lift"
+    lift_range = 0.1
+    @classmethod
+    def place(cls, rng, surface):
+        start, end = two_places(rng, surface)
+        thing = THING
+        return [thing], [Goal("it", (end[0], end[1], 0.02), 0.0)]
+    def measure(self, sensing):
+        return judge(0.5, (True, "never"))
+"""
+
+
+@pytest.mark.parametrize(
+    ("thing", "refused"),
+    [
+        ('Box("it", (0.02, 0.02, 0.02), 0.1, (start[0], start[1], 0.02))', False),
+        ('Cylinder("it", 0.02, 0.02, 0.1, (start[0], start[1], 0.02))', True),
+    ],
+)
+def test_the_simulated_user_lifts_boxes_and_refuses_other_things_before_the_trial(
+    thing: str, refused: bool, tmp_path: Path
+) -> None:
+    file = tmp_path / "lift.py"
+    file.write_text(LIFTED.replace("THING", thing))
+    if refused:
+        with pytest.raises(InputError, match="can only lift boxes"):
+            run_trial(f"{file}:Lift", seed=1)
+    else:
+        assert run_trial(f"{file}:Lift", seed=1).score.reason == "never"
 
 
 def broken(**parts: Any) -> type[Slide]:

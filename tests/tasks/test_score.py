@@ -203,6 +203,12 @@ def test_what_has_to_be_held_first_is_held_before_the_goal_counts(
     assert scorer.score.held == held
 
 
+def test_what_is_lost_in_the_first_phase_ends_the_trial() -> None:
+    scorer = Scorer(TASK)
+    scorer.update(0.1, replace(MISSED, first=Measure(False, 0.0, "the key fell", lost=True)))
+    assert (scorer.score.status, scorer.score.reason) == (Status.FAILED, "the key fell")
+
+
 def test_while_the_first_is_missing_its_reason_is_told() -> None:
     scorer = Scorer(TASK)
     first = Measure(False, 0.0, "no finger rests")

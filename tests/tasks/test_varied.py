@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from models.errors import InputError
-from models.mechanisms.mechanism import Part
+from models.mechanisms.mechanism import Mechanism, Part
 from models.objects import Box
 from models.surface import Surface
 from sandbox.cli.main import main
@@ -131,6 +131,26 @@ def test_goals_of_a_resized_mechanism_are_where_its_joints_take_its_parts(
         position, yaw = part.placed(value)
         assert goal.position == pytest.approx(position, abs=1e-9)
         assert goal.yaw == pytest.approx(yaw)
+
+
+@pytest.mark.parametrize("size", [0.5, 2.0])
+def test_the_goal_of_a_first_body_on_a_slide_of_its_own_stays_where_it_was_on_its_way(
+    size: float,
+) -> None:
+    described = """<mujoco><worldbody><body name="sled" pos="0 0 .02">
+      <joint type="slide" axis="1 0 0" range="0 .05" damping="1"/>
+      <geom type="box" size=".02 .02 .02" mass=".1"/></body></worldbody></mujoco>"""
+    (sled,) = Mechanism("rail", described, (0.0, 0.0, 0.0)).parts
+    place, yaw = sled.placed(0.04)
+    plain = replace(
+        varied("chords", ""),  # type: ignore[type-var]
+        objects=(sled,),
+        goals=(Goal(sled.name, place, yaw),),
+    )
+    changed = vary(plain, Variation(size=size), Surface())
+    (larger,) = changed.objects
+    assert isinstance(larger, Part)
+    assert changed.goals[0].position == pytest.approx(larger.placed(0.04 * size)[0], abs=1e-9)
 
 
 def test_a_peg_of_another_size_is_to_be_where_its_socket_ends() -> None:

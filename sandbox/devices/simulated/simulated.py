@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from models.errors import InputError
 from models.frames import TouchFrame
-from models.objects import SceneObject, Tray
+from models.objects import Box, SceneObject, Tray
 from models.person import Person
 from models.surface import Surface
 from sandbox.devices.wrappers.drop_outs import DropOuts
@@ -114,6 +114,19 @@ class SimulatedDevice(Device):
                 "the simulated user needs goals to bring objects to, and this task has none",
                 where=task.name,
                 remedy="Give the task goals, or its own simulated user (`user`)",
+            )
+        if (
+            own is None
+            and configuration.kind == "skilled"
+            and hands_of(task) == 1
+            and (upright or task.lift_range > 0)
+            and not all(isinstance(thing, Box) for thing in task.objects)
+        ):
+            raise InputError(
+                "the simulated user can only lift boxes, and put them upright",
+                where=task.name,
+                got=", ".join(t.name for t in task.objects if not isinstance(t, Box)),
+                remedy="Define the task's own simulated user (`user`), or play it by hand",
             )
         if home is not None and not plain:
             home = seat.point(np.array([*home, 0.0]))[:2]

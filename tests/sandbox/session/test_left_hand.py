@@ -19,6 +19,7 @@ from models.errors import InputError
 from models.frames import Contact, TouchFrame
 from models.hand import Hand
 from models.kinematics import Kinematics
+from models.mjcf_object import MjcfObject
 from models.objects import Box
 from models.person import HANDS, TURNS, Person, PersonFrame
 from models.pose import mirrored
@@ -34,9 +35,11 @@ from sandbox.trial.headless import run_trial
 from sandbox.trial.replay import replay
 from sandbox.trial.result import TrialResult
 from sandbox.trial.settings import HandSettings, RunSettings
+from tasks.simulated_user.hand import Hand as UserHand
+from tasks.simulated_user.outline_handling import OutlineHandling
 from tasks.simulated_user.seated import Seat
 from tasks.task import Goal
-from tasks.user import SeenObject, Sight
+from tasks.user import SeenObject, Sight, UserConfiguration
 from tests.support.scripted import Script
 from tests.support.simulation import legal_poses, put
 
@@ -284,6 +287,26 @@ def test_a_seated_users_sight_keeps_distances_heights_and_what_is_at_its_goal(
     frame = seat.frame(TouchFrame(0.0, (Contact(1, float(on_theirs[0]), float(on_theirs[1])),)))
     felt = screen.to_world((frame.contacts[0].x, frame.contacts[0].y))
     np.testing.assert_allclose(felt, spot, atol=1e-12)
+
+
+@given(x=st.floats(-0.1, 0.1), y=st.floats(-0.1, 0.1), yaw=st.floats(-3.0, 3.0), person=people)
+def test_the_middle_of_a_lopsided_thing_is_seen_where_it_is(
+    x: float, y: float, yaw: float, person: Person
+) -> None:
+    described = """<mujoco><worldbody><body><geom type="box" size=".03 .02 .02" pos=".01 .02 0"/>
+      </body></worldbody></mujoco>"""
+    thing = MjcfObject.on_table("it", described, 0.1, (x, y), yaw)
+    c, s = np.cos(yaw), np.sin(yaw)
+    rotation = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+    position = np.array([x, y, 0.02])
+    seat = Seat(person, SCREEN.centred_at((0.0, 0.0, 0.02)))
+    goal = Goal("it", (x, y, 0.02), yaw)
+    sight = Sight(0.0, {}, True, {"it": SeenObject(thing, position, rotation)}, (goal,), False)
+    seen = seat.sight(sight).objects["it"]
+    hand = UserHand.draw(UserConfiguration(), 1)
+    grasp = OutlineHandling(thing).grasp(seen, 0.0, hand)
+    truth = seat.point(position + rotation @ np.array([0.01, 0.02, 0.0]))
+    np.testing.assert_allclose(grasp.middle(seen), truth[:2], atol=1e-9)
 
 
 @pytest.mark.parametrize(
