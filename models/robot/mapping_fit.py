@@ -7,7 +7,7 @@ meet the person's fingertips in many poses with their joints near the middle of 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -251,11 +251,24 @@ def _coupled(robot: RobotModel) -> dict[str, tuple[str, float]]:
                 pairs.append((first, second, -two / one))
     out: dict[str, tuple[str, float]] = {}
     for first, second, ratio in pairs:
+        if not ratio:
+            continue
         if first in driven and second not in driven:
             first, second, ratio = second, first, 1.0 / ratio
-        if {first, second} <= names and ratio:
+        circle = second == first or (second in out and _free_joint(second, out)[0] == first)
+        if {first, second} <= names and not circle:
             out[first] = second, ratio
-    return out
+    return {name: _free_joint(name, out) for name in out}
+
+
+def _free_joint(name: str, coupled: Mapping[str, tuple[str, float]]) -> tuple[str, float]:
+    """The joint at the end of a joint's chain of couplings, which follows no other, and the ratio
+    to it."""
+    joint, ratio = coupled[name]
+    while joint in coupled:
+        joint, step = coupled[joint]
+        ratio *= step
+    return joint, ratio
 
 
 def _radii(robot: RobotModel) -> tuple[float, ...]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,7 @@ from encoders.capture import Capture
 from encoders.captures.conversion.fingers import LabelledTrack, distances
 from encoders.captures.conversion.joint_track import JointTrack
 from encoders.captures.conversion.report import ConversionReport, ConversionRules
+from encoders.captures.conversion.touch_log import ContactTrack
 from models.arithmetic.arrays import Array
 from models.errors import CaptureError
 from models.frames import FINGERS
@@ -30,7 +32,8 @@ def assemble(
     """Creates the capture.
 
     Frames with one finger are dropped, as in the paper: one touch does not determine the hand.
-    Frames without a pose, and touches away from their finger, are dropped as well.
+    Frames without a pose, and frames with a touch away from its finger, are dropped as well: a
+    missing touch would be a wrong training example.
 
     Args:
         tracks: Contacts with their fingers; no two of one finger at a time.
@@ -52,12 +55,14 @@ def assemble(
     time = begin + np.arange(int((end - begin) * rules.rate + 1 + _ROUNDING)) / rules.rate
     ids = np.full((len(time), len(FINGERS)), -1, np.int64)
     xy = np.full((len(time), len(FINGERS), 2), np.nan)
+    away = np.zeros(len(time), bool)
     for number, one in enumerate(tracks):
         track = one.track
         inside = np.flatnonzero((time >= track.start - _ROUNDING) & (time < track.end - _ROUNDING))
         apart, known = distances(track, time[inside], joints, offset, rules)
         left = known & (apart[:, one.finger] > rules.reach)
         report.drop_parts("touches on frames in which their finger was elsewhere", int(left.sum()))
+        away[inside[left]] = True
         inside = inside[~left]
         ids[inside, one.finger] = number
         xy[inside, one.finger] = track.at(time[inside], rules.gap)
@@ -65,13 +70,47 @@ def assemble(
     q, posed = joints.at(time + offset, rules.gap)
     report.drop_frames("with one finger", int((fingers == 1).sum()))
     report.drop_frames("without a pose", int(((fingers > 1) & ~posed).sum()))
-    keep = np.flatnonzero((fingers > 1) & posed)
+    report.drop_frames(
+        "with a finger away from its touch", int(((fingers > 1) & posed & away).sum())
+    )
+    keep = np.flatnonzero((fingers > 1) & posed & ~away)
     if not len(keep):
         raise CaptureError("no frame is left", remedy=f"Dropped: {_dropped_text(report)}")
     report.notes["kept_frames"] = len(keep)
     report.notes["kept_contacts"] = len(tracks)
     meta = {**meta, "rate_hz": rules.rate, "conversion": report.as_json()}
     return Capture(time[keep], _takes(time[keep], rules), ids[keep], xy[keep], q[keep], meta)
+
+
+def whole_frames(
+    capture: Capture,
+    tracks: list[ContactTrack],
+    labelled: list[LabelledTrack],
+    report: ConversionReport,
+) -> Capture:
+    """Selects the frames in which every touch is labelled: a missing touch would be a wrong
+    training example.
+
+    Args:
+        capture: The capture.
+        tracks: All contacts.
+        labelled: Those with a name.
+        report: Receives the counts.
+
+    Raises:
+        CaptureError: No frame is left.
+    """
+    named = {id(one.track) for one in labelled}
+    keep = np.ones(len(capture), bool)
+    for one in tracks:
+        if id(one) not in named:
+            keep &= (capture.time < one.start) | (capture.time >= one.end)
+    report.drop_frames("with a touch that has no name", int((~keep).sum()))
+    if not keep.any():
+        raise CaptureError("no frame is left in which all touches have names")
+    kept = capture if keep.all() else capture.select(keep)
+    report.notes["kept_frames"] = len(kept)
+    return replace(kept, meta={**capture.meta, "conversion": report.as_json()})
 
 
 def _takes(time: Array, rules: ConversionRules) -> NDArray[np.int64]:

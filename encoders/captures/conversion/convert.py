@@ -7,8 +7,8 @@ from typing import Any, Literal
 import numpy as np
 
 from encoders.capture import Capture
-from encoders.captures.conversion.assemble import assemble
-from encoders.captures.conversion.fingers import label_contacts
+from encoders.captures.conversion.assemble import assemble, whole_frames
+from encoders.captures.conversion.fingers import is_in_doubt, label_contacts
 from encoders.captures.conversion.hand_points import touches_from_tips
 from encoders.captures.conversion.joint_track import JointTrack
 from encoders.captures.conversion.report import ConversionReport, ConversionRules
@@ -67,7 +67,10 @@ def capture_from_touches(
         )
     apart = float(np.median([one.distance for one in labelled]))
     report.notes["touch_to_fingertip_mm"] = round(1000 * apart, 2)
-    return assemble(labelled, joints, clock_offset.offset, rules, report, meta)
+    capture = assemble(labelled, joints, clock_offset.offset, rules, report, meta)
+    # What is near no fingertip may be a palm, and takes no frames with it.
+    doubtful = [one for one in tracks if is_in_doubt(one, joints, clock_offset.offset, rules)]
+    return whole_frames(capture, doubtful, labelled, report)
 
 
 def capture_from_poses(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -48,23 +49,17 @@ def label_contacts(
     """
     labelled = []
     for track in tracks:
-        times = sample_times(track, rules.rate)
-        distance, known = distances(track, times, joints, offset, rules)
-        if not known.any():
+        vote = _vote(track, joints, offset, rules)
+        if vote is None:
             report.drop_contacts("no pose at their time")
-            continue
-        nearest = distance[known].argmin(axis=1)
-        votes = np.bincount(nearest, minlength=len(FINGERS)) / len(nearest)
-        finger = int(votes.argmax())
-        typical = float(np.median(distance[known][:, finger]))
-        if typical > rules.reach:
+        elif vote.distance > rules.reach:
             report.drop_contacts(f"no fingertip within {1000 * rules.reach:g} mm")
-        elif votes[finger] < 1 - rules.doubt:
+        elif vote.share < 1 - rules.doubt:
             report.drop_contacts(
                 f"nearer to another finger for more than {100 * rules.doubt:g} % of their time"
             )
         else:
-            labelled.append(LabelledTrack(track, finger, typical))
+            labelled.append(LabelledTrack(track, vote.finger, vote.distance))
     return _one_each(labelled, report)
 
 
@@ -89,6 +84,42 @@ def distances(
     off = tips[..., :2] - (xy * [1.0, -1.0])[:, None, :]
     above = np.maximum(tips[..., 2] - RESTING, 0.0)
     return np.sqrt((off**2).sum(axis=2) + above**2), known
+
+
+def is_in_doubt(
+    track: ContactTrack, joints: JointTrack, offset: float, rules: ConversionRules
+) -> bool:
+    """True if a contact is a finger's, and it cannot be told which; see `label_contacts`."""
+    vote = _vote(track, joints, offset, rules)
+    return vote is not None and vote.distance <= rules.reach and vote.share < 1 - rules.doubt
+
+
+class _Vote(NamedTuple):
+    """The fingertip that is nearest to a contact for most of its life.
+
+    Attributes:
+        finger: Its finger.
+        share: Share of the life in which it is the nearest.
+        distance: m, median.
+    """
+
+    finger: int
+    share: float
+    distance: float
+
+
+def _vote(
+    track: ContactTrack, joints: JointTrack, offset: float, rules: ConversionRules
+) -> _Vote | None:
+    """Asks which finger a contact is of; None if there is no pose at its time."""
+    times = sample_times(track, rules.rate)
+    distance, known = distances(track, times, joints, offset, rules)
+    if not known.any():
+        return None
+    nearest = distance[known].argmin(axis=1)
+    votes = np.bincount(nearest, minlength=len(FINGERS)) / len(nearest)
+    finger = int(votes.argmax())
+    return _Vote(finger, float(votes[finger]), float(np.median(distance[known][:, finger])))
 
 
 def _one_each(labelled: list[LabelledTrack], report: ConversionReport) -> list[LabelledTrack]:

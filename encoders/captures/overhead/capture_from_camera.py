@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from encoders.capture import Capture
-from encoders.captures.conversion.assemble import assemble
+from encoders.captures.conversion.assemble import assemble, whole_frames
 from encoders.captures.conversion.fingers import LabelledTrack, sample_times
 from encoders.captures.conversion.report import ConversionReport, ConversionRules
 from encoders.captures.conversion.synchronise import ClockOffset, refined_by_motion
@@ -34,7 +34,7 @@ from encoders.captures.overhead.picture_track import (
     picture_track,
 )
 from encoders.captures.overhead.tablet_plane import TabletPlane, plane_of_touches
-from encoders.captures.paired.capture_from_hands import ONE_CLOCK, corrected, whole_frames
+from encoders.captures.paired.capture_from_hands import ONE_CLOCK, corrected
 from encoders.captures.paired.hand_track import HandTrack
 from encoders.correction import PAD_HEIGHT
 from encoders.webcam.camera import Camera

@@ -19,7 +19,7 @@ from typing import Any, Literal
 import numpy as np
 
 from encoders.capture import Capture
-from encoders.captures.conversion.assemble import assemble
+from encoders.captures.conversion.assemble import assemble, whole_frames
 from encoders.captures.conversion.fingers import LabelledTrack, sample_times
 from encoders.captures.conversion.report import ConversionReport, ConversionRules
 from encoders.captures.conversion.surface_frame import frame_from_fingertips
@@ -182,37 +182,6 @@ def _pairs(
         touches.append(one.track.at(times, rules.gap)[known] * [1.0, -1.0])
         fingertips.append(tips[known, one.finger])
     return np.concatenate(touches), np.concatenate(fingertips)
-
-
-def whole_frames(
-    capture: Capture,
-    tracks: list[ContactTrack],
-    labelled: list[LabelledTrack],
-    report: ConversionReport,
-) -> Capture:
-    """Selects the frames in which every touch is labelled: a missing touch would be a wrong
-    training example.
-
-    Args:
-        capture: The capture.
-        tracks: All contacts.
-        labelled: Those with a name.
-        report: Receives the counts.
-
-    Raises:
-        CaptureError: No frame is left.
-    """
-    named = {id(one.track) for one in labelled}
-    keep = np.ones(len(capture), bool)
-    for one in tracks:
-        if id(one) not in named:
-            keep &= (capture.time < one.start) | (capture.time >= one.end)
-    report.drop_frames("with a touch that has no name", int((~keep).sum()))
-    if not keep.any():
-        raise CaptureError("no frame is left in which all touches have names")
-    kept = capture if keep.all() else capture.select(keep)
-    report.notes["kept_frames"] = len(kept)
-    return replace(kept, meta={**capture.meta, "conversion": report.as_json()})
 
 
 def corrected(

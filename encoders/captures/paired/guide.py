@@ -26,6 +26,9 @@ SETS: tuple[tuple[int, ...], ...] = tuple(
 PICTURES = 20
 """Pictures with the hand before the taps, where a camera sees it: it needs no measuring."""
 
+ROUNDS = 2
+"""Number of times that every set is asked for: in one take alone it could not be tested on."""
+
 _MOST_STEP = 0.1
 """s that one frame adds at most, so that a paused device adds nothing."""
 
@@ -43,7 +46,7 @@ class Guide:
 
     Args:
         side: The hand, left or right.
-        each: s for which every set is to be played.
+        each: s for which every set is to be played, in all rounds together.
         sets: The finger sets; by default all 26.
         camera: True if a camera sees the hand, in place of a Leap.
 
@@ -58,7 +61,8 @@ class Guide:
         sets: tuple[tuple[int, ...], ...] = SETS,
         camera: bool = False,
     ) -> None:
-        self._side, self._each, self._sets, self._camera = side, each, sets, camera
+        self._side, self._each, self._camera = side, each / ROUNDS, camera
+        self._sets = ROUNDS * sets
         self._wanted = PICTURES if camera else OPEN_FRAMES
         self._open = self._taps = self._set = 0
         self._search = OpenHandSearch(side)

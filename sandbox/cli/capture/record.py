@@ -64,8 +64,8 @@ class RecordOptions:
 
     It guides you: hold the hand open (PAALM measures it), tap three times with all five fingers (to
     synchronise the clocks), then move on the surface with each of the 26 sets of two to five
-    fingers for some seconds. Ctrl-C stops earlier and keeps the recording. Record again on another
-    day for a test set. docs/own-hand.md explains where to place the Leap.
+    fingers, twice for some seconds. Ctrl-C stops earlier and keeps the recording. Record again on
+    another day for a test set. docs/own-hand.md explains where to place the Leap.
 
     With --hands webcam, a camera over the tablet sees the fingers and names each touch by the
     fingertip that is nearest (docs/camera-over-tablet.md, ten minutes). Landmarks of the hand are
@@ -109,7 +109,8 @@ class RecordOptions:
     """Pseudonym of the person."""
 
     each: float = 6.0
-    """Seconds for each set of fingers; 6 give about as many frames as in the paper."""
+    """Seconds for each set of fingers, in two parts; 6 give about as many frames as in the
+    paper."""
 
     free: tyro.conf.FlagCreatePairsOff[bool] = False
     """Record without guidance until Ctrl-C, for a test set. Begin with the open hand and three

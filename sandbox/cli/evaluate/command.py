@@ -4,7 +4,7 @@ pictures."""
 from __future__ import annotations
 
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager, nullcontext, suppress
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -14,7 +14,7 @@ import tyro
 from rich.console import Console
 from rich.progress import Progress, TaskID
 
-from models.errors import InputError
+from models.errors import HandSandboxError, InputError
 from sandbox.cli.common.json_out import check_output, refuse_replacing, write_json
 from sandbox.cli.common.parse import parse
 from sandbox.cli.evaluate.asked import is_about_strangers
@@ -112,9 +112,11 @@ def main(argv: list[str]) -> int:
         parse(PaalmJudgeOptions, "sandbox evaluate", ["--help"])
         raise
     _check(options)
+    from encoders.discovery import guarded
     from encoders.evaluation.measure import MethodResult, Tests, evaluate_method
     from encoders.evaluation.report import report
     from encoders.evaluation.training import check_names
+    from encoders.regression.registry import is_external
     from sandbox.cli.evaluate.data import gather, refuse_learned
     from sandbox.cli.evaluate.tables import show
 
@@ -133,14 +135,21 @@ def main(argv: list[str]) -> int:
         refuse_learned(options.encoders, data.tests)
         tests = Tests(data.tests)
         results: dict[str, MethodResult] = {}
+        failed: list[tuple[str, HandSandboxError]] = []
         for name in options.encoders:
             bar = progress.add_task(f"{name}: training", total=1.0)
             shown = partial(_show, progress, bar)
-            method = data.training.method(name, shown)
-            progress.update(bar, description=method.name, completed=0.0)
             learned = data.training.capture if options.copas else None
-            results[method.name] = evaluate_method(method, tests, learned, shown)
+            try:
+                method = data.training.method(name, shown)
+                progress.update(bar, description=method.name, completed=0.0)
+                with guarded("the encoder fails", name) if is_external(name) else nullcontext():
+                    results[method.name] = evaluate_method(method, tests, learned, shown)
+            except HandSandboxError as error:
+                failed.append((name, error))
             progress.update(bar, completed=1.0)
+        if not results:
+            raise failed[0][1]
         document = report(
             results,
             tests,
@@ -152,6 +161,11 @@ def main(argv: list[str]) -> int:
             },
         )
     show(console, document)
+    errors = Console(stderr=True)
+    for text in data.remarks:
+        errors.print(text, markup=False, highlight=False, soft_wrap=True)
+    for name, error in failed:
+        errors.print(f"{name} was left out: {error}", markup=False, soft_wrap=True)
     write_json(options.json, document, sort_keys=True)
     if options.plots is not None:
         from sandbox.figures import draw_all
@@ -159,7 +173,7 @@ def main(argv: list[str]) -> int:
         with _writing(f"--plots {options.plots}"), console.status("drawing"):
             paths = draw_all(options.plots, document, results, tests)
         console.print(f"{len(paths)} pictures in {options.plots}")
-    return 0
+    return 2 if failed else 0
 
 
 def _check(options: EvaluateOptions) -> None:

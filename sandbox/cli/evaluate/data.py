@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from rich.progress import Progress
 
 from encoders.capture import Capture
@@ -19,6 +20,7 @@ from encoders.regression.trained import builtin_capture, load_model
 from encoders.store import load_capture
 from encoders.validation import trial_folds
 from models.errors import CaptureError, InputError
+from models.frames import FINGERS
 
 BUILTIN, SPLIT = "builtin", "split"
 
@@ -35,6 +37,8 @@ class Data:
     training: Training
     tests: list[Capture]
     configuration: dict[str, Any]
+    remarks: tuple[str, ...] = ()
+    """What people should know of them."""
 
 
 def gather(
@@ -72,8 +76,21 @@ def gather(
         out = trial_folds(whole.trial, SPLIT_FOLDS) == 0
         if out.all():
             raise CaptureError("one take cannot be split", where=str(files[0]))
-        configuration["test_takes"] = sorted({int(t) for t in whole.trial[out]})
-        return Data(Training(whole.select(~out)), [whole.select(out)], configuration)
+        # Nothing can be said of fingers that methods never saw together.
+        sets = np.packbits(whole.down, axis=1)[:, 0]
+        known = np.isin(sets, sets[~out])
+        unknown = whole.down[out & ~known]
+        if not (out & known).any():
+            raise CaptureError(
+                "every set of fingers is in one take alone, so there is nothing to test on",
+                where=str(files[0]),
+                remedy="Record every set of fingers at least twice, with a pause between",
+            )
+        configuration["test_takes"] = sorted({int(t) for t in whole.trial[out & known]})
+        remarks = _untested(unknown)
+        return Data(
+            Training(whole.select(~out)), [whole.select(out & known)], configuration, remarks
+        )
 
     loaded = [_loaded(file) for file in files]
     learned = _loaded(Path(train)) if train != BUILTIN else None
@@ -106,6 +123,17 @@ def gather(
             )
     configuration["training_digest"] = digest
     return Data(training, tests, configuration)
+
+
+def _untested(down: NDArray[np.bool_]) -> tuple[str, ...]:
+    """A remark on frames (n, 5) that are not tested on; none without any."""
+    if not len(down):
+        return ()
+    sets = [" + ".join(FINGERS[i] for i in np.flatnonzero(row)) for row in np.unique(down, axis=0)]
+    return (
+        f"{len(down):,} frames are not tested on, since one take alone has their fingers: "
+        + "; ".join(sets),
+    )
 
 
 def refuse_learned(names: Sequence[str], tests: Sequence[Capture]) -> None:

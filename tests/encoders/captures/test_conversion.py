@@ -292,8 +292,27 @@ def test_a_contact_between_two_fingers_is_refused(truth: Truth, joints: JointTra
     share = np.linspace(0, 1, len(frames))[:, None]
     xy = index[frames] + share * 0.75 * (truth.xy[frames, 2] - index[frames])
     bare = TouchLog(log.time, log.frame[keep], log.ids[keep], log.xy[keep])
-    _, report = converted(with_rows(bare, frames, np.full(len(frames), 900), xy), joints)
+    capture, report = converted(with_rows(bare, frames, np.full(len(frames), 900), xy), joints)
     assert report.contacts["nearer to another finger for more than 20 % of their time"] == 1
+    # No frame says that fewer fingers touched; its ends lie between frames.
+    assert not np.isin(rows_of(truth, capture), frames[3:-3]).any()
+
+
+def test_a_touch_that_leaves_its_finger_for_a_moment_takes_these_frames_with_it(
+    truth: Truth, joints: JointTrack
+) -> None:
+    log = touch_log(truth, AHEAD)
+    both = np.flatnonzero(truth.down[:, 1] & (truth.down.sum(axis=1) > 2))
+    run = max(np.split(both, np.flatnonzero(np.diff(both) > 1) + 1), key=len)
+    moved = run[len(run) // 2 : len(run) // 2 + 8]
+    xy, at = log.xy.copy(), truth.xy[:, 1]
+    for frame in moved:
+        rows = np.flatnonzero(log.frame == frame)
+        nearest = rows[np.linalg.norm(log.xy[rows] - at[frame], axis=1).argmin()]
+        xy[nearest] += [0.0, -0.03]
+    capture, report = converted(TouchLog(log.time, log.frame, log.ids, xy), joints)
+    np.testing.assert_array_equal(capture.down, truth.down[rows_of(truth, capture)])
+    assert report.frames["with a finger away from its touch"] >= 3, report
 
 
 def test_two_contacts_of_one_finger_leave_the_nearer(truth: Truth, joints: JointTrack) -> None:

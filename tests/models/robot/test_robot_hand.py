@@ -103,6 +103,20 @@ def test_joints_keep_within_their_ranges_and_coupled_ones_together(tmp_path: Pat
         assert angles[dip] == pytest.approx(0.8 * angles[pip], abs=1e-12)
 
 
+def test_couplings_in_a_row_lead_to_the_joint_that_follows_no_other(tmp_path: Path) -> None:
+    rows = """<equality>
+        <joint joint1="index_dip" joint2="index_pip" polycoef="0 .8 0 0 0"/>
+        <joint joint1="middle_pip" joint2="middle_mcp" polycoef="0 0 0 0 0"/>
+        <joint joint1="index_mcp" joint2="index_dip" polycoef="0 2.5 0 0 0"/>
+        <joint joint1="index_pip" joint2="index_mcp" polycoef="0 .5 0 0 0"/>
+      </equality>"""
+    path = hinge_hand(tmp_path, extra=rows)
+    assert fit_mapping(path, TIPS, model=path.name).mapping.coupled == {
+        "index_dip": ("index_pip", pytest.approx(0.8)),
+        "index_mcp": ("index_pip", pytest.approx(2.0)),
+    }
+
+
 def test_a_finger_that_cannot_reach_its_touch_is_named(mapping: RobotMapping) -> None:
     giant = RobotHand("right", mapping, ADULT.scaled(3.0), 1.0)
     retargeter = giant.retargeter()
