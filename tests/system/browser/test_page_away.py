@@ -287,3 +287,22 @@ def test_a_table_that_is_left_zoomed_says_so_and_waits_until_two_fingers_undo_it
         assert wait_for(lambda: page.pause == "back")
         page.touch_again()
         assert wait_for(lambda: page.time > stood + 0.2)
+
+
+def test_a_task_without_room_is_played_once_the_screen_is_turned(
+    browser: Browser, tmp_path: Path
+) -> None:
+    with playing(browser, tmp_path) as page:
+        page.tab.wait(DRAWN)
+        first = page.scene
+        page.tab.resize(480, WIDTH)
+        assert wait_for(lambda: page.scene > first), page.tab.text()
+        page.tab.wait(DRAWN)
+        page.tab.tap("Tasks")
+        page.tab.tap("Stack vertical")
+        page.tab.wait("!document.querySelector('.trouble').hidden")
+        assert "then there is enough room" in page.tab.text()
+        before = page.scene
+        page.tab.resize(WIDTH, 480)
+        assert wait_for(lambda: page.scene > before), page.tab.text()
+        page.tab.wait("document.querySelector('.trouble').hidden && " + DRAWN)

@@ -82,6 +82,7 @@ class Page {
   private wasHeld = false;
   private gripped = false;
   private laidOut = currentScreen();
+  private fitted = true;
   private asked = false;
   /** True while another table is asked for. */
   private awaited = false;
@@ -209,7 +210,10 @@ class Page {
     this.frame = null;
     this.pressed.clear();
     this.wasHeld = false;
-    if (!same) this.laidOut = currentScreen();
+    if (!same) {
+      this.laidOut = currentScreen();
+      this.fitted = this.hasRoom(scene, window.innerWidth, window.innerHeight);
+    }
     // The requested scene is not available, and the current one continues.
     if (performance.now() - this.troubled < REFUSED_MS) this.hud.say(this.trouble.textContent ?? "");
     this.troubled = -Infinity;
@@ -391,15 +395,22 @@ class Page {
     if (!frame || !scene) return;
     const running = frame.state.status === "running";
     const begun = running && frame.state.pause !== "start";
-    const strip = scene.lift > 0 ? LIFT_STRIP_PX : 0;
-    const scale = this.pxPerTableInch * (1 - CHANGED);
-    const room =
-      scene.surface.width_in * scale <= window.innerWidth - strip &&
-      scene.surface.height_in * scale <= window.innerHeight;
-    let why: Hindrance = begun && !room ? "turned" : "";
+    const { innerWidth, innerHeight } = window;
+    const room = this.hasRoom(scene, innerWidth, innerHeight);
+    // Beside a window, a table may be larger than this page ever is: then nothing can be turned back.
+    this.fitted ||= room || this.hasRoom(scene, innerHeight, innerWidth);
+    let why: Hindrance = begun && !room && this.fitted ? "turned" : "";
     if (running && tableZoomed()) why = "zoomed";
     this.turned.show(this.touches ? why : "", this.inStudy !== null);
     this.appear();
+  }
+
+  /** True if all of a scene's table is seen on a page of so many CSS pixels. */
+  private hasRoom(scene: SceneMessage, width: number, height: number): boolean {
+    const strip = scene.lift > 0 ? LIFT_STRIP_PX : 0;
+    const scale = this.pxPerTableInch * (1 - CHANGED);
+    const { width_in, height_in } = scene.surface;
+    return width_in * scale <= width - strip && height_in * scale <= height;
   }
 
   /** CSS pixels on this page of an inch on the table. */
@@ -453,7 +464,9 @@ class Page {
       changed(screen.width_px, before.width_px) ||
       changed(screen.height_px, before.height_px)
     ) {
-      const begun = this.frame?.state.status === "running" && this.frame.state.pause !== "start";
+      const running = this.frame?.state.status === "running" && this.frame.state.pause !== "start";
+      // Where a task has no room, nothing is played until the page has another size.
+      const begun = running && this.trouble.hidden;
       if (begun && !measured) this.fit();
       else {
         this.laidOut = screen;
