@@ -8,6 +8,7 @@ from dataclasses import replace
 
 from rich.console import Console
 
+from models.errors import InputError, SurfaceTooSmallError
 from models.frames import TouchFrame
 from models.surface import Surface, parse_surface
 from sandbox.cli.common.page_options import PageOptions, open_page
@@ -48,7 +49,17 @@ class PageTouches(Device):
         settings = replace(chosen.settings, **rectangle(screen))
         if surface is not None:
             settings = replace(settings, surface_in=(surface.width_in, surface.height_in))
-        self._session = build(settings, chosen.makers)
+        try:
+            self._session = build(settings, chosen.makers)
+        except SurfaceTooSmallError as error:
+            # No task is played, so the error must not speak of one.
+            width, height = settings.surface_in
+            raise InputError(
+                "this screen is too small for a hand",
+                where="the page",
+                got=f"{width:.1f} x {height:.1f} in",
+                remedy="Open the page on a tablet, or in a larger window",
+            ) from error
         (rig,) = self._session.rigs
         device = rig.device
         assert isinstance(device, WebDevice)

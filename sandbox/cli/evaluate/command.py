@@ -164,8 +164,8 @@ def main(argv: list[str]) -> int:
     errors = Console(stderr=True)
     for text in data.remarks:
         errors.print(text, markup=False, highlight=False, soft_wrap=True)
-    for name, error in failed:
-        errors.print(f"{name} was left out: {error}", markup=False, soft_wrap=True)
+    for name, why in failed:
+        errors.print(f"{name} was left out: {why}", markup=False, soft_wrap=True)
     write_json(options.json, document, sort_keys=True)
     if options.plots is not None:
         from sandbox.figures import draw_all

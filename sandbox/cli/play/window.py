@@ -377,6 +377,9 @@ def _from_first_touch(maker: DeviceMaker) -> DeviceMaker:
 def _waiting(session: Session) -> bool:
     """True while a person has not touched the surface yet."""
     person = session.first_rig.device.find(FirstTouch)
-    inside = (device for rig in session.rigs for device in rig.device.within())
-    begun = any(device.touched for device in inside if isinstance(device, PageDevice))
+    begun = any(
+        isinstance(device, PageDevice) and device.touched
+        for rig in session.rigs
+        for device in rig.device.within()
+    )
     return person is not None and not person.came() and not begun

@@ -17,7 +17,7 @@ from sandbox.devices.tuio.touch_capture import read_capture
 from sandbox.devices.tuio.tuio import TuioDevice
 from sandbox.options.touch_devices import open_file
 from tests.sandbox.devices.tuio.test_tuio_streams import framed
-from tests.support.page_client import Page
+from tests.support.page_client import SCREEN, Page
 from tests.support.processes import PATIENCE, ROOT, Sender, program, run, until
 from tests.support.tuio_packets import MALFORMED, alv, bnd, bundle, frame, frame20, frm, ptr
 
@@ -154,6 +154,19 @@ def test_touches_of_the_page_are_recorded_however_the_page_was_asked_for(tmp_pat
     recorded = read_frame_file(file)
     assert recorded.surface is not None
     assert max(len(frame.contacts) for frame in recorded.frames) == 2
+
+
+def test_a_screen_that_is_too_small_for_a_hand_is_refused_without_a_word_of_a_task(
+    tmp_path: Path,
+) -> None:
+    file = tmp_path / "touches.jsonl"
+    small = {**SCREEN, "width_px": 390.0, "height_px": 844.0, "px_per_in": 155.0}
+    with program("touches", "record", file, "--device", "web") as recorder:
+        page = Page(recorder.error_line(r"open (http://\S+)")[1], screen=small)
+        recorder.error_line("too small for a hand")
+        page.close()
+        assert recorder.end()[0] == 2
+    assert not file.exists()
 
 
 def read_lines(file: Path) -> list[str]:
