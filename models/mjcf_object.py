@@ -352,10 +352,10 @@ _LEAST_VOLUME = 1e-14
 def _is_sheet(points: Array, faces: NDArray[np.int32]) -> bool:
     """True if a mesh has so little volume that MuJoCo refuses it as a solid."""
     corners = points[faces]
-    areas = np.linalg.norm(
-        np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1
-    )
-    middle = areas @ corners.mean(axis=1) / max(float(areas.sum()), _LEAST_VOLUME)
+    across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    areas = np.linalg.norm(across, axis=1)  # any order: only whether there is a volume
+    total = max(float(areas.sum()), _LEAST_VOLUME)
+    middle = areas @ corners.mean(axis=1) / total  # any order: only whether there is a volume
     a, b, c = (corners[:, i] - middle for i in range(3))
     return float((a * np.cross(b, c)).sum()) / 6.0 < _LEAST_VOLUME
 
