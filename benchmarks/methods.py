@@ -12,9 +12,8 @@ correction and filter, the paper's method has its encoder, too; both keep our ru
 
 Columns: success with its Wilson interval; points of `tasks.score.points` with a t interval of their
 mean; median time of successes; trials that ended early, as something was toppled, pushed away or
-overtightened; things that left
-the surface and were put back; the largest push, N, of palm and free fingers on things: median and
-largest of trials.
+overtightened; things that left the surface and were put back; the largest push, N, of palm and free
+fingers on things: median and largest of trials.
 
 Every method is compared with what ships, on the seeds that both have played: exact McNemar tests of
 success and Wilcoxon signed-rank tests of points, two-sided, and Holm over all of them together.

@@ -107,13 +107,14 @@ _STREAM = 7_005
 _TRIES = 2_000
 
 
-RULES = (1, 2, 3)
+RULES = (1, 2, 3, 4)
 """Rules of varied trials, by number. 1: a free mechanism of another size keeps the height of its
 frame, so that it is sunk into the table, or above it, and the goals of parts move as the parts'
 starts do; the starts of all objects are shifted. 2: it stands where it stood, goals of parts are as
 far as its joints reach, only what a person is to carry is shifted, and things that overlap at the
 start are refused. 3: besides, no shift brings a thing nearer to its goal, or over a side of an
-upright surface, and things that a larger ring would already hold are refused."""
+upright surface, and things that a larger ring would already hold are refused. 4: besides, the goal
+of a mechanism's first body keeps its place on a slide of its own."""
 
 
 def vary(task: Task, variation: Variation, surface: Surface, rules: int = RULES[-1]) -> Task:
@@ -165,6 +166,11 @@ def _varied(task: Task, variation: Variation, surface: Surface, rules: int) -> T
         objects = _moved(objects, names, variation.start, task, surface, rules > RULES[1])
     goals = tuple(_goal(goal, variation.size, steps[goal.object]) for goal in task.goals)
     if stands and variation.size != 1.0:
+        if rules > RULES[2]:
+            goals = tuple(
+                _on_its_slide(goal, old, task, objects, variation.size)
+                for goal, old in zip(goals, task.goals, strict=True)
+            )
         goals = _goals_of_parts(goals, task, objects, variation.size)
     changed: Task = replace(task, objects=objects, goals=goals)
     return changed
@@ -236,10 +242,6 @@ def _goals_of_parts(
         if isinstance(old, MechanismPart) and old.carrier is None
         for name in old.together
     }
-    goals = tuple(
-        _on_its_slide(goal, old, task, objects, size)
-        for goal, old in zip(goals, task.goals, strict=True)
-    )
     # The first body's place: its goal if it has one, else where it starts.
     before = {old.name: old.position for old in task.objects}
     after = {new.name: new.position for new in objects}

@@ -151,6 +151,9 @@ def test_the_goal_of_a_first_body_on_a_slide_of_its_own_stays_where_it_was_on_it
     (larger,) = changed.objects
     assert isinstance(larger, Part)
     assert changed.goals[0].position == pytest.approx(larger.placed(0.04 * size)[0], abs=1e-9)
+    # A recording of the rules before keeps the goal that its person saw.
+    before = vary(plain, Variation(size=size), Surface(), rules=3)
+    assert before.goals[0].position[0] == pytest.approx(place[0])
 
 
 def test_a_peg_of_another_size_is_to_be_where_its_socket_ends() -> None:

@@ -17,7 +17,6 @@ from rich.progress import BarColumn, Progress, TextColumn
 from rich.text import Text
 
 from encoders.captures.paired.guide import Guide
-from encoders.webcam.camera import Camera
 from models.errors import InputError, RecordingError
 from models.frames import HandFrame, TouchFrame
 from sandbox.cli.capture.live_naming import LiveNaming
@@ -170,7 +169,8 @@ def _record(options: RecordOptions, opened: Opened, hands: Hands) -> int:
     naming: LiveNaming | None = None
     if camera:
         about |= _known_of_camera(options)
-        first = header_record(webcam_choice(options.webcam, _recorded_camera(options)).camera)
+        recorded = hands.camera if isinstance(hands, LandmarkFileDevice) else None
+        first = header_record(webcam_choice(options.webcam, recorded).camera)
         naming = LiveNaming(opened.surface, options.side)
         if any(key in options.webcam for key in ("fov=", "sees=")):
             about["fov"] = webcam_choice(options.webcam).camera.view
@@ -317,12 +317,6 @@ def _simulated(path: Path) -> bool:
     if not (path.is_file() and (path.parent / ABOUT).is_file()):
         return False
     return read_about(path.parent).simulated
-
-
-def _recorded_camera(options: RecordOptions) -> Camera | None:
-    """The camera of a recording that plays as a device; None if there is none."""
-    path = Path(options.hands)
-    return read_landmarks(path).camera if path.is_file() else None
 
 
 def _known_of_camera(options: RecordOptions) -> dict[str, Any]:

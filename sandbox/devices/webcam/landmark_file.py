@@ -134,6 +134,9 @@ class LandmarkFileDevice(LandmarkDevice):
 
     Args:
         recording: A recording from `read_landmarks`.
+
+    Attributes:
+        camera: The camera that took it; None if the recording does not say.
     """
 
     name = "landmark recording"
@@ -146,7 +149,7 @@ class LandmarkFileDevice(LandmarkDevice):
         self._frames = [
             replace(f, time=f.taken - start, taken=f.taken - start) for f in recording.frames
         ]
-        self.damage = recording.damage
+        self.damage, self.camera = recording.damage, recording.camera
         self._next = 0
 
     @property
