@@ -1,0 +1,115 @@
+"""Runs the gate; the package's docstring has the command lines."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import sys
+import time
+from pathlib import Path
+from statistics import median
+from typing import Any
+
+from rich.console import Console
+from rich.table import Table
+
+import tools.gate
+from tools.gate.observation import observe
+from tools.gate.rows import Difference, Observed, Rows, differences, fingerprint
+
+FILE = Path(__file__).parent.parent / "gate.json"
+"""Rows of the commit that wrote the file, and its machine's fingerprint."""
+
+
+def table(before: Rows, now: Rows, found: list[Difference]) -> Table:
+    """A line a group: rows, successes, median time, differences."""
+    shown = Table(title="gate")
+    for column in ("group", "rows", "success", "was", "median s", "was", "differ"):
+        shown.add_column(column, justify="left" if column == "group" else "right")
+    for group, rows in now.items():
+        old = {name: row for name, row in before.get(group, {}).items() if name in rows}
+        differ = sum(d.group == group for d in found)
+        shown.add_row(
+            group,
+            str(len(rows)),
+            _successes(rows),
+            _successes(old),
+            _time(rows),
+            _time(old),
+            f"[red]{differ}[/]" if differ else "0",
+        )
+    return shown
+
+
+def _successes(rows: dict[str, Observed]) -> str:
+    judged = [row["success"] for row in rows.values() if "success" in row]
+    return f"{sum(judged)}/{len(judged)}" if judged else ""
+
+
+def _time(rows: dict[str, Observed]) -> str:
+    times = [row["time_s"] for row in rows.values() if row.get("time_s") is not None]
+    return f"{median(times):.2f}" if times else ""
+
+
+def update(rows: Rows, path: Path, here: str) -> None:
+    """Writes the file: a row a line, so that a difference can be read."""
+    lines = [f' "fingerprint": {json.dumps(here)},', ' "rows": {']
+    for i, (group, named) in enumerate(rows.items()):
+        lines.append(f"  {json.dumps(group)}: {{")
+        inner = [f"   {json.dumps(name)}: {json.dumps(row)}" for name, row in named.items()]
+        lines.append(",\n".join(inner))
+        lines.append("  }" + ("," if i < len(rows) - 1 else ""))
+    path.write_text("\n".join(["{", *lines, " }", "}"]) + "\n", encoding="utf-8")
+
+
+def main() -> int:
+    """The command line; exit status 1 where something differs, 2 where it cannot be compared."""
+    parser = argparse.ArgumentParser(
+        prog="python -m tools.gate",
+        description=tools.gate.__doc__,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("--quick", action="store_true", help="about a minute on two cores")
+    parser.add_argument("--update", action="store_true", help=f"write tools/{FILE.name}")
+    parser.add_argument("--workers", type=int, default=os.cpu_count() or 1, help="processes")
+    parser.add_argument("--file", type=Path, default=FILE, help="another file than tools/gate.json")
+    options = parser.parse_args()
+    if options.quick and options.update:
+        parser.error("--update writes all rows, and --quick plays a few: leave one out")
+    if options.workers < 1:
+        parser.error(f"--workers must be at least 1, got {options.workers}")
+    here = fingerprint()
+    stored: dict[str, Any] = {"fingerprint": here, "rows": {}}
+    if options.file.exists():
+        stored = json.loads(options.file.read_text(encoding="utf-8"))
+    elif not options.update:
+        parser.error(f"{options.file} is missing: git has it, or --update writes it")
+    same = stored["fingerprint"] == here
+    if options.update and not same:
+        parser.error(
+            f"{options.file} is of a machine with fingerprint {stored['fingerprint']}, this one "
+            f"has {here}: update it on such a machine, or delete it first"
+        )
+    begun = time.monotonic()
+    now = observe(options.quick, options.workers)
+    found = differences(stored["rows"], now, now, not options.quick, same)
+    console = Console()
+    console.print(table(stored["rows"], now, found))
+    for difference in found:
+        console.print(str(difference), highlight=False, markup=False, soft_wrap=True)
+    if not same:
+        console.print(
+            f"This machine has fingerprint {here}, the file {stored['fingerprint']}: outcomes are "
+            "compared, without `gather` and soft servos; state hashes and times are not."
+        )
+    console.print(f"{len(found)} differences, {time.monotonic() - begun:.0f} s")
+    if options.update:
+        update(now, options.file, here)
+        console.print(f"wrote {options.file}")
+        return 0
+    return 1 if found else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,101 @@
+"""A study of two simulated people that is killed and resumed, behind an adapter to the study room.
+
+    python -m tools.gate.study OUT PEOPLE LINES    # one run, which kills itself
+
+The adapter is `run_until_killed` and `rows_of`: they know how a study is simulated, where a
+session's journal grows, and which columns its tables have.
+"""
+
+from __future__ import annotations
+
+import csv
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+
+from sandbox.cli.main import main
+from sandbox.study.record.journal import Journal
+from tools.gate.rows import DIGITS, Observed
+
+DESIGN = Path(__file__).with_name("study.toml")
+PEOPLE = 2
+KILLS = (5, 20, 40, 60, 80)
+"""Lines that a session's journal has when the program is killed."""
+
+
+def run_until_killed(out: Path, people: int, lines: int) -> int:
+    """Begins or resumes the study, and kills this process once a session's journal has so many
+    lines.
+
+    Args:
+        out: Folder of the study.
+        people: How many people take part.
+        lines: Lines of the journal; 0: it is not killed.
+    """
+    write: Callable[..., object] = Journal._write
+
+    def counted(journal: Journal, line: bytes) -> None:
+        write(journal, line)
+        # The record that was just written is not in the list yet.
+        in_session = journal.path.parent.parent.parent == out.resolve() / "gate-simulated"
+        if in_session and len(journal.records) + 1 == lines:
+            os.kill(os.getpid(), signal.SIGKILL)
+
+    Journal._write = counted  # type: ignore[method-assign,assignment]
+    options = ["--out", str(out.resolve()), "--participants", str(people), "--resume"]
+    return main(["study", "simulate", str(DESIGN), *options])
+
+
+def rows_of(out: Path) -> dict[str, Observed]:
+    """Rows of a finished study: trials that count, and answers."""
+    study = out / "gate-simulated"
+    rows: dict[str, Observed] = {}
+    people: dict[str, str] = {}
+    for trial in csv.DictReader((study / "trial_results.csv").open(encoding="utf-8")):
+        people[trial["ppid"]] = trial["participant_number"]
+        if trial["counted"] == "1":
+            name = f"person {trial['participant_number']}, trial {trial['trial_num']}"
+            rows[name] = {
+                "levels": f"{trial['factor_solid']} {trial['factor_task']}",
+                "practice": trial["practice"] == "1",
+                "seed": int(trial["seed"]),
+                "hash": trial["state_hash"][:DIGITS],
+                "success": trial["success"] == "1",
+            }
+    for answer in csv.DictReader((study / "questionnaires.csv").open(encoding="utf-8")):
+        person = people[answer["ppid"]]
+        name = f"person {person}, {answer['instrument']} {answer['block_num']}, {answer['item']}"
+        rows[name] = {"answer": answer["answer"]}
+    return rows
+
+
+def play() -> dict[str, Observed]:
+    """Rows of the study, killed five times for each person."""
+    with tempfile.TemporaryDirectory() as folder:
+        out = Path(folder)
+        for person in range(1, PEOPLE + 1):
+            for lines in (*KILLS, 0):
+                command = [sys.executable, "-m", "tools.gate.study"]
+                run = subprocess.run(
+                    [*command, str(out), str(person), str(lines)],
+                    capture_output=True,
+                    text=True,
+                    check=False,
+                )
+                expected = -signal.SIGKILL if lines else 0
+                if run.returncode != expected:
+                    return {
+                        f"person {person}, killed at line {lines}": {
+                            "exit": run.returncode,
+                            "error": run.stderr[-400:],
+                        }
+                    }
+        return rows_of(out)
+
+
+if __name__ == "__main__":
+    sys.exit(run_until_killed(Path(sys.argv[1]), int(sys.argv[2]), int(sys.argv[3])))
