@@ -20,15 +20,25 @@ from scipy.interpolate import CubicSpline
 
 from benchmarks.bullet_hand import BulletHand
 from benchmarks.machine import describe_machine
-from benchmarks.tracking import SEED, TIMESTEPS, Use, trajectory, use
 from models.arithmetic.arrays import Array
-from models.hand import SERVOS, Hand
+from models.hand import IMPULSE_PERIOD, SERVOS, Hand
 from models.kinematics import Kinematics
 from models.pose import JOINTS, ROOT_POSITION, ROOT_ROTATION
 from models.rotations import geodesic_angle, quaternion_log
-from models.scene import Scene, SceneSpec
+from models.scene import CONTROL_PERIOD, Scene, SceneSpec
 from models.skeleton import ADULT
+from tasks.simulated_user.fingers import minimum_jerk
 
+DURATION = 12.0
+"""s."""
+SEED = 20
+MOVEMENT = (0.5, 1.0)
+"""s, range of a movement's duration; people's single movements of hand and fingers take so long."""
+REACH, TURN = 0.06, 0.5
+"""m and rad per axis, within which the root's places and turns are drawn."""
+LEGAL_SHARE = 0.9
+"""Share of every joint's range in which poses are drawn."""
+TIMESTEPS = (0.001, 0.002, 0.004)
 RATE = 60
 """Commands a second."""
 RATES = (60, 120, 240)
@@ -52,6 +62,22 @@ SCANNED_TIMESTEP = 0.002
 Play = tuple[Array, Array, Array, float]
 """Poses (T, 48) at the end of every command's time; forces (n, 3) and torques (n, 15, 3) of all
 steps; s per step."""
+
+
+@dataclass(frozen=True)
+class Use:
+    """The largest share of its limit that any of some servos used.
+
+    Attributes:
+        impulse: N s or N m s, most that it gave in 1/60 s, as Bullet counts a motor's impulse.
+        peak: The same had it given its largest force all the time: below this, a limit binds.
+    """
+
+    impulse: float
+    peak: float
+
+    def __str__(self) -> str:
+        return f"{self.impulse:.2g}, {self.peak:.2g}"
 
 
 @dataclass(frozen=True)
@@ -94,6 +120,37 @@ HEADER = (
     "| root used, N s | its turn, N m s | a joint, N m s "
     "| largest force or torque of the three x 1/60 s |"
 )
+
+
+def trajectory(seed: int = SEED, period: float = CONTROL_PERIOD) -> Array:
+    """(T, 48) commands, one every `period` seconds."""
+    rng = np.random.default_rng(seed)
+    middle = np.concatenate([[0, 0, 0.3], np.zeros(3), (ADULT.lower + ADULT.upper) / 2])
+    half = LEGAL_SHARE * (ADULT.upper - ADULT.lower) / 2
+    half = np.concatenate([np.full(3, REACH), np.full(3, TURN), half])
+    commands: list[Array] = []
+    start = np.concatenate([middle[:6], np.zeros(42)])
+    while len(commands) * period < DURATION:
+        end = middle + half * rng.uniform(-1.0, 1.0, 48)
+        steps = round(rng.uniform(*MOVEMENT) / period)
+        shares = [minimum_jerk(i / steps) for i in range(1, steps + 1)]
+        commands += [start + share * (end - start) for share in shares]
+        start = end
+    return np.array(commands[: round(DURATION / period)])
+
+
+def use(force: Array, timestep: float) -> Use:
+    """Use of servos with forces (T, n, 1) in N or torques (T, n, 3) in N m."""
+    given = np.cumsum(np.concatenate([np.zeros_like(force[:1]), force]), axis=0) * timestep
+    # A period is not a whole number of steps: its beginning lies between two of them.
+    whole, part = divmod(IMPULSE_PERIOD / timestep, 1.0)
+    ends = np.arange(int(whole) + 1, len(given))
+    first = ends - int(whole)
+    begin = (1.0 - part) * given[first] + part * given[first - 1]
+    return Use(
+        float(np.linalg.norm(given[ends] - begin, axis=2).max()),
+        float(np.linalg.norm(force, axis=2).max() * IMPULSE_PERIOD),
+    )
 
 
 def ours(commands: Array, hand: Hand, timestep: float) -> Play:

@@ -33,10 +33,10 @@ FIRST = (
     "stack-vertical",
     "carry-together",
 )
-"""Tasks of the papers, and those that were made from them; they are judged in the air, too."""
+"""Tasks of the papers, and those that were made from them."""
 
 LATER = ("slalom", "gather", "books", "dial", "chords", "insert", "close-case")
-"""Tasks in which more of the hand counts; judged by touch alone."""
+"""Tasks in which more of the hand counts."""
 
 JUDGED = FIRST + LATER
 """Tasks of the frozen configuration."""
@@ -65,8 +65,7 @@ def frozen_settings(settings: RunSettings) -> dict[str, Any]:
     values = settings.as_json()
     del values["one_surface"]
     (hand,) = values.pop("hands")
-    values |= {"hand": hand["side"], "hand_size": hand["size"], "turn": hand["turn"]}
-    return values | ({"in_air": hand["in_air"]} if "in_air" in hand else {})
+    return values | {"hand": hand["side"], "hand_size": hand["size"], "turn": hand["turn"]}
 
 
 def judged_seeds(n: int, task: str = "box-to-goal") -> list[int]:

@@ -32,13 +32,14 @@ from pathlib import Path
 from statistics import mean, median, stdev
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+import mujoco
 import numpy as np
+from numpy.typing import NDArray
 from scipy.stats import binomtest, t, wilcoxon
 
 from benchmarks.kept_trials import KeptTrials
 from benchmarks.machine import describe_machine
 from benchmarks.one_line import run
-from benchmarks.solid_hand import Pushes
 from benchmarks.success import wilson
 from sandbox.figures.canvas import COLOURS, FAINT, STYLE, figure, need_matplotlib
 from sandbox.options.scene_options import SceneOptions, plan
@@ -75,6 +76,47 @@ FAR = ("bare", "the paper's")
 """Methods that are so far from what ships that they are drawn on a scale of their own."""
 
 SOLID = ("fingertips", "hand")
+
+
+class Pushes:
+    """A view that reads the unwanted pushes of a session: forces between a thing and the palm or a
+    finger that does not touch, at the end of every control period.
+
+    Args:
+        session: The session.
+
+    Attributes:
+        largest: N, the largest one so far.
+    """
+
+    def __init__(self, session: Session) -> None:
+        self._session = session
+        model, spec = session.scene.model, session.scene.spec
+        self._part = np.full(model.ngeom, -1)
+        self._finger = np.full(model.ngeom, -1)
+        for i, hand in enumerate(spec.hands):
+            self._part[session.scene.parts(i)] = i
+            for link in hand.links:
+                for name in (link.geom, link.tip_geom):
+                    self._finger[model.geom(name).id] = link.finger
+        of_things = model.geom_contype & 2
+        self._thing: NDArray[np.bool_] = (of_things > 0) & (self._part < 0)
+        self.largest = 0.0
+
+    def __call__(self, snapshot: object) -> None:
+        """Reads the state after a control period."""
+        session = self._session
+        model, data = session.scene.model, session.data
+        touching = [r.fingers for r in session.reconstructions]
+        force = np.zeros(6)
+        for k, (a, b) in enumerate(data.contact.geom.tolist()):
+            part, thing = (a, b) if self._part[a] >= 0 else (b, a)
+            hand = int(self._part[part])
+            touches = int(self._finger[part]) in touching[hand]
+            if hand < 0 or touches or not self._thing[thing]:
+                continue
+            mujoco.mj_contactForce(model, data, k, force)
+            self.largest = max(self.largest, float(np.linalg.norm(force[:3])))
 
 
 class Job(NamedTuple):

@@ -30,7 +30,7 @@ MARGIN = 0.0012
 command within less than a millimetre."""
 REACH = 0.007
 """m beyond its own radius, by which a fingertip may be led: the margin, and what a leaning finger
-needs beside a high thing (python -m benchmarks.near_faces)."""
+needs beside a high thing (measured at db485e42)."""
 INSIDE = 0.002
 """m inside a thing, beyond which a touch is not beside it: its finger is not led, and the person is
 told. Touches tremble, and people put a fingertip's middle onto the edge that they see."""

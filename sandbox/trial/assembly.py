@@ -72,7 +72,7 @@ TIP_END = 0.012
 
 IN_AIR: dict[str, Any] = {"links": 2, "together": True}
 """Collision gating of a hand in the air. A Leap measures where middle links are, and objects that
-pass through them look wrong; `python -m benchmarks.in_air --links 1` shows the difference."""
+pass through them look wrong (measured at db485e42)."""
 
 
 def load_encoder(name: str) -> TrainedModel:

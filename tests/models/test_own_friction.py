@@ -6,12 +6,12 @@ from xml.etree import ElementTree
 
 import pytest
 
-from benchmarks.felt import on_link, on_table, parts
 from models.hand import Hand
 from models.mechanisms.mechanism import Mechanism
 from models.objects import Box, Cylinder, SceneObject, Tray, Wrench
 from models.scene import Scene, SceneSpec, scene_xml
 from tasks.registry import TASKS
+from tests.support.friction_felt import on_link, on_table, parts
 
 THINGS: tuple[SceneObject, ...] = (
     Box("box", (0.02, 0.02, 0.02), 0.1, (0.0, 0.0, 0.02), friction=0.2),

@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 from benchmarks.judged import configuration, freeze, frozen_seeds, judged_seeds
-from benchmarks.judged_air import air_seeds
 from benchmarks.judged_hand import hand_seeds
 from benchmarks.success import failures, table, trial, wilson
 from models.arithmetic.arrays import Array
@@ -43,7 +42,7 @@ def test_every_trial_of_the_table_that_failed_has_its_reason_counted_once() -> N
     ]
 
 
-@pytest.mark.parametrize("drawn", [judged_seeds, air_seeds, hand_seeds])
+@pytest.mark.parametrize("drawn", [judged_seeds, hand_seeds])
 def test_judged_seeds_follow_from_the_frozen_configuration_alone(
     drawn: Callable[[int, str], list[int]],
 ) -> None:

@@ -2,7 +2,7 @@
 
 Nothing is drawn and no engine looks: landmarks are those of our own hand with errors that last a
 moment. It tries the conversion, and says nothing of how well a camera sees hands; films of the
-drawn hand do (`benchmarks.camera_touches`).
+drawn hand did (`benchmarks.camera_touches` at commit db485e42).
 """
 
 from __future__ import annotations

@@ -11,12 +11,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from benchmarks.hand_split import measure
 from encoders.labels.hand_split import HandSplitter, SplitSettings, all_shares
 from models.frames import Contact, TouchFrame
 from models.scene import CONTROL_PERIOD
 from sandbox.devices.wrappers.shared import SharedSurface
 from sandbox.session.device import Device
+from tests.support.hand_pairs import measure
 
 HOMES = np.array([(0.30, 0.10), (0.10, 0.10)])
 """m, of a right and a left hand on 40 by 20 cm."""
@@ -171,7 +171,6 @@ def test_a_finger_that_rests_gets_its_hand_though_the_device_is_silent() -> None
 
 
 def test_hands_22_cm_apart_get_19_of_20_contacts_right() -> None:
-    # What more it is, and how it falls off nearer by, `python -m benchmarks.hand_split` tells.
     count, _ = measure(6, seed=3)[0.22]
     assert count.all > 20 and count.right / count.all >= 0.95
 

@@ -7,7 +7,6 @@ from collections.abc import Callable, Sequence
 import numpy as np
 import pytest
 
-from benchmarks.steadiness import Changes
 from models.pose import JOINTS
 from models.skeleton import ADULT
 from sandbox.clearing import clearing
@@ -15,6 +14,7 @@ from sandbox.options.scene_options import SceneOptions, plan
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
 from sandbox.trial.headless import run_trial
+from tests.support.corrections import Changes
 
 View = Callable[[Snapshot], None]
 

@@ -9,8 +9,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from benchmarks.feel import CREEP, HOLD, JITTER, boxes, hold
-from benchmarks.soak import DEEPEST, soak
 from encoders.correction import PAD_HEIGHT
 from models.frames import Contact
 from models.hand import IMPULSE_PROFILES, SERVOS
@@ -18,7 +16,9 @@ from sandbox.session.contact_modes import ContactMode
 from sandbox.session.session import Session
 from sandbox.trial.settings import SOLID
 from tasks.registry import TASKS, hands_of
+from tests.support.held_boxes import CREEP, HOLD, JITTER, boxes, hold
 from tests.support.scripted import Touch, box_xy, scripted
+from tests.support.violent_touches import DEEPEST, soak
 
 
 @pytest.mark.parametrize("servo", SERVOS)

@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from benchmarks.touched_things import MugOnTable, OneThing
 from models.arithmetic.arrays import Array
 from models.errors import InputError
 from models.frames import Contact
@@ -24,6 +23,7 @@ from sandbox.session.session import Session
 from sandbox.trial.headless import run_trial
 from sandbox.trial.replay import replay, settings_of
 from sandbox.trial.settings import HandSettings, RunSettings
+from tests.support.one_thing import MugOnTable, OneThing
 from tests.support.scripted import Played, run, scripted
 
 SETTLED = 0.8

@@ -4,9 +4,8 @@ import mujoco
 import numpy as np
 import pytest
 
-from benchmarks.bullet import RATE, Row, lag
+from benchmarks.bullet import RATE, Row, lag, trajectory, use
 from benchmarks.bullet_hand import LIGHT_MASS, hand_urdf
-from benchmarks.tracking import trajectory, use
 from models.hand import Hand
 from models.kinematics import Kinematics
 from models.rotations import quaternion_exp

@@ -7,12 +7,12 @@ from pathlib import Path
 
 import pytest
 
-from benchmarks.noisy_touches import Waits
 from sandbox.options.scene_options import SceneOptions, plan
 from sandbox.recording.recording import load_recording
 from sandbox.session.session import Session
 from sandbox.trial.headless import run_trial
 from sandbox.trial.replay import replay
+from tests.support.waits import Waits
 
 
 def rules_of(**options: object) -> int:

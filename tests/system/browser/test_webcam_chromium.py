@@ -17,8 +17,6 @@ from urllib.parse import urlsplit
 import numpy as np
 import pytest
 
-from benchmarks.webcam_films import VIEWS, film, poses_of
-from benchmarks.webcam_films import seen as watch
 from encoders.webcam.camera import Camera
 from models.frames import LandmarkFrame, SeenHand
 from sandbox.devices.webcam.install import install
@@ -32,6 +30,8 @@ from tests.encoders.webcam.seen_hands import SIZE, held_up, seen
 from tests.sandbox.study.run.study_before_camera import CameraSession
 from tests.support.chromium import BINARY, Browser, Tab
 from tests.support.processes import PATIENCE
+from tests.support.webcam_films import VIEWS, film, poses_of
+from tests.support.webcam_films import seen as watch
 
 pytestmark = pytest.mark.skipif(not os.path.exists(BINARY), reason="Debian's chromium is missing")
 

@@ -12,7 +12,7 @@ import pytest
 from sandbox.study.tables.column import csv_bytes
 from tests.sandbox.study.report.study_reports import planted, report
 from tests.support.chromium import BINARY, Browser
-from tools.planted_study import Truth
+from tests.support.planted_study import Truth
 
 pytestmark = pytest.mark.skipif(not os.path.exists(BINARY), reason="Debian's chromium is missing")
 

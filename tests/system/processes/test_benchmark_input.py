@@ -16,10 +16,7 @@ REPOSITORY = Path(benchmarks.__file__).parent.parent
 @pytest.mark.parametrize(
     "command",
     [
-        "names_bound --population none.npz",
         "strangers --population none.npz",
-        "pose_bound --population none.npz",
-        "first_leap none.json",
         "other_machines none",
     ],
 )

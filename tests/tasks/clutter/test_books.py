@@ -8,7 +8,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from benchmarks.palm_by_turn import palm
 from models.arithmetic.arrays import Array
 from models.errors import SurfaceTooSmallError
 from models.hand import Hand
@@ -23,6 +22,7 @@ from tasks.clutter.books_user import POINTS
 from tasks.sensing import Sensing
 from tasks.task import Measure
 from tasks.variation import Variation, vary
+from tests.support.palms import palm
 from tests.support.simulation import put, run
 
 seeds = st.integers(0, 2**63 - 1)

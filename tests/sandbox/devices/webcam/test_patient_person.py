@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from benchmarks.webcam_loop import Wandering, perfect, play
 from models.objects import Box
 from models.rotations import exp
 from sandbox.devices.simulated.air_user.body import AXIS, Pinch
@@ -12,6 +11,7 @@ from sandbox.devices.simulated.air_user.person import Stage
 from sandbox.options.webcam_devices import webcam_choice
 from tasks.task import Goal
 from tasks.user import SeenObject, Sight, UserConfiguration
+from tests.support.drawn_person import Wandering, perfect, play
 
 ABOVE = webcam_choice("at=0/0.05/0.58,tilt=90,roll=180").camera
 

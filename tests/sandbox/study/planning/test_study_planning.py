@@ -23,8 +23,8 @@ from sandbox.study.report.models.data import load_study
 from sandbox.study.report.models.quantities import LOG
 from sandbox.study.run.simulate import simulate
 from tests.sandbox.study.report.study_reports import planted, put
+from tests.support.planted_study import Truth
 from tests.support.study_files import DESIGN, design
-from tools.planted_study import Truth
 
 PLANNED = """
 name = "planned"

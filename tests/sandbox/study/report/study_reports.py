@@ -9,7 +9,7 @@ from typing import Any
 
 from sandbox.study.report.make import make_report
 from sandbox.study.tables.column import csv_bytes
-from tools.planted_study import COLUMNS, Truth, write_study
+from tests.support.planted_study import COLUMNS, Truth, write_study
 
 SMALL = Truth(people=6, repetitions=2)
 FILES = {

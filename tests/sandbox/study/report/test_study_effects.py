@@ -21,7 +21,7 @@ from sandbox.study.report.models.intervals import mean_interval, share, within_i
 from sandbox.study.report.models.mixed import Mixed
 from sandbox.study.report.models.success import success_differences
 from tests.sandbox.study.report.study_reports import LEAN, planted, put, report, rows_of
-from tools.planted_study import Truth
+from tests.support.planted_study import Truth
 
 EVERY = Truth(people=12, times=(10.0, 8.5), repetitions=2, losses=(1e-9, 1e-9), limit=3600.0)
 

@@ -1,13 +1,13 @@
-"""What reports find in studies whose truth is known (see benchmarks/study_findings.py)."""
+"""What reports find in studies whose truth is known."""
 
 from __future__ import annotations
 
 import pytest
 
-from benchmarks.study_findings import DESIGN, PRIMARY, nothing, planted
 from sandbox.study.design.design_file import load_design
 from sandbox.study.design.planned import family_size, planned_tests
 from sandbox.study.design.power import power
+from tests.support.study_findings import DESIGN, PRIMARY, nothing, planted
 
 
 def findings(count: int) -> tuple[list[int], list[int]]:

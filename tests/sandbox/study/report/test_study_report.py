@@ -40,8 +40,8 @@ from tests.sandbox.study.report.study_reports import (
     report,
     rows_of,
 )
+from tests.support.planted_study import Truth
 from tests.support.study_files import design
-from tools.planted_study import Truth
 
 
 @pytest.fixture(scope="module")

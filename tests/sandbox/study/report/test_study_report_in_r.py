@@ -21,7 +21,7 @@ from tests.sandbox.study.report.study_reports import (
     put,
     rows_of,
 )
-from tools.planted_study import Truth
+from tests.support.planted_study import Truth
 
 LOGARITHMS = ("time_s", "object_path_m", "success")
 """Measures whose differences the report tells as ratios, and R as their logarithms."""

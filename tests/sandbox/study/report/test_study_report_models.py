@@ -12,7 +12,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import stats
 
-from benchmarks.coverage import SCENARIOS, SEEN, SHARES, TIMES, studies
 from sandbox.study.report.models.censored import Censored, censored_differences, fit_censored, tobit
 from sandbox.study.report.models.comparisons import pairs_of
 from sandbox.study.report.models.data import StudyData, load_study
@@ -30,7 +29,8 @@ from sandbox.study.report.models.order import balanced, neighbours, places
 from sandbox.study.report.models.quantities import quantity, rows_with
 from sandbox.study.report.models.success import group_test, sign_test, success_differences
 from sandbox.study.report.models.summaries import median_with_unseen, summaries
-from tools.planted_study import Truth, draw, true_success, write_study
+from tests.support.planted_study import Truth, draw, true_success, write_study
+from tests.support.study_coverage import SCENARIOS, SEEN, SHARES, TIMES, studies
 
 EVERY = SCENARIOS["effects, every trial succeeds"]
 FEW = replace(Truth(), people=12, repetitions=2)

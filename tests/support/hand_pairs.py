@@ -1,15 +1,12 @@
-"""Measures how often contacts of two hands on one surface get the right hand.
+"""Takes of two hands on one surface, and how often their contacts get the right hand.
 
 Two takes of the simulated subject, one of them mirrored into a left hand, are played at once on one
 surface, at random moments and places; the middles of the two hands stay a given distance apart when
 both are down at first. Every contact of either counts once: right, wrong, or without a hand.
-
-    python -m benchmarks.hand_split --pairs 200
 """
 
 from __future__ import annotations
 
-import argparse
 from dataclasses import dataclass
 
 import numpy as np
@@ -25,8 +22,10 @@ from models.surface import METRES_PER_INCH
 
 SURFACE = np.array((18.9, 10.6)) * METRES_PER_INCH
 """m, of a 22 inch touch screen."""
+
 APART = (0.10, 0.14, 0.18, 0.22, 0.30)
 """m, between the middles of both hands' fingers."""
+
 LATER = 1.0
 """s, most by which the second take begins after the first."""
 
@@ -134,23 +133,3 @@ def measure(pairs: int, seed: int = 0) -> dict[float, tuple[Count, int]]:
             total, clean = total + count, clean + (count.wrong == 0)
         result[apart] = total, clean
     return result
-
-
-def main() -> None:
-    """Prints a table."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--pairs", type=int, default=200, help="of takes, for each distance")
-    parser.add_argument("--seed", type=int, default=0)
-    args = parser.parse_args()
-    print("| apart | contacts | right | wrong | no hand | takes without a wrong one |")
-    print("|---|---|---|---|---|---|")
-    for apart, (count, clean) in measure(args.pairs, args.seed).items():
-        print(
-            f"| {100 * apart:.0f} cm | {count.all} | {100 * count.right / count.all:.1f} % | "
-            f"{100 * count.wrong / count.all:.1f} % | {100 * count.none / count.all:.1f} % | "
-            f"{clean}/{args.pairs} |"
-        )
-
-
-if __name__ == "__main__":
-    main()

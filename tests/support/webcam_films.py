@@ -3,7 +3,7 @@
 The hand is that of `models.skeleton`, drawn with its skin; it moves as hands over a simulated Leap
 do (`encoders.paalm.simulated.air`). Chromium's fake camera plays the film, the page finds hands as
 it does for a person, and each picture carries its number as black and white squares in a corner,
-which the benchmark reads inside the page. Pictures are held until the page has seen them, so time
+which are read inside the page. Pictures are held until the page has seen them, so time
 is stretched. All of this is rendered, not recorded.
 """
 
@@ -41,16 +41,22 @@ from tests.support.chromium import Browser
 
 SIZE = (640, 480)
 """px of the pictures."""
+
 RATE = 15.0
 """Hz of the films, in the hand's own time."""
+
 HELD = 14
 """Pictures of the fake camera for which one picture of the film is shown."""
+
 MIDDLE = np.array([0.0, 0.05, 0.13])
 """m, about where the palm is."""
+
 DISTANCE = 0.45
 """m of every camera from there."""
+
 VIEW = 60.0
 """Degrees across the picture."""
+
 _BITS, _SQUARE = 12, 10
 """Bits of a picture's number, and px of a square."""
 

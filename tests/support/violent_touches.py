@@ -1,32 +1,22 @@
-"""Violent random touches on every task: what becomes of hands and objects.
+"""Violent random touches on a task: what becomes of hands and objects.
 
 Touches land on and beside objects, jump, swap their ids, vanish and come back inside of things,
 come as palms and by the dozen, and the lift control jumps with them. Penetrations are read at every
 physics step, the deepest of each kind. A trial begins anew every 30 s of simulated time.
-
-    python -m benchmarks.soak --minutes 30
-    python -m benchmarks.soak --minutes 2 --tasks box-to-goal --profiles safe
-    python -m benchmarks.soak --minutes 30 --profiles safe --solid hand
 """
 
 from __future__ import annotations
 
-import argparse
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
-from rich.console import Console
-from rich.progress import Progress
 
-from benchmarks.machine import describe_machine
-from benchmarks.one_line import run
 from models.arithmetic.arrays import Array
 from models.errors import DivergenceError
 from models.frames import Contact, TouchFrame
-from models.hand import IMPULSE_PROFILES
 from models.scene import CONTROL_PERIOD
 from models.surface import Surface
 from sandbox.session.collision_gating import FINGERTIP
@@ -35,15 +25,17 @@ from sandbox.session.messages import Snapshot
 from sandbox.session.respawn import AWAY, FLOOR
 from sandbox.session.session import Session
 from sandbox.trial.assembly import build
-from sandbox.trial.settings import SOLID, RunSettings
-from tasks.registry import find_task, hands_of, task_names
+from sandbox.trial.settings import RunSettings
 
 TRIAL = 30.0
 """s of simulated time, after which another seed begins."""
+
 PATIENCE = AWAY + 1.0
 """s out of reach after which an object counts as lost for good."""
+
 DEEPEST = 0.004
 """m, aim for `safe`."""
+
 KINDS = ("hand-object", "object-table", "object-object")
 
 
@@ -161,22 +153,18 @@ class Found:
         diverged: Trials that did, with seed and reason.
         lost: Objects that were out of reach and did not come back, with seed.
         respawned: Objects that came back.
-        fastest: m/s, of any object.
         hand_table: Contacts between hand and table, of which there must be none.
         steps: Physics steps.
         depth: Deepest penetration at every physics step that had one, m, by kind.
-        worst: Seed and time of the deepest of each kind.
     """
 
     seconds: float = 0.0
     diverged: list[str] = field(default_factory=list)
     lost: list[str] = field(default_factory=list)
     respawned: int = 0
-    fastest: float = 0.0
     hand_table: int = 0
     steps: int = 0
     depth: dict[str, list[float]] = field(default_factory=lambda: {k: [] for k in KINDS})
-    worst: dict[str, tuple[float, int, float]] = field(default_factory=dict)
 
     def deepest(self, kind: str) -> float:
         """m."""
@@ -186,14 +174,14 @@ class Found:
 class Depths:
     """Reads the contacts of every physics step, through MuJoCo's control callback."""
 
-    def __init__(self, session: Session, seed: int, found: Found) -> None:
+    def __init__(self, session: Session, found: Found) -> None:
         model = session.scene.model
         self._hand = np.zeros(model.ngeom, bool)
         for hand in session.scene.spec.hands:
             palm = model.body(hand.palm).id
             self._hand |= model.body_rootid[model.geom_bodyid] == palm
         self._fixed = model.geom_bodyid == 0
-        self._seed, self._found = seed, found
+        self._found = found
 
     def __call__(self, _model: mujoco.MjModel, data: mujoco.MjData) -> None:
         contact = data.contact
@@ -209,15 +197,12 @@ class Depths:
                 depth = float(-dist[which].min())
                 if depth > 0.0:
                     self._found.depth[kind].append(depth)
-                    if depth > self._found.worst.get(kind, (0.0, 0, 0.0))[0]:
-                        self._found.worst[kind] = (depth, self._seed, float(data.time))
 
 
 def soak(
     task: str,
     seconds: float,
     first_seed: int = 0,
-    told: Callable[[float], None] = lambda seconds: None,
     **settings: object,
 ) -> Found:
     """Violent touches on a task for so long.
@@ -226,13 +211,12 @@ def soak(
         task: Its name.
         seconds: Simulated time, s.
         first_seed: Seed of the first trial; the next ones follow.
-        told: Is called with the simulated time that has passed since the last call, s.
         settings: Others than the defaults of `RunSettings`.
     """
     found = Found()
     seed = first_seed
     while found.seconds < seconds - 1e-9:
-        _trial(task, seed, min(TRIAL, seconds - found.seconds), found, told, settings)
+        _trial(task, seed, min(TRIAL, seconds - found.seconds), found, settings)
         seed += 1
     return found
 
@@ -252,7 +236,6 @@ def _trial(
     seed: int,
     seconds: float,
     found: Found,
-    told: Callable[[float], None],
     settings: dict[str, object],
 ) -> None:
     devices: list[Violent] = []
@@ -267,14 +250,11 @@ def _trial(
     away = np.zeros(len(names))
     reach = np.array([session.scene.object_radius(name) for name in names]) + FINGERTIP
     steps = round(seconds / CONTROL_PERIOD)
-    mujoco.set_mjcb_control(Depths(session, seed, found))
+    mujoco.set_mjcb_control(Depths(session, found))
     try:
         for _ in range(steps):
             # A trial that is over goes on: nothing is to break then, either.
             devices[0].show(session.advance())
-            told(CONTROL_PERIOD)
-            speeds = np.linalg.norm(session.data.cvel[bodies][:, 3:], axis=1)
-            found.fastest = max(found.fastest, float(speeds.max()))
             off = _out(session, bodies, reach)
             away = np.where(off, away + CONTROL_PERIOD, 0.0)
             if np.any(away > PATIENCE):
@@ -287,71 +267,3 @@ def _trial(
         session.close()
     found.seconds += seconds
     found.respawned += session.respawned
-
-
-def main() -> None:
-    """Prints a table."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("--minutes", type=float, default=30.0, help="simulated, of every row")
-    parser.add_argument(
-        "--tasks", nargs="+", default=[t for t in task_names() if hands_of(find_task(t)) == 1]
-    )
-    parser.add_argument("--profiles", nargs="+", default=["safe", "paper"])
-    parser.add_argument("--servo", default="orientation")
-    parser.add_argument("--contact", default="hard")
-    parser.add_argument("--solid", choices=SOLID, default=SOLID[0], help="parts of the hand")
-    parser.add_argument("--seed", type=int, default=0, help="of the first trial")
-    args = parser.parse_args()
-    console = Console(stderr=True)
-    print(describe_machine())
-    print(
-        f"{args.minutes:g} simulated minutes a row, {args.servo} servos, {args.contact} contacts, "
-        f"solid {args.solid};"
-    )
-    print("penetration in mm at physics steps that had one: median, 99th percentile, deepest")
-    print(
-        "| task | profile | diverged | lost | came back | touching, % | "
-        + " | ".join(KINDS)
-        + " | fastest, m/s | hand-table |"
-    )
-    print("|" + " --- |" * 11)
-    rows = [(task, profile) for task in args.tasks for profile in args.profiles]
-    with Progress(console=console) as progress:
-        bar = progress.add_task("soaking", total=60.0 * args.minutes * len(rows))
-        for task, profile in rows:
-            progress.update(bar, description=f"{task}, {profile}")
-            found = soak(
-                task,
-                60.0 * args.minutes,
-                args.seed,
-                lambda seconds: progress.advance(bar, seconds),
-                impulse=IMPULSE_PROFILES[profile],
-                servo=args.servo,
-                contact=args.contact,
-                solid=args.solid,
-            )
-            _print_row(task, profile, found)
-
-
-def _print_row(task: str, profile: str, found: Found) -> None:
-    cells = []
-    for kind in KINDS:
-        depth = 1000.0 * np.array(found.depth[kind] or [0.0])
-        cells.append(f"{np.median(depth):.2f}, {np.percentile(depth, 99):.2f}, {depth.max():.2f}")
-    print(
-        f"| {task} | {profile} | {len(found.diverged)} | {len(found.lost)} | {found.respawned} | "
-        f"{100 * len(found.depth['hand-object']) / max(found.steps, 1):.0f} | "
-        + " | ".join(cells)
-        + f" | {found.fastest:.1f} | {found.hand_table} |",
-        flush=True,
-    )
-    for kind, (deepest, seed, time) in found.worst.items():
-        print(f"<!-- deepest {kind}: {1000 * deepest:.2f} mm, seed {seed}, {time:.2f} s -->")
-    for line in (*found.diverged, *found.lost):
-        print(f"<!-- {line} -->", flush=True)
-
-
-if __name__ == "__main__":
-    run(main)

@@ -1,6 +1,4 @@
-"""Where the palm is around the same touches, as the wrist turns: mean pose against what ships.
-
-    python -m benchmarks.palm_by_turn [--people 3]
+"""Where the palm is around the same touches, as the wrist turns.
 
 A pinch of three fingers around a box of 4 cm, with true names, before the hand is led away from
 anything. This is why pose decides the task `books`: the mean pose keeps its direction where a wrist
@@ -9,19 +7,15 @@ turns.
 
 from __future__ import annotations
 
-import argparse
-from collections.abc import Iterable
 from dataclasses import replace
 from math import cos, radians, sin
 
 import mujoco
 import numpy as np
 
-from benchmarks.machine import describe_machine
-from benchmarks.methods import METHODS, SHIPS
+from benchmarks.methods import METHODS
 from encoders.reconstruction.touch_reconstructor import TouchReconstructor
 from models.arithmetic.arrays import Array
-from models.arithmetic.products import length
 from models.frames import Contact, TouchFrame
 from models.hand import Hand
 from models.scene import CONTROL_PERIOD, Scene, SceneSpec
@@ -38,9 +32,6 @@ from tasks.clutter.books import EDGE, Books
 from tasks.simulated_user.grasp import grasp_across
 from tasks.simulated_user.hand import Hand as PersonsHand
 from tasks.user import UserConfiguration
-
-TURNS = (-60.0, -40.0, -20.0, 0.0, 20.0, 40.0, 60.0)
-"""degrees to the left of the wrist's most comfortable direction."""
 
 
 def palm(method: str, turned: float, person: int) -> Array:
@@ -76,32 +67,3 @@ def palm(method: str, turned: float, person: int) -> Array:
     off = data.geom_xpos[palms].mean(axis=0) - middle
     c, s = cos(axis), sin(axis)
     return 1000 * np.array([c * off[0] + s * off[1], s * off[0] - c * off[1], off[2]])
-
-
-def rows(people: range) -> Iterable[str]:
-    """The table; means over people."""
-    yield "| wrist turned by, degrees | mean pose: along, right, up, mm | what ships | apart, mm |"
-    yield "| --- " * 4 + "|"
-    for turned in TURNS:
-        one, other = (
-            np.mean([palm(method, turned, person) for person in people], axis=0)
-            for method in ("mean pose", SHIPS)
-        )
-        texts = [", ".join(f"{value:.0f}" for value in values) for values in (one, other)]
-        yield f"| {turned:g} | {texts[0]} | {texts[1]} | {length(one - other):.0f} |"
-
-
-def main() -> None:
-    """Prints the table."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("--people", type=int, default=3, help="hands, each of a person of its own")
-    options = parser.parse_args()
-    print(describe_machine())
-    for line in rows(range(options.people)):
-        print(line, flush=True)
-
-
-if __name__ == "__main__":
-    main()

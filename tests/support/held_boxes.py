@@ -1,26 +1,21 @@
-"""Measures how still a held box is: how far it creeps in five seconds, and how fast it trembles.
+"""How still a held box is: how far it creeps in five seconds, and how fast it trembles.
 
 A box is closed on by thumb and index, or thumb, index and middle finger, lifted by 5 cm and held by
 a pose that does not change. Creep is how far its middle has moved and what it has turned at the end
 of the hold; jitter is the root mean square of its speed meanwhile, at every physics step.
-
-    python -m benchmarks.feel
 """
 
 from __future__ import annotations
 
-import argparse
 from dataclasses import dataclass
-from itertools import product
 
 import mujoco
 import numpy as np
 
-from benchmarks.machine import describe_machine
 from benchmarks.pinch import COMFORTABLE_AXIS, GUESS_COVARIANCE
 from encoders.correction import FingertipCorrection
 from models.arithmetic.arrays import Array
-from models.hand import IMPULSE_PROFILES, SERVOS, Hand, finger_armature
+from models.hand import Hand, finger_armature
 from models.kinematics import Kinematics
 from models.objects import Box
 from models.scene import CONTROL_PERIOD, Scene, SceneSpec
@@ -29,12 +24,16 @@ from sandbox.session.contact_modes import ContactMode, ContactModes
 
 CREEP, JITTER = 0.2e-3, 0.1e-3
 """m in 5 s and m/s, below which a grasp feels still."""
+
 LIFT, HOLD, SETTLE = 0.05, 5.0, 1.0
 """m, s and s."""
+
 APART = 0.011
 """m from the middle of a face to each of two fingertips on it."""
+
 OPENING, SQUEEZE = 0.006, 0.0035
 """m outside and inside a face; the simulated user squeezes as much."""
+
 SEED = 4_002
 """Default seed of the boxes."""
 
@@ -142,43 +141,3 @@ def boxes(count: int, seed: int = SEED) -> list[Box]:
         mass, yaw = float(rng.uniform(0.05, 0.25)), float(rng.uniform(-0.3, 0.3))
         found.append(Box("box", (half, half, half), mass, (0.0, 0.0, half), yaw))
     return found
-
-
-def main() -> None:
-    """Prints a table."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("--boxes", type=int, default=10)
-    parser.add_argument("--seed", type=int, default=SEED, help="of the boxes")
-    args = parser.parse_args()
-    if args.boxes < 1 or args.seed < 0:
-        parser.error("--boxes is at least 1, --seed at least 0")
-    print(describe_machine())
-    print(f"{args.boxes} boxes a row, held for {HOLD:g} s; median, largest")
-    print("| contact | profile | servo | fingers | creep, mm | turn, deg | jitter, mm/s | still |")
-    print("|" + " --- |" * 8)
-    rows = [(ContactMode.HARD, p, s, f) for p, s, f in product(IMPULSE_PROFILES, SERVOS, (2, 3))]
-    rows += [(ContactMode.SOFT, "safe", SERVOS[0], f) for f in (2, 3)]
-    for mode, profile, servo, fingers in rows:
-        found = [
-            hold(box, fingers, servo, IMPULSE_PROFILES[profile], mode)
-            for box in boxes(args.boxes, args.seed)
-        ]
-        cells = [
-            f"{np.median(values):.3f}, {np.max(values):.3f}"
-            for values in (
-                [1000 * s.creep for s in found],
-                [s.turn for s in found],
-                [1000 * s.jitter for s in found],
-            )
-        ]
-        still = f"{sum(s.good for s in found)}/{len(found)}"
-        print(
-            f"| {mode} | {profile} | {servo} | {fingers} | {' | '.join(cells)} | {still} |",
-            flush=True,
-        )
-
-
-if __name__ == "__main__":
-    main()

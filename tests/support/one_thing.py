@@ -1,8 +1,8 @@
-"""Things to put fingers beside, as tasks without a goal, and where their faces are.
+"""A thing to put fingers beside, as a task without a goal, and where its faces are.
 
-A box, a wrench and a mug lie near the middle of the surface. The line from thumb to fingers that
-holds them is turned against the hand's natural one, so that the hand has to turn as far. The number
-of a trial, and how many fingers and what turn it is about, are in its seed.
+It lies near the middle of the surface. The line from thumb to fingers that holds it is turned
+against the hand's natural one, so that the hand has to turn as far. The number of a trial, and how
+many fingers and what turn it is about, are in its seed.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ import numpy as np
 
 from models.arithmetic.arrays import Array
 from models.mjcf_object import MjcfObject
-from models.objects import THICKNESS, Box, SceneObject, Wrench
+from models.objects import SceneObject
 from models.surface import Surface
 from tasks.sensing import Sensing
 from tasks.task import Goal, Measure, TaskDefaults
@@ -23,20 +23,26 @@ from tasks.user import UserConfiguration
 
 TURNS = (0, 15, 30, 45)
 """degrees, either way."""
+
 FINGERS = (2, 3, 5)
 """Touching fingers, the thumb among them."""
+
 TRIALS = 1000
 """Most trials of a turn and a number of fingers."""
+
 APART = {2: 0.0, 3: 0.020, 5: 0.018}
 """m between neighbouring fingers that share a face, by the number of fingers."""
+
 MUG_RADIUS = 0.030
 """m, outside."""
+
 MUG = """<mujoco><worldbody><body>
   <geom type="cylinder" size=".030 .040" rgba=".25 .45 .60 1" friction="1"/>
   <geom type="capsule" size=".005" fromto=".028 0 .022 .052 0 .016"/>
   <geom type="capsule" size=".005" fromto=".052 0 .016 .052 0 -.016"/>
   <geom type="capsule" size=".005" fromto=".052 0 -.016 .028 0 -.022"/>
 </body></worldbody></mujoco>"""
+
 HANDLE = 115.0
 """degrees from the middle of the fingers to the mug's handle."""
 
@@ -55,24 +61,12 @@ class Grip(NamedTuple):
     axis: Array
 
 
-def seed_of(turn: int, fingers: int, number: int) -> int:
-    """The seed of a trial.
-
-    Args:
-        turn: degrees, one of `TURNS`.
-        fingers: One of `FINGERS`.
-        number: Less than `TRIALS`.
-    """
-    case = TURNS.index(turn) * len(FINGERS) + FINGERS.index(fingers)
-    return case * TRIALS + number
-
-
 @dataclass(frozen=True)
 class OneThing(TaskDefaults, ABC):
     """One thing on the table; nothing has to be done with it.
 
     Attributes:
-        seed: From `seed_of`.
+        seed: Tells the turn, the number of fingers, and the trial among those.
         objects: The thing.
         fingers: Number of touching fingers.
         axis: rad, direction from the thumb to the fingers that holds it.
@@ -142,70 +136,6 @@ class OneThing(TaskDefaults, ABC):
         return Measure(False, 0.0, "there is no goal")
 
 
-class BoxOnTable(OneThing):
-    """A box of 50 to 250 g and 40 to 60 mm, its held faces longer for five fingers."""
-
-    name = "box-on-table"
-
-    @classmethod
-    def _thing(
-        cls, rng: np.random.Generator, middle: Array, axis: float, fingers: int
-    ) -> SceneObject:
-        half = rng.uniform(0.020, 0.030, 3)
-        if fingers > 3:
-            half[1] = rng.uniform(0.036, 0.044)
-        place = (float(middle[0]), float(middle[1]), float(half[2]))
-        size = (float(half[0]), float(half[1]), float(half[2]))
-        return Box("thing", size, float(rng.uniform(0.05, 0.25)), place, axis)
-
-    def _half_width(self) -> float:
-        thing = self.objects[0]
-        assert isinstance(thing, Box)
-        return thing.half_size[0]
-
-
-class WrenchOnTable(OneThing):
-    """A free wrench of 60 to 150 g, held across its handle."""
-
-    name = "wrench-on-table"
-    touch_height = 0.006
-
-    @classmethod
-    def _thing(
-        cls, rng: np.random.Generator, middle: Array, axis: float, fingers: int
-    ) -> SceneObject:
-        place = (float(middle[0]), float(middle[1]), THICKNESS / 2)
-        side = np.pi / 2 * rng.choice((-1.0, 1.0))
-        return Wrench("thing", float(rng.uniform(0.06, 0.15)), place, axis + float(side))
-
-    def _half_width(self) -> float:
-        thing = self.objects[0]
-        assert isinstance(thing, Wrench)
-        return thing.handle_width / 2
-
-    def grip(self) -> Grip:
-        """Where its handle is held, in the middle of its length."""
-        thing, held = self.objects[0], super().grip()
-        assert isinstance(thing, Wrench)
-        along = np.array([np.cos(thing.yaw), np.sin(thing.yaw)])
-        return held._replace(points=held.points + np.mean(thing.handle) * along)
-
-
-class LargeWrenchOnTable(WrenchOnTable):
-    """A free wrench of 1.5 to 3 times the size, so that fingers have way to close with force."""
-
-    name = "large-wrench-on-table"
-    touch_height = 0.008
-
-    @classmethod
-    def _thing(
-        cls, rng: np.random.Generator, middle: Array, axis: float, fingers: int
-    ) -> SceneObject:
-        thing = super()._thing(rng, middle, axis, fingers)
-        assert isinstance(thing, Wrench)
-        return thing.scaled(float(rng.uniform(1.5, 3.0)))
-
-
 class MugOnTable(OneThing):
     """A mug of 80 to 200 g, its handle beside the thumb, on either side."""
 
@@ -228,6 +158,3 @@ class MugOnTable(OneThing):
         angles = -points[1:, 1] / (MUG_RADIUS + 0.008)
         outwards[1:] = np.column_stack([np.cos(angles), np.sin(angles)])
         return MUG_RADIUS * outwards, outwards
-
-
-THINGS = {"box": BoxOnTable, "wrench": WrenchOnTable, "mug": MugOnTable}
