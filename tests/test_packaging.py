@@ -85,13 +85,6 @@ def test_the_changelog_tells_of_this_version(project: dict[str, Any]) -> None:
     assert re.search(rf"^## \[{version}\]", changelog, re.MULTILINE)
 
 
-def test_the_changelog_fits_a_screen_and_the_rest_is_in_the_history() -> None:
-    changelog = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
-    newest = changelog.split("\n## ")[1]
-    assert len(newest.splitlines()) <= 50, "move the detail to docs/history.md"
-    assert "docs/history.md" in changelog
-
-
 def test_the_citation_and_the_licences_are_of_what_is_shipped(project: dict[str, Any]) -> None:
     citation = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
     assert f"\nversion: {project['project']['version']}\n" in citation

@@ -21,9 +21,7 @@ pytest.importorskip("gymnasium")
 
 
 def measured() -> list[MeasuredTable]:
-    return [
-        t for page in sorted((ROOT / "docs" / "measured").glob("*.md")) for t in tables_of(page)
-    ]
+    return list(tables_of(ROOT / "docs" / "results.md"))
 
 
 def test_a_task_that_is_a_column_gives_its_rows_and_their_names(tmp_path: Path) -> None:
@@ -75,11 +73,11 @@ def test_links_in_a_measured_cell_lead_on_the_page_of_a_task_where_they_led() ->
     from tools.docs.task_pages import page_of
 
     cell = "now [here](#part), [there](physics.md#kinds), [far](https://x.org/), [up](../run.md)"
-    table = MeasuredTable(Path("success.md"), "Part", ("", "dial"), ((cell, "1"),))
+    table = MeasuredTable(Path("results.md"), "Part", ("", "dial"), ((cell, "1"),))
     page = page_of(TASKS["dial"], [table])
     assert (
-        "now [here](../docs/measured/success.md#part), [there](../docs/measured/physics.md#kinds), "
-        "[far](https://x.org/), [up](../docs/measured/../run.md)"
+        "now [here](../docs/results.md#part), [there](../docs/physics.md#kinds), "
+        "[far](https://x.org/), [up](../docs/../run.md)"
     ) in page
 
 
@@ -156,5 +154,5 @@ def test_cells_of_prose_are_marked() -> None:
 def test_links_to_what_was_measured_are_told_apart(name: str) -> None:
     from tools.docs.task_pages import page_of
 
-    links = re.findall(r"^\[(.*)\]\(\.\./docs/measured/", page_of(TASKS[name], measured()), re.M)
+    links = re.findall(r"^\[(.*)\]\(\.\./docs/results\.md", page_of(TASKS[name], measured()), re.M)
     assert len(set(links)) == len(links)

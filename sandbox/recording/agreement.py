@@ -22,7 +22,7 @@ from tasks.score import Score, Status
 
 BOUND_MM = 1.0
 """mm that objects or fingertips may be apart at most: 3.5 times the largest of 87 recordings,
-docs/measured/other-machines.md. Rounding in the recording alone makes up to 0.02 mm."""
+docs/results.md. Rounding in the recording alone makes up to 0.02 mm."""
 BOUND_DEGREES = 2.0
 """Degrees that objects or links of a hand may be apart at most: 4 times the largest, likewise."""
 

@@ -1,7 +1,6 @@
-"""Tables of the measured pages, and what they say of a task.
+"""Tables of a page of results, and what they say of a task.
 
-A task is a column of a table (`docs/measured/success.md`) or a cell of its rows
-(`docs/measured/robots.md`); either way its name stands alone in a cell.
+A task is a column of a table or a cell of its rows; either way its name stands alone in a cell.
 """
 
 from __future__ import annotations

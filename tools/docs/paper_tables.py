@@ -2,7 +2,7 @@
 
     pip install -e ".[plots]"
     python -m tools.docs.paper_tables             # prints the tables, draws out/paper/figure-2.png
-    python -m tools.docs.paper_tables --keep      # also writes docs/measured/paper.md and paper/
+    python -m tools.docs.paper_tables --keep      # also writes docs/pictures/figure-2.png
 
 It runs `sandbox evaluate` for the methods that the paper compares, on one judged day of a
 *simulated* person. The paper's numbers are of one real person, whose data are not public.
@@ -13,7 +13,6 @@ from __future__ import annotations
 import argparse
 import io
 import json
-import subprocess
 import sys
 from collections.abc import Mapping, Sequence
 from contextlib import redirect_stdout
@@ -28,7 +27,6 @@ from sandbox.cli.main import main as sandbox
 from tools.docs.markdown_table import markdown_table
 
 ROOT = Path(__file__).resolve().parents[2]
-PAGE = ROOT / "docs" / "measured" / "paper.md"
 METHODS = tuple(TABLE_1)
 """Methods that the paper compares."""
 FIGURE = "figure-2.png"
@@ -86,46 +84,13 @@ def table_2(encoders: Mapping[str, Any]) -> str:
     return markdown_table(("", *columns), rows)
 
 
-def page(report: Mapping[str, Any]) -> str:
-    """The page with both tables and the figure."""
-    encoders = report["encoders"]
-    frames = sum(test["frames"] for test in report["tests"])
-    asked = ["git", "rev-parse", "--short", "HEAD"]
-    commit = subprocess.run(asked, cwd=ROOT, capture_output=True, text=True, check=True).stdout
-    return f"""# The paper's tables beside ours
-
-`python -m tools.docs.paper_tables --keep` at commit {commit.strip()}.
-
-The paper's numbers are of one real person, whose data are not public. Ours are of one judged day of
-a **simulated** person, {frames:,} frames; all methods were trained on its day 0. The
-two show orders of magnitude side by side; neither confirms the other. Brackets: 95 % over takes,
-by bootstrap. [evaluation.md](../evaluation.md) defines what is measured,
-[encoding.md](../encoding.md) has more days and methods, and [strangers.md](strangers.md) what
-happens with people on whom nothing was trained.
-
-## Table 1: errors with true labels
-
-{table_1(encoders)}
-
-## Table 2: frames with all fingers named right, %
-
-{table_2(encoders)}
-
-## Figure 2: reconstructions from touches that nothing was trained on
-
-Each row is the frame with the median error for its number of fingers, captured hand first.
-
-![Captured hands beside reconstructions by each method](../../paper/{FIGURE})
-"""
-
-
 def main() -> int:
     """Prints the tables and draws the figure; returns 2 if matplotlib is missing."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--out", type=Path, default=Path("out/paper"), help="folder of pictures")
-    parser.add_argument("--keep", action="store_true", help="write the page and the paper's figure")
+    parser.add_argument("--keep", action="store_true", help="write the figure of the docs")
     options = parser.parse_args()
     if find_spec("matplotlib") is None:
         print("matplotlib is missing: pip install -e '.[plots]'", file=sys.stderr)
@@ -135,10 +100,11 @@ def main() -> int:
     print(f"Table 1\n\n{table_1(report['encoders'])}\n\nTable 2\n\n{table_2(report['encoders'])}\n")
     print(f"Figure 2: {options.out / FIGURE}")
     if options.keep:
-        PAGE.write_text(page(report), encoding="utf-8")
         with Image.open(options.out / FIGURE) as picture:
             picture.thumbnail((WIDEST, WIDEST))
-            picture.convert("RGB").quantize(128).save(ROOT / "paper" / FIGURE, optimize=True)
+            picture.convert("RGB").quantize(128).save(
+                ROOT / "docs" / "pictures" / FIGURE, optimize=True
+            )
     return 0
 
 

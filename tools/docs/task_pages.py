@@ -1,7 +1,7 @@
 """Pages of the tasks for the site: film, contract, spaces, score and what was measured.
 
 All of it follows from the registry of tasks, their docstrings, the environments of Gymnasium and
-the tables of `docs/measured`, so that a new task has its page as soon as it is registered.
+the tables of `docs/results.md`, so that a new task has its page as soon as it is registered.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from tools.docs.measured_tables import MeasuredTable, tables_of
 from tools.docs.task_films import FILMS, TaskFilm, film_of
 
 ROOT = Path(__file__).resolve().parents[2]
-MEASURED = ROOT / "docs" / "measured"
+RESULTS = ROOT / "docs" / "results.md"
 FOLDER = "tasks"
 """Folder of the pages on the site."""
 
@@ -59,7 +59,7 @@ def write_pages(folder: Path) -> list[str]:
     """
     out = folder / FOLDER
     out.mkdir()
-    tables = [table for page in sorted(MEASURED.glob("*.md")) for table in tables_of(page)]
+    tables = list(tables_of(RESULTS))
     for name, kind in TASKS.items():
         (out / f"{name}.md").write_text(page_of(kind, tables), encoding="utf-8")
     (out / "index.md").write_text(overview(), encoding="utf-8")
@@ -185,11 +185,11 @@ def _score(kind: type[Task]) -> str:
 
 
 def _seen_from_here(cell: str, page: str) -> str:
-    """A cell of a measured page, whose links within that folder also hold on a task's page."""
+    """A cell of a page of docs/, whose links within that folder also hold on a task's page."""
 
     def whole(link: re.Match[str]) -> str:
         file = page if link[1].startswith("#") else ""
-        return f"](../docs/measured/{file}{link[1]})"
+        return f"](../docs/{file}{link[1]})"
 
     return re.sub(r"\]\((?!\w+:)([^)]*)\)", whole, cell)
 
@@ -200,7 +200,7 @@ def _measured(name: str, tables: list[MeasuredTable]) -> list[str]:
         part = table.of_task(name)
         if part is None:
             continue
-        link = f"../docs/measured/{table.page.name}"
+        link = f"../docs/{table.page.name}"
         rows = [[_seen_from_here(cell, table.page.name) for cell in row] for row in part.rows]
         parts.append((table.heading, link, markdown_table(part.columns, rows)))
     if not parts:

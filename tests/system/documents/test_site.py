@@ -26,7 +26,7 @@ PAGES = (
     "tasks/box-to-goal.html",
     "docs/studies.html",
     "docs/architecture.html",
-    "docs/measured/success.html",
+    "docs/results.html",
     "api/sandbox.html",
 )
 WIDTHS = (390, 820, 1440)

@@ -5,7 +5,7 @@
 It is fitted by restricted maximum likelihood; the same in R is
 `lmer(y ~ 0 + condition + log2_position + (1 | ppid) + (1 | ppid:factor) + ...)`. Degrees of freedom
 are those of a paired t test over the people who did both levels, which is conservative: slightly
-where nearly all did, clearly where few did (docs/measured/study_findings.md).
+where nearly all did, clearly where few did (docs/results.md).
 """
 
 from __future__ import annotations
