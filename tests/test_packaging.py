@@ -3,16 +3,26 @@
 from __future__ import annotations
 
 import re
+import sys
 import tomllib
+from importlib.metadata import packages_distributions
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from tests.support.import_graph import imported_names, modules
+
 ROOT = Path(__file__).resolve().parent.parent
 PACKAGES = ("models", "encoders", "tasks", "sandbox")
 NOT_SHIPPED = {"__pycache__", "page", "node_modules"}
 """Folders inside the packages whose files stay out of the wheel."""
+GUESTS = {
+    "sandbox.stream.maya_side": {"maya", "__main__"},
+    "sandbox.stream.blender_rigs": {"bpy", "mathutils"},
+    "sandbox.stream.blender_side": {"bpy"},
+}
+"""Modules that run inside other programs, and what these bring along."""
 
 
 @pytest.fixture(scope="module")
@@ -63,6 +73,26 @@ def test_every_folder_of_modules_is_a_package() -> None:
     assert not [folder for folder in sorted(folders) if not (folder / "__init__.py").is_file()]
 
 
+def canonical(name: str) -> str:
+    """A distribution's name as package indexes compare it."""
+    return re.sub(r"[-_.]+", "-", name).lower()
+
+
+def test_every_library_that_is_imported_is_declared(project: dict[str, Any]) -> None:
+    """Whatever another package happens to bring along may be gone with its next release."""
+    extras = project["project"]["optional-dependencies"].values()
+    needed = [*project["project"]["dependencies"], *(r for extra in extras for r in extra)]
+    declared = {canonical(re.split(r"[^\w.-]", requirement)[0]) for requirement in needed}
+    providers = packages_distributions()
+    wrong = []
+    for module, path in modules().items():
+        own = {*PACKAGES, *sys.stdlib_module_names, *GUESTS.get(module, ())}
+        for top in {name.partition(".")[0] for name in imported_names(module, path)} - own:
+            if not {canonical(name) for name in providers.get(top, [top])} & declared:
+                wrong.append(f"{module} imports {top}")
+    assert not wrong
+
+
 def test_every_data_file_is_shipped(project: dict[str, Any]) -> None:
     patterns = project["tool"]["setuptools"]["package-data"]["*"]
     packages = [init.parent for name in PACKAGES for init in (ROOT / name).rglob("__init__.py")]
@@ -75,7 +105,7 @@ def test_every_data_file_is_shipped(project: dict[str, Any]) -> None:
         and path.suffix != ".py"
         and not NOT_SHIPPED & set(path.relative_to(ROOT).parts)
     }
-    assert data, "the py.typed files at least"
+    assert {ROOT / name / "py.typed" for name in PACKAGES} <= data
     assert not sorted(data - shipped), "add their suffix to package-data in pyproject.toml"
 
 

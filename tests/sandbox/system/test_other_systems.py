@@ -12,8 +12,8 @@ import pytest
 from sandbox.system import durable_files
 from sandbox.system.durable_files import lock
 from tests.support.study_files import DESIGN, in_child, killed_after
-from tools.house import ROOT
 
+ROOT = Path(__file__).resolve().parents[3]
 MISSING = ("fcntl", "resource", "termios", "pwd", "grp")
 
 WORK = """

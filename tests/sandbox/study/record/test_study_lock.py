@@ -26,8 +26,8 @@ from sandbox.study.record.stored_sessions import session_path
 from sandbox.study.run.simulate import run_simulated
 from sandbox.study.share.privacy import Masking, anonymise
 from sandbox.study.tables.tables import rebuild_all
+from tests.support.import_graph import ROOT, import_graph, modules
 from tests.support.study_files import DESIGN, design, open_study, rows_of
-from tools.house import ROOT, House
 
 BEGIN = (
     "sandbox/trial",
@@ -46,18 +46,19 @@ BEGIN = (
 
 def reached() -> set[str]:
     """Folders of all modules that these rooms import, directly or not."""
-    house = House.of_repository()
+    folders = {name: path.parent.relative_to(ROOT).as_posix() for name, path in modules().items()}
+    graph = import_graph()
     left = [
         name
-        for name, module in house.modules.items()
-        if any(f"{module.folder}/".startswith(f"{room}/") for room in BEGIN)
+        for name, folder in folders.items()
+        if any(f"{folder}/".startswith(f"{room}/") for room in BEGIN)
     ]
     seen = set(left)
     while left:
-        new = house.arrows.get(left.pop(), set()) - seen
+        new = graph[left.pop()] - seen
         seen |= new
         left += new
-    return {house.modules[name].folder for name in seen}
+    return {folders[name] for name in seen}
 
 
 def test_every_folder_that_a_trial_reaches_is_in_the_digest_or_is_left_out_with_a_reason() -> None:
