@@ -1,8 +1,8 @@
 """Models that earlier releases shipped, kept for their recordings and found by digest.
 
 A recording's header names its encoder and its labels with a digest each. When a model that ships is
-trained anew, `python -m tools.release keep` copies the one of a release to `data/kept`, where an
-index leads from digests to files. Models are loaded from there as they were.
+trained anew, the one of a release goes to `data/kept`, where an index leads from digests to files.
+Models are loaded from there as they were.
 """
 
 from __future__ import annotations

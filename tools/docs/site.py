@@ -33,12 +33,10 @@ SITE = ROOT / "site"
 PACKAGES = ("models", "encoders", "tasks", "sandbox")
 """Packages whose public names have a page each."""
 
-TOP = ("README.md", "CHANGELOG.md", "CONTRIBUTING.md", "LICENSE", "CITATION.cff")
+TOP = ("README.md", "CHANGELOG.md", "CONTRIBUTING.md", "LICENSE", "CITATION.cff", "Containerfile")
 """Files of the repository's top folder that are pages, or that pages link to."""
 
-LINK = re.compile(
-    r"\]\(((?:\.\./)+(?:models|encoders|tasks|sandbox|tools|benchmarks|install)/[^)#\s]+)"
-)
+LINK = re.compile(r"\]\(((?:\.\./)+(?:models|encoders|tasks|sandbox|tools|benchmarks)/[^)#\s]+)")
 """Links to sources, relative to the page."""
 
 NAMED = re.compile(r"\[[\w./-]+\.md\](?=\((?!https?:))")
