@@ -115,7 +115,9 @@ def test_the_page_on_tasks_tells_how_things_are_made_as_the_code_does(kind: type
 
 
 def test_the_menu_of_the_site_has_every_page_once() -> None:
-    sections = tomllib.loads((ROOT / "site" / "navigation.toml").read_text(encoding="utf-8"))
+    sections = tomllib.loads(
+        (ROOT / "docs" / "site" / "navigation.toml").read_text(encoding="utf-8")
+    )
     pages = [page for section in sections["section"] for page in section["pages"]]
     files = [re.sub(r".*<(.*)>", r"\1", page) for page in pages]
     assert len(set(files)) == len(files)

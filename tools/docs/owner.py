@@ -10,8 +10,7 @@ import tomllib
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-SETTINGS = ROOT / "site" / "settings.toml"
-PAPER = ROOT / "paper" / "paper.md"
+SETTINGS = ROOT / "docs" / "site" / "settings.toml"
 CLONED = "git clone ADDRESS"
 """Stands in pages for the command with the address of the public repository."""
 BEGINNINGS = ("README.md", "docs/getting-started.md")
@@ -37,9 +36,7 @@ def with_address(text: str, address: str) -> str:
 def to_fill_in() -> list[str]:
     """A line for each placeholder, with the file that has it."""
     empty = [name for name, value in settings().items() if not value]
-    left = [f"site/settings.toml: {name} is to be filled in" for name in empty]
-    for placeholder in _PLACEHOLDER.findall(PAPER.read_text(encoding="utf-8")):
-        left.append(f"paper/paper.md: {placeholder} is to be filled in")
+    left = [f"docs/site/settings.toml: {name} is to be filled in" for name in empty]
     for cited in ("CITATION.cff", "docs/comparison.md"):
         if "Hand Sandbox developers" in (ROOT / cited).read_text(encoding="utf-8"):
             left.append(f"{cited}: authors are to be filled in")

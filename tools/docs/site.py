@@ -29,7 +29,7 @@ from tools.docs.owner import settings, to_fill_in, with_address
 from tools.docs.versions import build_released, released
 
 ROOT = Path(__file__).resolve().parents[2]
-SITE = ROOT / "site"
+SITE = ROOT / "docs" / "site"
 PACKAGES = ("models", "encoders", "tasks", "sandbox")
 """Packages whose public names have a page each."""
 
@@ -71,8 +71,9 @@ def stage(folder: Path) -> None:
     """
     for name in TOP:
         shutil.copy(ROOT / name, folder / name)
-    for name in ("docs", "examples", "paper"):
-        shutil.copytree(ROOT / name, folder / name, ignore=shutil.ignore_patterns("__pycache__"))
+    shutil.copytree(ROOT / "docs", folder / "docs", ignore=shutil.ignore_patterns(SITE.name))
+    not_source = shutil.ignore_patterns("__pycache__", "build", "*.egg-info")
+    shutil.copytree(ROOT / "examples", folder / "examples", ignore=not_source)
     for page in sorted((folder / "docs").rglob("*.md")):
         for link in LINK.findall(page.read_text(encoding="utf-8")):
             path = (page.parent / link).resolve().relative_to(folder.resolve())

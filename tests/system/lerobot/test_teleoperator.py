@@ -71,7 +71,7 @@ def installed(lerobot: str, tmp_path_factory: pytest.TempPathFactory) -> Install
     """The package, built as a wheel and installed beside LeRobot."""
     folder = tmp_path_factory.mktemp("package")
     built = [lerobot, "-m", "pip", "wheel", "-q", "--no-deps", "-w", str(folder)]
-    subprocess.run([*built, str(ROOT / "lerobot_teleoperator")], check=True)
+    subprocess.run([*built, str(ROOT / "examples" / "lerobot_teleoperator")], check=True)
     (wheel,) = folder.glob("lerobot_teleoperator_hand_sandbox-*.whl")
     target = folder / "installed"
     words = [lerobot, "-m", "pip", "install", "-q", "--no-deps", "--target", str(target)]

@@ -18,7 +18,9 @@ _SETTINGS = tomllib.loads((_HERE / "settings.toml").read_text(encoding="utf-8"))
 _ARRAY = re.compile(
     r"~?numpy\.ndarray\[tuple\[~?(?:typing\.)?Any, \.\.\.\], ~?numpy\.dtype\[~?numpy\.(\w+)\]\]"
 )
-_PROJECT = tomllib.loads((_HERE.parent / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+_PROJECT = tomllib.loads((_HERE.parents[1] / "pyproject.toml").read_text(encoding="utf-8"))[
+    "project"
+]
 
 
 def _known(name: str) -> str:
@@ -43,7 +45,7 @@ templates_path = ["templates"]
 html_static_path = ["static"]
 html_favicon = "static/favicon.svg"
 html_css_files = ["site.css"]
-exclude_patterns = ["examples/**/*.md", "paper/*.md"]
+exclude_patterns = ["examples/**/*.md"]
 myst_heading_anchors = 4
 myst_enable_extensions = ["colon_fence"]
 # Blocks without a language are text, and not Python.
