@@ -114,8 +114,7 @@ def pytest_collection_finish() -> None:
 def _search_longer(test: object) -> None:
     """Multiplies the examples of a hypothesis test, also of one that says itself how many.
 
-    Hypothesis has no public way to change the settings of a decorated test;
-    tests/test_long_search.py notices if this one no longer has an effect.
+    Hypothesis has no public way to change the settings of a decorated test.
     """
     chosen = getattr(test, "_hypothesis_internal_use_settings", None)
     if chosen is not None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ast
-import importlib
 import inspect
 import re
 from functools import cache
@@ -65,12 +64,3 @@ def test_every_name_among_a_docstring_s_attributes_is_an_attribute(package: str)
         if not set(entry.split(", ")) <= members(node)
     ]
     assert not wrong
-
-
-@pytest.mark.parametrize("package", PACKAGES)
-def test_public_classes_list_one_attribute_a_line_as_the_reference_shows_them(package: str) -> None:
-    module = importlib.import_module(package)
-    public = [thing for name in module.__all__ if inspect.isclass(thing := getattr(module, name))]
-    entries = [(kind.__name__, entry) for kind in public for entry in listed(kind.__doc__)]
-    assert entries
-    assert not [pair for pair in entries if not pair[1].isidentifier()]

@@ -14,7 +14,6 @@ import pytest
 
 from models.objects import RED, Box, Cylinder
 from models.surface import Surface
-from sandbox.recording.versions import DECISIVE
 from sandbox.trial.assembly import place_surface
 from tasks.box_to_goal import BoxToGoal
 from tasks.goals import Goal
@@ -59,13 +58,6 @@ def test_every_link_within_the_repository_leads_somewhere(page: Path) -> None:
     assert not astray
 
 
-def test_the_readme_is_a_screen_and_a_half() -> None:
-    text = (ROOT / "README.md").read_text(encoding="utf-8")
-    # A screen of 1440 x 900 px shows about 50 lines.
-    assert len(text.splitlines()) <= 80
-    assert text.index("| strangers (") < text.index("another day of the person")
-
-
 def test_the_picture_of_the_steps_is_the_one_that_its_command_draws() -> None:
     drawn = ElementTree.fromstring(drawing())
     kept = (ROOT / "docs" / "pictures" / "how-it-works.svg").read_text(encoding="utf-8")
@@ -75,17 +67,6 @@ def test_the_picture_of_the_steps_is_the_one_that_its_command_draws() -> None:
 def test_the_picture_of_the_axes_is_the_one_that_its_command_draws() -> None:
     kept = (ROOT / "docs" / "pictures" / "axes.svg").read_text(encoding="utf-8")
     assert kept == axes.drawing()
-
-
-@pytest.mark.parametrize("page", ["physics", "releases"])
-def test_pages_say_in_the_same_words_where_a_recording_replays_to_the_bit(page: str) -> None:
-    text = " ".join((ROOT / "docs" / f"{page}.md").read_text(encoding="utf-8").split())
-    said = (
-        "the recording's: MuJoCo's version, the architecture and the values of the system's libm",
-        "It also holds the operating system and a digest of values computed in our order of sums",
-    )
-    assert all(words in text for words in said)
-    assert list(DECISIVE) == ["mujoco", "machine", "libm", "arithmetic"]
 
 
 def test_the_page_on_tasks_says_where_the_surface_is() -> None:

@@ -60,13 +60,6 @@ def test_ci_runs_the_readme_command_to_the_letter(readme_commands: list[str], ci
     assert re.search(r'^[^#]*bash -euc "\$readme_tests \|\| \$once_more"', ci_run, re.MULTILINE)
 
 
-def test_ci_says_which_thirty_tests_took_longest_and_draws_the_same_examples(ci_run: str) -> None:
-    options = r'^export PYTEST_ADDOPTS="--durations=30 --hypothesis-seed=0"$'
-    assert re.search(options, ci_run, re.MULTILINE)
-    # The bare root begins with an empty environment.
-    assert re.search(r'env -i [^#]*PYTEST_ADDOPTS="\$PYTEST_ADDOPTS"', ci_run)
-
-
 def test_every_folder_of_modules_is_a_package() -> None:
     """setuptools leaves a folder without __init__.py out of the wheel without a word."""
     folders = {path.parent for name in PACKAGES for path in (ROOT / name).rglob("*.py")}

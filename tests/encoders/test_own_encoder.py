@@ -69,10 +69,6 @@ class Mean(Encoder):
 # The example, in four commands
 
 
-def test_the_example_has_fewer_than_sixty_lines() -> None:
-    assert len(EXAMPLE.read_text().splitlines()) < 60
-
-
 def test_the_example_plays_a_trial_that_replays(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

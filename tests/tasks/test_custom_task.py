@@ -609,11 +609,9 @@ class Minimal:
     assert task.hands == 1 and task.user is None
 
 
-def test_the_example_has_forty_lines_of_code_and_is_done_by_the_simulated_user(
+def test_the_example_is_done_by_the_simulated_user(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    code = [line for line in MUG.read_text().split('"""', 2)[2].splitlines() if line.strip()]
-    assert len(code) <= 40
     record, out = tmp_path / "mug.jsonl", tmp_path / "mug.json"
     arguments = ["run", str(MUG), "--seed", "2", "--record", str(record), "--json", str(out)]
     assert main(arguments) == 0
@@ -627,8 +625,6 @@ def test_the_example_has_forty_lines_of_code_and_is_done_by_the_simulated_user(
 def test_the_example_with_a_user_of_its_own_is_done_by_that_user(seed: int) -> None:
     run = run_trial(PUCK, seed)
     assert run.success
-    user = Path(PUCK).read_text().split("class OneFinger")[1].split("class PushThePuck")[0]
-    assert len(user.strip().splitlines()) <= 30
 
 
 @pytest.mark.parametrize("here", [".", "examples", "sandbox"])

@@ -393,21 +393,6 @@ def test_markers_on_the_corners_tell_where_the_surface_is(
     assert_as_played(tmp_path / "c.npz", truth, degrees=8.0, wrist=0.010, ahead=0.0)
 
 
-def test_the_help_teaches_with_an_example(capsys: pytest.CaptureFixture[str]) -> None:
-    with pytest.raises(SystemExit) as stop:
-        main(["capture", "--help"])
-    text = capsys.readouterr().out
-    assert stop.value.code == 0
-    for word in (
-        "--touches",
-        "--mapping",
-        "[surface]",
-        "    sandbox capture --recorded session",
-        "50 ms",
-    ):
-        assert word in text
-
-
 # --- the table of poses
 
 

@@ -112,29 +112,6 @@ def test_every_command_has_help(command: list[str], capsys: pytest.CaptureFixtur
     assert not re.search(r"\bNone\b", help_text)
 
 
-@pytest.mark.parametrize("command", EVERY, ids=" ".join)
-def test_prose_of_help_is_no_wider_than_the_terminal(
-    command: list[str], capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setenv("COLUMNS", "72")
-    with pytest.raises(SystemExit):
-        main([*command, "--help"])
-    prose = [line for line in capsys.readouterr().out.splitlines() if line[:1].isalpha()]
-    assert prose and max(map(len, prose)) <= 72
-
-
-def test_what_an_option_does_is_told_without_the_line_breaks_of_the_source(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setenv("COLUMNS", "4000")
-    with pytest.raises(SystemExit):
-        main(["run", "--help"])
-    said = capsys.readouterr().out
-    assert (
-        "evdev: a touch screen of this Linux machine. leap: a hand in the air over a Leap" in said
-    )
-
-
 @pytest.mark.parametrize("command", ["run", "play", "regress"])
 def test_help_names_everything_that_can_be_varied(
     command: str, capsys: pytest.CaptureFixture[str]

@@ -167,9 +167,7 @@ def test_alone_it_lists_every_command_task_and_device(capsys: pytest.CaptureFixt
     names = [*COMMANDS, *TASKS, *devices()]
     for name in names:
         # `leap` is a command and a device.
-        found = [x for x in lines if x.split()[:1] == [name]]
-        assert len(found) == names.count(name)
-        assert all(len(line.split()) > 3 for line in found), found
+        assert len([x for x in lines if x.split()[:1] == [name]]) == names.count(name)
     assert all(devices().values())
 
 

@@ -19,14 +19,6 @@ from sandbox.cli.main import main
 PICTURES = ("table-1", "table-2", "by-fingers", "pca-variance", "figure-2")
 
 
-def test_help_lists_the_options_of_both_papers(capsys: pytest.CaptureFixture[str]) -> None:
-    with pytest.raises(SystemExit) as end:
-        main(["evaluate", "--help"])
-    assert end.value.code == 0
-    said = capsys.readouterr().out
-    assert all(option in said for option in ("--encoders", "--paalm", "--takes", "--readings"))
-
-
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with a training capture and two test captures of other takes."""

@@ -86,10 +86,3 @@ def test_own_is_another_day_of_the_same_person(capsys: pytest.CaptureFixture[str
     found = evaluated(capsys, *line, "--train", "own")
     assert found["training"]["day"] == 0 != found["tests"][0]["day"]
     assert found["training"]["seed"] == found["tests"][0]["seed"]
-
-
-def test_help_teaches_strangers_too(capsys: pytest.CaptureFixture[str]) -> None:
-    with pytest.raises(SystemExit):
-        main(["evaluate", "--help"])
-    said = capsys.readouterr().out
-    assert "--hold-out" in said and "--rest" in said and "--paalm" in said

@@ -125,15 +125,6 @@ def test_an_unknown_participant_cannot_be_withdrawn_and_is_not_called_new(
         assert ", ".join(people_of(folder)) in said and "expected new" not in said
 
 
-def test_the_help_of_a_withdrawal_has_no_quotes_of_a_shell(
-    capsys: pytest.CaptureFixture[str],
-) -> None:
-    with pytest.raises(SystemExit):
-        main(["study", "withdraw", "--help"])
-    told = " ".join(capsys.readouterr().out.replace("│", " ").split())
-    assert "(default: 'wish of the participant')" in told and '"\'"' not in told
-
-
 def test_without_a_yes_nothing_is_deleted(
     folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import csv
 import gzip
 import json
@@ -49,10 +50,22 @@ def quiet(text: str) -> None:
 
 
 @pytest.fixture(scope="module")
-def study(tmp_path_factory: pytest.TempPathFactory) -> StudyFolder:
-    found = StudyFolder(tmp_path_factory.mktemp("kept"), design(TEXT), SIMULATED)
+def laboratory(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with the task, where the study is run: its path is in no other text by chance."""
+    place = tmp_path_factory.mktemp("laboratory-in-room-412")
+    task = Path("tests", "support", "regress_tasks.py")
+    (place / task).parent.mkdir(parents=True)
+    shutil.copy(task, place / task)
+    return place
+
+
+@pytest.fixture(scope="module")
+def study(laboratory: Path, tmp_path_factory: pytest.TempPathFactory) -> StudyFolder:
+    with contextlib.chdir(laboratory):
+        found = StudyFolder(tmp_path_factory.mktemp("kept"), design(TEXT), SIMULATED)
+        for number in range(2):
+            run_simulated(found, number, quiet)
     for number in range(2):
-        run_simulated(found, number, quiet)
         with SessionFolder(found, found.participants()[number]) as session:
             session.write("note", text=SECRET, trial=None)
             session.write("exclude", trial=2, reason=SECRET)
@@ -96,13 +109,13 @@ def rows_of(path: Path) -> list[dict[str, str]]:
 
 
 def test_nothing_in_the_copy_names_anybody_or_says_when_or_what_they_wrote(
-    study: StudyFolder, copy: StudyFolder
+    study: StudyFolder, copy: StudyFolder, laboratory: Path
 ) -> None:
     old = [p.ppid for p in study.participants()]
     day = read_journal(study.path / "study.jsonl")[0]["time"][:10]
     found = contents(copy.path)
     assert len(found) > 30
-    forbidden = [*old, study.id, day, SECRET, "Kowalczyk", str(study.path), str(Path.cwd())]
+    forbidden = [*old, study.id, day, SECRET, "Kowalczyk", str(study.path), str(laboratory)]
     for name, data in found.items():
         assert not any(ppid in name for ppid in old)
         if not name.endswith(".parquet"):
@@ -110,11 +123,14 @@ def test_nothing_in_the_copy_names_anybody_or_says_when_or_what_they_wrote(
                 assert what.encode() not in data, (name, what)
 
 
-def test_every_journal_of_the_original_holds_what_the_copy_must_not(study: StudyFolder) -> None:
+def test_every_journal_of_the_original_holds_what_the_copy_must_not(
+    study: StudyFolder, laboratory: Path
+) -> None:
     # Otherwise the test above could not fail.
     found = contents(study.path)
     journal = found[f"{study.participants()[0].ppid}/S001/journal.jsonl"]
     assert journal.count(SECRET.encode()) == 5
+    assert any(str(laboratory).encode() in data for data in found.values())
 
 
 def test_results_are_the_same_but_for_names_and_dates(

@@ -13,15 +13,6 @@ import pytest
 from tests.support.processes import ROOT
 
 EXAMPLES = ROOT / "examples"
-MOST_LINES = 60
-SHORT = (
-    "run_a_trial.py",
-    "train_and_predict.py",
-    "replay_and_export.py",
-    "circling_finger.py",
-    "push_the_mug.py",
-    "open_the_drawer.py",
-)
 
 
 def run(name: str, folder: Path, *arguments: str) -> str:
@@ -42,11 +33,6 @@ def run(name: str, folder: Path, *arguments: str) -> str:
     assert answer.returncode == 0, answer.stderr
     assert "Warning" not in answer.stderr
     return answer.stdout
-
-
-@pytest.mark.parametrize("name", SHORT)
-def test_an_example_has_under_sixty_lines(name: str) -> None:
-    assert len((EXAMPLES / name).read_text(encoding="utf-8").splitlines()) < MOST_LINES
 
 
 def test_a_trial_is_run_replayed_and_exported_from_python(tmp_path: Path) -> None:
