@@ -126,9 +126,9 @@ def _load(file: Path) -> Design:
 
 def _check(options: CheckOptions, console: Console) -> int:
     from sandbox.study.design.balance import cycle_line
+    from sandbox.study.design.checks import findings
     from sandbox.study.design.conditions import combinations
     from sandbox.study.design.design_file import read_draft
-    from sandbox.study.design.meaning.findings import findings
     from sandbox.study.design.reading import DesignError
 
     try:
@@ -197,7 +197,7 @@ def _say_cycle(design: Design, people: int, console: Console) -> None:
 
 
 def _simulate(options: StudySimulateOptions, console: Console) -> int:
-    from sandbox.study.design.meaning.findings import findings
+    from sandbox.study.design.checks import findings
     from sandbox.study.record.folder import SIMULATED, StudyFolder
     from sandbox.study.run.simulate import simulate
 

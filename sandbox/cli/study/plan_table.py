@@ -9,9 +9,9 @@ from rich.table import Table
 
 from models.messages.wording import counted
 from sandbox.study.design.balance import confounded, cycle_line, nearest_cycles
+from sandbox.study.design.checks import parting_breaks
 from sandbox.study.design.conditions import tasks_of
 from sandbox.study.design.design import Design
-from sandbox.study.design.meaning.practice import parting_breaks
 from sandbox.study.design.plan import BreakStep, Step, session_plan, trials_of
 from sandbox.study.design.toml_lines import TomlLines
 

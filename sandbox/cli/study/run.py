@@ -34,7 +34,7 @@ from sandbox.views.display import has_display
 
 if TYPE_CHECKING:
     from sandbox.cli.common.page_options import PageOptions
-    from sandbox.study.design.meaning.findings import Finding
+    from sandbox.study.design.checks import Finding
     from sandbox.study.record.folder import StudyFolder
     from sandbox.study.record.session_folder import SessionFolder
     from sandbox.study.run.controls import Controls, Terminal
@@ -50,8 +50,8 @@ FAREWELL = 1.0
 def run(options: StudyRunOptions, console: Console) -> int:
     """Runs a session, or the rest of an interrupted one."""
     from sandbox.cli.study.people import find_participant, has_begun, next_session
+    from sandbox.study.design.checks import findings
     from sandbox.study.design.design_file import load_design
-    from sandbox.study.design.meaning.findings import findings
     from sandbox.study.record.folder import PILOT, REAL, StudyFolder
     from sandbox.study.record.session_folder import SessionFolder
     from sandbox.study.run.controls import Controls, Terminal

@@ -112,7 +112,8 @@ def read_draft(path: Path) -> Design | None:
     """The design of a file whose mistakes leave all else readable: texts that lack a language, and
     confirmatory outcomes, of which the draft then has none.
 
-    None if there are other mistakes, or none at all. So that `check` can look at its meaning, too.
+    None if there are other mistakes, or none at all. So that `check` can look at its numbers and
+    structure, too.
 
     Raises:
         StudyError: The file cannot be read.

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
+from sandbox.study.design.checks import findings
 from sandbox.study.design.design_file import parse_design
-from sandbox.study.design.meaning.findings import findings
 from sandbox.study.design.reading import DesignError
 from sandbox.study.report.models.data import wordings
 from sandbox.study.run.study_page import study_view

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from sandbox.study.design.meaning.findings import findings
+from sandbox.study.design.checks import findings
 from tests.support.study_files import SOUND, design
 
 TASKS = '\n[[factors]]\nname = "turn"\norder = "latin"\nlevels = [0, 90, 180]\n'

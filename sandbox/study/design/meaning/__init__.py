@@ -1,1 +1,0 @@
-"""What a design that is right in form may get wrong."""

@@ -1,1 +1,0 @@
-"""What the questions of a design may get wrong."""

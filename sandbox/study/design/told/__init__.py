@@ -1,1 +1,0 @@
-"""Texts of a design that people read, and how a flaw of them is told."""
