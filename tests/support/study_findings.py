@@ -9,7 +9,7 @@ from __future__ import annotations
 import tempfile
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from math import exp
+from math import exp, sqrt
 from pathlib import Path
 from typing import Any
 
@@ -17,12 +17,10 @@ import numpy as np
 
 from sandbox.study.design.design import END, Design, Item
 from sandbox.study.design.scoring import scores
-from sandbox.study.planning.pilot import Spread
 from sandbox.study.report.models.comparisons import Difference
 from sandbox.study.report.models.data import load_study
 from sandbox.study.report.models.family import family_of
 from sandbox.study.report.models.fitted import Fitted
-from sandbox.study.report.models.quantities import LOG
 from sandbox.study.tables.column import csv_bytes
 from tests.support.planted_study import Truth, write_study
 
@@ -82,7 +80,7 @@ def planted(size: float, people: int, count: int) -> Iterator[Told]:
         people: Number of participants.
         count: How many studies.
     """
-    ratio = size * spread_of(PLANTED).deviation(PLANTED.repetitions)
+    ratio = size * deviation_of(PLANTED)
     first, second = PLANTED.times[0] * exp(-ratio / 2), PLANTED.times[0] * exp(ratio / 2)
     truth = replace(PLANTED, people=people, times=(first, second))
     with tempfile.TemporaryDirectory() as work:
@@ -99,9 +97,9 @@ def planted(size: float, people: int, count: int) -> Iterator[Told]:
             yield Told(test.found and d.estimate.value * true > 0.0, covers)
 
 
-def spread_of(truth: Truth) -> Spread:
-    """The planted spread, as a pilot would tell it."""
-    return Spread(LOG, truth.people, 2 * truth.person_level**2, truth.residual**2, False, 1.0)
+def deviation_of(truth: Truth) -> float:
+    """The planted standard deviation over people of the difference in log time."""
+    return sqrt(2 * truth.person_level**2 + 2 * truth.residual**2 / truth.repetitions)
 
 
 def write_answers(folder: Path, design: Design, truth: Truth, seed: int) -> None:

@@ -1,1 +1,0 @@
-"""From a pilot to a plan: spread, power and numbers of people; the text of a preregistration."""
