@@ -20,7 +20,6 @@ class PlannedTests:
         outcome: A measure, or a questionnaire for its score.
         factor: The factor.
         pairs: Number of compared pairs of levels.
-        trials: Number of trials of a participant with each level; 1 for a score.
         share: Share of the participants who do one of two compared levels; of several pairs the
             least.
     """
@@ -28,7 +27,6 @@ class PlannedTests:
     outcome: str
     factor: Factor
     pairs: int
-    trials: float
     share: Fraction
 
     @property
@@ -56,9 +54,7 @@ def planned_tests(design: Design) -> list[PlannedTests]:
                 continue
             pairs = _pairs(factor)
             if pairs:
-                trials = 1.0 if outcome in forms else trials_each(design, factor)
-                share = _share(design, factor)
-                found.append(PlannedTests(outcome, factor, len(pairs), trials, share))
+                found.append(PlannedTests(outcome, factor, len(pairs), _share(design, factor)))
     return found
 
 
