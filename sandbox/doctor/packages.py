@@ -23,7 +23,6 @@ USES = {
     "ray": "regression runs on a cluster",
     "gym": "tasks as Gymnasium environments",
     "datasets": "data sets of demonstrations for Minari and LeRobot",
-    "learn": "policies from demonstrations",
     "robots": "hands of robots in the place of ours: Shadow, Adroit",
     "bullet": "comparison with Bullet",
     "evdev": "Linux touch screens and trackpads",

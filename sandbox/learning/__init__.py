@@ -1,1 +1,0 @@
-"""Policies that are learned from demonstrations (docs/learning.md)."""
