@@ -81,12 +81,9 @@ class Encoder(Protocol):
         """
         return self.fit(U, Q)
 
-    def for_contacts(self, fast: bool = False) -> Predictor:
+    def for_contacts(self) -> Predictor:
         """The quickest predictor for contact vectors; the encoder itself unless it has a quicker
         form.
-
-        Args:
-            fast: True compiles it if possible (extra `fast`: numba).
         """
         return self
 

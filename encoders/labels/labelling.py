@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from encoders.input_vector import CONTACT_VECTOR_SIZE, LIFTED, leftmost
-from encoders.labels.nearest_neighbour import NearestNeighbour, Search
+from encoders.labels.nearest_neighbour import NearestNeighbour
 from encoders.regression.trained import TrainedModel
 from models.arithmetic.arrays import Array
 from models.arithmetic.products import matrix_product
@@ -194,26 +194,25 @@ class PaperLabels:
             `mahalanobis`: all 48, by the covariance of the training poses. `touches`: not poses,
             but contact vectors in inches, compared with training frames of the same fingers; the
             paper's rule for inverse kinematics (its section 3).
-        fast: True uses compiled poses and search (extra `fast`: numba). Labels are the same.
 
     Raises:
-        EncoderError: The metric is unknown, or numba is missing.
+        EncoderError: The metric is unknown.
     """
 
     remembers = False
 
-    def __init__(self, model: TrainedModel, metric: str = "joints", fast: bool = False) -> None:
+    def __init__(self, model: TrainedModel, metric: str = "joints") -> None:
         if metric not in METRICS:
             raise EncoderError("no such metric", got=metric, expected=", ".join(METRICS))
         self.metric = metric
-        self._poses = model.encoder.for_contacts(fast)
+        self._poses = model.encoder.for_contacts()
         if metric == "touches":
             self._map = np.diag(np.repeat([1.0, _FLAG_SCALE], [2 * len(FINGERS), len(FINGERS)]))
             frames = np.asarray(model.training_u, float)
         else:
             frames = np.asarray(model.training_pose, float)
             self._map = _pose_map(metric, frames)
-        self._search = nearest_neighbour(matrix_product(frames, self._map), fast)
+        self._search = NearestNeighbour(matrix_product(frames, self._map))
 
     def assign(
         self, contacts: Mapping[int, tuple[float, float]], fixed: Mapping[int, int]
@@ -255,16 +254,3 @@ def _pose_map(metric: str, frames: Array) -> Array:
     scale[:3] = 100.0
     identity = np.diag(scale)
     return identity[:, JOINTS] if metric == "joints" else identity
-
-
-def nearest_neighbour(points: Array, fast: bool = False) -> Search:
-    """Creates a search among points (T, d), compiled if `fast` is true (extra `fast`: numba).
-
-    Raises:
-        EncoderError: No point is given, one is not finite, or numba is missing.
-    """
-    if fast:
-        from encoders.labels.fast_search import FastNearestNeighbour
-
-        return FastNearestNeighbour(points)
-    return NearestNeighbour(points)

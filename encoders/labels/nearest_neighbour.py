@@ -13,7 +13,7 @@ minus the radius exceeds the bound is skipped. Pairs that pass both tests are co
 
 from __future__ import annotations
 
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,7 +27,7 @@ Indices = NDArray[np.intp]
 
 REDUCED = 8
 """Numbers in the reduced comparison; with fewer, more pairs pass; with more, each costs more (16
-took about twice as long, compiled, at 7,083 and 396,648 poses)."""
+took about twice as long, at 7,083 and 396,648 poses)."""
 
 _CELLS = 6.0
 """Number of cells per square root of the number of points; neither centres nor opened points
@@ -200,13 +200,6 @@ class NearestNeighbour:
         return np.flatnonzero(
             apart @ _ONES <= np.nextafter(limits, np.float32(np.inf)).take(query)
         )  # any order: a bound, wide enough
-
-
-class Search(Protocol):
-    """Contract of searches for the closest pair."""
-
-    def closest(self, queries: Array) -> Closest:
-        """See `NearestNeighbour.closest`."""
 
 
 def checked_points(points: Array) -> Array:

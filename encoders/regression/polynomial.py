@@ -122,19 +122,15 @@ class PolynomialEncoder(Encoder):
             set_name(s) for s in SETS if len(s) >= _LEAST_FINGERS and set_code(s) not in learned
         )
 
-    def for_contacts(self, fast: bool = False) -> ContactPoses:
+    def for_contacts(self) -> ContactPoses:
         """The encoder prepared for contact vectors, one at a time or many.
 
         `pose = encoder.for_contacts()` once, then `pose(u)` for one contact vector (15,) and
         `pose.predict(U)` for many, give what `predict` gives, several times as fast.
 
-        Args:
-            fast: Whether to compile it (extra `fast`: numba), now and not at the first pose. Poses
-                agree within 1e-9.
-
         Raises:
             EncoderError: The encoder has learned nothing, or from other inputs than contact
-                vectors; or numba is lacking.
+                vectors.
         """
         self._check_learned()
         if self.n_inputs_ != CONTACT_VECTOR_SIZE:
@@ -143,10 +139,6 @@ class PolynomialEncoder(Encoder):
                 got=f"{self.n_inputs_} inputs",
                 expected=str(CONTACT_VECTOR_SIZE),
             )
-        if fast:
-            from encoders.regression.fast import FastContactPoses
-
-            return FastContactPoses(self.coef_, self.degree)
         return ContactPoses(self.coef_, self.degree)
 
     def predict(self, U: ArrayLike) -> Array:

@@ -18,7 +18,6 @@ DEVELOPERS = ("test", "lint", "site", "release", "notebook", "dev")
 USES = {
     "film": "films as mp4 (GIF and WebP need nothing)",
     "plots": "figures of evaluations and regression runs",
-    "fast": "faster batches of contact vectors (numba)",
     "skin": "regenerating the hand's skin",
     "ray": "regression runs on a cluster",
     "gym": "tasks as Gymnasium environments",

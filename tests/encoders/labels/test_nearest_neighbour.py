@@ -8,12 +8,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.distance import cdist
 
-from encoders.labels.fast_search import FastNearestNeighbour
 from encoders.labels.nearest_neighbour import Closest, NearestNeighbour
 from models.errors import EncoderError
 
-BOTH = pytest.mark.parametrize("search", (NearestNeighbour, FastNearestNeighbour))
-Search = type[NearestNeighbour] | type[FastNearestNeighbour]
 SEEDS = st.integers(0, 2**32 - 1)
 
 
@@ -24,7 +21,6 @@ def closest_of_all(queries: np.ndarray, points: np.ndarray) -> Closest:
     return Closest(int(query), int(point), float(distance[query, point]))
 
 
-@BOTH
 @given(
     seed=SEEDS,
     points=st.integers(1, 400),
@@ -34,74 +30,61 @@ def closest_of_all(queries: np.ndarray, points: np.ndarray) -> Closest:
     far=st.sampled_from([0.0, 1.0, 1e4]),
 )
 def test_it_finds_what_looking_at_every_pair_finds(
-    search: Search, seed: int, points: int, queries: int, width: int, spread: float, far: float
+    seed: int, points: int, queries: int, width: int, spread: float, far: float
 ) -> None:
     rng = np.random.default_rng(seed)
     # Lumpy on purpose: frames of a capture come in bundles.
     lumps = rng.normal(0, spread, (5, width))
     P = lumps[rng.integers(0, 5, points)] + rng.normal(0, 0.1 * spread, (points, width)) + far
     Q = lumps[rng.integers(0, 5, queries)] + rng.normal(0, spread, (queries, width)) + far
-    found, expected = search(P).closest(Q), closest_of_all(Q, P)
+    found, expected = NearestNeighbour(P).closest(Q), closest_of_all(Q, P)
     assert (found.query, found.point) == (expected.query, expected.point)
     assert found.distance == pytest.approx(expected.distance, rel=1e-9, abs=1e-9 * spread)
 
 
-@BOTH
 @given(seed=SEEDS, part=st.integers(1, 80))
-def test_how_the_points_are_parted_changes_nothing(search: Search, seed: int, part: int) -> None:
+def test_how_the_points_are_parted_changes_nothing(seed: int, part: int) -> None:
     rng = np.random.default_rng(seed)
     P, Q = rng.normal(size=(80, 6)), rng.normal(size=(20, 6))
-    assert search(P, part).closest(Q)[:2] == closest_of_all(Q, P)[:2]
+    assert NearestNeighbour(P, part).closest(Q)[:2] == closest_of_all(Q, P)[:2]
 
 
-@BOTH
 @given(seed=SEEDS, width=st.integers(1, 12), points=st.integers(1, 300), span=st.integers(1, 4))
 def test_of_equal_pairs_the_first_query_and_its_first_point_win(
-    search: Search, seed: int, width: int, points: int, span: int
+    seed: int, width: int, points: int, span: int
 ) -> None:
     """On a grid of few places most pairs have equals, exactly."""
     rng = np.random.default_rng(seed)
     P = rng.integers(0, span + 1, (points, width)).astype(float)
     Q = rng.integers(-span, span + 1, (30, width)).astype(float) + 0.5
-    assert search(P).closest(Q) == closest_of_all(Q, P)
+    assert NearestNeighbour(P).closest(Q) == closest_of_all(Q, P)
 
 
-@BOTH
-def test_equal_points_beyond_all_room_are_no_obstacle(search: Search) -> None:
+def test_equal_points_beyond_all_room_are_no_obstacle() -> None:
     P = np.tile([[1.0, 2.0, 3.0]], (5000, 1))
     P[:7] += 1.0
-    assert search(P).closest(np.array([[9.0, 9.0, 9.0], [1.0, 2.0, 2.0]])) == Closest(1, 7, 1.0)
+    assert NearestNeighbour(P).closest(np.array([[9.0, 9.0, 9.0], [1.0, 2.0, 2.0]])) == Closest(
+        1, 7, 1.0
+    )
 
 
-@given(seed=SEEDS, noise=st.sampled_from([0.0, 1e-9, 1e-3, 1.0]))
-def test_compiled_or_not_the_answer_is_the_same(seed: int, noise: float) -> None:
-    """Queries that are points, or nearly, and points that come several times."""
-    rng = np.random.default_rng(seed)
-    P = np.repeat(rng.normal(size=(200, 42)), 3, axis=0)[rng.permutation(600)]
-    Q = P[rng.integers(0, 600, 60)] + noise * rng.normal(size=(60, 42))
-    assert NearestNeighbour(P).closest(Q) == FastNearestNeighbour(P).closest(Q)
-
-
-@BOTH
-def test_pairs_that_single_precision_cannot_part_are_parted(search: Search) -> None:
+def test_pairs_that_single_precision_cannot_part_are_parted() -> None:
     P = np.array([[0.0, 0.0], [1000.0, 0.0]])
     Q = np.array([[1000.0, 1.0 + 1e-9], [1000.0, 1.0]])
-    assert search(P).closest(Q)[:2] == (1, 1)
+    assert NearestNeighbour(P).closest(Q)[:2] == (1, 1)
 
 
-@BOTH
 @pytest.mark.parametrize(
     "points", [np.empty((0, 3)), np.zeros(3), np.full((2, 3), np.nan), np.full((2, 3), -1e16)]
 )
-def test_points_that_are_none_are_refused(search: Search, points: np.ndarray) -> None:
+def test_points_that_are_none_are_refused(points: np.ndarray) -> None:
     with pytest.raises(EncoderError, match="finite points"):
-        search(points)
+        NearestNeighbour(points)
 
 
-@BOTH
 @pytest.mark.parametrize(
     "queries", [np.empty((0, 3)), np.zeros(3), np.zeros((2, 4)), np.full((2, 3), np.inf)]
 )
-def test_queries_that_are_none_are_refused(search: Search, queries: np.ndarray) -> None:
+def test_queries_that_are_none_are_refused(queries: np.ndarray) -> None:
     with pytest.raises(EncoderError, match="queries"):
-        search(np.eye(3)).closest(queries)
+        NearestNeighbour(np.eye(3)).closest(queries)

@@ -13,25 +13,6 @@ from numpy.typing import NDArray
 
 from tests.support.processes import ROOT
 
-
-def test_without_numba_the_error_names_the_extra() -> None:
-    code = (
-        "import sys; sys.modules['numba'] = None\n"
-        "from encoders import LinearEncoder\n"
-        "import numpy as np\n"
-        "encoder = LinearEncoder().load(np.zeros((16, 2)), 15)\n"
-        "encoder.for_contacts()\n"
-        "try:\n"
-        "    encoder.for_contacts(fast=True)\n"
-        "except Exception as error:\n"
-        "    print(type(error).__name__, error)\n"
-    )
-    answer = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, check=True
-    )
-    assert answer.stdout.startswith("EncoderError") and "hand-sandbox[fast]" in answer.stdout
-
-
 Picture = NDArray[np.float64]
 
 
@@ -122,7 +103,7 @@ def test_importing_a_package_loads_no_numpy_until_a_name_is_used(package: str) -
     assert answer.stdout.split() == ["False"]
 
 
-HEAVY = ("mujoco", "glfw", "scipy", "OpenGL", "websockets", "matplotlib", "numba")
+HEAVY = ("mujoco", "glfw", "scipy", "OpenGL", "websockets", "matplotlib")
 
 
 @pytest.mark.parametrize("module", ["sandbox", "sandbox.cli.main"])

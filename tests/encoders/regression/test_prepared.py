@@ -1,4 +1,4 @@
-"""Prepared encoders give the poses of the plain one; compiled ones agree with those in NumPy."""
+"""Prepared encoders give the poses of the plain one."""
 
 from __future__ import annotations
 
@@ -6,16 +6,12 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 from encoders.input_vector import contact_vectors
 from encoders.regression.collapsed import SETS, collapse
 from encoders.regression.polynomial import LinearEncoder, PolynomialEncoder, QuadraticEncoder
 from models.errors import EncoderError
 
-SEEDS = st.integers(0, 2**32 - 1)
-FAST = pytest.mark.parametrize("fast", (False, True))
 DEGREES = pytest.mark.parametrize("degree", (1, 2, 3))
 
 
@@ -51,14 +47,11 @@ def test_a_finger_set_leaves_as_many_quadratic_monomials_as_its_coordinates_make
     assert [collapse(s, 2, 0).factors.shape[1] for s in sets] == [6, 15, 28, 45]
 
 
-@FAST
 @DEGREES
 @pytest.mark.parametrize("outputs", (1, 12, 48, 60))
-def test_a_prepared_encoder_gives_the_poses_of_the_plain_one(
-    fast: bool, degree: int, outputs: int
-) -> None:
+def test_a_prepared_encoder_gives_the_poses_of_the_plain_one(degree: int, outputs: int) -> None:
     encoder = encoder_of(degree, outputs)
-    pose = encoder.for_contacts(fast)
+    pose = encoder.for_contacts()
     U = layouts(np.random.default_rng(1), 150)
     expected = encoder.predict(U)
     scale = np.abs(expected).max()
@@ -66,20 +59,9 @@ def test_a_prepared_encoder_gives_the_poses_of_the_plain_one(
     np.testing.assert_allclose([pose(u) for u in U], expected, atol=1e-12 * scale)
 
 
-@given(seed=SEEDS, degree=st.integers(1, 3), frames=st.integers(1, 130))
-def test_compiled_poses_agree_with_those_in_numpy(seed: int, degree: int, frames: int) -> None:
-    encoder = encoder_of(degree, 48, seed % 7)
-    encoder.coef_ /= np.abs(encoder.terms(np.full(15, 6.0)))[:, None]
-    U = layouts(np.random.default_rng(seed), frames)
-    plain, compiled = encoder.for_contacts(), encoder.for_contacts(fast=True)
-    np.testing.assert_allclose(compiled.predict(U), plain.predict(U), rtol=0, atol=1e-9)
-    np.testing.assert_allclose(compiled(U[0]), plain(U[0]), rtol=0, atol=1e-9)
-
-
-@FAST
-def test_a_pose_is_not_overwritten_by_the_next(fast: bool) -> None:
+def test_a_pose_is_not_overwritten_by_the_next() -> None:
     encoder = encoder_of(2, 48)
-    pose = encoder.for_contacts(fast)
+    pose = encoder.for_contacts()
     U = layouts(np.random.default_rng(2), 2)
     first = pose(U[0])
     kept = first.copy()
@@ -87,10 +69,9 @@ def test_a_pose_is_not_overwritten_by_the_next(fast: bool) -> None:
     np.testing.assert_array_equal(first, kept)
 
 
-@FAST
-def test_arrays_of_other_kinds_give_the_same_pose(fast: bool) -> None:
+def test_arrays_of_other_kinds_give_the_same_pose() -> None:
     encoder = encoder_of(2, 5)
-    pose = encoder.for_contacts(fast)
+    pose = encoder.for_contacts()
     u = np.array([0, 0, -1, -1, 3, 1, -1, -1, -1, -1, 1, 0, 1, 0, 0], float)
     expected = encoder.predict(u)
     strided = np.repeat(u, 2)[::2]
@@ -106,17 +87,15 @@ def test_arrays_of_other_kinds_give_the_same_pose(fast: bool) -> None:
         np.testing.assert_allclose(pose.predict([same])[0], expected, rtol=1e-12)
 
 
-@FAST
-def test_the_common_origin_of_contacts_does_not_matter(fast: bool) -> None:
+def test_the_common_origin_of_contacts_does_not_matter() -> None:
     encoder = encoder_of(3, 4)
     U = layouts(np.random.default_rng(3), 20)
     U[:, :10][np.repeat(U[:, 10:] == 1, 2, axis=1)] += 0.5
-    pose = encoder.for_contacts(fast)
+    pose = encoder.for_contacts()
     np.testing.assert_allclose(pose.predict(U), encoder.predict(U), rtol=1e-9)
     np.testing.assert_allclose(pose(U[0]), encoder.predict(U[0]), rtol=1e-9)
 
 
-@FAST
 @pytest.mark.parametrize(
     "u",
     (
@@ -132,9 +111,9 @@ def test_the_common_origin_of_contacts_does_not_matter(fast: bool) -> None:
         1.0,
     ),
 )
-def test_an_invalid_contact_vector_is_refused(fast: bool, u: np.ndarray) -> None:
+def test_an_invalid_contact_vector_is_refused(u: np.ndarray) -> None:
     with pytest.raises(EncoderError, match="no contact vectors"):
-        encoder_of(2, 3).for_contacts(fast)(u)
+        encoder_of(2, 3).for_contacts()(u)
 
 
 def test_only_encoders_of_contact_vectors_can_be_prepared_for_them() -> None:
