@@ -112,25 +112,11 @@ class Skin:
         blended = self._blended(positions, rotations)
         return np.einsum("...nij,nj->...ni", blended[..., :3], self.rest) + blended[..., 3]
 
-    def normals(self, positions: ArrayLike, rotations: ArrayLike) -> Array:
-        """Approximate unit normals (..., n, 3) of the posed skin: those of the zero pose, rotated.
-
-        They are a few degrees off where skin stretches; `normals_of` computes exact ones in about
-        ten times the time.
-        """
-        blended = self._blended(positions, rotations)
-        out = np.einsum("...nij,nj->...ni", blended[..., :3], self._normals)
-        return out / np.maximum(np.linalg.norm(out, axis=-1, keepdims=True), 1e-12)
-
     def _blended(self, positions: ArrayLike, rotations: ArrayLike) -> Array:
         """Weighted mean (..., n, 3, 4) of the motions of each vertex's bones."""
         moves = motions(*self._bind, positions, rotations)
         blended = self.shares @ moves.reshape(*moves.shape[:-2], 12)
         return np.asarray(blended.reshape(*blended.shape[:-1], 3, 4))
-
-    @cached_property
-    def _normals(self) -> Array:
-        return normals_of(self.rest, self.triangles)
 
     @cached_property
     def _bind(self) -> tuple[Array, Array]:

@@ -189,16 +189,6 @@ def test_mujoco_bends_it_alike(skeleton: Skeleton) -> None:
             assert np.abs(drawn - expected[look.skin.part(name).vertices]).max() < 1e-6
 
 
-def test_normals_turn_with_the_bones_and_stay_near_those_of_the_posed_surface() -> None:
-    skin = builtin()
-    bones = frames(ADULT, pose(5))
-    quick = skin.normals(*bones)
-    exact = normals_of(skin.posed(*bones), skin.triangles)
-    assert np.allclose(np.linalg.norm(quick, axis=1), 1.0)
-    angle = np.degrees(np.arccos(np.clip(np.sum(quick * exact, axis=1), -1.0, 1.0)))
-    assert np.median(angle) < 3.0 and np.quantile(angle, 0.95) < 20.0
-
-
 @pytest.mark.parametrize("count", [40, pytest.param(1000, marks=pytest.mark.full)])
 def test_no_triangle_folds_over_in_random_legal_poses(count: int) -> None:
     assert not folds(ADULT, *flesh(), random_poses(ADULT, count, 1)).any()
