@@ -17,6 +17,7 @@ from encoders.evaluation.methods import EncoderMethod, Method
 from encoders.labels.assignment import AssignmentLabels
 from encoders.labels.belief import builtin_belief
 from encoders.labels.labelling import Labeller, PaperLabels
+from encoders.regression.mean import MeanEncoder
 from encoders.regression.registry import ENCODERS, find_encoder, is_external
 from encoders.regression.stored_encoder import predicted
 from encoders.regression.trained import TrainedModel, load_model
@@ -66,9 +67,9 @@ class Training:
         if name in INVERSE_KINEMATICS:
             return self._fitted(name, ENCODERS[name], metric="touches")
         if name == "mean":
-            model = self._model(ENCODERS[name]())
+            model = self._model(MeanEncoder())
             return EncoderMethod(
-                name, model.encoder, lambda: AssignmentLabels(model), fresh=ENCODERS[name]
+                name, model.encoder, lambda: AssignmentLabels(model), fresh=MeanEncoder
             )
         if is_external(name):
             return self._fitted(_shown(name), find_encoder(name))

@@ -6,7 +6,6 @@ from typing import Any
 
 from encoders.discovery import is_place, load_offered, load_place, offered
 from encoders.encoder import Encoder
-from encoders.regression.mean import MeanEncoder
 from encoders.regression.pca_ik import PcaIkEncoder
 from encoders.regression.polynomial import (
     CubicEncoder,
@@ -28,7 +27,6 @@ ENCODERS: dict[str, type[Encoder]] = {
     "pca-ik": PcaIkEncoder,
     "pca-ik-null": NullSpaceIkEncoder,
     "map-ik": MapIkEncoder,
-    "mean": MeanEncoder,
 }
 """Built-in encoders by name. A model's file contains the first name that matches its encoder."""
 

@@ -8,6 +8,7 @@ import sys
 
 from models.errors import HandSandboxError, InputError
 from sandbox.cli.common.printing import HelpShown, prepare, print_no_more
+from sandbox.cli.removed import refuse_removed
 
 COMMANDS: dict[str, str] = {
     "demo": "watch the simulated user move a box to its goal; makes a film and a picture",
@@ -69,6 +70,7 @@ def main(argv: list[str] | None = None) -> int:
         if name == "--version":
             print(_versions(), flush=True)
             return EXIT_DONE
+        refuse_removed(args)
         if name not in COMMANDS:
             raise InputError(
                 "no such command",

@@ -18,8 +18,8 @@ from encoders.capture import Capture
 from encoders.discovery import source_digest
 from encoders.encoder import Encoder
 from encoders.evaluation.training import Training
-from encoders.regression.mean import MeanEncoder
 from encoders.regression.model_registry import cache_folder, find_model, pca_ik_model
+from encoders.regression.pca_ik import PcaIkEncoder
 from encoders.regression.registry import ENCODERS, builtin_name, find_encoder, is_external, origin
 from encoders.regression.trained import (
     builtin_capture,
@@ -464,10 +464,10 @@ def test_a_class_within_a_function_cannot_be_stored(capture: Capture, tmp_path: 
 
 
 def test_built_in_classes_are_recognised_and_subclasses_are_not() -> None:
-    class Heir(MeanEncoder):
+    class Heir(PcaIkEncoder):
         pass
 
-    assert builtin_name(MeanEncoder()) == "mean" and builtin_name(Heir()) is None
+    assert builtin_name(PcaIkEncoder()) == "pca-ik" and builtin_name(Heir()) is None
     assert builtin_name(ENCODERS["linear"]()) == "polynomial"
 
 

@@ -1,0 +1,37 @@
+"""Options, values and commands that were removed, and what takes their place; deleted in 1.0."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from models.errors import InputError
+
+REMOVED = {
+    "train --encoder mean": "`sandbox evaluate --encoders mean` measures the mean pose",
+}
+"""Words of a command line -> what takes their place. The first words are the command's; an option
+with its value, if any, may stand anywhere behind it."""
+
+
+def refuse_removed(args: Sequence[str]) -> None:
+    """Refuses a command line that has what was removed.
+
+    Args:
+        args: Words behind `sandbox`; `--option=value` counts as two.
+
+    Raises:
+        InputError: It has something of `REMOVED`.
+    """
+    words = [part for word in args for part in _parts(word)]
+    for old, instead in REMOVED.items():
+        command, dashes, option = old.partition(" --")
+        path = command.split()
+        asked, rest = words[: len(path)], words[len(path) :]
+        given = f"{dashes.strip()}{option}".split()
+        places = range(len(rest) - len(given) + 1)
+        if asked == path and any(rest[i : i + len(given)] == given for i in places):
+            raise InputError("this was removed", got=f"sandbox {old}", remedy=instead)
+
+
+def _parts(word: str) -> list[str]:
+    return word.split("=", 1) if word.startswith("--") else [word]
