@@ -8,6 +8,10 @@ from models.errors import InputError
 
 REMOVED = {
     "train --encoder mean": "`sandbox evaluate --encoders mean` measures the mean pose",
+    "study plan --from": "`--spread` takes the standard deviation over people of the difference in "
+    "log time, which `sandbox study report` prints for a pilot",
+    "study plan --preregistration": "The design, `sandbox study plan --power` and `sandbox study "
+    "sheet` have what a preregistration needs",
 }
 """Words of a command line -> what takes their place. The first words are the command's; an option
 with its value, if any, may stand anywhere behind it."""

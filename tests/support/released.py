@@ -27,7 +27,7 @@ SUFFIX = ".jsonl.gz"
 OUTCOME_ALONE = ("task-gather", "other-servos")
 """Recordings of which another machine is promised the outcome, and no places. Twelve dice push each
 other in the one, soft servos push soft things in the other, so that a rounded digit grows there
-(docs/measured/other-machines.md)."""
+(docs/results.md)."""
 
 
 @dataclass(frozen=True)
