@@ -18,7 +18,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from sandbox.cli.main import main
-from sandbox.study.record.journal import Journal
+from sandbox.study.record.journal import Journal, read_journal
 from tools.gate.rows import DIGITS, Observed
 
 DESIGN = Path(__file__).with_name("study.toml")
@@ -70,6 +70,11 @@ def rows_of(out: Path) -> dict[str, Observed]:
         person = people[answer["ppid"]]
         name = f"person {person}, {answer['instrument']} {answer['block_num']}, {answer['item']}"
         rows[name] = {"answer": answer["answer"]}
+    for ppid, person in people.items():
+        records = read_journal(study / ppid / "S001" / "journal.jsonl")
+        # A form whose answers were lost is asked again.
+        forms = sum(record["kind"] == "answers" for record in records)
+        rows[f"person {person}, forms"] = {"answered": forms}
     return rows
 
 
