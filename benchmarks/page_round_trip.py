@@ -31,7 +31,6 @@ from benchmarks.page_client import PX_PER_IN, measure
 from models.surface import Surface
 from sandbox.server.page_server import PageServer
 from sandbox.server.protocol.describe import describe_scene
-from sandbox.server.publishing import publish
 from sandbox.server.web import WebDevice
 from sandbox.session.messages import Snapshot
 from sandbox.trial.assembly import build
@@ -62,7 +61,7 @@ def served(server: PageServer, solid: str) -> tuple[Trial, LiveTrial]:
 
     def on_step(snapshot: Snapshot) -> None:
         timing.stepped(snapshot)
-        publish(server, session, snapshot)
+        server.publish_step(session, snapshot)
 
     trial = Trial(session, [on_step])
     return trial, LiveTrial(trial, news=device[0].news)

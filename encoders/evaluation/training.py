@@ -14,7 +14,6 @@ from encoders.discovery import guarded, is_place
 from encoders.encoder import Encoder
 from encoders.evaluation.best import CANDIDATES, Best, builtin_best, train_best
 from encoders.evaluation.methods import EncoderMethod, Method
-from encoders.labels.assignment import AssignmentLabels
 from encoders.labels.belief import builtin_belief
 from encoders.labels.labelling import Labeller, PaperLabels
 from encoders.regression.mean import MeanEncoder
@@ -34,11 +33,7 @@ LEAST_SQUARES = {
 }
 """The paper's encoders by plain least squares, as there. `paper` is its method: the quadratic."""
 
-INVERSE_KINEMATICS = ("pca-ik", "pca-ik-null", "map-ik")
-"""The paper's rival, that with the rest of the pose projected into the null space, and one with the
-training poses' mean and full covariance as its prior."""
-
-NAMES = (*LEAST_SQUARES, *INVERSE_KINEMATICS, "mean", "best")
+NAMES = (*LEAST_SQUARES, "pca-ik", "mean", "best")
 """Methods that can be trained by name."""
 
 _EXPECTED = ", ".join(NAMES) + ", a FILE.npz made by `sandbox train`, or FILE.py:CLASS"
@@ -64,13 +59,10 @@ class Training:
         """
         if name in LEAST_SQUARES:
             return self._fitted(name, ENCODERS[LEAST_SQUARES[name]])
-        if name in INVERSE_KINEMATICS:
+        if name == "pca-ik":
             return self._fitted(name, ENCODERS[name], metric="touches")
         if name == "mean":
-            model = self._model(MeanEncoder())
-            return EncoderMethod(
-                name, model.encoder, lambda: AssignmentLabels(model), fresh=MeanEncoder
-            )
+            return self._fitted(name, MeanEncoder, metric="touches")
         if is_external(name):
             return self._fitted(_shown(name), find_encoder(name))
         if name == "best":

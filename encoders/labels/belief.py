@@ -204,10 +204,6 @@ class BeliefLabels:
             return True
         return self._fresh(places, [self._looked[i].tolist() for i in ids]) <= _LOOK_AGAIN
 
-    def marginals(self) -> dict[int, Array]:
-        """Probabilities (5,) of the fingers by contact id, after the last `assign`."""
-        return _marginals(self._ids, self._belief)
-
     def log_probability(self, labels: Mapping[int, int]) -> float:
         """Log probability of labels for all contacts of the last `assign`.
 

@@ -186,13 +186,6 @@ def loss_and_slopes(
     return float(loss), forward.slopes(share / n)
 
 
-def batch_log_probabilities(weights: Mapping[str, NDArray[np.float32]], xy: Array) -> Array:
-    """Log probabilities (n, P) of the labellings of layouts (n, k, 2) m."""
-    scores = _Forward(weights, xy).scores.astype(float)
-    scores -= scores.max(axis=1, keepdims=True)
-    return np.asarray(scores - np.log(np.exp(scores).sum(axis=1, keepdims=True)))
-
-
 class _Forward:
     """The network's layers for a batch of layouts (n, k, 2), and derivatives through them."""
 

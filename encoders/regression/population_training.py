@@ -150,11 +150,6 @@ def train_population(
     return rounded(model)
 
 
-def fitted_to(people: Sequence[Capture]) -> YawNormalisedEncoder:
-    """The encoder alone, fitted to people as `train_population` fits it."""
-    return _fitted([_sized(person) for person in people], np.random.default_rng(0))
-
-
 def _sized(person: Capture) -> _Sized:
     capture = at_trained_size(person, float(person.meta["size"]))
     u, leftmost = contact_vectors(capture.xy)

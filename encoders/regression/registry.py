@@ -13,7 +13,6 @@ from encoders.regression.polynomial import (
     PolynomialEncoder,
     QuadraticEncoder,
 )
-from encoders.regression.regularised_ik import MapIkEncoder, NullSpaceIkEncoder
 from encoders.regression.yaw_normalised import YawNormalisedEncoder
 from models.errors import EncoderError
 from models.outside import loaded_from
@@ -25,8 +24,6 @@ ENCODERS: dict[str, type[Encoder]] = {
     "cubic": CubicEncoder,
     "turned": YawNormalisedEncoder,
     "pca-ik": PcaIkEncoder,
-    "pca-ik-null": NullSpaceIkEncoder,
-    "map-ik": MapIkEncoder,
 }
 """Built-in encoders by name. A model's file contains the first name that matches its encoder."""
 

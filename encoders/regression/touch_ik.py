@@ -30,14 +30,6 @@ _LARGEST_TURN = 0.5
 valid beyond it, and weakly damped steps would make the hand tumble."""
 
 
-_FREE_STEPS = 10
-"""Number of first steps whose length is not limited by the pace: far from the solution, long steps
-are progress."""
-_SHRINKS = 0.98
-"""Ratio of successive step lengths above which the steps of a paced row do not count as
-shrinking."""
-
-
 class IkSolution(NamedTuple):
     """Solved poses with residuals and numbers of steps."""
 
@@ -70,10 +62,6 @@ class TouchIkEncoder(Encoder):
             fingertips of the training poses and their targets, caused by noise, rolling fingertips
             and errors of the skeleton's bones.
     """
-
-    paced: bool = False
-    """True halves the pace of a row whose steps do not shrink. Undamped steps towards a desired
-    pose could otherwise alternate between two poses for ever."""
 
     def __init__(
         self, skeleton: Skeleton, iterations: int, settled: float, pad_height: float | None
@@ -155,19 +143,14 @@ class TouchIkEncoder(Encoder):
         taken = np.zeros(len(q), np.int64)
         # All rows first, as a slice, which makes no copies.
         moving: slice | NDArray[np.int64] = slice(None)
-        pace, length = np.ones(len(q)), np.full(len(q), np.inf)
-        for i in range(self.iterations):
+        for _ in range(self.iterations):
             tips, jacobian = tips_and_jacobians(hand, q[moving])
             off = (targets[moving] - tips).reshape(len(tips), -1)
             J = jacobian.reshape(len(tips), -1, POSE_SIZE)
             step = self._step(q[moving], start[moving], off, J)
             turn = np.abs(step[:, 3:]).max(axis=1, keepdims=True)
             step *= np.minimum(1.0, _LARGEST_TURN / np.maximum(turn, _LARGEST_TURN))
-            if self.paced and i >= _FREE_STEPS:
-                now = np.sqrt(squared_lengths(step))
-                pace[moving] *= np.where(now > _SHRINKS * length[moving], 0.5, 1.0)
-                length[moving] = now
-            q[moving] += pace[moving, None] * step
+            q[moving] += step
             taken[moving] += 1
             far = np.abs(step).max(axis=1) > self.settled
             if not far.any():

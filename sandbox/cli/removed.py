@@ -8,6 +8,10 @@ from models.errors import InputError
 
 REMOVED = {
     "train --encoder mean": "`sandbox evaluate --encoders mean` measures the mean pose",
+    "train --encoder pca-ik-null": "`sandbox train --encoder pca-ik` is the paper's rival",
+    "train --encoder map-ik": "`sandbox train --encoder pca-ik` is the paper's rival",
+    "evaluate --encoders pca-ik-null": "`sandbox evaluate --encoders pca-ik` is the paper's rival",
+    "evaluate --encoders map-ik": "`sandbox evaluate --encoders pca-ik` is the paper's rival",
     "study plan --from": "`--spread` takes the standard deviation over people of the difference in "
     "log time, which `sandbox study report` prints for a pilot",
     "study plan --preregistration": "The design, `sandbox study plan --power` and `sandbox study "

@@ -26,7 +26,7 @@ from sandbox.server.connections.access import Access
 from sandbox.server.connections.connection_limits import ConnectionLimits, limited_connection
 from sandbox.server.connections.counters import Counters
 from sandbox.server.page_device import PageDevice
-from sandbox.server.protocol.contact_forces import HandFeedback
+from sandbox.server.protocol.contact_forces import HandFeedback, hand_feedback
 from sandbox.server.protocol.describe import BodyKinematics, state_of, told
 from sandbox.server.protocol.frames import pack
 from sandbox.server.protocol.protocol import (
@@ -47,6 +47,7 @@ from sandbox.server.protocol.protocol import (
 from sandbox.server.static import StaticFiles, plain
 from sandbox.session.latency import LatencyLog
 from sandbox.session.messages import Snapshot
+from sandbox.session.session import Session
 from sandbox.words.words import preferred, words_in
 
 _T = TypeVar("_T")
@@ -243,6 +244,13 @@ class PageServer:
             self._scheduled = True
             with contextlib.suppress(RuntimeError):  # the loop is closed
                 self._loop.call_soon_threadsafe(self._spread)
+
+    def publish_step(self, session: Session, snapshot: Snapshot) -> None:
+        """Publishes a session's newest snapshot with the forces at its fingers; see `publish`.
+
+        Forces are only computed if a page is connected.
+        """
+        self.publish(snapshot, feedback=hand_feedback(session) if self.clients else ())
 
     def close(self) -> None:
         """Closes all connections and ends the thread; may be called twice."""

@@ -46,7 +46,6 @@ TABLES = (
 APART = {
     "models/kinematics.py": "captures and training",
     "encoders/capture.py": "captures",
-    "encoders/labels/assignment.py": "a rival in evaluations",
     "encoders/labels/belief_training.py": "training",
     "encoders/labels/network_training.py": "training",
     "encoders/labels/hand_split.py": "a study of labels, not a session",
@@ -58,7 +57,6 @@ APART = {
     "encoders/regression/least_squares.py": "training",
     "encoders/regression/person_correction.py": "training",
     "encoders/regression/population_training.py": "training",
-    "encoders/regression/regularised_ik.py": "rivals in evaluations",
     "encoders/regression/trained.py": "training; what ships is stored",
     "encoders/validation.py": "training",
     "sandbox/session/finger_loads.py": "what views say about a grip",

@@ -160,21 +160,6 @@ def _capture(salt: str, group: str, source: str, number: int) -> Capture | None:
     return Capture(capture.time, capture.trial, capture.ids, capture.xy, capture.q, {**who, **meta})
 
 
-def script_of(person: Capture) -> Capture:
-    """The script of a drawn person, on another day than their free play.
-
-    Bounds are measured with it: what names could be that were trained on the very person.
-
-    Raises:
-        InputError: The person is posed, and has no script.
-    """
-    source = str(person.meta["source"])
-    if source == "posed":
-        raise InputError("a posed person has no script", expected="a person of a generator")
-    capture = _of_source(list(person.meta["seed"]), source, script=True)
-    return capture.select(~_crossed(capture))
-
-
 def _of_source(seed: list[int], source: str, *, script: bool) -> Capture:
     frames, rate = (SCRIPT, SCRIPT_RATE) if script else (PLAY, PLAY_RATE)
     day = 0 if script else 1

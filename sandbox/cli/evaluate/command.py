@@ -28,7 +28,7 @@ class EvaluateOptions:
     paper of 2015, its Copas test, smoothness, fingertip errors, joint limits and time.
 
     Encoders: linear, quadratic, cubic (least squares, as in the paper), paper (the same as
-    quadratic), pca-ik, pca-ik-null, map-ik (inverse kinematics), mean, best, FILE.npz (a model by
+    quadratic), pca-ik (inverse kinematics), mean, best, FILE.npz (a model by
     `sandbox train`), or FILE.py:CLASS (an encoder of your own, docs/write-an-encoder.md).
 
     Without --capture, they are tested on another day of the same SIMULATED person that they were

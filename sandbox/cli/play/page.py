@@ -29,7 +29,6 @@ from sandbox.options.scene_options import Plan, SceneOptions, plan
 from sandbox.server.page_server import PageServer
 from sandbox.server.protocol.protocol import LIFT_STRIP_PX, PlayerRequest
 from sandbox.server.protocol.rectangle import common, rectangle, scaled
-from sandbox.server.publishing import publish
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
 from sandbox.system.ending import ending_as_by_ctrl_c
@@ -302,7 +301,7 @@ class PagePlay:
 
         def on_pages(snapshot: Snapshot) -> None:
             for server in self.servers:
-                publish(server, session, snapshot)
+                server.publish_step(session, snapshot)
 
         return [timing.stepped, notices.show, on_pages]
 

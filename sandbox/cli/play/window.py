@@ -35,7 +35,6 @@ from sandbox.options.scene_options import Plan, SceneOptions, plan
 from sandbox.server.page_device import PageDevice
 from sandbox.server.page_server import PageServer
 from sandbox.server.protocol.describe import summary
-from sandbox.server.publishing import publish
 from sandbox.server.web import WebDevice
 from sandbox.session.device import Device
 from sandbox.session.latency import LatencyLog
@@ -322,7 +321,7 @@ class WindowPlay:
         notices = NoticeEvents(self.events, self._notices.say)
         views: list[View] = [timing.stepped, notices.show]
         if server := self.server:
-            views.append(lambda snapshot: publish(server, session, snapshot))
+            views.append(lambda snapshot: server.publish_step(session, snapshot))
         return views
 
     def _tell(self, text: str) -> None:

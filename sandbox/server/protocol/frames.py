@@ -18,40 +18,15 @@ w, x, y, z), and the rest (score, contacts, goals) as JSON of `protocol.State`.
 from __future__ import annotations
 
 import struct
-from dataclasses import dataclass
 
-import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from models.errors import InputError
 from sandbox.server.protocol.protocol import PROTOCOL, State, encode
 
 KIND = 1
 _HEADER = struct.Struct("<BBHIIIdII")
 POSE_BYTES = 7 * 4
-
-
-@dataclass(frozen=True)
-class PageFrame:
-    """A decoded frame.
-
-    Attributes:
-        scene: Number of its scene.
-        number: Number of the frame.
-        touch: Sequence number of the newest touch message that took effect in it; 0 before the
-            first.
-        time: s, simulated time.
-        poses: (bodies, 7) float32, position (m) and quaternion (w, x, y, z).
-        state: Values besides poses.
-    """
-
-    scene: int
-    number: int
-    touch: int
-    time: float
-    poses: NDArray[np.float32]
-    state: State
 
 
 def pack(
@@ -69,21 +44,3 @@ def number_frame(frame: bytearray, number: int) -> bytes:
     """Sets the number of an encoded frame."""
     struct.pack_into("<I", frame, 8, number & 0xFFFFFFFF)
     return bytes(frame)
-
-
-def unpack(data: bytes) -> PageFrame:
-    """Decodes a frame, for clients in Python.
-
-    Raises:
-        InputError: The data are not a frame of this protocol.
-    """
-    try:
-        protocol, kind, bodies, scene, number, touch, time, length, _ = _HEADER.unpack_from(data)
-        end = _HEADER.size + bodies * POSE_BYTES
-        if (protocol, kind) != (PROTOCOL, KIND) or len(data) != end + length:
-            raise ValueError
-        state = msgspec.json.decode(data[end:], type=State)
-    except (struct.error, ValueError, msgspec.MsgspecError):
-        raise InputError("not a frame", got=bytes(data[:16]), expected="see frames.py") from None
-    poses = np.frombuffer(data, "<f4", bodies * 7, _HEADER.size).reshape(bodies, 7)
-    return PageFrame(scene, number, touch, time, poses, state)

@@ -131,11 +131,6 @@ class Terminal:
             if not was:
                 self._asking.clear()
 
-    @property
-    def asking(self) -> bool:
-        """True while an answer is awaited."""
-        return self._asking.is_set() and self._answers.empty()
-
     def _read(self) -> None:
         try:
             for line in iter(self._source.readline, ""):

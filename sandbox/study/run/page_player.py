@@ -14,7 +14,6 @@ from sandbox.server.protocol.describe import describe_scene
 from sandbox.server.protocol.protocol import PageScreen, Pause
 from sandbox.server.protocol.rectangle import common, rectangle
 from sandbox.server.protocol.skins import pack_skin
-from sandbox.server.publishing import publish
 from sandbox.server.web import WebDevice
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
@@ -119,7 +118,7 @@ class PagePlayer:
     def _views(self, session: Session) -> list[View]:
         def on_pages(snapshot: Snapshot) -> None:
             for page in pages:
-                publish(page.server, session, snapshot)
+                page.server.publish_step(session, snapshot)
 
         pages = self._shown
         return [on_pages]

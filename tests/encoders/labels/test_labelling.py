@@ -11,7 +11,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from encoders.input_vector import contact_vector
-from encoders.labels.assignment import AssignmentLabels
 from encoders.labels.labelling import (
     INDEX,
     METRICS,
@@ -29,11 +28,10 @@ from models.surface import METRES_PER_INCH
 @cache
 def labeller_of(name: str) -> Labeller:
     """A labeller that asks the encoder of the paper."""
-    model = builtin("paper")
-    return AssignmentLabels(model) if name == "assignment" else PaperLabels(model, name)
+    return PaperLabels(builtin("paper"), name)
 
 
-BY_NAME = pytest.mark.parametrize("name", [*METRICS, "assignment"])
+BY_NAME = pytest.mark.parametrize("name", METRICS)
 
 
 @st.composite

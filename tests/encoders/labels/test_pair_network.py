@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from encoders.labels.labelling import hypotheses
 from encoders.labels.network_evidence import NetworkEvidence, set_prior
-from encoders.labels.network_training import batch_log_probabilities, loss_and_slopes
+from encoders.labels.network_training import loss_and_slopes
 from encoders.labels.pair_network import PairNetwork, initial_weights
 from encoders.labels.population_belief import (
     builtin_population_belief,
@@ -64,11 +64,13 @@ def test_the_slopes_of_the_loss_are_its_finite_differences(count: int) -> None:
 
 @pytest.mark.parametrize("count", [2, 3, 4, 5])
 def test_a_batch_gets_the_probabilities_that_single_layouts_get(count: int) -> None:
-    weights = drawn_weights()
-    xy = np.random.default_rng(0).normal(0, 0.03, (4, count, 2))
+    weights, rng = drawn_weights(), np.random.default_rng(0)
+    xy = rng.normal(0, 0.03, (4, count, 2))
+    truth = rng.integers(0, len(hypotheses(count)), 4)
     flat = NetworkEvidence(PairNetwork(weights), dict.fromkeys(range(2, 6), 1.0), {})
-    together = batch_log_probabilities(weights, xy)
-    assert np.allclose(together, [flat.log_posterior(one) for one in xy], atol=1e-4)
+    single = [flat.log_posterior(one)[row] for one, row in zip(xy, truth, strict=True)]
+    loss, _ = loss_and_slopes(weights, xy, hypotheses(count)[truth])
+    assert loss == pytest.approx(-np.mean(single), abs=1e-4)
 
 
 def test_the_prior_prefers_thumb_and_index_and_gives_every_set_a_chance() -> None:

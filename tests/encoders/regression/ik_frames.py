@@ -12,7 +12,6 @@ import numpy as np
 import pytest
 
 from encoders import PcaIkEncoder, contact_vector
-from encoders.regression.regularised_ik import MapIkEncoder, NullSpaceIkEncoder
 from encoders.regression.touch_ik import TouchIkEncoder
 from encoders.regression.trained import builtin_capture
 from models.kinematics import Kinematics
@@ -26,15 +25,9 @@ ENCODERS: dict[str, Callable[[], TouchIkEncoder]] = {
     "pca": lambda: PcaIkEncoder(iterations=10),
     "pca, root free": lambda: PcaIkEncoder(iterations=10, free="root", start="projected"),
     "pca, components only": lambda: PcaIkEncoder(iterations=10, free="nothing", start="mean"),
-    "null space, mean": lambda: NullSpaceIkEncoder(iterations=10),
-    "null space, neighbour": lambda: NullSpaceIkEncoder(iterations=10, desired="neighbour"),
-    "likeliest": lambda: MapIkEncoder(iterations=10),
 }
-Kind = type[PcaIkEncoder] | type[NullSpaceIkEncoder] | type[MapIkEncoder]
-KINDS: list[Kind] = [PcaIkEncoder, NullSpaceIkEncoder, MapIkEncoder]
 
 every_encoder = pytest.mark.parametrize("name", ENCODERS)
-every_kind = pytest.mark.parametrize("kind", KINDS)
 
 
 @cache

@@ -24,7 +24,6 @@ from sandbox.server.connections import client
 from sandbox.server.connections.address import checked_address
 from sandbox.server.page_server import PageServer
 from sandbox.server.protocol.describe import describe_scene
-from sandbox.server.protocol.frames import unpack
 from sandbox.server.protocol.protocol import CREDIT
 from sandbox.server.web import WebDevice
 from sandbox.session.session import Session
@@ -238,17 +237,6 @@ def test_a_frame_has_every_body_where_the_simulation_has_it(stage: Stage) -> Non
         for i in range(model.nbody):
             np.testing.assert_allclose(frame["poses"][i][:3], data.xpos[i], atol=1e-6)
             np.testing.assert_allclose(frame["poses"][i][3:], data.xquat[i], atol=1e-6)
-
-
-def test_both_readings_of_a_frame_agree(stage: Stage) -> None:
-    with Page(stage.server.url) as page:
-        page.until("scene")
-        stage.advance()
-        raw = page.socket.recv(timeout=PATIENCE)
-        assert isinstance(raw, bytes)
-        frame = unpack(raw)
-        assert (frame.scene, frame.number, frame.touch) == (1, 1, 0)
-        assert frame.time == pytest.approx(stage.session.time)
 
 
 def test_a_page_that_stops_reading_gets_no_stale_frames_afterwards(stage: Stage) -> None:

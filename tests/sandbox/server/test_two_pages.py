@@ -17,7 +17,6 @@ from sandbox.options.scene_options import SceneOptions, plan
 from sandbox.server.page_server import PageServer
 from sandbox.server.protocol.protocol import LIFT_STRIP_PX, PageScreen, PageTouches
 from sandbox.server.protocol.rectangle import common, rectangle
-from sandbox.server.publishing import publish
 from sandbox.trial.assembly import build
 from sandbox.trial.events import EventLog
 from tests.sandbox.server.played_page import played
@@ -135,7 +134,7 @@ def test_two_tablets_carry_a_tray_together(servers: tuple[PageServer, PageServer
     while not session.over:
         snapshot = session.advance()
         for server in servers:
-            publish(server, session, snapshot)
+            server.publish_step(session, snapshot)
         for k, (user, page, (_, device)) in enumerate(zip(users, pages, touched, strict=True)):
             user.show(snapshot)
             frame = user.poll(snapshot.time)[-1]

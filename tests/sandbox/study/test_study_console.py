@@ -176,7 +176,8 @@ class Patient(io.StringIO):
         calm = 0
         while calm < 3:
             time.sleep(0.01)
-            asked = [t for t in Terminal.__dict__.get("made", []) if t.asking]
+            made = Terminal.__dict__.get("made", [])
+            asked = [t for t in made if t._asking.is_set() and t._answers.empty()]
             calm = calm + 1 if asked else 0
         return super().readline(-1)
 

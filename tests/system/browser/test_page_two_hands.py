@@ -17,7 +17,6 @@ from sandbox.options.scene_options import SceneOptions, plan
 from sandbox.server.page_server import PageServer
 from sandbox.server.protocol.protocol import PageScreen
 from sandbox.server.protocol.rectangle import rectangle
-from sandbox.server.publishing import publish
 from sandbox.session.messages import Snapshot
 from sandbox.trial.assembly import build
 from tests.sandbox.server.test_page_server import wait_for
@@ -70,7 +69,7 @@ def carried(
     show_session(server, session, "right", "", device)
     touch = come()
     assert server.wait_for_player(PATIENCE)
-    publish(server, session, session.advance())
+    server.publish_step(session, session.advance())
     drawn()
     users = _users(session.task, session.whole_surface)
     down: list[tuple[int, float, float]] = []
@@ -78,7 +77,7 @@ def carried(
     while not session.over:
         snapshot = session.advance()
         users.show(_as_the_users_know_it(snapshot, down, session.whole_surface))
-        publish(server, session, snapshot)
+        server.publish_step(session, snapshot)
         frame = users.poll(snapshot.time)[-1]
         wanted = [(c.id, c.x / METRES_PER_INCH, c.y / METRES_PER_INCH) for c in frame.contacts]
         other = {i for i, _, _ in wanted} != {i for i, _, _ in down}
