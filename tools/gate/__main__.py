@@ -82,7 +82,11 @@ def main() -> int:
     here = fingerprint()
     stored: dict[str, Any] = {"fingerprint": here, "rows": {}}
     if options.file.exists():
-        stored = json.loads(options.file.read_text(encoding="utf-8"))
+        try:
+            stored = json.loads(options.file.read_text(encoding="utf-8"))
+            _ = stored["fingerprint"], stored["rows"]
+        except (ValueError, KeyError, TypeError) as error:
+            parser.error(f"{options.file} is not a gate's file ({error!r}): git has the last one")
     elif not options.update:
         parser.error(f"{options.file} is missing: git has it, or --update writes it")
     same = stored["fingerprint"] == here

@@ -23,8 +23,8 @@ from tools.gate.rows import DIGITS, Observed
 
 DESIGN = Path(__file__).with_name("study.toml")
 PEOPLE = 2
-KILLS = (5, 20, 40, 60, 80)
-"""Lines that a session's journal has when the program is killed."""
+KILLS = (3, 5, 20, 40, 60, 80)
+"""Lines that a session's journal has when the program is killed; the third is the first form."""
 
 
 def run_until_killed(out: Path, people: int, lines: int) -> int:
@@ -79,7 +79,7 @@ def rows_of(out: Path) -> dict[str, Observed]:
 
 
 def play() -> dict[str, Observed]:
-    """Rows of the study, killed five times for each person."""
+    """Rows of the study, killed six times for each person."""
     with tempfile.TemporaryDirectory() as folder:
         out = Path(folder)
         for person in range(1, PEOPLE + 1):
