@@ -9,6 +9,12 @@ missing. Trials with PCA-IK run last, side by side in one process.
     python -m benchmarks.success --tasks box-to-goal --fingers 2 3 5 --seeds 100 --rows parts
     python -m benchmarks.success --tasks all --seeds 600 --rows "whole hand"
     python -m benchmarks.success --tasks all --rows encoders --table
+    python -m benchmarks.success --pinned benchmarks/pinned.json --seeds 200 --out out/after.jsonl \
+        --against out/before.jsonl
+
+Seeds come from the frozen configuration, or with `--pinned` from a file: the same seeds before and
+after a change that alters the configuration. `--against` compares with the trials of an earlier
+run: exact McNemar tests for losses on the seeds that both have, and Holm over all lines.
 """
 
 from __future__ import annotations
@@ -33,6 +39,9 @@ from benchmarks.judged_hand import hand_seeds
 from benchmarks.kept_trials import lines_of, not_these, whole_lines
 from benchmarks.lanes import in_lanes
 from benchmarks.one_line import run
+from models.errors import InputError
+from sandbox.regress.statistics import holm, mcnemar
+from tasks.registry import TASKS
 
 ENCODERS: dict[str, dict[str, Any]] = {
     "shipped": {},
@@ -179,10 +188,62 @@ def failures(
                 yield f"| {task} | {row} | {f} | {n} | {reason} |"
 
 
+def against(done: dict[Job, dict[str, Any]], before: dict[Job, dict[str, Any]]) -> Iterator[str]:
+    """Successes against those of an earlier run on the same seeds, as a Markdown table.
+
+    P values are of exact McNemar tests for losses, after Holm over all lines.
+
+    Args:
+        done: Trials by job.
+        before: Those of the earlier run.
+    """
+    pairs: dict[tuple[str, str, int], list[tuple[bool, bool]]] = {}
+    hashes: Counter[tuple[str, str, int]] = Counter()
+    for job in done:
+        if job in before:
+            pairs.setdefault(job[:3], []).append((done[job]["success"], before[job]["success"]))
+            hashes[job[:3]] += done[job]["state_hash"] == before[job]["state_hash"]
+    lost = {key: sum(b and not a for a, b in found) for key, found in pairs.items()}
+    won = {key: sum(a and not b for a, b in found) for key, found in pairs.items()}
+    after = holm({str(key): mcnemar(lost[key], won[key]) for key in pairs})
+    yield "| task | row | fingers | pairs | before | now | lost, won | p | equal hashes |"
+    yield "| --- " * 9 + "|"
+    for (task, row, fingers), found in sorted(pairs.items()):
+        key = (task, row, fingers)
+        sums = sum(b for _, b in found), sum(a for a, _ in found)
+        cells = [task, row, str(fingers), str(len(found)), *map(str, sums)]
+        cells += [f"{lost[key]}, {won[key]}", f"{after[str(key)]:.3g}", str(hashes[key])]
+        yield "| " + " | ".join(cells) + " |"
+
+
 def seeds_of(row: str, task: str, n: int, left_out: int) -> list[int]:
     """The next n judged seeds of a task after those that are left out, by what is solid in a
     row."""
     return (hand_seeds if row in SOLID else judged_seeds)(left_out + n, task)[left_out:]
+
+
+def pinned_seeds(path: Path) -> dict[tuple[str, str], list[int]]:
+    """Seeds of a file, by task and row.
+
+    Args:
+        path: JSON: row of the table -> task -> seeds.
+
+    Raises:
+        InputError: The file holds something else.
+    """
+    try:
+        rows = json.loads(path.read_text(encoding="utf-8"))
+        return {
+            (task, row): [int(seed) for seed in seeds]
+            for row, tasks in rows.items()
+            for task, seeds in tasks.items()
+        }
+    except (OSError, ValueError, TypeError, AttributeError) as error:
+        raise InputError(
+            f"no pinned seeds could be read ({error})",
+            where=str(path),
+            remedy='the file is {"row": {"task": [seed, ...]}}',
+        ) from None
 
 
 def chosen_rows(text: str) -> list[str]:
@@ -204,36 +265,48 @@ def main() -> None:
     parser.add_argument(
         "--rows", default="shipped", help="all, encoders, controls, parts, solid, or names; by ;"
     )
+    parser.add_argument(
+        "--pinned", type=Path, help="file of pinned seeds; has the tasks and rows, too"
+    )
     parser.add_argument("--fingers", type=int, nargs="+", default=[3])
     parser.add_argument("--workers", type=int, default=os.cpu_count() or 1)
     parser.add_argument("--out", type=Path, default=Path("out/success.jsonl"))
     parser.add_argument(
         "--kept", type=Path, nargs="+", default=[], help="files with trials that were played before"
     )
+    parser.add_argument(
+        "--against", type=Path, metavar="FILE", help="compare with the trials of an earlier run"
+    )
     parser.add_argument("--table", action="store_true", help="only print what is there")
     args = parser.parse_args()
-    for path in args.kept:
+    for path in (*args.kept, *filter(None, [args.against])):
         if not path.is_file():
             parser.error(f"no such file: {path}")
-    tasks = list(JUDGED) if args.tasks == ["all"] else args.tasks
-    rows = chosen_rows(args.rows)
-    for given, known in ((tasks, JUDGED), (rows, ROWS)):
+    if args.pinned:
+        pinned = pinned_seeds(args.pinned)
+        tasks, rows = (list(dict.fromkeys(keys)) for keys in zip(*pinned, strict=True))
+        seeds = {key: found[args.leave_out :][: args.seeds] for key, found in pinned.items()}
+    else:
+        tasks = list(JUDGED) if args.tasks == ["all"] else args.tasks
+        rows = chosen_rows(args.rows)
+    for given, known in ((tasks, TASKS if args.pinned else JUDGED), (rows, ROWS)):
         if unknown := [name for name in given if name not in known]:
             parser.error(f"there is no {', '.join(unknown)}; there are {', '.join(known)}")
-    seeds = {
-        (task, row): seeds_of(row, task, args.seeds, args.leave_out)
-        for task in tasks
-        for row in rows
-    }
+    if not args.pinned:
+        seeds = {
+            (task, row): seeds_of(row, task, args.seeds, args.leave_out)
+            for task in tasks
+            for row in rows
+        }
     args.out.parent.mkdir(parents=True, exist_ok=True)
     done = load(args.out, *args.kept)
     # Seed by seed, so that what is cut short has all tasks and rows to the same extent.
     jobs = [
         (t, r, f, seeds[t, r][i])
         for i in range(args.seeds)
-        for t in tasks
-        for r in rows
+        for t, r in seeds
         for f in args.fingers
+        if i < len(seeds[t, r])
     ]
     missing = [] if args.table else [j for j in jobs if j not in done]
     # One thread a process: the machine's cores are the processes' already.
@@ -255,6 +328,9 @@ def main() -> None:
     print("\n".join(table(done, args.fingers, seeds)))
     print()
     print("\n".join(failures(done, args.fingers, seeds)))
+    if args.against:
+        print()
+        print("\n".join(against(done, load(args.against))))
 
 
 if __name__ == "__main__":

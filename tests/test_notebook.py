@@ -5,7 +5,6 @@ from __future__ import annotations
 import ast
 import json
 import re
-from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
@@ -54,9 +53,3 @@ def test_ci_runs_the_notebook_with_the_extra_that_it_needs() -> None:
     project = (ROOT / "pyproject.toml").read_text(encoding="utf-8")
     [extra] = re.findall(r"^notebook = \[(.*)\]$", project, re.MULTILINE)
     assert re.findall(r'"([a-z]+)>=', extra) == list(EXTRA)
-
-
-def test_the_page_of_the_notebook_is_light() -> None:
-    pictures = list(Path(PAGE.parent / "pictures").glob("notebook-*.webp"))
-    assert len(pictures) == 3
-    assert sum(picture.stat().st_size for picture in pictures) < 300_000

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 from benchmarks.judged import configuration, freeze, frozen_seeds, judged_seeds
 from benchmarks.judged_hand import hand_seeds
-from benchmarks.success import failures, table, trial, wilson
+from benchmarks.success import Job, against, failures, table, trial, wilson
 from models.arithmetic.arrays import Array
 from models.errors import InputError
 from models.frames import Contact, TouchFrame
@@ -40,6 +41,19 @@ def test_every_trial_of_the_table_that_failed_has_its_reason_counted_once() -> N
         "| slalom | shipped | 3 | 2 | a pin fell |",
         "| slalom | shipped | 3 | 1 | out of time |",
     ]
+
+
+def test_losses_against_an_earlier_run_are_tested_on_the_seeds_that_both_have() -> None:
+    def trials(wins: list[bool]) -> dict[Job, dict[str, Any]]:
+        return {
+            ("stack", "shipped", 3, seed): {"success": won, "state_hash": f"{seed}"}
+            for seed, won in enumerate(wins)
+        }
+
+    before, now = trials([True] * 8 + [False, True]), trials([False] * 7 + [True, True])
+    [line] = list(against(now, before))[2:]
+    # Seven losses or eight among eight pairs that differ: (8 + 1) / 2^8.
+    assert line == "| stack | shipped | 3 | 9 | 8 | 2 | 7, 1 | 0.0352 | 9 |"
 
 
 @pytest.mark.parametrize("drawn", [judged_seeds, hand_seeds])

@@ -9,7 +9,6 @@ import pytest
 
 from sandbox.cli.main import COMMANDS, main
 from sandbox.cli.study.command import ACTIONS
-from sandbox.options.variations import KINDS, Kind, help_with_names, help_with_units
 
 WITH_PARTS = {
     "touches": ("show", "record", "send"),
@@ -112,29 +111,6 @@ def test_every_command_has_help(command: list[str], capsys: pytest.CaptureFixtur
     assert not re.search(r"\bNone\b", help_text)
 
 
-@pytest.mark.parametrize("command", ["run", "play", "regress"])
-def test_help_names_everything_that_can_be_varied(
-    command: str, capsys: pytest.CaptureFixture[str]
-) -> None:
-    with pytest.raises(SystemExit):
-        main([command, "--help"])
-    words = re.findall(r"[\w-]+", capsys.readouterr().out)
-    assert [name for name in KINDS if name not in words] == []
-
-
-@pytest.mark.parametrize(
-    ("command", "statuses"), [("run", (0, 1, 2, 130)), ("regress", (0, 1, 2, 130, 143))]
-)
-def test_help_says_what_every_exit_status_means(
-    command: str, statuses: tuple[int, ...], capsys: pytest.CaptureFixture[str]
-) -> None:
-    with pytest.raises(SystemExit):
-        main([command, "--help"])
-    said = " ".join(capsys.readouterr().out.split())
-    told = said.partition("Exit status ")[2].partition("Try:")[0]
-    assert [status for status in statuses if f"{status}: " not in told] == []
-
-
 def test_code_from_outside_that_ends_the_program_is_no_command_that_is_done(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -148,12 +124,6 @@ def test_code_from_outside_that_ends_the_program_is_no_command_that_is_done(
 def test_a_trial_that_fails_exits_with_0(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["run", "wrench-turn", "--user", "idle"]) == 0
     assert "timeout" in capsys.readouterr().out
-
-
-def test_a_new_quantity_is_named_by_the_help_with_its_unit() -> None:
-    kinds = [*KINDS.values(), Kind("wind", "wind over the table", 0.0, "m/s")]
-    assert help_with_units(kinds).endswith(" wind: m/s.")
-    assert help_with_names(kinds).endswith(", latency or wind")
 
 
 def test_touches_that_cannot_be_recorded_leave_no_file_in_the_way_of_the_corrected_command(
