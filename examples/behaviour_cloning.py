@@ -47,12 +47,13 @@ from models.frames import FINGERS
 from models.scene import CONTROL_PERIOD
 from sandbox.datasets.demonstration import Demonstration
 from sandbox.datasets.npz_file import read_npz
+from sandbox.gym import register_task
 from sandbox.regress.plan import parse_seeds
 from sandbox.regress.statistics import wilson
 
 # What it sees
 
-SEEN = ("objects", "goals", "things", "tips", "touches", "names", "solid", "phase", "contact")
+SEEN = ("objects", "goals", "properties", "tips", "touches", "labels", "solid", "phase", "contact")
 """Parts of an observation that it uses."""
 LAGS = (0, 6, 15, 30)
 """Control periods ago at which touches are seen as well; the longest is half a second."""
@@ -102,7 +103,7 @@ def sights(observations: Mapping[str, Array], surface: Surface) -> Array:
     objects, goals = observations["objects"][:, 0], observations["goals"][:, 0]
     w, x, y, z = objects[:, 3:7].T
     yaw = np.arctan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
-    equal = _equal_turns(observations["things"][:, 0, 1:3])
+    equal = _equal_turns(observations["properties"][:, 0, 1:3])
     apart = 2.0 * np.pi / equal
     turn = (goals[:, 3] - yaw + apart / 2) % apart - apart / 2
     way = surface.to_surface(goals[:, :3]) - box
@@ -168,9 +169,9 @@ def _fingers_of_touches(
         (T, 5) 1 where the touch has a name; (T, 5, 3) m where that finger's tip is; (T, 5) 1 where
         it is solid; (T, 5) N its force. All are 0 without a name.
     """
-    names = observations["names"].astype(int)
-    named = (names >= 0).astype(float) * (observations["touches"][:, :, 0] > 0.5)
-    finger = np.maximum(names, 0)
+    labels = observations["labels"].astype(int)
+    named = (labels >= 0).astype(float) * (observations["touches"][:, :, 0] > 0.5)
+    finger = np.maximum(labels, 0)
     tips = np.take_along_axis(observations["tips"], finger[:, :, None], axis=1)
     solid = np.take_along_axis(observations["solid"], finger, axis=1)
     force = np.take_along_axis(observations["contact"][:, :, 0], finger, axis=1)
@@ -195,8 +196,8 @@ def in_first_slots(
     rows = np.take_along_axis(rows, order[:, :, None], axis=1)
     order = np.concatenate([order[:1], order])
     touches = np.take_along_axis(observations["touches"], order[:, :, None], axis=1)
-    names = np.take_along_axis(observations["names"], order, axis=1)
-    return {**observations, "touches": touches, "names": names}, rows.reshape(actions.shape)
+    labels = np.take_along_axis(observations["labels"], order, axis=1)
+    return {**observations, "touches": touches, "labels": labels}, rows.reshape(actions.shape)
 
 
 def _orders(down: NDArray[np.bool_]) -> NDArray[np.intp]:
@@ -463,7 +464,7 @@ def play(env: Any, policy: Policy, seed: int) -> tuple[bool, float]:
     """Plays one episode.
 
     Args:
-        env: An environment for learning whose actions are touches, with everything to be observed.
+        env: An environment whose actions are touches, with everything to be observed.
         policy: The policy.
         seed: Seed of the trial.
 
@@ -488,8 +489,7 @@ def main() -> None:
     """Trains a policy or reads one, plays, and prints how often it succeeded."""
     options = _options()
     data = read_npz(options.demonstrations)
-    settings = {k: v for k, v in data.environment.items() if k not in ("id", "task")}
-    env = gymnasium.make(f"sandbox.gym:{data.environment['id']}", **settings).unwrapped
+    env: Any = gymnasium.make(register_task(data.task), **data.options).unwrapped
     (surface,) = env.surfaces
     if options.load:
         policy = Policy.load(options.load)

@@ -14,13 +14,15 @@ from models.arithmetic.arrays import Array
 from models.errors import InputError, RecordingError
 from models.frames import Contact, TouchFrame
 from models.scene import CONTROL_PERIOD
-from sandbox.datasets.slots import Touch, actions_of, named, slots_of, touches_of
-from sandbox.gym.learning.environment import LearningEnv
+from sandbox.datasets.slots import Touch, actions_of, labelled, slots_of, touches_of
+from sandbox.gym.environment import HandSandboxEnv
+from sandbox.gym.options import TRUE_LABELS
 from sandbox.recording.recorded_task import task_change
 from sandbox.recording.recording import Recording, load_recording
 from sandbox.trial.replay import settings_of, versions_of
 from tasks.discovery import place_file, place_member
 from tasks.registry import find_task
+from tasks.variation import TOUCHES
 
 
 @dataclass(frozen=True)
@@ -77,10 +79,10 @@ def broken_off(recording: Recording) -> bool:
     return recording.end is not None and bool(recording.end["result"].get("broken_off"))
 
 
-def environment_options(recording: Recording, observe: Sequence[str]) -> dict[str, Any]:
-    """Options of the environment that plays a recording; JSON values.
+def environment_of(recording: Recording, observe: Sequence[str]) -> tuple[str, dict[str, Any]]:
+    """The environment that plays a recording: its task, and its options as JSON values.
 
-    Recordings with equal options are of one data set.
+    Recordings with equal environments are of one data set.
 
     Args:
         recording: The recording.
@@ -93,21 +95,20 @@ def environment_options(recording: Recording, observe: Sequence[str]) -> dict[st
     task = _from_anywhere(settings.pop("task"))
     del settings["seed"]
     if settings.get("variation"):
-        disturbed = ("noise", "dropped", "ghosts", "latency")
         # The recorded touches are what the screen made of the fingers.
         settings["variation"] = {
-            name: value for name, value in settings["variation"].items() if name not in disturbed
+            name: value for name, value in settings["variation"].items() if name not in TOUCHES
         }
-    contacts = _contacts(recording)
-    told = bool(contacts) and all(contact.label is not None for contact in contacts)
-    return {
-        "task": task,
+    options: dict[str, Any] = {
         "action": "touch",
-        "names": "told" if told else "found",
-        "observe": "all" if tuple(observe) == ("all",) else list(observe),
         "reward": "progress",
+        "observe": "all" if tuple(observe) == ("all",) else list(observe),
         "settings": settings,
     }
+    contacts = _contacts(recording)
+    if contacts and all(contact.label is not None for contact in contacts):
+        options["labels"] = TRUE_LABELS
+    return task, options
 
 
 def _from_anywhere(task: str) -> str:
@@ -126,7 +127,7 @@ def changed_task(recording: Recording) -> str:
     return task_change(recording.header, settings.task, settings.seed, settings.surface)
 
 
-def demonstrate(recording: Recording, env: LearningEnv) -> Demonstration:
+def demonstrate(recording: Recording, env: HandSandboxEnv) -> Demonstration:
     """Plays a recording's touches through an environment with its options.
 
     Touches take slots in the order of their beginning, and those of their fingers in the actions
@@ -150,7 +151,7 @@ def demonstrate(recording: Recording, env: LearningEnv) -> Demonstration:
     seed = int(recording.header["settings"]["seed"])
     seen, info = env.reset(seed=seed)
     observed, rewards, hashes = [seen], [], [info["state_hash"]]
-    names_by_contact: list[dict[int, int]] = [{} for _ in range(hands)]
+    fingers: list[dict[int, int]] = [{} for _ in range(hands)]
     terminated = truncated = False
     same = recording.hashes.get(0, info["state_hash"]) == info["state_hash"]
     for k, action in enumerate(first):
@@ -159,15 +160,15 @@ def demonstrate(recording: Recording, env: LearningEnv) -> Demonstration:
         rewards.append(reward)
         hashes.append(info["state_hash"])
         same &= recording.hashes.get((k + 1) * period, hashes[-1]) == hashes[-1]
-        _note_names(env, touches, slots, k, names_by_contact)
+        _note_fingers(env, touches, slots, k, fingers)
         if terminated or truncated:
             break
     taken = len(rewards)
-    by_finger = [named(own, names) for own, names in zip(touches, names_by_contact, strict=True)]
+    by_finger = [labelled(own, found) for own, found in zip(touches, fingers, strict=True)]
     moved = [slots_of(own) for own in by_finger]
     actions = np.clip(_actions(by_finger, moved, lifts, taken), space.low, space.high)
     shown = {name: np.array([each[name] for each in observed]) for name in seen}
-    for name in {"touches", "names"} & shown.keys():
+    for name in {"touches", "labels"} & shown.keys():
         shown[name] = _in_slots(shown[name], touches, slots, moved)
     return Demonstration(
         seed,
@@ -235,19 +236,19 @@ def _in_slots(
     return new if hands > 1 else new[:, 0]
 
 
-def _note_names(
-    env: LearningEnv,
+def _note_fingers(
+    env: HandSandboxEnv,
     touches: Sequence[Sequence[Touch]],
     slots: Sequence[Sequence[int]],
     k: int,
-    names_by_contact: Sequence[dict[int, int]],
+    fingers: Sequence[dict[int, int]],
 ) -> None:
     """Notes the fingers that the touches of a control period were taken for."""
-    for hand, names in enumerate(env.names()):
+    for hand, labels in enumerate(env.slot_labels()):
         for touch, slot in zip(touches[hand], slots[hand], strict=True):
-            finger = names[slot]
+            finger = labels[slot]
             if touch.first <= k < touch.end and finger is not None:
-                names_by_contact[hand][touch.number] = finger
+                fingers[hand][touch.number] = finger
 
 
 def _about(recording: Recording, success: bool, same: bool) -> dict[str, Any]:
@@ -267,14 +268,22 @@ def _about(recording: Recording, success: bool, same: bool) -> dict[str, Any]:
     }
 
 
-def check_equal(first: dict[str, Any], other: dict[str, Any], where: str) -> None:
+def check_equal(
+    first: tuple[str, dict[str, Any]], other: tuple[str, dict[str, Any]], where: str
+) -> None:
     """Checks that two recordings are of one environment.
 
+    Args:
+        first: What `environment_of` returned of the first one.
+        other: The same of the other one.
+        where: The other one's file, for errors.
+
     Raises:
-        InputError: Options differ.
+        InputError: Tasks or options differ.
     """
-    for name, value in _flat(first).items():
-        if (got := _flat(other).get(name)) != value:
+    theirs = _flat(*other)
+    for name, value in _flat(*first).items():
+        if (got := theirs.get(name)) != value:
             raise InputError(
                 "a data set is of one environment, and this recording is of another one",
                 where=where,
@@ -284,6 +293,7 @@ def check_equal(first: dict[str, Any], other: dict[str, Any], where: str) -> Non
             )
 
 
-def _flat(options: dict[str, Any]) -> dict[str, Any]:
+def _flat(task: str, options: dict[str, Any]) -> dict[str, Any]:
     settings = {f"settings.{name}": value for name, value in options["settings"].items()}
-    return {**options, **settings, "settings": sorted(options["settings"])}
+    own = {"task": task, "labels": None, **options, **settings}
+    return {**own, "settings": sorted(options["settings"])}

@@ -14,7 +14,7 @@ from sandbox.datasets.demonstration import (
     changed_task,
     check_equal,
     demonstrate,
-    environment_options,
+    environment_of,
     open_demonstration,
 )
 from sandbox.datasets.kind import LEROBOT, MINARI
@@ -67,8 +67,7 @@ def export_data_set(
             none is left, or the data set cannot be written.
     """
     try:
-        from sandbox.gym import learning_id
-        from sandbox.gym.learning.environment import LearningEnv
+        from sandbox.gym import HandSandboxEnv, register_task
     except ImportError:
         raise InputError(
             "Gymnasium is not installed",
@@ -89,31 +88,31 @@ def export_data_set(
         check_npz(to)
     exported = Exported()
     # Bad recordings are told before the first is played.
-    counted, options = [], []
+    counted, environments = [], []
     for file in files:
         recording = open_demonstration(file)
         if broken_off(recording):
             exported.broken_off += 1
             continue
         counted.append(file)
-        options.append(environment_options(recording, observe))
+        environments.append(environment_of(recording, observe))
     if not counted:
         raise InputError(
             "no demonstration is left",
             got=f"{len(files)} recordings, all of attempts that were broken off",
         )
     files = counted
-    for file, other in zip(files, options, strict=True):
-        check_equal(options[0], other, str(file))
-    id = learning_id(options[0]["task"])
-    env: Any = gymnasium.make(id, **{k: v for k, v in options[0].items() if k != "task"})
+    for file, other in zip(files, environments, strict=True):
+        check_equal(environments[0], other, str(file))
+    task, options = environments[0]
+    env: Any = gymnasium.make(register_task(task), **options)
 
     def played() -> Iterator[Demonstration]:
-        learning = env.unwrapped
-        assert isinstance(learning, LearningEnv)
+        own = env.unwrapped
+        assert isinstance(own, HandSandboxEnv)
         for number, file in enumerate(files, start=1):
             recording = open_demonstration(file)
-            one = demonstrate(recording, learning)
+            one = demonstrate(recording, own)
             done(number)
             if successes_only and not one.success:
                 continue
@@ -138,13 +137,13 @@ def export_data_set(
     elif str(to) == LEROBOT:
         from sandbox.datasets.lerobot_folder import write_lerobot
 
-        task = find_task(options[0]["task"])
-        (words, *_) = (task.__doc__ or task.name).strip().splitlines()
-        write_lerobot(folder, words, {"id": id, **options[0]}, some)
+        kind = find_task(task)
+        (words, *_) = (kind.__doc__ or kind.name).strip().splitlines()
+        write_lerobot(folder, words, task, options, some)
         whole = sum(file.stat().st_size for file in folder.rglob("*") if file.is_file())
         exported.where = f"{name}, {whole / 1e6:.1f} MB in {folder}"
     else:
-        write_npz(to, {"id": id, **options[0]}, some)
+        write_npz(to, task, options, some)
         exported.where = f"{to}, {to.stat().st_size / 1e6:.1f} MB"
     env.close()
     return exported

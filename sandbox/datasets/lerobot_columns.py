@@ -25,7 +25,7 @@ done, which gives the same states again."""
 REWARD, DONE, SUCCESS, HASH = "next.reward", "next.done", "next.success", "next.state_hash"
 """Columns of what a step leads to."""
 
-_AROUND = ("objects", "goals", "things", "time")
+_AROUND = ("objects", "goals", "properties", "time")
 """Parts of an observation that are not the hand's."""
 _COUNTERS = ("frame_index", "episode_index", "index", "task_index")
 
@@ -49,15 +49,15 @@ class Feature:
         return {"dtype": self.dtype, "shape": [size], "names": names}
 
 
-def features_of(episode: Demonstration, environment: Mapping[str, Any]) -> dict[str, Feature]:
+def features_of(episode: Demonstration, options: Mapping[str, Any]) -> dict[str, Feature]:
     """The columns of a data set.
 
     Args:
         episode: Any of its demonstrations.
-        environment: Options of its environment.
+        options: Options of its environment.
     """
     seen = episode.observations
-    hands = [hand["side"] for hand in environment["settings"]["hands"]]
+    hands = [hand["side"] for hand in options["settings"]["hands"]]
     acts = _action_names(episode.actions.shape[1], hands)
     single = {name: Feature("int64") for name in _COUNTERS}
     return {

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from models.errors import InputError
-from sandbox.datasets.data_set import DataSet
+from sandbox.datasets.data_set import DataSet, check_schema
 from sandbox.datasets.demonstration import Demonstration
 from sandbox.datasets.lerobot_columns import RATE, Columns, Feature, features_of
 from sandbox.datasets.statistics import Statistics, combined, statistics_of
@@ -29,8 +29,9 @@ FILE_SIZE = 100
 FILES = 1000
 """Files in one folder, as LeRobot has it."""
 OURS = "meta/hand_sandbox.json"
-"""File with what LeRobot's own files have no place for: the environment, and versions."""
-KIND, SCHEMA = "hand sandbox demonstrations", 1
+"""File with what LeRobot's own files have no place for: task and options of the environment, and
+versions."""
+KIND, SCHEMA = "hand sandbox demonstrations", 2
 
 _NAME = re.compile(r"[A-Za-z0-9][\w.-]*/[A-Za-z0-9][\w.-]*")
 _FILE = "chunk-{chunk_index:03d}/file-{file_index:03d}"
@@ -96,14 +97,19 @@ def check_folder(name: str) -> Path:
 
 
 def write_lerobot(
-    folder: Path, task: str, environment: Mapping[str, Any], episodes: Iterable[Demonstration]
+    folder: Path,
+    words: str,
+    task: str,
+    options: Mapping[str, Any],
+    episodes: Iterable[Demonstration],
 ) -> None:
     """Writes a data set, an episode at a time; the folder appears once all is written.
 
     Args:
         folder: The folder, which is not there yet.
-        task: The task in words, as LeRobot's policies are told it.
-        environment: Id and options of the environment.
+        words: The task in words, as LeRobot's policies are told it.
+        task: The task of the environment, a name or a place.
+        options: Options of the environment; JSON values.
         episodes: The demonstrations, one or more.
 
     Raises:
@@ -113,7 +119,7 @@ def write_lerobot(
     try:
         shutil.rmtree(beside, ignore_errors=True)
         (beside / "meta").mkdir(parents=True)
-        _write(beside, task, environment, episodes)
+        _write(beside, words, task, options, episodes)
         beside.rename(folder)
     except OSError as error:
         raise InputError("it cannot be written", where=str(folder), got=error.strerror) from None
@@ -122,7 +128,11 @@ def write_lerobot(
 
 
 def _write(
-    folder: Path, task: str, environment: Mapping[str, Any], episodes: Iterable[Demonstration]
+    folder: Path,
+    words: str,
+    task: str,
+    options: Mapping[str, Any],
+    episodes: Iterable[Demonstration],
 ) -> None:
     arrow = need_parquet()
     features: dict[str, Feature] = {}
@@ -130,7 +140,7 @@ def _write(
     statistics: list[dict[str, Statistics]] = []
     with _Frames(folder) as frames:
         for number, episode in enumerate(episodes):
-            features = features or features_of(episode, environment)
+            features = features or features_of(episode, options)
             columns = Columns(episode, number, frames.count)
             own = {name: statistics_of(values) for name, values in columns.numbers.items()}
             statistics.append(own)
@@ -138,7 +148,7 @@ def _write(
             rows.append(
                 {
                     "episode_index": number,
-                    "tasks": [task],
+                    "tasks": [words],
                     "length": len(columns),
                     "dataset_from_index": first,
                     "dataset_to_index": frames.count,
@@ -153,13 +163,13 @@ def _write(
     path = _path(folder, _EPISODES, 0)
     path.parent.mkdir(parents=True)
     arrow.parquet.write_table(arrow.Table.from_pylist(rows), path)
-    _write_tasks(folder, task)
+    _write_tasks(folder, words)
     whole = {name: combined([own[name] for own in statistics]) for name in statistics[0]}
     stats = {name: {k: v.tolist() for k, v in own.items()} for name, own in whole.items()}
     _write_json(folder / "meta/stats.json", stats)
-    robot = environment["settings"].get("robot") or "hand_sandbox"
+    robot = options["settings"].get("robot") or "hand_sandbox"
     _write_json(folder / "meta/info.json", _info(features, robot, len(rows), frames.count))
-    ours = {"kind": KIND, "schema": SCHEMA, "environment": dict(environment)}
+    ours = {"kind": KIND, "schema": SCHEMA, "task": task, "options": dict(options)}
     _write_json(folder / OURS, {**ours, "versions": versions()})
 
 
@@ -246,12 +256,12 @@ def _info(
     }
 
 
-def _write_tasks(folder: Path, task: str) -> None:
+def _write_tasks(folder: Path, words: str) -> None:
     """The table of tasks, in which LeRobot looks tasks up by their words."""
     import pandas
 
-    words = pandas.Index([task], dtype=object)
-    pandas.DataFrame({"task_index": [0]}, index=words).to_parquet(folder / "meta/tasks.parquet")
+    index = pandas.Index([words], dtype=object)
+    pandas.DataFrame({"task_index": [0]}, index=index).to_parquet(folder / "meta/tasks.parquet")
 
 
 def read_lerobot(folder: Path) -> DataSet:
@@ -261,14 +271,15 @@ def read_lerobot(folder: Path) -> DataSet:
     float32 and without the last one of an episode.
 
     Raises:
-        InputError: The folder cannot be read, is cut short, or is of another program.
+        InputError: The folder cannot be read, is cut short, or is of another program or version.
     """
     arrow = need_parquet()
     try:
         ours = json.loads((folder / OURS).read_text(encoding="utf-8"))
         info = json.loads((folder / "meta/info.json").read_text(encoding="utf-8"))
-        if (ours["kind"], ours["schema"], info["codebase_version"]) != (KIND, SCHEMA, VERSION):
-            raise ValueError(f"{ours['kind']}, schema {ours['schema']}, {info['codebase_version']}")
+        if (ours["kind"], info["codebase_version"]) != (KIND, VERSION):
+            raise ValueError(f"{ours['kind']}, {info['codebase_version']}")
+        check_schema(folder, ours["schema"], SCHEMA, "lerobot --name OWNER/NAME")
         rows = arrow.parquet.read_table(
             _path(folder, _EPISODES, 0),
             columns=["seed", "about", "terminated", "first_state_hash", "length"],
@@ -284,7 +295,7 @@ def read_lerobot(folder: Path) -> DataSet:
             Columns.read(frames.slice(start, row["length"]), row)
             for start, row in zip(starts, rows, strict=False)
         ]
-        return DataSet(ours["environment"], tuple(episodes))
+        return DataSet(ours["task"], ours["options"], tuple(episodes))
     except OSError as error:
         raise InputError(
             "cannot be read as a data set of LeRobot", where=str(folder), got=str(error)

@@ -12,10 +12,10 @@ import numpy as np
 
 from models.arithmetic.arrays import Array
 from models.errors import InputError
-from sandbox.datasets.data_set import DataSet
+from sandbox.datasets.data_set import DataSet, check_schema
 from sandbox.datasets.demonstration import Demonstration
 
-KIND, SCHEMA = "hand sandbox demonstrations", 1
+KIND, SCHEMA = "hand sandbox demonstrations", 2
 OBSERVATION = "observation."
 """Prefix of the arrays of observations."""
 
@@ -41,7 +41,7 @@ def _beside(path: Path) -> Path:
 
 
 def write_npz(
-    path: Path, environment: Mapping[str, Any], episodes: Iterable[Demonstration]
+    path: Path, task: str, options: Mapping[str, Any], episodes: Iterable[Demonstration]
 ) -> None:
     """Writes a data set; an existing file is replaced, once all is written.
 
@@ -51,7 +51,8 @@ def write_npz(
 
     Args:
         path: The file.
-        environment: Id and options of the environment.
+        task: The task of the environment, a name or a place.
+        options: Options of the environment; JSON values.
         episodes: The demonstrations, one or more.
 
     Raises:
@@ -78,7 +79,8 @@ def write_npz(
                 {
                     "kind": KIND,
                     "schema": SCHEMA,
-                    "environment": dict(environment),
+                    "task": task,
+                    "options": dict(options),
                     "episodes": [e.about for e in whole],
                 }
             )
@@ -98,15 +100,17 @@ def read_npz(path: Path) -> DataSet:
     """Reads a data set.
 
     Raises:
-        InputError: The file cannot be read, is cut short, or is not a data set.
+        InputError: The file cannot be read, is cut short, of another version, or not a data set.
     """
     try:
         with np.load(path, allow_pickle=False) as file:
             arrays = {name: file[name] for name in file.files}
         about = json.loads(str(arrays.pop("about")))
-        if about["kind"] != KIND or about["schema"] != SCHEMA:
-            raise ValueError(f"{about['kind']}, schema {about['schema']}")
-        return DataSet(about["environment"], tuple(_episodes(arrays, about["episodes"])))
+        if about["kind"] != KIND:
+            raise ValueError(about["kind"])
+        check_schema(path, about["schema"], SCHEMA, "FILE.npz")
+        episodes = tuple(_episodes(arrays, about["episodes"]))
+        return DataSet(about["task"], about["options"], episodes)
     except OSError as error:
         raise InputError("cannot be read", where=str(path), got=error.strerror) from None
     except (ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile) as error:

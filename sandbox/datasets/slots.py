@@ -84,7 +84,7 @@ def _last_choice(free: Sequence[int], touches: Sequence[Touch], touch: Touch) ->
 def actions_of(
     touches: Sequence[Touch], slots: Sequence[int], lifts: Sequence[float] | None, periods: int
 ) -> Array:
-    """Actions (periods, 15) of `FingerTouches`, or (periods, 16) with a lift control.
+    """Actions (periods, 15) of `TouchHands`, or (periods, 16) with a lift control.
 
     Args:
         touches: The touches of a hand.
@@ -104,6 +104,6 @@ def actions_of(
     return actions
 
 
-def named(touches: Sequence[Touch], found: Mapping[int, int]) -> list[Touch]:
+def labelled(touches: Sequence[Touch], found: Mapping[int, int]) -> list[Touch]:
     """The touches with the fingers that were found, by the touch's number."""
     return [Touch(t.number, t.first, t.places, found.get(t.number, t.finger)) for t in touches]

@@ -14,16 +14,20 @@ from models.arithmetic.arrays import Array
 from models.frames import FINGERS, Contact, TouchFrame
 from models.limits import RateLimit, within_limits
 from models.pose import JOINTS, POSE_SIZE, ROOT_POSITION, ROOT_ROTATION
+from models.rotations import exp
 from models.skeleton import Skeleton
 from models.surface import Surface
+from sandbox.gym.options import EnvOptions
 from sandbox.session.device import Device
-from tasks.task import Task
+from sandbox.session.messages import HandView
 
 SLOTS = len(FINGERS)
 """Number of simultaneous touches, one for each finger."""
 
 REACH = ((-0.40, -0.40, -0.05), (0.40, 0.40, 0.50))
 """m in the world; bounds of the commanded root position of a hand."""
+AHEAD = 0.05
+"""m along the hand, by which its direction on the surface is found."""
 
 
 class Hands(Device):
@@ -33,16 +37,24 @@ class Hands(Device):
         low: Lower bounds of an action.
         high: Upper bounds of an action.
         touch_ids: Id of the contact in every slot; None in an empty slot.
+        places: (5, 2) m on the surface, where each finger touches, or last did; with steps, where a
+            lifted one would; 0 with poses.
     """
 
     name, finished = "gymnasium", False
     low: Array
     high: Array
-    touch_ids: list[int | None]
+
+    def __init__(self) -> None:
+        self.touch_ids: list[int | None] = [None] * SLOTS
+        self.places = np.zeros((SLOTS, 2))
 
     @abstractmethod
     def act(self, action: Array) -> None:
         """Takes an action, finite and within its bounds, for the next control period."""
+
+    def see(self, hand: HandView) -> None:
+        """Takes in where the hand is."""
 
     @abstractmethod
     def reconstructor_for(self, touched: Reconstructor) -> Reconstructor:
@@ -50,40 +62,75 @@ class Hands(Device):
 
 
 class TouchHands(Hands):
-    """Actions that are five touches, and the lift control if the task has one.
+    """Actions that are touches of one hand, one slot a finger, thumb first.
 
-    An action is (15,): for every slot a touch flag (0.5 or more touches), x and y in metres on the
-    surface, right and down of its top left corner; or (16,) with the lift, 0 (down) to 1. A slot
-    that touches again after a pause is a new contact, like a lifted finger.
+    An action is (15,), or (16,) with a lift control, 0 (down) to 1: for every finger whether it
+    touches (0.5 or more), and two numbers. With `touch` they are x and y, m on the surface. With
+    `delta` and `hand` they are steps from -1 to 1, in shares of `step`: `delta` along the surface's
+    axes, right and down; `hand` along those of the hand, to its right and to its fingertips. A
+    finger that begins to touch does so beneath its simulated fingertip, and a step farther.
+
+    A slot that touches again after a pause is a new contact, like a lifted finger. Touches that
+    begin in one period get their ids from left to right, so that ids do not depend on the slots.
 
     Args:
-        surface: The screen.
-        task: The task, which may have a lift control.
+        surface: The surface of this hand.
+        lifts: True if the task has a lift control.
+        options: Options of the environment.
     """
 
-    def __init__(self, surface: Surface, task: type[Task]) -> None:
-        self._lifts = task.lift_range > 0
+    def __init__(self, surface: Surface, lifts: bool, options: EnvOptions) -> None:
+        super().__init__()
+        self._surface, self._lifts, self._options = surface, lifts, options
         width, height = surface.size
-        self.low = np.zeros(3 * SLOTS + self._lifts)
-        self.high = np.array([1.0, width, height] * SLOTS + [1.0] * self._lifts)
-        self.touch_ids: list[int | None] = [None] * SLOTS
+        least, most = ([0.0, 0.0], [width, height])
+        if options.action != "touch":
+            least, most = [-1.0, -1.0], [1.0, 1.0]
+        self.low = np.array([0.0, *least] * SLOTS + [0.0] * lifts)
+        self.high = np.array([1.0, *most] * SLOTS + [1.0] * lifts)
+        self._axes = np.eye(2)
         self._next = 0
         self._contacts: tuple[Contact, ...] = ()
-        self._lift: float | None = 0.0 if self._lifts else None
+        self._lift: float | None = 0.0 if lifts else None
+
+    def see(self, hand: HandView) -> None:
+        """Takes in where the hand is; steps begin there."""
+        if self._options.action == "touch":
+            return
+        lifted = [finger for finger, id in enumerate(self.touch_ids) if id is None]
+        self.places[lifted] = self._within(self._surface.to_surface(hand.tips[lifted]))
+        ahead = AHEAD * exp(hand.target[ROOT_ROTATION])[:, 1]
+        way = self._surface.to_surface(np.stack([hand.target[:3], hand.target[:3] + ahead]))
+        along = way[1] - way[0]
+        size = float(np.sqrt(np.sum(along * along)))
+        if size > 1e-6:
+            x, y = along / size
+            # Right of the fingers' direction, on a surface whose y points down.
+            self._axes = np.array([[-y, x], [x, y]])
 
     def act(self, action: Array) -> None:
         """Takes an action."""
-        contacts = []
-        for slot, (down, x, y) in enumerate(action[: 3 * SLOTS].reshape(SLOTS, 3)):
-            if down < 0.5:
-                self.touch_ids[slot] = None
-                continue
-            id = self.touch_ids[slot]
-            if id is None:
-                id, self._next = self._next, self._next + 1
-                self.touch_ids[slot] = id
-            contacts.append(Contact(id, float(x), float(y)))
-        # Contacts are in the order of touch-down, as on a device.
+        rows = action[: 3 * SLOTS].reshape(SLOTS, 3)
+        down = rows[:, 0] >= 0.5
+        if self._options.action == "touch":
+            self.places[down] = rows[down, 1:]
+        else:
+            steps = self._options.step * rows[:, 1:]
+            if self._options.action == "hand":
+                steps = steps[:, :1] * self._axes[0] + steps[:, 1:] * self._axes[1]
+            self.places[down] = self._within(self.places + steps)[down]
+        for finger in np.flatnonzero(~down):
+            self.touch_ids[finger] = None
+        new = [finger for finger in np.flatnonzero(down) if self.touch_ids[finger] is None]
+        for finger in sorted(new, key=lambda f: (self.places[f, 0], self.places[f, 1], f)):
+            self.touch_ids[finger], self._next = self._next, self._next + 1
+        labelled = self._options.true_labels
+        contacts = [
+            Contact(id, float(x), float(y), label=finger if labelled else None)
+            for finger, (id, (x, y)) in enumerate(zip(self.touch_ids, self.places, strict=True))
+            if id is not None
+        ]
+        # In the order of touch-down, as on a device.
         self._contacts = tuple(sorted(contacts, key=lambda c: c.id))
         if self._lifts:
             self._lift = float(action[-1])
@@ -95,6 +142,9 @@ class TouchHands(Hands):
     def reconstructor_for(self, touched: Reconstructor) -> Reconstructor:
         """Returns the reconstructor for touches unchanged."""
         return touched
+
+    def _within(self, places: Array) -> Array:
+        return np.clip(places, 0.0, self._surface.size)
 
 
 class PoseHands(Hands):
@@ -109,6 +159,7 @@ class PoseHands(Hands):
     """
 
     def __init__(self, skeleton: Skeleton) -> None:
+        super().__init__()
         self._skeleton = skeleton
         self.low, self.high = np.empty(POSE_SIZE + SLOTS), np.empty(POSE_SIZE + SLOTS)
         for bound, reach, turn, joints, flag in (
@@ -117,7 +168,6 @@ class PoseHands(Hands):
         ):
             bound[ROOT_POSITION], bound[ROOT_ROTATION] = reach, turn
             bound[JOINTS], bound[POSE_SIZE:] = joints, flag
-        self.touch_ids: list[int | None] = [None] * SLOTS
         self._pose: Array | None = None
         self._solid: frozenset[int] = frozenset()
 

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import inspect
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
-from typing import Any, Literal
+from typing import Any
 
 import gymnasium
 import numpy as np
@@ -14,17 +16,31 @@ from models.arithmetic.arrays import Array
 from models.errors import InputError
 from models.scene import CONTROL_PERIOD
 from models.skeleton import ADULT
+from models.surface import Surface
 from sandbox.gym.actions import Hands, PoseHands, TouchHands
-from sandbox.gym.observation import check_counts, observation_space, observe
+from sandbox.gym.curriculum import Curriculum
+from sandbox.gym.goals import goal_observation, goal_reward, goal_space
+from sandbox.gym.observation import Moment, Observing, check_counts, slot_labels
+from sandbox.gym.options import (
+    LABELS,
+    STEP,
+    TRUE_LABELS,
+    EnvOptions,
+    check_choice,
+    observed_parts,
+    run_settings,
+)
+from sandbox.gym.pictures import Pictures
+from sandbox.gym.rewards import Reward
+from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
 from sandbox.trial.assembly import build, place_surface
 from sandbox.trial.device_makers import DeviceMaker
 from sandbox.trial.driver import Trial
 from sandbox.trial.result import TrialResult
-from sandbox.trial.settings import HandSettings, RunSettings
 from sandbox.trial.surfaces import place_all
 from tasks.checks import measure
-from tasks.registry import draw_task, find_task, hands_of
+from tasks.registry import find_task
 from tasks.score import Status
 from tasks.sensing import Sensing
 
@@ -37,18 +53,21 @@ SEEDS = 2**31
 class HandSandboxEnv(gymnasium.Env[Observation, Array]):
     """One trial of a task is one episode; one step is one control period of 16 ms.
 
-    Actions with `action="touch"`, (15,) float64: for each of five slots whether it touches (0.5 or
-    more), x and y in metres on the surface (origin top left, x right, y down); tasks with a lift
-    control have (16,), the last being the lift, 0 (down) to 1. Which finger a touch is, and where
-    the hand goes, is reconstructed as for any person.
-    With `action="pose"`, (53,) float64: the pose (48,) of the hand in the world, m and rad, then
-    for each finger whether it may be solid (0.5 or more). Values out of bounds are clipped.
-    In a task for two hands, an action is that of the right hand and then that of the left one;
-    touches are in metres on a surface of each hand's own.
+    docs/gymnasium.md has tables of actions, observations and rewards.
+
+    Actions are (15,) float64: for the slot of every finger, thumb first, whether it touches (0.5 or
+    more), and two numbers. With `action="touch"` these are x and y in metres on the surface (origin
+    top left, x right, y down), with `delta` and `hand` a step of the touch. Tasks with a lift
+    control have (16,), the last being the lift, 0 (down) to 1. Where the hand goes is reconstructed
+    as for any person. With `action="pose"`, (53,): the pose (48,) of the hand in the world, m and
+    rad, then for each finger whether it may be solid (0.5 or more). Values out of bounds are
+    clipped. In a task for two hands, an action is that of the first hand and then that of the
+    second one; touches are in metres on a surface of each hand's own.
 
     Observations, float64, in the world (x right, y away from the person, z up); with two hands,
-    `pose`, `tips`, `solid` and `labels` have one row for each, (2, 48) and so on:
-        pose (48,): the simulated hand: root position m, root and 14 joints' rotation vectors, rad.
+    those of the hand have one row for each, (2, 48) and so on:
+        pose (48,): the simulated hand: root position m, root and 14 joints' rotation vectors, rad;
+            of a robot's hand, root position and rotation vector, and its joints.
         tips (5, 3): its fingertips, m, thumb first.
         solid (5,): 1 if a finger can collide with objects now, thumb first.
         labels (5,): finger (0 thumb to 4 little) assigned to the touch in each slot, or -1.
@@ -57,10 +76,10 @@ class HandSandboxEnv(gymnasium.Env[Observation, Array]):
         goals (g, 4): position m and yaw rad (-pi to pi), in the order of the task's `goals`; absent
             in tasks without goals.
         time (1,): s since the start.
+    `observe` adds others. With `goal=True` observations are goal dictionaries.
 
     Reward: increase of the task's progress (0 to 1) in this step, plus 1 at the step at which
-    success is certain, so that an episode's sum is progress plus success. With `reward="sparse"`
-    only the latter.
+    success is certain, so that an episode's sum is progress plus success.
 
     `terminated`: success was held for the task's hold time and looked at a second later, or what
     was done cannot be undone (`info["trial"]["status"]` is then `failed`), or the
@@ -71,24 +90,31 @@ class HandSandboxEnv(gymnasium.Env[Observation, Array]):
     the next trial is drawn from the environment's own generator. Equal seeds and actions give equal
     states to the bit on one kind of machine.
 
-    `info` has `seed`, `state_hash` (see `Session.state_hash`), `success` so far, and at the end
-    `trial`: what `sandbox run --json` prints of it.
+    `info` has `seed`, `state_hash` (see `Session.state_hash`), `success` and the same as
+    `is_success` so far, and at the end `trial`: what `sandbox run --json` prints of it.
 
     Args:
         task: Name of the task, or its place such as `FILE.py:Class`.
-        action: `touch` or `pose`.
-        reward: `progress` or `sparse`.
+        action: One of `sandbox.gym.options.ACTIONS`.
+        labels: One of `LABELS` there: what labels the touches, or `true`, by which the touch in a
+            finger's slot is that finger's. None takes that of the settings.
+        observe: Names of `OBSERVED` there that are seen besides, or `all`.
+        reward: One of `REWARDS` there; None is `progress`, or the goals' own with `goal`.
+        goal: True for observations with `observation`, `achieved_goal` and `desired_goal`, and the
+            reward of `compute_reward`.
+        step: m, largest step of a touch, for the actions `delta` and `hand`.
+        hand: `right` or `left`; in a task for two hands, that of the first half of an action. None
+            takes that of the settings, as do `hand_size`, `turn` and `robot`.
+        hand_size: Length of the hand relative to the trained one.
+        turn: degrees, side of the screen where the person sits (see `models.person.Person`).
+        robot: The robot whose hand it is (docs/robots.md); empty: a person's hand.
         render_mode: None, or `rgb_array`, for which this machine needs OpenGL.
         size: px, width and height of pictures.
-        hand: `right` or `left`; in a task for two hands, that of the first half of an action.
-        hand_size: Length of the hands relative to the trained one.
-        turn: degrees, side of the screen where the person sits (see `models.person.Person`).
-        settings: Further settings of `sandbox.trial.settings.RunSettings`, such as
-            `encoder="cubic"`.
+        settings: Settings as a recording's header has them; None starts from the defaults.
+        single: Single settings of `sandbox.trial.settings.RunSettings`, such as `encoder="cubic"`.
 
     Raises:
-        InputError: The task, setting, kind of action or reward is unknown, or a robot is asked for,
-            which `sandbox.gym.learning.environment.LearningEnv` takes.
+        InputError: An option is unknown, or its value is not allowed.
     """
 
     metadata = {  # noqa: RUF012 as the base class has it
@@ -99,56 +125,65 @@ class HandSandboxEnv(gymnasium.Env[Observation, Array]):
     def __init__(
         self,
         task: str = "box-to-goal",
-        action: Literal["touch", "pose"] = "touch",
-        reward: Literal["progress", "sparse"] = "progress",
+        action: str = "touch",
+        labels: str | None = None,
+        observe: str | Iterable[str] = (),
+        reward: str | None = None,
+        goal: bool = False,
+        step: float = STEP,
+        hand: str | None = None,
+        hand_size: float | None = None,
+        turn: int | None = None,
+        robot: str | None = None,
         render_mode: str | None = None,
         size: tuple[int, int] = (640, 360),
-        hand: str = "right",
-        hand_size: float = 1.0,
-        turn: int = 0,
-        **settings: Any,
+        settings: Mapping[str, Any] | None = None,
+        **single: Any,
     ) -> None:
-        for where, got, options in (
-            ("action", action, ("touch", "pose")),
-            ("reward", reward, ("progress", "sparse")),
-            ("render_mode", render_mode, (None, "rgb_array")),
-        ):
-            if got not in options:
-                raise InputError(
-                    "no such choice", where=where, got=got, expected=", ".join(map(str, options))
-                )
-        first = HandSettings(hand, hand_size, turn)
-        try:
-            chosen = RunSettings(task=task, hands=(first,), **settings)
-        except TypeError as error:
-            raise InputError("not a setting of a run", where="settings", got=str(error)) from None
-        if chosen.robot:
+        if render_mode not in (None, "rgb_array"):
             raise InputError(
-                "this environment shows a person's hand only",
-                where="robot",
-                got=chosen.robot,
-                remedy="The id of the task that ends with Learn-v1, such as "
-                "hand_sandbox/BoxToGoalLearn-v1, takes a robot",
+                "no such choice",
+                where="render_mode",
+                got=render_mode,
+                expected="None, rgb_array",
+                remedy="For a window, wrap rgb_array in gymnasium.wrappers.HumanRendering",
             )
-        self.action, self.reward = action, reward
-        self.render_mode, self.size = render_mode, size
+        if goal and reward is not None:
+            raise InputError(
+                "goal dictionaries have a reward of their own", where="reward", got=reward
+            )
+        if labels is not None:
+            check_choice("labels", labels, LABELS)
+        true_labels = labels == TRUE_LABELS
+        chosen_reward = "progress" if reward is None else reward
+        self.options = EnvOptions(
+            action, true_labels, observed_parts(observe), chosen_reward, goal, step
+        )
+        if labels is not None and not true_labels:
+            single["labels"] = labels
+        if robot is not None:
+            single["robot"] = robot
+        person = {"side": hand, "size": hand_size, "turn": turn}
+        self.settings = run_settings(task, person, settings, single, _NAMES)
+        self.render_mode = render_mode
         self._kind = find_task(task)
-        if hands_of(self._kind) > 1:
-            chosen = replace(chosen, hands=(first, first.other))
-        self.settings = chosen
-        placed = place_surface(chosen.surface, self._kind)
-        self._surface, self._surfaces = place_all(placed, chosen, self._kind)
-        hands = self._make_hands()
+        placed = place_surface(self.settings.surface, self._kind)
+        self._surface, self._surfaces = place_all(placed, self.settings, self._kind)
+        self._pictures = Pictures(self._surface, (size[0], size[1]))
+        self.session: Session | None = None
+        self._hands = self._make_hands()
+        first = self._build(Curriculum(), 0)
+        self._observing = Observing(first, self.options.observe)
+        first.close()
         self.action_space = spaces.Box(
-            np.concatenate([hand.low for hand in hands]),
-            np.concatenate([hand.high for hand in hands]),
+            np.concatenate([hand.low for hand in self._hands]),
+            np.concatenate([hand.high for hand in self._hands]),
             dtype=np.float64,
         )
-        self._space = observation_space(draw_task(self._kind, 0, self._surface), len(hands))
-        shown: Any = self._space
+        shown: Any = self._observing.space
+        if goal:
+            shown = goal_space(self._observing.space, task)
         self.observation_space = shown
-        self.session: Session | None = None
-        self._renderer: Any = None
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
@@ -157,29 +192,28 @@ class HandSandboxEnv(gymnasium.Env[Observation, Array]):
 
         Args:
             seed: Seed of the trial; None draws one.
-            options: Not used.
+            options: Of this trial only: `near`, `size`, `mass`, `friction`, `start` (see
+                `sandbox.gym.curriculum.Curriculum`).
 
         Raises:
-            InputError: The trial has another number of objects or goals than that of seed 0.
+            InputError: An option is unknown or not allowed, or the trial has another number of
+                objects or goals than that of seed 0.
         """
+        curriculum = Curriculum.of(options)
         super().reset(seed=seed)
         trial = int(self.np_random.integers(SEEDS)) if seed is None else seed
-        self.close()
+        if self.session is not None:
+            self.session.close()
+            self.session = None
         self._hands = self._make_hands()
-        settings = replace(self.settings, seed=trial)
-        remaining_hands = iter(self._hands)
-        session = build(
-            settings,
-            tuple(_given(hand) for hand in self._hands),
-            wrap_reconstructor=lambda touched: next(remaining_hands).reconstructor_for(touched),
-        )
-        check_counts(session.task, self._space)
+        session = self._build(curriculum, trial)
+        check_counts(session.task, self._observing.space)
         self.session, self._trial = session, Trial(session)
-        self._snapshot = session.snapshot()
-        sensing = Sensing(session.scene, session.data)
-        self._progress = measure(session.task, sensing).progress
-        self._seen = self._observed(session)
-        return self._copied(), self._info()
+        self._take(session.snapshot())
+        progress = measure(session.task, Sensing(session.scene, session.data)).progress
+        self._reward = Reward(self.options.reward, self._snapshot, progress)
+        self._observe(session)
+        return self._copied(), self._info(session)
 
     def step(self, action: ArrayLike) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
         """One control period.
@@ -194,19 +228,31 @@ class HandSandboxEnv(gymnasium.Env[Observation, Array]):
         whole = self._checked(action)
         for hand, own in zip(self._hands, np.split(whole, len(self._hands)), strict=True):
             hand.act(own)
-        won = session.scorer.score.success
+        gained = 0.0
         # After a divergence the trial is marked, and its last sound observation stands.
         if self._trial.step():
             assert self._trial.newest is not None
-            self._snapshot = self._trial.newest
-            self._seen = self._observed(session)
-        score = session.scorer.score
-        gained = float(score.success and not won)
-        if self.reward == "progress":
-            gained += score.progress - self._progress
-            self._progress = score.progress
-        truncated = score.status is Status.TIMEOUT
-        return self._copied(), gained, session.over and not truncated, truncated, self._info()
+            self._take(self._trial.newest)
+            gained = self._reward.step(self._snapshot)
+            self._observe(session)
+        if self.options.goal:
+            gained = float(goal_reward(self._seen["achieved_goal"], self._seen["desired_goal"]))
+        truncated = session.scorer.score.status is Status.TIMEOUT
+        ended = session.over and not truncated
+        return self._copied(), gained, ended, truncated, self._info(session)
+
+    def compute_reward(self, achieved_goal: Array, desired_goal: Array, info: Any) -> Any:
+        """The reward with `goal=True`, of any goals, for methods that learn from hindsight.
+
+        Args:
+            achieved_goal: (..., 3 g) m, places of the objects that have goals.
+            desired_goal: (..., 3 g) m, places where they should be.
+            info: Not used.
+
+        Returns:
+            (...) float64, 0 where all of them are within 1 cm, and -1 elsewhere.
+        """
+        return goal_reward(achieved_goal, desired_goal)
 
     def render(self) -> Any:
         """The picture (height, width, 3) uint8 of now; None without a render mode.
@@ -218,55 +264,92 @@ class HandSandboxEnv(gymnasium.Env[Observation, Array]):
             return None
         if self.session is None:
             raise gymnasium.error.ResetNeeded("there is nothing to see yet: call reset()")
-        if self._renderer is None:
-            # Drawing loads OpenGL, which training mostly does without.
-            from sandbox.views.renderer import Renderer
-
-            self._renderer = Renderer(self.session.scene, self._surface, self.size)
-        return np.asarray(self._renderer.frame(self._snapshot))
+        return self._pictures.draw(self.session.scene, self._snapshot)
 
     def close(self) -> None:
         """Gives back what draws."""
-        if self._renderer is not None:
-            self._renderer.close()
-            self._renderer = None
+        self._pictures.close()
         if self.session is not None:
             self.session.close()
             self.session = None
 
+    @property
+    def surfaces(self) -> tuple[Surface, ...]:
+        """The touch surface of each hand."""
+        return self._surfaces
+
+    def slot_labels(self) -> list[list[int | None]]:
+        """For every hand and slot the finger that its touch is taken for now; None for none."""
+        return [slot_labels(self._snapshot, hand, i) for i, hand in enumerate(self._hands)]
+
     def _make_hands(self) -> tuple[Hands, ...]:
-        if self.action == "pose":
+        if self.options.action == "pose":
             return tuple(PoseHands(hand.person.skeleton(ADULT)) for hand in self.settings.hands)
-        return tuple(TouchHands(surface, self._kind) for surface in self._surfaces)
+        lifts = self._kind.lift_range > 0
+        return tuple(TouchHands(surface, lifts, self.options) for surface in self._surfaces)
+
+    def _build(self, curriculum: Curriculum, seed: int) -> Session:
+        remaining = iter(self._hands)
+        return build(
+            replace(curriculum.settings(self.settings), seed=seed),
+            tuple(_given(hand) for hand in self._hands),
+            wrap_reconstructor=lambda touched: next(remaining).reconstructor_for(touched),
+            change_task=curriculum.task,
+        )
+
+    def _take(self, snapshot: Snapshot) -> None:
+        self._snapshot = snapshot
+        for hand, view in zip(self._hands, snapshot.hands, strict=True):
+            hand.see(view)
+
+    def _observe(self, session: Session) -> None:
+        seen = self._observing.read(Moment(session, self._snapshot, self._hands))
+        if self.options.goal:
+            seen = goal_observation(seen, self._observing.space, session.task)
+        self._seen = seen
 
     def _checked(self, action: ArrayLike) -> Array:
-        values = np.asarray(action, float)
-        if values.shape != self.action_space.shape or not np.all(np.isfinite(values)):
+        space = self.action_space
+        assert isinstance(space, spaces.Box)
+        try:
+            values = np.asarray(action, float)
+        except (TypeError, ValueError):
             raise InputError(
-                "not an action",
+                "an action is made of numbers", where="step", got=type(action).__name__
+            ) from None
+        if values.shape != space.shape:
+            raise InputError(
+                "an action has another shape",
                 where="step",
                 got=f"shape {values.shape}",
-                expected=f"{self.action_space.shape} finite numbers",
+                expected=f"shape {space.shape}",
             )
-        assert isinstance(self.action_space, spaces.Box)
-        return np.clip(values, self.action_space.low, self.action_space.high)
-
-    def _observed(self, session: Session) -> Observation:
-        ids = [hand.touch_ids for hand in self._hands]
-        return observe(session, self._snapshot, ids, self._space)
+        wrong = np.flatnonzero(~np.isfinite(values))
+        if len(wrong):
+            raise InputError(
+                "an action is not finite",
+                where=f"step, number {wrong[0]} of the action",
+                got=values[wrong[0]],
+                expected=f"{space.low[wrong[0]]:g} to {space.high[wrong[0]]:g}",
+            )
+        return np.clip(values, space.low, space.high)
 
     def _copied(self) -> Observation:
         return {name: values.copy() for name, values in self._seen.items()}
 
-    def _info(self) -> dict[str, Any]:
-        session = self.session
-        assert session is not None
+    def _info(self, session: Session) -> dict[str, Any]:
+        success = session.scorer.score.success
         info: dict[str, Any] = {
             "seed": session.task.seed,
             "state_hash": session.state_hash,
-            "success": session.scorer.score.success,
+            "success": success,
+            "is_success": success,
         }
         return {**info, "trial": TrialResult.of(session).as_json()} if session.over else info
+
+
+_NAMES = tuple(list(inspect.signature(HandSandboxEnv).parameters)[:-1])
+"""Options of an environment besides single settings of a run."""
 
 
 def _given(hand: Hands) -> DeviceMaker:

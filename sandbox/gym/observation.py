@@ -1,17 +1,21 @@
-"""Observations of an agent in a session."""
+"""Parts of an agent's observation, each with its bounds and the way it is read."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
 
 import mujoco
 import numpy as np
 from gymnasium import spaces
+from numpy.typing import NDArray
 
+from encoders.reconstruction.arrival import Phase
 from models.arithmetic.arrays import Array
 from models.errors import InputError
-from sandbox.gym.actions import SLOTS
+from models.pose import POSE_SIZE
+from sandbox.gym.actions import SLOTS, Hands
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
 from tasks.task import Task
@@ -19,104 +23,153 @@ from tasks.task import Task
 FAR, FAST, SPINNING = 10.0, 100.0, 1000.0
 """m, m/s and rad/s: bounds of what is seen. Nothing sound comes near them; what is beyond is shown
 at the bound."""
-
-_STATE = np.repeat([FAR, 1.0, FAST, SPINNING], [3, 4, 3, 3])
-_LATE = 3600.0
+STRONG, HEAVY = 1e4, 1e3
+"""N and kg: bounds of what is seen."""
+PHASES = tuple(Phase)
+"""In the order of the observation `phase`."""
+LATE = 3600.0
 """s, longer than any trial."""
+_STATE = np.repeat([FAR, 1.0, FAST, SPINNING], [3, 4, 3, 3])
 
 
-def observation_space(task: Task, hands: int = 1) -> spaces.Dict:
-    """The space of a task's observations; see `HandSandboxEnv`."""
-    things, goals = len(task.objects), len(task.goals)
-    each = () if hands == 1 else (hands,)
-    spaces_by_name: dict[str, spaces.Space] = {
-        "pose": _symmetric(np.tile(np.repeat([FAR, np.pi], [3, 45]), (*each, 1))),
-        "tips": _symmetric(np.full((*each, SLOTS, 3), FAR)),
-        "solid": spaces.Box(0.0, 1.0, (*each, SLOTS), np.float64),
-        "labels": spaces.Box(-1.0, SLOTS - 1.0, (*each, SLOTS), np.float64),
-        "objects": _symmetric(np.tile(_STATE, (things, 1))),
-        "time": spaces.Box(0.0, _LATE, (1,), np.float64),
-    }
-    if goals:
-        spaces_by_name["goals"] = _symmetric(np.tile([FAR, FAR, FAR, np.pi], (goals, 1)))
-    return spaces.Dict(spaces_by_name)
+@dataclass(frozen=True)
+class Moment:
+    """One moment of a session.
 
-
-def check_counts(task: Task, space: spaces.Dict) -> None:
-    """Checks that a trial has as many objects and goals as the space, which was made of another.
-
-    NumPy would repeat one object until there are as many as there should be.
-
-    Raises:
-        InputError: It has more or fewer.
+    Attributes:
+        session: The session.
+        snapshot: Its current snapshot.
+        hands: The agent's devices, hand by hand.
     """
-    for what, things in (("objects", task.objects), ("goals", task.goals)):
-        shape = space[what].shape if what in space.spaces else (0,)
-        if shape is not None and len(things) != shape[0]:
-            raise InputError(
-                f"this trial has another number of {what} than an environment can show",
-                where=f"{task.name}, seed {task.seed}",
-                got=len(things),
-                expected=f"{shape[0]}, as in the trial of seed 0",
-                remedy=f"A task for Gymnasium places as many {what} in every trial",
-            )
+
+    session: Session
+    snapshot: Snapshot
+    hands: Sequence[Hands]
+
+    @cached_property
+    def forces(self) -> list[Array]:
+        """(5, 2) of every hand: force of a finger on objects, N, and share of its servos' limit."""
+        return [
+            np.array([(finger.force, finger.used) for finger in load.fingers])
+            for load in self.session.loads()
+        ]
 
 
-def _symmetric(bound: Array) -> spaces.Box:
-    return spaces.Box(-bound, bound, dtype=np.float64)
+@dataclass(frozen=True)
+class Part:
+    """A part of an observation.
 
-
-def observe(
-    session: Session,
-    snapshot: Snapshot,
-    touch_ids: Sequence[Sequence[int | None]],
-    space: spaces.Dict,
-) -> dict[str, Array]:
-    """The current observation, as new arrays.
-
-    Args:
-        session: Session with one or two hands.
-        snapshot: Current snapshot of the session.
-        touch_ids: Contact of every slot, hand by hand.
-        space: Bounds of the observation.
+    Attributes:
+        bounds: Pair of arrays, least and largest values in a session; of a part of each hand, for
+            one hand.
+        read: Reads it; of a part of each hand, for one hand.
     """
-    hands = [_hand(session, snapshot, i, ids) for i, ids in enumerate(touch_ids)]
-    observation = {
-        # One hand is seen by itself, two have a row each.
-        **(hands[0] if len(hands) == 1 else {n: np.stack([h[n] for h in hands]) for n in hands[0]}),
-        "objects": np.array([object_state(session, t.name) for t in session.task.objects]),
-        "time": np.array([snapshot.time]),
-    }
-    if snapshot.goals:
-        yaws = [float(np.arctan2(np.sin(g.yaw), np.cos(g.yaw))) for g in snapshot.goals]
-        observation["goals"] = np.array(
-            [[*g.position, yaw] for g, yaw in zip(snapshot.goals, yaws, strict=True)], float
-        )
-    return {name: _within(values, space[name]) for name, values in observation.items()}
+
+    bounds: Callable[[Session, int], tuple[Array, Array]]
+    read: Callable[[Moment, int], Array]
 
 
-def _hand(
-    session: Session, snapshot: Snapshot, i: int, touch_ids: Sequence[int | None]
-) -> dict[str, Array]:
-    """Observation of one hand: its pose, fingertips, solid fingers, and labels of its touches."""
-    hand, joints = snapshot.hands[i], session.data.qpos[session.scene.qpos_slice(i)]
-    solid, labels = np.zeros(SLOTS), np.full(SLOTS, -1.0)
-    solid[sorted(hand.solid)] = 1.0
-    known = {c.id: c.label for c in hand.contacts}
-    for slot, id in enumerate(touch_ids):
-        label = None if id is None else known.get(id)
-        labels[slot] = -1.0 if label is None else label
-    return {
-        "pose": session.scene.spec.hands[i].coordinates(joints),
-        "tips": hand.tips,
-        "solid": solid,
-        "labels": labels,
-    }
+def _even(most: Array) -> tuple[Array, Array]:
+    return -most, most
 
 
-def _within(values: Array, space: spaces.Space[Any]) -> Array:
-    assert isinstance(space, spaces.Box)
-    return np.clip(values, space.low, space.high)
+def _pose_bounds(session: Session, i: int) -> tuple[Array, Array]:
+    width = len(_pose_of(session, i))
+    # Joints of a robot's hand have angles, or are slides.
+    turn = np.pi if width == POSE_SIZE else 2.0 * np.pi
+    return _even(np.concatenate([np.full(3, FAR), np.full(width - 3, turn)]))
+
+
+def _pose_of(session: Session, i: int) -> Array:
+    qpos = session.data.qpos[session.scene.qpos_slice(i)]
+    return session.scene.spec.hands[i].coordinates(qpos)
+
+
+def _dofs(session: Session, i: int) -> NDArray[np.int64]:
+    """Degrees of freedom of a hand."""
+    model = session.scene.model
+    palm = model.body(session.scene.spec.hands[i].palm).id
+    return np.flatnonzero(model.body_rootid[model.dof_bodyid] == palm)
+
+
+def _fingers(moment: Moment, i: int) -> Array:
+    return np.array([moment.snapshot.hands[i].tips[f] for f in range(SLOTS)])
+
+
+def _solid(moment: Moment, i: int) -> Array:
+    solid = np.zeros(SLOTS)
+    solid[sorted(moment.snapshot.hands[i].solid)] = 1.0
+    return solid
+
+
+def _touches(moment: Moment, i: int) -> Array:
+    hand = moment.hands[i]
+    down = np.array([[float(id is not None)] for id in hand.touch_ids])
+    return np.concatenate([down, down * hand.places], axis=1)
+
+
+def _touch_bounds(session: Session, i: int) -> tuple[Array, Array]:
+    most = np.array([1.0, *session.rigs[i].reconstructor.surface.size])
+    return np.zeros((SLOTS, 3)), np.tile(most, (SLOTS, 1))
+
+
+def slot_labels(snapshot: Snapshot, hand: Hands, i: int) -> list[int | None]:
+    """For every slot of a hand the finger that its touch is taken for now; None for none."""
+    known = {c.id: c.label for c in snapshot.hands[i].contacts}
+    return [None if id is None else known.get(id) for id in hand.touch_ids]
+
+
+def _labels(moment: Moment, i: int) -> Array:
+    labels = slot_labels(moment.snapshot, moment.hands[i], i)
+    return np.array([-1.0 if label is None else float(label) for label in labels])
+
+
+def _phase(moment: Moment, i: int) -> Array:
+    now = moment.snapshot.hands[i].phase
+    return np.array([float(now == phase.value) for phase in PHASES])
+
+
+_HANDS: dict[str, Part] = {
+    "pose": Part(_pose_bounds, lambda m, i: _pose_of(m.session, i)),
+    "tips": Part(lambda s, i: _even(np.full((5, 3), FAR)), _fingers),
+    "solid": Part(lambda s, i: (np.zeros(5), np.ones(5)), _solid),
+    "labels": Part(lambda s, i: (np.full(5, -1.0), np.full(5, 4.0)), _labels),
+    "touches": Part(_touch_bounds, _touches),
+    "velocities": Part(
+        lambda s, i: _even(np.full(len(_dofs(s, i)), SPINNING)),
+        lambda m, i: m.session.data.qvel[_dofs(m.session, i)],
+    ),
+    "commanded": Part(
+        lambda s, i: _even(np.repeat([FAR, np.pi], [3, POSE_SIZE - 3])),
+        lambda m, i: m.snapshot.hands[i].target,
+    ),
+    "phase": Part(lambda s, i: (np.zeros(len(PHASES)), np.ones(len(PHASES))), _phase),
+    "contact": Part(
+        lambda s, i: (np.zeros((5, 2)), np.tile([STRONG, 1.0], (5, 1))),
+        lambda m, i: m.forces[i],
+    ),
+}
+"""Parts of each hand; of two hands, a part has a row for each."""
+
+
+def _properties(session: Session) -> Array:
+    """(n, 4) of every object its mass, kg, and half its edges, m."""
+    return np.array([_object_properties(session, name) for name in session.scene.object_bodies])
+
+
+def _object_properties(session: Session, name: str) -> Array:
+    model, body = session.scene.model, session.scene.object_bodies[name]
+    # A fixed base may have no geoms.
+    corners = [np.zeros(3)] if not np.any(model.geom_bodyid == body) else []
+    for geom in np.flatnonzero(model.geom_bodyid == body):
+        centre, half = model.geom_aabb[geom, :3], model.geom_aabb[geom, 3:]
+        turn = np.empty(9)
+        mujoco.mju_quat2Mat(turn, model.geom_quat[geom])
+        middle = model.geom_pos[geom] + turn.reshape(3, 3) @ centre
+        reach = np.abs(turn.reshape(3, 3)) @ half
+        corners += [middle - reach, middle + reach]
+    extent = np.max(corners, axis=0) - np.min(corners, axis=0)
+    return np.array([model.body_mass[body], *(0.5 * extent)])
 
 
 def object_state(session: Session, name: str) -> Array:
@@ -127,3 +180,105 @@ def object_state(session: Session, name: str) -> Array:
     velocity = np.empty(6)
     mujoco.mj_objectVelocity(model, data, mujoco.mjtObj.mjOBJ_XBODY, body, velocity, 0)
     return np.concatenate([data.xpos[body], quat, velocity[3:], velocity[:3]])
+
+
+def _goals(moment: Moment) -> Array:
+    rows = [
+        [*g.position, float(np.arctan2(np.sin(g.yaw), np.cos(g.yaw)))]
+        for g in moment.snapshot.goals
+    ]
+    return np.array(rows, float)
+
+
+_SCENE: dict[str, Part] = {
+    "objects": Part(
+        lambda s, _: _even(np.tile(_STATE, (len(s.task.objects), 1))),
+        lambda m, _: np.array([object_state(m.session, t.name) for t in m.session.task.objects]),
+    ),
+    "goals": Part(
+        lambda s, _: _even(np.tile([FAR, FAR, FAR, np.pi], (len(s.task.goals), 1))),
+        lambda m, _: _goals(m),
+    ),
+    "properties": Part(
+        lambda s, _: (
+            np.zeros((len(s.task.objects), 4)),
+            np.tile([HEAVY, FAR, FAR, FAR], (len(s.task.objects), 1)),
+        ),
+        lambda m, _: _properties(m.session),
+    ),
+    "time": Part(
+        lambda s, _: (np.zeros(1), np.full(1, LATE)), lambda m, _: np.array([m.snapshot.time])
+    ),
+}
+"""Parts of the whole scene."""
+
+ALWAYS = ("pose", "tips", "solid", "labels", "objects", "goals", "time")
+"""Parts that are always seen; `goals` only in tasks that have some."""
+
+
+class Observing:
+    """Reads the observations of an environment.
+
+    Args:
+        session: Any session of the environment.
+        observe: Parts to see besides `ALWAYS`.
+
+    Attributes:
+        space: The space of observations, float64.
+    """
+
+    def __init__(self, session: Session, observe: Sequence[str]) -> None:
+        self._names = [
+            name for name in (*ALWAYS, *observe) if name != "goals" or session.task.goals
+        ]
+        count = len(session.rigs)
+        boxes: dict[str, spaces.Space] = {}
+        for name in self._names:
+            if name in _HANDS:
+                pairs = [_HANDS[name].bounds(session, i) for i in range(count)]
+                low, high = (_together([pair[end] for pair in pairs]) for end in (0, 1))
+            else:
+                low, high = _SCENE[name].bounds(session, 0)
+            boxes[name] = spaces.Box(low, high, dtype=np.float64)
+        self.space = spaces.Dict(boxes)
+        self._bounds: Mapping[str, spaces.Box] = {
+            name: box for name, box in boxes.items() if isinstance(box, spaces.Box)
+        }
+
+    def read(self, moment: Moment) -> dict[str, Array]:
+        """The observation of a moment, as new arrays; what is out of bounds is shown at them."""
+        seen = {}
+        for name in self._names:
+            if name in _HANDS:
+                count = len(moment.hands)
+                values = _together([_HANDS[name].read(moment, i) for i in range(count)])
+            else:
+                values = _SCENE[name].read(moment, 0)
+            bounds = self._bounds[name]
+            seen[name] = np.clip(values, bounds.low, bounds.high)
+        return seen
+
+
+def check_counts(task: Task, space: spaces.Dict) -> None:
+    """Checks that a trial has as many objects and goals as the space, which was made of another.
+
+    NumPy would repeat one object until there are as many as there should be.
+
+    Raises:
+        InputError: It has more or fewer.
+    """
+    for what, shown in (("objects", task.objects), ("goals", task.goals)):
+        shape = space[what].shape if what in space.spaces else (0,)
+        if shape is not None and len(shown) != shape[0]:
+            raise InputError(
+                f"this trial has another number of {what} than an environment can show",
+                where=f"{task.name}, seed {task.seed}",
+                got=len(shown),
+                expected=f"{shape[0]}, as in the trial of seed 0",
+                remedy=f"A task for Gymnasium places as many {what} in every trial",
+            )
+
+
+def _together(each: Sequence[Array]) -> Array:
+    """One hand's values by themselves, those of two in rows."""
+    return each[0] if len(each) == 1 else np.stack(each)

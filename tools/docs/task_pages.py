@@ -158,20 +158,19 @@ def _facts(kind: type[Task]) -> str:
 
 
 def _spaces(kind: type[Task]) -> str:
-    rows = []
-    for id in register_task(kind.name):
-        environment = gymnasium.make(id)
+    id, rows = register_task(kind.name), []
+    for action in ("touch", "pose"):
+        environment = gymnasium.make(id, action=action)
         try:
             seen: Any = environment.observation_space
             shapes = ", ".join(f"`{name}` {space.shape}" for name, space in seen.items())
-            rows.append((f"`{id}`", f"{environment.action_space.shape}", shapes))
+            options = f'`{id}`, `action="{action}"`'
+            rows.append((options, f"{environment.action_space.shape}", shapes))
         finally:
             environment.close()
-    learn = rows[0][0].strip("`").replace("-v", "Learn-v")
     return (
         markdown_table(("Gymnasium id", "action", "observation"), rows)
-        + "\n\n[Gymnasium](../docs/gymnasium.md) says what each number is. "
-        f"`{learn}` is the same task to train on."
+        + "\n\n[Gymnasium](../docs/gymnasium.md) says what each number is, and has the other options."
     )
 
 

@@ -24,6 +24,7 @@ from sandbox.datasets.minari_file import check_name
 from sandbox.datasets.npz_file import read_npz
 from sandbox.datasets.playback import first_difference
 from sandbox.datasets.slots import actions_of, slots_of, touches_of
+from sandbox.gym import register_task
 from sandbox.study.record.journal import Journal
 from tests.support.needs import require
 from tests.support.processes import ROOT
@@ -54,8 +55,7 @@ def data(npz: Path) -> DataSet:
 
 def made(data: DataSet) -> Any:
     """The environment of a data set."""
-    options = {k: v for k, v in data.environment.items() if k not in ("id", "task")}
-    return gymnasium.make(f"sandbox.gym:{data.environment['id']}", **options).unwrapped
+    return gymnasium.make(register_task(data.task), **data.options).unwrapped
 
 
 def test_every_recording_is_a_demonstration_with_its_own_states(
@@ -117,10 +117,10 @@ def test_observations_are_the_environment_s_and_the_hand_s_own_pose_is_among_the
 def test_a_touch_is_in_the_slot_of_its_finger(data: DataSet) -> None:
     for episode in data.episodes:
         down = episode.observations["touches"][:, :, 0] > 0.5
-        names = episode.observations["names"]
-        known = down & (names >= 0)
+        labels = episode.observations["labels"]
+        known = down & (labels >= 0)
         assert known.sum() > 100
-        assert np.array_equal(names[known], np.broadcast_to(np.arange(5.0), names.shape)[known])
+        assert np.array_equal(labels[known], np.broadcast_to(np.arange(5.0), labels.shape)[known])
 
 
 @pytest.mark.needs("datasets")
@@ -242,6 +242,27 @@ def test_a_file_that_is_cut_short_is_said_to_be(npz: Path, tmp_path: Path) -> No
         assert "\n" not in str(error.value)
     with pytest.raises(InputError, match="cannot be read"):
         read_npz(tmp_path / "nothing.npz")
+
+
+def test_a_data_set_of_another_version_is_refused_with_what_to_do(
+    npz: Path, tmp_path: Path
+) -> None:
+    with np.load(npz) as file:
+        arrays = {name: file[name] for name in file.files}
+    about = json.loads(str(arrays["about"])) | {"schema": 1}
+    np.savez(tmp_path / "old.npz", **(arrays | {"about": np.array(json.dumps(about))}))
+    with pytest.raises(InputError, match=r"schema 1.*schema 2.*sandbox export") as error:
+        read_npz(tmp_path / "old.npz")
+    assert "\n" not in str(error.value)
+
+
+def test_the_true_labels_of_a_recording_are_those_of_its_environment(tmp_path: Path) -> None:
+    file = tmp_path / "device.jsonl"
+    run_trial("box-to-goal", 6000, record=file, tell_labels=True, trajectories=False)
+    export_data_set([file], tmp_path / "set.npz", observe=())
+    data = read_npz(tmp_path / "set.npz")
+    assert data.options["labels"] == "true"
+    assert data.episodes[0].about["same_states_as_recorded"]
 
 
 def test_words_for_data_sets_are_told_from_files_of_motion() -> None:
@@ -425,7 +446,7 @@ def test_a_data_set_of_a_task_in_a_file_gives_its_environment_from_any_folder(
     assert main(["export", "a.jsonl", "b.jsonl", "--to", "both.npz"]) == 0
     monkeypatch.chdir(elsewhere)
     data = read_npz(lab / "both.npz")
-    assert data.environment["task"] == f"{lab / 'puck.py'}:PushThePuck"
+    assert data.task == f"{lab / 'puck.py'}:PushThePuck"
     env = made(data)
     assert env.reset(seed=2)[1]["state_hash"] == data.episodes[0].hashes[0]
     env.close()

@@ -18,6 +18,7 @@ from sandbox.datasets.lerobot_folder import lerobot_folder, read_lerobot
 from sandbox.datasets.npz_file import read_npz
 from sandbox.datasets.playback import first_difference
 from sandbox.datasets.statistics import combined, statistics_of
+from sandbox.gym import register_task
 
 NAME = "me/box-to-goal"
 SEEDS = (6002, 6003)
@@ -51,8 +52,7 @@ def frames_of(folder: Path) -> Any:
 
 def test_playing_it_back_gives_the_same_hashes(folder: Path) -> None:
     data = read_lerobot(folder)
-    options = {k: v for k, v in data.environment.items() if k not in ("id", "task")}
-    env = gymnasium.make(f"sandbox.gym:{data.environment['id']}", **options)
+    env = gymnasium.make(register_task(data.task), **data.options)
     assert [episode.seed for episode in data.episodes] == list(SEEDS)
     for episode in data.episodes:
         assert first_difference(env, episode.seed, episode.actions, episode.hashes) is None

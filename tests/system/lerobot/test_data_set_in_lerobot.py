@@ -17,6 +17,7 @@ from sandbox import run_trial
 from sandbox.cli.main import main
 from sandbox.datasets.lerobot_folder import read_lerobot
 from sandbox.datasets.playback import first_difference
+from sandbox.gym import register_task
 from tests.system.lerobot.environment import run_with_lerobot
 
 pytestmark = [pytest.mark.full, pytest.mark.needs("datasets")]
@@ -72,9 +73,8 @@ def test_lerobot_opens_it_and_its_actions_give_the_same_hashes(
     }
     for theirs, ours in (seen["means"], seen["deviations"]):
         assert np.allclose(theirs, ours, atol=1e-5)
-    environment = read_lerobot(tmp_path / NAME).environment
-    options = {k: v for k, v in environment.items() if k not in ("id", "task")}
-    env = gymnasium.make(f"sandbox.gym:{environment['id']}", **options)
+    data = read_lerobot(tmp_path / NAME)
+    env = gymnasium.make(register_task(data.task), **data.options)
     begin = 0
     for seed, first, end in zip(SEEDS, seen["first"], seen["ends"], strict=True):
         actions, hashes = np.array(seen["actions"][begin:end]), seen["hashes"][begin:end]

@@ -14,7 +14,7 @@ from tasks.task import Task
 from tasks.variation import RANGES
 
 NEAREST = 0.95
-"""Largest share of the way to its goal on which a thing may start."""
+"""Largest share of the way to its goal on which an object may start."""
 
 
 @dataclass(frozen=True)
@@ -89,10 +89,10 @@ class Curriculum:
             lies = lies and not isinstance(thing, MechanismPart)
             if not (lies and is_dataclass(thing) and is_dataclass(task)) or _bolted(thing):
                 raise InputError(
-                    "this thing cannot start on the way to its goal",
+                    "this object cannot start on the way to its goal",
                     where="reset(options=), near",
                     got=f"{thing.name} of {task.name}",
-                    expected="a thing that is moved along the table",
+                    expected="an object that is moved along the table",
                 )
             # The shorter way round.
             turn = (goal.yaw - thing.yaw + pi) % (2 * pi) - pi

@@ -10,7 +10,7 @@ from models.arithmetic.arrays import Array
 from sandbox.session.messages import Snapshot
 
 REACH = 0.2
-"""Share of an episode's reward that bringing fingertips to things can earn."""
+"""Share of an episode's reward that bringing fingertips to objects can earn."""
 NEAR = 0.10
 """m, distance at which a fingertip has earned about a third of it."""
 TIPS = 3
@@ -22,10 +22,10 @@ class Reward:
 
     Of every choice the sum is bounded: success gives 1, `progress` what the task's progress grew by
     (0 to 1), and `reach` besides that at most `REACH` for the way of the three nearest fingertips
-    to the nearest thing. Going back costs what coming gave.
+    to the nearest object. Going back costs what coming gave.
 
     Args:
-        kind: One of `sandbox.gym.learning.options.REWARDS`.
+        kind: One of `sandbox.gym.options.REWARDS`.
         snapshot: The beginning of the episode.
         progress: The task's progress then.
     """
@@ -47,7 +47,7 @@ class Reward:
 
 
 def reached(snapshot: Snapshot) -> float:
-    """How near the three nearest fingertips are to the nearest thing, 0 to 1."""
+    """How near the three nearest fingertips are to the nearest object, 0 to 1."""
     return max(
         (
             _near(hand.tips, thing.position)

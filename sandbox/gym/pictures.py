@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 class Pictures:
     """Draws moments of one scene after another.
 
-    A renderer takes most of a second to make. It is kept while scenes look alike: things may start
+    A renderer takes most of a second to make. It is kept while scenes look alike: objects may start
     elsewhere, but shapes and colours are the same.
 
     Args:
@@ -55,14 +55,14 @@ class Pictures:
 
 
 def _alike(scene: Scene, other: Scene) -> bool:
-    """True if two scenes differ only in where things are."""
+    """True if two scenes differ only in where objects are."""
     return scene is other or all(
         np.array_equal(one, two) for one, two in zip(_looks(scene), _looks(other), strict=True)
     )
 
 
 def _looks(scene: Scene) -> tuple[NDArray[Any], ...]:
-    """Looks of a scene in a picture, besides where things are."""
+    """Looks of a scene in a picture, besides where objects are."""
     m = scene.model
     return (
         m.geom_type,

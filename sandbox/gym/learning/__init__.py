@@ -1,1 +1,0 @@
-"""Environments of Gymnasium that can be learned from (docs/gymnasium.md)."""

@@ -1,0 +1,191 @@
+"""Options of an environment, and the settings of a run that it can be given besides."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass, fields, replace
+from typing import Any
+
+import numpy as np
+
+from models.errors import InputError, RecordingError
+from sandbox.trial.settings import LABELS as RUN_LABELS
+from sandbox.trial.settings import RunSettings
+from tasks.registry import find_task, hands_of
+from tasks.variation import TOUCHES, Variation
+
+ACTIONS = {
+    "touch": "places of touches, m on the surface",
+    "delta": "steps of touches along the surface's axes, in shares of `step`",
+    "hand": "steps of touches along the hand's own axes, in shares of `step`",
+    "pose": "poses of the hand",
+}
+"""Kind of action -> what it is."""
+
+TRUE_LABELS = "true"
+"""Labels by which the touch in a finger's slot is that finger's."""
+
+LABELS = (*(name for name in RUN_LABELS if name != "device"), TRUE_LABELS)
+"""Labellers of a run that find the finger of a touch, and `TRUE_LABELS`."""
+
+OBSERVED = {
+    "touches": "for each finger whether its slot touches, and where, m on the surface",
+    "velocities": "m/s and rad/s of the hand's degrees of freedom",
+    "commanded": "the pose (48,) that the person's hand is asked for, m and rad",
+    "phase": "one of five phases of the hand's arrival: away, waiting, above, coming down, down",
+    "contact": "for each finger its force on objects, N, and the share of its servos' limit in use",
+    "properties": "of each object its mass, kg, and half its length, width and height, m",
+}
+"""Part of an observation that is optional -> what it is."""
+
+REWARDS = {
+    "progress": "what the task's progress grew by, and 1 at success",
+    "reach": "the same, and a share for bringing fingertips to objects",
+    "sparse": "1 at success",
+}
+"""Choice of reward -> what it is."""
+
+STEP = 0.010
+"""m, default of `step`."""
+
+_OWN = ("task", "seed", "hands")
+"""Settings of a run that an environment sets itself."""
+
+_REPLACED = {
+    "names": f'labels="{TRUE_LABELS}" takes the place of names="told", the default that of "found"',
+}
+"""Option of an earlier version -> what takes its place."""
+
+
+@dataclass(frozen=True)
+class EnvOptions:
+    """Choices of an agent's actions, observations and rewards.
+
+    Attributes:
+        action: One of `ACTIONS`.
+        true_labels: True if the touch in a finger's slot is that finger's.
+        observe: Those of `OBSERVED` that are seen besides what is always seen.
+        reward: One of `REWARDS`.
+        goal: True for goal dictionaries, whose reward is their own (`sandbox.gym.goals`).
+        step: m, largest step of a touch in a control period of 16 ms, along each axis, for the
+            actions `delta` and `hand`.
+
+    Raises:
+        InputError: There is no such choice.
+    """
+
+    action: str = "touch"
+    true_labels: bool = False
+    observe: tuple[str, ...] = ()
+    reward: str = "progress"
+    goal: bool = False
+    step: float = STEP
+
+    def __post_init__(self) -> None:
+        check_choice("action", self.action, tuple(ACTIONS))
+        check_choice("reward", self.reward, tuple(REWARDS))
+        check_choice("goal", self.goal, (False, True))
+        for name in self.observe:
+            check_choice("observe", name, ("all", *OBSERVED))
+        number = isinstance(self.step, int | float) and not isinstance(self.step, bool)
+        if not number or not 0.0 < self.step <= 0.1:
+            raise InputError(
+                "out of range", where="step", got=self.step, expected="above 0, up to 0.1 m"
+            )
+
+
+def check_choice(option: str, got: object, choices: Sequence[object]) -> None:
+    """Checks the value of an option.
+
+    Raises:
+        InputError: It is not one of the choices.
+    """
+    if got not in choices:
+        raise InputError(
+            "no such choice", where=option, got=got, expected=", ".join(map(str, choices))
+        )
+
+
+def observed_parts(observe: str | Iterable[str]) -> tuple[str, ...]:
+    """Names of optional parts of an observation, in the order of `OBSERVED`; `all` is every one.
+
+    Unknown names are at the end.
+    """
+    single = isinstance(observe, str) or not isinstance(observe, Iterable)
+    asked = (observe,) if single else tuple(observe)
+    if "all" in asked:
+        return tuple(OBSERVED)
+    known = tuple(name for name in OBSERVED if name in asked)
+    return known + tuple(name for name in asked if name not in OBSERVED)
+
+
+def run_settings(
+    task: str,
+    person: Mapping[str, Any],
+    settings: Mapping[str, Any] | None,
+    single: Mapping[str, Any],
+    known: Sequence[str],
+) -> RunSettings:
+    """Settings of the trials of an environment.
+
+    Args:
+        task: Name or place of the task.
+        person: `side`, `size` and `turn` of the first hand (`HandSettings`), of which those that
+            are None are taken from the settings.
+        settings: What `RunSettings.as_json` returned; None starts from the defaults.
+        single: Single settings by name.
+        known: The other options of an environment, for errors.
+
+    Raises:
+        InputError: A setting is unknown or not allowed.
+    """
+    allowed = {f.name for f in fields(RunSettings)} - set(_OWN)
+    if unknown := [name for name in single if name not in allowed]:
+        settings_alone = sorted(allowed - set(known))
+        raise InputError(
+            "not an option of this environment",
+            where=unknown[0],
+            expected=f"{', '.join(known)}, or a setting of a run: {', '.join(settings_alone)}",
+            remedy=_REPLACED.get(unknown[0]),
+        )
+    kind = find_task(task)
+    plain = RunSettings().as_json() if settings is None else settings
+    if not isinstance(plain, Mapping):
+        raise InputError(
+            "not settings of a run", where="settings", got=plain, expected="a header's mapping"
+        )
+    base = RunSettings.from_json({**plain, "task": task, "seed": 0})
+    first, *others = base.as_json()["hands"]
+    chosen = {name: _plain(value) for name, value in person.items() if value is not None}
+    if chosen.get("side", first["side"]) != first["side"]:
+        # Layouts and the rest posture are those of one side only.
+        first = {name: v for name, v in first.items() if name not in ("layouts", "rest")}
+    hands = [{**first, **chosen}, *others]
+    own = {name: _plain(value) for name, value in single.items()}
+    try:
+        values = RunSettings.from_json(
+            {**base.as_json(), "vary_rules": base.vary_rules, **own, "hands": hands}
+        )
+    except RecordingError as error:
+        raise InputError("an option cannot be used", where="make", got=error.got) from None
+    if any(hand.in_air is not None for hand in values.hands):
+        raise InputError(
+            "an agent touches, and these settings are of a hand in the air", where="settings"
+        )
+    if values.variation.degrades_touches:
+        raise InputError(
+            "an agent's touches are not disturbed",
+            where="variation",
+            got=", ".join(name for name in TOUCHES if getattr(values.variation, name)),
+            remedy="Disturb the actions",
+        )
+    if hands_of(kind) > 1 and not others:
+        values = replace(values, hands=(*values.hands, values.hands[0].other))
+    return values
+
+
+def _plain(value: Any) -> Any:
+    """The value of an option as JSON has it."""
+    if isinstance(value, Variation):
+        return asdict(value)
+    return value.item() if isinstance(value, np.generic) else value
