@@ -111,8 +111,10 @@ def observed_parts(observe: str | Iterable[str]) -> tuple[str, ...]:
 
     Unknown names are at the end.
     """
-    single = isinstance(observe, str) or not isinstance(observe, Iterable)
-    asked = (observe,) if single else tuple(observe)
+    if isinstance(observe, Iterable) and not isinstance(observe, str):
+        asked = tuple(observe)
+    else:
+        asked = (observe,)
     if "all" in asked:
         return tuple(OBSERVED)
     known = tuple(name for name in OBSERVED if name in asked)

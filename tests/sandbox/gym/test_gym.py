@@ -85,7 +85,8 @@ def test_every_task_has_one_id_with_its_version() -> None:
 def test_the_default_environment_has_touches_and_labels_that_are_found() -> None:
     env = HandSandboxEnv()
     assert env.action_space.shape == (15,)
-    assert {name: space.shape for name, space in env.observation_space.items()} == {
+    shown: Any = env.observation_space
+    assert {name: space.shape for name, space in shown.items()} == {
         "pose": (48,),
         "tips": (5, 3),
         "solid": (5,),
@@ -310,7 +311,7 @@ def test_a_slot_that_touches_again_is_another_contact(env: HandSandboxEnv) -> No
 
 @pytest.mark.parametrize("mode", ["sync", "async"])
 def test_environments_side_by_side_are_those_one_after_another(mode: str) -> None:
-    options = {"labels": "true", "observe": ["touches"]}
+    options: dict[str, Any] = {"labels": "true", "observe": ["touches"]}
     side: Any = gymnasium.make_vec(BOX, 2, mode, **options)
     one = gymnasium.make(BOX, **options)
     chosen = actions(one, 8)
