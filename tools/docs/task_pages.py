@@ -170,7 +170,7 @@ def _spaces(kind: type[Task]) -> str:
             environment.close()
     return (
         markdown_table(("Gymnasium id", "action", "observation"), rows)
-        + "\n\n[Gymnasium](../docs/gymnasium.md) says what each number is, and has the other options."
+        + "\n\n[Gymnasium](../docs/gymnasium.md) says what each number is, and has more options."
     )
 
 
