@@ -1,24 +1,24 @@
 """Seeds that nobody chose: outputs of SHA-256 over the frozen configuration.
 
 A number is judged on seeds drawn after the configuration is frozen. `python -m benchmarks.judged
---freeze` writes settings, digests of models and versions of tasks into `frozen.json`. The seeds
-follow from that file, so that tuning any of these afterwards draws new ones. The code itself is not
-part of it: tables of results name its commit.
+--freeze` writes settings, digests of models, versions of tasks and how a solid hand keeps clear of
+objects into `frozen.json`. The seeds follow from that file, so that tuning any of these afterwards
+draws new ones. The code itself is not part of it: tables of results name its commit.
 """
 
 from __future__ import annotations
 
 import argparse
 import json
-from collections.abc import Callable
 from dataclasses import asdict
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
 from models.errors import InputError
+from sandbox.clearing import clearing, hand_distances, solid_links
 from sandbox.trial.assembly import digests, reconstructor_settings
-from sandbox.trial.settings import RunSettings
+from sandbox.trial.settings import SOLID, RunSettings
 from tasks.registry import TASKS
 from tasks.user import UserConfiguration
 
@@ -35,57 +35,59 @@ FIRST = (
 )
 """Tasks of the papers, and those that were made from them."""
 
-LATER = ("slalom", "gather", "books", "dial", "chords", "insert", "close-case")
+LATER = ("slalom", "gather", "books", "dial", "chords", "single-keys", "insert", "close-case")
 """Tasks in which more of the hand counts."""
 
 JUDGED = FIRST + LATER
 """Tasks of the frozen configuration."""
 
+CLEARING = (
+    (clearing, ("MARGIN", "BESIDE", "NOTICED", "BEND", "SWAY", "MOVE", "TILT", "TIP_SIGMA")),
+    (clearing, ("STEADY", "CLEAR_SIGMA", "AHEAD", "FAR", "SLOW", "TAU", "SPEED")),
+    (hand_distances, ("REACH",)),
+    (solid_links, ("CLEARANCE", "INSIDE")),
+)
+"""Modules and the constants in them by which a hand keeps clear and turns solid."""
+
 
 def configuration() -> dict[str, Any]:
     """Settings, models and versions of tasks that decide how a run goes, as they are now."""
     settings = RunSettings()
-    reconstructor = asdict(reconstructor_settings(settings))
-    # Of later rules than those that were frozen.
-    assert not reconstructor["arrival"].pop("stays")
     return {
-        "settings": frozen_settings(settings),
-        "reconstructor": reconstructor,
+        "settings": settings.as_json(),
+        "reconstructor": asdict(reconstructor_settings(settings)),
         "user": UserConfiguration().as_json(),
         "digests": digests(settings),
+        "keeps_clear": {
+            name.lower(): vars(module)[name] for module, names in CLEARING for name in names
+        },
         "tasks": {name: TASKS[name].version for name in JUDGED},
     }
 
 
-def frozen_settings(settings: RunSettings) -> dict[str, Any]:
-    """The settings of a run with one hand, in the form of the frozen files.
-
-    The seeds are outputs of a hash over these files, which are older than the tuple of hands.
-    """
-    values = settings.as_json()
-    del values["one_surface"]
-    (hand,) = values.pop("hands")
-    return values | {"hand": hand["side"], "hand_size": hand["size"], "turn": hand["turn"]}
-
-
-def judged_seeds(n: int, task: str = "box-to-goal") -> list[int]:
+def judged_seeds(n: int, task: str = "box-to-goal", solid: str = SOLID[0]) -> list[int]:
     """The first n seeds of a task; they follow from what is frozen of it and of all tasks' runs.
+
+    Args:
+        n: How many.
+        task: Name.
+        solid: One of `sandbox.trial.settings.SOLID`; each has seeds of its own.
 
     Raises:
         InputError: The code's configuration is no longer the frozen one.
     """
-    return frozen_seeds(n, task, FROZEN, configuration(), "judged")
+    return frozen_seeds(n, task, solid, FROZEN, configuration())
 
 
-def frozen_seeds(n: int, task: str, path: Path, now: dict[str, Any], module: str) -> list[int]:
+def frozen_seeds(n: int, task: str, solid: str, path: Path, now: dict[str, Any]) -> list[int]:
     """The first n seeds of a task by a frozen configuration, which must be that of now.
 
     Args:
         n: How many.
         task: Name.
+        solid: One of `sandbox.trial.settings.SOLID`.
         path: What was frozen.
         now: The configuration as it is in the code.
-        module: Module of `benchmarks` that freezes it.
 
     Raises:
         InputError: They differ in what decides the task's runs.
@@ -99,9 +101,9 @@ def frozen_seeds(n: int, task: str, path: Path, now: dict[str, Any], module: str
         raise InputError(
             "the configuration has changed since it was frozen",
             where=f"{path}, {task}",
-            remedy=f"`python -m benchmarks.{module} --freeze` freezes it anew and draws new seeds",
+            remedy="`python -m benchmarks.judged --freeze` freezes it anew and draws new seeds",
         )
-    text = json.dumps(frozen, sort_keys=True)
+    text = json.dumps(frozen | {"solid": solid}, sort_keys=True)
     return [int.from_bytes(sha256(f"{text}\n{i}".encode()).digest()[:4], "big") for i in range(n)]
 
 
@@ -110,29 +112,18 @@ def freeze(path: Path, now: dict[str, Any]) -> None:
     path.write_text(json.dumps(now, indent=1, sort_keys=True) + "\n")
 
 
-def command(
-    about: str | None,
-    path: Path,
-    configuration: Callable[[], dict[str, Any]],
-    seeds: Callable[[int, str], list[int]],
-) -> None:
-    """The command of a module that freezes: writes the file if asked, and prints ten seeds a task.
-
-    Args:
-        about: The module's text.
-        path: What is frozen.
-        configuration: As it is in the code now, with all its tasks.
-        seeds: The first n judged seeds of a task.
-    """
+def main() -> None:
+    """Writes the file if asked, and prints ten seeds a task and solidity."""
     parser = argparse.ArgumentParser(
-        description=about, formatter_class=argparse.RawDescriptionHelpFormatter
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("--freeze", action="store_true", help=f"write {path.name}")
+    parser.add_argument("--freeze", action="store_true", help=f"write {FROZEN.name}")
     if parser.parse_args().freeze:
-        freeze(path, configuration())
-    for name in configuration()["tasks"]:
-        print(name, *seeds(10, name))
+        freeze(FROZEN, configuration())
+    for name in JUDGED:
+        for solid in SOLID:
+            print(name, solid, *judged_seeds(10, name, solid))
 
 
 if __name__ == "__main__":
-    command(__doc__, FROZEN, configuration, judged_seeds)
+    main()

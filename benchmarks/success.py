@@ -35,7 +35,6 @@ from rich.progress import Progress
 from scipy.stats import binomtest
 
 from benchmarks.judged import JUDGED, judged_seeds
-from benchmarks.judged_hand import hand_seeds
 from benchmarks.kept_trials import lines_of, not_these, whole_lines
 from benchmarks.lanes import in_lanes
 from benchmarks.one_line import run
@@ -89,7 +88,7 @@ SOLID: dict[str, dict[str, Any]] = {
     "whole hand, user touches at random": {"solid": "hand", "user": "random"},
 }
 """As shipped, with palm and all links solid; with the user's fingers known, as a bound; and control
-arms. Their judged seeds are those of `benchmarks.judged_hand`."""
+arms. A hand that is solid all over has judged seeds of its own."""
 
 GROUPS = {"encoders": ENCODERS, "controls": CONTROLS, "parts": PARTS, "solid": SOLID}
 ROWS = PARTS | ENCODERS | CONTROLS | SOLID
@@ -219,7 +218,7 @@ def against(done: dict[Job, dict[str, Any]], before: dict[Job, dict[str, Any]]) 
 def seeds_of(row: str, task: str, n: int, left_out: int) -> list[int]:
     """The next n judged seeds of a task after those that are left out, by what is solid in a
     row."""
-    return (hand_seeds if row in SOLID else judged_seeds)(left_out + n, task)[left_out:]
+    return judged_seeds(left_out + n, task, "hand" if row in SOLID else "fingertips")[left_out:]
 
 
 def pinned_seeds(path: Path) -> dict[tuple[str, str], list[int]]:

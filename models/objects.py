@@ -170,17 +170,15 @@ class MechanismPart(ABC):
         """Signed distances (n,) m of world points (n, 3) to the part, negative inside."""
 
     @abstractmethod
-    def varied(
-        self, size: float, mass: float, resistance: float, stands: bool = True
-    ) -> MechanismPart:
+    def varied(self, size: float, mass: float, resistance: float) -> MechanismPart:
         """The same part with factors on all lengths, masses and the resistance of joints.
+
+        The lowest point of a free mechanism keeps its height.
 
         Args:
             size: Factor on all lengths.
             mass: Factor on all masses.
             resistance: Factor on stiffness, damping and friction of joints.
-            stands: The lowest point of a free mechanism keeps its height; otherwise its frame does,
-                so that it is sunk into what it stood on, or above it.
         """
 
 

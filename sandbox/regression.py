@@ -91,14 +91,14 @@ class Regression:
         )
         try:
             plan.check_drawn()
-            old = self._baseline(baseline, plan, across_encoders)
+            old = self._baseline(baseline, plan, across_encoders, exact)
         except InputError as error:
             raise error.with_traceback(None) from None
         executor = Processes(self.workers) if self.workers > 1 else Serial()
         trials = list(executor.run(plan.jobs()))
         if baseline is not None and self.update and not across_encoders:
             report = make_report(plan, trials)
-            update(self.folder / baseline, report.configuration, plan.versions(), trials)
+            update(self.folder / baseline, plan.origin(), plan.versions(), trials)
         else:
             report = make_report(plan, trials, old, exact, across_encoders, allow_crashes)
             for name, comparison in report.comparisons.items():
@@ -133,7 +133,7 @@ class Regression:
         return f"{here}{colon}{name}"
 
     def _baseline(
-        self, name: str | Path | None, plan: RegressionPlan, across_encoders: bool
+        self, name: str | Path | None, plan: RegressionPlan, across_encoders: bool, exact: bool
     ) -> Baseline | None:
         if name is None:
             return None
@@ -153,7 +153,7 @@ class Regression:
             )
         old = load_baseline(path)
         # Before the run rather than after it.
-        old.check(plan.configuration(), plan.versions(), across_encoders)
+        old.check(plan.origin(), plan.versions(), across_encoders, exact)
         return old
 
 

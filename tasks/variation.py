@@ -107,17 +107,7 @@ _STREAM = 7_005
 _TRIES = 2_000
 
 
-RULES = (1, 2, 3, 4)
-"""Rules of varied trials, by number. 1: a free mechanism of another size keeps the height of its
-frame, so that it is sunk into the table, or above it, and the goals of parts move as the parts'
-starts do; the starts of all objects are shifted. 2: it stands where it stood, goals of parts are as
-far as its joints reach, only what a person is to carry is shifted, and things that overlap at the
-start are refused. 3: besides, no shift brings a thing nearer to its goal, or over a side of an
-upright surface, and things that a larger ring would already hold are refused. 4: besides, the goal
-of a mechanism's first body keeps its place on a slide of its own."""
-
-
-def vary(task: Task, variation: Variation, surface: Surface, rules: int = RULES[-1]) -> Task:
+def vary(task: Task, variation: Variation, surface: Surface) -> Task:
     """Changes objects and starts of a drawn trial; a neutral variation returns the same object.
 
     The session changes friction, which belongs to the whole scene; a device changes touches.
@@ -126,7 +116,6 @@ def vary(task: Task, variation: Variation, surface: Surface, rules: int = RULES[
         task: The drawn trial.
         variation: The changes.
         surface: The surface as placed in the world; no object starts beside it.
-        rules: One of `RULES`, those that a recording was made with.
 
     Raises:
         InputError: The task or one of its objects does not support the change, or its own code
@@ -135,7 +124,7 @@ def vary(task: Task, variation: Variation, surface: Surface, rules: int = RULES[
     if replace(variation, friction=1.0, **dict.fromkeys(TOUCHES, 0.0)).neutral:
         return task
     try:
-        return _varied(task, variation, surface, rules)
+        return _varied(task, variation, surface)
     except HandSandboxError:
         raise
     except (Exception, SystemExit) as error:
@@ -143,7 +132,7 @@ def vary(task: Task, variation: Variation, surface: Surface, rules: int = RULES[
         raise InputError("the task cannot be varied", where=where, got=failure(error)) from error
 
 
-def _varied(task: Task, variation: Variation, surface: Surface, rules: int) -> Task:
+def _varied(task: Task, variation: Variation, surface: Surface) -> Task:
     """The same of a variation that changes the scene."""
     if variation.resistance != 1.0 and not any(
         isinstance(obj, MechanismPart) and obj.joint for obj in task.objects
@@ -158,28 +147,25 @@ def _varied(task: Task, variation: Variation, surface: Surface, rules: int) -> T
     if variation.room != 1.0:
         task = task.with_room(variation.room)
         assert is_dataclass(task)
-    stands = rules > RULES[0]
-    objects = tuple(_changed(obj, variation, task.name, stands) for obj in task.objects)
+    objects = tuple(_changed(obj, variation, task.name) for obj in task.objects)
     steps = {t.name: _step(u, t) for t, u in zip(objects, task.objects, strict=True)}
     if variation.start:
-        names = _shifted(task) if rules > RULES[0] else [thing.name for thing in objects]
-        objects = _moved(objects, names, variation.start, task, surface, rules > RULES[1])
+        objects = _moved(objects, _shifted(task), variation.start, task, surface)
     goals = tuple(_goal(goal, variation.size, steps[goal.object]) for goal in task.goals)
-    if stands and variation.size != 1.0:
-        if rules > RULES[2]:
-            goals = tuple(
-                _on_its_slide(goal, old, task, objects, variation.size)
-                for goal, old in zip(goals, task.goals, strict=True)
-            )
+    if variation.size != 1.0:
+        goals = tuple(
+            _on_its_slide(goal, old, task, objects, variation.size)
+            for goal, old in zip(goals, task.goals, strict=True)
+        )
         goals = _goals_of_parts(goals, task, objects, variation.size)
     changed: Task = replace(task, objects=objects, goals=goals)
     return changed
 
 
-def _changed(obj: SceneObject, variation: Variation, where: str, stands: bool) -> SceneObject:
+def _changed(obj: SceneObject, variation: Variation, where: str) -> SceneObject:
     """An object with another size and mass in the same place."""
     if isinstance(obj, MechanismPart):
-        return obj.varied(variation.size, variation.mass, variation.resistance, stands)
+        return obj.varied(variation.size, variation.mass, variation.resistance)
     if variation.size != 1.0:
         obj = _sized(obj, variation.size, where)
     if variation.mass != 1.0:
@@ -303,10 +289,9 @@ def _moved(
     way: float,
     task: Task,
     surface: Surface,
-    harder: bool,
 ) -> tuple[SceneObject, ...]:
     """Objects, those of some names with shifted starts on the surface, no nearer to another than
-    before.
+    before; none comes nearer to its goal, or over a side of an upright surface.
 
     Args:
         objects: All objects.
@@ -314,7 +299,6 @@ def _moved(
         way: m, how far.
         task: The drawn trial.
         surface: The surface as placed in the world.
-        harder: None comes nearer to its goal, or over a side of an upright surface.
     """
     own = [i for i, thing in enumerate(objects) if thing.name in names]
     bolted = [
@@ -354,7 +338,7 @@ def _moved(
             for i in own:
                 x, y, z = new[i].tolist()
                 moved[i] = replace(objects[i], position=(x, y, z))  # type: ignore[type-var]
-            if not harder or not any(_easier(moved[i], objects[i], task, surface) for i in own):
+            if not any(_easier(moved[i], objects[i], task, surface) for i in own):
                 return tuple(moved)
     raise InputError(
         "the surface has no room for starts shifted so far",

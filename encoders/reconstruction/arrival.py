@@ -34,13 +34,13 @@ class ArrivalSettings:
         hover: m above its place at which the hand waits; 0 switches these rules off.
         settle: s for which the set of contacts must be unchanged before fingers are named.
         dwell: s for which the touches must rest before the hand comes down.
-        rest: m/s below which touches count as resting.
+        rest: m/s below which touches count as resting. They also rest while each stays, for `dwell`
+            s, within as far as it comes at this speed: noise of a screen is quick from step to
+            step, and goes nowhere.
         patience: s after which the hand comes down although the touches do not rest.
         place: m, how near to its place the hand must be to come down.
         down: m/s of the hand on its way down.
         up: m/s of the hand on its way up.
-        stays: Touches also rest while each stays, for `dwell` s, within as far as it comes at the
-            speed `rest`: noise of a screen is quick from step to step, and goes nowhere.
     """
 
     hover: float = 0.09
@@ -51,7 +51,6 @@ class ArrivalSettings:
     place: float = 0.006
     down: float = 0.40
     up: float = 0.60
-    stays: bool = False
 
 
 class Arrival:
@@ -104,7 +103,7 @@ class Arrival:
         if self.phase is Phase.ABOVE:
             self._waited += dt
             self._still = self._still + dt if speed < s.rest else 0.0
-            stayed = s.stays and self._waited >= s.dwell and moved < s.rest * s.dwell
+            stayed = self._waited >= s.dwell and moved < s.rest * s.dwell
             ready = self._still >= s.dwell or stayed or self._waited >= s.patience
             if ready and off <= s.place:
                 self.phase = Phase.COMING_DOWN

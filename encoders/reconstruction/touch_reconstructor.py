@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from math import inf, sqrt
+from math import sqrt
 from typing import Any
 
 import numpy as np
@@ -246,7 +246,6 @@ class TouchReconstructor:
         goal = self._raised(self._place)
         rate = self.settings.rate if self._low else self._rate_above
         self._commanded = rate(self._commanded, goal, dt)
-        stays = self.settings.arrival.stays
         self._arrival.step(
             dt,
             touched=bool(named) if self._arrival.phase is Phase.DOWN else bool(tracks),
@@ -254,7 +253,7 @@ class TouchReconstructor:
             speed=speed,
             # Not needed without tracks, or once the hand is coming down.
             off=self._off(goal) if tracks and not self._low else 0.0,
-            moved=self._recent.step(frame.time, self._last_xy) if stays else inf,
+            moved=self._recent.step(frame.time, self._last_xy),
         )
         if not tracks:
             self._filter.reset()

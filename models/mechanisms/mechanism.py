@@ -290,17 +290,18 @@ class Part(MechanismPart):
             lowest = min(lowest, float(position[2]) + size * (middle - reach))
         return lowest
 
-    def varied(self, size: float, mass: float, resistance: float, stands: bool = True) -> Part:
+    def varied(self, size: float, mass: float, resistance: float) -> Part:
         """The same part of the mechanism in another size, with other masses and joints.
+
+        The lowest point of a free mechanism keeps its height.
 
         Args:
             size: Factor on all lengths.
             mass: Factor on all masses.
             resistance: Factor on stiffness, damping and friction of joints.
-            stands: The lowest point of a free mechanism keeps its height; otherwise its frame does.
         """
         own = self.mechanism.scaled(size) if size != 1.0 else self.mechanism
-        if stands and size != 1.0 and not (own.compiled.fixed or own.parts[0].joint):
+        if size != 1.0 and not (own.compiled.fixed or own.parts[0].joint):
             x, y, z = own.position
             below = min(part.lowest for part in self.mechanism.parts) - z
             own = replace(own, position=(x, y, z + (1.0 - size) * below))

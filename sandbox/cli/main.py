@@ -43,11 +43,10 @@ EXIT_DONE, EXIT_GATE_FAILED, EXIT_BAD_INPUT = 0, 1, 2
 
 def _versions() -> str:
     """A line of versions, with the commit where the program runs from a checkout."""
-    from sandbox.recording.source_digest import program_root
     from sandbox.recording.versions import versions
-    from sandbox.system.checkout import commit
 
-    numbers, at = versions(), commit(program_root())
+    numbers = versions()
+    at = numbers.get("commit")
     told = [f"{of} {numbers[of]}" for of in ("hand-sandbox", "mujoco", "python")]
     return ", ".join([told[0] + (f" (commit {at})" if at else ""), *told[1:]])
 

@@ -301,7 +301,7 @@ def _compared_with(
         replaceable(options.baseline)
     try:
         loaded = load_baseline(options.baseline)
-        loaded.check(plan.configuration(), plan.versions(), options.across_encoders)
+        loaded.check(plan.origin(), plan.versions(), options.across_encoders, options.exact)
         loaded.check_seeds(plan.names, plan.seeds)
     except InputError as error:
         if not options.update_baseline:
@@ -413,7 +413,7 @@ def _update(
     if report.crashes.trials:
         console.print("[bold red]no baseline is made from a run with trials that crashed[/]")
         return False
-    new = update(options.baseline, report.configuration, plan.versions(), report.trials)
+    new = update(options.baseline, plan.origin(), plan.versions(), report.trials)
     kept = [name for name in new.tasks if name not in plan.names]
     also = f", as they were: {', '.join(kept)}" if kept else ""
     told = f"baseline {options.baseline}: {counted(len(report.trials), 'trial')}{also}"

@@ -30,7 +30,9 @@ from sandbox.export.leap_source import Hand, open_leap
 from sandbox.export.motion_source import MotionSource, PoseCallback, poses_of, together
 from sandbox.recording.recording import is_recording, load_recording, read_header
 from sandbox.recording.recording_file import GZIP, first_line, stored
+from sandbox.recording.states import check_states, other_states
 from sandbox.session.pose_track import PoseTrack, read_track_line
+from sandbox.trial.recorded_settings import recorded_settings
 from sandbox.trial.settings import RunSettings
 
 if TYPE_CHECKING:
@@ -139,7 +141,8 @@ def hands_of(settings: RunSettings) -> tuple[tuple[Armature, ...], tuple[str, ..
 
 
 def _simulated(path: Path) -> MotionSource:
-    settings = RunSettings.from_json(read_header(first_line(path), path)["settings"])
+    header = read_header(first_line(path), path)
+    settings = recorded_settings(header, "hands", "robot", "timestep")
     armatures, names = hands_of(settings)
     timestep = settings.timestep
 
@@ -169,7 +172,9 @@ def _simulated(path: Path) -> MotionSource:
             )
         return ""
 
-    return MotionSource(armatures, names, _length(path, timestep), "the simulated hand", run)
+    remarks = tuple(filter(None, [other_states(header)]))
+    duration = _length(path, timestep)
+    return MotionSource(armatures, names, duration, "the simulated hand", run, remarks)
 
 
 def _commanded(path: Path) -> MotionSource:
@@ -177,7 +182,8 @@ def _commanded(path: Path) -> MotionSource:
     from sandbox.trial.replay import replay
 
     recording = load_recording(path)
-    settings = RunSettings.from_json(recording.header["settings"])
+    check_states(recording)
+    settings = recorded_settings(recording.header)
     armatures, names = hands_of(settings)
     duration = recording.end["step"] * settings.timestep if recording.end else 0.0
 

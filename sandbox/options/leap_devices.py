@@ -33,6 +33,7 @@ from sandbox.recording.recording import Recording
 from sandbox.session.device import Device
 from sandbox.trial.device_makers import DeviceMaker, DeviceMakers
 from sandbox.trial.hand_input import UNDER, HandInput
+from sandbox.trial.recorded_settings import recorded_settings
 from sandbox.trial.settings import RunSettings
 from tasks.task import Task
 from tasks.user import UserConfiguration
@@ -102,7 +103,7 @@ def with_leap_hands(
     second = others[0]
     other = options.second_device or options.device
     if second_recording is not None:
-        played = RunSettings.from_json(second_recording.header["settings"])
+        played = recorded_settings(second_recording.header)
         in_air = played.hands[1 if 1 in second_recording.inputs else 0].in_air
     elif is_leap(other):
         in_air = hand_input(options, other, second.side)

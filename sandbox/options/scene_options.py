@@ -51,11 +51,12 @@ from sandbox.options.webcam_devices import (
 from sandbox.recording.recorded_device import RecordedDevice
 from sandbox.recording.recorded_task import recorded_task, task_change
 from sandbox.recording.recording import Recording, is_recording, load_recording
+from sandbox.recording.states import other_states
 from sandbox.server.web import WebDevice
 from sandbox.session.device import Device
 from sandbox.trial.device_makers import DeviceMaker, DeviceMakers, merging, sharing
-from sandbox.trial.recorded_models import recorded_encoder, with_kept_models
-from sandbox.trial.settings import RULES, RunSettings, bare
+from sandbox.trial.recorded_settings import recorded_encoder, recorded_settings
+from sandbox.trial.settings import RunSettings, bare
 from sandbox.trial.surfaces import home
 from tasks.task import Task
 from tasks.user import UserConfiguration
@@ -121,7 +122,7 @@ def plan(
         played = _recording(options.second_device) if options.second_device else None
         settings = with_webcam_hands(with_leap_hands(settings, options, played), options)
         settings = with_headset_hands(settings, options)
-    settings = _with_touch_rules(adjust(settings), options, recording)
+    settings = adjust(settings)
     first = _plan(options, recording, settings, 0, around)
     if len(settings.hands) == 1:
         return first
@@ -170,21 +171,6 @@ def check_labels(options: SceneOptions) -> None:
             got=f"--labels {options.labels}",
             remedy="Leave one of them out; `--without correction smoothing` keeps labels of ours",
         )
-
-
-def _with_touch_rules(
-    settings: RunSettings, options: SceneOptions, recording: Recording | None
-) -> RunSettings:
-    """The settings with rules that stand the noise of any screen.
-
-    A recording keeps its own. So do the simulated user's touches without further noise: what was
-    judged, and baselines that were made, are of the rules before.
-    """
-    entries = [built_in(name) for name in (options.device, options.second_device) if name]
-    known = all(entry is not None and entry.simulated for entry in entries)
-    if recording is not None or (known and not settings.variation.noise):
-        return settings
-    return replace(settings, rules=RULES[-1])
 
 
 def _plan(
@@ -328,22 +314,22 @@ def _settings(options: SceneOptions, recording: Recording | None) -> RunSettings
         raise InputError("a recording cannot be varied", where="--vary", got=str(recording.path))
     if recording is not None:
         # A recording has its own task, seed and surface; other options apply to its touches.
-        base = RunSettings.from_json(recording.header["settings"])
         header, where = recording.header, str(recording.path)
+        base = recorded_settings(header)
         base = replace(
             base,
             task=recorded_task(header, where),
             encoder=recorded_encoder(header, where),
         )
         changed = task_change(header, base.task, base.seed, base.surface)
-        if changed:
-            line = Text(f"{where}: {changed}", style="yellow")
+        for notice in filter(None, (other_states(header), changed)):
+            line = Text(f"{where}: {notice}", style="yellow")
             Console(stderr=True).print(line, soft_wrap=True)
     else:
         base = RunSettings(task=options.task)
     base = replace(base, seed=base.seed if options.seed is None else options.seed)
     if recording is not None and _keeps_recorded_settings(options):
-        return with_kept_models(base, recording.header)
+        return base
     values: dict[str, Any] = {
         "encoder": options.encoder,
         "servo": options.servo,

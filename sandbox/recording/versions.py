@@ -16,6 +16,8 @@ from pathlib import Path
 from typing import Any
 
 from models.arithmetic.probe import arithmetic_digest, libm_digest
+from sandbox.recording.source_digest import program_root
+from sandbox.system.checkout import commit
 
 DECISIVE = {
     "mujoco": "MuJoCo's version",
@@ -28,7 +30,8 @@ DECISIVE = {
 
 @cache
 def versions() -> dict[str, str]:
-    """Versions of what computes, and a fingerprint of those that states depend on."""
+    """Versions of what computes, a fingerprint of those that states depend on, and the commit
+    where the program runs from a checkout."""
     known = {"python": platform.python_version()}
     for package in ("hand-sandbox", "mujoco", "numpy", "scipy"):
         try:
@@ -36,6 +39,8 @@ def versions() -> dict[str, str]:
         except PackageNotFoundError:
             # Running from a checkout that is not installed.
             known[package] = "checkout"
+    if at := commit(program_root()):
+        known["commit"] = at
     known["machine"] = f"{platform.system()} {platform.machine()}"
     known["processor"] = _processor()
     known["libm"] = f"{' '.join(platform.libc_ver()).strip() or platform.system()}, {libm_digest()}"

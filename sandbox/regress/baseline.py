@@ -15,29 +15,18 @@ from msgspec import Struct
 from models.errors import InputError
 from models.json_input import check_layout, decoded, read_bytes
 from sandbox.regress.execute import CRASHED, Trial
+from sandbox.regress.origin import ENCODER, Origin
 from sandbox.system.durable_files import OPEN, Release, lock
 from sandbox.system.whole_files import resolved, write_whole
 from sandbox.trial.result import KeptIn, kept_fields
 
-SCHEMA = 1
+SCHEMA = 2
 """Version of the file's layout."""
 KIND = "baseline of sandbox regress"
 HEAD = 200
 """Bytes at the beginning of a baseline, among which is its kind."""
 ANEW = "--update-baseline, in pytest --sandbox-update-baseline, makes it anew"
 """Way out where a baseline cannot be compared with."""
-
-_NAMES_ONLY = {"encoder", "settings.encoder"}
-"""Settings that name an encoder, such as its file's path; its digest identifies it."""
-_ENCODER = {"digests.encoder"}
-
-
-def _setting(name: str, flattened: Mapping[str, Any]) -> str:
-    """A setting with its value; that of an encoder also has the encoder's name."""
-    value = flattened.get(name, "missing")
-    if name in _ENCODER and "encoder" in flattened:
-        return f"encoder {flattened['encoder']} with digest {value}"
-    return f"{name} {value}"
 
 
 @dataclass(frozen=True)
@@ -79,7 +68,8 @@ class _TaskLines(Struct):
 class _BaselineFile(Struct):
     """The fields of a baseline's file after its head."""
 
-    configuration: dict[str, Any]
+    given: dict[str, Any]
+    program: dict[str, Any]
     tasks: dict[str, _TaskLines]
 
 
@@ -88,45 +78,58 @@ class Baseline:
     """Results of an earlier run.
 
     Attributes:
-        configuration: See `RegressionPlan.configuration`.
+        origin: What they follow from.
         tasks: Tasks by name.
         path: Path of the file.
     """
 
-    configuration: Mapping[str, Any]
+    origin: Origin
     tasks: Mapping[str, KeptTask] = field(default_factory=dict)
     path: Path = Path("baseline")
 
     def check(
         self,
-        configuration: Mapping[str, Any],
+        origin: Origin,
         versions: Mapping[str, int],
         across_encoders: bool = False,
+        exact: bool = False,
     ) -> None:
         """Checks that a run can be compared with this baseline.
 
+        Another program, other models and other `STATES` are no hindrance, unless states are to be
+        equal; see `differing_program`.
+
         Args:
-            configuration: Configuration of the run.
+            origin: What the run's trials follow from.
             versions: Versions of its tasks.
             across_encoders: True allows another encoder.
+            exact: True requires a program whose states could be equal.
 
         Raises:
-            InputError: Encoder, version of a task or settings differ, or no task is in both.
+            InputError: Encoder, version of a task or given settings differ, no task is in both, or
+                equal states are required of a program with other ones.
         """
-        ignored = _NAMES_ONLY | (_ENCODER if across_encoders else set())
-        there, here = flat(self.configuration), flat(configuration)
+        there, here = flat(self.origin.given), flat(origin.given)
+        ignored = {ENCODER} if across_encoders else set()
         other = [
             k for k in sorted({*there, *here} - ignored) if there.get(k, "-") != here.get(k, "-")
         ]
         if other:
-            what = "another encoder" if _ENCODER & set(other) else "other settings"
+            what = "another encoder" if ENCODER in other else "other settings"
             raise InputError(
                 f"this baseline was made with {what}",
                 where=str(self.path),
                 got="; ".join(_setting(k, here) for k in other[:4]),
                 expected="; ".join(_setting(k, there) for k in other[:4]),
                 remedy=f"Give the run what the baseline has; {ANEW}"
-                + ("; --across-encoders compares the two" if set(other) <= _ENCODER else ""),
+                + ("; --across-encoders compares the two" if other == [ENCODER] else ""),
+            )
+        if exact and (differing := self.differing_program(origin)):
+            raise InputError(
+                "states can only be equal where the program and its models have the same ones",
+                where=f"--exact, {self.path}",
+                got=differing,
+                remedy=f"Leave out --exact; {ANEW}",
             )
         for name in set(self.tasks) & set(versions):
             if self.tasks[name].version != versions[name]:
@@ -146,6 +149,17 @@ class Baseline:
                 remedy="--update-baseline adds them",
             )
 
+    def differing_program(self, origin: Origin) -> str:
+        """A clause that names both programs where states of this one cannot be the baseline's.
+
+        Empty where `STATES` and models are equal.
+        """
+        if self.origin.decides_states == origin.decides_states:
+            return ""
+        models = self.origin.program.get("models") != origin.program.get("models")
+        other = " with other models" if models else ""
+        return f"the baseline is of {self.origin}{other}, this run of {origin}"
+
     def check_seeds(self, names: Sequence[str], seeds: Sequence[int]) -> None:
         """Refuses a run of which it has no seed.
 
@@ -163,13 +177,14 @@ class Baseline:
 
     def updated(
         self,
-        configuration: Mapping[str, Any],
+        origin: Origin,
         versions: Mapping[str, int],
         trials: Sequence[Trial],
     ) -> Baseline:
         """With the trials of a run in the place of its tasks' earlier ones.
 
-        Other tasks stay where they were made with the same configuration, and go otherwise.
+        Other tasks stay where they follow from the same settings, states and models, and go
+        otherwise.
 
         Raises:
             InputError: A trial has no result.
@@ -181,8 +196,8 @@ class Baseline:
                 where=str(self.path),
                 got=", ".join(lacking[:8]),
             )
-        there, here = flat(self.configuration), flat(configuration)
-        same = all(there.get(k) == here.get(k) for k in {*there, *here} - _NAMES_ONLY)
+        same = flat(self.origin.given) == flat(origin.given)
+        same = same and self.origin.decides_states == origin.decides_states
         tasks = dict(self.tasks) if same else {}
         for name, version in versions.items():
             own = [t for t in trials if t["task"] == name]
@@ -193,7 +208,7 @@ class Baseline:
                 {t["seed"]: Kept(**{k: t[k] for k in kept_fields(KeptIn.BASELINE)}) for t in own},
                 own[0]["depends_on"] if one_machine else {},
             )
-        return Baseline(configuration, tasks, self.path)
+        return Baseline(origin, tasks, self.path)
 
     def text(self) -> str:
         """The text of the file: JSON with a line for every trial."""
@@ -209,13 +224,13 @@ class Baseline:
                 f'   "depends_on": {json.dumps(dict(task.depends_on))},\n'
                 '   "trials": {\n' + ",\n".join(rows) + "\n   }\n  }"
             )
-        configuration = json.dumps(self.configuration, indent=1, sort_keys=True)
+        given, program = (
+            json.dumps(part, indent=1, sort_keys=True).replace("\n", "\n ")
+            for part in (self.origin.given, self.origin.program)
+        )
         return (
-            f'{{\n "kind": {json.dumps(KIND)},\n "schema": {SCHEMA},\n "configuration": '
-            + configuration.replace("\n", "\n ")
-            + ',\n "tasks": {\n'
-            + ",\n".join(tasks)
-            + "\n }\n}\n"
+            f'{{\n "kind": {json.dumps(KIND)},\n "schema": {SCHEMA},\n "given": {given},\n'
+            f' "program": {program},\n "tasks": {{\n' + ",\n".join(tasks) + "\n }\n}\n"
         )
 
     def save(self) -> None:
@@ -267,7 +282,7 @@ def load_baseline(path: Path) -> Baseline:
         )
         for name, task in document.tasks.items()
     }
-    return Baseline(document.configuration, tasks, path)
+    return Baseline(Origin(document.given, document.program), tasks, path)
 
 
 def replaceable(path: Path) -> Baseline | None:
@@ -306,7 +321,7 @@ def _is_ours(data: bytes) -> bool:
 
 def update(
     path: Path,
-    configuration: Mapping[str, Any],
+    origin: Origin,
     versions: Mapping[str, int],
     trials: Sequence[Trial],
 ) -> Baseline:
@@ -318,8 +333,8 @@ def update(
         InputError: A trial has no result, the file is no baseline, or it cannot be written.
     """
     with _alone(resolved(path, "--baseline")):
-        old = replaceable(path) or Baseline(configuration, {}, path)
-        new = old.updated(configuration, versions, trials)
+        old = replaceable(path) or Baseline(origin, {}, path)
+        new = old.updated(origin, versions, trials)
         new.save()
     return new
 
@@ -352,6 +367,11 @@ def _end(fd: int, release: Release | None) -> None:
     if release is not None:
         release()
     os.close(fd)
+
+
+def _setting(name: str, given: Mapping[str, Any]) -> str:
+    """A setting with its value, for people."""
+    return f"{name} {given[name]}" if name in given else f"no {name}"
 
 
 def flat(values: Mapping[str, Any]) -> dict[str, Any]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import shlex
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -9,10 +10,14 @@ from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 from typing import Any
 
+from encoders.regression.model_registry import MODELS
 from models.errors import InputError
 from models.outside import failure
 from sandbox.options.scene_options import Plan, SceneOptions, plan
 from sandbox.options.second_hand import SecondOptions
+from sandbox.recording.states import STATES
+from sandbox.recording.versions import versions
+from sandbox.regress.origin import ENCODER, Origin
 from sandbox.trial.assembly import digests, drawn
 from sandbox.trial.settings import result_settings
 from tasks.registry import TASKS, claim_name, find_task, is_built_in, task_names
@@ -160,6 +165,25 @@ class RegressionPlan:
             settings.pop("second", None)
             configuration.pop("second", None)
         return configuration
+
+    def origin(self) -> Origin:
+        """What its trials follow from, beside tasks and seeds.
+
+        Raises:
+            InputError: An option has an invalid value.
+        """
+        job = self.jobs()[0]
+        with registered(job.own_task):
+            settings = job.planned().settings
+        models = digests(settings)
+        given = dict(self.scene)
+        if given.get(ENCODER, settings.encoder) not in MODELS:
+            given[ENCODER] = f"of one's own, {models['encoder']}"
+        here = versions()
+        program = {"states": STATES, "version": here["hand-sandbox"], "models": models}
+        if "commit" in here:
+            program["commit"] = here["commit"]
+        return Origin(json.loads(json.dumps(given, default=str)), program)
 
     def versions(self) -> dict[str, int]:
         """Version of every task."""

@@ -276,7 +276,8 @@ def make_report(
         plan: The plan.
         trials: The finished trials; fewer than planned after an interruption.
         baseline: The baseline.
-        exact: True requires equal states where the fingerprint is the baseline's.
+        exact: True requires equal states where the fingerprint is the baseline's; refused where
+            `STATES` or models are others.
         across_encoders: True allows a baseline of another encoder.
         allow_crashes: Number of trials of the whole run that may crash.
 
@@ -297,8 +298,12 @@ def make_report(
     notes: list[str] = []
     reasons: list[str] = []
     if baseline is not None:
-        baseline.check(configuration, versions, across_encoders)
-        comparisons = _compare(tasks, baseline)
+        origin = plan.origin()
+        baseline.check(origin, versions, across_encoders, exact)
+        differing = baseline.differing_program(origin)
+        if differing:
+            notes.append(f"{differing}: states are not compared")
+        comparisons = _compare(tasks, baseline, states=not differing)
         for task in tasks:
             if task.name not in comparisons:
                 notes.append(f"{task.name}: the baseline has none of these trials")
@@ -336,9 +341,12 @@ def make_report(
     )
 
 
-def _compare(tasks: Sequence[TaskResult], baseline: Baseline) -> dict[str, Comparison]:
+def _compare(
+    tasks: Sequence[TaskResult], baseline: Baseline, states: bool
+) -> dict[str, Comparison]:
+    """Comparisons by task; states are compared where they can be equal."""
     comparisons = {
-        task.name: _pairs(task, baseline.tasks[task.name])
+        task.name: _pairs(task, baseline.tasks[task.name], states)
         for task in tasks
         if task.name in baseline.tasks
     }
@@ -351,7 +359,7 @@ def _compare(tasks: Sequence[TaskResult], baseline: Baseline) -> dict[str, Compa
     }
 
 
-def _pairs(task: TaskResult, kept: KeptTask) -> Comparison:
+def _pairs(task: TaskResult, kept: KeptTask, states: bool) -> Comparison:
     c = Comparison()
     same, crashed, changes = 0, 0, []
     elsewhere: dict[str, None] = {}
@@ -367,7 +375,7 @@ def _pairs(task: TaskResult, kept: KeptTask) -> Comparison:
         crashed += trial["status"] == CRASHED
         if kept.fingerprint and trial["fingerprint"] == kept.fingerprint:
             same += 1
-            if trial["state_hash"] != before.state_hash:
+            if states and trial["state_hash"] != before.state_hash:
                 c.changed.append(seed)
         elif trial["status"] != CRASHED and kept.depends_on:
             elsewhere |= dict.fromkeys(differing_parts(kept.depends_on, trial["depends_on"]))

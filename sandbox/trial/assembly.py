@@ -9,9 +9,6 @@ from dataclasses import replace
 from typing import Any
 
 from encoders.correction import CorrectionSettings
-from encoders.earlier.encoders import kept_encoder
-from encoders.earlier.labels import kept_labels
-from encoders.kept import PREFIX
 from encoders.labels.belief import BeliefLabels, builtin_belief
 from encoders.labels.labelling import Labeller, PaperLabels
 from encoders.labels.population_belief import builtin_population_belief
@@ -76,15 +73,13 @@ pass through them look wrong (measured at db485e42)."""
 
 
 def load_encoder(name: str) -> TrainedModel:
-    """The model that `--encoder` names, or one of an earlier release.
+    """The model that `--encoder` names.
 
     The training of an encoder that has no model yet is told on stderr.
 
     Raises:
         InputError: No model has this name, or it cannot be used.
     """
-    if name.startswith(PREFIX):
-        return kept_encoder(name.removeprefix(PREFIX))
     return find_model(name, _print_progress)
 
 
@@ -110,7 +105,7 @@ def reconstructor_settings(settings: RunSettings, lift_range: float = 0.0) -> Re
         settings: Settings of the run.
         lift_range: m by which the task's lift control raises the hand.
     """
-    tracker, arrival = TrackerSettings(), ArrivalSettings(stays=settings.rules > 2)
+    tracker, arrival = TrackerSettings(), ArrivalSettings()
     if not settings.stitch:
         tracker = replace(tracker, grace=0.0, cancelled_grace=0.0)
     if not settings.smoothing:
@@ -159,8 +154,6 @@ def _any_belief(settings: RunSettings, hand: HandSettings | None = None) -> Beli
     if settings.labels == "paper":
         return None
     known = known_layouts(hand.layouts, hand.size) if hand and hand.layouts else None
-    if settings.kept_names:
-        return kept_labels(settings.kept_names, known)
     if settings.labels != "population":
         return builtin_belief()
     return builtin_population_belief(known)
@@ -191,11 +184,9 @@ def drawn(settings: RunSettings, may_overlap: bool = False) -> tuple[Task, tuple
     kind = find_task(settings.task)
     whole, surfaces = place_all(place_surface(settings.surface, kind), settings, kind)
     plain = draw_task(kind, settings.seed, whole)
-    task = vary(plain, settings.variation, whole, settings.vary_rules)
-    # What was recorded under the first rules may be played again, also as a device.
-    if task is not plain and settings.vary_rules > 1 and not may_overlap:
-        before = plain if settings.vary_rules > 2 else None
-        check_varied(task, f"{task.name}, seed {task.seed}, varied", before)
+    task = vary(plain, settings.variation, whole)
+    if task is not plain and not may_overlap:
+        check_varied(task, f"{task.name}, seed {task.seed}, varied", plain)
     return task, surfaces
 
 
@@ -266,7 +257,7 @@ def build(
         settings.distal_only,
         # Tips that are not at their touches cannot be led; nor is there a need where a hand
         # becomes solid within things.
-        lead=settings.rules > 1 and settings.correction and settings.ghost_until_clear,
+        lead=settings.correction and settings.ghost_until_clear,
         all_over=settings.solid == SOLID[1],
     )
     air_rules = replace(rules, lead=False, **IN_AIR)
@@ -338,7 +329,7 @@ def _solid_end(settings: RunSettings, hand: HandSettings, task_type: type[Task])
         return None if hand.in_air is not None else TIP_END
     if task_type.plane == "front":
         return UPRIGHT_END
-    return TIP_END if settings.rules > 1 and hand.in_air is None else None
+    return TIP_END if hand.in_air is None else None
 
 
 def _yaw_watch(model: TrainedModel) -> YawMonitor | None:

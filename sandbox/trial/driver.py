@@ -18,6 +18,7 @@ from threadpoolctl import threadpool_limits
 from encoders.regression.registry import origin as encoder_origin
 from models.errors import DivergenceError
 from sandbox.recording.recorded_task import task_origin
+from sandbox.recording.states import STATES
 from sandbox.recording.versions import versions
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
@@ -204,6 +205,7 @@ def trial_header(settings: RunSettings, about: dict[str, Any] | None = None) -> 
     task_from = task_origin(settings.task, settings.seed, settings.surface)
     encoder_from = encoder_origin(settings.encoder)
     return {
+        "states": STATES,
         "settings": settings.as_json(),
         "encoder": settings.encoder,
         "digests": digests(settings),

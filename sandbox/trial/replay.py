@@ -11,14 +11,15 @@ from sandbox.recording.agreement import Agreement, PoseComparison
 from sandbox.recording.recorded_device import RecordedDevice
 from sandbox.recording.recorded_task import recorded_task, task_change
 from sandbox.recording.recording import Recording
+from sandbox.recording.states import check_states
 from sandbox.recording.versions import decisive_differences
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
 from sandbox.trial.assembly import build, digests
 from sandbox.trial.device_makers import DeviceMaker, DeviceMakers
 from sandbox.trial.driver import Trial, ViewMaker, no_views
-from sandbox.trial.recorded_models import recorded_encoder, with_kept_models
 from sandbox.trial.recorded_poses import RecordedPoses
+from sandbox.trial.recorded_settings import recorded_encoder
 from sandbox.trial.settings import RunSettings
 
 
@@ -60,19 +61,20 @@ class Verification:
 
 
 def settings_of(recording: Recording) -> RunSettings:
-    """The settings that a recording was made with.
+    """The settings that a recording was made with, to play it again.
 
     Raises:
+        OtherStatesError: It was made with other `STATES`.
         RecordingError: The task or the encoder is not on this machine, or the encoder or the labels
             of the same name were trained otherwise.
     """
+    check_states(recording)
     header, where = recording.header, str(recording.path)
     settings = replace(
         RunSettings.from_json(header["settings"]),
         task=recorded_task(header, where),
         encoder=recorded_encoder(header, where),
     )
-    settings = with_kept_models(settings, header)
     here, there = digests(settings), header.get("digests")
     if here != there:
         before = there if isinstance(there, dict) else {}

@@ -17,7 +17,6 @@ from models.surface import PRESETS, Surface
 from sandbox.session.contact_modes import ContactMode, contact_mode
 from sandbox.session.own_layouts import Layouts
 from sandbox.trial.hand_input import HandInput
-from tasks.variation import RULES as VARY_RULES
 from tasks.variation import Variation
 
 DEFAULT_LABELS = "population"
@@ -29,11 +28,6 @@ LABELS = ("history", "population", "paper", "device")
 during a trial; `paper`: nearest training pose; `device`: labels of the device if it knows them,
 also as an upper bound with the simulated user."""
 
-RULES = (1, 2, 3)
-"""Rules of touching hands, by number: 1 is what was in force before there were others; 2 leads
-fingertips out of things beside their touches, and lets fingers that spread let go at once; 3 also
-takes touches for resting while they stay where they are, whatever noise their screen has."""
-
 SOLID = ("fingertips", "hand")
 """What of a hand collides: the last links of touching fingers, or palm and all links."""
 
@@ -42,13 +36,10 @@ MOST_HANDS = 2
 
 _OPTIONAL = {
     "variation",
-    "rules",
     "surface_scale",
     "scored",
-    "kept_names",
     "robot",
     "solid",
-    "vary_rules",
 }
 """Settings that a header may lack."""
 
@@ -136,15 +127,9 @@ class RunSettings:
         hands: One entry per hand, in the order of devices, rigs and recorded inputs.
         one_surface: All hands touch one surface; otherwise each has its own, of the same size.
         variation: Differences from the drawn trial, and disturbances of the touches.
-        rules: One of `RULES`, by default the second, by which numbers were judged; a header without
-            it has the first.
-        kept_names: Digest of the names of an earlier release that label the fingers; empty for
-            those that ship (see `encoders.kept`).
         robot: The robot whose hand is in the place of the person's (see `models.robot.known`);
             empty for our own hand.
         solid: One of `SOLID`; a header without it has the first.
-        vary_rules: One of `tasks.variation.RULES`, by default the last; the header of a varied
-            trial without it has the first.
     """
 
     task: str = "box-to-goal"
@@ -167,29 +152,12 @@ class RunSettings:
     hands: tuple[HandSettings, ...] = (HandSettings(),)
     one_surface: bool = False
     variation: Variation = field(default_factory=Variation)
-    rules: int = RULES[1]
     surface_scale: float = 1.0
     scored: bool = True
-    kept_names: str = ""
     robot: str = ""
     solid: str = SOLID[0]
-    vary_rules: int = VARY_RULES[-1]
 
     def __post_init__(self) -> None:
-        if self.rules not in RULES:
-            raise InputError(
-                "no such rules",
-                where="rules",
-                got=self.rules,
-                expected=" or ".join(map(str, RULES)),
-            )
-        if self.vary_rules not in VARY_RULES:
-            raise InputError(
-                "no such rules",
-                where="vary_rules",
-                got=self.vary_rules,
-                expected=" or ".join(map(str, VARY_RULES)),
-            )
         if not 0.0 < self.timestep < 1.0:
             raise InputError(
                 "not a physics time step",
@@ -253,23 +221,15 @@ class RunSettings:
         return replace(self, hands=hands)
 
     def as_json(self) -> dict[str, Any]:
-        """Values for a recording's header, without a neutral variation, first rules, true
-        size, solid fingertips, names that ship, an `in_air` or a camera of None, missing joints, or
-        empty layouts
-        and looks."""
+        """Values for a recording's header, without a neutral variation, true size, solid
+        fingertips, an `in_air` or a camera of None, missing joints, or empty layouts and looks."""
         values = asdict(self)
-        if self.rules == RULES[0]:
-            del values["rules"]
         if self.variation.neutral:
             del values["variation"]
-        if self.variation.neutral or self.vary_rules == VARY_RULES[0]:
-            del values["vary_rules"]
         if self.surface_scale == 1.0:
             del values["surface_scale"]
         if self.scored:
             del values["scored"]
-        if not self.kept_names:
-            del values["kept_names"]
         if not self.robot:
             del values["robot"]
         if self.solid == SOLID[0]:
@@ -295,7 +255,7 @@ class RunSettings:
         if "variation" in values:
             _check_names(values["variation"], Variation, optional=_names(Variation))
         try:
-            return msgspec.convert(_as_it_was(values), cls)
+            return msgspec.convert(values, cls)
         except msgspec.ValidationError as error:
             raise RecordingError(
                 "these settings cannot be read",
@@ -303,20 +263,6 @@ class RunSettings:
                 got=str(error),
                 remedy="The file is damaged, or was written by another program",
             ) from None
-
-
-def _as_it_was(values: Mapping[str, Any]) -> dict[str, Any]:
-    """The values of a header, with what was in force before a setting existed."""
-    hands = values["hands"]
-    if isinstance(hands, list):
-        hands = [
-            {**hand, "in_air": {"learns": False, "by_tips": False, **hand["in_air"]}}
-            if hand.get("in_air")
-            else hand
-            for hand in hands
-        ]
-    varied = {"vary_rules": VARY_RULES[0]} if "variation" in values else {}
-    return {"rules": RULES[0], **varied, **values, "hands": hands}
 
 
 def result_settings(values: Mapping[str, Any]) -> dict[str, Any]:

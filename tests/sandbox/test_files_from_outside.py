@@ -23,6 +23,7 @@ from sandbox.devices.tuio.touch_capture import read_capture
 from sandbox.options.profiles import load_profile
 from sandbox.options.touch_devices import open_file
 from sandbox.regress.baseline import Baseline, Kept, KeptTask, load_baseline
+from sandbox.regress.origin import Origin
 from sandbox.study.record.chain import chained
 from sandbox.study.record.folder import participants_of, read_study_json
 from sandbox.study.record.journal import read_journal
@@ -68,7 +69,10 @@ PROFILE = {
     "simulated": False,
 }
 TRIALS = {seed: Kept(True, 0.5, 3.25, "ab") for seed in (1, 2, 2**70)}
-BASELINE = Baseline({"settings": {"encoder": "best"}}, {"stack": KeptTask(1, "m", TRIALS)})
+ORIGIN = Origin(
+    {"encoder": "cubic"}, {"states": 2, "version": "0.2.0", "models": {"encoder": "ab"}}
+)
+BASELINE = Baseline(ORIGIN, {"stack": KeptTask(1, "m", TRIALS)})
 
 FRAMES: list[dict[str, Any]] = [
     {"surface_in": [7.76, 5.82], "device": "evdev"},

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +9,6 @@ import numpy as np
 import pytest
 
 from benchmarks.judged import configuration, freeze, frozen_seeds, judged_seeds
-from benchmarks.judged_hand import hand_seeds
 from benchmarks.success import Job, against, failures, table, trial, wilson
 from models.arithmetic.arrays import Array
 from models.errors import InputError
@@ -56,28 +54,26 @@ def test_losses_against_an_earlier_run_are_tested_on_the_seeds_that_both_have() 
     assert line == "| stack | shipped | 3 | 9 | 8 | 2 | 7, 1 | 0.0352 | 9 |"
 
 
-@pytest.mark.parametrize("drawn", [judged_seeds, hand_seeds])
-def test_judged_seeds_follow_from_the_frozen_configuration_alone(
-    drawn: Callable[[int, str], list[int]],
-) -> None:
-    seeds = drawn(20, "box-to-goal")
-    assert seeds == drawn(30, "box-to-goal")[:20]
+def test_judged_seeds_follow_from_the_frozen_configuration_alone() -> None:
+    seeds = judged_seeds(20, "box-to-goal")
+    assert seeds == judged_seeds(30, "box-to-goal")[:20]
     assert len(set(seeds)) == 20
-    assert not {*seeds} & {*drawn(20, "stack")}
+    assert not {*seeds} & {*judged_seeds(20, "stack")}
+    assert not {*seeds} & {*judged_seeds(20, "box-to-goal", "hand")}
 
 
 def test_only_the_frozen_configuration_is_judged(tmp_path: Path) -> None:
     frozen = tmp_path / "frozen.json"
     freeze(frozen, configuration())
-    seeds = frozen_seeds(5, "stack", frozen, configuration(), "judged")
+    seeds = frozen_seeds(5, "stack", "hand", frozen, configuration())
     other_task = configuration()
     other_task["tasks"]["box-to-goal"] += 1
-    assert frozen_seeds(5, "stack", frozen, other_task, "judged") == seeds
+    assert frozen_seeds(5, "stack", "hand", frozen, other_task) == seeds
     changed = configuration()
     changed["settings"]["impulse"] *= 2.0
     for now, task in ((changed, "stack"), (other_task, "box-to-goal"), (other_task, "no-such")):
         with pytest.raises(InputError, match=r"benchmarks\.judged --freeze"):
-            frozen_seeds(5, task, frozen, now, "judged")
+            frozen_seeds(5, task, "hand", frozen, now)
 
 
 @pytest.mark.full

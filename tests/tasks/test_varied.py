@@ -14,17 +14,13 @@ from models.objects import Box
 from models.surface import Surface
 from sandbox.cli.main import main
 from sandbox.options.scene_options import SceneOptions, plan
-from sandbox.recording.recording import load_recording
 from sandbox.study.design.reading import DesignError
 from sandbox.study.run.players import RunningAttempt, TrialRequest
 from sandbox.trial.assembly import build, drawn
 from sandbox.trial.driver import open_trial
-from sandbox.trial.headless import run_trial
-from sandbox.trial.replay import replay
-from sandbox.trial.settings import RunSettings
 from tasks.mechanisms.case import HEIGHT
 from tasks.task import Goal, Task
-from tasks.variation import RULES, Variation, vary
+from tasks.variation import Variation, vary
 from tests.support.study_files import design
 
 TASKS = """
@@ -47,10 +43,9 @@ expected_s = 15
 """
 
 
-def varied(task: str, vary: str, seed: int = 1, rules: int = RULES[-1]) -> Task:
-    """A trial of a task as `--vary` makes it, by the number of its rules."""
-    settings = plan(SceneOptions(task=task, seed=seed, vary=vary)).settings
-    return drawn(replace(settings, vary_rules=rules))[0]
+def varied(task: str, vary: str, seed: int = 1) -> Task:
+    """A trial of a task as `--vary` makes it."""
+    return drawn(plan(SceneOptions(task=task, seed=seed, vary=vary)).settings)[0]
 
 
 @pytest.mark.parametrize(
@@ -98,17 +93,6 @@ def test_a_case_of_another_size_lies_on_the_table(size: float) -> None:
     session.close()
 
 
-def test_a_recording_of_a_case_above_the_table_replays_to_the_bit(tmp_path: Path) -> None:
-    vary = "size=0.7"
-    chosen = plan(SceneOptions(task="close-case", seed=1, vary=vary, user="idle"))
-    path = tmp_path / "earlier.jsonl"
-    earlier = replace(chosen.settings, vary_rules=1)
-    run_trial(earlier, chosen.makers, record=path, about=chosen.about)
-    session, found = replay(load_recording(path))
-    assert found.exact and found.complete
-    assert session.task.objects[0].position[2] == pytest.approx(HEIGHT / 2)
-
-
 @pytest.mark.parametrize("size", [0.5, 0.85, 1.3])
 @pytest.mark.parametrize("seed", [1, 2, 3])
 @pytest.mark.parametrize("task", ["chords", "single-keys", "dial", "close-case"])
@@ -151,9 +135,6 @@ def test_the_goal_of_a_first_body_on_a_slide_of_its_own_stays_where_it_was_on_it
     (larger,) = changed.objects
     assert isinstance(larger, Part)
     assert changed.goals[0].position == pytest.approx(larger.placed(0.04 * size)[0], abs=1e-9)
-    # A recording of the rules before keeps the goal that its person saw.
-    before = vary(plain, Variation(size=size), Surface(), rules=3)
-    assert before.goals[0].position[0] == pytest.approx(place[0])
 
 
 def test_a_peg_of_another_size_is_to_be_where_its_socket_ends() -> None:
@@ -230,8 +211,6 @@ def test_a_larger_ring_that_holds_dice_already_is_refused() -> None:
     assert varied("gather", "room=1.2", 8).painted[0].radius == pytest.approx(0.048)
     with pytest.raises(InputError, match="start inside of the ring"):
         varied("gather", "room=2", 8)
-    # What was recorded so is played again.
-    assert varied("gather", "room=2", 8, rules=2).painted[0].radius == pytest.approx(0.08)
 
 
 def test_starts_of_dice_are_not_shifted_and_the_reason_is_said(
@@ -270,42 +249,6 @@ class Own(CustomTask):
     assert moved("lab-one", "\n    def shifted(self): return ['red']\n") == {"red"}
     with pytest.raises(InputError, match=r"`shifted` does not name.*green.*red, blue"):
         moved("lab-wrong", "\n    def shifted(self): return ['green']\n")
-
-
-def test_a_recording_whose_pins_were_shifted_along_replays_to_the_bit(tmp_path: Path) -> None:
-    chosen = plan(SceneOptions(task="slalom", seed=1, vary="start=3", user="idle"))
-    path = tmp_path / "earlier.jsonl"
-    run_trial(replace(chosen.settings, vary_rules=1), chosen.makers, record=path)
-    session, found = replay(load_recording(path))
-    assert found.exact and found.complete
-    there = [thing.position for thing in session.task.objects]
-    assert all(a != b.position for a, b in zip(there, varied("slalom", "").objects, strict=True))
-
-
-def test_a_recording_of_things_that_overlap_still_replays_to_the_bit(tmp_path: Path) -> None:
-    chosen = plan(SceneOptions(task="stack", seed=2, vary="size=1.6", user="idle"))
-    earlier = replace(chosen.settings, vary_rules=1)
-    path = tmp_path / "earlier.jsonl"
-    run_trial(earlier, chosen.makers, record=path, about=chosen.about)
-    recording = load_recording(path)
-    assert "vary_rules" not in recording.header["settings"]
-    _, found = replay(recording)
-    assert found.exact and found.complete
-    # As a device its touches play under the rules that it was made with.
-    again = plan(SceneOptions(device=str(path)))
-    assert again.settings.vary_rules == 1 and drawn(again.settings)[0].seed == 2
-
-
-def test_rules_of_variation_are_in_the_header_of_a_varied_trial_alone() -> None:
-    plain, changed = (
-        plan(SceneOptions(task="stack", vary=vary)).settings for vary in ("", "size=0.9")
-    )
-    assert "vary_rules" not in plain.as_json() and changed.as_json()["vary_rules"] == RULES[-1]
-    earlier = [replace(changed, vary_rules=rules) for rules in RULES]
-    for settings in (plain, *earlier):
-        assert RunSettings.from_json(settings.as_json()) == settings
-    with pytest.raises(InputError, match="no such rules"):
-        RunSettings(vary_rules=RULES[-1] + 1)
 
 
 def test_a_design_is_refused_for_any_of_many_seeds_and_a_participant_is_never_stopped(

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from pathlib import Path
 
 from rich.console import Console
 from rich.markup import escape
 
+from models.messages.wording import counted
 from sandbox.recording.recording import load_recording
+from sandbox.recording.states import other_states
 from sandbox.study.audit.audit import audit, is_study
 from sandbox.study.audit.witness import read_witnesses
 from sandbox.trial.driver import undisturbed
@@ -32,15 +35,22 @@ def verify_study(study: Path, witnesses: tuple[Path, ...], console: Console) -> 
         console.print(f"[red]{escape(str(finding))}[/]", highlight=False, soft_wrap=True)
     for note in findings.notes:
         console.print(f"[dim]{escape(note)}[/]", highlight=False, soft_wrap=True)
-    differ = 0
+    differ, others = 0, Counter[str]()
     for path in found.finished:
+        recording = load_recording(path)
+        if reason := other_states(recording.header):
+            others[reason] += 1
+            continue
         with undisturbed():
-            _, verification = replay(load_recording(path))
+            _, verification = replay(recording)
         if not verified(verification):
             differ += 1
             name = escape(findings.name(path))
             console.print(f"{name}: {verdict(verification)}", highlight=False, soft_wrap=True)
-    findings.counts["recordings replayed"] = len(found.finished)
+    for reason, count in others.items():
+        line = f"{counted(count, 'recording')} not replayed: {reason}"
+        console.print(f"[yellow]{escape(line)}[/]", highlight=False, soft_wrap=True)
+    findings.counts["recordings replayed"] = len(found.finished) - others.total()
     counts = ", ".join(f"{count} {name}" for name, count in findings.counts.items() if count)
     console.print(escape(counts), highlight=False, soft_wrap=True)
     wrong = not findings.sound or differ > 0

@@ -21,7 +21,6 @@ COMPUTES = (
     "models/messages",
     "models/robot",
     "encoders",
-    "encoders/earlier",
     "encoders/headset",
     "encoders/labels",
     "encoders/paalm",

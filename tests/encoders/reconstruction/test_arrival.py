@@ -154,31 +154,26 @@ def test_moving_touches_keep_a_hand_up_until_its_patience_is_over() -> None:
     assert told(arrival, moving, 3 * DT).phase is Phase.COMING_DOWN
 
 
-STAYING = replace(S, stays=True)
 TREMBLING = Moment(speed=0.3, moved=0.002)
 
 
-def test_touches_that_tremble_and_stay_rest_where_staying_counts() -> None:
-    assert told(Arrival(STAYING), TREMBLING, S.dwell + 2 * DT).phase is Phase.COMING_DOWN
-    assert told(Arrival(S), TREMBLING, S.patience - 2 * DT).phase is Phase.ABOVE
+def test_touches_that_tremble_and_stay_rest() -> None:
+    assert told(Arrival(S), TREMBLING, S.dwell - DT).phase is Phase.ABOVE
+    assert told(Arrival(S), TREMBLING, S.dwell + 2 * DT).phase is Phase.COMING_DOWN
 
 
 def test_touches_that_go_somewhere_do_not_rest_however_steadily_they_go() -> None:
     going = Moment(speed=S.rest + 0.01, moved=(S.rest + 0.01) * S.dwell)
-    assert told(Arrival(STAYING), going, S.patience - 2 * DT).phase is Phase.ABOVE
-
-
-def test_touches_that_stay_still_dwell() -> None:
-    assert told(Arrival(STAYING), TREMBLING, S.dwell - DT).phase is Phase.ABOVE
+    assert told(Arrival(S), going, S.patience - 2 * DT).phase is Phase.ABOVE
 
 
 @given(history=stretches)
-def test_where_staying_counts_a_hand_never_comes_down_later(history: list[Moment]) -> None:
-    with_it, without = Arrival(STAYING), Arrival(S)
+def test_a_hand_whose_touches_stay_never_comes_down_later(history: list[Moment]) -> None:
+    staying, without = Arrival(S), Arrival(S)
     for moment in history:
-        told(with_it, moment)
-        told(without, moment)
-        assert with_it.phase in LOW or without.phase not in LOW
+        told(staying, moment)
+        told(without, replace(moment, moved=inf))
+        assert staying.phase in LOW or without.phase not in LOW
 
 
 def test_a_rest_that_is_broken_begins_anew() -> None:

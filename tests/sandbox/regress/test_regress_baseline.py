@@ -69,8 +69,8 @@ def trials(
 
 
 def baseline(plan: RegressionPlan = PLAN, path: Path = Path("base.json"), **made: Any) -> Baseline:
-    nothing = Baseline(plan.configuration(), {}, path)
-    return nothing.updated(plan.configuration(), plan.versions(), trials(plan, **made))
+    nothing = Baseline(plan.origin(), {}, path)
+    return nothing.updated(plan.origin(), plan.versions(), trials(plan, **made))
 
 
 def judged(
@@ -141,7 +141,7 @@ def test_a_baseline_comes_back_from_its_file_as_it_was(
     found = load_baseline(path)
     assert found.tasks == made.tasks
     assert found.tasks["quick"].depends_on["libm"] == machine
-    found.check(BOTH.configuration(), BOTH.versions())
+    found.check(BOTH.origin(), BOTH.versions())
     # One line for every trial, for whoever reviews a change of it.
     assert sum(line.startswith('    "') for line in path.read_text().splitlines()) == 20
 
@@ -150,8 +150,8 @@ def test_a_baseline_comes_back_from_its_file_as_it_was(
     ("other", "said"),
     [
         (replace(PLAN, scene={"encoder": "linear"}), "another encoder"),
-        (replace(PLAN, scene={"without": ("correction",)}), "settings.correction"),
-        (replace(PLAN, scene={"fingers": 2}), "user.fingers"),
+        (replace(PLAN, scene={"without": ("correction",)}), r"without \['correction'\]"),
+        (replace(PLAN, scene={"fingers": 2}), "fingers 2"),
         (replace(PLAN, scene={"drop_outs": 0.5}), "drop_outs"),
         (RegressionPlan((Newer,), (1,)), "another version of quick"),
         (RegressionPlan((Dying,), (1,)), "none of these tasks"),
@@ -159,24 +159,52 @@ def test_a_baseline_comes_back_from_its_file_as_it_was(
 )
 def test_what_does_not_compare_is_refused(other: RegressionPlan, said: str) -> None:
     with pytest.raises(InputError, match=said):
-        baseline().check(other.configuration(), other.versions())
+        baseline().check(other.origin(), other.versions())
 
 
 def test_across_encoders_nothing_but_the_encoder_may_differ() -> None:
     linear = replace(PLAN, scene={"encoder": "linear"})
-    baseline().check(linear.configuration(), PLAN.versions(), across_encoders=True)
+    baseline().check(linear.origin(), PLAN.versions(), across_encoders=True)
     five = replace(PLAN, scene={"encoder": "linear", "fingers": 5})
     with pytest.raises(InputError, match="other settings"):
-        baseline().check(five.configuration(), PLAN.versions(), across_encoders=True)
+        baseline().check(five.origin(), PLAN.versions(), across_encoders=True)
+
+
+def of_another_program(made: Baseline, **program: Any) -> Baseline:
+    origin = replace(made.origin, program={**made.origin.program, **program})
+    return replace(made, origin=origin)
+
+
+@pytest.mark.parametrize(
+    "program",
+    [{"states": 1, "version": "0.1.0"}, {"models": {"encoder": "another", "labels": ""}}],
+    ids=["states", "models"],
+)
+def test_a_baseline_of_another_program_is_compared_without_its_states(
+    program: dict[str, Any],
+) -> None:
+    before = of_another_program(baseline(), **program)
+    found = make_report(PLAN, trials(PLAN, failed=range(5), state="11"), before)
+    assert not found.passed and not found.comparisons["quick"].changed
+    [note] = found.notes
+    assert str(before.origin) in note and str(PLAN.origin()) in note
+    with pytest.raises(InputError, match="--exact"):
+        make_report(PLAN, trials(PLAN), before, exact=True)
+
+
+def test_a_newer_version_with_equal_states_and_models_is_compared_to_the_bit() -> None:
+    before = of_another_program(baseline(), version="0.1.0", commit="abc1234")
+    assert make_report(PLAN, trials(PLAN), before, exact=True).passed
+    assert not make_report(PLAN, trials(PLAN, state="11"), before, exact=True).passed
 
 
 def test_an_update_keeps_other_tasks_of_the_same_configuration_and_no_others() -> None:
     both = baseline(BOTH, failed=[1])
-    new = both.updated(PLAN.configuration(), PLAN.versions(), trials(PLAN))
+    new = both.updated(PLAN.origin(), PLAN.versions(), trials(PLAN))
     assert new.tasks["dying"] == both.tasks["dying"]
     assert all(k.success for k in new.tasks["quick"].trials.values())
     linear = replace(PLAN, scene={"encoder": "linear"})
-    other = both.updated(linear.configuration(), PLAN.versions(), trials(PLAN))
+    other = both.updated(linear.origin(), PLAN.versions(), trials(PLAN))
     assert set(other.tasks) == {"quick"}
 
 
@@ -184,7 +212,7 @@ def test_no_baseline_is_made_from_a_crash() -> None:
     run = trials(PLAN)
     run[3]["status"] = "crashed"
     with pytest.raises(InputError, match="quick 3"):
-        baseline().updated(PLAN.configuration(), PLAN.versions(), run)
+        baseline().updated(PLAN.origin(), PLAN.versions(), run)
 
 
 @pytest.mark.parametrize(
@@ -370,7 +398,7 @@ def test_runs_that_end_at_once_wait_for_each_other_and_leave_nothing_beside(
 
     def end(kind: type[Quick]) -> None:
         plan = RegressionPlan((kind,), (1, 2))
-        update(path, PLAN.configuration(), plan.versions(), trials(plan))
+        update(path, PLAN.origin(), plan.versions(), trials(plan))
 
     with ThreadPoolExecutor(len(kinds)) as pool:
         list(pool.map(end, kinds))
@@ -393,7 +421,7 @@ def test_an_update_leaves_a_file_that_is_no_baseline_as_it_is(
     with pytest.raises(InputError, match="this file is no baseline"):
         Regression(tmp_path, tmp_path, update=True)(Quick, "1:3", baseline="base.json")
     with pytest.raises(InputError, match="this file is no baseline"):
-        update(path, PLAN.configuration(), PLAN.versions(), trials(PLAN))
+        update(path, PLAN.origin(), PLAN.versions(), trials(PLAN))
     assert path.read_text() == text
 
 
@@ -402,9 +430,9 @@ def test_an_update_replaces_a_baseline_that_is_empty_damaged_or_older(
     tmp_path: Path, cut: int
 ) -> None:
     path = tmp_path / "base.json"
-    for text in (whole_baseline()[:cut], whole_baseline().replace('"schema": 1', '"schema": 0')):
+    for text in (whole_baseline()[:cut], whole_baseline().replace('"schema": 2', '"schema": 1')):
         path.write_text(text)
-        update(path, PLAN.configuration(), PLAN.versions(), trials(PLAN))
+        update(path, PLAN.origin(), PLAN.versions(), trials(PLAN))
         assert kept_seeds(path) == {"quick": list(range(10))}
 
 

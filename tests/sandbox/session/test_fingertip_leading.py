@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 from models.arithmetic.arrays import Array
-from models.errors import InputError
 from models.frames import Contact
 from models.mjcf_object import MjcfObject
 from models.objects import Box
@@ -21,7 +20,7 @@ from sandbox.session.fingertip_leading import REACH
 from sandbox.session.messages import MOVE_APART
 from sandbox.session.session import Session
 from sandbox.trial.headless import run_trial
-from sandbox.trial.replay import replay, settings_of
+from sandbox.trial.replay import replay
 from sandbox.trial.settings import HandSettings, RunSettings
 from tests.support.one_thing import MugOnTable, OneThing
 from tests.support.scripted import Played, run, scripted
@@ -79,7 +78,7 @@ def clearances(session: Session) -> Array:
 
 @pytest.mark.parametrize("beside", [0.0, 0.003, 0.006, 0.009, 0.015])
 def test_fingers_at_the_faces_become_solid_beside_them_and_move_nothing(beside: float) -> None:
-    session = pinched(beside, rules=2)
+    session = pinched(beside)
     before, _ = box_of(session)
     run(session, SETTLED)
     assert session.solid(0) == {0, 1}
@@ -93,12 +92,6 @@ def test_fingers_at_the_faces_become_solid_beside_them_and_move_nothing(beside: 
     assert np.all(off < radius + REACH)
 
 
-def test_by_the_first_rules_they_stay_a_ghost() -> None:
-    session = pinched(0.003, rules=1)
-    run(session, SETTLED)
-    assert not session.solid(0)
-
-
 @pytest.mark.parametrize(
     ("hand", "face"),
     [
@@ -110,7 +103,7 @@ def test_by_the_first_rules_they_stay_a_ghost() -> None:
     ids=["left", "larger", "from the right", "left, smaller, from the left"],
 )
 def test_it_is_so_for_every_hand_and_seat(hand: HandSettings, face: int) -> None:
-    session = pinched(0.003, face=face, rules=2, hands=(hand,))
+    session = pinched(0.003, face=face, hands=(hand,))
     run(session, SETTLED)
     assert session.solid(0) == {0, 1}
     assert clearances(session).min() > CLEARANCE
@@ -118,7 +111,7 @@ def test_it_is_so_for_every_hand_and_seat(hand: HandSettings, face: int) -> None
 
 def test_fingers_that_close_from_there_hold_and_turn_the_box() -> None:
     start = 1.0
-    empty = pinched(0.0, rules=2)
+    empty = pinched(0.0)
     position, before = box_of(empty)
     surface = empty.rigs[0].reconstructor.surface
     half = half_width(empty)
@@ -133,7 +126,7 @@ def test_fingers_that_close_from_there_hold_and_turn_the_box() -> None:
         xy = surface.to_surface(np.stack([position - far, position + far])).tolist()
         return [Contact(i, x, y, label=i) for i, (x, y) in enumerate(xy)]
 
-    session = scripted(touch, seed=1, labels="device", rules=2)
+    session = scripted(touch, seed=1, labels="device")
     run(session, start + 1.8)
     _, after = box_of(session)
     turn = before.T @ after
@@ -145,7 +138,7 @@ def test_a_solid_finger_that_leaves_the_thing_comes_back_to_its_touch() -> None:
     def away(now: float) -> float:
         return -0.05 * min(max(now - 1.0, 0.0), 1.0)
 
-    session = pinched(0.002, away, rules=2)
+    session = pinched(0.002, away)
     run(session, 1.0)
     assert np.abs(session._leading[0]._out).max() > 0.003
     run(session, 1.8)
@@ -155,9 +148,9 @@ def test_a_solid_finger_that_leaves_the_thing_comes_back_to_its_touch() -> None:
     assert np.linalg.norm(hand.tips[:2, :2] - touches, axis=1).max() < 0.001
 
 
-@pytest.mark.parametrize(("rules", "inside"), [(1, 0.018), (2, 0.018), (2, 0.005)])
-def test_a_finger_in_a_thing_is_told_so_at_once_where_it_is(rules: int, inside: float) -> None:
-    session = pinched(-inside, rules=rules)
+@pytest.mark.parametrize("inside", [0.018, 0.005])
+def test_a_finger_in_a_thing_is_told_so_at_once_where_it_is(inside: float) -> None:
+    session = pinched(-inside)
     run(session, SETTLED)
     now = session.snapshot()
     assert not now.hands[0].solid and now.hands[0].inside == {0, 1}
@@ -198,7 +191,7 @@ def test_a_finger_is_not_led_towards_the_others_as_no_thing_is_between_them() ->
 
 
 def test_a_hand_that_is_to_pass_through_things_is_not_led() -> None:
-    session = pinched(0.002, rules=2, contact="none")
+    session = pinched(0.002, contact="none")
     run(session, SETTLED)
     hand = session.snapshot().hands[0]
     touches = np.array([c.position[:2] for c in hand.contacts])
@@ -210,13 +203,10 @@ def test_away_from_things_no_finger_is_led() -> None:
     def far(now: float) -> list[Contact]:
         return [Contact(0, 0.02, 0.13, label=0), Contact(1, 0.05, 0.11, label=1)]
 
-    poses = []
-    for rules in (1, 2):
-        session = scripted(far, seed=1, labels="device", rules=rules)
-        run(session, SETTLED)
-        assert session.solid(0) == {0, 1}
-        poses.append(session.reconstructions[0].q)
-    np.testing.assert_array_equal(poses[0], poses[1])
+    session = scripted(far, seed=1, labels="device")
+    run(session, SETTLED)
+    assert session.solid(0) == {0, 1}
+    assert session._leading[0]._out is None
 
 
 CORNERS = [(0.028 * x, 0.030 * y, 0.025 * z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]
@@ -255,7 +245,7 @@ def test_fingers_are_led_out_of_things_of_any_shape(thing: type[OneThing]) -> No
     def touch(now: float) -> list[Contact]:
         return [Contact(i, x, y, label=i) for i, (x, y) in enumerate(xy)]
 
-    session = scripted(touch, task=place, seed=0, labels="device", rules=2)
+    session = scripted(touch, task=place, seed=0, labels="device")
     before, _ = session.scene.object_pose(session.data, "thing")
     run(session, SETTLED)
     after, _ = session.scene.object_pose(session.data, "thing")
@@ -263,38 +253,14 @@ def test_fingers_are_led_out_of_things_of_any_shape(thing: type[OneThing]) -> No
     assert np.linalg.norm(after - before) < 0.0005
 
 
-@pytest.fixture(params=[1, 2])
-def recorded(request: pytest.FixtureRequest, tmp_path: Path) -> tuple[int, Path]:
-    """Fingers that close on the box from beside its faces, by either rules."""
-    session = pinched(0.004, lambda now: 0.006 * min(max(now - 0.8, 0.0), 1.0), rules=request.param)
+def test_fingers_that_are_led_replay_to_the_bit(tmp_path: Path) -> None:
+    session = pinched(0.004, lambda now: 0.006 * min(max(now - 0.8, 0.0), 1.0))
     times = np.arange(0.0, 1.6, CONTROL_PERIOD)
     frames = [frame for now in times for frame in session.rigs[0].device.poll(float(now))]
     session.close()
-    settings = RunSettings(seed=1, labels="device", rules=request.param)
     path = tmp_path / "recorded.jsonl"
+    settings = RunSettings(seed=1, labels="device")
     run_trial(settings, (lambda task, surface: Played(frames),), record=path)
-    return request.param, path
-
-
-def test_a_recording_replays_by_the_rules_that_it_was_made_with(recorded: tuple[int, Path]) -> None:
-    rules, path = recorded
-    recording = load_recording(path)
-    # Recordings from before there were other rules do not name them.
-    assert recording.header["settings"].get("rules", 1) == settings_of(recording).rules == rules
-    assert ("rules" in recording.header["settings"]) == (rules > 1)
-    session, verification = replay(recording)
+    session, verification = replay(load_recording(path))
     assert verification.exact and verification.complete
-    assert bool(session.solid(0)) == (rules > 1)
-
-
-def test_the_rules_decide_the_states(recorded: tuple[int, Path]) -> None:
-    rules, path = recorded
-    recording = load_recording(path)
-    recording.header["settings"]["rules"] = 3 - rules
-    _, verification = replay(recording)
-    assert verification.first_difference is not None
-
-
-def test_rules_that_do_not_exist_are_refused() -> None:
-    with pytest.raises(InputError, match="no such rules"):
-        RunSettings(rules=4)
+    assert session.solid(0)

@@ -120,7 +120,7 @@ def test_a_box_stays_where_it_was_let_go_of_by_lifting_or_spreading(lift: bool) 
         return 0.056 if now < 2.0 or lift else min(0.056 + 0.3 * (now - 2.0), 0.09)
 
     touch = pinch(at, gap, yaw=0.7117)
-    session = scripted(lambda now: () if now > 2.5 and lift else touch(now), seed=1, rules=2)
+    session = scripted(lambda now: () if now > 2.5 and lift else touch(now), seed=1)
     run(session, 2.0)
     assert len(session.solid(0)) == 2 and session.loads()[0].fingers[0].pressing > 1.0
     held_at, _ = session.scene.object_pose(session.data, "box")

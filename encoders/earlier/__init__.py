@@ -1,1 +1,0 @@
-"""Models that earlier releases shipped, as they were."""

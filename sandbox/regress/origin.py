@@ -1,0 +1,36 @@
+"""The settings and the program that the results of a regression run follow from."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+ENCODER = "encoder"
+"""Option of a trial that names the encoder."""
+
+
+@dataclass(frozen=True)
+class Origin:
+    """What the trials of a run follow from, beside tasks and seeds; JSON values.
+
+    Attributes:
+        given: Options of `sandbox run` that the user gave; an encoder of one's own is named by its
+            digest. Results compare only where these are equal.
+        program: The program that ran: `states` (see `sandbox.recording.states`), `version`, from a
+            checkout `commit`, and `models`, the digests of encoder and labels.
+    """
+
+    given: Mapping[str, Any]
+    program: Mapping[str, Any]
+
+    @property
+    def decides_states(self) -> tuple[Any, Any]:
+        """The parts of the program that states follow from."""
+        return self.program.get("states"), self.program.get("models")
+
+    def __str__(self) -> str:
+        """The program in words, as `states 2 (hand-sandbox 0.2.0, commit abc1234)`."""
+        at = self.program.get("commit")
+        version = self.program.get("version", "unknown") + (f", commit {at}" if at else "")
+        return f"states {self.program.get('states')} (hand-sandbox {version})"

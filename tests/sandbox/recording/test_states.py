@@ -1,0 +1,125 @@
+"""A recording of other states is read, and never played again as if it were one of these."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from models.errors import RecordingError
+from sandbox.cli.main import main
+from sandbox.export.sources import open_source
+from sandbox.options.scene_options import SceneOptions, plan
+from sandbox.recording.recording import load_recording
+from sandbox.recording.states import STATES, OtherStatesError, made_with, states_of
+from sandbox.study.record.stored_sessions import session_path
+from sandbox.study.run.simulate import run_simulated
+from sandbox.trial.headless import run_trial
+from sandbox.trial.replay import replay
+from tests.support.study_files import TRIALS, open_study
+
+MADE_WITH = "made with states 1 (hand-sandbox 0.2.0, commit abc1234)"
+
+
+@pytest.fixture(scope="module")
+def recorded(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("run") / "run.jsonl"
+    chosen = plan(SceneOptions(seed=11, fingers=3))
+    run_trial(chosen.settings, chosen.makers, record=path, about=chosen.about)
+    return path
+
+
+def of_other_states(path: Path, to: Path, **settings: Any) -> Path:
+    """The recording as a program with states 1 would have written it."""
+    first, _, rest = path.read_text().partition("\n")
+    header = json.loads(first)
+    del header["states"]
+    header["versions"] |= {"hand-sandbox": "0.2.0", "commit": "abc1234"}
+    header["settings"] |= settings
+    to.write_text(f"{json.dumps(header)}\n{rest}")
+    return to
+
+
+def test_a_recording_names_the_states_of_its_program_and_plays_again(recorded: Path) -> None:
+    recording = load_recording(recorded)
+    assert recording.header["states"] == states_of(recording.header) == STATES
+    _, verification = replay(recording)
+    assert verification.exact and verification.complete
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["replay", "{}"],
+        ["replay", "{}", "--film", "film.webp"],
+        ["export", "{}", "--of", "commanded", "--to", "hand.bvh"],
+        ["export", "{}", "--to", "lerobot", "--name", "me/old"],
+    ],
+    ids=" ".join,
+)
+def test_whatever_would_play_it_again_refuses_it_in_one_line_with_both_programs(
+    recorded: Path,
+    tmp_path: Path,
+    words: list[str],
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    of_other_states(recorded, tmp_path / "old.jsonl", rules=2)
+    assert main([word.format("old.jsonl") for word in words]) in (1, 2)
+    said = capsys.readouterr().err
+    assert said.count("\n") == 1 and MADE_WITH in said and f"states {STATES}" in said
+    assert [path.name for path in tmp_path.iterdir()] == ["old.jsonl"]
+
+
+def test_its_recorded_poses_are_exported_whatever_settings_it_has(
+    recorded: Path, tmp_path: Path
+) -> None:
+    old = of_other_states(recorded, tmp_path / "old.jsonl", rules=2, labels="no such labels")
+    poses = []
+    for path in (recorded, old):
+        taken: list[Any] = []
+        source = open_source(path)
+        source.play(taken.append)
+        poses.append(np.concatenate([each.root for each in taken]))
+    np.testing.assert_array_equal(poses[0], poses[1])
+    assert source.remarks == (f"{MADE_WITH}; this program has states {STATES}",)
+
+
+def test_its_touches_play_anew_as_a_device_and_a_line_names_both(
+    recorded: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    old = of_other_states(recorded, tmp_path / "old.jsonl", rules=2)
+    assert main(["run", "--device", str(old)]) == 0
+    assert MADE_WITH in capsys.readouterr().err.replace("\n", " ")
+
+
+def test_a_header_whose_states_are_no_number_is_refused(recorded: Path) -> None:
+    recording = load_recording(recorded)
+    for wrong in ("2", None, True, 2.0):
+        recording.header["states"] = wrong
+        with pytest.raises(RecordingError, match="damaged"):
+            replay(recording)
+    recording.header["states"] = STATES + 1
+    with pytest.raises(OtherStatesError):
+        replay(recording)
+    assert made_with({}) == "states 1 (hand-sandbox unknown)"
+
+
+def test_a_study_of_other_states_is_verified_but_for_its_replays(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    study = open_study(tmp_path)
+    run_simulated(study, 0, lambda text: None)
+    tables = session_path(study.path, study.participants()[0].ppid)
+    frames = sorted(path.name for path in tables.rglob("frames_*"))
+    assert frames
+    monkeypatch.setattr("sandbox.recording.states.STATES", STATES + 1)
+    capsys.readouterr()
+    assert main(["replay", str(study.path), "--verify"]) == 0
+    said = " ".join(capsys.readouterr().out.split())
+    assert f"{TRIALS} recordings not replayed: made with states {STATES}" in said
+    assert sorted(path.name for path in tables.rglob("frames_*")) == frames
