@@ -19,6 +19,7 @@ from sandbox.gym.environment import HandSandboxEnv
 from sandbox.gym.options import TRUE_LABELS
 from sandbox.recording.recorded_task import task_change
 from sandbox.recording.recording import Recording, load_recording
+from sandbox.recording.states import check_states
 from sandbox.trial.replay import settings_of, versions_of
 from tasks.discovery import place_file, place_member
 from tasks.registry import find_task
@@ -58,9 +59,11 @@ def open_demonstration(path: Path) -> Recording:
     """Reads a recording that can become a demonstration.
 
     Raises:
+        OtherStatesError: It was made with other `STATES`, so it would be another trial.
         RecordingError: It breaks off, is damaged, says no versions, or is of a hand in the air.
     """
     recording = load_recording(path)
+    check_states(recording)
     if recording.damage or recording.end is None:
         raise RecordingError(
             "a demonstration needs a whole recording",

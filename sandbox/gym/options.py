@@ -165,9 +165,7 @@ def run_settings(
     hands = [{**first, **chosen}, *others]
     own = {name: _plain(value) for name, value in single.items()}
     try:
-        values = RunSettings.from_json(
-            {**base.as_json(), "vary_rules": base.vary_rules, **own, "hands": hands}
-        )
+        values = RunSettings.from_json({**base.as_json(), **own, "hands": hands})
     except RecordingError as error:
         raise InputError("an option cannot be used", where="make", got=error.got) from None
     if any(hand.in_air is not None for hand in values.hands):
