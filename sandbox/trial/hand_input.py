@@ -11,7 +11,6 @@ from encoders.headset.joint_reconstructor import JointReconstructor, following
 from encoders.paalm.calibration import HandCalibration
 from encoders.paalm.calibration_file import calibration_from_json, calibration_to_json
 from encoders.paalm.hand_reconstructor import HandReconstructor, HandReconstructorSettings
-from encoders.paalm.options import PaalmOptions
 from encoders.paalm.paalm import Paalm
 from encoders.reconstruction.followed_hand import FollowingSettings
 from encoders.reconstruction.reconstructor import AirReconstructor
@@ -38,10 +37,6 @@ class HandInput:
         at: (3,) m, position of the device in the world; its axes are the world's.
         calibration: Calibration of this hand, as `sandbox paalm calibrate` writes it; None uses an
             average hand, or the bone lengths that the device reports.
-        learns: Learns the coupling of the hand while the device reports joints; a header without
-            it does not (see `PaalmOptions.learns`).
-        by_tips: Solves fingers without joints by their tips; a header without it does so by lengths
-            (see `PaalmOptions.solve`).
         camera: The camera whose landmarks drive the hand; None for a 3-D device. With it, the rest
             has no meaning.
         joints: The device reports all joints, in the world, as a headset does: they are fitted
@@ -50,8 +45,6 @@ class HandInput:
 
     at: tuple[float, float, float] = UNDER
     calibration: dict[str, Any] | None = None
-    learns: bool = True
-    by_tips: bool = True
     camera: Camera | None = None
     joints: bool = False
 
@@ -102,7 +95,7 @@ class HandInput:
             EncoderError: The calibration is damaged.
         """
         _check_seat(person, surface)
-        paalm = Paalm(PaalmOptions(learns=self.learns, solve="tips" if self.by_tips else "lengths"))
+        paalm = Paalm()
         if self.calibration is not None:
             paalm.use({person.hand: calibration_from_json(person.hand, self.calibration)})
         settings = HandReconstructorSettings(device=self.at, rate=rate, size=person.hand_size)

@@ -249,9 +249,7 @@ class RunSettings:
         for hand in values["hands"] if isinstance(values["hands"], list) else ():
             _check_names(hand, HandSettings, optional={"in_air", "layouts", "rest"})
             if hand.get("in_air") is not None:
-                _check_names(
-                    hand["in_air"], HandInput, optional={"learns", "by_tips", "camera", "joints"}
-                )
+                _check_names(hand["in_air"], HandInput, optional={"camera", "joints"})
         if "variation" in values:
             _check_names(values["variation"], Variation, optional=_names(Variation))
         try:

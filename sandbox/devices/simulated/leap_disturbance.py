@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, fields, replace
 from math import isfinite
 
-from encoders.paalm.simulated.eye import DIALECTS
+from encoders.paalm.simulated.forward import DIALECTS
 from encoders.paalm.simulated.leap_configuration import LeapConfiguration
 from models.errors import InputError
 

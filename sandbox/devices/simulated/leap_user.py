@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from encoders.paalm.simulated.eye import LeapEye
+from encoders.paalm.simulated.forward import ForwardLeap
 from encoders.paalm.simulated.leap_configuration import FROZEN_LEAP
 from models.arithmetic.arrays import Array
 from models.frames import HandFrame
@@ -89,7 +89,7 @@ class SimulatedLeap(HandDevice):
         if patient:
             habits = habits or PATIENT
         self.user = make(configuration, seed, radius, habits, home)
-        self._eye = LeapEye(seed, person.hand, dialect, self._trouble.applied(FROZEN_LEAP))
+        self._leap = ForwardLeap(seed, person.hand, dialect, self._trouble.applied(FROZEN_LEAP))
 
     def show(self, snapshot: Snapshot) -> None:
         """Shows the snapshot to the user."""
@@ -113,7 +113,7 @@ class SimulatedLeap(HandDevice):
         if self.finished:
             return []
         origin, rotation, joints = self.own_hand(now)
-        frame = self._eye.see(now, origin - self._at, rotation, joints)
+        frame, _ = self._leap.see(now, origin - self._at, rotation, joints)
         return [replace(frame, hands=()) if self._gone(now) else frame]
 
     def own_hand(self, now: float) -> tuple[Array, Array, Array]:
@@ -135,7 +135,7 @@ class SimulatedLeap(HandDevice):
         since = now - self._carried - _CARRIED
         gone = 0.0 <= since < self._trouble.lose
         if gone and not self._away:
-            self._eye.lose()
+            self._leap.lose()
         self._away = gone
         return gone
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from encoders.paalm.hand_pose import PALM_CENTRE
-from encoders.paalm.simulated.eye import LeapEye
+from encoders.paalm.simulated.forward import ForwardLeap
 from encoders.person.rest_posture import load_rest
 from encoders.webcam.camera import Camera
 from models.arithmetic.arrays import Array
@@ -63,7 +63,7 @@ def landmark_file(path: Path, left: bool = False) -> Path:
 
 def leap_file(path: Path) -> Path:
     """Two seconds of a hand that rests over a simulated Leap of the later software."""
-    q, eye = over_the_table(), LeapEye(5)
+    q, leap = over_the_table(), ForwardLeap(5)
     placed, turn = Kinematics(ADULT).place(q), exp(q[ROOT_ROTATION])
     origin = q[ROOT_POSITION] + turn @ PALM_CENTRE
     first = [2, 5, 8, 11]
@@ -71,7 +71,7 @@ def leap_file(path: Path) -> Path:
     rows = [thumb, *([*placed.joints[i : i + 3], placed.tips[n + 1]] for n, i in enumerate(first))]
     joints = (np.array(rows) - origin) @ turn
     device = origin + np.array([0.0, 0.0, 0.10])
-    frames: list[HandFrame] = [eye.see(0.01 * i, device, turn, joints) for i in range(200)]
+    frames: list[HandFrame] = [leap.see(0.01 * i, device, turn, joints)[0] for i in range(200)]
     messages = [leap_message(frame, i) for i, frame in enumerate(frames)]
     path.write_text(json.dumps({"metadata": {}, "frames": messages}))
     return path

@@ -14,9 +14,8 @@ from hypothesis import strategies as st
 
 from encoders.paalm.calibration_file import read_calibration, write_calibration
 from encoders.paalm.hand_reconstructor import HandReconstructor, HandReconstructorSettings
-from encoders.paalm.options import PaalmOptions
 from encoders.paalm.paalm import Paalm
-from encoders.paalm.simulated.eye import LeapEye
+from encoders.paalm.simulated.forward import ForwardLeap
 from encoders.paalm.simulated.leap_configuration import FROZEN_LEAP
 from encoders.reconstruction.arrival import Phase
 from encoders.reconstruction.touch_reconstructor import Reconstruction
@@ -206,31 +205,6 @@ def test_settings_with_a_calibration_are_read_back_as_they_were(tmp_path: Path) 
     assert "in_air" not in RunSettings().as_json()["hands"][0]
 
 
-def test_a_header_from_before_couplings_were_learned_replays_without_learning() -> None:
-    values = settings(hands=(HandSettings(in_air=HandInput()),)).as_json()
-    assert RunSettings.from_json(values).hands[0].in_air == HandInput()
-    del values["hands"][0]["in_air"]["learns"]
-    assert RunSettings.from_json(values).hands[0].in_air == HandInput(learns=False)
-
-
-def test_a_header_from_before_fingers_were_solved_by_tips_replays_by_lengths() -> None:
-    values = settings(hands=(HandSettings(in_air=HandInput()),)).as_json()
-    del values["hands"][0]["in_air"]["by_tips"]
-    before = RunSettings.from_json(values).hands[0].in_air
-    assert before == HandInput(by_tips=False)
-    old, new = (i.reconstructor(Person(), Surface(), RateLimit()) for i in (before, HandInput()))
-    by_lengths = HandReconstructor(
-        Paalm(PaalmOptions(solve="lengths")),
-        settings=HandReconstructorSettings(device=UNDER),
-        surface=Surface(),
-        assume=True,
-    )
-    for frame in take(3).frames[:40]:
-        q = old.step(frame).q
-        np.testing.assert_array_equal(q, by_lengths.step(frame).q)
-        assert np.abs(q - new.step(frame).q).max() > 1e-3
-
-
 @pytest.mark.parametrize("values", [{}, {"at": [0, 0], "calibration": None}, {"at": "here"}, 3])
 def test_settings_that_are_none_are_refused(values: object) -> None:
     with pytest.raises(InputError):
@@ -327,10 +301,10 @@ def test_a_hand_in_the_air_stays_at_the_lower_edge_of_a_flat_table() -> None:
 
 @pytest.mark.parametrize("side", ["right", "left"])
 def test_the_simulated_device_says_where_joints_are_and_of_which_side(side: str) -> None:
-    eye = LeapEye(3, side)
+    leap = ForwardLeap(3, side)
     joints = np.random.default_rng(0).normal(0.0, 0.05, (5, 4, 3))
     mirror = np.diag([-1.0 if side == "left" else 1.0, 1.0, 1.0])
-    hand = eye.see(0.5, np.array([0.1, 0.0, 0.2]), mirror, joints).hands[0]
+    hand = leap.see(0.5, np.array([0.1, 0.0, 0.2]), mirror, joints)[0].hands[0]
     assert hand.side == side
     for finger in hand.fingers:
         truth = np.array([0.1, 0.0, 0.2]) + joints[finger.finger] @ mirror.T
@@ -339,14 +313,14 @@ def test_the_simulated_device_says_where_joints_are_and_of_which_side(side: str)
 
 @pytest.mark.parametrize("apart", [0.006, 0.020])
 def test_the_first_devices_see_two_fingertips_as_one_where_they_are_too_near(apart: float) -> None:
-    eye = LeapEye(3, dialect="v1", configuration=replace(FROZEN_LEAP, lost_rate=0.0))
+    leap = ForwardLeap(3, dialect="v1", configuration=replace(FROZEN_LEAP, lost_rate=0.0))
     joints = np.zeros((5, 4, 3))
     joints[:, :, 1] = [0.03, 0.07, 0.10, 0.12]
     joints[:, :, 0] = np.array([-0.06, -0.03, -0.03 + apart, 0.03, 0.06])[:, None]
     # The middle finger is a little longer than the index.
     joints[2, 3, 1] += 0.001
     for i in range(10):
-        seen = eye.see(0.01 * i, np.zeros(3), np.eye(3), joints).hands[0].fingers
+        seen = leap.see(0.01 * i, np.zeros(3), np.eye(3), joints)[0].hands[0].fingers
     x = sorted(finger.tip[0] for finger in seen)
     wanted = [-0.06, -0.03, -0.03 + apart, 0.03, 0.06]
     if apart < FROZEN_LEAP.merged:
