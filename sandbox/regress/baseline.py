@@ -371,7 +371,7 @@ def _end(fd: int, release: Release | None) -> None:
 
 def _setting(name: str, given: Mapping[str, Any]) -> str:
     """A setting with its value, for people."""
-    return f"{name} {given[name]}" if name in given else f"no {name}"
+    return f"{name} {given[name]}" if name in given else f"{name} left to its default"
 
 
 def flat(values: Mapping[str, Any]) -> dict[str, Any]:

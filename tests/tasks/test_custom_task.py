@@ -24,6 +24,7 @@ from models.surface import Surface
 from sandbox.cli.main import main
 from sandbox.library.trial_run import run_trial
 from sandbox.recording.recording import load_recording
+from sandbox.recording.states import STATES
 from sandbox.regression import Regression
 from sandbox.trial.assembly import build
 from sandbox.trial.replay import settings_of
@@ -642,7 +643,8 @@ def test_without_a_touch_the_example_is_not_done_and_its_command_names_the_file(
 
 def recorded(path: Path, task: str, **source: object) -> None:
     """A recording's header, with where its task is from."""
-    header = {"kind": "header", "schema": 2, "settings": RunSettings(task=task).as_json()}
+    settings = RunSettings(task=task).as_json()
+    header = {"kind": "header", "schema": 2, "states": STATES, "settings": settings}
     path.write_text(json.dumps({**header, "task_from": source}) + "\n")
 
 
