@@ -204,7 +204,7 @@ class HandFrame:
         hands: The visible hands, in any order.
         source: Name of the device, for messages and logs.
         dialect: Version of a Leap's software, by its messages: `v1`, `v2`, `v3` or `bridge`; None
-            where it is unknown, as in recordings made before it was stored.
+            where it is unknown.
     """
 
     time: float

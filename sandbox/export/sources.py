@@ -166,7 +166,7 @@ def _simulated(path: Path) -> MotionSource:
             any_rows = True
         if not any_rows:
             raise RecordingError(
-                "it holds no poses: it ends before the first one, or an older version made it",
+                "it holds no poses: it ends before the first one",
                 where=str(path),
                 remedy="--of commanded replays it and exports the commanded pose",
             )

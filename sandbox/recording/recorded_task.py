@@ -74,7 +74,7 @@ def task_change(header: dict[str, Any], name: str, seed: int, surface: Surface) 
 
     Returns:
         The line; empty where nothing has changed, for a built-in task, and where the header has no
-        digests, as older ones.
+        digests.
     """
     source = header.get("task_from")
     there = source.get("files") if isinstance(source, dict) else None

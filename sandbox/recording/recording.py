@@ -262,7 +262,7 @@ class Recording:
         keyframes: Integration states by physics step.
         events: Events in order.
         hashes: Hashes of the state by physics step, as far as the file has them.
-        track: Poses, for viewing; empty in older recordings.
+        track: Poses, for viewing; empty where it breaks off before the first.
         end: The `end` line; None if the recording breaks off.
         damage: Description of damage at the end of the file; empty without damage.
     """
@@ -324,9 +324,7 @@ def read_header(line: bytes, path: Path) -> dict[str, Any]:
         raise RecordingError("its first line is damaged", where=str(path)) from None
     if header.get("schema") != SCHEMA:
         raise RecordingError(
-            "this recording was made before version 0.2, with other arithmetic and other rules"
-            if header.get("schema") == 1
-            else "this recording is of another version",
+            "this recording is of another version",
             where=str(path),
             got=f"schema {header.get('schema')}",
             expected=f"schema {SCHEMA}",

@@ -98,12 +98,15 @@ def digests(settings: RunSettings) -> dict[str, str]:
     return {**learned, "robot": RobotHand("", find_robot(settings.robot)).digest}
 
 
-def reconstructor_settings(settings: RunSettings, lift_range: float = 0.0) -> ReconstructorSettings:
+def reconstructor_settings(
+    settings: RunSettings, lift_range: float = 0.0, size: float = 1.0
+) -> ReconstructorSettings:
     """Settings of the reconstructor of touches.
 
     Args:
         settings: Settings of the run.
         lift_range: m by which the task's lift control raises the hand.
+        size: Length of the person's hand relative to the trained hand.
     """
     tracker, arrival = TrackerSettings(), ArrivalSettings()
     if not settings.stitch:
@@ -115,9 +118,8 @@ def reconstructor_settings(settings: RunSettings, lift_range: float = 0.0) -> Re
     chosen = ReconstructorSettings(
         tracker=tracker,
         arrival=arrival,
-        # The reconstructor works in the trained hand's scale, in which the lift is divided by the
-        # person's hand size. All hands use the size of the first: earlier recordings depend on it.
-        lift=LiftSettings(reach=lift_range / settings.hands[0].size),
+        # The reconstructor works in the trained hand's scale.
+        lift=LiftSettings(reach=lift_range / size),
         correction=CorrectionSettings() if settings.correction else None,
         encode=settings.encode,
         rate=GENTLE if is_gentle(settings.impulse) else RateLimit(),
@@ -238,14 +240,17 @@ def build(
         known = knowing_rest(model, hand.rest, hand.size) if hand.rest else model
 
         def trained_hand(
-            surface: Surface, labeller: Labeller = labeller, known: TrainedModel = known
+            surface: Surface,
+            labeller: Labeller = labeller,
+            known: TrainedModel = known,
+            size: float = hand.size,
         ) -> TouchReconstructor:
             return TouchReconstructor(
                 known,
                 labeller,
                 ADULT,
                 surface,
-                reconstructor_settings(settings, task.lift_range),
+                reconstructor_settings(settings, task.lift_range, size),
             )
 
         own = personal(hand.person, surface, trained_hand)

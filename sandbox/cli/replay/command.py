@@ -232,7 +232,7 @@ def _report(
         score = TrialResult.from_json(recording.end["result"], str(recording.path)).score
     if not verification.same_machine:
         shown = "its recorded poses" if verification.shown_recorded else "what is simulated here"
-        why = "" if verification.shown_recorded else ", since an older version recorded no poses"
+        why = "" if verification.shown_recorded else ", since it holds no poses"
         console.print(f"shown: {shown}{why}")
     if verification.diverged:
         console.print(f"[yellow]the simulation diverged: {verification.diverged}[/]")

@@ -161,7 +161,7 @@ def test_on_the_same_machine_a_difference_still_fails(
     assert command.main([str(other)]) == 1
 
 
-def test_an_older_recording_without_poses_shows_what_is_simulated_and_says_so(
+def test_a_recording_without_poses_shows_what_is_simulated_and_says_so(
     recorded: tuple[dict[int, Snapshot], TrialResult, Path], capsys: pytest.CaptureFixture[str]
 ) -> None:
     _, _, path = recorded
@@ -169,7 +169,7 @@ def test_an_older_recording_without_poses_shows_what_is_simulated_and_says_so(
     old = path.with_name("old.jsonl")
     old.write_text("\n".join(t for t in lines if '"kind":"track"' not in t) + "\n")
     assert command.main([str(old)]) == 0
-    assert "recorded no poses" in capsys.readouterr().out
+    assert "holds no poses" in capsys.readouterr().out
 
 
 def test_poses_of_another_scene_are_refused_in_one_line(

@@ -91,8 +91,8 @@ def test_live_touches_and_a_live_leap_become_a_capture_of_the_same_fingers(
     assert status == 0, capsys.readouterr().err
     about = json.loads((tmp_path / "live" / "about.json").read_text())
     assert about["simulated"] is True, "its service is a fake one, and says so"
-    # Both live streams have this machine's clock, and the simulated devices' delays are 20 ms apart.
-    # Finding that by taps, as in the files, would need a machine that is never late.
+    # Both live streams have this machine's clock, and the devices' delays are 20 ms apart. Finding
+    # that by taps, as in the files, would need a machine that is never late.
     for folder, sync in (("day", []), ("live", ["--sync", "clock", "--offset", "0.02"])):
         out = tmp_path / f"{folder}.npz"
         words = ["capture", "--recorded", str(tmp_path / folder), "--out", str(out), *sync]
