@@ -19,11 +19,11 @@ from rich.console import Console
 from rich.table import Table
 
 from encoders.capture import Capture
-from encoders.captures.population import simulate_population
 from encoders.labels.belief import builtin_trained_belief
 from encoders.labels.labelling import true_row
 from encoders.labels.population_belief import builtin_population_model
 from models.arithmetic.arrays import Array
+from training.population import simulate_population
 
 OPENING = (0.045, 0.085)
 """m between thumb and index finger."""

@@ -25,13 +25,13 @@ from rich.table import Table
 
 from benchmarks.one_line import run
 from encoders.capture import Capture
-from encoders.captures.population import Population, load_population, simulate_population
-from encoders.captures.population.names import train_names
-from encoders.captures.population.population import PEOPLE
 from encoders.evaluation.subjects import subject
 from encoders.labels.belief import BeliefLabels, builtin_belief
 from encoders.labels.own_layouts import OwnLayouts
 from encoders.labels.population_belief import PopulationBelief, builtin_population_belief
+from training.names import train_names
+from training.population import Population, load_population, simulate_population
+from training.population.population import PEOPLE
 
 DAY_SEED = 19
 """Seed of the judged days."""

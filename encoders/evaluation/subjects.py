@@ -21,7 +21,7 @@ Progress = Callable[[float], None]
 
 SUBJECTS: dict[str, str] = {
     "first": "encoders.captures.subject",
-    "second": "encoders.captures.second_subject",
+    "second": "training.second_subject",
 }
 """Package with `simulate`, `FROZEN` and `SEED` by subject name; loaded only on demand."""
 

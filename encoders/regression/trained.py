@@ -67,7 +67,7 @@ BUILTIN = (*POLYNOMIALS, "best")
 one."""
 
 POPULATION = "population"
-"""Name of the built-in model for any person; `encoders.regression.population_training` trains
+"""Name of the built-in model for any person; `training.pose` trains
 it."""
 
 

@@ -13,13 +13,13 @@ from rich.console import Console
 from rich.markup import escape
 from rich.progress import Progress
 
-from encoders.captures.population import save_population, simulate_population
-from encoders.captures.population.population import PEOPLE
 from encoders.captures.subject import FROZEN, SEED, simulate
 from encoders.store import save_capture
 from models.errors import InputError
 from models.messages.wording import counted
 from sandbox.cli.common.parse import parse
+from training.population import save_population, simulate_population
+from training.population.population import PEOPLE
 
 
 @dataclass(frozen=True)

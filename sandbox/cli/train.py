@@ -13,11 +13,8 @@ from rich.markup import escape
 from rich.progress import Progress
 
 from encoders.capture import Capture
-from encoders.captures.population import load_population
-from encoders.captures.population.names import train_names
 from encoders.captures.subject import FROZEN, SEED, simulate
 from encoders.evaluation.best import train_best_model
-from encoders.regression.population_training import train_population
 from encoders.regression.registry import find_encoder
 from encoders.regression.trained import (
     BUILTIN,
@@ -34,6 +31,9 @@ from encoders.store import load_capture, save_capture
 from models.errors import InputError
 from sandbox.cli.common.json_out import check_output, refuse_replacing
 from sandbox.cli.common.parse import parse
+from training.names import train_names
+from training.population import load_population
+from training.pose import train_population
 
 SAME_POSE = 1e-4
 """m and rad; poses that differ by less count as equal."""

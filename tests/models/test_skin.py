@@ -28,11 +28,11 @@ from models.scene import Scene, SceneSpec
 from models.skeleton import ADULT, Skeleton
 from models.skin.skin import FULL, Skin, dense, frames, normals_of
 from sandbox.views.hand_look import skinned_model
-from tools.skin.field import HandField
-from tools.skin.make_skin import STEP, extras, make
-from tools.skin.mesh import edges_of, volume
-from tools.skin.tone import tone_of
-from tools.skin.weights import folds, random_poses, weights_of
+from training.skin.field import HandField
+from training.skin.make_skin import STEP, extras, make
+from training.skin.mesh import edges_of, volume
+from training.skin.tone import tone_of
+from training.skin.weights import folds, random_poses, weights_of
 
 OTHERS = (ADULT.mirrored(), ADULT.scaled(0.7), ADULT.scaled(1.25).mirrored())
 seeds = st.integers(0, 2**32 - 1)

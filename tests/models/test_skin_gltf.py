@@ -16,7 +16,7 @@ from models.pose import POSE_SIZE
 from models.skeleton import ADULT
 from models.skin.gltf import glb, main, write_glb
 from models.skin.skin import Skin, frames
-from tools.skin.weights import random_poses
+from training.skin.weights import random_poses
 
 
 @pytest.fixture(params=[ADULT, ADULT.scaled(1.25).mirrored()], ids=["right", "large left"])

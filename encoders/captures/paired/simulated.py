@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from encoders.capture import Capture
-from encoders.captures import second_subject, subject
+from encoders.captures import subject
 from encoders.paalm.average import OPEN_SPREAD
 from encoders.paalm.hand_pose import PALM_CENTRE, hand_pose
 from encoders.paalm.palm import Palm
@@ -31,6 +31,7 @@ from models.pose import ROOT_POSITION, ROOT_ROTATION
 from models.rotations import exp, unwrapped
 from models.skeleton import ADULT, Skeleton
 from models.surface import Surface
+from training import second_subject
 
 
 @dataclass(frozen=True)

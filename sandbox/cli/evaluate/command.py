@@ -95,7 +95,7 @@ def main(argv: list[str]) -> int:
 
         return judge_paalm(argv)
     if is_about_strangers(argv):
-        from sandbox.cli.evaluate.strangers import main as judge_strangers
+        from training.cli.strangers import main as judge_strangers
 
         return judge_strangers(argv)
     try:
@@ -103,7 +103,7 @@ def main(argv: list[str]) -> int:
     except SystemExit:
         # It was asked for help, which is about both papers.
         from sandbox.cli.evaluate.paalm_judge import PaalmJudgeOptions
-        from sandbox.cli.evaluate.strangers import StrangersOptions
+        from training.cli.strangers import StrangersOptions
 
         print("\nWith --train population, --hold-out or --people:\n", flush=True)
         with suppress(SystemExit):

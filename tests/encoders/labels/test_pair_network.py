@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from encoders.labels.labelling import hypotheses
 from encoders.labels.network_evidence import NetworkEvidence, set_prior
-from encoders.labels.network_training import loss_and_slopes
 from encoders.labels.pair_network import PairNetwork, initial_weights
 from encoders.labels.population_belief import (
     builtin_population_belief,
@@ -18,6 +17,7 @@ from encoders.labels.population_belief import (
     load_population_belief,
 )
 from models.errors import EncoderError
+from training.name_network import loss_and_slopes
 
 SIZES = {"g": 7, "context": 5, "f": 9, "h": 6}
 

@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 from encoders.capture import Capture
-from encoders.captures.population import simulate_population
 from encoders.person.rest_posture import (
     MOST,
     Look,
@@ -20,11 +19,12 @@ from encoders.person.rest_posture import (
     looks_of,
     save_rest,
 )
-from encoders.regression.population_training import at_trained_size
 from encoders.regression.trained import TrainedModel, builtin
 from encoders.store import save_capture
 from models.errors import EncoderError, InputError
 from models.pose import absolute_pose
+from training.population import simulate_population
+from training.pose import at_trained_size
 
 PLANTED = 0.1
 """rad, bending of all fingers' middle joints beyond what the encoder expects."""

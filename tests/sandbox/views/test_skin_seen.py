@@ -23,7 +23,7 @@ from sandbox.views.drawing import Drawing
 from sandbox.views.hand_look import skinned_model
 from sandbox.views.renderer import Renderer
 from tests.support.viewed import Viewed, viewed
-from tools.skin.weights import random_poses
+from training.skin.weights import random_poses
 
 
 @pytest.fixture(scope="module")

@@ -1,0 +1,100 @@
+"""The population of simulated people: who is in it, and its file."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from models.errors import CaptureError, InputError
+from training.population import (
+    Population,
+    load_population,
+    save_population,
+    simulate_population,
+)
+
+FEW = {"train": {"first": 2, "second": 2, "posed": 4}, "judge": {"second": 1}}
+"""People of the first generator may be left out; with this salt neither is."""
+
+
+@pytest.fixture(scope="module")
+def people() -> Population:
+    return simulate_population("a", FEW)
+
+
+def test_nobody_is_twice_in_a_population_and_all_say_that_they_are_simulated(
+    people: Population,
+) -> None:
+    seeds = [tuple(person.meta["seed"]) for person in people.people]
+    assert len(set(seeds)) == len(seeds)
+    assert all(person.meta["simulated"] for person in people.people)
+    assert {person.meta["source"] for person in people.people} == {"first", "second", "posed"}
+    assert {p.meta["source"] for p in people.of(without="second").people} == {"first", "posed"}
+    assert all(p.meta["group"] == "judge" for p in people.of(group="judge").people)
+
+
+def test_people_have_hands_of_their_own_size_within_the_published_range(people: Population) -> None:
+    sizes = [person.meta["size"] for person in people.people]
+    assert len(set(sizes)) == len(sizes)
+    assert all(0.82 <= size <= 1.18 for size in sizes)
+
+
+def test_people_to_train_on_show_every_set_of_fingers(people: Population) -> None:
+    for source in ("first", "second"):
+        person = next(p for p in people.people if p.meta["source"] == source)
+        sets = {tuple(row) for row in person.down.tolist()}
+        # A hand whose four or five touches cross now and then may lose one of 26 sets.
+        assert len(sets) >= 24
+
+
+def test_posed_fingertips_are_in_reach_of_each_other(people: Population) -> None:
+    for person in people.people:
+        if person.meta["source"] == "posed":
+            apart = np.linalg.norm(person.xy[:, 0] - person.xy[:, 1], axis=1)
+            assert np.nanmax(apart) < 0.15
+
+
+def test_equal_salts_draw_equal_people_and_other_salts_others(people: Population) -> None:
+    few = {"train": {"second": 2}}
+    same, other = simulate_population("a", few), simulate_population("another", few)
+    known = next(p for p in people.people if p.meta["source"] == "second")
+    assert np.array_equal(same.people[0].xy, known.xy, equal_nan=True)
+    assert same.digest != other.digest
+
+
+def test_a_stored_population_is_the_same_population(people: Population, tmp_path: Path) -> None:
+    save_population(people, tmp_path / "people.npz")
+    back = load_population(tmp_path / "people.npz")
+    assert back.digest == people.digest
+    assert [p.meta for p in back.people] == [p.meta for p in people.people]
+
+
+def test_a_file_cut_short_is_one_clear_error(people: Population, tmp_path: Path) -> None:
+    path = tmp_path / "people.npz"
+    save_population(people, path)
+    path.write_bytes(path.read_bytes()[:-1000])
+    with pytest.raises(CaptureError, match="sandbox subject population"):
+        load_population(path)
+
+
+def test_a_population_of_another_version_is_refused(people: Population, tmp_path: Path) -> None:
+    path = tmp_path / "people.npz"
+    save_population(Population(people.people, {**people.meta, "version": 0}), path)
+    with pytest.raises(CaptureError, match="another version"):
+        load_population(path)
+
+
+@pytest.mark.parametrize("groups", [{}, {"train": {"third": 1}}, {"spare": {"first": 1}}])
+def test_unknown_people_are_refused(groups: dict[str, dict[str, int]]) -> None:
+    with pytest.raises(InputError):
+        simulate_population("", groups)
+
+
+def test_people_put_down_neighbouring_fingers_about_as_far_apart_as_real_ones(
+    people: Population,
+) -> None:
+    for person in people.people:
+        five = person.xy[person.down.all(axis=1)] / person.meta["size"]
+        middle = np.median(np.linalg.norm(np.diff(five, axis=1), axis=-1), axis=0)
+        # Real medians are 54, 29, 23 and 31 mm.
+        assert (np.abs(1e3 * middle - [54, 29, 23, 31]) < [39, 15, 12, 18]).all()

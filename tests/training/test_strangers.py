@@ -1,0 +1,75 @@
+"""What is measured of strangers is what it says."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from encoders.evaluation.best import Best, estimated
+from encoders.labels.belief import builtin_belief
+from encoders.labels.population_belief import builtin_population_belief
+from encoders.regression.trained import builtin
+from training.population import simulate_population
+from training.pose import at_trained_size
+from training.strangers import (
+    StrangerResult,
+    calibration_error,
+    judge_stranger,
+    reliability,
+    summary,
+)
+
+
+def result(right: list[bool], claimed: list[float], error: float = 1.0) -> StrangerResult:
+    n = len(right)
+    fingers = np.full(n, 3)
+    errors = np.full(n, error)
+    return StrangerResult(fingers, errors, 10 * errors, np.array(right), np.array(claimed))
+
+
+def test_the_curve_counts_what_was_claimed_and_what_was_right() -> None:
+    curve = reliability(np.array([0.62, 0.68, 0.95, 1.0]), np.array([True, False, True, True]))
+    assert [(b["from"], b["to"]) for b in curve] == [(0.6, 0.7), (0.9, 1.0)]
+    assert curve[0]["claimed"] == pytest.approx(0.65) and curve[0]["right"] == 0.5
+    assert sum(b["share"] for b in curve) == pytest.approx(1.0)
+    # Two bins, half of the frames each, off by 15 and 2.5 points.
+    assert calibration_error(curve) == pytest.approx(0.5 * 15 + 0.5 * 2.5)
+
+
+def test_true_probabilities_have_no_calibration_error_and_boasting_has_one() -> None:
+    rng = np.random.default_rng(0)
+    claimed = rng.random(200_000)
+    right = rng.random(len(claimed)) < claimed
+    assert calibration_error(reliability(claimed, right)) < 0.5
+    assert calibration_error(reliability(np.ones(len(claimed)), right)) == pytest.approx(50, abs=1)
+
+
+def test_intervals_are_over_people() -> None:
+    alike = summary([result([True, False] * 50, [0.9] * 100) for _ in range(5)])
+    assert alike["labels_percent"]["all"] == 50.0
+    assert alike["labels_percent_interval"]["all"] == (50.0, 50.0)
+    apart = summary([result([good] * 100, [0.9] * 100, 1.0 + good) for good in (True, False) * 3])
+    low, high = apart["labels_percent_interval"]["all"]
+    assert low < 30 and high > 70
+    assert apart["wrist_cm"] == 1.5 and apart["wrist_cm_interval"][0] < 1.3
+
+
+def test_names_that_were_not_asked_for_are_not_judged() -> None:
+    found = summary([result([False] * 10, [np.nan] * 10)])
+    assert "labels_percent" not in found and found["people"] == 1
+
+
+def test_a_stranger_is_judged_by_the_estimate_of_the_model() -> None:
+    one = simulate_population("strangers", {"judge": {"second": 3}}).people[0]
+    capture = at_trained_size(one, one.meta["size"])
+    capture = capture.select(capture.trial == capture.trial[0])
+    found = judge_stranger(capture, builtin("population"), builtin_population_belief())
+    q = estimated(builtin("population"), capture)
+    known = Best(builtin("population"), builtin_belief())
+    np.testing.assert_array_equal(q, known.estimate(capture.time, capture.trial, capture.xy))
+    wrist = 100 * np.linalg.norm((q - capture.q)[:, :3], axis=1)
+    np.testing.assert_allclose(found.wrist, wrist)
+    assert ((found.claimed >= 0) & (found.claimed <= 1)).all() and len(found.right) == len(capture)
+    without = judge_stranger(capture, builtin("population"), None)
+    np.testing.assert_array_equal(without.angle, found.angle)
+    assert np.isnan(without.claimed).all()

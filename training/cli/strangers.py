@@ -1,0 +1,276 @@
+"""`sandbox evaluate --train population`, `--hold-out` and `--people`: how well strangers are
+served."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import numpy as np
+import tyro
+from rich.console import Console
+from rich.progress import Progress, TaskID
+from rich.table import Table
+
+from encoders.capture import Capture
+from encoders.evaluation.report import plain
+from encoders.evaluation.subjects import TRAINING_DAY, subject
+from encoders.labels.belief import BeliefLabels, builtin_belief
+from encoders.labels.population_belief import builtin_population_belief
+from encoders.person.rest_posture import MOST, Looks, knowing_rest, looks_of
+from encoders.regression.trained import POPULATION, TrainedModel, builtin
+from models.errors import InputError
+from sandbox.cli.common.json_out import check_output, refuse_replacing, write_json
+from sandbox.cli.common.parse import parse
+from training.names import train_names
+from training.population import Population, load_population, simulate_population
+from training.population.population import PEOPLE
+from training.pose import at_trained_size, train_population
+from training.strangers import StrangerResult, judge_stranger, summary
+
+SCHEMA = 1
+"""Version of the JSON."""
+
+Maker = Callable[[], BeliefLabels]
+
+
+@dataclass(frozen=True)
+class StrangersOptions:
+    """Measures how well people are served on whom nothing was trained: pose with true names, names
+    with history, and how true the probabilities are. Intervals are over people.
+
+    --people: judged people of the population, half of each generator, drawn with the digest of the
+    names that ship, so that nobody chose them. --hold-out: a frozen subject whose generator took no
+    part in the training; it is trained anew on people of all other sources, which takes minutes.
+    All people are SIMULATED. Their hand size is known.
+
+    Try:
+
+        sandbox evaluate --train population --people 12
+        sandbox evaluate --train population --hold-out second --rest 12
+    """
+
+    train: Literal["own", "population"] = "population"
+    """own: one person, as encoder best and labels history are, who is then a stranger's stranger.
+    population: hundreds of people."""
+
+    hold_out: Literal["first", "second"] | None = None
+    """Generator that is left out of the training, and whose frozen subject is judged."""
+
+    people: int | None = None
+    """Number of judged people of the population, of whom those whose fingers touch unlike
+    real people's are left out. Default: 12, or none with --hold-out."""
+
+    days: int = 12
+    """Judged days of the frozen subject, with --hold-out."""
+
+    day_seed: int = 0
+    """Seed that chooses the days."""
+
+    population: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    """People to train on, by `sandbox subject population`. Default: they are made anew."""
+
+    rest: int = 0
+    """Most looks at each hand that are known beforehand, 0 to 12, as by --rest of `sandbox run`: at
+    the ends of other takes, of which there may be fewer."""
+
+    names: bool = True
+    """Judge names of fingers as well, which takes most of the time."""
+
+    json: Annotated[Path | None, tyro.conf.arg(metavar="OUT")] = None
+    """File for all numbers as JSON; - is the terminal."""
+
+
+def main(argv: list[str]) -> int:
+    """Runs `sandbox evaluate --train population ...`."""
+    options = parse(StrangersOptions, "sandbox evaluate", argv)
+    _check(options)
+    console = Console()
+    bars = Console(stderr=True)
+    with Progress(console=bars, transient=True, disable=not bars.is_terminal) as progress:
+        rows = _rows(options, progress)
+    document = {
+        "schema": SCHEMA,
+        "simulated": True,
+        "configuration": {
+            "train": options.train,
+            "hold_out": options.hold_out,
+            "people": _people(options),
+            "days": options.days if options.hold_out else 0,
+            "day_seed": options.day_seed,
+            "rest": options.rest,
+        },
+        "strangers": plain({name: summary(scores) for name, scores in rows.items()}),
+    }
+    Console(width=max(console.width, 120)).print(_table(document["strangers"]))
+    write_json(options.json, document, sort_keys=True)
+    return 0
+
+
+def _people(options: StrangersOptions) -> int:
+    if options.people is not None:
+        return options.people
+    return 0 if options.hold_out else 12
+
+
+def _check(options: StrangersOptions) -> None:
+    for name, value, least, most in (
+        ("--people", _people(options), 0, 2 * PEOPLE["judge"]["first"]),
+        ("--days", options.days, 1, 1000),
+        ("--day-seed", options.day_seed, 0, 2**31),
+        ("--rest", options.rest, 0, MOST),
+    ):
+        if not least <= value <= most:
+            raise InputError("out of range", where=name, got=value, expected=f"{least} to {most:,}")
+    if not _people(options) and options.hold_out is None:
+        raise InputError("nobody to judge", where="--people", got=0, expected="1 or more")
+    if options.train == "own" and options.rest:
+        raise InputError(
+            "an encoder of one person cannot use a rest posture",
+            where="--rest",
+            remedy="Use --train population",
+        )
+    check_output(options.json)
+    refuse_replacing(options.json, {"--population": options.population}, "--json")
+
+
+def _rows(options: StrangersOptions, progress: Progress) -> dict[str, list[StrangerResult]]:
+    rows: dict[str, list[StrangerResult]] = {}
+    if options.hold_out:
+        name = f"{options.hold_out} subject"
+        model, make = _trained(options, progress)
+        one = subject(options.hold_out)
+        numbers = one.judged_days(options.days, options.day_seed)
+        bar = progress.add_task(name, total=float(len(numbers)))
+        looks = looks_of(one.day(TRAINING_DAY, None), options.rest) if options.rest else ()
+        what = "one person" if options.train == "own" else "generator held out"
+        for number in numbers:
+            day = one.day(number, None)
+            _judge(rows, f"{name}, {what}", day, model, make, looks)
+            progress.advance(bar)
+    if count := _people(options):
+        shipped: tuple[TrainedModel, Maker | None]
+        shipped = builtin(POPULATION), builtin_population_belief if options.names else None
+        if options.train == "own":
+            shipped = builtin("best"), builtin_belief if options.names else None
+        groups = {"first": (count + 1) // 2, "second": count // 2}
+        bar = progress.add_task("judged people", total=1.0)
+        salt = builtin_population_belief().trained.digest
+        judged = simulate_population(
+            salt, {"judge": groups}, lambda share: progress.update(bar, completed=0.5 * share)
+        )
+        if not judged.people:
+            raise InputError(
+                "all judged people are left out: their fingers touch unlike real people's",
+                where=f"--people {count}",
+                expected="more people",
+            )
+        what = "one person" if options.train == "own" else "population"
+        for i, person in enumerate(judged.people):
+            sized = at_trained_size(person, float(person.meta["size"]))
+            looks, rest = _seen(sized, options.rest)
+            _judge(rows, f"judged people, {what}", rest, *shipped, looks)
+            progress.update(bar, completed=0.5 + 0.5 * (i + 1) / len(judged.people))
+    return rows
+
+
+def _judge(
+    rows: dict[str, list[StrangerResult]],
+    name: str,
+    capture: Capture,
+    model: TrainedModel,
+    make: Maker | None,
+    looks: Looks,
+) -> None:
+    """Judges a person, and once more with the hand seen."""
+    judgement = judge_stranger(capture, model, make() if make else None)
+    rows.setdefault(name, []).append(judgement)
+    if looks:
+        known = knowing_rest(model, looks, 1.0)
+        rows.setdefault(f"{name}, hand seen", []).append(judge_stranger(capture, known, None))
+
+
+def _seen(person: Capture, count: int) -> tuple[Looks, Capture]:
+    """Looks at the ends of takes, and the person's other takes."""
+    if not count:
+        return (), person
+    numbers = np.unique(person.trial)
+    first = np.isin(person.trial, numbers[: len(numbers) // 2])
+    return looks_of(person.select(first), count), person.select(~first)
+
+
+def _trained(options: StrangersOptions, progress: Progress) -> tuple[TrainedModel, Maker | None]:
+    """Model and labels that did not see the generator that is held out."""
+    if options.train == "own":
+        other = {"first": "second", "second": "first"}[str(options.hold_out)]
+        if other == "first":
+            return builtin("best"), builtin_belief if options.names else None
+        raise InputError(
+            "the shipped encoder of one person was trained on the first subject",
+            where="--hold-out first",
+            expected="--hold-out second with --train own",
+            remedy="`sandbox evaluate --train own` judges other days of the same person",
+        )
+    people = _training_people(options, progress).of(without=options.hold_out)
+    bar = progress.add_task("training the pose", total=1.0)
+    about = {"digest": people.digest, **people.meta}
+    model = train_population(people.people, about, progress=_shown(progress, bar))
+    if not options.names:
+        return model, None
+    bar = progress.add_task("training names", total=1.0)
+    show = _shown(progress, bar)
+    belief = train_names(people.people, people.digest, lambda share, loss: show(share))
+    return model, lambda: BeliefLabels(belief, None, learns=True)
+
+
+def _training_people(options: StrangersOptions, progress: Progress) -> Population:
+    if options.population is not None:
+        return load_population(options.population).of(group="train")
+    bar = progress.add_task("people to train on", total=1.0)
+    train = {s: n for s, n in PEOPLE["train"].items() if s != options.hold_out}
+    return simulate_population("", {"train": train}, _shown(progress, bar))
+
+
+def _shown(progress: Progress, bar: TaskID) -> Callable[[float], None]:
+    return lambda share: progress.update(bar, completed=share)
+
+
+def _table(rows: dict[str, dict[str, Any]]) -> Table:
+    table = Table(
+        title="Strangers: SIMULATED people on whom nothing was trained; brackets: 95 % over people "
+        "or days",
+        title_justify="left",
+    )
+    table.add_column("judged, and trained on")
+    for column in ("wrist cm", "joints deg", "named right, %: 2 / 3 / 4 / 5", "all"):
+        table.add_column(column, justify="right")
+    table.add_column("sure:\nright", justify="right")
+    table.add_column("error\nof p", justify="right")
+    for name, row in rows.items():
+        cells = [_interval(row, "wrist_cm", 2), _interval(row, "angle_deg", 1)]
+        if "labels_percent" in row:
+            shares = row["labels_percent"]
+            cells.append(" / ".join(_number(shares[str(k)], 1) for k in range(2, 6)))
+            cells.append(_within(shares["all"], row["labels_percent_interval"]["all"], 1))
+            cells.append(_number(row["sure"]["right_percent"], 1))
+            cells.append(_number(row["calibration_error_percent"], 1))
+        table.add_row(f"{name} ({row['people']})", *cells)
+    return table
+
+
+def _interval(row: dict[str, Any], key: str, digits: int) -> str:
+    return _within(row[key], row[f"{key}_interval"], digits)
+
+
+def _within(value: float, ends: Sequence[float | None], digits: int) -> str:
+    """A value with its interval; of one person or day there is none."""
+    low, high = ends
+    if low is None or high is None:
+        return f"{value:.{digits}f}"
+    return f"{value:.{digits}f} [{low:.{digits}f}, {high:.{digits}f}]"
+
+
+def _number(value: float | None, digits: int) -> str:
+    return "-" if value is None else f"{value:.{digits}f}"

@@ -1,0 +1,231 @@
+"""Adapts an intended hand pose to the screen: wrist, touching fingers, lifted fingers.
+
+The wrist is placed first, by rule: the middle of the used fingertips is at its target, at the
+height of the grip's fingertips. Then every finger reaches for its own point on the screen, which
+has to satisfy the screen's edge, the neighbours and the joints; one constraint is met after the
+other, for a few rounds (alternating projections). A finger that cannot reach its point touches
+elsewhere. Lifted fingers follow rules.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+
+import numpy as np
+from numpy.typing import NDArray
+
+from models.arithmetic.arrays import Array
+from models.frames import FINGERS
+from models.surface import Surface
+from training.second_subject.configuration import SecondConfiguration
+from training.second_subject.hand import FIRST, SECOND, SWING, SecondHand, attitude
+from training.second_subject.reach import reach
+
+_ROUNDS = 6
+"""Rounds of meeting all constraints on the touches."""
+
+_SETTLINGS = 3
+"""Rounds of raising or lowering the wrist until its fingers reach the screen."""
+
+_STEADY = 0.015
+"""m, spread of fingertips at which the palm follows half of their plane's slope."""
+
+_MARGIN = 0.007
+"""m between fingertips and the screen's edge: a pad is seen beside its tip."""
+
+_NEIGHBOURS = np.array(
+    [
+        [0, 1, 0, 0, 0],
+        [0.3, 0, 1, 0.3, 0],
+        [0, 1, 0, 1, 0.3],
+        [0, 0.3, 1, 0, 1],
+        [0, 0, 0.3, 1, 0],
+    ]
+)
+"""Coupling of each finger (row) to each other finger."""
+
+
+@dataclass(frozen=True)
+class MovementPlan:
+    """The intended movement of the hand, before the screen is considered; one row per frame.
+
+    Attributes:
+        angles: (n, 5, 5) rad, angles of the grip.
+        yaw: (n,) rad, yaw of the hand.
+        pitch: (n,) rad, fingers up.
+        roll: (n,) rad, little finger down.
+        height: (n,) m by which the palm is higher than the grip alone would place it.
+        middle: (n, 2) m, target of the used fingertips' middle.
+        used: (n, 5) booleans, fingers that touch at some time of the take.
+        close: (n, 5) 1 while a finger touches, 0 while it is fully lifted.
+        lift: (n, 5) rad by which a lifted finger is raised.
+        curl: (n, 5) booleans, true if it is raised by curling.
+        coupling: (n, 5) share of its neighbours' bending that a lifted finger follows.
+    """
+
+    angles: Array
+    yaw: Array
+    pitch: Array
+    roll: Array
+    height: Array
+    middle: Array
+    used: NDArray[np.bool_]
+    close: Array
+    lift: Array
+    curl: NDArray[np.bool_]
+    coupling: Array
+
+    @staticmethod
+    def joined(parts: list[MovementPlan]) -> MovementPlan:
+        """Concatenates all takes of a day."""
+        return MovementPlan(
+            *(np.concatenate([getattr(p, f.name) for p in parts]) for f in fields(MovementPlan))
+        )
+
+
+def place(
+    plan: MovementPlan, hand: SecondHand, surface: Surface, c: SecondConfiguration
+) -> tuple[Array, Array, Array]:
+    """Positions (n, 3) m and rotations (n, 3, 3) of the wrist, and angles (n, 5, 5) of the
+    fingers."""
+    in_palm = hand.tips_in_palm(plan.angles)
+    down, up = _levelling(in_palm, plan.close)
+    pitch, roll = plan.pitch + c.level * up, plan.roll + c.level * down
+    root = np.empty((len(pitch), 3))
+    for _ in range(_SETTLINGS):
+        turn = attitude(plan.yaw, pitch, roll)
+        tips = (turn[:, None] @ in_palm[..., None])[..., 0]
+        root[:, 2] = c.tip_height + plan.height - _mean(tips, plan.close)[:, 2]
+        pitch = pitch - np.maximum(c.wrist - root[:, 2], 0.0) / _mean(in_palm, plan.close)[:, 1]
+    root[:, :2] = _middle(tips, plan, surface) - _mean(tips[..., :2], plan.used)
+    goals = tips + root[:, None]
+    for _ in range(_SETTLINGS):
+        touching, off = _touching(goals, root, turn, plan, hand, surface, c)
+        root[:, 2] -= (off * plan.close).sum(axis=1) / plan.close.sum(axis=1)
+    touching, _ = _touching(goals, root, turn, plan, hand, surface, c)
+    lifted = _lifted(touching, root, turn, plan, hand, c)
+    share = plan.close[..., None]
+    return root, turn, share * touching + (1 - share) * lifted
+
+
+def _levelling(tips: Array, close: Array) -> tuple[Array, Array]:
+    """Rotations (n,) rad, little finger down and fingers up, that would level the touching tips.
+
+    Fits a plane to the fingertips (n, 5, 3) m in the hand frame, by least squares with a penalty on
+    its slope, so that two fingers side by side do not turn the palm on edge.
+    """
+    flat = tips - _mean(tips, close)[:, None]
+    weighted = flat * close[..., None]
+    spread = np.swapaxes(weighted[..., :2], 1, 2) @ flat[..., :2]
+    spread += close.sum(axis=1)[:, None, None] * _STEADY**2 * np.eye(2)
+    rise = np.swapaxes(weighted[..., :2], 1, 2) @ flat[..., 2:]
+    slope = np.linalg.solve(spread, rise)[..., 0]
+    return np.arctan(slope[:, 0]), -np.arctan(slope[:, 1])
+
+
+def _mean(values: Array, weights: NDArray[np.generic]) -> Array:
+    """Mean (n, d) of (n, 5, d) with weights (n, 5)."""
+    w = np.asarray(weights, float)[..., None]
+    return np.asarray((values * w).sum(axis=1) / w.sum(axis=1))
+
+
+def _middle(tips: Array, plan: MovementPlan, surface: Surface) -> Array:
+    """The target (n, 2) m of the middle, moved until the used fingertips are on the screen."""
+    flat = tips[..., :2] - _mean(tips[..., :2], plan.used)[:, None]
+    used = plan.used[..., None]
+    low = np.where(used, flat, np.inf).min(axis=1)
+    high = np.where(used, flat, -np.inf).max(axis=1)
+    least = np.array([0, -surface.size[1]]) + _MARGIN - low
+    most = np.array([surface.size[0], 0]) - _MARGIN - high
+    fits = least <= most
+    return np.where(fits, np.clip(plan.middle, least, np.maximum(least, most)), (least + most) / 2)
+
+
+def _touching(
+    goals: Array,
+    root: Array,
+    turn: Array,
+    plan: MovementPlan,
+    hand: SecondHand,
+    surface: Surface,
+    c: SecondConfiguration,
+) -> tuple[Array, Array]:
+    """Angles (n, 5, 5) with all fingertips on the screen, and their remaining distances (n, 5) m
+    from it."""
+    spots, angles = goals.copy(), plan.angles
+    for _ in range(_ROUNDS):
+        spots = _apart(spots, turn, c.tip_width)
+        spots[..., 0] = np.clip(spots[..., 0], _MARGIN, surface.size[0] - _MARGIN)
+        spots[..., 1] = np.clip(spots[..., 1], _MARGIN - surface.size[1], -_MARGIN)
+        spots[..., 2] = c.tip_height
+        in_palm = ((spots - root[:, None])[:, :, None] @ turn[:, None])[:, :, 0]
+        angles = reach(hand, in_palm, angles)
+        spots = (turn[:, None] @ hand.tips_in_palm(angles)[..., None])[..., 0] + root[:, None]
+    return angles, spots[..., 2] - c.tip_height
+
+
+def _apart(spots: Array, turn: Array, width: float) -> Array:
+    """Points (n, 5, 3) at which fingers do not overlap.
+
+    Fingers move to the side, across the hand, in their anatomical order; the thumb stays
+    behind a parabola about each fingertip, so that it never jumps from one side of it to the other.
+    """
+    out = spots.copy()
+    across, back = turn[:, :2, 0], -turn[:, :2, 1]
+    for finger in range(1, len(FINGERS) - 1):
+        between = out[:, finger + 1, :2] - out[:, finger, :2]
+        side = (between * across).sum(axis=1)
+        ahead = (between * back).sum(axis=1)
+        short = np.sqrt(np.maximum(width**2 - ahead**2, 0.0)) - side
+        step = 0.5 * np.maximum(short, 0.0)[:, None] * across
+        out[:, finger, :2] -= step
+        out[:, finger + 1, :2] += step
+    for finger in range(1, len(FINGERS)):
+        between = out[:, 0, :2] - out[:, finger, :2]
+        side = (between * across).sum(axis=1)
+        ahead = (between * back).sum(axis=1)
+        short = width - side**2 / width - ahead
+        out[:, 0, :2] += np.maximum(short, 0.0)[:, None] * back
+    return out
+
+
+def _lifted(
+    touching: Array,
+    root: Array,
+    turn: Array,
+    plan: MovementPlan,
+    hand: SecondHand,
+    c: SecondConfiguration,
+) -> Array:
+    """Angles (n, 5, 5) of fingers while they are lifted.
+
+    A lifted finger follows its grip and, partly, the adapted bending of its neighbours on the
+    screen. It is raised at least until it clears the screen.
+    """
+    low, high = hand.reach_limits
+    ties = _NEIGHBOURS * plan.close[:, None, :]
+    ties = ties / np.maximum(ties.sum(axis=2, keepdims=True), 1.0)
+    drawn = plan.coupling[..., None] * (ties @ (touching - plan.angles))
+    out = plan.angles.copy()
+    out[..., SWING] += 0.5 * drawn[..., SWING]
+    out[..., FIRST] += drawn[..., FIRST]
+    out[..., SECOND] += drawn[..., SECOND]
+    out[..., FIRST] -= np.where(plan.curl, 0.3, 1.0) * plan.lift
+    out[..., SECOND] += np.where(plan.curl, 0.8, -0.4) * plan.lift
+    out = np.clip(out, low, high)
+    up = np.zeros((5, 5))
+    up[:, FIRST], up[1:, SECOND], up[0, SWING] = -1.0, -0.6, -0.6
+    least, most = np.zeros(out.shape[:2]), np.full(out.shape[:2], np.deg2rad(70))
+    enough = _height(out, root, turn, hand) >= c.tip_height + c.clearance
+    for _ in range(9):
+        middle = 0.5 * (least + most)
+        tried = np.clip(out + middle[..., None] * up, low, high)
+        clears = _height(tried, root, turn, hand) >= c.tip_height + c.clearance
+        least, most = np.where(clears, least, middle), np.where(clears, middle, most)
+    further = np.where(enough, 0.0, most)
+    return np.clip(out + further[..., None] * up, low, high)
+
+
+def _height(angles: Array, root: Array, turn: Array, hand: SecondHand) -> Array:
+    """Heights (n, 5) m of the fingertips above the screen."""
+    return np.asarray(np.einsum("nj,nfj->nf", turn[:, 2], hand.tips_in_palm(angles)) + root[:, 2:])

@@ -1,0 +1,280 @@
+"""The shape of the built-in hand's flesh: a signed distance field over its skeleton.
+
+Metres, in the palm's frame, at the zero pose: fingers half bent, so that no joint is more than 65
+degrees from it and the skin is never stretched far. Negative inside.
+
+Each finger is blended into the palm separately, never into another finger, so that neighbours stay
+apart. Every finger has its own creases.
+"""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from models.arithmetic.arrays import Array
+from models.frames import FINGERS
+from models.kinematics import Kinematics
+from models.pose import POSE_SIZE
+from models.skeleton import ADULT, Skeleton
+from training.skin.creases import finger_lines, palm_relief, relief_of
+from training.skin.shapes import Limb, between, cut, ellipsoid, melt, rounded_cone, step
+
+WRIST_HALF = (0.0262, 0.0168)
+"""m, half width and half thickness of the wrist."""
+WRIST_MIDDLE = -0.0066
+"""m, height of the wrist's axis over the palm's origin."""
+WRIST_END = -0.066
+"""m along y, end of the forearm; the cuff hides it."""
+
+FINGER_WIDTH = 1.05
+"""Ratio of a finger's width to its thickness."""
+WEB = 0.34
+"""Position of the webs along the first phalanges, as a share of their length."""
+THUMB_IP = 0.50
+"""Position of the thumb's last joint, which is fixed in the skeleton, as a share of its last
+bone."""
+
+MELT_FINGER, MELT_THUMB = 0.007, 0.015
+"""m, widths of the blends of a finger and of the thumb into the palm."""
+
+
+class HandField:
+    """Signed distance field of the hand with its creases.
+
+    Args:
+        skeleton: A right hand. Shapes are designed for `ADULT`; the skin of other hands is made by
+            stretching its skin.
+
+    Attributes:
+        limbs: One limb per bone, in the skeleton's order.
+        fingers: Limbs of each finger, thumb first.
+    """
+
+    def __init__(self, skeleton: Skeleton = ADULT) -> None:
+        placed = Kinematics(skeleton).place(np.zeros(POSE_SIZE))
+        self.skeleton = skeleton
+        self.limbs = [
+            Limb(placed.joints[i], placed.rotations[i], b.length, b.radius)
+            for i, b in enumerate(skeleton.bones)
+        ]
+        self.fingers = [
+            [limb for limb, b in zip(self.limbs, skeleton.bones, strict=True) if b.finger == f]
+            for f in range(len(FINGERS))
+        ]
+        self.knuckles = [chain[0].start for chain in self.fingers]
+        self._lines = [finger_lines(chain, THUMB_IP) for chain in self.fingers]
+
+    def __call__(self, points: ArrayLike) -> Array:
+        """Signed distances (n,) m of points (n, 3) to the skin."""
+        return self.united(*self.parts(np.asarray(points, float)))
+
+    def parts(self, p: Array) -> tuple[Array, list[Array]]:
+        """Distances to the palm and to each finger, including creases."""
+        return self._palm(p), [self._one_finger(p, f) for f in range(len(FINGERS))]
+
+    def _one_finger(self, p: Array, finger: int) -> Array:
+        """Distance to a finger; far from it, an approximate distance to its bones."""
+        bones = [
+            rounded_cone(p, limb.at(0, 0, 0), limb.at(0, 1, 0), 0.0, 0.0)
+            for limb in self.fingers[finger]
+        ]
+        rough = np.min(bones, axis=0) - 0.004
+        near = np.flatnonzero(rough < 0.030)
+        rough[near] = (self._finger if finger else self._thumb_of)(p[near], finger)
+        return rough
+
+    def united(self, palm: Array, fingers: list[Array]) -> Array:
+        """Distance to the whole hand, from the distances to its parts."""
+        whole = melt(palm, fingers[0], MELT_THUMB)
+        for finger in fingers[1:]:
+            # A small blend between neighbours avoids a jagged edge where they meet.
+            whole = melt(whole, melt(palm, finger, MELT_FINGER), 0.0006)
+        return whole
+
+    def webs(self) -> list[tuple[Array, Array, tuple[int, int]]]:
+        """Both ends (m) of each web's edge, and the two fingers beside it."""
+        webs = [
+            (a[0].at(0, WEB, -0.25), b[0].at(0, WEB, -0.25), (f + 1, f + 2))
+            for f, (a, b) in enumerate(pairwise(self.fingers[1:]))
+        ]
+        thumb, index = self.fingers[0][0].at(0.2, 0.62, 0.05), self.knuckles[1]
+        return [(thumb, index * [1.02, 0.70, 1.0] - [0, 0, 0.007], (0, 1)), *webs]
+
+    def normal(self, points: ArrayLike, reach: float = 2e-4) -> Array:
+        """Unit normals (n, 3) that point out of the skin."""
+        p = np.asarray(points, float)
+        slope = np.stack([self(p + reach * e) - self(p - reach * e) for e in np.eye(3)], axis=1)
+        return slope / np.maximum(np.linalg.norm(slope, axis=1, keepdims=True), 1e-12)
+
+    # A finger: three phalanges, knuckles, pads, and a tip that is flat under its nail
+
+    def _finger(self, p: Array, finger: int) -> Array:
+        first, second, third = self.fingers[finger]
+        body = self._phalanx(p, first, 1.10, 1.00)
+        middle = self._phalanx(p, second, 1.03, 0.98)
+        body = melt(body, middle, 0.003)
+        # Knuckles are wider than the bones between them, and lie on the back.
+        body = melt(
+            body,
+            ellipsoid(
+                p,
+                second.at(0, 0.02, 0.14),
+                second.radius * np.array([1.12, 1.35, 1.00]),
+                between(first, second),
+            ),
+            0.006,
+        )
+        body = melt(
+            body,
+            ellipsoid(
+                p,
+                third.at(0, 0.0, 0.10),
+                third.radius * np.array([1.11, 1.20, 0.98]),
+                between(second, third),
+            ),
+            0.005,
+        )
+        # Pads fill the palmar side between the creases.
+        for limb, along, under, reach in ((first, 0.56, 0.34, 0.005), (second, 0.50, 0.30, 0.004)):
+            half = [0.84 * limb.radius, 0.36 * limb.length, 0.81 * limb.radius]
+            pad = ellipsoid(p, limb.at(0, along, -under), half, limb.axes)
+            body = melt(body, pad, reach)
+        body = melt(body, self._tip(p, third, 1.05, 0.0), 0.004)
+        return body + relief_of(p, self._lines[finger])
+
+    def _phalanx(self, p: Array, limb: Limb, first: float, last: float) -> Array:
+        """Distance to the flesh around a bone, a little wider than thick; radii in units of the
+        bone's."""
+        r, local = limb.radius, limb.local(p) / [FINGER_WIDTH, 1.0, 1.0]
+        start, end = [0.0, 0.0, 0.01 * r], [0.0, limb.length, 0.04 * r]
+        return rounded_cone(local, start, end, first * r, last * r)
+
+    def _thumb_of(self, p: Array, finger: int) -> Array:
+        first, last = self.fingers[0]
+        root = first.at(0.15, 0.15, -0.10)
+        body = rounded_cone(p, root, first.at(0, 0.98, 0.0), 1.20 * first.radius, 0.0100)
+        joint = ellipsoid(p, last.at(0, 0.0, 0.10), [0.0104, 0.0125, 0.0098], last.axes)
+        body = melt(body, joint, 0.006)
+        body = melt(
+            body,
+            rounded_cone(
+                p,
+                last.at(0, 0.0, 0.0),
+                last.at(0, THUMB_IP, 0.02),
+                1.20 * last.radius,
+                1.04 * last.radius,
+            ),
+            0.005,
+        )
+        knuckle = ellipsoid(
+            p, last.at(0, THUMB_IP, 0.08), last.radius * np.array([1.22, 1.35, 1.06]), last.axes
+        )
+        body = melt(body, knuckle, 0.004)
+        body = melt(
+            body, ellipsoid(p, last.at(0, 0.27, -0.30), [0.0084, 0.0115, 0.0076], last.axes), 0.005
+        )
+        body = melt(body, self._tip(p, last, 1.16, THUMB_IP), 0.004)
+        return body + relief_of(p, self._lines[finger])
+
+    def _tip(self, p: Array, limb: Limb, wide: float, start: float) -> Array:
+        """Distance to the last phalanx: round at the pad, flat under the nail, narrower at the
+        end."""
+        r, local = limb.radius, limb.local(p)
+        length = limb.length
+        begin = start * length
+        stem = rounded_cone(
+            local * [1.0 / wide, 1.0, 1.0],
+            [0, begin, 0.02 * r],
+            [0, length - 0.1 * r, -0.03 * r],
+            1.0 * r,
+            0.95 * r,
+        )
+        pulp = ellipsoid(
+            local, [0, length - 0.42 * r, -0.16 * r], [0.97 * wide * r, 1.40 * r, 0.86 * r]
+        )
+        bud = melt(stem, pulp, 0.0035)
+        tilt = np.deg2rad(17.0)
+        slope = local[:, 1] - (length - 0.55 * r)
+        plane = (local[:, 2] - 0.80 * r) * np.cos(tilt) + slope * np.sin(tilt)
+        return cut(bud, plane, 0.0032)
+
+    # Palm, ball of the thumb, edge of the hand, webs, and the wrist
+
+    def _palm(self, p: Array) -> Array:
+        thumb, *knuckles = self.knuckles
+        body = self._metacarpals(p, knuckles)
+        body = melt(body, self._cushions(p, knuckles), 0.009)
+        edge, *edges = self.webs()
+        for (a, b), (start, end, _) in zip(pairwise(self.fingers[1:]), edges, strict=True):
+            front = rounded_cone(p, start, end, 0.0050, 0.0050)
+            back = rounded_cone(p, a[0].at(0, 0.12, 0.0), b[0].at(0, 0.12, 0.0), 0.0085, 0.0085)
+            body = melt(body, melt(front, back, 0.010), 0.006)
+        body = melt(body, self._thumb_web(p, thumb, edge[:2]), 0.012)
+        body = melt(body, self._wrist(p), 0.020)
+        return body + palm_relief(p)
+
+    def _metacarpals(self, p: Array, knuckles: list[Array]) -> Array:
+        body: Array | None = None
+        for k in knuckles:
+            root = np.array([0.60 * k[0], 0.012, -0.0045])
+            ray = rounded_cone(p, root, k - [0.0, 0.003, 0.0026], 0.0135, 0.0102)
+            # The head of the bone under the skin, and the tendon that runs to it.
+            ray = melt(
+                ray,
+                ellipsoid(p, k + np.array([0, -0.0015, 0.0018]), [0.0084, 0.0105, 0.0088]),
+                0.009,
+            )
+            start = np.array([0.45 * k[0], 0.020, 0.0062])
+            end = k + np.array([0.0, -0.006, 0.0078])
+            cord = rounded_cone(p, start, end, 0.0016, 0.0012)
+            ray = melt(ray, cord, 0.005)
+            body = ray if body is None else melt(body, ray, 0.012)
+        assert body is not None
+        return body
+
+    def _cushions(self, p: Array, knuckles: list[Array]) -> Array:
+        """Distance to the cushions on the palmar side."""
+        thumb, little = self.fingers[0][0], knuckles[3]
+        heel = rounded_cone(
+            p, [0.0205, 0.014, -0.0095], [little[0] - 0.0045, 0.058, -0.0098], 0.0122, 0.0100
+        )
+        ball = ellipsoid(p, thumb.at(0.42, 0.42, -0.50), [0.0135, 0.0300, 0.0130], thumb.axes)
+        body = melt(heel, ball, 0.010)
+        for a, b in pairwise(knuckles):
+            pad = ellipsoid(p, (a + b) / 2 + [0.0, 0.0005, -0.0098], [0.0125, 0.0125, 0.0075])
+            body = melt(body, pad, 0.007)
+        return body
+
+    def _thumb_web(self, p: Array, thumb: Array, edge: tuple[Array, Array]) -> Array:
+        first, index = self.fingers[0][0], self.knuckles[1]
+        near = rounded_cone(
+            p, first.at(0.0, 0.35, 0.0), index * [1.0, 0.45, 1.0] - [0, 0, 0.005], 0.0100, 0.0090
+        )
+        far = rounded_cone(p, *edge, 0.0052, 0.0062)
+        root = rounded_cone(p, [-0.011, 0.010, -0.0085], thumb, 0.0132, 0.0125)
+        return melt(melt(near, far, 0.012), root, 0.012)
+
+    def _wrist(self, p: Array) -> Array:
+        """Distance to the wrist: an elliptic tube, a little narrower towards the hand."""
+        y = p[:, 1]
+        flare = step(y, -0.045, 0.018)
+        wide, thick = WRIST_HALF[0] * (1.0 + 0.16 * flare), WRIST_HALF[1] * (1.0 - 0.06 * flare)
+        x, z = p[:, 0] / wide, (p[:, 2] - WRIST_MIDDLE) / thick
+        far = np.sqrt(x * x + z * z)
+        tube = far * (far - 1.0) / np.maximum(np.sqrt((x / wide) ** 2 + (z / thick) ** 2), 1e-9)
+        # The head of the ulna.
+        bone = ellipsoid(p, [0.0165, -0.021, 0.0012], [0.0092, 0.0120, 0.0098])
+        tube = melt(tube, bone, 0.012)
+        return cut(cut(tube, WRIST_END - y, 0.003), y - 0.014, 0.020)
+
+    def relief(self, points: ArrayLike, widen: float = 1.0) -> Array:
+        """Depths (n,) m of the creases at points on the skin, widened by a factor."""
+        p = np.asarray(points, float)
+        _, fingers = self.parts(p)
+        nearest = np.argmin(np.stack(fingers), axis=0)
+        # A crease belongs to one finger, even if another one is near.
+        own = [relief_of(p, lines, widen) * (nearest == f) for f, lines in enumerate(self._lines)]
+        return np.max([palm_relief(p, widen), *own], axis=0)

@@ -1,0 +1,119 @@
+"""Generates the shipped skin in about two minutes; needs the extra `skin`.
+
+python -m training.skin.make_skin     # writes models/data/skin.npz
+"""
+
+from __future__ import annotations
+
+import json
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from models.arithmetic.arrays import Array
+from models.frames import FINGERS
+from models.skin.skin import FULL, SKIN_FILE, normals_of
+from training.skin.extras import CUFF_PROFILE, SLEEVE_PROFILE, nail, tube
+from training.skin.field import HandField
+from training.skin.mesh import flipped_edges, mesh_of, refined, settled
+from training.skin.tone import tone_of
+from training.skin.weights import weights_of
+
+LOW, HIGH = np.array([-0.088, -0.076, -0.104]), np.array([0.072, 0.172, 0.036])
+"""m, corners of a box around the hand at the zero pose."""
+SPACING = 0.0016
+"""m, spacing of the grid on which the surface is computed."""
+FACES = 7600
+"""Number of triangles before refinement at creases."""
+CREASE_EDGE, NEAR_CREASE = 0.00135, 0.00006
+"""m, longest edge in a crease, and the depth of a widened crease at which refinement begins."""
+TIP_EDGE, TIP = 0.0024, 0.011
+"""m, longest edge at fingertips, and the distance from their centres within which it applies."""
+STEP = 4e-6
+"""m, rounding of positions."""
+
+Piece = tuple[str, Array, NDArray[np.int64], NDArray[np.uint8], NDArray[np.uint8], Array]
+"""Name, vertices, triangles, bones, weights, tone."""
+
+
+def make(field: HandField, faces: int = FACES, spacing: float = SPACING) -> list[Piece]:
+    """All parts of the skin of a hand."""
+    vertices, triangles = mesh_of(field, LOW, HIGH, spacing, faces)
+    vertices = settled(field, field.normal, vertices, triangles, 5)
+    for _ in range(3):
+        vertices, triangles = refined(vertices, triangles, lambda p: _longest(field, p))
+        triangles = flipped_edges(vertices, triangles)
+        vertices = settled(field, field.normal, vertices, triangles, 2)
+    bones, weights = weights_of(field, vertices, triangles)
+    tone = tone_of(field, vertices, normals_of(vertices, triangles))
+    return [("skin", vertices, triangles, bones, weights, tone), *extras(field)]
+
+
+def _longest(field: HandField, p: Array) -> Array:
+    """Longest edges (n,) m at points (n, 3): short in creases and at fingertips."""
+    tips = np.min(
+        [np.linalg.norm(p - chain[-1].at(0, 1, 0), axis=1) for chain in field.fingers], axis=0
+    )
+    longest = np.where(tips < TIP, TIP_EDGE, np.inf)
+    return np.where(field.relief(p, 1.6) > NEAR_CREASE, CREASE_EDGE, longest)
+
+
+def extras(field: HandField) -> list[Piece]:
+    pieces: list[Piece] = []
+    last = [
+        max(i for i, b in enumerate(field.skeleton.bones) if b.finger == f)
+        for f in range(len(FINGERS))
+    ]
+    for finger, name in enumerate(FINGERS):
+        places, triangles, edge = nail(field, finger)
+        tone = np.stack([edge, np.ones(len(edge))], axis=1)
+        pieces.append(
+            (f"nail_{name}", places, triangles, *_rigid(len(places), 1 + last[finger]), tone)
+        )
+    for name, profile, closed in (("cuff", CUFF_PROFILE, False), ("sleeve", SLEEVE_PROFILE, True)):
+        places, triangles = tube(profile, closed)
+        tone = np.tile([0.0, 1.0], (len(places), 1))
+        pieces.append((name, places, triangles, *_rigid(len(places), 0), tone))
+    return pieces
+
+
+def _rigid(count: int, bone: int) -> tuple[NDArray[np.uint8], NDArray[np.uint8]]:
+    bones, weights = np.zeros((count, 4), np.uint8), np.zeros((count, 4), np.uint8)
+    bones[:, 0], weights[:, 0] = bone, FULL
+    return bones, weights
+
+
+def packed(pieces: list[Piece]) -> dict[str, Any]:
+    """Arrays of the file."""
+    corner = np.min([p[1].min(axis=0) for p in pieces], axis=0) - STEP
+    parts, start, first = [], 0, 0
+    for name, places, triangles, *_ in pieces:
+        ends = start + len(places), first + len(triangles)
+        parts.append({"name": name, "vertices": [start, ends[0]], "triangles": [first, ends[1]]})
+        start, first = ends
+    header = {"schema": 1, "step": STEP, "corner": corner.tolist(), "parts": parts}
+    offsets = np.cumsum([0, *(len(p[1]) for p in pieces[:-1])])
+    weights = np.concatenate([p[4] for p in pieces])
+    return {
+        "header": np.frombuffer(json.dumps(header, sort_keys=True).encode(), np.uint8),
+        "rest": np.round((np.concatenate([p[1] for p in pieces]) - corner) / STEP).astype(
+            np.uint16
+        ),
+        "triangles": np.concatenate(
+            [p[2] + o for p, o in zip(pieces, offsets, strict=True)]
+        ).astype(np.uint16),
+        "bones": np.concatenate([p[3] for p in pieces]),
+        "weights": weights,
+        "tone": np.round(255 * np.concatenate([p[5] for p in pieces])).astype(np.uint8),
+    }
+
+
+if __name__ == "__main__":
+    target = Path(str(files("models") / SKIN_FILE))
+    target.parent.mkdir(exist_ok=True)
+    made = make(HandField())
+    np.savez_compressed(target, **packed(made))
+    print(f"{target}: {len(made[0][1])} vertices and {len(made[0][2])} triangles of skin")
