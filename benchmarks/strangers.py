@@ -2,7 +2,7 @@
 
     python -m benchmarks.strangers --people 6      # a quick look at the names that ship
     python -m benchmarks.strangers                 # all people to judge on
-    sandbox subject population --group train --out people.npz
+    python -m training people --group train --out people.npz
     python -m benchmarks.strangers --population people.npz      # and both generators held out
 
 Three questions. Both frozen subjects by names that were trained on people of the other sources
@@ -25,13 +25,13 @@ from rich.table import Table
 
 from benchmarks.one_line import run
 from encoders.capture import Capture
-from encoders.evaluation.subjects import subject
 from encoders.labels.belief import BeliefLabels, builtin_belief
 from encoders.labels.own_layouts import OwnLayouts
 from encoders.labels.population_belief import PopulationBelief, builtin_population_belief
 from training.names import train_names
 from training.population import Population, load_population, simulate_population
 from training.population.population import PEOPLE
+from training.subjects import subject
 
 DAY_SEED = 19
 """Seed of the judged days."""

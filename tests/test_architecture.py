@@ -1,4 +1,4 @@
-"""Arrows between the packages point down: what modules and registries really load."""
+"""Arrows between the packages point down: what modules and registries really load, and import."""
 
 from __future__ import annotations
 
@@ -10,8 +10,12 @@ from pathlib import Path
 
 import pytest
 
+from tests.support.import_graph import imported_names, modules
+
 ROOT = Path(__file__).resolve().parent.parent
 PACKAGES = ("models", "encoders", "tasks", "sandbox")
+CHECKOUT_ONLY = {"training", "tools", "benchmarks", "tests"}
+"""Packages that are not in the wheel; nothing that is in it may import them."""
 MAY_LOAD = {
     "models": {"models"},
     "encoders": {"models", "encoders"},
@@ -34,10 +38,7 @@ if package.__name__ == "models":
     for name in ROBOTS:
         find_robot(name)
 elif package.__name__ == "encoders":
-    from encoders.evaluation.subjects import SUBJECTS, subject
     from encoders.regression.registry import ENCODERS, find_encoder
-    for name in SUBJECTS:
-        subject(name)
     for name in ENCODERS:
         find_encoder(name)
 elif package.__name__ == "tasks":
@@ -61,6 +62,17 @@ def test_a_package_loads_nothing_above_it_and_nothing_that_shows_or_serves(packa
     )
     assert done.returncode == 0, done.stderr
     loaded = set(json.loads(done.stdout.splitlines()[-1]))
-    above = loaded & set(PACKAGES) - MAY_LOAD[package]
+    above = loaded & {*PACKAGES, *CHECKOUT_ONLY} - MAY_LOAD[package]
     shows = loaded & SHOWS_OR_SERVES
     assert not above and not shows
+
+
+def test_nothing_in_the_wheel_imports_what_is_in_the_checkout_only() -> None:
+    # In functions, too, which no module runs when it is imported.
+    wrong = {
+        module: sorted(tops)
+        for module, path in modules().items()
+        if (tops := {name.partition(".")[0] for name in imported_names(module, path)})
+        & CHECKOUT_ONLY
+    }
+    assert not wrong

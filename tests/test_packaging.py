@@ -102,6 +102,11 @@ def test_every_data_file_is_shipped(project: dict[str, Any]) -> None:
     assert not sorted(data - shipped), "add their suffix to package-data in pyproject.toml"
 
 
+def test_the_wheel_has_the_four_packages_and_no_other(project: dict[str, Any]) -> None:
+    patterns = project["tool"]["setuptools"]["packages"]["find"]["include"]
+    assert sorted(patterns) == sorted([*PACKAGES, *(f"{name}.*" for name in PACKAGES)])
+
+
 def test_the_changelog_tells_of_this_version(project: dict[str, Any]) -> None:
     version = re.escape(project["project"]["version"])
     changelog = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")

@@ -1,6 +1,7 @@
-"""Every file of the four packages is in the wheel, save the page's source and Python's caches.
+"""Every file of the four packages is in the wheel, save the page's source and Python's caches, and
+no other file is.
 
-python3 tools/check_wheel.py WHEEL     # exit status 1 names what the wheel lacks
+python3 tools/check_wheel.py WHEEL     # exit status 1 names what the wheel lacks, or has too much
 """
 
 from __future__ import annotations
@@ -15,8 +16,8 @@ NOT_SHIPPED = {"page", "node_modules", "__pycache__"}
 """Folders inside the packages whose files stay out of the wheel."""
 
 
-def missing(wheel: Path) -> list[str]:
-    """Files of the packages that a wheel lacks, sorted."""
+def differences(wheel: Path) -> tuple[list[str], list[str]]:
+    """Files of the packages that a wheel lacks, and its files of no package, sorted."""
     sources = {
         path.relative_to(ROOT).as_posix()
         for name in PACKAGES
@@ -24,9 +25,18 @@ def missing(wheel: Path) -> list[str]:
         if path.is_file() and not NOT_SHIPPED & set(path.relative_to(ROOT).parts)
     }
     with zipfile.ZipFile(wheel) as archive:
-        return sorted(sources - set(archive.namelist()))
+        names = set(archive.namelist())
+    foreign = {
+        name
+        for name in names
+        if (top := name.partition("/")[0]) not in PACKAGES and not top.endswith(".dist-info")
+    }
+    return sorted(sources - names), sorted(foreign)
 
 
 if __name__ == "__main__":
-    if lacking := missing(Path(sys.argv[1])):
+    lacking, foreign = differences(Path(sys.argv[1]))
+    if lacking:
         sys.exit("the wheel lacks " + ", ".join(lacking))
+    if foreign:
+        sys.exit("the wheel has files of no package: " + ", ".join(foreign))

@@ -36,8 +36,8 @@ def train_names(
     """
     if not people:
         raise EncoderError(
-            "the population has nobody to train on",
-            remedy="`sandbox subject population --out FILE` makes one with people to train on",
+            "no person of the population is in the group to train on",
+            remedy="`python -m training people --out FILE` makes one with people to train on",
         )
     drawn = [surface_person([settings.seed, i]) for i in range(SURFACE_PEOPLE)]
     sources = [str(person.meta["source"]) for person in people] + ["surface"] * len(drawn)

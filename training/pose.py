@@ -106,7 +106,7 @@ def train_population(
             "the population has too few people to train on",
             got=len(people),
             expected=f"{2 * FOLDS} or more",
-            remedy="`sandbox subject population --out FILE` makes one with people to train on",
+            remedy="`python -m training people --out FILE` makes one with people to train on",
         )
     sized = [_sized(person) for person in people]
     rng = np.random.default_rng(0)

@@ -1,4 +1,4 @@
-"""The simulated subjects of `sandbox evaluate`, by name, with judged days.
+"""The simulated subject of `sandbox evaluate`, with judged days.
 
 Judged days are numbers derived from the subject's configuration and a day seed by SHA-256, so that
 they cannot be chosen, and change whenever the subject does.
@@ -11,19 +11,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
 from hashlib import sha256
-from importlib import import_module
 from typing import Any
 
 from encoders.capture import Capture
-from models.errors import EncoderError
+from encoders.captures.subject import FROZEN, SEED, simulate
 
 Progress = Callable[[float], None]
-
-SUBJECTS: dict[str, str] = {
-    "first": "encoders.captures.subject",
-    "second": "training.second_subject",
-}
-"""Package with `simulate`, `FROZEN` and `SEED` by subject name; loaded only on demand."""
 
 TRAINING_DAY = 0
 
@@ -33,7 +26,7 @@ class Subject:
     """A simulated subject whose configuration is frozen.
 
     Attributes:
-        name: A key of `SUBJECTS`.
+        name: The subject's name.
         seed: Seed of the person in its built-in captures.
         configuration: The configuration as JSON values.
         day: Creates a capture from day number and progress callback.
@@ -64,34 +57,20 @@ class Subject:
         return bool(
             meta.get("seed") == self.seed
             and meta.get("day") == TRAINING_DAY
-            and _plain(meta.get("configuration")) == self.configuration
+            and json_values(meta.get("configuration")) == self.configuration
         )
 
 
 @cache
-def subject(name: str) -> Subject:
-    """Finds a subject by name.
-
-    Raises:
-        EncoderError: The subject is unknown.
-    """
-    if name not in SUBJECTS:
-        raise EncoderError("no such subject", got=name, expected=", ".join(SUBJECTS))
-    try:
-        package = import_module(SUBJECTS[name])
-    except ModuleNotFoundError as error:
-        if error.name != SUBJECTS[name]:
-            raise
-        raise EncoderError("this installation has no such subject", got=name) from None
-    frozen, seed = package.FROZEN, int(package.SEED)
+def first_subject() -> Subject:
+    """The subject on whose training day the built-in encoders of one person are trained."""
 
     def day(number: int, progress: Progress | None = None) -> Capture:
-        capture: Capture = package.simulate(frozen, seed, number, progress)
-        return capture
+        return simulate(FROZEN, SEED, number, progress)
 
-    return Subject(name, seed, _plain(frozen.as_json()), day)
+    return Subject("first", SEED, json_values(FROZEN.as_json()), day)
 
 
-def _plain(values: Any) -> Any:
+def json_values(values: Any) -> Any:
     """Values as JSON returns them: tuples become lists."""
     return json.loads(json.dumps(values))

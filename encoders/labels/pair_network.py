@@ -6,7 +6,8 @@
 
 g and f are perceptrons with rectifiers. A labelling's probability is its share of the exponentials
 of all scores, which are at most 120, so nothing is approximated. The answer does not depend on the
-order of the contacts, and all numbers of contacts share the weights. `network_training` trains it.
+order of the contacts, and all numbers of contacts share the weights. `python -m training names`
+in a checkout trains it.
 """
 
 from __future__ import annotations

@@ -102,7 +102,7 @@ def load_population_belief(path: Path) -> PopulationBelief:
     Raises:
         EncoderError: The file is missing, damaged, of another version or breaks its contract.
     """
-    remedy = "`sandbox train --population FILE --out FILE` makes a valid one"
+    remedy = "`python -m training names --out FILE` in a checkout makes a valid one"
     header, arrays = read_npz(path, None, EncoderError, "names for any person", remedy)
     if header.get("schema") != SCHEMA:
         raise EncoderError(

@@ -3,8 +3,8 @@
 A hand that touches with its fingertips rests its heel well below them; the thumb's tip is nearer to
 the others and higher. The odds are those of a small network, a layer of rectifiers, whose inputs
 are how many others there are, how far and in which directions the nearest four and the outermost
-two lie, and how far they spread. It was trained on fingertips and heels of simulated people:
-`benchmarks.palms --fit` at commit db485e42 wrote the file of its weights.
+two lie, and how far they spread. It was trained on fingertips and heels of simulated people;
+`python -m training palm_places` in a checkout makes the file of its weights.
 """
 
 from __future__ import annotations

@@ -67,8 +67,7 @@ BUILTIN = (*POLYNOMIALS, "best")
 one."""
 
 POPULATION = "population"
-"""Name of the built-in model for any person; `training.pose` trains
-it."""
+"""Name of the built-in model for any person; `python -m training population` makes it."""
 
 
 @dataclass(frozen=True)

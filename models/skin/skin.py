@@ -1,9 +1,9 @@
 """The skin of a hand: a surface that bends with the bones.
 
-It is made once for the built-in hand (`python -m training.skin.make_skin`) and shipped. For every
-other hand it is stretched along that hand's bones, and mirrored for a left one. Posing is linear
-blend skinning: each vertex is the weighted mean of the positions to which its bones would move it,
-as in MuJoCo's skins, glTF and three.js.
+It is made once for the built-in hand (`python -m training skin` in a checkout) and shipped. For
+every other hand it is stretched along that hand's bones, and mirrored for a left one. Posing is
+linear blend skinning: each vertex is the weighted mean of the positions to which its bones would
+move it, as in MuJoCo's skins, glTF and three.js.
 """
 
 from __future__ import annotations

@@ -20,7 +20,7 @@ COMMANDS: dict[str, str] = {
     "capture": "make a capture from your own recordings of touches and hands",
     "export": "write a hand's motion for other programs: BVH, glTF, AMC, Vicon, C3D, CSV",
     "stream": "send a hand's motion, live, to Maya or Blender",
-    "train": "train an encoder on a capture, or train the built-in ones again",
+    "train": "train an encoder on a capture",
     "evaluate": "measure how well encoders reconstruct hands and label fingers: the paper's tables",
     "calibrate": "measure the size of a person's hand, so that the reconstruction fits it",
     "rest": "see a person's hand for a second: its rest posture, for a better reconstruction",

@@ -7,6 +7,14 @@ from collections.abc import Sequence
 from models.errors import InputError
 
 REMOVED = {
+    "subject population": "`python -m training people` in a checkout of the program makes people",
+    "capture simulate --subject": "Every simulated person is of the first subject's kind",
+    "train --population": "`python -m training names` and `population` train in a checkout",
+    "train --builtin": "`python -m training all` makes the files that ship, in a checkout",
+    "evaluate --subject": "`python -m training tables` in a checkout has the second subject",
+    "evaluate --train population": "`python -m training strangers` in a checkout judges people",
+    "evaluate --people": "`python -m training strangers --people` in a checkout judges people",
+    "evaluate --hold-out": "`python -m training strangers --hold-out` in a checkout judges them",
     "train --encoder mean": "`sandbox evaluate --encoders mean` measures the mean pose",
     "train --encoder pca-ik-null": "`sandbox train --encoder pca-ik` is the paper's rival",
     "train --encoder map-ik": "`sandbox train --encoder pca-ik` is the paper's rival",

@@ -12,13 +12,12 @@ from pathlib import Path
 from sandbox.doctor.check import Check
 
 NAME = "hand-sandbox"
-DEVELOPERS = ("test", "lint", "site", "release", "notebook", "dev")
+DEVELOPERS = ("test", "lint", "site", "release", "notebook", "training", "dev")
 """Extras for development only."""
 
 USES = {
     "film": "films as mp4 (GIF and WebP need nothing)",
     "plots": "figures of evaluations and regression runs",
-    "skin": "regenerating the hand's skin",
     "ray": "regression runs on a cluster",
     "gym": "tasks as Gymnasium environments",
     "datasets": "data sets of demonstrations for Minari and LeRobot",

@@ -416,7 +416,7 @@ def test_every_command_reports_a_wrong_name_in_one_line(
     assert "nothing of this name" in told and told.count("\n") == 1
 
 
-@pytest.mark.parametrize("option", (["--degree", "2"], ["--ridge", "1"], ["--builtin"]))
+@pytest.mark.parametrize("option", (["--degree", "2"], ["--ridge", "1"]))
 def test_a_custom_encoder_is_not_affected_by_options_of_built_in_encoders(
     option: list[str], capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -73,7 +73,7 @@ def test_a_file_cut_short_is_one_clear_error(people: Population, tmp_path: Path)
     path = tmp_path / "people.npz"
     save_population(people, path)
     path.write_bytes(path.read_bytes()[:-1000])
-    with pytest.raises(CaptureError, match="sandbox subject population"):
+    with pytest.raises(CaptureError, match="python -m training people"):
         load_population(path)
 
 

@@ -20,7 +20,6 @@ from encoders.regression.trained import (
 )
 from models.errors import EncoderError
 from models.pose import ROOT_POSITION, relative_pose
-from sandbox.cli.main import main
 from training.population import Population, simulate_population
 from training.pose import at_trained_size, train_population
 
@@ -134,18 +133,3 @@ def test_too_few_people_are_refused() -> None:
     people = few().of(group="train").people[:3]
     with pytest.raises(EncoderError, match="too few people to train on"):
         train_population(people, {})
-
-
-@pytest.mark.parametrize(
-    ("line", "told"),
-    (
-        (["--part", "pose", "--capture", "c.npz"], "only a population has parts"),
-        (["--part", "pose", "--population", "none.npz"], "no such file"),
-        (["--part", "pose", "--population", "p.npz", "--degree", "2"], "does not apply"),
-    ),
-)
-def test_the_command_says_what_is_wrong(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], line: list[str], told: str
-) -> None:
-    assert main(["train", *line, "--out", str(tmp_path / "m.npz")]) == 2
-    assert told in capsys.readouterr().err

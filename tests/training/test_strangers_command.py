@@ -1,4 +1,4 @@
-"""`sandbox evaluate` of strangers: what it prints and writes, and what it refuses."""
+"""`python -m training strangers`: what it prints and writes, and what it refuses."""
 
 from __future__ import annotations
 
@@ -8,28 +8,20 @@ from typing import Any
 
 import pytest
 
-from sandbox.cli.evaluate.asked import is_about_strangers
-from sandbox.cli.main import main
+from training.cli.main import main
 from training.population import save_population, simulate_population
 
 
 def evaluated(capsys: pytest.CaptureFixture[str], *line: str) -> dict[str, Any]:
-    assert main(["evaluate", *line, "--json", "-"]) == 0
+    assert main(["strangers", *line, "--json", "-"]) == 0
     said = capsys.readouterr().out
     return json.loads(said[said.index("{") :])
-
-
-def test_the_options_say_who_is_meant() -> None:
-    assert is_about_strangers(["--train", "population"])
-    assert is_about_strangers(["--train=population"])
-    assert is_about_strangers(["--hold-out=second"]) and is_about_strangers(["--people", "3"])
-    assert not is_about_strangers(["--train", "own", "--encoders", "population"])
 
 
 def test_people_on_whom_nothing_was_trained_are_judged_with_and_without_a_look_at_them(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    found = evaluated(capsys, "--train", "population", "--people", "8", "--no-names", "--rest", "6")
+    found = evaluated(capsys, "--people", "8", "--no-names", "--rest", "6")
     assert found["simulated"] is True
     plain, seen = found["strangers"].values()
     assert 2 <= plain["people"] == seen["people"] <= 8
@@ -37,17 +29,6 @@ def test_people_on_whom_nothing_was_trained_are_judged_with_and_without_a_look_a
         low, high = plain[f"{key}_interval"]
         assert low <= plain[key] <= high
     assert seen["angle_deg"] < plain["angle_deg"] and seen["wrist_cm"] < plain["wrist_cm"]
-
-
-@pytest.mark.slow
-def test_one_persons_models_are_judged_on_the_same_people(
-    capsys: pytest.CaptureFixture[str],
-) -> None:
-    line = ("--people", "4", "--no-names")
-    population = evaluated(capsys, "--train", "population", *line)["strangers"]
-    own = evaluated(capsys, "--train", "own", *line)["strangers"]
-    (first,), (second,) = population.values(), own.values()
-    assert first["frames"] == second["frames"] and first["angle_deg"] < second["angle_deg"]
 
 
 @pytest.mark.slow
@@ -66,23 +47,22 @@ def test_a_generator_is_held_out(capsys: pytest.CaptureFixture[str], tmp_path: P
 @pytest.mark.parametrize(
     ("line", "told"),
     (
-        (["--train", "population", "--people", "0"], "nobody to judge"),
-        (["--train", "population", "--rest", "99"], "out of range"),
-        (["--train", "own", "--people", "2", "--rest", "3"], "cannot use a rest posture"),
-        (["--train", "own", "--hold-out", "first", "--no-names"], "trained on the first subject"),
+        (["--people", "0"], "nobody to judge"),
+        (["--rest", "99"], "out of range"),
+        (
+            ["--population", "kept.json", "--json", "kept.json"],
+            "would replace what it is made from",
+        ),
         (["--hold-out", "second", "--population", "none.npz"], "no such file"),
     ),
 )
 def test_what_cannot_be_judged_costs_one_line(
-    capsys: pytest.CaptureFixture[str], line: list[str], told: str
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    line: list[str],
+    told: str,
 ) -> None:
-    assert main(["evaluate", *line]) == 2
+    monkeypatch.chdir(tmp_path)
+    assert main(["strangers", *line]) == 2
     assert told in capsys.readouterr().err
-
-
-@pytest.mark.slow
-def test_own_is_another_day_of_the_same_person(capsys: pytest.CaptureFixture[str]) -> None:
-    line = ("--encoders", "mean", "--days", "1", "--no-copas")
-    found = evaluated(capsys, *line, "--train", "own")
-    assert found["training"]["day"] == 0 != found["tests"][0]["day"]
-    assert found["training"]["seed"] == found["tests"][0]["seed"]

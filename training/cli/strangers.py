@@ -1,5 +1,4 @@
-"""`sandbox evaluate --train population`, `--hold-out` and `--people`: how well strangers are
-served."""
+"""`python -m training strangers`: how well people are served on whom nothing was trained."""
 
 from __future__ import annotations
 
@@ -16,8 +15,8 @@ from rich.table import Table
 
 from encoders.capture import Capture
 from encoders.evaluation.report import plain
-from encoders.evaluation.subjects import TRAINING_DAY, subject
-from encoders.labels.belief import BeliefLabels, builtin_belief
+from encoders.evaluation.subjects import TRAINING_DAY
+from encoders.labels.belief import BeliefLabels
 from encoders.labels.population_belief import builtin_population_belief
 from encoders.person.rest_posture import MOST, Looks, knowing_rest, looks_of
 from encoders.regression.trained import POPULATION, TrainedModel, builtin
@@ -29,6 +28,7 @@ from training.population import Population, load_population, simulate_population
 from training.population.population import PEOPLE
 from training.pose import at_trained_size, train_population
 from training.strangers import StrangerResult, judge_stranger, summary
+from training.subjects import subject
 
 SCHEMA = 1
 """Version of the JSON."""
@@ -48,13 +48,9 @@ class StrangersOptions:
 
     Try:
 
-        sandbox evaluate --train population --people 12
-        sandbox evaluate --train population --hold-out second --rest 12
+        python -m training strangers --people 12
+        python -m training strangers --hold-out second --rest 12
     """
-
-    train: Literal["own", "population"] = "population"
-    """own: one person, as encoder best and labels history are, who is then a stranger's stranger.
-    population: hundreds of people."""
 
     hold_out: Literal["first", "second"] | None = None
     """Generator that is left out of the training, and whose frozen subject is judged."""
@@ -70,7 +66,7 @@ class StrangersOptions:
     """Seed that chooses the days."""
 
     population: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
-    """People to train on, by `sandbox subject population`. Default: they are made anew."""
+    """People to train on, by `python -m training people`. Default: they are made anew."""
 
     rest: int = 0
     """Most looks at each hand that are known beforehand, 0 to 12, as by --rest of `sandbox run`: at
@@ -84,8 +80,8 @@ class StrangersOptions:
 
 
 def main(argv: list[str]) -> int:
-    """Runs `sandbox evaluate --train population ...`."""
-    options = parse(StrangersOptions, "sandbox evaluate", argv)
+    """Runs `python -m training strangers ...`."""
+    options = parse(StrangersOptions, "python -m training strangers", argv)
     _check(options)
     console = Console()
     bars = Console(stderr=True)
@@ -95,7 +91,6 @@ def main(argv: list[str]) -> int:
         "schema": SCHEMA,
         "simulated": True,
         "configuration": {
-            "train": options.train,
             "hold_out": options.hold_out,
             "people": _people(options),
             "days": options.days if options.hold_out else 0,
@@ -126,12 +121,6 @@ def _check(options: StrangersOptions) -> None:
             raise InputError("out of range", where=name, got=value, expected=f"{least} to {most:,}")
     if not _people(options) and options.hold_out is None:
         raise InputError("nobody to judge", where="--people", got=0, expected="1 or more")
-    if options.train == "own" and options.rest:
-        raise InputError(
-            "an encoder of one person cannot use a rest posture",
-            where="--rest",
-            remedy="Use --train population",
-        )
     check_output(options.json)
     refuse_replacing(options.json, {"--population": options.population}, "--json")
 
@@ -145,16 +134,13 @@ def _rows(options: StrangersOptions, progress: Progress) -> dict[str, list[Stran
         numbers = one.judged_days(options.days, options.day_seed)
         bar = progress.add_task(name, total=float(len(numbers)))
         looks = looks_of(one.day(TRAINING_DAY, None), options.rest) if options.rest else ()
-        what = "one person" if options.train == "own" else "generator held out"
         for number in numbers:
             day = one.day(number, None)
-            _judge(rows, f"{name}, {what}", day, model, make, looks)
+            _judge(rows, f"{name}, generator held out", day, model, make, looks)
             progress.advance(bar)
     if count := _people(options):
         shipped: tuple[TrainedModel, Maker | None]
         shipped = builtin(POPULATION), builtin_population_belief if options.names else None
-        if options.train == "own":
-            shipped = builtin("best"), builtin_belief if options.names else None
         groups = {"first": (count + 1) // 2, "second": count // 2}
         bar = progress.add_task("judged people", total=1.0)
         salt = builtin_population_belief().trained.digest
@@ -167,11 +153,10 @@ def _rows(options: StrangersOptions, progress: Progress) -> dict[str, list[Stran
                 where=f"--people {count}",
                 expected="more people",
             )
-        what = "one person" if options.train == "own" else "population"
         for i, person in enumerate(judged.people):
             sized = at_trained_size(person, float(person.meta["size"]))
             looks, rest = _seen(sized, options.rest)
-            _judge(rows, f"judged people, {what}", rest, *shipped, looks)
+            _judge(rows, "judged people, population", rest, *shipped, looks)
             progress.update(bar, completed=0.5 + 0.5 * (i + 1) / len(judged.people))
     return rows
 
@@ -203,16 +188,6 @@ def _seen(person: Capture, count: int) -> tuple[Looks, Capture]:
 
 def _trained(options: StrangersOptions, progress: Progress) -> tuple[TrainedModel, Maker | None]:
     """Model and labels that did not see the generator that is held out."""
-    if options.train == "own":
-        other = {"first": "second", "second": "first"}[str(options.hold_out)]
-        if other == "first":
-            return builtin("best"), builtin_belief if options.names else None
-        raise InputError(
-            "the shipped encoder of one person was trained on the first subject",
-            where="--hold-out first",
-            expected="--hold-out second with --train own",
-            remedy="`sandbox evaluate --train own` judges other days of the same person",
-        )
     people = _training_people(options, progress).of(without=options.hold_out)
     bar = progress.add_task("training the pose", total=1.0)
     about = {"digest": people.digest, **people.meta}

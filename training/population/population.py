@@ -226,7 +226,7 @@ def load_population(path: Path) -> Population:
         CaptureError: The file is missing, cut short, damaged or of another version.
     """
     names = ("frames", "time", "trial", "ids", "xy", "q")
-    remedy = "`sandbox subject population --out FILE` makes a valid one"
+    remedy = "`python -m training people --out FILE` makes a valid one"
     header, arrays = read_npz(path, names, CaptureError, "a population", remedy)
     if header.get("schema") != SCHEMA or header.get("version") != VERSION:
         raise CaptureError(

@@ -1,1 +1,1 @@
-"""Generates the shipped skin; needs the extra `skin`."""
+"""Generates the shipped skin; needs the extra `training`."""

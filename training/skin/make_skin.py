@@ -1,12 +1,8 @@
-"""Generates the shipped skin in about two minutes; needs the extra `skin`.
-
-python -m training.skin.make_skin     # writes models/data/skin.npz
-"""
+"""Generates the shipped skin; needs the extra `training`."""
 
 from __future__ import annotations
 
 import json
-from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +11,7 @@ from numpy.typing import NDArray
 
 from models.arithmetic.arrays import Array
 from models.frames import FINGERS
-from models.skin.skin import FULL, SKIN_FILE, normals_of
+from models.skin.skin import FULL, normals_of
 from training.skin.extras import CUFF_PROFILE, SLEEVE_PROFILE, nail, tube
 from training.skin.field import HandField
 from training.skin.mesh import flipped_edges, mesh_of, refined, settled
@@ -111,9 +107,6 @@ def packed(pieces: list[Piece]) -> dict[str, Any]:
     }
 
 
-if __name__ == "__main__":
-    target = Path(str(files("models") / SKIN_FILE))
-    target.parent.mkdir(exist_ok=True)
-    made = make(HandField())
-    np.savez_compressed(target, **packed(made))
-    print(f"{target}: {len(made[0][1])} vertices and {len(made[0][2])} triangles of skin")
+def write_skin(path: Path) -> None:
+    """Makes the skin of the built-in hand and writes its file."""
+    np.savez_compressed(path, **packed(make(HandField())))

@@ -1,6 +1,6 @@
 """Triangulates distance fields evenly, and more finely where the skin is creased.
 
-Needs scikit-image and fast-simplification (extra `skin`), only to regenerate the skin.
+Needs scikit-image and fast-simplification (extra `training`), only to regenerate the skin.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ def mesh_of(
         raise InputError(
             "the skin cannot be regenerated: a package is missing",
             got=error.name,
-            remedy="pip install 'hand-sandbox[skin]'",
+            remedy="pip install -e '.[training]' in the checkout",
         ) from error
     values, origin = _sampled(field, low, high, spacing)
     vertices, triangles, _, _ = marching_cubes(values, 0.0, spacing=(spacing,) * 3)

@@ -16,7 +16,6 @@ from encoders.captures.paired.simulated import PairedSession
 from encoders.webcam.camera import Camera
 from encoders.webcam.landmarks import OF_POINTS, HandPoints
 from models.arithmetic.arrays import Array
-from models.errors import InputError
 from models.frames import LANDMARKS, LandmarkFrame, SeenHand
 from models.rotations import exp as turned
 
@@ -82,15 +81,8 @@ def simulate_overhead(
         session: The person's touches and motion.
         seed: Seed of the errors.
         configuration: The camera.
-
-    Raises:
-        InputError: The person is of the second kind, whose hand has no such skeleton.
     """
     c = configuration
-    if session.skeleton is None:
-        raise InputError(
-            "the second subject's hand has no landmarks", where="--subject", expected="first"
-        )
     rng = np.random.default_rng([seed, 0xCA3E])
     end = float(session.motion[0][-1])
     times = np.arange(0.0, end, 1.0 / c.rate)

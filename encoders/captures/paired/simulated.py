@@ -1,9 +1,9 @@
 """Simulates a paired capture: a SIMULATED person touches a tablet while a Leap sees the hand.
 
-The person is one of the two simulated subjects, with individual bones and without the errors of a
-capture system; the hand is held open, taps three times, then does the subject's takes and is lifted
-between them. Each device has a clock, a latency and a jitter of its own. The data are simulated,
-not recorded; the truth is kept beside the devices' data.
+The person is a simulated subject, with individual bones and without the errors of a capture system;
+the hand is held open, taps three times, then does the subject's takes and is lifted between them.
+Each device has a clock, a latency and a jitter of its own. The data are simulated, not recorded;
+the truth is kept beside the devices' data.
 
 `encoders.paalm.simulated.forward` simulates the Leap's view, as if no tablet were in its way.
 """
@@ -31,7 +31,6 @@ from models.pose import ROOT_POSITION, ROOT_ROTATION
 from models.rotations import exp, unwrapped
 from models.skeleton import ADULT, Skeleton
 from models.surface import Surface
-from training import second_subject
 
 
 @dataclass(frozen=True)
@@ -48,7 +47,7 @@ class PairedConfiguration:
         every: 1 to keep all takes, n to keep every n-th of them, of other sets of fingers.
         pause: s, least and greatest between takes.
         lift: Height of the hand's path between takes.
-        size, bone, knuckle: The first subject's bones: spread of size and of every bone as shares,
+        size, bone, knuckle: The person's bones: spread of size and of every bone as shares,
             of every coordinate of a knuckle in m.
         touch_rate, leap_rate: Hz.
         touch_latency, leap_latency: s, mean from the event to its arrival.
@@ -105,7 +104,7 @@ class PairedSession:
         side: The hand, left or right.
         motion: The hand's true motion as of a right one: knots (n,) s and poses (n, 48) in the
             surface frame, between which it moves smoothly.
-        skeleton: The person's bones; None of the second subject, whose hand is of another kind.
+        skeleton: The person's bones.
     """
 
     touches: tuple[TouchFrame, ...]
@@ -121,7 +120,7 @@ class PairedSession:
     shift: Array
     side: str
     motion: tuple[Array, Array]
-    skeleton: Skeleton | None
+    skeleton: Skeleton
 
     def poses_at(self, times: Array) -> Array:
         """True poses (m, 48) in the surface frame, as of a right hand."""
@@ -136,7 +135,6 @@ class PairedSession:
 def simulate_paired(
     seed: int,
     day: int = 0,
-    who: str = "first",
     dialect: str = "v3",
     side: str = "right",
     configuration: PairedConfiguration = FROZEN_PAIRED,
@@ -147,7 +145,6 @@ def simulate_paired(
     Args:
         seed: Seed of the person and, together with the day, of the whole session.
         day: 0 is the training script, later days free play.
-        who: `first` or `second` subject.
         dialect: Version of the Leap software, `v3` or `v1`.
         side: The hand; a left one is the mirror image.
         configuration: Settings of session and devices.
@@ -155,7 +152,7 @@ def simulate_paired(
     """
     c = configuration
     rng = np.random.default_rng([seed, day, 0x70C3])
-    truth, joints_of, centre, skeleton = _person(seed, day, who, c, progress)
+    truth, joints_of, centre, skeleton = _person(seed, day, c, progress)
     if c.every > 1:
         truth = truth.select(np.isin(truth.trial, np.unique(truth.trial)[:: c.every]))
     time, q, starts = _motion(rng, truth, c)
@@ -203,10 +200,9 @@ JointsOf = Callable[[Array], Array]
 def _person(
     seed: int,
     day: int,
-    who: str,
     c: PairedConfiguration,
     progress: Callable[[float], None] | None,
-) -> tuple[Capture, JointsOf, Array, Skeleton | None]:
+) -> tuple[Capture, JointsOf, Array, Skeleton]:
     """The subject's day without errors of measurement, and the parts of its hand that a device
     sees.
 
@@ -214,27 +210,6 @@ def _person(
         The day; joints (n, 5, 4, 3) by pose; the palm's centre (3,) m in the hand's frame, scaled
         from an average palm; the bones.
     """
-    if who == "second":
-        plain2 = second_subject.FROZEN
-        clean2 = replace(
-            plain2,
-            marker=0.0,
-            palm_marker=0.0,
-            tremble=0.0,
-            training_rate=c.script_rate,
-            training_frames=_frames(plain2.training_frames, c.script * c.script_rate),
-            test_frames=_frames(plain2.test_frames, c.play * plain2.test_rate),
-        )
-        hand = second_subject.SLENDER
-        capture = second_subject.simulate(clean2, seed, day, progress)
-
-        def slender(q: Array) -> Array:
-            places, _, tips = hand.chain(q)
-            return _by_finger(places, tips)
-
-        middle = FINGERS.index("middle")
-        longer = hand.knuckle[middle, 1] / ADULT.bones[ADULT.first_bone[middle]].anchor[1]
-        return capture, slender, longer * np.array(PALM_CENTRE), None
     plain = subject.FROZEN
     clean = replace(
         plain,

@@ -49,9 +49,6 @@ class SimulateOptions:
     day: int = 0
     """Day: 0 is the training script, 1 and later are free play."""
 
-    subject: Literal["first", "second"] = "first"
-    """Kind of simulated person."""
-
     dialect: Literal["v3", "v1"] = "v3"
     """Software of the Leap: v3 with joints and names of fingers, or v1, the first one."""
 
@@ -59,8 +56,8 @@ class SimulateOptions:
     """Side of the hand; a left hand is the mirror image."""
 
     hands: Literal["leap", "webcam"] = "leap"
-    """What sees the hand: a Leap, or a camera over the tablet, as landmarks with errors (first
-    subject only). The truth then has the tablet's corners in place of the Leap's position."""
+    """What sees the hand: a Leap, or a camera over the tablet, as landmarks with errors.
+    The truth then has the tablet's corners in place of the Leap's position."""
 
     corners: tyro.conf.FlagCreatePairsOff[bool] = False
     """With --hands webcam: as if the tablet's corners had been marked."""
@@ -78,13 +75,12 @@ def main(argv: list[str]) -> int:
         session = simulate_paired(
             options.seed,
             options.day,
-            options.subject,
             options.dialect,
             options.hand,
             progress=lambda share: progress.update(bar, completed=share),
         )
         progress.update(bar, description="writing")
-        name = f"simulated {options.subject} {options.seed}"
+        name = f"simulated {options.seed}"
         if options.hands == "webcam":
             pictures = simulate_overhead(session, options.seed + 1000 * options.day)
             write_simulated_camera(session, pictures, options.out, name, options.corners)

@@ -4,11 +4,11 @@ pictures."""
 from __future__ import annotations
 
 from collections.abc import Iterator
-from contextlib import contextmanager, nullcontext, suppress
+from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated
 
 import tyro
 from rich.console import Console
@@ -17,7 +17,9 @@ from rich.progress import Progress, TaskID
 from models.errors import HandSandboxError, InputError
 from sandbox.cli.common.json_out import check_output, refuse_replacing, write_json
 from sandbox.cli.common.parse import parse
-from sandbox.cli.evaluate.asked import is_about_strangers
+
+if TYPE_CHECKING:
+    from encoders.evaluation.subjects import Subject
 
 BUILTIN = "builtin"
 
@@ -33,14 +35,13 @@ class EvaluateOptions:
 
     Without --capture, they are tested on another day of the same SIMULATED person that they were
     trained on: --days of them, chosen by the subject's configuration and --day-seed. That flatters
-    them: everyone who uses this program is a stranger, whom --train population is about (below).
-    docs/evaluation.md defines all measures.
+    them: everyone who uses this program is a stranger, and docs/strangers.md has the numbers of
+    strangers. docs/evaluation.md defines all measures.
 
     Try:
 
         sandbox evaluate --encoders linear quadratic best --days 1
         sandbox evaluate --days 5 --json out.json --plots pictures
-        sandbox evaluate --train population --people 12
 
     The paper of 2013 instead: sandbox evaluate --paalm simulated|FOLDER [--json OUT]
     """
@@ -63,13 +64,9 @@ class EvaluateOptions:
     """Test captures: builtin, the simulated subject's test days (default); captures; a folder of
     captures; or a text file (.txt) with one capture per line. May be repeated."""
 
-    train: Annotated[str, tyro.conf.arg(metavar="own|population|split|FILE")] = BUILTIN
-    """Training data: own (or builtin), day 0 of the same person; population, hundreds of other
-    people (below); a capture; or split, four fifths of the takes of
-    the one --capture FILE, whose other fifth is the test data."""
-
-    subject: Literal["first", "second"] = "first"
-    """Simulated subject."""
+    train: Annotated[str, tyro.conf.arg(metavar="own|split|FILE")] = BUILTIN
+    """Training data: own (or builtin), day 0 of the same person; a capture; or split, four fifths
+    of the takes of the one --capture FILE, whose other fifth is the test data."""
 
     days: int = 3
     """Number of test days."""
@@ -94,23 +91,33 @@ def main(argv: list[str]) -> int:
         from sandbox.cli.evaluate.paalm_judge import main as judge_paalm
 
         return judge_paalm(argv)
-    if is_about_strangers(argv):
-        from training.cli.strangers import main as judge_strangers
-
-        return judge_strangers(argv)
     try:
         options = parse(EvaluateOptions, "sandbox evaluate", argv, append=False)
     except SystemExit:
         # It was asked for help, which is about both papers.
         from sandbox.cli.evaluate.paalm_judge import PaalmJudgeOptions
-        from training.cli.strangers import StrangersOptions
 
-        print("\nWith --train population, --hold-out or --people:\n", flush=True)
-        with suppress(SystemExit):
-            parse(StrangersOptions, "sandbox evaluate", ["--help"])
         print("\nWith --paalm:\n", flush=True)
         parse(PaalmJudgeOptions, "sandbox evaluate", ["--help"])
         raise
+    from encoders.evaluation.subjects import first_subject
+
+    return measure(options, first_subject())
+
+
+def measure(options: EvaluateOptions, person: Subject) -> int:
+    """Measures encoders, prints and writes the report.
+
+    Args:
+        options: What is measured.
+        person: The simulated subject whose days `builtin` and `own` mean.
+
+    Returns:
+        Exit status: 2 if an encoder failed and was left out.
+
+    Raises:
+        InputError: Something does not exist, or a result cannot be written.
+    """
     _check(options)
     from encoders.discovery import guarded
     from encoders.evaluation.measure import MethodResult, Tests, evaluate_method
@@ -127,7 +134,7 @@ def main(argv: list[str]) -> int:
         data = gather(
             [place for places in options.capture for place in places] or [BUILTIN],
             BUILTIN if options.train == "own" else options.train,
-            options.subject,
+            person,
             options.days,
             options.day_seed,
             progress,

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from rich.progress import Progress
 
 from encoders.capture import Capture
-from encoders.evaluation.subjects import TRAINING_DAY, Subject, subject
+from encoders.evaluation.subjects import TRAINING_DAY, Subject
 from encoders.evaluation.training import Training
 from encoders.labels.trained_belief import capture_digest
 from encoders.regression.trained import builtin_capture, load_model
@@ -44,7 +44,7 @@ class Data:
 def gather(
     places: Sequence[str],
     train: str,
-    subject_name: str,
+    person: Subject,
     days: int,
     day_seed: int,
     progress: Progress,
@@ -54,7 +54,7 @@ def gather(
     Args:
         places: `builtin`, captures, folders and lists of captures to test on.
         train: `builtin`, `split` or a capture.
-        subject_name: Name of the simulated subject.
+        person: The simulated subject.
         days: How many judged days `builtin` means.
         day_seed: Which.
         progress: Gets a bar for every day that is simulated.
@@ -95,24 +95,18 @@ def gather(
     loaded = [_loaded(file) for file in files]
     learned = _loaded(Path(train)) if train != BUILTIN else None
     tests: list[Capture] = []
-    person = None
     if BUILTIN in places or train == BUILTIN:
-        person = subject(subject_name)
         configuration |= {
             "subject": person.name,
             "subject_digest": person.digest,
             "subject_seed": person.seed,
         }
-    if person is not None and BUILTIN in places:
+    if BUILTIN in places:
         numbers = person.judged_days(days, day_seed)
         configuration |= {"days": numbers, "day_seed": day_seed}
         tests += [_simulated(person, day, progress) for day in numbers]
     tests += loaded
-    if learned is not None:
-        training = Training(learned)
-    else:
-        assert person is not None
-        training = _day_0(person, progress)
+    training = Training(learned) if learned is not None else _day_0(person, progress)
     digest = capture_digest(training.capture)
     for test in tests:
         if capture_digest(test) == digest:

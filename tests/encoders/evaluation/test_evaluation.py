@@ -21,7 +21,7 @@ from encoders.evaluation.labels import own_labels
 from encoders.evaluation.measure import OWN, TRUE, Tests
 from encoders.evaluation.report import plain, report
 from encoders.evaluation.smoothness import smoothness
-from encoders.evaluation.subjects import SUBJECTS, subject
+from encoders.evaluation.subjects import first_subject
 from encoders.evaluation.training import NAMES, Training, check_names
 from encoders.labels.belief import builtin_belief
 from encoders.labels.labelling import Labelling, PaperLabels
@@ -285,19 +285,13 @@ def test_acceleration_is_the_second_derivative(capture: Capture) -> None:
 
 
 def test_judged_days_follow_from_the_subject_and_the_seed_alone() -> None:
-    person = subject("first")
+    person = first_subject()
     days = person.judged_days(6, 0)
     assert days == person.judged_days(6, 0) and days[:3] == person.judged_days(3, 0)
     assert len(set(days) | set(person.judged_days(6, 1))) == 12
     assert min(days) > 0
     changed = type(person)(person.name, person.seed, {"other": 1}, person.day)
     assert not set(days) & set(changed.judged_days(6, 0))
-
-
-def test_a_subject_that_there_is_not_is_refused() -> None:
-    with pytest.raises(EncoderError, match="first, second"):
-        subject("third")
-    assert set(SUBJECTS) == {"first", "second"}
 
 
 @pytest.mark.parametrize("names", [("nobody",), ("linear", "linear"), (), ("missing.npz",)])

@@ -388,27 +388,16 @@ def test_without_a_degree_the_command_trains_what_wins(
     assert model.digest == train_best_model(few, "m").digest
 
 
-@pytest.mark.full
-def test_the_command_makes_the_built_in_models_anew(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert main(["train", "--builtin", "--out", str(tmp_path)]) == 0
-    told = capsys.readouterr().out
-    assert told.count("agrees") == 1 + len(BUILTIN) and "differs" not in told
-
-
 @pytest.mark.parametrize(
     ("rest", "told"),
     (
-        ([], "either a capture or the built-in"),
+        ([], "no capture to train on"),
         (["--capture", "none.npz"], "no such file"),
-        (["--builtin", "--capture", "c.npz"], "either"),
         (["--capture", CAPTURE_FILE, "--ridge", "-1"], "ridge"),
         (["--capture", CAPTURE_FILE, "--degree", "4"], "degree"),
         (["--capture", CAPTURE_FILE, "--out", "none/m.npz"], "no such folder"),
         (["--capture", CAPTURE_FILE, "--out", "."], "this is a folder"),
         (["--capture", "c.npz", "--out", "./c.npz"], "would replace what it is made from"),
-        (["--population", "p.npz", "--out", "./p.npz"], "would replace what it is made from"),
     ),
 )
 def test_the_command_answers_bad_input_with_one_line(

@@ -254,11 +254,6 @@ def test_the_results_do_not_replace_the_capture_that_is_judged(
     assert "would replace what it is made from" in text and source.read_bytes() == kept
 
 
-def test_a_subject_that_there_is_not_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["evaluate", "--subject", "third"]) == 2
-    assert "third" in capsys.readouterr().err
-
-
 def test_without_matplotlib_the_extra_is_named_before_anything_is_computed(
     capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -354,3 +349,15 @@ def test_a_simulated_day_is_evaluated_without_a_file(
     found = json.loads(path.read_text())
     assert found["configuration"]["days"] == [found["tests"][0]["day"]]
     assert found["simulated"] is True and "SIMULATED" in capsys.readouterr().out
+
+
+@pytest.mark.slow
+def test_own_is_another_day_of_the_same_person(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "own.json"
+    argv = ["evaluate", "--encoders", "mean", "--days", "1", "--no-copas", "--train", "own"]
+    assert main([*argv, "--json", str(path)]) == 0
+    found = json.loads(path.read_text())
+    assert found["training"]["day"] == 0 != found["tests"][0]["day"]
+    assert found["training"]["seed"] == found["tests"][0]["seed"]

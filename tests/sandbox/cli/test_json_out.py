@@ -47,7 +47,6 @@ def test_two_results_in_one_file_are_refused(tmp_path: Path) -> None:
         "leap simulate --capture kept.json --out kept.json",
         "paalm calibrate kept.json --hands right --out kept.json",
         "robot fit kept.json --tips a,b,c --out kept.json",
-        "evaluate --train population --population kept.json --json kept.json",
     ],
 )
 def test_no_command_replaces_what_it_reads_or_another_of_its_results(

@@ -1,0 +1,74 @@
+"""`python -m training COMMAND ...`: runs a command and prints errors in one line."""
+
+from __future__ import annotations
+
+import importlib
+import sys
+from collections.abc import Sequence
+
+from models.errors import HandSandboxError, InputError
+from sandbox.cli.common.printing import prepare
+from training.shipped import FILES
+
+COMMANDS: dict[str, str] = {
+    "people": "make a population of simulated people to train and judge on",
+    **{name: f"make {file.path}: {file.about}" for name, file in FILES.items()},
+    "all": "make all files that ship, into a folder",
+    "strangers": "measure how well people are served on whom nothing was trained",
+    "tables": "the tables of `sandbox evaluate` on the second simulated subject",
+}
+"""Command -> one line of help. `training/cli/shipped_file.py` has the commands of files; each other
+one is in training/cli/COMMAND.py."""
+
+EXIT_DONE, EXIT_DIFFERS, EXIT_BAD_INPUT = 0, 1, 2
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Runs a command.
+
+    Returns:
+        0 done, 1 a file differs from the shipped one or a computation failed, 2 bad input.
+    """
+    args = list(sys.argv[1:] if argv is None else argv)
+    prepare()
+    name, rest = (args[0], args[1:]) if args else ("--help", [])
+    try:
+        if name in ("-h", "--help"):
+            print(_overview())
+            return EXIT_DONE
+        if name in FILES:
+            from training.cli.shipped_file import main as make_file
+
+            return make_file(name, rest)
+        if name not in COMMANDS:
+            raise InputError(
+                "no such command",
+                got=name,
+                expected=", ".join(COMMANDS),
+                remedy="`python -m training` lists them",
+            )
+        return int(importlib.import_module(f"training.cli.{name}").main(rest))
+    except InputError as error:
+        print(f"training: {error}", file=sys.stderr)
+        return EXIT_BAD_INPUT
+    except HandSandboxError as error:
+        print(f"training: {error}", file=sys.stderr)
+        return EXIT_DIFFERS
+    except KeyboardInterrupt:
+        print("training: stopped", file=sys.stderr)
+        return 130
+
+
+def _overview() -> str:
+    width = max(map(len, COMMANDS))
+    lines = [f"  {name:<{width}}  {about}" for name, about in COMMANDS.items()]
+    return "\n".join(
+        [
+            "usage: python -m training COMMAND [--help]",
+            "",
+            "Makes the models that ship with Hand Sandbox, and judges them. training/README.md",
+            "explains the commands.",
+            "",
+            *lines,
+        ]
+    )

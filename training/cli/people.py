@@ -1,0 +1,77 @@
+"""`python -m training people`: makes a population of simulated people."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import ceil
+from pathlib import Path
+from typing import Annotated, Literal
+
+import tyro
+from rich.console import Console
+from rich.markup import escape
+
+from models.errors import InputError
+from models.messages.wording import counted
+from sandbox.cli.common.json_out import check_output
+from sandbox.cli.common.parse import parse
+from training.cli.progress_bar import bar, bars
+from training.population import save_population, simulate_population
+from training.population.population import PEOPLE
+
+
+@dataclass(frozen=True)
+class PeopleOptions:
+    """Makes captures of hundreds of SIMULATED people, on whom the files for any person are trained.
+
+    People have their own bones, resting postures, habits and sensors. They come from both
+    generators of simulated subjects with settings drawn at random, and from random postures of
+    random hands. By default there are people to train on, people to choose settings on, and people
+    to judge on; nobody is in two groups. The file's header has their seeds and a digest. The same
+    salt gives the same people.
+
+    Try:
+
+        python -m training people --group train --out people.npz
+        python -m training names --population people.npz --out names.npz
+    """
+
+    out: Annotated[Path, tyro.conf.arg(metavar="FILE")]
+    """File for the population; an existing file is replaced."""
+
+    salt: str = ""
+    """Any text; another one draws other people."""
+
+    group: Literal["train", "choose", "judge", "all"] = "all"
+    """Make the people of one group only."""
+
+    share: float = 1.0
+    """Make this share of the people only, 0 to 1, for a quick try."""
+
+
+def main(argv: list[str]) -> int:
+    """Runs `python -m training people ...`."""
+    options = parse(PeopleOptions, "python -m training people", argv)
+    check_output(options.out, "--out")
+    if not 0.0 < options.share <= 1.0:
+        raise InputError("not a share", where="--share", got=options.share, expected="0 to 1")
+    groups = {
+        group: {source: ceil(options.share * count) for source, count in sources.items()}
+        for group, sources in PEOPLE.items()
+        if options.group in (group, "all")
+    }
+    with bars() as progress:
+        population = simulate_population(options.salt, groups, bar(progress, "people"))
+    try:
+        save_population(population, options.out)
+    except OSError as error:
+        raise InputError(
+            "the population cannot be written", where=f"--out {options.out}", got=str(error)
+        ) from error
+    frames = sum(len(person) for person in population.people)
+    Console().print(
+        f"{escape(str(options.out))}: {counted(len(population.people), 'person', 'people')}, "
+        f"{counted(frames, 'frame')}, digest {population.digest}, simulated",
+        soft_wrap=True,
+    )
+    return 0

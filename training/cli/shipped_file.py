@@ -1,0 +1,130 @@
+"""`python -m training capture`, `names`, `skin` and so on: makes a file that ships, and compares it
+with the shipped one."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Annotated
+
+import tyro
+from rich.console import Console
+from rich.markup import escape
+
+from models.errors import InputError
+from sandbox.cli.common.json_out import check_output, refuse_replacing
+from sandbox.cli.common.parse import parse
+from training.cli.progress_bar import bar, bars
+from training.comparison import compared
+from training.population import Population, load_population, simulate_population
+from training.population.population import PEOPLE
+from training.shipped import FILES, Inputs
+
+
+@dataclass(frozen=True)
+class FileOptions:
+    """Makes a file that ships, and compares it with the shipped one. Exit status 1 if they differ
+    by more than rounding; the file is written all the same.
+
+    Try:
+
+        python -m training linear --out linear.npz
+    """
+
+    out: Annotated[Path, tyro.conf.arg(metavar="FILE")]
+    """Where to write the file. To ship it, name its place in the checkout."""
+
+
+@dataclass(frozen=True)
+class PeopleFileOptions:
+    """Trains a file that ships on simulated people, and compares it with the shipped one. Exit
+    status 1 if they differ by more than rounding; the file is written all the same.
+
+    Try:
+
+        python -m training people --group train --out people.npz
+        python -m training names --population people.npz --out names.npz
+    """
+
+    out: Annotated[Path, tyro.conf.arg(metavar="FILE")]
+    """Where to write the file. To ship it, name its place in the checkout."""
+
+    population: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    """People to train on, by `python -m training people`. Default: they are made anew."""
+
+
+def main(name: str, argv: list[str]) -> int:
+    """Runs the command of a file."""
+    file, prog = FILES[name], f"python -m training {name}"
+    population = None
+    if file.on_people:
+        chosen = parse(PeopleFileOptions, prog, argv)
+        out, population = chosen.out, chosen.population
+    else:
+        out = parse(FileOptions, prog, argv).out
+    check_output(out, "--out")
+    refuse_replacing(out, {"--population": population})
+    return 0 if make(name, out, people_to_train_on(population)) else 1
+
+
+def people_to_train_on(file: Path | None) -> Callable[[], Population]:
+    """Gives the people of a file, or simulates them when they are first needed.
+
+    Args:
+        file: A population by `python -m training people`; None simulates.
+
+    Raises:
+        CaptureError: The file is missing, damaged or of another version.
+    """
+    if file is not None:
+        population = load_population(file)
+        return lambda: population
+
+    @cache
+    def simulated() -> Population:
+        with bars() as progress:
+            return simulate_population(
+                "", {"train": PEOPLE["train"]}, bar(progress, "people to train on")
+            )
+
+    return simulated
+
+
+def make(name: str, out: Path, people: Callable[[], Population]) -> bool:
+    """Makes a file, writes it and prints how it compares with the shipped one.
+
+    Args:
+        name: Name of the file's command.
+        out: Where to write it.
+        people: Gives the people to train on.
+
+    Returns:
+        True if the file agrees with the shipped one.
+
+    Raises:
+        InputError: The file cannot be written.
+    """
+    file = FILES[name]
+    population = people() if file.on_people else None
+    with TemporaryDirectory() as folder:
+        made = Path(folder) / file.file.name
+        with bars() as progress:
+            file.make(made, Inputs(population, bar(progress, name)))
+        # Before it is written, which may replace the shipped file.
+        comparison = compared(made, file.file, file.compare)
+        try:
+            shutil.copyfile(made, out)
+        except OSError as error:
+            raise InputError(
+                "the file cannot be written", where=f"--out {out}", got=str(error)
+            ) from error
+    verdict = "[green]agrees[/] with" if comparison.agrees else "[red]differs[/] from"
+    Console().print(
+        f"{escape(str(out))} {verdict} {file.path}: {comparison.how}",
+        soft_wrap=True,
+    )
+    return comparison.agrees

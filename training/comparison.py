@@ -1,0 +1,163 @@
+"""Compares a file that was made anew with the one that ships: equal to the byte, or within a bound.
+
+Processors and releases of libraries round differently, and rounding may decide between two nearly
+equal postures, or grow while a network is trained. The bounds are far below what a user could see.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from encoders.labels.population_belief import load_population_belief
+from encoders.regression.trained import TrainedModel, load_model
+from encoders.store import load_capture
+from models.arithmetic.arrays import Array
+from training.population.surface_people import surface_person
+
+SAME_POSE = 1e-4
+"""m and rad; poses that differ by less count as equal."""
+
+DIFFERENT_FRAMES = 0.01
+"""Share of a capture's frames that may differ."""
+
+SAME_PREDICTION = 1e-3
+"""m and rad; greatest root mean square difference of predicted poses."""
+
+SAME_LABELS = 0.98
+"""Least share of layouts that both beliefs label alike. Two trainings that differ in nothing but
+the rounding of products agree in 99 %."""
+
+SAME_WEIGHTS = 5e-4
+"""Greatest difference of a weight of the network of palms, whose file has four decimal places."""
+
+SAME_SKIN, SAME_VOLUME, SAME_COUNT = 0.004, 1e-3, 0.03
+"""m, greatest distance of a vertex from the other skin; greatest relative difference of the volume
+and of the number of vertices."""
+
+_LAYOUTS = 20
+"""People whose layouts are labelled, whom no training has seen."""
+
+
+class Comparison(NamedTuple):
+    """Whether a file agrees with the shipped one, and how they differ."""
+
+    agrees: bool
+    how: str
+
+
+Compare = Callable[[Path, Path], Comparison]
+"""Compares a file that was made with the shipped one."""
+
+
+def compared(made: Path, shipped: Path, compare: Compare) -> Comparison:
+    """Compares bytes, and the contents where these differ."""
+    if made.read_bytes() == shipped.read_bytes():
+        return Comparison(True, "identical")
+    return compare(made, shipped)
+
+
+def compare_captures(made: Path, shipped: Path) -> Comparison:
+    """Contacts must be equal, and poses and touches in all but few frames."""
+    new, old = load_capture(made), load_capture(shipped)
+    if not np.array_equal(new.ids, old.ids):
+        return Comparison(False, "other contacts")
+    moved = np.abs(new.q - old.q).max(axis=1) > SAME_POSE
+    moved |= np.nan_to_num(np.abs(new.xy - old.xy)).max(axis=(1, 2)) > SAME_POSE
+    share = float(moved.mean())
+    return Comparison(
+        share <= DIFFERENT_FRAMES,
+        f"{100 * share:.2f} % of frames differ by more than {SAME_POSE:g} m or rad; "
+        f"at most {100 * DIFFERENT_FRAMES:g} % may",
+    )
+
+
+def compare_polynomials(made: Path, shipped: Path) -> Comparison:
+    """Predictions for the frames of the shipped capture must be equal but for rounding."""
+    capture = load_capture(shipped.with_name("capture.npz"))
+    return _same_predictions(load_model(made, capture), load_model(shipped, capture))
+
+
+def compare_population_encoders(made: Path, shipped: Path) -> Comparison:
+    """People must be the same, and predictions for the stored frames equal but for rounding."""
+    new, old = load_model(made), load_model(shipped)
+    if new.meta["population"] != old.meta["population"]:
+        return Comparison(False, "trained on other people")
+    return _same_predictions(new, old)
+
+
+def _same_predictions(new: TrainedModel, old: TrainedModel) -> Comparison:
+    off = new.encoder.predict(old.training_u) - old.encoder.predict(old.training_u)
+    size = float(np.sqrt(np.mean(off**2)))
+    return Comparison(
+        size <= SAME_PREDICTION,
+        f"predictions differ by {size:.1e} m or rad (root mean square), of {SAME_PREDICTION:g}",
+    )
+
+
+def compare_names(made: Path, shipped: Path) -> Comparison:
+    """People must be the same, and nearly all layouts of new people be labelled alike."""
+    new, old = load_population_belief(made), load_population_belief(shipped)
+    if new.population != old.population:
+        return Comparison(False, "trained on other people")
+    alike = [
+        np.argmax(new.evidence.log_posterior(xy)) == np.argmax(old.evidence.log_posterior(xy))
+        for xy in _unseen_layouts()
+    ]
+    share = float(np.mean(alike))
+    return Comparison(
+        share >= SAME_LABELS,
+        f"{100 * share:.1f} % of layouts are labelled alike, of {100 * SAME_LABELS:g} % at least",
+    )
+
+
+def _unseen_layouts() -> list[Array]:
+    """Layouts (k, 2) m of two to five contacts of people of whom none was trained on."""
+    people = [surface_person([1, number]) for number in range(_LAYOUTS)]
+    return [xy[down] for person in people for xy, down in zip(person.xy, person.down, strict=True)]
+
+
+def compare_palm_places(made: Path, shipped: Path) -> Comparison:
+    """Weights must be equal but for their last digits."""
+    new, old = (json.loads(path.read_text(encoding="utf-8")) for path in (made, shipped))
+    shapes = [{name: np.shape(values) for name, values in w.items()} for w in (new, old)]
+    if shapes[0] != shapes[1]:
+        return Comparison(False, "a network of another shape")
+    off = max(float(np.abs(np.array(new[name]) - np.array(old[name])).max()) for name in old)
+    return Comparison(
+        off <= SAME_WEIGHTS, f"weights differ by {off:g} at most, of {SAME_WEIGHTS:g}"
+    )
+
+
+def compare_skins(made: Path, shipped: Path) -> Comparison:
+    """Surfaces must be equal but for where the meshing library puts its vertices."""
+    from scipy.spatial import cKDTree
+
+    from training.skin.mesh import volume
+
+    (new, new_faces), (old, old_faces) = (_skin_surface(path) for path in (made, shipped))
+    away = max(float(cKDTree(a).query(b)[0].max()) for a, b in ((new, old), (old, new)))
+    larger = volume(new, new_faces) / volume(old, old_faces) - 1.0
+    more = len(new) / len(old) - 1.0
+    agrees = away <= SAME_SKIN and abs(larger) <= SAME_VOLUME and abs(more) <= SAME_COUNT
+    return Comparison(
+        agrees,
+        f"vertices are up to {1000 * away:.2f} mm from the other skin, of {1000 * SAME_SKIN:g}; "
+        f"volume {100 * larger:+.3f} %, of {100 * SAME_VOLUME:g}; "
+        f"vertices {100 * more:+.1f} %, of {100 * SAME_COUNT:g}",
+    )
+
+
+def _skin_surface(path: Path) -> tuple[Array, NDArray[np.int64]]:
+    """Vertices (n, 3) m and triangles (m, 3) of the skin proper, without nails and cuff."""
+    with np.load(path, allow_pickle=False) as file:
+        header = json.loads(bytes(file["header"].tobytes()).decode())
+        places = file["rest"] * header["step"] + np.array(header["corner"])
+        triangles = file["triangles"].astype(np.int64)
+    part = next(p for p in header["parts"] if p["name"] == "skin")
+    return places[slice(*part["vertices"])], triangles[slice(*part["triangles"])]
