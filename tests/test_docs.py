@@ -22,11 +22,16 @@ from tools.docs.how_it_works import drawing
 
 ROOT = Path(__file__).parents[1]
 PAGES = sorted(
-    [*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md"), *(ROOT / "examples").rglob("*.md")]
+    [
+        *ROOT.glob("*.md"),
+        *(ROOT / "docs").rglob("*.md"),
+        *(ROOT / "examples").rglob("*.md"),
+        *(ROOT / "training").rglob("*.md"),
+    ]
 )
 LINK = re.compile(r"\[[^\]]*\]\(([^)\s]+)\)")
-MODULE = re.compile(r"python -m ((?:benchmarks|sandbox)\.[\w.]*\w)")
-FOLDERS = "benchmarks|docs|encoders|examples|models|sandbox|tasks|tests"
+MODULE = re.compile(r"python -m ((?:benchmarks|sandbox|training)\.[\w.]*\w)")
+FOLDERS = "benchmarks|docs|encoders|examples|models|sandbox|tasks|tests|training"
 PATH = re.compile(rf"(?<![\w./-])((?:{FOLDERS})/[\w./-]*\.(?:md|npz|py|toml|ts|yml))\b")
 CODE = re.compile(r"^```python\n(.*?)^```", re.M | re.S)
 ELSEWHERE = ("https://", "http://", "mailto:")

@@ -18,6 +18,7 @@ from encoders.labels.population_belief import load_population_belief
 from encoders.regression.trained import TrainedModel, load_model
 from encoders.store import load_capture
 from models.arithmetic.arrays import Array
+from models.skin.skin import dense
 from training.population.surface_people import surface_person
 
 SAME_POSE = 1e-4
@@ -36,9 +37,14 @@ the rounding of products agree in 99 %."""
 SAME_WEIGHTS = 5e-4
 """Greatest difference of a weight of the network of palms, whose file has four decimal places."""
 
-SAME_SKIN, SAME_VOLUME, SAME_COUNT = 0.004, 1e-3, 0.03
-"""m, greatest distance of a vertex from the other skin; greatest relative difference of the volume
-and of the number of vertices."""
+SAME_SKIN = 4.0
+"""mm, greatest distance of a vertex from the nearest one of the other skin."""
+
+SAME_VOLUME, SAME_COUNT = 0.1, 3.0
+"""%, greatest differences of the volume and of the number of vertices."""
+
+SAME_SHARE = 0.02
+"""Greatest mean difference of the weights of nearest vertices, 0 to 1."""
 
 _LAYOUTS = 20
 """People whose layouts are labelled, whom no training has seen."""
@@ -135,29 +141,37 @@ def compare_palm_places(made: Path, shipped: Path) -> Comparison:
 
 
 def compare_skins(made: Path, shipped: Path) -> Comparison:
-    """Surfaces must be equal but for where the meshing library puts its vertices."""
+    """Surfaces and their weights must be equal but for where the meshing library puts vertices."""
     from scipy.spatial import cKDTree
 
     from training.skin.mesh import volume
 
-    (new, new_faces), (old, old_faces) = (_skin_surface(path) for path in (made, shipped))
-    away = max(float(cKDTree(a).query(b)[0].max()) for a, b in ((new, old), (old, new)))
-    larger = volume(new, new_faces) / volume(old, old_faces) - 1.0
-    more = len(new) / len(old) - 1.0
-    agrees = away <= SAME_SKIN and abs(larger) <= SAME_VOLUME and abs(more) <= SAME_COUNT
+    (new, new_faces, new_shares), (old, old_faces, old_shares) = map(_skin, (made, shipped))
+    to_new, nearest = cKDTree(old).query(new)
+    away = 1000 * float(max(to_new.max(), cKDTree(new).query(old)[0].max()))
+    larger = 100 * abs(volume(new, new_faces) / volume(old, old_faces) - 1.0)
+    more = 100 * abs(len(new) / len(old) - 1.0)
+    heavier = float(np.abs(new_shares - old_shares[nearest]).max(axis=1).mean())
     return Comparison(
-        agrees,
-        f"vertices are up to {1000 * away:.2f} mm from the other skin, of {1000 * SAME_SKIN:g}; "
-        f"volume {100 * larger:+.3f} %, of {100 * SAME_VOLUME:g}; "
-        f"vertices {100 * more:+.1f} %, of {100 * SAME_COUNT:g}",
+        away <= SAME_SKIN
+        and larger <= SAME_VOLUME
+        and more <= SAME_COUNT
+        and heavier <= SAME_SHARE,
+        f"vertices are up to {away:.2f} mm from the other skin, of {SAME_SKIN:g}; "
+        f"the volume differs by {larger:.3f} %, of {SAME_VOLUME:g}; "
+        f"the number of vertices by {more:.1f} %, of {SAME_COUNT:g}; "
+        f"the weights by {heavier:.4f} in the mean, of {SAME_SHARE:g}",
     )
 
 
-def _skin_surface(path: Path) -> tuple[Array, NDArray[np.int64]]:
-    """Vertices (n, 3) m and triangles (m, 3) of the skin proper, without nails and cuff."""
+def _skin(path: Path) -> tuple[Array, NDArray[np.int64], Array]:
+    """Vertices (n, 3) m, triangles (m, 3) and weights (n, 15) of the skin proper, without nails and
+    cuff."""
     with np.load(path, allow_pickle=False) as file:
         header = json.loads(bytes(file["header"].tobytes()).decode())
         places = file["rest"] * header["step"] + np.array(header["corner"])
         triangles = file["triangles"].astype(np.int64)
+        shares = dense(file["bones"], file["weights"])
     part = next(p for p in header["parts"] if p["name"] == "skin")
-    return places[slice(*part["vertices"])], triangles[slice(*part["triangles"])]
+    vertices = slice(*part["vertices"])
+    return places[vertices], triangles[slice(*part["triangles"])], shares[vertices]
