@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from math import log, sqrt
 from typing import Protocol
 
 import numpy as np
@@ -18,8 +19,11 @@ from numpy.typing import NDArray
 from encoders.labels.labelling import hypotheses
 from encoders.labels.layout_density import finger_sets
 from encoders.labels.pair_network import (
+    BIASES,
+    CONTACT_FEATURES,
+    PAIR_FEATURES,
+    SHAPES,
     contact_features,
-    initial_weights,
     ordered_pairs,
     pair_features,
     score_places,
@@ -119,6 +123,23 @@ class LayoutPool:
         order = rng.permuted(np.tile(np.arange(count), (n, 1)), axis=1)
         row = np.arange(n)[:, None]
         return xy[row, order], fingers[row, order]
+
+
+def initial_weights(
+    rng: np.random.Generator, sizes: Mapping[str, int]
+) -> dict[str, NDArray[np.float32]]:
+    """Random weights to begin training with (He and others 2015), single precision."""
+    weights = {}
+    for name, shape in SHAPES.items():
+        rows, columns = (sizes[a] if isinstance(a, str) else a for a in shape)
+        inputs = sizes["context"] + 2 * CONTACT_FEATURES + PAIR_FEATURES
+        fan = inputs if name.startswith("f_") else rows
+        scale = 0.1 * log(2.0) if name == "f3" else 1.0
+        drawn = rng.normal(0, scale * sqrt(2.0 / fan), (rows, columns))
+        weights[name] = drawn.astype(np.float32)
+        if name in BIASES:
+            weights[BIASES[name]] = np.zeros(columns, np.float32)
+    return weights
 
 
 def train_network(

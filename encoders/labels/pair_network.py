@@ -14,7 +14,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from functools import cache
-from math import log, sqrt
 from typing import Any
 
 import numpy as np
@@ -180,20 +179,3 @@ def check_weights(weights: Mapping[str, NDArray[Any]]) -> None:
                         got=value.shape,
                         expected=str(tuple(sizes.get(str(a), a) for a in expected)),
                     )
-
-
-def initial_weights(
-    rng: np.random.Generator, sizes: Mapping[str, int]
-) -> dict[str, NDArray[np.float32]]:
-    """Random weights to begin training with (He and others 2015), single precision."""
-    weights = {}
-    for name, shape in SHAPES.items():
-        rows, columns = (sizes[a] if isinstance(a, str) else a for a in shape)
-        inputs = sizes["context"] + 2 * CONTACT_FEATURES + PAIR_FEATURES
-        fan = inputs if name.startswith("f_") else rows
-        scale = 0.1 * log(2.0) if name == "f3" else 1.0
-        drawn = rng.normal(0, scale * sqrt(2.0 / fan), (rows, columns))
-        weights[name] = drawn.astype(np.float32)
-        if name in BIASES:
-            weights[BIASES[name]] = np.zeros(columns, np.float32)
-    return weights

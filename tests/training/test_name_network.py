@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 
 from encoders.labels.labelling import hypotheses
 from encoders.labels.network_evidence import NetworkEvidence
-from encoders.labels.pair_network import PairNetwork, initial_weights
-from training.name_network import loss_and_slopes
+from encoders.labels.pair_network import PairNetwork
+from training.name_network import initial_weights, loss_and_slopes
 
 SIZES = {"g": 7, "context": 5, "f": 9, "h": 6}
 

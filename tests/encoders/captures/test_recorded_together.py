@@ -37,8 +37,8 @@ SHORT = replace(FROZEN_PAIRED, play=9.0, leap_rate=50.0, open_seconds=4.5)
 
 
 @cache
-def session(dialect: str = "v3", side: str = "right", who: str = "first") -> PairedSession:
-    return simulate_paired(3, 1, who, dialect, side, SHORT)
+def session(dialect: str = "v3", side: str = "right") -> PairedSession:
+    return simulate_paired(3, 1, dialect, side, SHORT)
 
 
 def log_of(s: PairedSession) -> TouchLog:
@@ -192,7 +192,7 @@ def test_recordings_that_never_overlap_are_refused() -> None:
 
 def test_touches_of_another_session_are_refused() -> None:
     s = session()
-    other = simulate_paired(4, 2, "first", "v3", "right", SHORT)
+    other = simulate_paired(4, 2, "v3", "right", SHORT)
     with pytest.raises(CaptureError):
         converted(replace(s, touches=other.touches, touch_arrived=other.touch_arrived))
 

@@ -10,13 +10,14 @@ from numpy.typing import NDArray
 
 from encoders.labels.labelling import hypotheses
 from encoders.labels.network_evidence import NetworkEvidence, set_prior
-from encoders.labels.pair_network import PairNetwork, initial_weights
+from encoders.labels.pair_network import PairNetwork
 from encoders.labels.population_belief import (
     builtin_population_belief,
     from_weights,
     load_population_belief,
 )
 from models.errors import EncoderError
+from training.name_network import initial_weights
 
 SIZES = {"g": 7, "context": 5, "f": 9, "h": 6}
 

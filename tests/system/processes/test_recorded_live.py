@@ -57,7 +57,7 @@ class Touching(threading.Thread):
 def test_live_touches_and_a_live_leap_become_a_capture_of_the_same_fingers(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    s = simulate_paired(3, 1, "first", "v3", "right", QUICK)
+    s = simulate_paired(3, 1, "v3", "right", QUICK)
     write_simulated(s, tmp_path / "day", "P1")
     messages = read_leap(tmp_path / "day" / HANDS).messages
     leapd = FakeLeapd(messages, port=0, rate=QUICK.leap_rate)
@@ -113,7 +113,7 @@ def test_live_touches_and_a_live_leap_become_a_capture_of_the_same_fingers(
 def test_frames_that_came_before_the_recording_are_not_part_of_it(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    s = simulate_paired(3, 1, "first", "v3", "right", QUICK)
+    s = simulate_paired(3, 1, "v3", "right", QUICK)
     write_simulated(s, tmp_path / "day", "P1")
     leapd = FakeLeapd(read_leap(tmp_path / "day" / HANDS).messages, port=0, rate=100.0)
     opened = record._touches
