@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from encoders.labels.labelling import true_row
 from encoders.labels.population_belief import load_population_belief
 from encoders.regression.trained import TrainedModel, load_model
 from encoders.store import load_capture
@@ -30,9 +31,12 @@ DIFFERENT_FRAMES = 0.01
 SAME_PREDICTION = 1e-3
 """m and rad; greatest root mean square difference of predicted poses."""
 
-SAME_LABELS = 0.98
-"""Least share of layouts that both beliefs label alike. Two trainings that differ in nothing but
-the rounding of products agree in 99 %."""
+SAME_LABELS = 0.97
+"""Least share of layouts that both beliefs label alike. On another processor, where products are
+rounded otherwise, it was 98.5 %: the network goes another way while it is trained."""
+
+SAME_RIGHT = 0.005
+"""Greatest difference of the shares of layouts that are labelled right; it was 0.0003 there."""
 
 SAME_WEIGHTS = 5e-4
 """Greatest difference of a weight of the network of palms, whose file has four decimal places."""
@@ -107,25 +111,34 @@ def _same_predictions(new: TrainedModel, old: TrainedModel) -> Comparison:
 
 
 def compare_names(made: Path, shipped: Path) -> Comparison:
-    """People must be the same, and nearly all layouts of new people be labelled alike."""
+    """People must be the same, and layouts of new people be labelled alike and as often right."""
     new, old = load_population_belief(made), load_population_belief(shipped)
     if new.population != old.population:
         return Comparison(False, "trained on other people")
-    alike = [
-        np.argmax(new.evidence.log_posterior(xy)) == np.argmax(old.evidence.log_posterior(xy))
-        for xy in _unseen_layouts()
-    ]
-    share = float(np.mean(alike))
+    layouts = _unseen_layouts()
+    ours, theirs = (
+        np.array([np.argmax(belief.evidence.log_posterior(xy)) for xy, _ in layouts])
+        for belief in (new, old)
+    )
+    truth = np.array([row for _, row in layouts])
+    alike = float(np.mean(ours == theirs))
+    better = float(np.mean(ours == truth) - np.mean(theirs == truth))
     return Comparison(
-        share >= SAME_LABELS,
-        f"{100 * share:.1f} % of layouts are labelled alike, of {100 * SAME_LABELS:g} % at least",
+        alike >= SAME_LABELS and abs(better) <= SAME_RIGHT,
+        f"{100 * alike:.1f} % of layouts are labelled alike, of {100 * SAME_LABELS:g} % at least, "
+        f"and {100 * better:+.2f} points more are labelled right, of {100 * SAME_RIGHT:g}",
     )
 
 
-def _unseen_layouts() -> list[Array]:
-    """Layouts (k, 2) m of two to five contacts of people of whom none was trained on."""
+def _unseen_layouts() -> list[tuple[Array, int]]:
+    """Layouts (k, 2) m of two to five contacts of people of whom none was trained on, and the rows
+    of the true labellings."""
     people = [surface_person([1, number]) for number in range(_LAYOUTS)]
-    return [xy[down] for person in people for xy, down in zip(person.xy, person.down, strict=True)]
+    return [
+        (xy[down], true_row(np.flatnonzero(down)))
+        for person in people
+        for xy, down in zip(person.xy, person.down, strict=True)
+    ]
 
 
 def compare_palm_places(made: Path, shipped: Path) -> Comparison:
