@@ -74,6 +74,8 @@ def stage(folder: Path) -> None:
     shutil.copytree(ROOT / "docs", folder / "docs", ignore=shutil.ignore_patterns(SITE.name))
     not_source = shutil.ignore_patterns("__pycache__", "build", "*.egg-info")
     shutil.copytree(ROOT / "examples", folder / "examples", ignore=not_source)
+    (folder / "training").mkdir()
+    shutil.copy(ROOT / "training" / "README.md", folder / "training" / "README.md")
     for page in sorted((folder / "docs").rglob("*.md")):
         for link in LINK.findall(page.read_text(encoding="utf-8")):
             path = (page.parent / link).resolve().relative_to(folder.resolve())
