@@ -12,15 +12,14 @@ names that ship. A look is the answer to the contacts alone, without any history
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable
 
 import numpy as np
 from rich.console import Console
 from rich.table import Table
 
 from encoders.capture import Capture
-from encoders.labels.belief import builtin_trained_belief
 from encoders.labels.labelling import true_row
+from encoders.labels.network_evidence import NetworkEvidence
 from encoders.labels.population_belief import builtin_population_model
 from models.arithmetic.arrays import Array
 from training.population import simulate_population
@@ -39,8 +38,6 @@ SETS = {
     "index + middle + ring": (1, 2, 3),
 }
 """Fingers by the name of their set."""
-
-Look = Callable[[Array], Array]
 
 
 def pinches(rng: np.random.Generator, count: int) -> Array:
@@ -67,10 +64,11 @@ def layouts_of(
     return np.stack([xy[rng.integers(len(xy))] for xy in drawn])
 
 
-def right(look: Look, layouts: Array, fingers: tuple[int, ...]) -> float:
+def right(evidence: NetworkEvidence, layouts: Array, fingers: tuple[int, ...]) -> float:
     """Percent of layouts that are named right."""
     truth = true_row(np.array(fingers))
-    return 100 * float(np.mean([int(np.argmax(look(xy))) == truth for xy in layouts]))
+    labels = [int(np.argmax(evidence.log_posterior(xy))) for xy in layouts]
+    return 100 * float(np.mean(np.array(labels) == truth))
 
 
 def main() -> None:
@@ -91,13 +89,9 @@ def main() -> None:
     }
     for name, fingers in SETS.items():
         cases[name] = layouts_of(rng, people, fingers, options.layouts), fingers
-    table = Table("single looks, % right", "`population`", "`history`")
+    table = Table("single looks, % right", "`population`")
     for name, (layouts, fingers) in cases.items():
-        shares = (
-            right(evidence.log_posterior, layouts, fingers)
-            for evidence in (population.evidence, builtin_trained_belief().evidence)
-        )
-        table.add_row(name, *(f"{share:.1f}" for share in shares))
+        table.add_row(name, f"{right(population.evidence, layouts, fingers):.1f}")
     Console(width=100).print(table)
 
 

@@ -25,7 +25,7 @@ from rich.table import Table
 
 from benchmarks.one_line import run
 from encoders.capture import Capture
-from encoders.labels.belief import BeliefLabels, builtin_belief
+from encoders.labels.belief import BeliefLabels
 from encoders.labels.own_layouts import OwnLayouts
 from encoders.labels.population_belief import PopulationBelief, builtin_population_belief
 from training.names import train_names
@@ -110,11 +110,6 @@ def after_five(person: Capture) -> OwnLayouts:
     return OwnLayouts(person.xy[np.flatnonzero(person.down.all(axis=1))[:1]])
 
 
-def shipped_before(known: OwnLayouts | None) -> BeliefLabels:
-    """The belief trained on one simulated person."""
-    return builtin_belief()
-
-
 def of(belief: PopulationBelief) -> Maker:
     """Labellers with a trained belief."""
     return lambda known: BeliefLabels(belief, known, learns=True)
@@ -148,7 +143,6 @@ def held_out(table: Table, train: Population, count: int) -> None:
         days = [one.day(day, None) for day in one.judged_days(count, DAY_SEED)]
         judged = list(tracked(days, f"{held} subject", len(days)))
         row(table, f"{held} subject, generator held out", [answers(c, of(belief)) for c in judged])
-        row(table, f"{held} subject, by `history`", [answers(c, shipped_before) for c in judged])
 
 
 def main() -> None:
@@ -185,7 +179,6 @@ def main() -> None:
     row(table, f"{len(seen)} judged people", [answers(p, builtin_population_belief) for p in seen])
     primed = [answers(p, builtin_population_belief, after_five(p)) for p in seen]
     row(table, "the same after one touch with five", primed)
-    row(table, "the same people by `history`", [answers(p, shipped_before) for p in seen])
     Console(width=130).print(table)
 
 

@@ -44,7 +44,7 @@ from tasks.registry import TASKS
 
 ENCODERS: dict[str, dict[str, Any]] = {
     "shipped": {},
-    "best": {"encoder": "best", "labels": "history"},
+    "best": {"encoder": "best"},
     "cubic": {"encoder": "cubic"},
     "quadratic": {"encoder": "quadratic"},
     "linear": {"encoder": "linear"},
@@ -62,7 +62,7 @@ CONTROLS: dict[str, dict[str, Any]] = {
 
 PARTS: dict[str, dict[str, Any]] = {
     "shipped": {},
-    "true labels": {"tell_labels": True},
+    "true labels": {"labels": "device"},
     "without fingertip correction": {"without": ("correction",)},
     "without arrival rules": {"without": ("arrival",)},
     "without ghost until clear": {"without": ("ghost",)},
@@ -70,7 +70,7 @@ PARTS: dict[str, dict[str, Any]] = {
     "without stitching": {"without": ("stitch",)},
     "a screen that loses touches": {"drop_outs": 0.3},
     "the same, without stitching": {"drop_outs": 0.3, "without": ("stitch",)},
-    "paper's labels": {"without": ("history",)},
+    "paper's labels": {"labels": "paper"},
     "without encoder (mean pose)": {"without": ("encoder",)},
     "without smoothing": {"without": ("smoothing",)},
     "without arrival and ghost rules": {"without": ("arrival", "ghost")},
@@ -83,7 +83,7 @@ PARTS: dict[str, dict[str, Any]] = {
 
 SOLID: dict[str, dict[str, Any]] = {
     "whole hand": {"solid": "hand"},
-    "whole hand, true labels": {"solid": "hand", "tell_labels": True},
+    "whole hand, true labels": {"solid": "hand", "labels": "device"},
     "whole hand, user does nothing": {"solid": "hand", "user": "idle"},
     "whole hand, user touches at random": {"solid": "hand", "user": "random"},
 }

@@ -17,9 +17,8 @@ from numpy.typing import NDArray
 from encoders.capture import Capture
 from encoders.encoder import Encoder
 from encoders.input_vector import contact_vectors
-from encoders.labels.belief import BeliefLabels, builtin_belief
-from encoders.labels.belief_training import train_belief
 from encoders.labels.labelling import Labeller
+from encoders.labels.population_belief import builtin_population_belief
 from encoders.regression.bone_fit import fitted_skeleton
 from encoders.regression.person_correction import (
     PersonCorrection,
@@ -65,17 +64,15 @@ class Best:
 
     Attributes:
         model: Trained encoder and correction.
-        belief: Labels the contacts.
         tau: s, time constant of the posture filter; 0 switches it off.
     """
 
     model: TrainedModel
-    belief: BeliefLabels
     tau: float = POSTURE_TAU
 
     def labeller(self) -> Labeller:
         """A labeller without contacts."""
-        return BeliefLabels(self.belief.trained)
+        return builtin_population_belief()
 
     def estimate(self, time: Array, trial: NDArray[np.int64], xy: Array) -> Array:
         """Estimates poses of all frames; the filter is reset at every new trial.
@@ -159,12 +156,10 @@ def _in_cm_degrees(errors: dict[str, tuple[float, float]]) -> dict[str, Any]:
 
 
 def train_best(capture: Capture, progress: Callable[[float], None] | None = None) -> Best:
-    """Trains the estimate for the person of a capture: the winning model, and labels."""
-    return Best(
-        train_best_model(capture, progress=progress), BeliefLabels(train_belief(capture)[0])
-    )
+    """Trains the estimate for the person of a capture."""
+    return Best(train_best_model(capture, progress=progress))
 
 
 def builtin_best() -> Best:
     """The estimate that comes with the package."""
-    return Best(builtin("best"), builtin_belief())
+    return Best(builtin("best"))

@@ -85,7 +85,7 @@ def own_labels(
     stayed: list[tuple[bool, int]] = []
     first: list[tuple[bool, int]] = []
     for trial, frames in takes(capture):
-        labeller.reset()
+        labeller.restart()
         ids = _drawn_ids(rng, capture.ids[frames])
         truth: dict[int, int] = {}
         labels: Mapping[int, int] = {}

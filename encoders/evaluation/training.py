@@ -14,7 +14,6 @@ from encoders.discovery import guarded, is_place
 from encoders.encoder import Encoder
 from encoders.evaluation.best import CANDIDATES, Best, builtin_best, train_best
 from encoders.evaluation.methods import EncoderMethod, Method
-from encoders.labels.belief import builtin_belief
 from encoders.labels.labelling import Labeller, PaperLabels
 from encoders.regression.mean import MeanEncoder
 from encoders.regression.registry import ENCODERS, find_encoder, is_external
@@ -71,7 +70,7 @@ class Training:
             model = load_model(Path(name))
             paper = PaperLabels(model)
             if model.correction is not None:
-                return CorrectedMethod(Path(name).stem, Best(model, builtin_belief()), paper)
+                return CorrectedMethod(Path(name).stem, Best(model), paper)
             return EncoderMethod(Path(name).stem, model.encoder, lambda: paper)
         raise EncoderError(
             "no such encoder",

@@ -10,7 +10,7 @@ left. So the labeller keeps a belief: a probability for every labelling of the c
 - Contacts leave: they are remembered at their last place for a while (see
   `encoders.labels.recent_liftoffs`); then the belief is summed over their labels.
 - Contacts come: the belief about the old ones is kept, and the new ones are judged given those, by
-  p(all, layout) / p(old, layout). A remembered contact counts as an old one with another finger
+  p(all | layout) / p(old | layout). A remembered contact counts as an old one with another finger
   than the new ones, unless it has come back. Old contacts that have moved since their last
   evaluation are judged again.
 
@@ -23,21 +23,17 @@ are evidence about fewer fingers (see `encoders.labels.own_layouts`).
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from functools import cache, partial
-from importlib.resources import files
+from functools import partial
 from math import exp, expm1, fsum, inf, isfinite, log
-from pathlib import Path
 from typing import Protocol
 
 import numpy as np
 
-from encoders.labels.label_evidence import normalised
-from encoders.labels.label_sums import bounded, rows_of, summed
+from encoders.labels.label_sums import bounded, normalised, rows_of, summed
 from encoders.labels.labelling import Labelling, allowed, arranged, hypotheses
-from encoders.labels.network_evidence import FrameEvidence
+from encoders.labels.network_evidence import FRESH, NetworkEvidence
 from encoders.labels.own_layouts import OwnLayouts
 from encoders.labels.recent_liftoffs import AT_ONCE, LATER, LiftOff, that_fit
-from encoders.labels.trained_belief import TrainedBelief, load_belief
 from models.arithmetic import functions
 from models.arithmetic.arrays import Array
 from models.errors import EncoderError
@@ -66,7 +62,7 @@ class BeliefModel(Protocol):
     """
 
     @property
-    def evidence(self) -> FrameEvidence: ...
+    def evidence(self) -> NetworkEvidence: ...
 
     @property
     def eta(self) -> float: ...
@@ -175,12 +171,13 @@ class BeliefLabels:
         """Evidence (P,) of a frame alone, with the person's own layouts."""
         if not self._own_layouts_tell(xy):
             return self.evidence.log_posterior(xy)
-        return normalised(self.evidence.log_posterior(xy) + self.own.log_evidence(xy))
+        return normalised(self._log_weights(xy))
 
-    def _log_joint(self, xy: Array) -> Array:
+    def _log_weights(self, xy: Array) -> Array:
+        """The same, not normalised."""
         if not self._own_layouts_tell(xy):
-            return self.evidence.log_joint(xy)
-        return self.evidence.log_joint(xy) + self.own.log_evidence(xy)
+            return self.evidence.log_posterior(xy)
+        return self.evidence.log_posterior(xy) + self.own.log_evidence(xy)
 
     def _own_layouts_tell(self, xy: Array) -> bool:
         return len(self.own) > 0 and 1 < len(xy) < len(FINGERS)
@@ -287,8 +284,8 @@ class BeliefLabels:
             apart = self._grown(stayed, others, came)
             touching = [*range(len(stayed)), *range(len(stayed) + len(others), count)]
             apart = summed(apart, count, touching)
-            if not self.evidence.with_density:
-                apart, joint = normalised(apart), normalised(joint)
+            # Both lack the density of their layouts, so that only shares can be compared.
+            apart, joint = normalised(apart), normalised(joint)
             back = AT_ONCE if any(contact.just for contact in others.values()) else LATER
             joint = functions.log_sum_exp(log(1.0 - back) + apart, log(back) + joint)
         here = (*stayed, *came)
@@ -300,15 +297,15 @@ class BeliefLabels:
     ) -> Array:
         """Log weights of labellings of contacts that stayed, that lifted, and that came.
 
-        The belief about the old contacts, times the density of labels and positions of the new ones
-        given the old ones.
+        The belief about the old contacts, times the evidence of all contacts divided by that of the
+        old ones.
         """
         old = [self._places[i] for i in stayed] + [contact.place for contact in lifted.values()]
         xy = np.array(old + [self._places[i] for i in came])
-        joint = self._log_joint(xy)
+        joint = self._log_weights(xy)
         if not old:
             return joint
-        at_first = self._log_joint(xy[: len(old)])
+        at_first = self._log_weights(xy[: len(old)])
         carried = self._believed(stayed, lifted) - at_first
         if self.trained.eta and len(old) > 1:
             looked = [self._looked[i] for i in stayed] + [c.looked for c in lifted.values()]
@@ -333,7 +330,7 @@ class BeliefLabels:
         moved = 0.0
         for a, b in zip(x, y, strict=True):
             moved += (a - mx) ** 2 + (b - my) ** 2
-        width = self.evidence.width(n) * METRES_PER_INCH
+        width = FRESH * METRES_PER_INCH
         return -expm1(-0.5 * (moved / n) / width**2)
 
 
@@ -345,17 +342,3 @@ def _marginals(ids: tuple[int, ...], belief: Array) -> dict[int, Array]:
         contact: np.bincount(labels[:, place], probability, len(FINGERS)).astype(float)
         for place, contact in enumerate(ids)
     }
-
-
-@cache
-def builtin_trained_belief() -> TrainedBelief:
-    """The model trained on the built-in capture."""
-    return load_belief(Path(str(files("encoders") / "data" / "belief.npz")))
-
-
-def builtin_belief() -> BeliefLabels:
-    """The belief trained on the built-in capture, without contacts.
-
-    `python -m encoders.labels.belief_training` trains it again.
-    """
-    return BeliefLabels(builtin_trained_belief())

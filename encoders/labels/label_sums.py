@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cache
-from math import log
+from math import fsum, log
 
 import numpy as np
 from numpy.typing import NDArray
 
-from encoders.labels.label_evidence import normalised
 from encoders.labels.labelling import hypotheses
 from models.arithmetic import functions
 from models.arithmetic.arrays import Array
@@ -52,6 +51,12 @@ def summed(log_weights: Array, count: int, places: Sequence[int]) -> Array:
     rows = rows_of(count, tuple(places))
     sums = np.bincount(rows, functions.exp(log_weights - highest), len(hypotheses(len(places))))
     return np.asarray(highest + functions.log(np.maximum(sums, _NEVER)))
+
+
+def normalised(log_weights: Array) -> Array:
+    """Normalises logarithms of weights (P,) to logarithms of probabilities that sum to 1."""
+    shifted = log_weights - log_weights.max()
+    return shifted - log(fsum(functions.exp(shifted).tolist()))
 
 
 def bounded(log_weights: Array) -> Array:

@@ -1,11 +1,11 @@
-"""Kernel density of touch layouts, learned from a capture.
+"""Kernel density of touch layouts.
 
 A layout is the positions of touches relative to their middle, so that the density does not depend
-on the hand's place on the surface. Every set of 2 to 5 fingers has a kernel density over the
-layouts of training frames. Kernels are not round: hands rotate and open as wholes, and a capture
-contains only some of these rotations and openings, so each kernel is stretched along rotation and
-size of its layout. With layouts as complex vectors x and p, both directions follow from one inner
-product <p, x>, and a kernel costs as much as a round one.
+on the hand's place on the surface. Every set of 2 to 5 fingers has a kernel density over known
+layouts. Kernels are not round: hands rotate and open as wholes, and known layouts have only some of
+these rotations and openings, so each kernel is stretched along rotation and size of its layout.
+With layouts as complex vectors x and p, both directions follow from one inner product <p, x>, and a
+kernel costs as much as a round one.
 """
 
 from __future__ import annotations
@@ -19,12 +19,10 @@ from math import fsum, log, pi
 import numpy as np
 from numpy.typing import NDArray
 
-from encoders.capture import Capture
 from encoders.labels.labelling import hypotheses
 from models.arithmetic import functions
 from models.arithmetic.arrays import Array
 from models.arithmetic.products import matrix_product, squared_lengths
-from models.errors import EncoderError
 from models.frames import FINGERS
 from models.surface import METRES_PER_INCH
 
@@ -45,27 +43,11 @@ class KernelShape:
         width: Standard deviation of every coordinate, inches.
         turn: Standard deviation of the rotation of a layout about its middle, rad.
         size: Standard deviation of the logarithm of its size.
-
-    Raises:
-        EncoderError: A number is out of range.
     """
 
     width: float = 0.1
     turn: float = 0.1
     size: float = 0.05
-
-    def __post_init__(self) -> None:
-        for name, value, least in (
-            ("width", self.width, 1e-3),
-            ("turn", self.turn, 0.0),
-            ("size", self.size, 0.0),
-        ):
-            if not least <= value <= 10.0:
-                raise EncoderError(
-                    f"the {name} of a density's kernels is out of range",
-                    got=value,
-                    expected=f"{least} to 10",
-                )
 
 
 @cache
@@ -99,9 +81,8 @@ class LayoutDensity:
     """Kernel density of touch layouts given their labels.
 
     Args:
-        layouts: Training layouts by number of contacts, 2 to 5; each gets a kernel.
-        shapes: Shape of the kernels by number of contacts. With more fingers, the layouts of a
-            capture are farther apart in all their coordinates.
+        layouts: Known layouts by number of contacts, 2 to 5; each gets a kernel.
+        shapes: Shape of the kernels by number of contacts.
     """
 
     def __init__(self, layouts: Mapping[int, Layouts], shapes: Mapping[int, KernelShape]) -> None:
@@ -178,47 +159,3 @@ class _Form:
         densities = (highest + functions.log(total)).reshape(len(self._orders), self._sets)
         result: Array = densities.T.ravel()[self._place]
         return result - 0.5 * fsum(squared_lengths(places).tolist()) / self._narrow
-
-
-def layouts_of(capture: Capture, most: int) -> dict[int, Layouts]:
-    """Places of touches in a capture, collected by the set of fingers that touch.
-
-    A set's layouts come from all frames in which its fingers touch, alone or with others: fingers
-    rest beside others much as they do alone, and few takes contain one set alone (validation on the
-    simulated subject prefers this by far).
-
-    Args:
-        capture: Labelled touches.
-        most: Maximum number of layouts per set; of more frames, an even selection is used.
-
-    Raises:
-        EncoderError: Some fingers never touch together.
-    """
-    layouts = {}
-    for count in range(2, len(FINGERS) + 1):
-        frames = [np.flatnonzero(capture.down[:, s].all(axis=1)) for s in finger_sets(count)]
-        number = min([most, *(len(f) for f in frames)])
-        if not number:
-            rarest = finger_sets(count)[int(np.argmin([len(f) for f in frames]))]
-            raise EncoderError(
-                "some fingers never touch together in the capture",
-                got=[FINGERS[f] for f in rarest],
-                expected="every set of two or more fingers",
-            )
-        layouts[count] = np.stack(
-            [
-                _layouts(capture.xy[f[_evenly(len(f), number)]][:, fingers])
-                for fingers, f in zip(finger_sets(count), frames, strict=True)
-            ]
-        )
-    return layouts
-
-
-def _evenly(count: int, number: int) -> NDArray[np.int64]:
-    return np.linspace(0, count - 1, number).round().astype(np.int64)
-
-
-def _layouts(xy: Array) -> NDArray[np.complex128]:
-    z = (xy[..., 0] + 1j * xy[..., 1]) / METRES_PER_INCH
-    # In single precision, as stored, so that a belief from a file decides equally.
-    return (z - z.mean(axis=1, keepdims=True)).astype(np.complex64).astype(complex)

@@ -4,15 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from math import log
-from typing import Protocol
 
 import numpy as np
 
-from encoders.labels.label_evidence import LONE_FINGER, normalised
+from encoders.labels.label_sums import normalised
 from encoders.labels.layout_density import finger_sets, set_of_labelling
 from encoders.labels.pair_network import PairNetwork
 from models.arithmetic.arrays import Array
 from models.frames import FINGERS
+
+LONE_FINGER = (0.15, 0.40, 0.25, 0.10, 0.10)
+"""Probability that a single contact is this finger. Assumed: captures have no single contacts.
+People point with the index finger, or with the middle one."""
 
 USUAL_SETS: Mapping[tuple[int, ...], float] = {
     (0, 1): 8.0,
@@ -30,34 +33,6 @@ view."""
 
 FRESH = 0.12
 """inches, root mean square change of a layout that makes most of it new evidence."""
-
-
-class FrameEvidence(Protocol):
-    """Evidence of a single frame for a belief over labels.
-
-    Attributes:
-        with_density: True if `log_joint` contains the layout's density, so that it can be compared
-            between different contacts.
-    """
-
-    @property
-    def with_density(self) -> bool: ...
-
-    def log_posterior(self, xy: Array) -> Array:
-        """Log probabilities (P,) of the labellings of `hypotheses(k)` given contacts (k, 2) in
-        m."""
-        ...
-
-    def log_joint(self, xy: Array) -> Array:
-        """Log (P,) of the labellings' probability and the layout's density together.
-
-        Without density, a part that is the same for all labellings is missing.
-        """
-        ...
-
-    def width(self, count: int) -> float:
-        """inches, change of a layout of so many contacts that makes most of it new evidence."""
-        ...
 
 
 def set_prior(usual: Mapping[tuple[int, ...], float] = USUAL_SETS) -> dict[int, Array]:
@@ -79,8 +54,6 @@ class NetworkEvidence:
         usual: Prior odds of finger sets.
     """
 
-    with_density = False
-
     def __init__(
         self,
         network: PairNetwork,
@@ -91,18 +64,10 @@ class NetworkEvidence:
         self._prior = set_prior(usual)
 
     def log_posterior(self, xy: Array) -> Array:
-        """See `FrameEvidence`."""
+        """Log probabilities (P,) of the labellings of `hypotheses(k)` given contacts (k, 2) in
+        m."""
         count = len(xy)
         if count == 1:
             return self._prior[1]
         scores = self.network.scores(xy)
         return normalised(self.sharpness[count] * scores + self._prior[count])
-
-    def log_joint(self, xy: Array) -> Array:
-        """See `FrameEvidence`; the layout's own density, which the network does not know, is
-        missing."""
-        return self.log_posterior(xy)
-
-    def width(self, count: int) -> float:
-        """See `FrameEvidence`."""
-        return FRESH

@@ -15,9 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from encoders.labels.belief import CERTAIN, BeliefLabels
-from encoders.labels.label_evidence import LONE_FINGER
 from encoders.labels.label_sums import LEAST
-from encoders.labels.network_evidence import FRESH, USUAL_SETS, NetworkEvidence
+from encoders.labels.network_evidence import FRESH, LONE_FINGER, USUAL_SETS, NetworkEvidence
 from encoders.labels.own_layouts import FAR, MOST, NEW, SHAPE, OwnLayouts
 from encoders.labels.pair_network import PairNetwork
 from encoders.labels.recent_liftoffs import AT_ONCE, LATER, REACH

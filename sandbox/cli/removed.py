@@ -20,13 +20,16 @@ REMOVED = {
     "train --encoder map-ik": "`sandbox train --encoder pca-ik` is the paper's rival",
     "evaluate --encoders pca-ik-null": "`sandbox evaluate --encoders pca-ik` is the paper's rival",
     "evaluate --encoders map-ik": "`sandbox evaluate --encoders pca-ik` is the paper's rival",
+    "--labels history": "`--labels population` is the default",
+    "--without history": "`--labels paper` labels by the paper's rule",
+    "--tell-labels": "`--labels device` uses the labels of the simulated user",
     "study plan --from": "`--spread` takes the standard deviation over people of the difference in "
     "log time, which `sandbox study report` prints for a pilot",
     "study plan --preregistration": "The design, `sandbox study plan --power` and `sandbox study "
     "sheet` have what a preregistration needs",
 }
-"""Words of a command line -> what takes their place. The first words are the command's; an option
-with its value, if any, may stand anywhere behind it."""
+"""Words of a command line -> what takes their place. The first words are the command's, if it is
+about one command; an option with one of its values, if any, may stand anywhere behind it."""
 
 
 def refuse_removed(args: Sequence[str]) -> None:
@@ -40,13 +43,22 @@ def refuse_removed(args: Sequence[str]) -> None:
     """
     words = [part for word in args for part in _parts(word)]
     for old, instead in REMOVED.items():
-        command, dashes, option = old.partition(" --")
+        command, _, rest = f" {old}".partition(" --")
         path = command.split()
-        asked, rest = words[: len(path)], words[len(path) :]
-        given = f"{dashes.strip()}{option}".split()
-        places = range(len(rest) - len(given) + 1)
-        if asked == path and any(rest[i : i + len(given)] == given for i in places):
-            raise InputError("this was removed", got=f"sandbox {old}", remedy=instead)
+        option, _, value = rest.partition(" ")
+        if words[: len(path)] == path and (not option or _has(words, f"--{option}", value)):
+            got = f"sandbox {old}" if path else old
+            raise InputError("this was removed", got=got, remedy=instead)
+
+
+def _has(words: Sequence[str], option: str, value: str) -> bool:
+    """True if an option is among words, with this value among its values unless it is empty."""
+    given = ""
+    for word in words:
+        given = word if word.startswith("--") else given
+        if given == option and value in ("", word):
+            return True
+    return False
 
 
 def _parts(word: str) -> list[str]:

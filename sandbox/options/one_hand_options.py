@@ -14,9 +14,7 @@ from sandbox.devices.tuio.tuio_streams import DEFAULT_WEBSOCKET_PORT
 from sandbox.options.metavars import choices, device_choices
 from sandbox.options.variations import KINDS, help_with_units
 
-Part = Literal[
-    "correction", "smoothing", "arrival", "ghost", "distal", "stitch", "encoder", "history"
-]
+Part = Literal["correction", "smoothing", "arrival", "ghost", "distal", "stitch", "encoder"]
 """Parts of the pipeline that can be taken away, to see what each is worth."""
 
 
@@ -51,11 +49,13 @@ class OneHandOptions:
     bare: tyro.conf.FlagCreatePairsOff[bool] = False
     """Use the paper's labels, and no correction or smoothing, with any encoder."""
 
-    labels: Literal["history", "population"] | None = None
-    """What names the fingers, both with the history of the touches. population: trained on hundreds
-    of simulated people, for hands that nobody knows; it also learns from five fingers that touch
-    together. history: trained on one simulated person. Default: those of the recording, else
-    population."""
+    labels: Literal["population", "paper", "device"] | None = None
+    """How fingers are labelled. population: by earlier touches and what was trained on hundreds of
+    simulated people, for hands that nobody knows; it also learns from five fingers that touch
+    together. paper: by the nearest training pose, as in the paper. device: the simulated user
+    reports which finger touches, an upper bound for labelling; contacts that no device labels are
+    labelled as by population. Labels that another device reports for all contacts are always used.
+    Default: those of the recording, else population."""
 
     without: tuple[Part, ...] = ()
     """Switch off a part of the pipeline, to measure what it contributes."""
@@ -113,9 +113,6 @@ class OneHandOptions:
 
     user: Literal["skilled", "idle", "random"] = "skilled"
     """Simulated user. idle and random are control conditions, which should not succeed."""
-
-    tell_labels: tyro.conf.FlagCreatePairsOff[bool] = False
-    """The simulated user reports which finger touches: an upper bound for labelling."""
 
     drop_outs: float = 0.0
     """Times per second that the simulated user's screen loses each touch. A lost touch returns

@@ -69,7 +69,6 @@ _PARTS: dict[str, dict[str, Any]] = {
     "distal": {"distal_only": False},
     "stitch": {"stitch": False},
     "encoder": {"encode": False},
-    "history": {"labels": "paper"},
 }
 
 
@@ -156,7 +155,7 @@ def plan(
 
 
 def check_labels(options: SceneOptions) -> None:
-    """Refuses labels that are asked for beside the paper's own.
+    """Refuses labels by the population beside the paper's own.
 
     Commands ask this; a study may have a factor `labels` beside a level `paper`.
 
@@ -164,9 +163,9 @@ def check_labels(options: SceneOptions) -> None:
         InputError: Both are given.
     """
     what = "--bare" if options.bare else "--encoder paper" if options.encoder == "paper" else ""
-    if what and options.labels is not None:
+    if what and options.labels == "population":
         raise InputError(
-            "this has the paper's labels, so others cannot be chosen",
+            "this has the paper's labels, so these cannot be chosen",
             where=what,
             got=f"--labels {options.labels}",
             remedy="Leave one of them out; `--without correction smoothing` keeps labels of ours",
@@ -233,7 +232,7 @@ def _simulated(options: SceneOptions, settings: RunSettings, hand: int) -> Devic
         user,
         surface,
         settings.seed,
-        options.tell_labels,
+        settings.labels == "device",
         options.drop_outs,
         settings.hands[hand].person,
         hand,
@@ -343,10 +342,18 @@ def _settings(options: SceneOptions, recording: Recording | None) -> RunSettings
         values["labels"] = options.labels
     if options.encoder == "paper" or options.bare:
         values = bare(values)
+    if options.labels == "device":
+        values["labels"] = options.labels
     for part in options.without:
+        # The command line knows the parts; a study's design may name any.
+        if part not in _PARTS:
+            raise InputError(
+                "no such part of the pipeline",
+                where="without",
+                got=part,
+                expected=", ".join(_PARTS),
+            )
         values |= _PARTS[part]
-    if options.tell_labels:
-        values["labels"] = "device"
     first, *others = base.hands
     if uses_touch_profile(options, is_in_air(options.device)):
         first = replace(find_profile(str(options.profile)).hand, in_air=first.in_air)
@@ -393,7 +400,6 @@ def _keeps_recorded_settings(options: SceneOptions) -> bool:
         "robot",
         "solid",
         "surface",
-        "tell_labels",
     )
     person = ("hand", "hand_size", "turn", "profile", "rest")
     return all(getattr(options, k) == getattr(plain, k) for k in (*pipeline, *person))

@@ -9,7 +9,7 @@ from dataclasses import replace
 from typing import Any
 
 from encoders.correction import CorrectionSettings
-from encoders.labels.belief import BeliefLabels, builtin_belief
+from encoders.labels.belief import BeliefLabels
 from encoders.labels.labelling import Labeller, PaperLabels
 from encoders.labels.population_belief import builtin_population_belief
 from encoders.person.rest_posture import knowing_rest
@@ -132,7 +132,7 @@ def make_labeller(
 ) -> Labeller:
     """The labeller that the settings name.
 
-    `device` gives the labeller of `history`, which labels the contacts that come without a label.
+    `device` gives the labeller of `population`, for contacts that come without a label.
 
     Args:
         settings: Settings of the run.
@@ -156,8 +156,6 @@ def _any_belief(settings: RunSettings, hand: HandSettings | None = None) -> Beli
     if settings.labels == "paper":
         return None
     known = known_layouts(hand.layouts, hand.size) if hand and hand.layouts else None
-    if settings.labels != "population":
-        return builtin_belief()
     return builtin_population_belief(known)
 
 

@@ -20,13 +20,13 @@ from sandbox.trial.hand_input import HandInput
 from tasks.variation import Variation
 
 DEFAULT_LABELS = "population"
-"""What names the fingers where nothing is said."""
+"""The default of the labels."""
 
-LABELS = ("history", "population", "paper", "device")
-"""`history`: a belief carried from contact to contact, trained on one simulated person;
-`population`: the same, trained on hundreds of them, which also learns from layouts of five fingers
-during a trial; `paper`: nearest training pose; `device`: labels of the device if it knows them,
-also as an upper bound with the simulated user."""
+LABELS = ("population", "paper", "device")
+"""`population`: a belief carried from contact to contact, trained on hundreds of simulated people,
+which also learns from layouts of five fingers during a trial; `paper`: nearest training pose;
+`device`: the simulated user labels its touches, an upper bound, and touches without a label are
+labelled as by `population`."""
 
 SOLID = ("fingertips", "hand")
 """What of a hand collides: the last links of touching fingers, or palm and all links."""

@@ -46,7 +46,6 @@ TABLES = (
 APART = {
     "models/kinematics.py": "captures and training",
     "encoders/capture.py": "captures",
-    "encoders/labels/belief_training.py": "training",
     "encoders/labels/hand_split.py": "a study of labels, not a session",
     "encoders/paalm/angles.py": "measured angles of tracked joints, for evaluations",
     "encoders/paalm/calibration.py": "a calibration's file holds the result",

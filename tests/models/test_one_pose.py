@@ -9,7 +9,7 @@ from hypothesis.extra import numpy as hnp
 
 from encoders.correction import CorrectionSettings, FingertipCorrection
 from encoders.input_vector import contact_vector
-from encoders.labels.belief import builtin_belief
+from encoders.labels.population_belief import builtin_population_belief
 from encoders.regression.trained import builtin
 from encoders.smoothing import common_motion, rigid_motion
 from models.arithmetic.arrays import Array
@@ -168,7 +168,7 @@ def test_a_correction_that_carries_its_last_pose_corrects_as_a_new_one(
 def test_a_belief_that_has_nothing_new_to_look_at_says_what_a_look_would_have_said(
     rng: np.random.Generator, count: int
 ) -> None:
-    quick, slow = builtin_belief(), builtin_belief()
+    quick, slow = builtin_population_belief(), builtin_population_belief()
     xy = np.array([0.05, 0.05]) + 0.03 * rng.normal(size=(count, 2))
     for _ in range(12):
         xy = xy + 0.002 * rng.normal(size=xy.shape)

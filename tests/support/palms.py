@@ -44,7 +44,7 @@ def palm(method: str, turned: float, person: int) -> Array:
         person: Seed of the hand.
     """
     surface = place_surface(Surface(), Books)
-    options = {"tell_labels": True, **METHODS[method]}
+    options = {"labels": "device", **METHODS[method]}
     settings = plan(SceneOptions(task="box-to-goal", seed=1, **options)).settings
     model = load_encoder(settings.encoder)
     labeller = make_labeller(settings, model)

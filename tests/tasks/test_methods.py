@@ -101,7 +101,7 @@ def test_the_picture_names_every_method_and_every_task_and_is_the_same_each_time
 def test_every_method_but_bare_ones_keeps_labels_correction_and_filter() -> None:
     assert list(METHODS)[4] == SHIPS and METHODS[SHIPS] == {}
     changed = [set(options) for name, options in METHODS.items() if name != "bare"]
-    assert all(keys <= {"encoder", "without", "tell_labels"} for keys in changed)
+    assert all(keys <= {"encoder", "without", "labels"} for keys in changed)
     assert METHODS["mean pose"] == {"without": ("encoder",)}
 
 

@@ -65,7 +65,7 @@ def test_a_stranger_is_judged_by_the_estimate_of_the_model() -> None:
     capture = capture.select(capture.trial == capture.trial[0])
     found = judge_stranger(capture, builtin("population"), builtin_population_belief())
     q = estimated(builtin("population"), capture)
-    known = Best(builtin("population"), builtin_belief())
+    known = Best(builtin("population"))
     np.testing.assert_array_equal(q, known.estimate(capture.time, capture.trial, capture.xy))
     wrist = 100 * np.linalg.norm((q - capture.q)[:, :3], axis=1)
     np.testing.assert_allclose(found.wrist, wrist)

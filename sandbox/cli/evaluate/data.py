@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from hashlib import blake2b
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +16,6 @@ from rich.progress import Progress
 from encoders.capture import Capture
 from encoders.evaluation.subjects import TRAINING_DAY, Subject
 from encoders.evaluation.training import Training
-from encoders.labels.trained_belief import capture_digest
 from encoders.regression.trained import builtin_capture, load_model
 from encoders.store import load_capture
 from encoders.validation import trial_folds
@@ -117,6 +117,16 @@ def gather(
             )
     configuration["training_digest"] = digest
     return Data(training, tests, configuration)
+
+
+def capture_digest(capture: Capture) -> str:
+    """BLAKE2b of a capture's takes, contacts, and their positions to a micrometre."""
+    hash_ = blake2b(digest_size=16)
+    hash_.update(np.ascontiguousarray(capture.trial, np.int64).tobytes())
+    hash_.update(np.ascontiguousarray(capture.down).tobytes())
+    micrometres = np.where(capture.down[..., None], np.rint(capture.xy * 1e6), 0.0)
+    hash_.update(micrometres.astype(np.int64).tobytes())
+    return hash_.hexdigest()
 
 
 def _untested(down: NDArray[np.bool_]) -> tuple[str, ...]:

@@ -42,7 +42,7 @@ def with_usable_profile(options: Options, console: Console) -> Options:
         rest = "without the profile" if usable is None else "with its hand, size and seat alone"
         _say(f"{error}. Play goes on {rest}", console)
         return usable or replace(options, profile="none")
-    learned = profile.layouts and options.labels != "history"
+    learned = profile.layouts and options.labels in (None, "population")
     if learned and options.hand not in (None, profile.person.hand):
         _say(
             f"the layouts of the profile are of the {profile.person.hand} hand, and the "
@@ -86,11 +86,11 @@ class Learner:
         Raises:
             InputError: Nothing can be learned with these options.
         """
-        if options.labels == "history":
+        if options.labels not in (None, "population"):
             raise InputError(
-                "only names by the population use layouts of five fingers",
+                "only labels by the population use layouts of five fingers",
                 where="--learn",
-                got="--labels history",
+                got=f"--labels {options.labels}",
                 expected="--labels population",
             )
         if options.device == "mouse" or is_in_air(options.device):

@@ -54,7 +54,7 @@ class SimulatedDevice(Device):
         configuration: Configuration of the simulated user.
         surface: The tablet's touch surface.
         seed: Seed of everything random about the person.
-        tell_labels: Labels each contact with its finger (an upper bound for labelling).
+        labels: Labels each contact with its finger (an upper bound for labelling).
         drop_outs: 1/s, rate at which the screen loses each touch for a moment.
         person: Side of the hand, its size, and where the person sits.
         hand: Index of the user's hand in the scene.
@@ -78,7 +78,7 @@ class SimulatedDevice(Device):
         configuration: UserConfiguration,
         surface: Surface,
         seed: int,
-        tell_labels: bool = False,
+        labels: bool = False,
         drop_outs: float = 0.0,
         person: Person | None = None,
         hand: int = 0,
@@ -89,7 +89,7 @@ class SimulatedDevice(Device):
         # Two people need independent random numbers.
         seed += hand * NEXT_PERSON
         self._shapes = {thing.name: thing for thing in task.objects}
-        self._tell_labels = tell_labels
+        self._labels = labels
         self._screen = DropOuts(drop_outs, seed)
         person = person or Person()
         configuration = replace(configuration, hand_size=person.hand_size)
@@ -171,7 +171,7 @@ class SimulatedDevice(Device):
         if not isinstance(self.user, FingersKnown):
             return [self._screen.degrade(frame)]
         finger_of = self.user.finger_of
-        if self._tell_labels:
+        if self._labels:
             contacts = tuple(replace(c, label=finger_of(c.id)) for c in frame.contacts)
             frame = replace(frame, contacts=contacts)
         frame = self._screen.degrade(frame)

@@ -206,7 +206,7 @@ def _check_learning(design: Design, trials: TomlTable) -> None:
         trials.add_mistake(
             "learning",
             "no trial learns layouts",
-            'Leave out labels = "history", or write labels = "population" in [settings]',
+            'Write labels = "population" in [settings]',
         )
 
 

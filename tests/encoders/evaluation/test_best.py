@@ -102,7 +102,7 @@ def test_without_a_filter_every_frame_is_encoded_and_corrected_by_itself() -> No
     wanted = absolute_pose(model.encoder.predict(takes().u), takes().leftmost)
     assert model.correction is not None
     np.testing.assert_array_equal(unsmoothed, model.correction.correct(wanted, takes().xy))
-    bare = estimate(Best(replace(model, correction=None), shipped().belief, 0.0), takes())
+    bare = estimate(Best(replace(model, correction=None), 0.0), takes())
     np.testing.assert_array_equal(bare, wanted)
 
 
@@ -129,7 +129,7 @@ def test_on_what_it_was_trained_on_it_is_nearer_than_its_encoder_alone() -> None
 
 def test_a_labeller_is_a_fresh_one_each_time() -> None:
     one, other = shipped().labeller(), shipped().labeller()
-    assert one is not other and one is not shipped().belief and other is not shipped().belief
+    assert one is not other
 
 
 def test_the_built_in_estimate_is_simulated_and_says_so() -> None:

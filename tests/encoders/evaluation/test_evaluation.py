@@ -23,8 +23,8 @@ from encoders.evaluation.report import plain, report
 from encoders.evaluation.smoothness import smoothness
 from encoders.evaluation.subjects import first_subject
 from encoders.evaluation.training import NAMES, Training, check_names
-from encoders.labels.belief import builtin_belief
 from encoders.labels.labelling import Labelling, PaperLabels
+from encoders.labels.population_belief import builtin_population_belief
 from encoders.regression.polynomial import LinearEncoder
 from encoders.regression.trained import TrainedModel, builtin, builtin_capture, save_model
 from models.arithmetic.arrays import Array
@@ -233,7 +233,7 @@ def test_shuffling_contacts_changes_no_label(some: Capture, seed: int) -> None:
     model = TrainedModel(
         "", LinearEncoder().fit(some.u, some.relative), np.eye(48), some.u, some.relative
     )
-    for make, history in ((lambda: PaperLabels(model), False), (builtin_belief, True)):
+    for make, history in ((lambda: PaperLabels(model), False), (builtin_population_belief, True)):
         usual, other = own_labels(few, make, history), own_labels(few, make, history, seed)
         np.testing.assert_array_equal(usual.xy, other.xy)
         np.testing.assert_array_equal(usual.right, other.right)

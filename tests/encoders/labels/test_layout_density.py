@@ -16,10 +16,7 @@ from encoders.labels.layout_density import (
     LayoutDensity,
     Layouts,
     finger_sets,
-    layouts_of,
 )
-from encoders.regression.trained import builtin_capture
-from models.errors import EncoderError
 from models.surface import METRES_PER_INCH
 
 COUNTS = st.integers(2, 5)
@@ -102,33 +99,3 @@ def test_contacts_in_another_order_have_their_labels_in_that_order(seed: int, co
     moved = [row_of[tuple(labels[order])] for labels in hypotheses(count)]
     found = density.log_density(xy[order])[moved]
     assert found == pytest.approx(density.log_density(xy), rel=1e-4, abs=1e-2)
-
-
-def test_layouts_of_a_capture_are_of_frames_in_which_those_fingers_touch() -> None:
-    capture = builtin_capture()
-    found = layouts_of(capture, 40)
-    for count in range(2, 6):
-        assert found[count].shape == (len(finger_sets(count)), 40, count)
-        assert np.abs(found[count].mean(axis=2)).max() < 1e-6
-    frame = np.flatnonzero(capture.down[:, (1, 3)].all(axis=1))[0]
-    apart = np.diff(capture.xy[frame, (1, 3)], axis=0)[0] / METRES_PER_INCH
-    first = np.diff(found[2][finger_sets(2).index((1, 3)), 0])[0]
-    assert (first.real, first.imag) == pytest.approx(tuple(apart), abs=1e-5)
-
-
-def test_a_set_is_learned_from_larger_ones_but_not_from_none() -> None:
-    capture = builtin_capture()
-    alone = capture.down[:, :2].all(axis=1) & (capture.down.sum(axis=1) == 2)
-    assert layouts_of(capture.select(np.flatnonzero(~alone)), 40)[2].shape == (10, 40, 2)
-    apart = capture.select(np.flatnonzero(~capture.down[:, :2].all(axis=1)))
-    with pytest.raises(EncoderError, match="thumb"):
-        layouts_of(apart, 40)
-
-
-@pytest.mark.parametrize(
-    "wrong",
-    [{"width": 0.0}, {"width": float("inf")}, {"turn": -0.1}, {"size": float("nan")}],
-)
-def test_kernels_of_no_shape_are_refused(wrong: dict[str, float]) -> None:
-    with pytest.raises(EncoderError, match="out of range"):
-        KernelShape(**wrong)

@@ -6,7 +6,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from encoders.labels.belief import builtin_belief
+from encoders.labels.population_belief import builtin_population_belief
 from encoders.reconstruction.arrival import Phase
 from encoders.reconstruction.touch_reconstructor import ReconstructorSettings, TouchReconstructor
 from encoders.regression.trained import builtin
@@ -23,9 +23,9 @@ places = st.tuples(st.floats(0.04, 0.15), st.floats(0.04, 0.11))
 
 
 def hand(rate: RateLimit) -> TouchReconstructor:
-    return TouchReconstructor(
-        builtin("best"), builtin_belief(), ADULT, Surface(), ReconstructorSettings(rate=rate)
-    )
+    model, labeller = builtin("population"), builtin_population_belief()
+    settings = ReconstructorSettings(rate=rate)
+    return TouchReconstructor(model, labeller, ADULT, Surface(), settings)
 
 
 def frames(first: np.ndarray, second: np.ndarray) -> list[TouchFrame]:

@@ -134,7 +134,7 @@ def test_play_leaves_a_profile_as_it_is_unless_it_is_asked_to_learn(path: Path) 
 @pytest.mark.parametrize(
     ("more", "says"),
     [
-        ({"labels": "history"}, "--labels population"),
+        ({"labels": "paper"}, "--labels population"),
         ({"device": "mouse"}, "no fingers"),
         ({"device": "leap"}, "no fingers"),
         ({"profile": "none"}, "no profile"),

@@ -35,7 +35,7 @@ def test_layouts_of_a_profile_are_used_where_names_are_those_of_the_population(p
         return plan(SceneOptions(profile=str(path), **options)).settings.hands[0].layouts
 
     assert layouts(labels="population") == (LAYOUT,)
-    assert layouts(labels="history") == ()
+    assert layouts(labels="paper") == ()
     assert layouts(labels="population", hand="left") == (LAYOUT,)
     assert layouts(labels="population", hand="right") == ()
     assert layouts(labels="population", hand_size=1.1) == (LAYOUT,)

@@ -258,7 +258,7 @@ def test_a_data_set_of_another_version_is_refused_with_what_to_do(
 
 def test_the_true_labels_of_a_recording_are_those_of_its_environment(tmp_path: Path) -> None:
     file = tmp_path / "device.jsonl"
-    run_trial("box-to-goal", 6000, record=file, tell_labels=True, trajectories=False)
+    run_trial("box-to-goal", 6000, record=file, labels="device", trajectories=False)
     export_data_set([file], tmp_path / "set.npz", observe=())
     data = read_npz(tmp_path / "set.npz")
     assert data.options["labels"] == "true"

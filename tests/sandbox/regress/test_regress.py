@@ -271,8 +271,8 @@ scenes = st.fixed_dictionaries(
     optional={
         "encoder": st.sampled_from(("paper", "cubic", "a file.npz")),
         "bare": st.booleans(),
-        "tell_labels": st.booleans(),
-        "without": st.sets(st.sampled_from(("stitch", "ghost", "history"))).map(tuple),
+        "labels": st.sampled_from(("population", "paper", "device")),
+        "without": st.sets(st.sampled_from(("stitch", "ghost", "distal"))).map(tuple),
         "drop_outs": st.floats(0, 10),
         "fingers": st.integers(2, 5),
         "impulse": st.sampled_from(("paper", "safe", "7.5")),

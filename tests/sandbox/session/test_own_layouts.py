@@ -132,7 +132,7 @@ def test_what_was_known_at_the_beginning_stays_and_the_new_comes_last() -> None:
 
 
 def test_layouts_are_for_names_by_the_population_and_for_the_same_side() -> None:
-    other = replace(SETTINGS, labels="history")
+    other = replace(SETTINGS, labels="paper")
     assert other.knowing({"right": KNOWN}) == other
     assert SETTINGS.knowing({"left": KNOWN}) == SETTINGS
     known = SETTINGS.knowing({"right": KNOWN}).hands[0]

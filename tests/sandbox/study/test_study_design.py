@@ -185,6 +185,9 @@ MISTAKES = [
     ('name = "task"', 'name = "contact"', "twice"),
     ("seed = 5", "seed = 5.5", "whole number"),
     ('encoder = "linear"', 'surface = "1x1in"', "too small"),
+    ('encoder = "linear"', 'labels = "history"', "population, paper, device"),
+    ('encoder = "linear"', 'without = "history"', "no such part of the pipeline"),
+    ('encoder = "linear"', "tell_labels = true", "Did you mean labels"),
 ]
 
 
@@ -213,7 +216,7 @@ NAMES = [
     (
         '["hard", "soft"]\n',
         '[{name = "a", contact = "soft"}, {name = "b / c", contact = "hard"}]\n[[factors]]\n'
-        'name = "labels"\nlevels = [{name = "a / b", labels = "history"}]\n',
+        'name = "labels"\nlevels = [{name = "a / b", labels = "paper"}]\n',
         "'b / c' of another factor",
     ),
 ]

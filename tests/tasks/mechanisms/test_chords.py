@@ -178,7 +178,7 @@ def test_a_left_hand_plays_as_well() -> None:
 
 
 def test_with_the_paper_s_names_the_same_user_fails_where_true_names_succeed() -> None:
-    assert played(6_011, tell_labels=True)
+    assert played(6_011, labels="device")
     assert not played(6_011, labels="paper")
 
 

@@ -101,7 +101,7 @@ def test_levels_that_are_the_same_in_a_part_of_a_design_are_told_with_that_part(
 ) -> None:
     """The first combination spoke for all: these were the same, or were not, by what came first."""
     outer = f'name = "encoder"\norder = "latin"\nlevels = {encoders}\n[[factors]]\n'
-    text = varied("labels", "latin", '["history", "population"]')
+    text = varied("labels", "latin", '["paper", "population"]')
     text = text.replace('encoder = "linear"\n', "").replace(
         "[[factors]]\n", "[[factors]]\n" + outer
     )

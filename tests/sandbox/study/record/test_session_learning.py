@@ -159,8 +159,8 @@ def test_layouts_of_an_earlier_design_are_not_told_either(tmp_path: Path) -> Non
 
 def test_a_design_that_learns_with_names_that_never_learn_has_a_mistake() -> None:
     with pytest.raises(DesignError, match="labels"):
-        design(DESIGN.replace('labels = "population"', 'labels = "history"'))
-    level = '{ name = "LEVEL", settings = { labels = "history", contact = "LEVEL" } }'
+        design(DESIGN.replace('labels = "population"', 'labels = "paper"'))
+    level = '{ name = "LEVEL", settings = { labels = "paper", contact = "LEVEL" } }'
     levels = f"{level.replace('LEVEL', 'hard')}, {level.replace('LEVEL', 'soft')}"
     with pytest.raises(DesignError, match="labels"):
         design(DESIGN.replace('"hard", "soft"', levels))
