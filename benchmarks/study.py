@@ -271,7 +271,7 @@ def fill(folder: Path, design: Design) -> StudyFolder:
         "diverged": "",
         "respawned": 0,
         "state_hash": "0" * 32,
-        "encoder": "best",
+        "encoder": "population",
         "digests": {"encoder": "0" * 32, "labels": "0" * 32},
         "measures": {"first_contact_s": 0.3, "lost_s": 0.0},
     }

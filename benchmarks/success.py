@@ -44,12 +44,11 @@ from tasks.registry import TASKS
 
 ENCODERS: dict[str, dict[str, Any]] = {
     "shipped": {},
-    "best": {"encoder": "best"},
     "cubic": {"encoder": "cubic"},
     "quadratic": {"encoder": "quadratic"},
     "linear": {"encoder": "linear"},
     "pca-ik": {"encoder": "pca-ik"},
-    "best --bare": {"encoder": "best", "bare": True},
+    "bare": {"bare": True},
     "paper": {"encoder": "paper"},
 }
 """Row -> options of `sandbox run` that differ from its defaults. `paper` is bare as well; both keep

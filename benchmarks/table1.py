@@ -45,7 +45,7 @@ def errors(predict: Predict, capture: Capture) -> tuple[float, float, float]:
 
 
 def methods(capture: Capture) -> dict[str, Predict]:
-    """Compared methods, trained on a capture: the paper's least squares, and `best`'s ridge."""
+    """Compared methods, trained on a capture: the paper's least squares, and a validated ridge."""
     U, Q = capture.u, capture.relative
     mean = Q.mean(axis=0)
     return {
@@ -53,7 +53,7 @@ def methods(capture: Capture) -> dict[str, Predict]:
         "linear": PolynomialEncoder(1).fit(U, Q).predict,
         "quadratic": PolynomialEncoder(2).fit(U, Q).predict,
         "cubic": PolynomialEncoder(3).fit(U, Q).predict,
-        "ridge quadratic": train(capture, "best", 2, None).encoder.predict,
+        "ridge quadratic": train(capture, "ridge", 2, None).encoder.predict,
     }
 
 

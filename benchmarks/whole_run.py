@@ -3,10 +3,11 @@
     python -m benchmarks.whole_run [--solid hand]
 
 A trial is what `sandbox regress` runs for one seed, from its settings to its result: making the
-scene, the simulated user, the best encoder, reconstruction, physics, score and hash. Each number is
-a median over trials. Processor time is what the trial itself used; wall time also waits for others
-on the same cores. In the table of parts every part's own time is counted, without those it calls,
-and physics is the peer: the rest of the program is to cost less than a few times the simulation.
+scene, the simulated user, the default encoder, reconstruction, physics, score and hash. Each number
+is a median over trials. Processor time is what the trial itself used; wall time also waits for
+others on the same cores. In the table of parts every part's own time is counted, without those it
+calls, and physics is the peer: the rest of the program is to cost less than a few times the
+simulation.
 """
 
 from __future__ import annotations

@@ -8,17 +8,20 @@ from functools import cached_property
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from encoders.capture import Capture
 from encoders.discovery import guarded, is_place
 from encoders.encoder import Encoder
-from encoders.evaluation.best import CANDIDATES, Best, builtin_best, train_best
 from encoders.evaluation.methods import EncoderMethod, Method
+from encoders.evaluation.person_model import CANDIDATES, PersonEstimate, person_model
 from encoders.labels.labelling import Labeller, PaperLabels
+from encoders.labels.population_belief import builtin_population_belief
 from encoders.regression.mean import MeanEncoder
 from encoders.regression.registry import ENCODERS, find_encoder, is_external
 from encoders.regression.stored_encoder import predicted
 from encoders.regression.trained import TrainedModel, load_model
+from models.arithmetic.arrays import Array
 from models.errors import EncoderError
 from models.pose import POSE_SIZE
 
@@ -32,7 +35,10 @@ LEAST_SQUARES = {
 }
 """The paper's encoders by plain least squares, as there. `paper` is its method: the quadratic."""
 
-NAMES = (*LEAST_SQUARES, "pca-ik", "mean", "best")
+TRAINED = "trained"
+"""The model that `sandbox train` makes of the training data, with the labels that ship."""
+
+NAMES = (*LEAST_SQUARES, "pca-ik", "mean", TRAINED)
 """Methods that can be trained by name."""
 
 _EXPECTED = ", ".join(NAMES) + ", a FILE.npz made by `sandbox train`, or FILE.py:CLASS"
@@ -44,11 +50,9 @@ class Training:
 
     Attributes:
         capture: Labelled contacts and poses.
-        shipped: True for the capture of the shipped models, which then need not be trained again.
     """
 
     capture: Capture
-    shipped: bool = False
 
     def method(self, name: str, progress: Progress | None = None) -> Method:
         """A method of `NAMES`, a model's file or an encoder that is not ours, ready for use.
@@ -64,13 +68,15 @@ class Training:
             return self._fitted(name, MeanEncoder, metric="touches")
         if is_external(name):
             return self._fitted(_shown(name), find_encoder(name))
-        if name == "best":
-            return self._best(progress)
+        if name == TRAINED:
+            model = person_model(self.capture, progress)
+            fresh = CANDIDATES[model.meta["winner"]]
+            return PersonMethod(name, model, builtin_population_belief, history=True, fresh=fresh)
         if Path(name).suffix == ".npz":
             model = load_model(Path(name))
             paper = PaperLabels(model)
             if model.correction is not None:
-                return CorrectedMethod(Path(name).stem, Best(model), paper)
+                return PersonMethod(Path(name).stem, model, lambda: paper)
             return EncoderMethod(Path(name).stem, model.encoder, lambda: paper)
         raise EncoderError(
             "no such encoder",
@@ -97,39 +103,25 @@ class Training:
     def _inputs(self) -> tuple[np.ndarray, np.ndarray]:
         return self.capture.u, self.capture.relative
 
-    def _best(self, progress: Progress | None) -> Method:
-        best = builtin_best() if self.shipped else train_best(self.capture, progress)
-        return BestMethod(best)
 
+class PersonMethod(EncoderMethod):
+    """A model of one person, whose poses are corrected by the person's bones and smoothed; its
+    encoder alone is tested for overfitting."""
 
-class BestMethod:
-    """The method `best`, which has history and so is more than an encoder; its encoder is tested
-    alone."""
+    def __init__(
+        self,
+        name: str,
+        model: TrainedModel,
+        make_labeller: Callable[[], Labeller],
+        history: bool = False,
+        fresh: Callable[[], Encoder] | None = None,
+    ) -> None:
+        super().__init__(name, model.encoder, make_labeller, history, fresh)
+        self._estimate = PersonEstimate(model)
 
-    def __init__(self, best: Best, name: str = "best") -> None:
-        self.name, self.history = name, True
-        self.encoder: Encoder | None = best.model.encoder
-        self.fresh: Callable[[], Encoder] | None = CANDIDATES.get(best.model.meta.get("winner", ""))
-        self.estimate = best.estimate
-        self._best = best
-
-    def labeller(self) -> Labeller:
-        """See `Method.labeller`."""
-        return self._best.labeller()
-
-
-class CorrectedMethod(BestMethod):
-    """A model from a file; it has no belief, so labels follow the paper's rule."""
-
-    def __init__(self, name: str, best: Best, labeller: Labeller) -> None:
-        super().__init__(best, name)
-        # Nobody knows on what it was trained, and how, so that it cannot be trained anew.
-        self.fresh = None
-        self.history, self._labeller = False, labeller
-
-    def labeller(self) -> Labeller:
-        """See `Method.labeller`."""
-        return self._labeller
+    def estimate(self, time: Array, trial: NDArray[np.int64], xy: Array) -> Array:
+        """See `Method.estimate`."""
+        return self._estimate.estimate(time, trial, xy)
 
 
 def _shown(name: str) -> str:

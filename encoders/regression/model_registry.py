@@ -148,7 +148,7 @@ def _trained(kind: type[Encoder], tell: Callable[[str], None]) -> TrainedModel:
     began = perf_counter()
     model = train_encoder(builtin_capture(), kind.__qualname__, kind)
     took = perf_counter() - began
-    tell(f"trained in {took:.1f} s" + (_keep(model, kept) if took > LONG else ""))
+    tell(f"trained in {took:.1f} s" + (keep_model(model, kept) if took > LONG else ""))
     return model
 
 
@@ -168,8 +168,16 @@ def _key(kind: type[Encoder]) -> str:
     return blake2b(text.encode(), digest_size=16).hexdigest()
 
 
-def _keep(model: TrainedModel, path: Path) -> str:
-    """Writes a model for the next time, whole or not at all; what is to be said of it."""
+def keep_model(model: TrainedModel, path: Path) -> str:
+    """Writes a model without its training data for the next time, whole or not at all.
+
+    Args:
+        model: The model.
+        path: File in `cache_folder()`.
+
+    Returns:
+        The rest of a message: where it is, or why it could not be written.
+    """
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         with NamedTemporaryFile(dir=path.parent, suffix=".npz", delete=False) as file:

@@ -62,9 +62,8 @@ POLYNOMIALS: dict[str, tuple[int, float | None]] = {
 }
 """Name -> degree and ridge (None: chosen by validation) of the built-in polynomials."""
 
-BUILTIN = (*POLYNOMIALS, "best")
-"""Names of the models trained on the built-in capture; `encoders.evaluation.best` trains the last
-one."""
+BUILTIN = tuple(POLYNOMIALS)
+"""Names of the models trained on the built-in capture."""
 
 POPULATION = "population"
 """Name of the built-in model for any person; `python -m training population` makes it."""
@@ -75,7 +74,7 @@ class TrainedModel:
     """An encoder ready for use: `model.encoder.predict(u)` gives relative poses.
 
     Attributes:
-        name: Name of a built-in model, such as `paper` or `best`, or a name of your own.
+        name: Name of a built-in model, such as `paper`, or a name of your own.
         encoder: The fitted encoder.
         residual_covariance: (48, 48) covariance of the relative pose's error, m and rad, on unseen
             trials.
@@ -469,7 +468,7 @@ def builtin(name: str) -> TrainedModel:
     """Loads a built-in model by name.
 
     Args:
-        name: `paper`, `linear`, `quadratic`, `cubic`, `best` or `population`.
+        name: `paper`, `linear`, `quadratic`, `cubic` or `population`.
 
     Raises:
         EncoderError: The name is unknown.

@@ -20,6 +20,8 @@ REMOVED = {
     "train --encoder map-ik": "`sandbox train --encoder pca-ik` is the paper's rival",
     "evaluate --encoders pca-ik-null": "`sandbox evaluate --encoders pca-ik` is the paper's rival",
     "evaluate --encoders map-ik": "`sandbox evaluate --encoders pca-ik` is the paper's rival",
+    "--encoder best": "`--encoder population` is the default; `sandbox train` makes one's own",
+    "evaluate --encoders best": "`--encoders trained` is trained on the person's day 0",
     "--labels history": "`--labels population` is the default",
     "--without history": "`--labels paper` labels by the paper's rule",
     "--tell-labels": "`--labels device` uses the labels of the simulated user",

@@ -13,7 +13,7 @@ from rich.markup import escape
 from rich.progress import Progress
 
 from encoders.capture import Capture
-from encoders.evaluation.best import train_best_model
+from encoders.evaluation.person_model import train_person
 from encoders.regression.registry import find_encoder
 from encoders.regression.trained import (
     TrainedModel,
@@ -32,8 +32,8 @@ from sandbox.cli.common.parse import parse
 class TrainOptions:
     """Trains an encoder, which estimates the pose of the whole hand from touches.
 
-    The method is that of `best`: the encoder that wins a cross-validation over takes, with the
-    bones of the captured person and a validated weight of the touches. --degree chooses a
+    The encoder is the one that wins a cross-validation over takes, with the bones of the captured
+    person and a validated weight of the touches. --degree chooses a
     polynomial of the paper instead, and --encoder an encoder of your own
     (docs/write-an-encoder.md).
 
@@ -104,7 +104,7 @@ def _one(options: TrainOptions, capture: Capture, console: Console) -> int:
             kind = find_encoder(options.encoder)
             model = train_encoder(capture, options.out.stem, kind, show)
         elif degree is None:
-            model = train_best_model(capture, options.out.stem, show)
+            model = train_person(capture, options.out.stem, show)
         else:
             model = train(capture, options.out.stem, degree, options.ridge)
     save_model(model, options.out)

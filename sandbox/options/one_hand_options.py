@@ -42,8 +42,8 @@ class OneHandOptions:
     encoder: Annotated[str, tyro.conf.arg(metavar=choices(*MODELS, "FILE"))] = DEFAULT_MODEL
     """Encoder, which estimates the hand's pose from the touches. paper: least squares with the
     paper's labels, without correction and smoothing. The others use --labels, correction and
-    smoothing. population: the pose of any person, trained on hundreds of simulated people; best is
-    of one. FILE: a model by `sandbox train`, or FILE.py:CLASS or MODULE:CLASS, an
+    smoothing. population: the pose of any person, trained on hundreds of simulated people. FILE: a
+    model of one person by `sandbox train`, or FILE.py:CLASS or MODULE:CLASS, an
     encoder of your own (docs/write-an-encoder.md)."""
 
     bare: tyro.conf.FlagCreatePairsOff[bool] = False

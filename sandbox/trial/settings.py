@@ -106,8 +106,8 @@ class RunSettings:
     Attributes:
         task: Name of the task.
         seed: Seed of the task's start and goal, and of a simulated user.
-        encoder: `population`, `paper`, `linear`, `quadratic`, `cubic`, `pca-ik`, `best`, the file
-            of a trained model, or an external encoder (`encoders.regression.model_registry`).
+        encoder: `population`, `paper`, `linear`, `quadratic`, `cubic`, `pca-ik`, the file of a
+            trained model, or an external encoder (`encoders.regression.model_registry`).
         labels: One of `LABELS`.
         correction: Fingertips are corrected to meet their touches.
         smoothing: Touches and posture are low-pass filtered.

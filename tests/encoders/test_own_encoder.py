@@ -439,7 +439,7 @@ def test_without_scikit_learn_the_example_says_what_to_install(
 
 
 def test_names_and_places_are_told_apart() -> None:
-    assert not any(is_external(name) for name in (*ENCODERS, "mine.npz", "best", "nobody"))
+    assert not any(is_external(name) for name in (*ENCODERS, "mine.npz", "population", "nobody"))
     assert is_external(NAME) and is_external("my_lab.encoders:Mine")
     assert all(origin(name) == {} for name in ENCODERS)
     assert find_encoder("tests.encoders.test_own_encoder:Mean").__name__ == "Mean"

@@ -130,14 +130,14 @@ def test_touches_move_together_as_points_do(
 
 
 @given(touches=places.filter(len), rng=generators)
-def test_best_predicts_one_contact_vector_as_it_predicts_many(
+def test_an_encoder_predicts_one_contact_vector_as_it_predicts_many(
     touches: list[tuple[float, float]], rng: np.random.Generator
 ) -> None:
     inches = {
         int(f): p
         for f, p in zip(rng.permutation(5), np.divide(touches, 0.0254).tolist(), strict=False)
     }
-    u, encoder = contact_vector(inches), builtin("best").encoder
+    u, encoder = contact_vector(inches), builtin("population").encoder
     many = encoder.predict(u[None])[0]
     scale = max(1.0, float(np.abs(many).max()))
     np.testing.assert_allclose(encoder.predict(u), many, atol=1e-9 * scale, rtol=0)

@@ -108,7 +108,7 @@ def test_the_personal_part_of_the_errors_is_a_part() -> None:
 
 
 def test_strangers_of_both_generators_get_better_poses_than_from_one_persons_encoder() -> None:
-    errors: dict[str, list[list[float]]] = {name: [] for name in ("population", "best")}
+    errors: dict[str, list[list[float]]] = {name: [] for name in ("population", "quadratic")}
     for person in simulate_population("strangers", {"judge": {"first": 4, "second": 4}}).people:
         sized = at_trained_size(person, person.meta["size"])
         u, leftmost = contact_vectors(sized.xy)

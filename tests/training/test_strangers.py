@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from encoders.evaluation.best import Best, estimated
-from encoders.labels.belief import builtin_belief
+from encoders.evaluation.person_model import PersonEstimate, estimated
 from encoders.labels.population_belief import builtin_population_belief
 from encoders.regression.trained import builtin
 from training.population import simulate_population
@@ -65,7 +64,7 @@ def test_a_stranger_is_judged_by_the_estimate_of_the_model() -> None:
     capture = capture.select(capture.trial == capture.trial[0])
     found = judge_stranger(capture, builtin("population"), builtin_population_belief())
     q = estimated(builtin("population"), capture)
-    known = Best(builtin("population"))
+    known = PersonEstimate(builtin("population"))
     np.testing.assert_array_equal(q, known.estimate(capture.time, capture.trial, capture.xy))
     wrist = 100 * np.linalg.norm((q - capture.q)[:, :3], axis=1)
     np.testing.assert_allclose(found.wrist, wrist)

@@ -64,8 +64,8 @@ The design plans {planned} participants. For this page {people} simulated ones w
 nobody else. They differ in skill (reaction, speed, noise, aim), in the number of fingers, in the
 length of the hand, and in which
 hand is the better one: `sandbox/study/run/simulate.py`. **Their answers to questionnaires are by
-chance**, and so are the differences between encoders in them. The encoders learned from a simulated
-subject, too.
+chance**, and so are the differences between encoders in them. The encoders learned from simulated
+people, too.
 
 ## What the report says
 

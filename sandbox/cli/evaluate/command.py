@@ -30,8 +30,9 @@ class EvaluateOptions:
     paper of 2015, its Copas test, smoothness, fingertip errors, joint limits and time.
 
     Encoders: linear, quadratic, cubic (least squares, as in the paper), paper (the same as
-    quadratic), pca-ik (inverse kinematics), mean, best, FILE.npz (a model by
-    `sandbox train`), or FILE.py:CLASS (an encoder of your own, docs/write-an-encoder.md).
+    quadratic), pca-ik (inverse kinematics), mean, trained (what `sandbox train` makes of the
+    training data, with the labels that ship), FILE.npz (a model by `sandbox train`), or
+    FILE.py:CLASS (an encoder of your own, docs/write-an-encoder.md).
 
     Without --capture, they are tested on another day of the same SIMULATED person that they were
     trained on: --days of them, chosen by the subject's configuration and --day-seed. That flatters
@@ -40,7 +41,7 @@ class EvaluateOptions:
 
     Try:
 
-        sandbox evaluate --encoders linear quadratic best --days 1
+        sandbox evaluate --encoders linear quadratic trained --days 1
         sandbox evaluate --days 5 --json out.json --plots pictures
 
     The paper of 2013 instead: sandbox evaluate --paalm simulated|FOLDER [--json OUT]
@@ -52,7 +53,7 @@ class EvaluateOptions:
         "cubic",
         "pca-ik",
         "mean",
-        "best",
+        "trained",
     )
     """Encoders to evaluate."""
 

@@ -205,5 +205,5 @@ def _simulated(person: Subject, day: int, progress: Progress) -> Capture:
 def _day_0(person: Subject, progress: Progress) -> Training:
     """Returns the subject's training script, which may be the shipped capture."""
     if person.plays(builtin_capture()):
-        return Training(builtin_capture(), shipped=True)
+        return Training(builtin_capture())
     return Training(_simulated(person, TRAINING_DAY, progress))

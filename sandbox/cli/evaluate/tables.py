@@ -9,14 +9,20 @@ from rich.console import Console
 from rich.table import Table
 
 from encoders.evaluation.paper import row
+from encoders.evaluation.training import TRAINED
+from sandbox.cli.evaluate.data import BUILTIN, SPLIT
 
 Report = dict[str, Any]
 
 _PAPER = "  [dim]paper[/]"
 
+_OWN = "trained on this person"
+"""Name of the row of `trained` where the training data are of the person who is tested."""
+
 
 def show(console: Console, report: Report) -> None:
     """Prints a report."""
+    report = _with_own_row(report)
     _header(console, report)
     console.print(_table_1(report))
     console.print(_own_labels(report))
@@ -30,6 +36,16 @@ def show(console: Console, report: Report) -> None:
         "person; ANOTHER DATA SET. Definitions: docs/evaluation.md[/]",
         soft_wrap=True,
     )
+
+
+def _with_own_row(report: Report) -> Report:
+    """The report with `_OWN` in place of `trained` where it is true."""
+    about = report["configuration"]
+    one_day = about["train"] == BUILTIN and not about["captures"]
+    if not one_day and about["train"] != SPLIT:
+        return report
+    encoders = {_OWN if k == TRAINED else k: v for k, v in report["encoders"].items()}
+    return {**report, "encoders": encoders}
 
 
 def _header(console: Console, report: Report) -> None:

@@ -22,7 +22,7 @@ from encoders.evaluation.measure import OWN, TRUE, Tests
 from encoders.evaluation.report import plain, report
 from encoders.evaluation.smoothness import smoothness
 from encoders.evaluation.subjects import first_subject
-from encoders.evaluation.training import NAMES, Training, check_names
+from encoders.evaluation.training import NAMES, TRAINED, Training, check_names
 from encoders.labels.labelling import Labelling, PaperLabels
 from encoders.labels.population_belief import builtin_population_belief
 from encoders.regression.polynomial import LinearEncoder
@@ -303,7 +303,7 @@ def test_names_that_mean_no_method_are_refused_before_anything_is_computed(
 
 
 def test_a_model_from_a_file_is_not_trained_anew(some: Capture, tmp_path: Path) -> None:
-    save_model(builtin("best"), tmp_path / "mine.npz")
+    save_model(builtin("quadratic"), tmp_path / "mine.npz")
     assert Training(some).method(str(tmp_path / "mine.npz")).fresh is None
 
 
@@ -314,7 +314,7 @@ def test_one_block_has_no_interval() -> None:
     assert low < values.mean() < high
 
 
-@pytest.mark.parametrize("name", [n for n in NAMES if n != "best"])
+@pytest.mark.parametrize("name", [n for n in NAMES if n != TRAINED])
 def test_every_method_gives_a_pose_and_labels_for_every_frame(name: str, some: Capture) -> None:
     method = Training(some).method(name)
     few = some.select(np.arange(0, len(some), 25))

@@ -270,7 +270,7 @@ def test_a_subject_with_a_smaller_hand_touches_closer_together_and_with_its_own_
 
 @pytest.mark.parametrize("size", [0.85, 1.15])
 def test_touches_scaled_to_the_trained_hand_bring_the_wrist_nearer(size: float) -> None:
-    capture, encoder = small_hand(size), builtin("best").encoder
+    capture, encoder = small_hand(size), builtin("quadratic").encoder
 
     def error(used: float) -> float:
         u, leftmost = contact_vectors(capture.xy / used)

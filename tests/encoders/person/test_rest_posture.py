@@ -100,8 +100,8 @@ def test_size_changes_lengths_and_no_angles() -> None:
 
 
 def test_an_encoder_of_one_person_cannot_use_a_rest_posture() -> None:
-    with pytest.raises(EncoderError, match="--encoder best: this encoder cannot use"):
-        knowing_rest(builtin("best"), looks_of(person()), 1.0)
+    with pytest.raises(EncoderError, match="--encoder cubic: this encoder cannot use"):
+        knowing_rest(builtin("cubic"), looks_of(person()), 1.0)
 
 
 @pytest.mark.parametrize("hand", ("right", "left"))

@@ -13,7 +13,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from encoders.capture import Capture
-from encoders.evaluation.best import train_best_model
+from encoders.evaluation.person_model import train_person
 from encoders.regression.bone_fit import perturbed_skeleton
 from encoders.regression.person_correction import PersonCorrection
 from encoders.regression.polynomial import PolynomialEncoder, QuadraticEncoder
@@ -214,11 +214,11 @@ def test_shipped_files_are_small() -> None:
 
 
 def test_a_built_in_model_is_loaded_once() -> None:
-    assert builtin("best") is builtin("best")
+    assert builtin("cubic") is builtin("cubic")
 
 
 def test_an_unknown_name_is_answered_with_the_known_ones() -> None:
-    with pytest.raises(EncoderError, match="paper, linear, quadratic, cubic, best"):
+    with pytest.raises(EncoderError, match="paper, linear, quadratic, cubic, population"):
         builtin("deep")
 
 
@@ -385,7 +385,7 @@ def test_without_a_degree_the_command_trains_what_wins(
     model, told = load_model(tmp_path / "m.npz"), capsys.readouterr().out
     assert "simulated" in told and model.meta["winner"] in told
     assert model.name == "m" and model.correction is not None
-    assert model.digest == train_best_model(few, "m").digest
+    assert model.digest == train_person(few, "m").digest
 
 
 @pytest.mark.parametrize(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +12,9 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from encoders.regression.trained import builtin_capture, save_model, train
+from encoders.capture import Capture
+from encoders.evaluation import training
+from encoders.regression.trained import TrainedModel, builtin_capture, save_model, train
 from encoders.store import load_capture, save_capture
 from sandbox.cli.evaluate.data import capture_files
 from sandbox.cli.main import main
@@ -62,6 +65,27 @@ def pictures(folder: Path) -> tuple[Path, dict[str, Any]]:
     )
     assert status == 0
     return out, json.loads(report.read_text())
+
+
+def quickly_trained(capture: Capture, progress: object = None) -> TrainedModel:
+    model = train(capture, "trained", 1, 0.0)
+    return replace(model, meta=model.meta | {"winner": "quadratic, ridge 0.1"})
+
+
+def test_what_is_trained_on_the_person_who_is_tested_has_a_row_of_that_name(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(training, "person_model", quickly_trained)
+    learned, other = str(folder / "training.npz"), str(folder / "tests" / "one.npz")
+    line = ["evaluate", "--encoders", "linear", "trained", "--no-copas"]
+    path = folder / "own.json"
+    assert main([*line, "--capture", learned, "--train", "split", "--json", str(path)]) == 0
+    assert "trained on this person" in capsys.readouterr().out
+    encoders = json.loads(path.read_text())["encoders"]
+    linear, own = (encoders[name]["labels_percent"]["5"] for name in ("linear", "trained"))
+    assert own > 90 > linear
+    assert main([*line, "--capture", other, "--train", learned]) == 0
+    assert "trained on this person" not in capsys.readouterr().out
 
 
 def refused(capsys: pytest.CaptureFixture[str], *argv: str) -> str:

@@ -39,7 +39,7 @@ def test_a_profile_keeps_a_rest_posture_for_the_encoder_of_any_person(
 
     assert used(encoder="population") == looks
     assert used() == looks
-    assert used(encoder="best") == () == used(encoder="population", hand="left")
+    assert used(encoder="cubic") == () == used(encoder="population", hand="left")
 
 
 def test_a_damaged_rest_posture_of_a_profile_is_told(tmp_path: Path, looks: Looks) -> None:
@@ -69,7 +69,7 @@ def test_a_trial_with_a_rest_posture_replays_without_its_file(
 def test_a_rest_posture_needs_an_encoder_of_any_person(
     rest: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert main(["run", "box-to-goal", "--encoder", "best", "--rest", str(rest)]) == 2
+    assert main(["run", "box-to-goal", "--encoder", "cubic", "--rest", str(rest)]) == 2
     assert "cannot use a rest posture" in capsys.readouterr().err
 
 

@@ -86,7 +86,7 @@ def go_through(running: OnPage, tab: Tab) -> None:
 def test_the_example_study_in_german_has_no_english_word(browser: Browser, tmp_path: Path) -> None:
     text = EXAMPLE.read_text(encoding="utf-8")
     for long, short in (
-        ('["paper", "quadratic", "best"]', '["paper", "best"]'),
+        ('["paper", "quadratic", "population"]', '["paper", "population"]'),
         ("repetitions = 3", "repetitions = 1"),
         ('practice = 1\npractice_each = "task"\n', ""),
         ("time_limit_s = 30", "time_limit_s = 1"),

@@ -164,7 +164,7 @@ def _level(data: StudyData, rows: DataFrame) -> tuple[ObservedFactor | None, np.
             return factor, rows[factor.column].to_numpy()
     if "at" in rows.columns:
         for factor in reversed(data.factors):
-            # `encoder=best`, or the level's name alone.
+            # `encoder=cubic`, or the level's name alone.
             named = (
                 rows["at"]
                 .str.split(r"[;,] ?", regex=True)

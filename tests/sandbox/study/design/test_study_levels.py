@@ -50,12 +50,12 @@ def test_levels_that_set_the_same_differ_by_what_is_said_before_them_alone() -> 
         ('["soft", {name = "whole", solid = "hand"}]', "several settings at once"),
         ('["hard", {name = "usual", contact = "soft"}]', ""),
         (
-            '["hard", "soft", {name = "other", contact = "none", encoder = "best"}]',
+            '["hard", "soft", {name = "other", contact = "none", encoder = "population"}]',
             "other in contact and encoder",
         ),
         (
-            '["hard", "soft", {name = "c", contact = "hard", encoder = "best"}, '
-            '{name = "d", contact = "soft", encoder = "best"}]',
+            '["hard", "soft", {name = "c", contact = "hard", encoder = "population"}, '
+            '{name = "d", contact = "soft", encoder = "population"}]',
             "",
         ),
     ],
@@ -91,9 +91,9 @@ def test_levels_that_never_meet_are_not_compared(first: str, second: str, wanted
 @pytest.mark.parametrize(
     ("encoders", "wanted"),
     [
-        ('["paper", "best"]', "are the same where encoder is paper"),
-        ('["best", "paper"]', "are the same where encoder is paper"),
-        ('["linear", "best"]', ""),
+        ('["paper", "population"]', "are the same where encoder is paper"),
+        ('["population", "paper"]', "are the same where encoder is paper"),
+        ('["linear", "population"]', ""),
     ],
 )
 def test_levels_that_are_the_same_in_a_part_of_a_design_are_told_with_that_part(
@@ -134,9 +134,9 @@ def test_a_hand_in_the_air_rests_sooner() -> None:
 @pytest.mark.parametrize(
     ("device", "levels", "wanted"),
     [
-        ("leap", '["paper", "best"]', "are the same with device leap"),
-        ("webcam", '["paper", "best"]', "are the same with device webcam"),
-        ("touch", '["paper", "best"]', ""),
+        ("leap", '["paper", "population"]', "are the same with device leap"),
+        ("webcam", '["paper", "population"]', "are the same with device webcam"),
+        ("touch", '["paper", "population"]', ""),
         ("leap", '[{name = "a", contact = "hard"}, {name = "b", contact = "soft"}]', ""),
     ],
 )

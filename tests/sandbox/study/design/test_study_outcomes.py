@@ -103,7 +103,7 @@ BUILT_IN = changed('"tests/support/regress_tasks.py:Quick"', '"box-to-goal"')
         (BUILT_IN.replace('["hard", "soft"]', '["hard", "none"]'), "no trial of none can succeed"),
         (
             BUILT_IN.replace('"contact"', '"encoder"')
-            .replace('["hard", "soft"]', '["paper", "best"]')
+            .replace('["hard", "soft"]', '["paper", "population"]')
             .replace('encoder = "linear"', 'contact = "none"'),
             "the hand passes through everything",
         ),

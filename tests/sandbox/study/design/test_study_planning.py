@@ -27,7 +27,7 @@ task = "box-to-goal"
 [[factors]]
 name = "encoder"
 order = "latin"
-levels = ["paper", "best"]
+levels = ["paper", "population"]
 [[factors]]
 name = "task"
 order = "latin"
@@ -130,7 +130,7 @@ levels = ["box-to-goal", "wrench-turn"]
 name = "encoder"
 order = "latin"
 inside = "task"
-levels = { box-to-goal = ["paper", "best"], wrench-turn = ["linear", "quadratic"] }
+levels = { box-to-goal = ["paper", "population"], wrench-turn = ["linear", "quadratic"] }
 [trials]
 repetitions = 3
 [analysis]
@@ -142,6 +142,6 @@ primary = ["time_s"]
     assert tests["encoder"].people_in(24) == 12 and tests["encoder"].participants_for(39) == 78
     assert tests["task"].people_in(24) == 24
     # The same pair in both groups is everybody's.
-    shared = nested.replace('["linear", "quadratic"]', '["paper", "best"]')
+    shared = nested.replace('["linear", "quadratic"]', '["paper", "population"]')
     (one,) = [test for test in planned_tests(plan(shared)) if test.factor.name == "encoder"]
     assert one.pairs == 1 and one.people_in(24) == 24 and one.participants_for(39) == 39

@@ -287,7 +287,7 @@ def test_what_is_learned_from_one_session_to_the_next_is_the_difference_between_
                     "excluded": 0,
                     "success": 1,
                     "time_s": float(time),
-                    "factor_encoder": "best",
+                    "factor_encoder": "cubic",
                 }
                 rows.append(row)
     put(tmp_path, rows)

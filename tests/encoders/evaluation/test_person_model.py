@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,11 +12,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from encoders.capture import Capture
-from encoders.evaluation.best import (
+from encoders.evaluation import person_model as person_models
+from encoders.evaluation.person_model import (
     CANDIDATES,
-    Best,
-    builtin_best,
-    train_best_model,
+    PersonEstimate,
+    person_model,
+    train_person,
 )
 from encoders.regression.trained import (
     TrainedModel,
@@ -23,7 +25,6 @@ from encoders.regression.trained import (
     builtin_capture,
     builtin_folder,
 )
-from encoders.regression.yaw_normalised import YawNormalisedEncoder
 from encoders.smoothing import PoseFilter
 from encoders.validation import FOLDS, error_product, robust_covariance, trial_folds
 from models.arithmetic.arrays import Array
@@ -31,11 +32,6 @@ from models.errors import EncoderError
 from models.pose import absolute_pose
 from tests.encoders.regression.turning import turned_places, turned_pose
 from tests.support.simulation import legal_poses
-
-
-@cache
-def shipped() -> Best:
-    return builtin_best()
 
 
 @cache
@@ -52,18 +48,23 @@ def sparse() -> Capture:
     return capture.select(np.flatnonzero(capture.trial % 3 == 0)[::20])
 
 
-def estimate(best: Best, capture: Capture) -> np.ndarray:
-    return best.estimate(capture.time, capture.trial, capture.xy)
+@cache
+def mine() -> TrainedModel:
+    return train_person(sparse(), "mine")
+
+
+@cache
+def person() -> PersonEstimate:
+    return PersonEstimate(mine())
+
+
+def estimate(person: PersonEstimate, capture: Capture) -> np.ndarray:
+    return person.estimate(capture.time, capture.trial, capture.xy)
 
 
 @cache
 def estimated() -> np.ndarray:
-    return estimate(shipped(), takes())
-
-
-@pytest.fixture(scope="module")
-def trained() -> TrainedModel:
-    return train_best_model(sparse(), "mine")
+    return estimate(person(), takes())
 
 
 @settings(max_examples=10)
@@ -75,7 +76,7 @@ def trained() -> TrainedModel:
 def test_a_takes_poses_do_not_depend_on_other_takes(chosen: set[int]) -> None:
     part = np.isin(takes().trial, list(chosen))
     np.testing.assert_allclose(
-        estimate(shipped(), takes().select(part)), estimated()[part], atol=1e-9
+        estimate(person(), takes().select(part)), estimated()[part], atol=1e-9
     )
 
 
@@ -84,12 +85,12 @@ def test_a_takes_poses_do_not_depend_on_other_takes(chosen: set[int]) -> None:
 def test_poses_do_not_depend_on_what_comes_later(first: int) -> None:
     part = np.arange(first + 1)
     np.testing.assert_allclose(
-        estimate(shipped(), takes().select(part)), estimated()[part], atol=1e-9
+        estimate(person(), takes().select(part)), estimated()[part], atol=1e-9
     )
 
 
 def test_every_take_begins_with_the_unsmoothed_pose_and_goes_on_with_smoothed_ones() -> None:
-    unsmoothed = estimate(replace(shipped(), tau=0.0), takes())
+    unsmoothed = estimate(replace(person(), tau=0.0), takes())
     begins = np.concatenate([[True], np.diff(takes().trial) != 0])
     assert begins.sum() == 4
     np.testing.assert_array_equal(estimated()[begins], unsmoothed[begins])
@@ -97,12 +98,12 @@ def test_every_take_begins_with_the_unsmoothed_pose_and_goes_on_with_smoothed_on
 
 
 def test_without_a_filter_every_frame_is_encoded_and_corrected_by_itself() -> None:
-    unsmoothed = estimate(replace(shipped(), tau=0.0), takes())
-    model = shipped().model
+    unsmoothed = estimate(replace(person(), tau=0.0), takes())
+    model = person().model
     wanted = absolute_pose(model.encoder.predict(takes().u), takes().leftmost)
     assert model.correction is not None
     np.testing.assert_array_equal(unsmoothed, model.correction.correct(wanted, takes().xy))
-    bare = estimate(Best(replace(model, correction=None), 0.0), takes())
+    bare = estimate(PersonEstimate(replace(model, correction=None), 0.0), takes())
     np.testing.assert_array_equal(bare, wanted)
 
 
@@ -111,48 +112,36 @@ def test_without_a_filter_every_frame_is_encoded_and_corrected_by_itself() -> No
 def test_where_on_the_surface_the_hand_is_does_not_matter(shift: tuple[float, float]) -> None:
     moved = estimated().copy()
     moved[:, :2] += [shift[0], -shift[1]]
-    found = shipped().estimate(takes().time, takes().trial, takes().xy + shift)
+    found = person().estimate(takes().time, takes().trial, takes().xy + shift)
     np.testing.assert_allclose(found, moved, atol=1e-7)
 
 
 def test_estimating_leaves_the_touches_as_they_were() -> None:
     kept = takes().xy.copy()
-    estimate(shipped(), takes())
+    estimate(person(), takes())
     np.testing.assert_array_equal(takes().xy, kept)
-    np.testing.assert_array_equal(estimate(shipped(), takes()), estimated())
+    np.testing.assert_array_equal(estimate(person(), takes()), estimated())
 
 
 def test_on_what_it_was_trained_on_it_is_nearer_than_its_encoder_alone() -> None:
-    encoder = absolute_pose(shipped().model.encoder.predict(takes().u), takes().leftmost)
-    assert error_product(estimated(), takes().q) < error_product(encoder, takes().q)
-
-
-def test_a_labeller_is_a_fresh_one_each_time() -> None:
-    one, other = shipped().labeller(), shipped().labeller()
-    assert one is not other
-
-
-def test_the_built_in_estimate_is_simulated_and_says_so() -> None:
-    meta = shipped().model.meta
-    assert meta["simulated"] is True and meta["capture"] == builtin_capture().meta
-    assert shipped().model.name == "best" and shipped().model.correction is not None
-    assert isinstance(shipped().model.encoder, YawNormalisedEncoder) == meta["winner"].startswith(
-        "turned"
-    )
+    encoder = absolute_pose(mine().encoder.predict(sparse().u), sparse().leftmost)
+    corrected = estimate(PersonEstimate(mine(), 0.0), sparse())
+    assert error_product(corrected, sparse().q) < error_product(encoder, sparse().q)
 
 
 def test_the_packages_data_are_below_five_megabytes() -> None:
     assert sum(p.stat().st_size for p in builtin_folder().rglob("*") if p.is_file()) < 5e6
 
 
-def test_the_winner_is_the_candidate_with_the_least_validated_error(trained: TrainedModel) -> None:
-    for meta in (shipped().model.meta, trained.meta):
-        corrected = {name: pair[1] for name, pair in meta["validated"].items()}
-        assert set(corrected) == set(CANDIDATES)
-        assert corrected[meta["winner"]] == min(corrected.values())
+def test_the_winner_is_the_candidate_with_the_least_validated_error() -> None:
+    meta = mine().meta
+    corrected = {name: pair[1] for name, pair in meta["validated"].items()}
+    assert set(corrected) == set(CANDIDATES)
+    assert corrected[meta["winner"]] == min(corrected.values())
 
 
-def test_what_the_table_says_of_a_candidate_is_what_validation_gives(trained: TrainedModel) -> None:
+def test_what_the_table_says_of_a_candidate_is_what_validation_gives() -> None:
+    trained = mine()
     winner = trained.meta["winner"]
     predicted = blocked_predictions(CANDIDATES[winner], sparse())
     plain = 100 * np.rad2deg(error_product(predicted, sparse().relative))
@@ -163,11 +152,10 @@ def test_what_the_table_says_of_a_candidate_is_what_validation_gives(trained: Tr
     )
 
 
-def test_training_again_gives_the_same_model_and_calls_simulated_only_what_is_marked_so(
-    trained: TrainedModel,
-) -> None:
+def test_training_again_gives_the_same_model_and_calls_simulated_only_what_is_marked_so() -> None:
+    trained = mine()
     told: list[float] = []
-    again = train_best_model(replace(sparse(), meta={}), "again", told.append)
+    again = train_person(replace(sparse(), meta={}), "again", told.append)
     assert told == sorted(told) and len(told) == len(CANDIDATES) and 0 < told[0] <= told[-1] <= 1
     assert again.meta["simulated"] is False and trained.meta["simulated"] is True
     assert replace(again, meta=trained.meta).digest == trained.digest
@@ -177,7 +165,31 @@ def test_training_again_gives_the_same_model_and_calls_simulated_only_what_is_ma
 
 def test_one_take_alone_is_refused() -> None:
     with pytest.raises(EncoderError, match="2 trials"):
-        train_best_model(takes().select(takes().trial == takes().trial[0]))
+        train_person(takes().select(takes().trial == takes().trial[0]), "mine")
+
+
+def test_a_person_s_model_is_trained_once_and_anew_for_another_capture_or_a_damaged_file(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    trained: list[int] = []
+
+    def train(capture: Capture, name: str, progress: object = None) -> TrainedModel:
+        trained.append(len(capture))
+        return replace(mine(), training_u=capture.u, training_pose=capture.relative)
+
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    monkeypatch.setattr(person_models, "train_person", train)
+    first, again = person_model(sparse()), person_model(sparse())
+    assert len(trained) == 1
+    u = takes().u[:50]
+    np.testing.assert_array_equal(first.encoder.predict(u), again.encoder.predict(u))
+    other = sparse().select(sparse().trial != sparse().trial[0])
+    person_model(other)
+    assert trained == [len(sparse()), len(other)]
+    for path in tmp_path.rglob("*.npz"):
+        path.write_bytes(b"no model")
+    person_model(sparse())
+    assert len(trained) == 3
 
 
 def test_predictions_of_a_take_are_made_without_it() -> None:
@@ -275,9 +287,9 @@ def test_the_filter_is_told_how_the_touches_turned(degrees: float, about: Array)
     time, step = 0.01 * np.arange(10.0), np.deg2rad(degrees) / 9
     held = takes().xy[int(np.argmax(takes().down.sum(axis=1)))]
     xy = np.stack([turned_places(held, i * step, about) for i in range(10)])
-    found = shipped().estimate(time, np.zeros(10, int), xy)
-    unsmoothed = replace(shipped(), tau=0.0).estimate(time, np.zeros(10, int), xy)
-    posture = PoseFilter(shipped().tau)
+    found = person().estimate(time, np.zeros(10, int), xy)
+    unsmoothed = replace(person(), tau=0.0).estimate(time, np.zeros(10, int), xy)
+    posture = PoseFilter(person().tau)
     wanted = [posture.step(unsmoothed[0], [0.0, 0.0], 0.0)]
     wanted += [posture.step(q, [0.0, 0.0], 0.01, step, about.tolist()) for q in unsmoothed[1:]]
     np.testing.assert_allclose(found, wanted, atol=1e-9)

@@ -1,4 +1,4 @@
-"""The method `best`: the winner of validation, as a model for sessions and as a pose estimate.
+"""The model that `sandbox train` makes of one person's capture, and its estimate of the pose.
 
 Candidates are compared by tenfold cross-validation blocked by trial, each with the fingertip
 correction whose trust is validated, too. The winner is trained on all data with the chosen
@@ -7,8 +7,12 @@ settings.
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
+from hashlib import blake2b
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -17,9 +21,8 @@ from numpy.typing import NDArray
 from encoders.capture import Capture
 from encoders.encoder import Encoder
 from encoders.input_vector import contact_vectors
-from encoders.labels.labelling import Labeller
-from encoders.labels.population_belief import builtin_population_belief
 from encoders.regression.bone_fit import fitted_skeleton
+from encoders.regression.model_registry import cache_folder, keep_model
 from encoders.regression.person_correction import (
     PersonCorrection,
     blocked_variance,
@@ -29,7 +32,7 @@ from encoders.regression.polynomial import PolynomialEncoder
 from encoders.regression.trained import (
     TrainedModel,
     blocked_predictions,
-    builtin,
+    load_model,
     origin,
     rounded,
 )
@@ -37,6 +40,7 @@ from encoders.regression.yaw_normalised import YawNormalisedEncoder
 from encoders.smoothing import PoseFilter, rigid_motion
 from encoders.validation import error_product, robust_covariance
 from models.arithmetic.arrays import Array
+from models.errors import EncoderError
 from models.pose import absolute_pose
 from models.skeleton import ADULT
 
@@ -58,8 +62,12 @@ POSTURE_TAU = 0.05
 hand that moves or turns with its touches has no delay."""
 
 
+_CODE = Path(__file__).parents[2]
+"""Folder of the packages on whose code a model depends."""
+
+
 @dataclass(frozen=True)
-class Best:
+class PersonEstimate:
     """An estimate of a person's pose: encoder, correction by the person's bones, posture filter.
 
     Attributes:
@@ -69,10 +77,6 @@ class Best:
 
     model: TrainedModel
     tau: float = POSTURE_TAU
-
-    def labeller(self) -> Labeller:
-        """A labeller without contacts."""
-        return builtin_population_belief()
 
     def estimate(self, time: Array, trial: NDArray[np.int64], xy: Array) -> Array:
         """Estimates poses of all frames; the filter is reset at every new trial.
@@ -114,8 +118,8 @@ def _estimated(
     return out
 
 
-def train_best_model(
-    capture: Capture, name: str = "best", progress: Callable[[float], None] | None = None
+def train_person(
+    capture: Capture, name: str, progress: Callable[[float], None] | None = None
 ) -> TrainedModel:
     """Trains the winner among `CANDIDATES` on a capture.
 
@@ -155,11 +159,36 @@ def _in_cm_degrees(errors: dict[str, tuple[float, float]]) -> dict[str, Any]:
     return {name: [round(scale * value, 3) for value in pair] for name, pair in errors.items()}
 
 
-def train_best(capture: Capture, progress: Callable[[float], None] | None = None) -> Best:
-    """Trains the estimate for the person of a capture."""
-    return Best(train_best_model(capture, progress=progress))
+def person_model(capture: Capture, progress: Callable[[float], None] | None = None) -> TrainedModel:
+    """The model of `train_person`, which is read from this user's cache after the first time.
+
+    Where there is no such folder, or it cannot be written, the model is trained each time.
+
+    Args:
+        capture: Labelled contacts and poses of one person.
+        progress: Called with the share done, 0 to 1.
+
+    Raises:
+        EncoderError: The capture has one trial only.
+    """
+    try:
+        path = cache_folder() / f"{_key(capture)}.npz"
+    except EncoderError:
+        return train_person(capture, "trained", progress)
+    if path.exists():
+        with suppress(EncoderError):
+            return load_model(path, capture)
+    model = train_person(capture, "trained", progress)
+    keep_model(model, path)
+    return model
 
 
-def builtin_best() -> Best:
-    """The estimate that comes with the package."""
-    return Best(builtin("best"))
+def _key(capture: Capture) -> str:
+    """Digest of the capture and of the code that makes a model of it."""
+    hash_ = blake2b(json.dumps(capture.meta, sort_keys=True).encode(), digest_size=16)
+    for array in (capture.time, capture.trial, capture.ids, capture.xy, capture.q):
+        hash_.update(np.ascontiguousarray(array).tobytes())
+    for package in ("encoders", "models"):
+        for source in sorted((_CODE / package).rglob("*.py")):
+            hash_.update(source.read_bytes())
+    return hash_.hexdigest()
