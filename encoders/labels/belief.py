@@ -36,7 +36,6 @@ from encoders.labels.own_layouts import OwnLayouts
 from encoders.labels.recent_liftoffs import AT_ONCE, LATER, LiftOff, that_fit
 from models.arithmetic import functions
 from models.arithmetic.arrays import Array
-from models.errors import EncoderError
 from models.frames import FINGERS
 from models.surface import METRES_PER_INCH
 
@@ -200,23 +199,6 @@ class BeliefLabels:
         if len(ids) < 2 or not self.trained.stay:
             return True
         return self._fresh(places, [self._looked[i].tolist() for i in ids]) <= _LOOK_AGAIN
-
-    def log_probability(self, labels: Mapping[int, int]) -> float:
-        """Log probability of labels for all contacts of the last `assign`.
-
-        Raises:
-            EncoderError: The ids are not those of the last `assign`, or a finger occurs twice.
-        """
-        if set(labels) != set(self._ids) or not self._ids:
-            raise EncoderError(
-                "the belief has other contacts", got=sorted(labels), expected=str(self._ids)
-            )
-        rows = np.flatnonzero(allowed(self._ids, labels))
-        if not len(rows):
-            raise EncoderError(
-                "no labelling has these labels", got=dict(labels), expected="different fingers"
-            )
-        return float(self._belief[rows[0]])
 
     def _take_in(self, ids: tuple[int, ...], now: dict[int, Array]) -> None:
         if self._moved:
