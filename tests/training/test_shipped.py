@@ -17,14 +17,11 @@ from training.comparison import compared
 from training.population import Population, save_population, simulate_population
 from training.shipped import FILES, ROOT
 
-LATER = {"belief.npz", "best.npz"}
-"""Files of the encoders that have a command of their own."""
-
 
 def test_every_file_of_data_has_a_command() -> None:
     folders = (ROOT / "encoders" / "data", ROOT / "models" / "data")
     data = {path for folder in folders for path in folder.iterdir() if path.is_file()}
-    assert {path for path in data if path.name not in LATER} == {f.file for f in FILES.values()}
+    assert data == {f.file for f in FILES.values()}
     assert set(FILES) < set(COMMANDS)
 
 
