@@ -330,6 +330,14 @@ def read_header(line: bytes, path: Path) -> dict[str, Any]:
             expected=f"schema {SCHEMA}",
             remedy="Use the version of the sandbox that made it, or record again",
         )
+    states = header.get("states", 1)
+    if not isinstance(states, int) or isinstance(states, bool):
+        raise RecordingError(
+            "its header is damaged",
+            where=f"{path}, states",
+            got=repr(states)[:80],
+            expected="a whole number",
+        )
     return dict(header)
 
 

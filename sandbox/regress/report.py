@@ -86,7 +86,8 @@ class Comparison:
     Attributes:
         both, lost, won, neither: Seeds that succeeded in both, before only, now only, in none.
         changed: Seeds with different states although the fingerprint is the baseline's.
-        same_machine: Number of pairs with the baseline's fingerprint.
+        same_machine: Number of pairs with the baseline's fingerprint, whose states are compared; 0
+            where the baseline is of other `STATES` or models.
         elsewhere: What states depend on and was different there, in words, for the other pairs.
         crashed: Number of pairs whose trial crashed now.
         unpaired: Seeds that were run and that the baseline lacks.
@@ -373,9 +374,11 @@ def _pairs(task: TaskResult, kept: KeptTask, states: bool) -> Comparison:
         kinds.get((before.success, trial["success"]), c.neither).append(seed)
         changes.append(trial["progress"] - before.progress)
         crashed += trial["status"] == CRASHED
+        if not states:
+            continue
         if kept.fingerprint and trial["fingerprint"] == kept.fingerprint:
             same += 1
-            if states and trial["state_hash"] != before.state_hash:
+            if trial["state_hash"] != before.state_hash:
                 c.changed.append(seed)
         elif trial["status"] != CRASHED and kept.depends_on:
             elsewhere |= dict.fromkeys(differing_parts(kept.depends_on, trial["depends_on"]))

@@ -75,7 +75,7 @@ def _compared(report: Report) -> Table:
 
 def _states(c: Comparison) -> str:
     if not c.same_machine:
-        return "another machine"
+        return "another machine" if c.elsewhere else "not compared"
     return f"{len(c.changed)} changed" if c.changed else f"{c.same_machine} equal"
 
 

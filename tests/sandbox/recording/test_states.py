@@ -97,12 +97,16 @@ def test_its_touches_play_anew_as_a_device_and_a_line_names_both(
     assert MADE_WITH in capsys.readouterr().err.replace("\n", " ")
 
 
-def test_a_header_whose_states_are_no_number_is_refused(recorded: Path) -> None:
-    recording = load_recording(recorded)
+def test_a_header_whose_states_are_no_number_is_refused_with_its_file(
+    recorded: Path, tmp_path: Path
+) -> None:
     for wrong in ("2", None, True, 2.0):
-        recording.header["states"] = wrong
-        with pytest.raises(RecordingError, match="damaged"):
-            replay(recording)
+        first, _, rest = recorded.read_text().partition("\n")
+        broken = tmp_path / "broken.jsonl"
+        broken.write_text(f"{json.dumps({**json.loads(first), 'states': wrong})}\n{rest}")
+        with pytest.raises(RecordingError, match=r"broken\.jsonl, states"):
+            load_recording(broken)
+    recording = load_recording(recorded)
     recording.header["states"] = STATES + 1
     with pytest.raises(OtherStatesError):
         replay(recording)
