@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from operator import index
 
 from models.errors import FrameError
 
@@ -16,14 +17,20 @@ FINGERS = ("thumb", "index", "middle", "ring", "little")
 class Contact:
     """One finger on the surface.
 
+    Numbers of NumPy and the like become Python's own, as recordings hold nothing else.
+
     Attributes:
         id: Constant from touch-down to touch-up; unique among the contacts of one frame.
         x: Surface position, metres to the right of the top left corner.
         y: Surface position, metres down from the top left corner.
-        size: Contact diameter in metres; None where the device does not measure it.
+        size: Contact diameter in metres; None where the device does not measure it. A size that
+            is not a number above 0, as some hardware sends without measuring it, becomes None.
         label: Finger (thumb 0 .. little 4), where the *device* knows it; None otherwise.
         extent: Width and height of the contact in metres, both above 0; None where the device does
             not measure both. Palms are told from fingers by it.
+
+    Raises:
+        FrameError: A value is not a number, or cannot be one of a contact.
     """
 
     id: int
@@ -34,6 +41,15 @@ class Contact:
     extent: tuple[float, float] | None = None
 
     def __post_init__(self) -> None:
+        if not (
+            type(self.id) is int
+            and type(self.x) is type(self.y) is float
+            and (self.label is None or type(self.label) is int)
+            and self.size is self.extent is None
+        ):
+            self._make_plain()
+        if not _SMALLEST_ID <= self.id <= -1 - _SMALLEST_ID:
+            raise FrameError("a contact's id has more than 64 bits", got=self.id)
         if not (math.isfinite(self.x) and math.isfinite(self.y)):
             raise FrameError(
                 "a contact's position must be finite",
@@ -53,10 +69,40 @@ class Contact:
                 expected="metres",
             )
 
+    def _make_plain(self) -> None:
+        """Converts all numbers to Python's own.
+
+        Raises:
+            FrameError: One is something else.
+        """
+        try:
+            size = None if self.size is None else float(self.size)
+            plain = {
+                "id": index(self.id),
+                "x": float(self.x),
+                "y": float(self.y),
+                "size": size if size is not None and 0.0 < size < math.inf else None,
+                "label": None if self.label is None else index(self.label),
+                "extent": None
+                if self.extent is None
+                else (float(self.extent[0]), float(self.extent[1])),
+            }
+        except (TypeError, ValueError, IndexError) as error:
+            raise FrameError(
+                "a contact holds something else than numbers",
+                where=f"contact {self.id!r}",
+                got=str(error),
+                expected="an id and a label that are integers, and lengths that are numbers",
+            ) from None
+        for name, value in plain.items():
+            object.__setattr__(self, name, value)
+
 
 @dataclass(frozen=True, slots=True)
 class TouchFrame:
     """All contacts of one device at one moment.
+
+    Numbers of NumPy and the like become Python's own, as in a `Contact`.
 
     Attributes:
         time: Seconds on the device's own monotonic clock.
@@ -65,6 +111,9 @@ class TouchFrame:
         cancelled: Ids that left since the last frame because the system took them away. The person
             did not lift these fingers, so the hand must not let go because of them.
         source: Name of the sender, for messages and logs.
+
+    Raises:
+        FrameError: A value is not a number, or cannot be one of a frame.
     """
 
     time: float
@@ -74,6 +123,13 @@ class TouchFrame:
     source: str = ""
 
     def __post_init__(self) -> None:
+        if not (
+            type(self.time) is float
+            and type(self.contacts) is tuple
+            and (self.lift is None or type(self.lift) is float)
+            and not self.cancelled
+        ):
+            self._make_plain()
         if not math.isfinite(self.time):
             raise FrameError("a frame's time must be finite", got=self.time, expected="seconds")
         if len({c.id for c in self.contacts}) != len(self.contacts):
@@ -85,6 +141,31 @@ class TouchFrame:
         if self.lift is not None and not 0.0 <= self.lift <= 1.0:
             raise FrameError("the lift control is out of range", got=self.lift, expected="0 to 1")
 
+    def _make_plain(self) -> None:
+        """Converts all numbers to Python's own.
+
+        Raises:
+            FrameError: One is something else, or the contacts are no contacts.
+        """
+        try:
+            plain = {
+                "time": float(self.time),
+                "contacts": tuple(self.contacts),
+                "lift": None if self.lift is None else float(self.lift),
+                "cancelled": frozenset(map(index, self.cancelled)),
+            }
+        except (TypeError, ValueError) as error:
+            raise FrameError(
+                "a frame holds something else than numbers",
+                got=str(error),
+                expected="a time and a lift that are numbers, and ids that are integers",
+            ) from None
+        for name, value in plain.items():
+            object.__setattr__(self, name, value)
+
+
+_SMALLEST_ID = -(2**63)
+"""Smallest id of a contact: recordings and tables hold integers of 64 bits."""
 
 Vector = tuple[float, float, float]
 

@@ -15,7 +15,7 @@ from models.errors import InputError
 from models.hand import Hand
 from models.mjcf_object import check_object_name
 from models.objects import Box, Cylinder, MechanismPart, SceneObject, Wrench
-from models.outside import failure
+from models.plugins import failure
 from models.scene import TABLE, PaintedRing, Scene, SceneSpec
 from models.surface import METRES_PER_INCH, Surface
 from tasks.sensing import Sensing

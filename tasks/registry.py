@@ -1,60 +1,63 @@
-"""Finds tasks by name: built-in ones, those of installed packages, and those in a file."""
+"""Finds tasks by name: built-in ones, those of installed packages, and those in a file.
+
+A package offers its tasks under the name of the task:
+
+    [project.entry-points."hand_sandbox.tasks"]
+    my-lab-push = "my_lab.tasks:Push"
+
+A task is imported when it is named. Errors in a task are reported then, and do not affect other
+tasks.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
+import re
 from difflib import get_close_matches
-from importlib import import_module
+from math import inf, isfinite
 from pathlib import Path
 from typing import Any
 
-from models.errors import HandSandboxError, InputError
-from models.outside import failure, package
+from models.errors import InputError
+from models.plugins import PluginKind, Registry, package, place_file
 from models.surface import Surface
-from tasks.box_to_goal import BoxToGoal
-from tasks.carry_together import CarryTogether
-from tasks.checks import check_names, check_places, check_repeatable, check_values
-from tasks.discovery import (
-    check_member,
-    is_place,
-    load_offered,
-    load_place,
-    offered,
-    place_file,
-    place_member,
-)
-from tasks.stack import Stack, StackThree
-from tasks.stack_vertical import StackVertical
-from tasks.task import Task
-from tasks.wrench_slide import WrenchSlide
-from tasks.wrench_turn import WrenchTurn
+from tasks.task import Task, TaskDefaults
 
-IN_ROOMS = (
-    ("tasks.clutter.slalom", "Slalom"),
-    ("tasks.mechanisms.chords", "Chords"),
-    ("tasks.mechanisms.dial", "Dial"),
-    ("tasks.clutter.gather", "Gather"),
-    ("tasks.clutter.books", "Books"),
-    ("tasks.mechanisms.insert", "Insert"),
-    ("tasks.mechanisms.close_case", "CloseCase"),
-    ("tasks.mechanisms.single_keys", "SingleKeys"),
+TASKS: Registry[type[Task]] = Registry(
+    {
+        "box-to-goal": "tasks.box_to_goal:BoxToGoal",
+        "wrench-turn": "tasks.wrench_turn:WrenchTurn",
+        "wrench-slide": "tasks.wrench_slide:WrenchSlide",
+        "stack": "tasks.stack:Stack",
+        "stack-three": "tasks.stack:StackThree",
+        "stack-vertical": "tasks.stack_vertical:StackVertical",
+        "carry-together": "tasks.carry_together:CarryTogether",
+        "slalom": "tasks.clutter.slalom:Slalom",
+        "chords": "tasks.mechanisms.chords:Chords",
+        "dial": "tasks.mechanisms.dial:Dial",
+        "gather": "tasks.clutter.gather:Gather",
+        "books": "tasks.clutter.books:Books",
+        "insert": "tasks.mechanisms.insert:Insert",
+        "close-case": "tasks.mechanisms.close_case:CloseCase",
+        "single-keys": "tasks.mechanisms.single_keys:SingleKeys",
+    }
 )
-"""Module and class of built-in tasks in rooms of their own, which build upon this room."""
+"""Built-in tasks. To add one, write its module and add a line here."""
 
-TASKS: dict[str, type[Task]] = {
-    task.name: task
-    for task in (
-        BoxToGoal,
-        WrenchTurn,
-        WrenchSlide,
-        Stack,
-        StackThree,
-        StackVertical,
-        CarryTogether,
-        *(getattr(import_module(module), member) for module, member in IN_ROOMS),
+_NAME = re.compile(r"[a-z0-9]+(-[a-z0-9]+)*")
+_NUMBERS = ("version", "time_limit", "hold_time", "table_friction", "touch_height", "lift_range")
+_OPTIONAL = ("hands", "user", "painted", "pressed", "own_friction", "with_room", "shifted")
+
+
+def is_task(value: Any) -> bool:
+    """True for a class with the two methods of a task."""
+    return isinstance(value, type) and all(
+        callable(getattr(value, part, None)) for part in ("draw", "measure")
     )
-}
+
+
+TASK_PLUGINS: PluginKind[type[Task]] = PluginKind(
+    "task", "hand_sandbox.tasks", InputError, TASKS, is_task
+)
 
 
 def find_task(name: str) -> type[Task]:
@@ -65,17 +68,24 @@ def find_task(name: str) -> type[Task]:
     """
     if name in TASKS:
         return TASKS[name]
-    if not is_place(name):
-        check_member(name)
-        task = load_offered(name)
-        if task is None:
-            names = task_names()
-            raise InputError(
-                "no such task", got=name, expected=", ".join(names), remedy=_near(name, names)
-            )
-        return task
-    task = load_place(name)
-    if TASKS.get(task.name, task) is not task:
+    in_place = TASK_PLUGINS.place_in(name) is not None
+    if not in_place:
+        _check_member(name)
+    plugin = TASK_PLUGINS.find(name)
+    if plugin is None:
+        names = task_names()
+        raise InputError(
+            "no such task", got=name, expected=", ".join(names), remedy=_near(name, names)
+        )
+    task = completed(plugin.value, plugin.where)
+    if not in_place and task.name != name:
+        raise InputError(
+            "the entry point and its task have different names",
+            where=plugin.where,
+            got=task.name,
+            expected=name,
+        )
+    if task.name in TASKS and TASKS[task.name] is not task:
         raise InputError(
             "another task has this name",
             where=name,
@@ -83,6 +93,26 @@ def find_task(name: str) -> type[Task]:
             remedy="Give it a name of its own",
         )
     return task
+
+
+def task_names() -> tuple[str, ...]:
+    """Names of the built-in tasks and of those that installed packages offer, loaded or not."""
+    return TASK_PLUGINS.names()
+
+
+def unusable_tasks() -> dict[str, str]:
+    """Names of tasks in installed packages that cannot be used, with the reason."""
+    reasons = {}
+    for name, entries in TASK_PLUGINS.offered().items():
+        if name in TASKS:
+            others = ", ".join(package(e) for e in entries)
+            reasons[name] = f"{others} offers a task of the same name as ours, which is left out"
+            continue
+        try:
+            find_task(name)
+        except InputError as error:
+            reasons[name] = str(error)
+    return reasons
 
 
 def claim_name(claimed: dict[str, tuple[str, type[Task]]], place: str, kind: type[Task]) -> None:
@@ -106,36 +136,6 @@ def claim_name(claimed: dict[str, tuple[str, type[Task]]], place: str, kind: typ
         )
 
 
-def _near(name: str, names: tuple[str, ...]) -> str:
-    """The next step for whoever asked for a task that there is not."""
-    # Somebody's own file may be meant, whose name has underscores.
-    near = get_close_matches(name.replace("_", "-"), names, 1)
-    files = [path.name for path in Path().glob("*.py")]
-    near += [file for file in get_close_matches(f"{name}.py", files, 1, 0.8) if not near]
-    hint = f"Did you mean {near[0]}? " if near else ""
-    return f"{hint}A task of your own is named by its file: FILE.py or FILE.py:CLASS"
-
-
-def task_names() -> tuple[str, ...]:
-    """Names of the built-in tasks and of those that installed packages offer, loaded or not."""
-    return (*TASKS, *sorted(set(offered()) - set(TASKS)))
-
-
-def unusable_tasks() -> dict[str, str]:
-    """Names of tasks in installed packages that cannot be used, with the reason."""
-    reasons = {}
-    for name, entries in offered().items():
-        if name in TASKS:
-            others = ", ".join(package(e) for e in entries)
-            reasons[name] = f"{others} offers a task of the same name as ours, which is left out"
-            continue
-        try:
-            load_offered(name)
-        except InputError as error:
-            reasons[name] = str(error)
-    return reasons
-
-
 def hands_of(task: type[Task] | Task) -> int:
     """Number of hands that a task needs; 1 by default."""
     return task.hands
@@ -150,10 +150,12 @@ def draw_task(kind: type[Task], seed: int, surface: Surface) -> Task:
         InputError: The task's own code fails, two draws of the seed differ, a goal names an unknown
             object, or objects overlap or are off the surface.
     """
+    from tasks.checks import check_names, check_places, check_repeatable, check_values
+
     where = f"{kind.name}, seed {seed}"
     if seed < 0:
         raise InputError("the seed is out of range", where="seed", got=seed, expected="0 or more")
-    with _guarded(where):
+    with TASK_PLUGINS.guarded(where, "the task cannot be drawn"):
         task = kind.draw(seed, surface)
         if not is_built_in(kind):
             check_values(task, where)
@@ -162,17 +164,6 @@ def draw_task(kind: type[Task], seed: int, surface: Surface) -> Task:
             check_repeatable(task, kind.draw(seed, surface), where)
             check_places(task, surface, where)
     return task
-
-
-@contextmanager
-def _guarded(where: str) -> Iterator[None]:
-    """Converts any error of a task's own code to one of one line."""
-    try:
-        yield
-    except HandSandboxError:
-        raise
-    except (Exception, SystemExit) as error:
-        raise InputError("the task cannot be drawn", where=where, got=failure(error)) from error
 
 
 def is_built_in(kind: type[Task]) -> bool:
@@ -192,10 +183,130 @@ def origin(name: str) -> dict[str, Any]:
         return {}
     file = place_file(name)
     if file is not None:
-        return {"file": str(file), "member": place_member(name), "task_version": kind.version}
-    source = {
-        "entry_point": f"{kind.__module__}:{kind.__qualname__}",
-        "task_version": kind.version,
-    }
-    dist = next((e.dist for e in offered().get(name, []) if e.dist), None)
-    return {**source, "package": dist.name, "version": dist.version} if dist else source
+        member = TASK_PLUGINS.member_at(name)
+        return {"file": str(file), "member": member, "task_version": kind.version}
+    return {**TASK_PLUGINS.package_of(kind, name), "task_version": kind.version}
+
+
+def completed(value: Any, where: str) -> type[Task]:
+    """The task that was loaded, with the defaults of members that it leaves out.
+
+    Args:
+        value: What was loaded.
+        where: Its place, for messages.
+
+    Raises:
+        InputError: It is no task, or a required member is missing or invalid; the error names it.
+    """
+    if not is_task(value):
+        raise InputError(
+            "not a task",
+            where=where,
+            got=repr(value)[:80],
+            expected="a class with draw and measure",
+        )
+    _check_members(value, where)
+    for member in _OPTIONAL:
+        if not hasattr(value, member):
+            setattr(value, member, getattr(TaskDefaults, member))
+    task: type[Task] = value
+    return task
+
+
+def _check_members(task: type[Any], where: str) -> None:
+    """Raises an error for a class whose members are not a task's.
+
+    Raises:
+        InputError: A part is missing or invalid; the error names it.
+    """
+    name = getattr(task, "name", None)
+    if not (isinstance(name, str) and _NAME.fullmatch(name)):
+        raise InputError(
+            "a task's name is missing or invalid",
+            where=where,
+            got=name,
+            expected="small letters, digits and hyphens: my-lab-push",
+        )
+    if getattr(task, "plane", None) not in ("table", "front"):
+        raise InputError(
+            "a task's plane is missing or invalid",
+            where=where,
+            got=getattr(task, "plane", None),
+            expected="table or front",
+        )
+    _check_numbers(task, where)
+    user = getattr(task, "user", None)
+    if user is not None and not callable(user):
+        raise InputError(
+            "a task's user is wrong",
+            where=where,
+            got=repr(user)[:80],
+            expected="a class that is made from (configuration, surface, seed), or None",
+        )
+    missing: frozenset[str] = getattr(task, "__abstractmethods__", frozenset())
+    if missing:
+        raise InputError("this task lacks members", where=where, got=", ".join(sorted(missing)))
+
+
+def _check_numbers(task: type[Any], where: str) -> None:
+    """Raises an error for a number of a task that is missing, or that cannot be.
+
+    Raises:
+        InputError: It names the number.
+    """
+    for number in _NUMBERS:
+        value = getattr(task, number, None)
+        # Before an upright surface fingertips may also be behind what they grip.
+        least = -inf if number == "touch_height" and task.plane == "front" else 0.0
+        if (
+            isinstance(value, bool)
+            or not isinstance(value, int | float)
+            or not (isfinite(value) and value >= least)
+        ):
+            raise InputError(
+                f"a task's {number} is missing or invalid",
+                where=where,
+                got=value,
+                expected="a number" if least else "a number that is not negative",
+            )
+    if not task.time_limit > 0:
+        raise InputError("a task's time_limit must be above 0", where=where, got=task.time_limit)
+    if task.hold_time > task.time_limit:
+        raise InputError(
+            "a task's hold_time is longer than its time_limit, so that nobody could succeed",
+            where=where,
+            got=f"{task.hold_time:g} s, and {task.time_limit:g} s",
+        )
+    hands = getattr(task, "hands", 1)
+    if isinstance(hands, bool) or not isinstance(hands, int) or hands not in (1, 2):
+        raise InputError("a task's hands are wrong", where=where, got=hands, expected="1 or 2")
+
+
+def _check_member(name: str) -> None:
+    """Raises an error for a place whose class is not at the top of its file or module.
+
+    Raises:
+        InputError: It is inside another class or a function.
+    """
+    source, _, member = name.partition(":")
+    parts = member.replace(".<locals>", "").split(".")
+    if len(parts) > 1 and all(part.isidentifier() for part in parts):
+        raise InputError(
+            "a task inside a class or a function cannot be loaded",
+            where=source,
+            got=member,
+            expected="a class at the top of its file or module",
+            remedy=f"Name it there: {parts[-1]} = {'.'.join(parts)}"
+            if "<locals>" not in member
+            else "Move it there, or give it a name there",
+        )
+
+
+def _near(name: str, names: tuple[str, ...]) -> str:
+    """The next step for whoever named a task that does not exist."""
+    # Somebody's own file may be meant, whose name has underscores.
+    near = get_close_matches(name.replace("_", "-"), names, 1)
+    files = [path.name for path in Path().glob("*.py")]
+    near += [file for file in get_close_matches(f"{name}.py", files, 1, 0.8) if not near]
+    hint = f"Did you mean {near[0]}? " if near else ""
+    return f"{hint}A task of your own is named by its file: FILE.py or FILE.py:CLASS"

@@ -19,7 +19,7 @@ from models.arithmetic.arrays import Array
 from models.arithmetic.products import length
 from models.errors import HandSandboxError, InputError
 from models.objects import Box, MechanismPart, Scalable, SceneObject, Wrench
-from models.outside import failure
+from models.plugins import failure
 from models.surface import Surface
 from tasks.checks import over_a_side
 from tasks.task import Goal, Task

@@ -11,14 +11,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from encoders.capture import Capture
-from encoders.discovery import guarded, is_place
 from encoders.encoder import Encoder
 from encoders.evaluation.methods import EncoderMethod, Method
 from encoders.evaluation.person_model import CANDIDATES, PersonEstimate, person_model
 from encoders.labels.labelling import Labeller, PaperLabels
 from encoders.labels.population_belief import builtin_population_belief
 from encoders.regression.mean import MeanEncoder
-from encoders.regression.registry import ENCODERS, find_encoder, is_external
+from encoders.regression.registry import (
+    ENCODER_PLUGINS,
+    ENCODERS,
+    find_encoder,
+    is_external,
+)
 from encoders.regression.stored_encoder import predicted
 from encoders.regression.trained import TrainedModel, load_model
 from models.arithmetic.arrays import Array
@@ -93,7 +97,7 @@ class Training:
 
     def _model(self, encoder: Encoder) -> TrainedModel:
         U, Q = self._inputs
-        with guarded("the encoder cannot learn", type(encoder).__qualname__):
+        with ENCODER_PLUGINS.guarded(type(encoder).__qualname__, "the encoder cannot learn"):
             # Copies: other encoders learn from the same frames afterwards.
             encoder.fit(U.copy("K"), Q.copy("K"))
         predicted(encoder, U[:1])
@@ -126,7 +130,7 @@ class PersonMethod(EncoderMethod):
 
 def _shown(name: str) -> str:
     """Name of a method in tables: a file's stem, or the class of an encoder at a place."""
-    if is_place(name):
+    if ENCODER_PLUGINS.place_in(name) is not None:
         return find_encoder(name).__qualname__
     return Path(name).stem if Path(name).suffix == ".npz" else name
 

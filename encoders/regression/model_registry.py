@@ -18,10 +18,15 @@ from pathlib import Path
 from tempfile import NamedTemporaryFile
 from time import perf_counter
 
-from encoders.discovery import guarded, offered, source_digest
 from encoders.encoder import Encoder
 from encoders.regression.pca_ik import PcaIkEncoder
-from encoders.regression.registry import find_encoder, is_external, origin_of
+from encoders.regression.registry import (
+    ENCODER_PLUGINS,
+    find_encoder,
+    is_external,
+    origin_of,
+    source_digest,
+)
 from encoders.regression.trained import (
     BUILTIN,
     POPULATION,
@@ -107,7 +112,7 @@ def find_model(name: str, tell: Callable[[str], None]) -> TrainedModel:
     if is_external(name):
         return _trained(find_encoder(name), tell)
     if not Path(name).exists():
-        known = ", ".join((*MODELS, *sorted(offered())))
+        known = ", ".join((*MODELS, *sorted(ENCODER_PLUGINS.offered())))
         raise EncoderError(
             "there is no such encoder",
             where="--encoder",
@@ -154,7 +159,7 @@ def _trained(kind: type[Encoder], tell: Callable[[str], None]) -> TrainedModel:
 
 def _key(kind: type[Encoder]) -> str:
     """Digest of all that a trained model follows from."""
-    with guarded("the encoder does not tell its configuration", kind.__qualname__):
+    with ENCODER_PLUGINS.guarded(kind.__qualname__, "the encoder does not tell its configuration"):
         configuration = kind().configuration()
     parts = [
         SCHEMA,
@@ -163,7 +168,9 @@ def _key(kind: type[Encoder]) -> str:
         configuration,
         builtin("quadratic").digest,
     ]
-    with guarded("the encoder's configuration is not made of JSON values", kind.__qualname__):
+    with ENCODER_PLUGINS.guarded(
+        kind.__qualname__, "the encoder's configuration is not made of JSON values"
+    ):
         text = json.dumps(parts, sort_keys=True)
     return blake2b(text.encode(), digest_size=16).hexdigest()
 

@@ -1,31 +1,52 @@
-"""Finds encoders by name: built-in ones, those of installed packages, and those in a file."""
+"""Finds encoders by name: built-in ones, those of installed packages, and those in a file.
+
+A package offers its encoders under a name:
+
+    [project.entry-points."hand_sandbox.encoders"]
+    my-lab-forest = "my_lab.encoders:Forest"
+
+An encoder is imported when it is named. Errors in it are reported then, in one line; they do not
+affect other encoders.
+"""
 
 from __future__ import annotations
 
+import inspect
+from hashlib import blake2b
+from pathlib import Path
 from typing import Any
 
-from encoders.discovery import is_place, load_offered, load_place, offered
 from encoders.encoder import Encoder
-from encoders.regression.pca_ik import PcaIkEncoder
-from encoders.regression.polynomial import (
-    CubicEncoder,
-    LinearEncoder,
-    PolynomialEncoder,
-    QuadraticEncoder,
-)
-from encoders.regression.yaw_normalised import YawNormalisedEncoder
 from models.errors import EncoderError
-from models.outside import loaded_from
+from models.plugins import PluginKind, Registry, loaded_from
 
-ENCODERS: dict[str, type[Encoder]] = {
-    "polynomial": PolynomialEncoder,
-    "linear": LinearEncoder,
-    "quadratic": QuadraticEncoder,
-    "cubic": CubicEncoder,
-    "turned": YawNormalisedEncoder,
-    "pca-ik": PcaIkEncoder,
-}
+_REGRESSION = "encoders.regression"
+
+ENCODERS: Registry[type[Encoder]] = Registry(
+    {
+        "polynomial": f"{_REGRESSION}.polynomial:PolynomialEncoder",
+        "linear": f"{_REGRESSION}.polynomial:LinearEncoder",
+        "quadratic": f"{_REGRESSION}.polynomial:QuadraticEncoder",
+        "cubic": f"{_REGRESSION}.polynomial:CubicEncoder",
+        "turned": f"{_REGRESSION}.yaw_normalised:YawNormalisedEncoder",
+        "pca-ik": f"{_REGRESSION}.pca_ik:PcaIkEncoder",
+    }
+)
 """Built-in encoders by name. A model's file contains the first name that matches its encoder."""
+
+EXAMPLE = "docs/write-an-encoder.md shows an encoder"
+
+_REQUIRED = ("fit", "predict")
+
+
+def is_encoder(value: Any) -> bool:
+    """True for a class that inherits from `Encoder`."""
+    return inspect.isclass(value) and issubclass(value, Encoder)
+
+
+ENCODER_PLUGINS: PluginKind[type[Encoder]] = PluginKind(
+    "encoder", "hand_sandbox.encoders", EncoderError, ENCODERS, is_encoder, article="an"
+)
 
 
 def find_encoder(name: str) -> type[Encoder]:
@@ -36,27 +57,62 @@ def find_encoder(name: str) -> type[Encoder]:
     """
     if name in ENCODERS:
         return ENCODERS[name]
-    if is_place(name):
-        return load_place(name)
-    encoder = load_offered(name)
-    if encoder is None:
+    plugin = ENCODER_PLUGINS.find(name)
+    if plugin is None:
         raise EncoderError(
             "no such encoder",
             where="--encoder",
             got=name,
-            expected=", ".join((*ENCODERS, *sorted(offered()))) + " or FILE.py:CLASS",
+            expected=", ".join(ENCODER_PLUGINS.names()) + " or FILE.py:CLASS",
         )
-    return encoder
+    return checked(plugin.value, plugin.where)
+
+
+def checked(value: Any, where: str) -> type[Encoder]:
+    """Checks that a loaded object is an encoder class that can be instantiated.
+
+    Args:
+        value: What was loaded.
+        where: Its place, for messages.
+
+    Raises:
+        EncoderError: It is something else, lacks a method, or requires arguments.
+    """
+    if not is_encoder(value):
+        raise EncoderError(
+            "not an encoder",
+            where=where,
+            got=repr(value)[:80],
+            expected="a class that inherits from encoders.encoder.Encoder",
+            remedy=EXAMPLE,
+        )
+    kind: type[Encoder] = value
+    if inspect.isabstract(kind):
+        lacking = sorted(
+            name for name, value in inspect.getmembers(kind) if name in _REQUIRED and _open(value)
+        )
+        raise EncoderError(
+            "this encoder lacks a method",
+            where=where,
+            got=f"no {', '.join(lacking)}",
+            remedy=EXAMPLE,
+        )
+    with ENCODER_PLUGINS.guarded(where, "this encoder cannot be created without arguments"):
+        kind()
+    return kind
 
 
 def is_external(name: str) -> bool:
     """True for the name of an external encoder: a place, or one of an installed package."""
-    return is_place(name) or (name not in ENCODERS and name in offered())
+    if ENCODER_PLUGINS.place_in(name) is not None:
+        return True
+    return name not in ENCODERS and name in ENCODER_PLUGINS.offered()
 
 
 def builtin_name(encoder: Encoder) -> str | None:
     """First name of a built-in encoder; None for an external one."""
-    if type(encoder) not in ENCODERS.values():
+    own = type(encoder).__module__.partition(".")[0] == __name__.partition(".")[0]
+    if not own or type(encoder) not in ENCODERS.values():
         return None
     return next(name for name, kind in ENCODERS.items() if isinstance(encoder, kind))
 
@@ -86,8 +142,27 @@ def origin_of(kind: type[Encoder]) -> dict[str, Any]:
     file = loaded_from(kind.__module__)
     if file is not None:
         return {"file": str(file), "member": member}
-    place = f"{kind.__module__}:{member}"
-    entries = (entry for same in offered().values() for entry in same)
-    dist = next((e.dist for e in entries if e.value == place and e.dist), None)
-    package = {"package": dist.name, "version": dist.version} if dist else {}
-    return {"entry_point": place, **package}
+    return ENCODER_PLUGINS.package_of(kind)
+
+
+def source_digest(kind: type[Encoder]) -> str:
+    """BLAKE2b of the file that defines a class, hexadecimal; imported files are not included.
+
+    Raises:
+        EncoderError: The class is not in a file, for example in an interactive session.
+    """
+    try:
+        source = Path(inspect.getfile(kind)).read_bytes()
+    except (OSError, TypeError) as error:
+        raise EncoderError(
+            "an encoder must be in a file",
+            where=kind.__qualname__,
+            got=str(error),
+            remedy="Write the class to a file, and import it from there",
+        ) from error
+    return blake2b(source, digest_size=16).hexdigest()
+
+
+def _open(method: Any) -> bool:
+    """True for an abstract method of the contract itself."""
+    return method in (Encoder.fit, Encoder.predict)

@@ -9,15 +9,20 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from encoders.discovery import guarded, source_digest
 from encoders.encoder import Encoder
-from encoders.regression.registry import ENCODERS, builtin_name, find_encoder
+from encoders.regression.registry import (
+    ENCODER_PLUGINS,
+    ENCODERS,
+    builtin_name,
+    find_encoder,
+    source_digest,
+)
 from models.arithmetic.arrays import Array
 from models.errors import EncoderError
-from models.outside import how_to_get, place_of
+from models.plugins import how_to_get, place_of
 from models.pose import POSE_SIZE
 
-OUTSIDE = "outside"
+EXTERNAL = "outside"
 """Kind of external encoders in a header."""
 
 MODEL_ARRAYS = (
@@ -45,7 +50,7 @@ def header_fields(encoder: Encoder) -> dict[str, Any]:
     if ours is not None:
         return {"kind": ours, **encoder.configuration()}
     return {
-        "kind": OUTSIDE,
+        "kind": EXTERNAL,
         "class": type(encoder).__qualname__,
         "source": source_digest(type(encoder)),
         "configuration": encoder.configuration(),
@@ -72,9 +77,11 @@ def restored(
     Raises:
         EncoderError: It cannot be restored.
     """
-    with guarded("the encoder does not take its own options", kind.__qualname__):
+    with ENCODER_PLUGINS.guarded(kind.__qualname__, "the encoder does not take its own options"):
         encoder = kind(**options)
-    with guarded("the encoder cannot be restored from its arrays", kind.__qualname__):
+    with ENCODER_PLUGINS.guarded(
+        kind.__qualname__, "the encoder cannot be restored from its arrays"
+    ):
         complete: Encoder = encoder.restore(arrays, U.copy("K"), Q.copy("K"))
     return complete
 
@@ -95,12 +102,12 @@ def as_restored(encoder: Encoder, U: Array, Q: Array) -> Encoder:
         return restored(ENCODERS[ours], encoder.configuration(), encoder.arrays(), U, Q)
     kind = type(encoder)
     where = kind.__qualname__
-    with guarded("the encoder cannot be stored", where):
+    with ENCODER_PLUGINS.guarded(where, "the encoder cannot be stored"):
         options = json.loads(json.dumps(encoder.configuration(), allow_nan=False))
         arrays = encoder.arrays()
     _check_arrays(arrays, where)
     loaded = restored(kind, options, arrays, U, Q)
-    with guarded("the encoder cannot be stored", where):
+    with ENCODER_PLUGINS.guarded(where, "the encoder cannot be stored"):
         same = loaded.digest() == encoder.digest()
     some = U[:_TRIED]
     moved = np.abs(predicted(loaded, some) - predicted(encoder, some)).max()
@@ -144,7 +151,9 @@ def predicted(encoder: Encoder, U: ArrayLike) -> Array:
     where = f"{type(encoder).__qualname__}.predict"
     for rows, shape in ((U[0], (POSE_SIZE,)), (U, (len(U), POSE_SIZE))):
         given = rows.copy("K")
-        with guarded(f"the encoder cannot predict from U of shape {rows.shape}", where):
+        with ENCODER_PLUGINS.guarded(
+            where, f"the encoder cannot predict from U of shape {rows.shape}"
+        ):
             poses = np.asarray(encoder.predict(given), float)
         if not np.array_equal(given, rows):
             raise EncoderError(

@@ -18,17 +18,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from encoders.capture import Capture
-from encoders.discovery import guarded
 from encoders.encoder import Encoder
 from encoders.input_vector import CONTACT_VECTOR_SIZE
 from encoders.npz import read_npz, write_npz
 from encoders.regression.least_squares import is_ridge, ridge_path
 from encoders.regression.person_correction import PersonCorrection
 from encoders.regression.polynomial import PolynomialEncoder
-from encoders.regression.registry import ENCODERS, origin_of
+from encoders.regression.registry import ENCODER_PLUGINS, ENCODERS, origin_of
 from encoders.regression.stored_encoder import (
+    EXTERNAL,
     MODEL_ARRAYS,
-    OUTSIDE,
     as_restored,
     class_of_origin,
     header_fields,
@@ -39,7 +38,7 @@ from encoders.store import load_capture
 from encoders.validation import FOLDS, error_product, robust_covariance, trial_folds
 from models.arithmetic.arrays import Array
 from models.errors import EncoderError
-from models.outside import place_of
+from models.plugins import place_of
 from models.pose import BALL_JOINTS, POSE_SIZE
 from models.skeleton import ADULT, Skeleton
 
@@ -160,7 +159,7 @@ def train_encoder(
     """
     U, Q = capture.u, capture.relative
     residuals = Q - blocked_predictions(make, capture, progress=progress)
-    with guarded("the encoder cannot learn", name):
+    with ENCODER_PLUGINS.guarded(name, "the encoder cannot learn"):
         # Copies: a fit that subtracts means in place must not change the capture for others.
         encoder = _itself(make().fit(U.copy("K"), Q.copy("K")), name)
     predicted(encoder, U[:1])
@@ -190,7 +189,7 @@ def blocked_predictions(
     fold = trial_folds(capture.trial, folds)
     for k in np.unique(fold):
         out = fold == k
-        with guarded("the encoder cannot learn", "fit"):
+        with ENCODER_PLUGINS.guarded("fit", "the encoder cannot learn"):
             encoder = _itself(make().fit(U[~out], Q[~out]), "fit")
         poses[out] = predicted(encoder, U[out])
         if progress:
@@ -302,7 +301,7 @@ def save_model(model: TrainedModel, path: Path | str, training: bool = True) -> 
         "meta": model.meta,
         **header_fields(model.encoder),
     }
-    if header["kind"] == OUTSIDE:
+    if header["kind"] == EXTERNAL:
         header["from"] = origin_of(type(model.encoder))
     arrays = {"covariance": single(model.residual_covariance)}
     if training:
@@ -372,7 +371,7 @@ def load_model(path: Path | str, capture: Capture | None = None) -> TrainedModel
             where=f"{where}: {error.where}" if error.where else where,
             got=error.got,
             expected=error.expected,
-            remedy=error.remedy if header.get("kind") == OUTSIDE else _REMEDY,
+            remedy=error.remedy if header.get("kind") == EXTERNAL else _REMEDY,
         ) from error
     correction = None
     if distrust is not None:
@@ -401,7 +400,7 @@ def _stored_encoder(
         EncoderError: The header or the arrays are damaged, or the encoder's class has changed.
     """
     name: Any = header.get("kind")
-    if name != OUTSIDE:
+    if name != EXTERNAL:
         kind = ENCODERS.get(name) if isinstance(name, str) else None
         if kind is None:
             raise EncoderError("the header is damaged", where="kind", got=str(name)[:80])

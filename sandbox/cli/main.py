@@ -94,7 +94,7 @@ def main(argv: list[str] | None = None) -> int:
         # that broke off must not look like one that is done.
         if end.code not in (0, None):
             raise
-        from models.outside import failure
+        from models.plugins import failure
 
         print(f"sandbox: code from outside ended the program ({failure(end)})", file=sys.stderr)
         return EXIT_GATE_FAILED

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from importlib.metadata import entry_points
 from pathlib import Path
 
-from models.outside import package
+from models.plugins import package
 from sandbox.devices.registry import DEVICES
 from sandbox.views.display import has_display
 
@@ -33,9 +33,9 @@ def overview(commands: Mapping[str, str]) -> str:
 
 def devices() -> dict[str, str]:
     """Returns device -> first sentence of its class, read from the source without an import."""
-    places = {name: (entry.module, entry.member) for name, entry in DEVICES.items()}
-    places["FILE"] = ("sandbox.recording.recorded_device", "RecordedDevice")
-    return {name: _sentence_of(*place) for name, place in places.items()}
+    places = {name: entry.place for name, entry in DEVICES.items()}
+    places["FILE"] = "sandbox.recording.recorded_device:RecordedDevice"
+    return {name: _sentence_of(place) for name, place in places.items()}
 
 
 def first_steps() -> list[str]:
@@ -76,8 +76,9 @@ def _installed_devices() -> list[str]:
     return [f"  {name}  {text}" for name, text in sorted(rows.items())]
 
 
-def _sentence_of(module: str, name: str) -> str:
-    """Returns the first sentence of a class's docstring, read from the source."""
+def _sentence_of(place: str) -> str:
+    """Returns the first sentence of the docstring of `MODULE:CLASS`, read from the source."""
+    module, _, name = place.partition(":")
     spec = importlib.util.find_spec(module)
     assert spec is not None and spec.origin is not None
     tree = ast.parse(Path(spec.origin).read_text(encoding="utf-8"))

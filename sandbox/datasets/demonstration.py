@@ -13,6 +13,7 @@ from gymnasium import spaces
 from models.arithmetic.arrays import Array
 from models.errors import InputError, RecordingError
 from models.frames import Contact, TouchFrame
+from models.plugins import place_file
 from models.scene import CONTROL_PERIOD
 from sandbox.datasets.slots import Touch, actions_of, labelled, slots_of, touches_of
 from sandbox.gym.environment import HandSandboxEnv
@@ -21,8 +22,7 @@ from sandbox.recording.recorded_task import task_change
 from sandbox.recording.recording import Recording, load_recording
 from sandbox.recording.states import check_states
 from sandbox.trial.replay import settings_of, versions_of
-from tasks.discovery import place_file, place_member
-from tasks.registry import find_task
+from tasks.registry import TASK_PLUGINS, find_task
 from tasks.variation import TOUCHES
 
 
@@ -117,7 +117,7 @@ def environment_of(recording: Recording, observe: Sequence[str]) -> tuple[str, d
 def _from_anywhere(task: str) -> str:
     """The place of a task in a file as it is found from any folder; any other name as it is."""
     file = place_file(task)
-    return task if file is None else f"{file}:{place_member(task)}"
+    return task if file is None else f"{file}:{TASK_PLUGINS.member_at(task)}"
 
 
 def changed_task(recording: Recording) -> str:

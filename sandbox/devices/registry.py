@@ -1,19 +1,40 @@
-"""Built-in devices by name. To add one, write its module and add an entry here.
+"""Devices by name: built-in ones, those of installed packages, and those in a file.
 
-A class is imported when its device is opened. It is called with the touch surface and the argument,
-like an external device (docs/write-a-device.md). Devices with their own command-line options are
-opened by `sandbox.options` instead.
+A class is imported when its device is opened, and is called with the touch surface and the argument
+(docs/write-a-device.md). Devices with their own command-line options are opened by
+`sandbox.options` instead.
+
+A package offers its devices under a name:
+
+    [project.entry-points."hand_sandbox.devices"]
+    my-lab-pad = "my_lab.pad:Pad"
+
+and `--device my-lab-pad` or `--device my-lab-pad:ARGUMENT` opens it. An error in it is reported
+only then.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from importlib import import_module
+from inspect import signature
+from typing import Any
 
+from models.errors import DeviceError
+from models.plugins import PluginKind, imported
 from models.surface import Surface
-from sandbox.devices.discovery import adapted, find_device
+from sandbox.devices.wrappers.adapted import adapted
+from sandbox.devices.wrappers.guarded import GuardedDevice
 from sandbox.session.device import AnyDevice, Device
+
+DEVICE_PLUGINS: PluginKind[Any] = PluginKind(
+    "device", "hand_sandbox.devices", DeviceError, takes_argument=True, verb="opened"
+)
+
+OWN_DEVICE = "FILE.py:CLASS[:ARGUMENT]"
+"""Form of a device in a file, for error messages."""
+
+OpenDevice = Callable[[Surface], Device]
 
 
 @dataclass(frozen=True)
@@ -21,8 +42,7 @@ class DeviceEntry:
     """A built-in device.
 
     Attributes:
-        module: Module of its class.
-        member: Name of the class; `sandbox` alone prints the first sentence of its docstring.
+        place: `MODULE:CLASS`; `sandbox` alone prints the first sentence of the class's docstring.
         live: A person or another program drives it, so that a session runs at real time.
         in_air: It produces hand frames or landmark frames; otherwise touch frames.
         camera: It produces landmark frames.
@@ -36,8 +56,7 @@ class DeviceEntry:
         argument: It can also be opened as `NAME:ARGUMENT`.
     """
 
-    module: str
-    member: str
+    place: str
     live: bool = True
     in_air: bool = False
     camera: bool = False
@@ -51,35 +70,30 @@ class DeviceEntry:
 
 DEVICES: dict[str, DeviceEntry] = {
     "mouse": DeviceEntry(
-        "sandbox.devices.mouse", "MouseDevice", in_scene=True, one_hand=True, argument=False
+        "sandbox.devices.mouse:MouseDevice", in_scene=True, one_hand=True, argument=False
     ),
-    "web": DeviceEntry("sandbox.server.web", "WebDevice", one_hand=True, argument=False),
-    "tuio": DeviceEntry(
-        "sandbox.devices.tuio.tuio", "TuioDevice", guessed_size=True, argument=False
-    ),
-    "evdev": DeviceEntry("sandbox.devices.evdev.evdev_device", "EvdevDevice", guessed_size=True),
+    "web": DeviceEntry("sandbox.server.web:WebDevice", one_hand=True, argument=False),
+    "tuio": DeviceEntry("sandbox.devices.tuio.tuio:TuioDevice", guessed_size=True, argument=False),
+    "evdev": DeviceEntry("sandbox.devices.evdev.evdev_device:EvdevDevice", guessed_size=True),
     "leap": DeviceEntry(
-        "sandbox.devices.leap.leap", "LeapDevice", in_air=True, in_scene=True, argument=False
+        "sandbox.devices.leap.leap:LeapDevice", in_air=True, in_scene=True, argument=False
     ),
     "webcam": DeviceEntry(
-        "sandbox.devices.webcam.webcam",
-        "WebcamDevice",
+        "sandbox.devices.webcam.webcam:WebcamDevice",
         in_air=True,
         camera=True,
         in_scene=True,
         argument=False,
     ),
     "webxr": DeviceEntry(
-        "sandbox.devices.webxr.webxr",
-        "HeadsetDevice",
+        "sandbox.devices.webxr.webxr:HeadsetDevice",
         in_air=True,
         headset=True,
         in_scene=True,
         argument=False,
     ),
     "simulated": DeviceEntry(
-        "sandbox.devices.simulated.simulated",
-        "SimulatedDevice",
+        "sandbox.devices.simulated.simulated:SimulatedDevice",
         live=False,
         simulated=True,
         in_scene=True,
@@ -87,8 +101,7 @@ DEVICES: dict[str, DeviceEntry] = {
         argument=False,
     ),
     "webxr-simulated": DeviceEntry(
-        "sandbox.devices.simulated.headset_user",
-        "SimulatedHeadset",
+        "sandbox.devices.simulated.headset_user:SimulatedHeadset",
         live=False,
         in_air=True,
         headset=True,
@@ -97,14 +110,14 @@ DEVICES: dict[str, DeviceEntry] = {
         argument=False,
     ),
     "leap-simulated": DeviceEntry(
-        "sandbox.devices.simulated.leap_user",
-        "SimulatedLeap",
+        "sandbox.devices.simulated.leap_user:SimulatedLeap",
         live=False,
         in_air=True,
         simulated=True,
         in_scene=True,
     ),
 }
+"""Built-in devices by name. To add one, write its module and add an entry here."""
 
 
 def built_in(device: str) -> DeviceEntry | None:
@@ -117,12 +130,11 @@ def built_in(device: str) -> DeviceEntry | None:
 def open_built_in(device: str, surface: Surface) -> AnyDevice:
     """Opens the built-in device `NAME[:ARGUMENT]` with a surface and the argument."""
     name, _, argument = device.partition(":")
-    entry = DEVICES[name]
-    opened: AnyDevice = getattr(import_module(entry.module), entry.member)(surface, argument)
+    opened: AnyDevice = imported(DEVICES[name].place)(surface, argument)
     return opened
 
 
-def open_by_name(device: str) -> Callable[[Surface], Device] | None:
+def open_by_name(device: str) -> OpenDevice | None:
     """A function that opens a touch device by name or place; None if there is none.
 
     Args:
@@ -135,3 +147,51 @@ def open_by_name(device: str) -> Callable[[Surface], Device] | None:
     if built_in(device) is None:
         return find_device(device)
     return lambda surface: adapted(open_built_in(device, surface), device)
+
+
+def offered_devices() -> tuple[str, ...]:
+    """Names of the devices that installed packages offer; loads none of them."""
+    return tuple(DEVICE_PLUGINS.offered())
+
+
+def find_device(text: str) -> OpenDevice | None:
+    """A function that opens an external device; None if the text does not name one.
+
+    Args:
+        text: `NAME[:ARGUMENT]` of an installed package, `FILE.py:CLASS[:ARGUMENT]` or
+            `MODULE:CLASS[:ARGUMENT]`.
+
+    Raises:
+        DeviceError: The device exists, but cannot be used.
+    """
+    plugin = DEVICE_PLUGINS.find(text)
+    if plugin is None:
+        return None
+    device_class, where, argument = plugin
+    if not callable(device_class):
+        raise DeviceError("this is not a device", where=where, got=repr(device_class)[:80])
+
+    def open_it(surface: Surface) -> Device:
+        if mismatch := _mismatch(device_class, surface, argument):
+            raise DeviceError(
+                "this device cannot be opened with a surface and a text",
+                where=where,
+                got=mismatch,
+                expected="`__init__(self, surface, argument)`",
+            )
+        with DEVICE_PLUGINS.guarded(where):
+            device = device_class(surface, argument)
+        return GuardedDevice(adapted(device, where), where)
+
+    return open_it
+
+
+def _mismatch(device_class: Any, *given: object) -> str:
+    """Why a class does not take some arguments; empty if it does, or has no signature."""
+    try:
+        signature(device_class).bind(*given)
+    except TypeError as error:
+        return str(error)
+    except ValueError:
+        return ""
+    return ""

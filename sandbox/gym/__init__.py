@@ -26,9 +26,9 @@ except ImportError:
 
 from gymnasium.envs.registration import EnvSpec
 
+from models.plugins import place_file
 from sandbox.gym.environment import HandSandboxEnv
-from tasks.discovery import place_file, place_member
-from tasks.registry import find_task, task_names
+from tasks.registry import TASK_PLUGINS, find_task, task_names
 
 __all__ = ["NAMESPACE", "HandSandboxEnv", "register_task"]
 
@@ -83,7 +83,8 @@ def _same_task(one: str, other: str) -> bool:
         files = place_file(one), place_file(other)
         if None in files:
             return find_task(one) is find_task(other)
-        return files[0] == files[1] and place_member(one) == place_member(other)
+        members = TASK_PLUGINS.member_at(one), TASK_PLUGINS.member_at(other)
+        return files[0] == files[1] and members[0] == members[1]
     except InputError:
         # The first one is not there any more.
         return False

@@ -18,7 +18,7 @@ from threadpoolctl import threadpool_limits
 from models.errors import InputError
 from models.json_input import checked
 from models.surface import Surface
-from sandbox.devices.discovery import adapted
+from sandbox.devices.wrappers.adapted import adapted
 from sandbox.library.trajectories import Trajectories, TrajectoryView
 from sandbox.options.scene_options import SceneOptions, plan
 from sandbox.recording.recording import load_recording

@@ -14,8 +14,13 @@ from encoders.person.rest_posture import load_rest
 from encoders.regression.trained import POPULATION
 from models.errors import InputError
 from models.surface import Surface, parse_surface
-from sandbox.devices.discovery import OWN_DEVICE, find_device, offered_devices
-from sandbox.devices.registry import DEVICES, built_in
+from sandbox.devices.registry import (
+    DEVICES,
+    OWN_DEVICE,
+    built_in,
+    find_device,
+    offered_devices,
+)
 from sandbox.devices.simulated.simulated import NEXT_PERSON, SimulatedDevice
 from sandbox.devices.wrappers.degraded import DegradedDevice
 from sandbox.options.headset_devices import (

@@ -12,10 +12,15 @@ import tyro
 from models.errors import DeviceError, InputError, RecordingError
 from models.json_input import decoded_record
 from models.surface import Surface, parse_surface
-from sandbox.devices.discovery import OWN_DEVICE, offered_devices
 from sandbox.devices.evdev.evdev_device import EvdevDevice, evdev_surface, open_node
 from sandbox.devices.files.frame_file import FramesDevice, read_frame_file
-from sandbox.devices.registry import DEVICES, built_in, open_by_name
+from sandbox.devices.registry import (
+    DEVICES,
+    OWN_DEVICE,
+    built_in,
+    offered_devices,
+    open_by_name,
+)
 from sandbox.devices.tuio.touch_capture import CaptureDevice, read_capture
 from sandbox.devices.tuio.tuio import DEFAULT_PORT, LOOPBACK, Tap, Transport, TuioDevice
 from sandbox.devices.tuio.tuio_streams import DEFAULT_WEBSOCKET_PORT

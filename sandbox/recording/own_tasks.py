@@ -12,7 +12,7 @@ from hashlib import blake2b
 from pathlib import Path
 
 from models.errors import InputError
-from models.outside import files_of
+from models.plugins import files_of
 from models.scene import SceneSpec, scene_xml
 from models.surface import Surface
 from sandbox.recording.source_digest import package_digest, source_digest

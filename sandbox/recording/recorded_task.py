@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from models.errors import InputError, RecordingError
-from models.outside import how_to_get, place_of
+from models.plugins import how_to_get, place_of
 from models.surface import Surface
 from sandbox.recording.task_files import task_files
 from tasks.registry import find_task, origin

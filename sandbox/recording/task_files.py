@@ -17,11 +17,10 @@ from pathlib import Path
 from models.errors import InputError
 from models.mjcf_object import MjcfObject, described_files
 from models.objects import MechanismPart
-from models.outside import files_of, loaded_from
+from models.plugins import files_of, loaded_from, place_file
 from models.surface import Surface
 from sandbox.recording.source_digest import bytes_digest, package_digest
-from tasks.discovery import OUTSIDE, place_file
-from tasks.registry import find_task, is_built_in
+from tasks.registry import TASK_PLUGINS, find_task, is_built_in
 from tasks.task import Task
 
 
@@ -73,7 +72,7 @@ def _code(kind: type[Task], file: Path | None) -> tuple[dict[str, str], Path]:
 def _descriptions(kind: type[Task], seed: int, surface: Surface) -> list[Path]:
     """Files of the things of a trial; none where it cannot be drawn, which its start will tell."""
     found: list[Path] = []
-    with suppress(InputError), OUTSIDE.guarded(kind.name):
+    with suppress(InputError), TASK_PLUGINS.guarded(kind.name):
         for thing in kind.draw(seed, surface).objects:
             if isinstance(thing, MjcfObject | MechanismPart):
                 found += described_files(thing.mjcf)

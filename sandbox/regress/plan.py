@@ -12,7 +12,7 @@ from typing import Any
 
 from encoders.regression.model_registry import MODELS
 from models.errors import InputError
-from models.outside import failure
+from models.plugins import failure
 from sandbox.options.scene_options import Plan, SceneOptions, plan
 from sandbox.options.second_hand import SecondOptions
 from sandbox.recording.states import STATES

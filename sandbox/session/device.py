@@ -3,7 +3,7 @@
 A device overrides `poll` and the members that it supports; every other member has a default.
 Wrappers keep the same contract (`sandbox.devices.wrappers.device_wrapper`). A device that was
 written elsewhere without these base classes gets the defaults when it is opened
-(`sandbox.devices.discovery`). Callers therefore never need `hasattr`.
+(`sandbox.devices.wrappers.adapted`). Callers therefore never need `hasattr`.
 """
 
 from __future__ import annotations

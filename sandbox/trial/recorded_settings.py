@@ -7,7 +7,7 @@ from typing import Any
 
 from encoders.regression.registry import find_encoder
 from models.errors import InputError, RecordingError
-from models.outside import how_to_get, place_of
+from models.plugins import how_to_get, place_of
 from sandbox.recording.states import STATES, states_of
 from sandbox.trial.settings import RunSettings
 

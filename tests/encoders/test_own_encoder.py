@@ -15,12 +15,18 @@ import pytest
 from numpy.typing import ArrayLike
 
 from encoders.capture import Capture
-from encoders.discovery import source_digest
 from encoders.encoder import Encoder
 from encoders.evaluation.training import Training
 from encoders.regression.model_registry import cache_folder, find_model, pca_ik_model
 from encoders.regression.pca_ik import PcaIkEncoder
-from encoders.regression.registry import ENCODERS, builtin_name, find_encoder, is_external, origin
+from encoders.regression.registry import (
+    ENCODERS,
+    builtin_name,
+    find_encoder,
+    is_external,
+    origin,
+    source_digest,
+)
 from encoders.regression.trained import (
     builtin_capture,
     load_model,

@@ -18,7 +18,7 @@ from hypothesis import strategies as st
 from models.errors import InputError, RecordingError
 from models.mechanisms.mechanism import Mechanism
 from models.objects import Box, Wrench
-from models.outside import files_of
+from models.plugins import files_of
 from models.scene import PaintedRing
 from models.surface import Surface
 from sandbox.cli.main import main

@@ -120,11 +120,10 @@ def measure(options: EvaluateOptions, person: Subject) -> int:
         InputError: Something does not exist, or a result cannot be written.
     """
     _check(options)
-    from encoders.discovery import guarded
     from encoders.evaluation.measure import MethodResult, Tests, evaluate_method
     from encoders.evaluation.report import report
     from encoders.evaluation.training import check_names
-    from encoders.regression.registry import is_external
+    from encoders.regression.registry import ENCODER_PLUGINS, is_external
     from sandbox.cli.evaluate.data import gather, refuse_learned
     from sandbox.cli.evaluate.tables import show
 
@@ -151,7 +150,9 @@ def measure(options: EvaluateOptions, person: Subject) -> int:
             try:
                 method = data.training.method(name, shown)
                 progress.update(bar, description=method.name, completed=0.0)
-                with guarded("the encoder fails", name) if is_external(name) else nullcontext():
+                external = is_external(name)
+                guard = ENCODER_PLUGINS.guarded(name, "the encoder fails")
+                with guard if external else nullcontext():
                     results[method.name] = evaluate_method(method, tests, learned, shown)
             except HandSandboxError as error:
                 failed.append((name, error))

@@ -20,9 +20,9 @@ from sandbox.cli.common.parse import with_one_line_errors
 from sandbox.cli.common.touch_opening import open_touches_or_page
 from sandbox.cli.touches.send import Send, send
 from sandbox.cli.touches.views import JsonView, TextView, View, what_to_check
-from sandbox.devices.discovery import offered_devices
 from sandbox.devices.files.frame_file import frame_record, header_record
 from sandbox.devices.files.line_file import LineFile
+from sandbox.devices.registry import offered_devices
 from sandbox.devices.tuio.touch_capture import CapturedPacket, packet_record
 from sandbox.options.touch_devices import Opened, TouchOptions
 

@@ -12,7 +12,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from math import inf
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -123,7 +122,7 @@ def frame_record(frame: TouchFrame) -> dict[str, Any]:
             "y": contact.y / METRES_PER_INCH,
             "finger": None if contact.label is None else FINGERS[contact.label],
         }
-        if contact.size is not None and 0.0 < contact.size < inf:
+        if contact.size is not None:
             record["size"] = contact.size / METRES_PER_INCH
         if contact.extent is not None:
             record["width"], record["height"] = (e / METRES_PER_INCH for e in contact.extent)

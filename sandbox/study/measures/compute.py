@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from models.outside import failure
+from models.plugins import failure
 from sandbox.study.measures.columns import Columns
 from sandbox.study.measures.measure import ALL, Row, TrialMeasure, Value
 from sandbox.study.measures.played_trial import PlayedTrial

@@ -11,13 +11,14 @@ from __future__ import annotations
 from functools import cache
 
 from models.errors import InputError
-from models.outside import failure, offered, package
+from models.plugins import PluginKind
 from sandbox.study.measures.measure import TrialMeasure
 from sandbox.study.measures.measures import BUILT_IN
 from sandbox.trial.result import KeptIn, kept_fields
 
-GROUP = "hand_sandbox.measures"
-"""Group of the entry points; each entry point has the name of its measure."""
+MEASURE_PLUGINS: PluginKind[TrialMeasure] = PluginKind(
+    "measure", "hand_sandbox.measures", InputError
+)
 
 _registered: list[TrialMeasure] = []
 
@@ -28,25 +29,36 @@ def measures() -> tuple[TrialMeasure, ...]:
     Raises:
         InputError: A measure of an installed package is invalid.
     """
-    return (*BUILT_IN, *outside_measures())
+    return (*BUILT_IN, *external_measures())
 
 
-def outside_measures() -> tuple[TrialMeasure, ...]:
+def external_measures() -> tuple[TrialMeasure, ...]:
     """Returns the measures of installed packages, then registered ones.
 
     Raises:
         InputError: A measure of an installed package is invalid.
     """
-    return (*_offered(), *_registered)
+    return (*_of_packages(), *_registered)
 
 
-def register(measure: TrialMeasure) -> None:
+def register(measure: TrialMeasure | str) -> None:
     """Adds a measure until this program ends.
 
+    Args:
+        measure: The measure, or its place: `FILE.py:NAME` or `MODULE:NAME`.
+
     Raises:
-        InputError: Another measure has this name, or the measure is invalid.
+        InputError: Another measure has this name, or the measure is invalid or not there.
     """
-    _check(measure, "register")
+    where = "register"
+    if isinstance(measure, str):
+        plugin = MEASURE_PLUGINS.find(measure)
+        if plugin is None:
+            raise InputError(
+                "no such measure", where=where, got=measure, expected="FILE.py:NAME or MODULE:NAME"
+            )
+        measure, where = plugin.value, plugin.where
+    measure = _checked(measure, where)
     if find_measure(measure.name) is not None:
         raise InputError(
             "another measure already has this name",
@@ -88,41 +100,37 @@ def rule_measures() -> tuple[str, ...]:
 
 
 @cache
-def _offered() -> tuple[TrialMeasure, ...]:
+def _of_packages() -> tuple[TrialMeasure, ...]:
     """Measures of installed packages, sorted by name."""
     loaded = []
-    for name, entries in sorted(offered(GROUP).items()):
-        where = f"entry point {name} = {entries[0].value} of {package(entries[0])}"
-        if len(entries) > 1 or name in {measure.name for measure in BUILT_IN}:
-            raise InputError(
-                "several measures have this name",
-                where=where,
-                got=name,
-                remedy="Uninstall all but one of the packages",
-            )
-        try:
-            measure = entries[0].load()
-        except Exception as error:
-            raise InputError(
-                "a measure of an installed package cannot be loaded",
-                where=where,
-                got=failure(error),
-                remedy="Repair or uninstall the package",
-            ) from error
-        _check(measure, where)
+    for name in sorted(MEASURE_PLUGINS.offered()):
+        plugin = MEASURE_PLUGINS.from_package(name)
+        assert plugin is not None
+        measure = _checked(plugin.value, plugin.where)
         if measure.name != name:
             raise InputError(
                 "the entry point and its measure have different names",
-                where=where,
+                where=plugin.where,
                 got=measure.name,
                 expected=name,
+            )
+        if name in {built_in.name for built_in in BUILT_IN}:
+            raise InputError(
+                "a built-in measure has this name",
+                where=plugin.where,
+                got=name,
+                remedy="Uninstall the package, or name its measure otherwise",
             )
         loaded.append(measure)
     return tuple(loaded)
 
 
-def _check(measure: object, where: str) -> None:
-    """Raises an error unless this is a valid measure."""
+def _checked(measure: object, where: str) -> TrialMeasure:
+    """The measure that was loaded.
+
+    Raises:
+        InputError: It is no measure, or not a valid one.
+    """
     if not isinstance(measure, TrialMeasure):
         raise InputError(
             "expected a measure",
@@ -145,3 +153,4 @@ def _check(measure: object, where: str) -> None:
             got=measure.name,
             expected="letters, digits and underscores, such as palm_height_m",
         )
+    return measure

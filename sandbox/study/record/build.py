@@ -12,7 +12,7 @@ from sandbox.recording.source_digest import program_root, source_digest, source_
 from sandbox.recording.versions import DECISIVE, decisive_part, versions
 from sandbox.study.design.conditions import combinations, run_settings, values_of
 from sandbox.study.design.design import Design
-from sandbox.study.record.measure_definitions import outside_definitions
+from sandbox.study.record.measure_definitions import external_definitions
 
 COMPUTES = (
     "models",
@@ -103,7 +103,7 @@ def build_of(design: Design) -> dict[str, Any]:
         learned.setdefault(f"{settings.encoder}, labels {settings.labels}", digests(settings))
         tasks.add(settings.task)
     own = own_tasks(sorted(tasks))
-    outside = outside_definitions()
+    outside = external_definitions()
     used = {*(rule.measure for rule in design.exclusions), *design.primary}
     of_rules = {name: outside[name] for name in sorted(used & outside.keys())}
     return {

@@ -11,16 +11,16 @@ from hashlib import blake2b
 
 from sandbox.recording.source_digest import package_digest
 from sandbox.study.measures.measure import TrialMeasure
-from sandbox.study.measures.registry import outside_measures
+from sandbox.study.measures.registry import external_measures
 
 
-def outside_definitions() -> dict[str, str]:
+def external_definitions() -> dict[str, str]:
     """A digest of every measure that is not built in, by its name.
 
     Raises:
         InputError: A measure of an installed package is invalid.
     """
-    return {measure.name: _digest(measure) for measure in outside_measures()}
+    return {measure.name: _digest(measure) for measure in external_measures()}
 
 
 def _digest(measure: TrialMeasure) -> str:

@@ -19,7 +19,7 @@ from sandbox.study.measures.kept import DIFFERS
 from sandbox.study.measures.registry import measures
 from sandbox.study.record.build import code_digest
 from sandbox.study.record.files import write_atomically
-from sandbox.study.record.measure_definitions import outside_definitions
+from sandbox.study.record.measure_definitions import external_definitions
 from sandbox.trial.result import TrialResult
 
 REASONS = "reasons"
@@ -121,14 +121,14 @@ def _to_compute(stored: dict[str, Any]) -> list[str]:
     definition."""
     made_by = stored.get(DEFINITIONS)
     before = made_by if isinstance(made_by, dict) else {}
-    now = outside_definitions()
+    now = external_definitions()
     names = [measure.name for measure in measures() if measure.of_trial is not None]
     return [n for n in names if n not in stored or (n in now and now[n] != before.get(n))]
 
 
 def _definitions() -> dict[str, dict[str, str]]:
     """What the measures of packages are made by, as an entry of the file; none without any."""
-    outside = outside_definitions()
+    outside = external_definitions()
     return {DEFINITIONS: outside} if outside else {}
 
 

@@ -13,9 +13,10 @@ from models.errors import DeviceError
 from models.frames import Contact, TouchFrame
 from models.surface import Surface
 from sandbox.cli.main import main
-from sandbox.devices.discovery import AdaptedDevice, adapted, find_device
 from sandbox.devices.mouse import MouseDevice
+from sandbox.devices.registry import find_device
 from sandbox.devices.touch_device import TouchDevice
+from sandbox.devices.wrappers.adapted import AdaptedDevice, adapted
 from sandbox.devices.wrappers.device_wrapper import DeviceWrapper
 from sandbox.devices.wrappers.lift_keys import LiftKeys
 from sandbox.devices.wrappers.merged import MergedDevice
@@ -155,7 +156,7 @@ def test_our_base_class_is_opened_as_it_is(tmp_path: Path) -> None:
     )
     make = find_device(f"{file}:Pad:three")
     assert make is not None
-    # No adapter, only the check of what it returns.
+    # No adapter, only the guard.
     (pad,) = make(Surface()).parts
     assert isinstance(pad, TouchDevice) and pad.argument == "three"
 

@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 
-from models.outside import files_of, place_of
+from models.plugins import files_of, place_of
 from models.surface import Surface
 from sandbox import replay_recording
 from sandbox.cli.main import main

@@ -198,6 +198,21 @@ def test_a_study_says_which_measures_of_packages_have_changed_or_are_gone_and_is
     assert "lab_touched" in noted and "not installed here" in noted
 
 
+def test_a_measure_is_registered_by_its_place_too(tmp_path: Path) -> None:
+    file = tmp_path / "lab_places.py"
+    file.write_text(LAB.format(value="1.0", unit="s"))
+    register(f"{file}:TOUCHED")
+    try:
+        found = find_measure("lab_touched")
+        assert found is not None and found.title == "Touched"
+    finally:
+        unregister("lab_touched")
+    with pytest.raises(InputError, match=r"FILE\.py:NAME"):
+        register("lab_touched")
+    with pytest.raises(InputError, match=r"lab_places.py:touched: expected a measure"):
+        register(f"{file}:touched")
+
+
 @pytest.mark.parametrize(
     "measure",
     [

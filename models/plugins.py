@@ -1,7 +1,8 @@
-"""Loads tasks, devices and encoders of other people.
+"""Loads tasks, devices, encoders and measures by name: ours, and those of other people.
 
-They come from entry points of installed packages, from Python files and from modules. Outside
-code runs only when it is asked for. Its errors are shortened to one line.
+One kind of plug-in is a `PluginKind`. Its registry has the built-in ones; those of other people
+come from entry points of installed packages, from Python files and from modules. What is named is
+imported, and nothing else. Errors of somebody else's code become one line with its file and line.
 """
 
 from __future__ import annotations
@@ -13,18 +14,20 @@ import os
 import re
 import sys
 import traceback
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, MutableMapping
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from difflib import get_close_matches
 from functools import cache
 from hashlib import blake2b
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 from types import ModuleType
-from typing import Any, NamedTuple
+from typing import Any, Generic, NamedTuple, TypeVar
 
 from models.errors import HandSandboxError, InputError
+
+T = TypeVar("T")
 
 _FILE = re.compile(r"(?P<source>.+\.py)(:(?P<member>[A-Za-z_]\w*)(:(?P<argument>.*))?)?")
 _MODULE = re.compile(
@@ -32,8 +35,49 @@ _MODULE = re.compile(
 )
 
 
+class Registry(MutableMapping[str, T]):
+    """Built-in plug-ins by name; each is imported when it is looked up.
+
+    Neither iteration nor `in` imports anything.
+
+    Args:
+        places: Name -> `MODULE:CLASS`, in the order in which they are listed.
+    """
+
+    def __init__(self, places: Mapping[str, str]) -> None:
+        self._entries: dict[str, str | T] = dict(places)
+
+    def __getitem__(self, name: str) -> T:
+        entry = self._entries[name]
+        if not isinstance(entry, str):
+            return entry
+        loaded: T = imported(entry)
+        return loaded
+
+    def __setitem__(self, name: str, plugin: T) -> None:
+        self._entries[name] = plugin
+
+    def __delitem__(self, name: str) -> None:
+        del self._entries[name]
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._entries
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._entries)
+
+    def __len__(self) -> int:
+        return len(self._entries)
+
+
+def imported(place: str) -> Any:
+    """Imports what `MODULE:NAME` names; for places in this program, whose errors pass unchanged."""
+    module, _, member = place.partition(":")
+    return getattr(importlib.import_module(module), member)
+
+
 class Place(NamedTuple):
-    """Where outside code is, as `FILE.py[:CLASS[:ARGUMENT]]` or `MODULE:CLASS[:ARGUMENT]` says.
+    """A place of code: `FILE.py[:CLASS[:ARGUMENT]]` or `MODULE:CLASS[:ARGUMENT]`.
 
     Attributes:
         source: Path of the file, or name of the module.
@@ -65,41 +109,99 @@ def place_in(text: str) -> Place | None:
     return Place(match["source"], match["member"], match["argument"], in_file is not None)
 
 
-class Loaded(NamedTuple):
-    """Something that outside code has defined, not checked yet.
+def place_file(text: str) -> Path | None:
+    """Absolute path of the file of a place; None for a module or a name."""
+    place = place_in(text)
+    return place.file if place else None
+
+
+class Plugin(NamedTuple):
+    """A loaded plug-in, not checked yet.
 
     Attributes:
-        thing: Usually a class.
+        value: Usually a class.
         where: Its place, for error messages.
+        argument: Text after its name or place; empty without one.
     """
 
-    thing: Any
+    value: Any
     where: str
+    argument: str = ""
 
 
 @dataclass(frozen=True)
-class OutsideKind:
-    """One kind of thing that other people may define, and how it is loaded.
+class PluginKind(Generic[T]):
+    """One kind of plug-in, and how it is found and loaded.
 
     Attributes:
         noun: What it is called: "task".
         group: Group of the entry points; each has the name of what it offers.
         error: Class of the errors.
+        registry: The built-in ones; their names go before those that packages offer.
+        defines: True for a class of this kind, so that a file that defines one of them can be named
+            without its class; None where the class must be named.
+        takes_argument: A name or a place may be followed by `:ARGUMENT`.
         article: "a" or "an".
-        loaded: What is done with it, for error messages.
+        verb: What fails when one cannot be used: "loaded" or "opened".
     """
 
     noun: str
     group: str
     error: type[InputError]
+    registry: Mapping[str, T] = field(default_factory=dict)
+    defines: Callable[[Any], bool] | None = None
+    takes_argument: bool = False
     article: str = "a"
-    loaded: str = "loaded"
+    verb: str = "loaded"
+
+    def find(self, text: str) -> Plugin | None:
+        """Loads the plug-in that a text names; None if the text names none.
+
+        Args:
+            text: Name of a built-in one, or one of an installed package, `FILE.py[:CLASS]` or
+                `MODULE:CLASS`; perhaps with an argument (see `takes_argument`).
+
+        Raises:
+            InputError: Of this kind: it is there and cannot be loaded, or two packages offer it.
+        """
+        name, argument = text, ""
+        if self.takes_argument:
+            name, _, argument = text.partition(":")
+        if name in self.registry:
+            return Plugin(self.registry[name], name, argument)
+        place = self.place_in(text)
+        # `NAME:ARGUMENT` of a package and `MODULE:CLASS` look alike: the package goes first.
+        if place is not None and (place.in_file or not self.takes_argument):
+            return self.load(place)
+        offered = self.from_package(name)
+        if offered is not None:
+            return offered._replace(argument=argument)
+        return None if place is None else self.load(place)
+
+    def place_in(self, text: str) -> Place | None:
+        """The place that a text names, as this kind takes them; None for another text."""
+        place = place_in(text)
+        if place is None or not self.takes_argument:
+            return place if place and place.argument is None else None
+        # A class begins with a capital letter, unlike what may follow the name of a built-in one.
+        member = place.member or ""
+        return place if member and (place.in_file or "A" <= member[0] <= "Z") else None
+
+    def names(self) -> tuple[str, ...]:
+        """Names of the built-in ones, then of those that packages offer; loads none of them."""
+        return (*self.registry, *sorted(set(self.offered()) - set(self.registry)))
 
     def offered(self) -> dict[str, list[EntryPoint]]:
         """Entry points of installed packages by name; loads none of them."""
-        return offered(self.group)
+        entries: dict[str, list[EntryPoint]] = {}
+        for entry in sorted(entry_points(group=self.group), key=lambda e: (e.name, e.value)):
+            # A package that is on the path twice, as in a checkout, has every entry point twice.
+            same = entries.setdefault(entry.name, [])
+            if entry.value not in [e.value for e in same]:
+                same.append(entry)
+        return entries
 
-    def load_offered(self, name: str) -> Loaded | None:
+    def from_package(self, name: str) -> Plugin | None:
         """Loads what a package offers under a name; None if no package offers it.
 
         Raises:
@@ -119,23 +221,17 @@ class OutsideKind:
         entry = entries[0]
         where = f"entry point {name} = {entry.value} of {package(entry)}"
         with self.guarded(where):
-            return Loaded(entry.load(), where)
+            return Plugin(entry.load(), where)
 
-    def load_place(
-        self, place: Place, names_in: Callable[[ModuleType], list[str]] | None = None
-    ) -> Loaded:
-        """Loads what is at a place.
-
-        Args:
-            place: Of a file alone, if `names_in` finds one name in it.
-            names_in: Names of what a module defines of this kind.
+    def load(self, place: Place) -> Plugin:
+        """Loads what is at a place; of a file alone, the only one that it defines.
 
         Raises:
             InputError: Of this kind: the file or the module does not exist, fails, or has nothing
                 of this name.
         """
         module = self._module_of(place)
-        names = names_in(module) if names_in else []
+        names = self._names_in(module)
         listed = ", ".join(names) or f"no {self.noun}"
         member = place.member
         if member is None:
@@ -149,16 +245,61 @@ class OutsideKind:
                 )
             member = names[0]
         with self.guarded(str(place)):
-            thing = getattr(module, member, None)
-        if thing is None:
+            value = getattr(module, member, None)
+        if value is None:
             raise self.error(
                 "the module has nothing of this name",
                 where=str(place),
                 got=member,
                 expected=listed if names else None,
-                remedy=self._at_the_top if names_in and not names else None,
+                remedy=self._at_the_top if self.defines and not names else None,
             )
-        return Loaded(thing, str(place))
+        return Plugin(value, str(place), place.argument or "")
+
+    def member_at(self, text: str) -> str:
+        """Name that a plug-in has in its file, which has been loaded from `FILE.py[:CLASS]`.
+
+        It may be another than the class has itself, as that of a class which a function has made.
+        """
+        place = place_in(text)
+        assert place is not None and place.file is not None
+        return place.member or self._names_in(load_file(place.file))[0]
+
+    def package_of(self, value: type, name: str = "") -> dict[str, str]:
+        """Origin of a class at the top of its module, as headers record it.
+
+        Args:
+            value: The class.
+            name: Name under which it was found, perhaps of a package.
+
+        Returns:
+            `entry_point` as `module:Class`, with `package` and `version` where an installed package
+            offers it.
+        """
+        place, offered = f"{value.__module__}:{value.__qualname__}", self.offered()
+        entries = offered.get(name) or [
+            entry for same in offered.values() for entry in same if entry.value == place
+        ]
+        dist = next((e.dist for e in entries if e.dist), None)
+        source = {"entry_point": place}
+        return {**source, "package": dist.name, "version": dist.version} if dist else source
+
+    @contextmanager
+    def guarded(self, where: str, problem: str = "") -> Iterator[None]:
+        """Converts any error of somebody else's code to an error of this kind, of one line.
+
+        Args:
+            where: Place of that code.
+            problem: The problem; without it, that it cannot be loaded.
+        """
+        try:
+            yield
+        except HandSandboxError:
+            raise
+        except (Exception, SystemExit) as error:
+            # A file that ends the program when it is read must not pass for one that was run.
+            problem = problem or f"this {self.noun} cannot be {self.verb}"
+            raise self.error(problem, where=where, got=failure(error)) from error
 
     @property
     def _at_the_top(self) -> str:
@@ -168,22 +309,15 @@ class OutsideKind:
             "made by a function there is named as FILE.py:NAME"
         )
 
-    @contextmanager
-    def guarded(self, where: str, what: str = "") -> Iterator[None]:
-        """Converts any error of outside code to an error of this kind, of one line.
-
-        Args:
-            where: Place of that code.
-            what: The problem; without it, that it cannot be loaded.
-        """
-        try:
-            yield
-        except HandSandboxError:
-            raise
-        except (Exception, SystemExit) as error:
-            # A file that ends the program when it is read must not pass for one that was run.
-            what = what or f"this {self.noun} cannot be {self.loaded}"
-            raise self.error(what, where=where, got=failure(error)) from error
+    def _names_in(self, module: ModuleType) -> list[str]:
+        """Names of what a module defines itself of this kind."""
+        if self.defines is None:
+            return []
+        return [
+            name
+            for name, value in vars(module).items()
+            if self.defines(value) and value.__module__ == module.__name__
+        ]
 
     def _module_of(self, place: Place) -> ModuleType:
         path = place.file
@@ -211,24 +345,13 @@ def _missing(path: Path) -> str:
     return f"{looked}. Did you mean {near[0]}?" if near else looked
 
 
-def offered(group: str) -> dict[str, list[EntryPoint]]:
-    """Entry points of a group that installed packages offer, by name; nothing of it is loaded."""
-    entries: dict[str, list[EntryPoint]] = {}
-    for entry in sorted(entry_points(group=group), key=lambda e: (e.name, e.value)):
-        # A package that is on the path twice, as in a checkout, has every entry point twice.
-        same = entries.setdefault(entry.name, [])
-        if entry.value not in [e.value for e in same]:
-            same.append(entry)
-    return entries
-
-
 def package(entry: EntryPoint) -> str:
     """Name and version of the package that offers an entry point."""
     return f"{entry.dist.name} {entry.dist.version}" if entry.dist else "an unnamed package"
 
 
 def failure(error: BaseException) -> str:
-    """One line about an error in outside code: the error, and the file and line that raised it."""
+    """One line about an error in somebody else's code: the error, and the file and line of it."""
     trace = traceback.extract_tb(error.__traceback__)
     text = f"{type(error).__name__}: {' '.join(str(error).split())[:300]}"
     # Lines of Python's import machinery do not help the reader.
@@ -394,7 +517,7 @@ def loaded_from(module: str) -> Path | None:
 
 
 def place_of(source: Mapping[str, Any]) -> str:
-    """`FILE.py:CLASS` or `MODULE:CLASS`, as what was recorded of somebody else's class tells it.
+    """`FILE.py:CLASS` or `MODULE:CLASS`, of a class that a header records.
 
     Args:
         source: `file` and `member`, or `entry_point`, perhaps with `package` and `version`.
