@@ -16,7 +16,7 @@ from typing import ClassVar
 import numpy as np
 
 from encoders import builtin_capture, train
-from tasks import Measure, Sensing
+from tasks import Measure, Sensing, check_task
 from tasks.box_to_goal import BoxToGoal
 
 pytest_plugins = ["sandbox.regression"]
@@ -43,6 +43,10 @@ class PutAway(BoxToGoal):
         if box.held:
             return Measure(False, 0.99, "a hand still touches it")
         return Measure(True, 1.0, "")
+
+
+def test_our_task_keeps_to_the_rules():
+    check_task(PutAway)
 
 
 def test_our_task_is_no_harder_than_it_was(regression):

@@ -10,8 +10,10 @@ from models import lazy_names  # before NumPy: `models` pins the BLAS kernel
 
 if TYPE_CHECKING:
     from models.scene import PaintedRing
+    from tasks.check_task import check_task
     from tasks.custom_task import CustomTask, judge, two_places
-    from tasks.registry import draw_task, find_task, task_names
+    from tasks.guarded import draw_task
+    from tasks.registry import find_task, task_names
     from tasks.score import Score, Status
     from tasks.sensing import Sensing
     from tasks.task import Goal, Measure, Task
@@ -31,7 +33,8 @@ else:
             "Task": "tasks.task",
             "User": "tasks.user",
             "UserConfiguration": "tasks.user",
-            "draw_task": "tasks.registry",
+            "check_task": "tasks.check_task",
+            "draw_task": "tasks.guarded",
             "find_task": "tasks.registry",
             "judge": "tasks.custom_task",
             "task_names": "tasks.registry",
@@ -51,6 +54,7 @@ __all__ = [
     "Task",
     "User",
     "UserConfiguration",
+    "check_task",
     "draw_task",
     "find_task",
     "judge",

@@ -19,7 +19,6 @@ from typing import Any
 
 from models.errors import InputError
 from models.plugins import PluginKind, Registry, package, place_file
-from models.surface import Surface
 from tasks.task import Task, TaskDefaults
 
 TASKS: Registry[type[Task]] = Registry(
@@ -139,31 +138,6 @@ def claim_name(claimed: dict[str, tuple[str, type[Task]]], place: str, kind: typ
 def hands_of(task: type[Task] | Task) -> int:
     """Number of hands that a task needs; 1 by default."""
     return task.hands
-
-
-def draw_task(kind: type[Task], seed: int, surface: Surface) -> Task:
-    """Draws the trial of a seed and checks it.
-
-    A trial of a task from outside is drawn twice, and placed, before it is played.
-
-    Raises:
-        InputError: The task's own code fails, two draws of the seed differ, a goal names an unknown
-            object, or objects overlap or are off the surface.
-    """
-    from tasks.checks import check_names, check_places, check_repeatable, check_values
-
-    where = f"{kind.name}, seed {seed}"
-    if seed < 0:
-        raise InputError("the seed is out of range", where="seed", got=seed, expected="0 or more")
-    with TASK_PLUGINS.guarded(where, "the task cannot be drawn"):
-        task = kind.draw(seed, surface)
-        if not is_built_in(kind):
-            check_values(task, where)
-        check_names(task, where)
-        if not is_built_in(kind):
-            check_repeatable(task, kind.draw(seed, surface), where)
-            check_places(task, surface, where)
-    return task
 
 
 def is_built_in(kind: type[Task]) -> bool:

@@ -34,15 +34,16 @@ from sandbox.gym.pictures import Pictures
 from sandbox.gym.rewards import Reward
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
-from sandbox.trial.assembly import build, place_surface
+from sandbox.trial.assembly import build
 from sandbox.trial.device_makers import DeviceMaker
 from sandbox.trial.driver import Trial
 from sandbox.trial.result import TrialResult
 from sandbox.trial.surfaces import place_all
-from tasks.checks import measure
+from tasks.guarded import measure
 from tasks.registry import find_task
 from tasks.score import Status
 from tasks.sensing import Sensing
+from tasks.touch_surface import place_surface
 
 Observation = dict[str, Array]
 

@@ -17,7 +17,8 @@ from models.scene import SceneSpec, scene_xml
 from models.surface import Surface
 from sandbox.recording.source_digest import package_digest, source_digest
 from sandbox.recording.task_files import code_file
-from tasks.registry import draw_task, find_task, is_built_in
+from tasks.guarded import draw_task
+from tasks.registry import TASK_PLUGINS, find_task, is_built_in
 from tasks.task import Task
 
 
@@ -49,7 +50,8 @@ def _digest(kind: type[Task], file: Path | None) -> str:
 def _scene(kind: type[Task]) -> str:
     """MJCF of the things of a trial; empty where the usual surface has no room for them."""
     try:
-        task = draw_task(kind, 0, Surface())
+        with TASK_PLUGINS.guarded(kind.name):
+            task = draw_task(kind, 0, Surface())
+            return scene_xml(SceneSpec((), task.objects, task.table_friction))
     except InputError:
         return ""
-    return scene_xml(SceneSpec((), task.objects, task.table_friction))

@@ -26,8 +26,8 @@ from sandbox.trial.assembly import load_encoder
 from sandbox.trial.headless import run_trial
 from sandbox.trial.result import KeptIn, kept_fields
 from sandbox.trial.settings import RunSettings
-from tasks.checks import measure
-from tasks.registry import draw_task, find_task, is_built_in
+from tasks.guarded import build_scene, draw_task, measure
+from tasks.registry import find_task, is_built_in
 
 Trial = dict[str, Any]
 """JSON of a trial: the fields of its result that `KeptIn.REGRESS` names, and its fingerprint
@@ -121,13 +121,13 @@ def attempt(job: TrialJob) -> Trial | HandSandboxError:
 
 
 def is_own_fault(error: HandSandboxError, job: TrialJob) -> bool:
-    """True if an error came from the code of a task from outside, as it drew or measured a trial.
+    """True if an error came from the code of somebody else's task, as it drew or measured a trial.
 
     Such code may fail for one seed alone. What a built-in task refuses follows from the settings,
     and holds for every trial.
     """
     codes = [frame.f_code for frame, _ in traceback.walk_tb(error.__traceback__)]
-    if draw_task.__code__ not in codes and measure.__code__ not in codes:
+    if not any(call.__code__ in codes for call in (draw_task, build_scene, measure)):
         return False
     return not is_built_in(job.own_task or find_task(job.task))
 

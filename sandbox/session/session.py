@@ -24,7 +24,7 @@ from models.arithmetic.arrays import Array
 from models.errors import DivergenceError
 from models.frames import Frame, TouchFrame
 from models.messages.message import Message
-from models.scene import Scene, SceneSpec, StillPoses
+from models.scene import StillPoses
 from models.scene_hand import SceneHand
 from models.surface import Surface, enclosing
 from sandbox.clearing.clearing import Clearing
@@ -39,8 +39,8 @@ from sandbox.session.fingertip_leading import FingertipLeading
 from sandbox.session.latest_frame import LatestFrame
 from sandbox.session.messages import ContactView, HandView, ObjectView, Snapshot
 from sandbox.session.respawn import Respawn
-from tasks.checks import measure
 from tasks.goals import place
+from tasks.guarded import build_scene, measure
 from tasks.score import Scorer, Status
 from tasks.sensing import Sensing
 from tasks.task import Task
@@ -134,17 +134,7 @@ class Session:
         ]
         hands = tuple(rig.hand for rig in rigs)
         all_over = [own.all_over for own in gating]
-        self.scene = Scene(
-            SceneSpec(
-                hands,
-                task.objects,
-                task.table_friction,
-                timestep,
-                all(all_over),
-                task.painted,
-                task.own_friction,
-            )
-        )
+        self.scene = build_scene(task, hands, timestep, all(all_over))
         self.scene.model.geom_friction[:, 0] *= friction
         self.data = mujoco.MjData(self.scene.model)
         surfaces = [rig.reconstructor.surface for rig in rigs]

@@ -38,9 +38,11 @@ from sandbox.session.session import Recorder, Rig, Session
 from sandbox.trial.device_makers import DeviceMakers, check_count
 from sandbox.trial.settings import SOLID, HandSettings, RunSettings
 from sandbox.trial.surfaces import place_all
-from tasks.checks import check_varied
-from tasks.registry import draw_task, find_task
+from tasks.guarded import draw_task
+from tasks.overlaps import check_varied
+from tasks.registry import find_task
 from tasks.task import Task
+from tasks.touch_surface import place_surface
 from tasks.variation import vary
 
 __all__ = [
@@ -49,14 +51,8 @@ __all__ = [
     "drawn",
     "load_encoder",
     "make_labeller",
-    "place_surface",
     "reconstructor_settings",
 ]
-
-BELOW_TABLE = 0.015
-"""m by which an upright surface reaches below the table's top, so that fingers beside an object on
-the table are still on the surface."""
-
 
 UPRIGHT_END = 0.0
 """m, solid length of the last links before an upright surface: only the spheres at the fingertips
@@ -157,17 +153,6 @@ def _any_belief(settings: RunSettings, hand: HandSettings | None = None) -> Beli
         return None
     known = known_layouts(hand.layouts, hand.size) if hand and hand.layouts else None
     return builtin_population_belief(known)
-
-
-def place_surface(surface: Surface, task: type[Task]) -> Surface:
-    """Places a task's surface in the world: flat over the table, or upright before the person.
-
-    A flat surface is `touch_height` above the table. An upright one is `touch_height` in front of
-    world y = 0, the depth of the objects of an upright task.
-    """
-    if task.plane == "front":
-        return surface.placed_upright(-task.touch_height, -BELOW_TABLE)
-    return surface.centred_at((0.0, 0.0, task.touch_height))
 
 
 def drawn(settings: RunSettings, may_overlap: bool = False) -> tuple[Task, tuple[Surface, ...]]:

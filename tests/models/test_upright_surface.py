@@ -21,12 +21,13 @@ from models.scene import CONTROL_PERIOD, TABLE, Scene, SceneSpec
 from models.skeleton import ADULT
 from models.surface import Surface
 from sandbox.session.device import Device
-from sandbox.trial.assembly import BELOW_TABLE, UPRIGHT_END, build, place_surface
+from sandbox.trial.assembly import UPRIGHT_END, build
 from sandbox.trial.settings import HandSettings, RunSettings
 from tasks.box_to_goal import BoxToGoal
 from tasks.simulated_user.front_stacker import in_picture, roll
 from tasks.simulated_user.front_view import FrontView
 from tasks.stack_vertical import StackVertical
+from tasks.touch_surface import BELOW_TABLE, place_surface
 from tasks.user import SeenObject
 
 places = st.floats(-0.5, 0.5)

@@ -22,15 +22,11 @@ from models.scene import CONTROL_PERIOD, Scene, SceneSpec
 from models.skeleton import ADULT
 from models.surface import Surface
 from sandbox.options.scene_options import SceneOptions, plan
-from sandbox.trial.assembly import (
-    load_encoder,
-    make_labeller,
-    place_surface,
-    reconstructor_settings,
-)
+from sandbox.trial.assembly import load_encoder, make_labeller, reconstructor_settings
 from tasks.clutter.books import EDGE, Books
 from tasks.simulated_user.grasp import grasp_across
 from tasks.simulated_user.hand import Hand as PersonsHand
+from tasks.touch_surface import place_surface
 from tasks.user import UserConfiguration
 
 

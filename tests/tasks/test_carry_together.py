@@ -30,7 +30,7 @@ from sandbox.trial.replay import replay
 from sandbox.trial.result import TrialResult
 from sandbox.trial.settings import HandSettings, RunSettings
 from tasks.carry_together import BORDER, SEAM, SLOPE_TOLERANCE, CarryTogether
-from tasks.registry import draw_task
+from tasks.guarded import draw_task
 from tasks.sensing import Sensing
 from tasks.simulated_user.carrier import Carrier
 from tasks.simulated_user.control_users import IdleUser

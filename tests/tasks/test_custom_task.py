@@ -30,9 +30,10 @@ from sandbox.trial.assembly import build
 from sandbox.trial.replay import settings_of
 from sandbox.trial.settings import RunSettings
 from tasks import variation
-from tasks.checks import measure
+from tasks.check_task import check_task
 from tasks.custom_task import CustomTask, judge, two_places
-from tasks.registry import TASKS, draw_task, find_task, origin
+from tasks.guarded import draw_task, measure
+from tasks.registry import TASKS, find_task, origin
 from tasks.sensing import Sensing
 from tasks.task import Goal, Measure
 from tests.support.processes import ROOT
@@ -104,6 +105,7 @@ def test_two_places_on_an_upright_surface_are_refused() -> None:
 
 LIFTED = """
 from models.objects import Box, Cylinder
+from tasks.check_task import check_task
 from tasks.custom_task import CustomTask, judge, two_places
 from tasks.task import Goal
 
@@ -187,11 +189,11 @@ TYPED_WRONG: Any = replace
         ),
         (
             lambda cls, rng, surface: ([BOX], [Goal("it", (0, 0, np.nan), 0)]),
-            "the position of the goal of it is wrong .*expected 3 numbers",
+            "the goal of it is not at a place .*expected 3 finite numbers",
         ),
         (
             lambda cls, rng, surface: ([BOX], [Goal("it", (0.05, 0), 0)]),  # type: ignore[arg-type]
-            r"the position of the goal of it is wrong .*got '\(0.05, 0\)', expected 3 numbers",
+            r"the goal of it is not at a place .*got '\(0.05, 0\), yaw 0', expected 3 finite",
         ),
         (
             lambda cls, rng, surface: ([BOX], [Goal("it", (x, 0, 0.02), 0) for x in (0.05, -0.05)]),
@@ -202,7 +204,7 @@ TYPED_WRONG: Any = replace
                 [Box("it", (0.0, 0.0, 0.02), (0.04, 0.04, 0.04), 0.1)],  # type: ignore[arg-type]
                 [],
             ),
-            "the position of it is wrong .*got '0.1', expected 3 numbers",
+            "the task cannot be drawn .*TypeError",
         ),
         (
             lambda cls, rng, surface: ([replace(BOX, half_size=(0.02, 0.0, 0.02))], []),
@@ -210,7 +212,7 @@ TYPED_WRONG: Any = replace
         ),
         (
             lambda cls, rng, surface: ([replace(BOX, mass=np.nan)], []),
-            "the mass of it is wrong .*got 'nan', expected a number above 0",
+            "the mass of it is not finite .*got nan",
         ),
         (
             lambda cls, rng, surface: ([replace(BOX, friction=-1.0)], []),
@@ -218,7 +220,7 @@ TYPED_WRONG: Any = replace
         ),
         (
             lambda cls, rng, surface: ([replace(BOX, position="here")], []),  # type: ignore[arg-type]
-            "the position of it is wrong .*here",
+            "the object it is not at a place .*here",
         ),
         (
             lambda cls, rng, surface: ([replace(BOX, name="world")], []),
@@ -267,10 +269,13 @@ TYPED_WRONG: Any = replace
         (lambda cls, rng, surface: ([BOX], [None]), "this is no goal .*'None'"),
         (
             lambda cls, rng, surface: ([BOX], [TYPED_WRONG(GOAL, object=5)]),
-            "object by a text .*'5'",
+            "the task cannot be drawn .*TypeError",
         ),
         (lambda cls, rng, surface: ([TYPED_WRONG(BOX, name=5)], []), "cannot have this name .*5"),
-        (lambda cls, rng, surface: ([TYPED_WRONG(BOX, mass="0.1")], []), "the mass of it is wrong"),
+        (
+            lambda cls, rng, surface: ([TYPED_WRONG(BOX, mass="0.1")], []),
+            "the task cannot be drawn .*str",
+        ),
         (lambda cls, rng, surface: ([TYPED_WRONG(BOX, rgb="red")], []), "rgb of it .*3 numbers"),
         (
             lambda cls, rng, surface: ([Wrench("it", 0.1, (0.0, 0.0, 0.012), bolt=-1.0)], []),
@@ -282,11 +287,11 @@ TYPED_WRONG: Any = replace
         ),
     ],
 )
-def test_a_trial_that_cannot_be_drawn_is_refused_with_a_one_line_error(
+def test_what_is_wrong_with_a_trial_is_one_line_for_its_author(
     place: Callable[[type[Slide], np.random.Generator, Surface], object], says: str
 ) -> None:
     with pytest.raises(InputError, match=says) as error:
-        draw_task(broken(place=classmethod(place)), 0, SURFACE)
+        check_task(broken(place=classmethod(place)), [0])
     assert "\n" not in str(error.value)
 
 
@@ -318,6 +323,7 @@ def test_a_mechanism_may_reach_into_the_table_where_it_is_pressed_or_described_s
 ) -> None:
     placed = chest(*places)
     task = broken(place=classmethod(lambda *_: (placed.parts, [])), pressed=pressed)
+    check_task(task, [0])
     assert draw_task(task, 0, SURFACE).objects == placed.parts
 
 
@@ -341,7 +347,76 @@ def test_objects_that_just_touch_do_not_overlap() -> None:
     ) -> tuple[list[Box], list[Goal]]:
         return [BOX, replace(BOX, name="other", position=(0.0, 0.0, 0.06))], []
 
-    assert len(draw_task(broken(place=classmethod(place)), 0, SURFACE).objects) == 2
+    check_task(broken(place=classmethod(place)), [0])
+
+
+@pytest.mark.parametrize(
+    ("place", "says"),
+    [
+        (fails, "ZeroDivisionError: a lab's own bug .*test_custom_task.py:"),
+        (lambda cls, rng, surface: ([], []), "different names"),
+        (lambda cls, rng, surface: ([BOX], [Goal("that", (0, 0, 0), 0)]), "does not have"),
+        (lambda cls, rng, surface: ([BOX], [Goal("it", (0, 0, np.nan), 0)]), "not at a place"),
+        (lambda cls, rng, surface: ([BOX], [None]), "this is no goal .*'None'"),
+        (lambda cls, rng, surface: ([replace(BOX, mass=np.nan)], []), "mass of it is not"),
+        (lambda cls, rng, surface: ([replace(BOX, mass=0.0)], []), "cannot be built.*mass"),
+        (
+            lambda cls, rng, surface: ([replace(BOX, half_size=(0.02, 0.0, 0.02))], []),
+            "cannot be built.*size",
+        ),
+        (
+            lambda cls, rng, surface: ([replace(BOX, half_size=(0.02, np.nan, 0.02))], []),
+            "cannot be built .*nan size",
+        ),
+        (lambda cls, rng, surface: ([replace(BOX, friction=np.inf)], []), "that is not finite"),
+        (lambda cls, rng, surface: ([replace(BOX, name="right_palm")], []), "cannot be built"),
+    ],
+)
+def test_a_trial_that_cannot_be_played_is_refused_in_one_line_when_it_is_built(
+    place: Callable[[type[Slide], np.random.Generator, Surface], object],
+    says: str,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setitem(TASKS, "test-broken", broken(place=classmethod(place)))
+    with pytest.raises(InputError, match=says) as error:
+        build(RunSettings(task="test-broken"), (lambda task, surface: Script(),))
+    assert "test-broken, seed 0" in str(error.value) and "\n" not in str(error.value)
+
+
+def test_a_session_does_not_check_what_the_author_of_a_task_checks(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    drawn = []
+
+    def place(cls: type[Slide], *_: Any) -> tuple[list[Box], list[Goal]]:
+        drawn.append(1)
+        return [BOX, replace(BOX, name="other", mass=0.1 + 0.01 * len(drawn))], []
+
+    task = broken(place=classmethod(place))
+    monkeypatch.setitem(TASKS, "test-broken", task)
+    build(RunSettings(task="test-broken"), (lambda task, surface: Script(),))
+    assert len(drawn) == 1
+    with pytest.raises(InputError, match="two draws of one seed differ"):
+        check_task(task)
+
+
+def test_a_measure_that_moves_something_is_found_by_its_author() -> None:
+    def measure(self: Slide, sensing: Any) -> Measure:
+        sensing._data.qpos[0] += 0.01
+        return judge(0.5, (True, "never"))
+
+    with pytest.raises(InputError, match="`measure` changes the simulation"):
+        check_task(broken(measure=measure))
+
+
+@pytest.mark.parametrize("name", TASKS)
+def test_every_task_of_ours_keeps_to_the_rules(name: str) -> None:
+    check_task(name, range(3))
+
+
+@pytest.mark.parametrize("file", ["open_the_drawer.py", "push_the_mug.py", "push_the_puck.py"])
+def test_every_task_of_the_examples_keeps_to_the_rules(file: str) -> None:
+    check_task(str(ROOT / "examples" / file), range(3))
 
 
 @pytest.mark.parametrize(
@@ -352,6 +427,7 @@ def test_objects_that_just_touch_do_not_overlap() -> None:
             "test-broken: `measure` did not return a Measure .*got 'None'",
         ),
         (lambda self, sensing: sys.exit(0), "`measure` ends the program .*test_custom_task.py:"),
+        (lambda self, sensing: 1 / 0, "`measure` of this task fails .*ZeroDivision.*test_custom_"),
         (lambda self, sensing: sensing.object("mug"), "got 'mug', expected it"),
         (lambda self, sensing: sensing.touching("it", "mug"), "got 'mug', expected it, .*table"),
     ],
@@ -718,7 +794,7 @@ def test_progress_of_any_task_is_from_0_to_1(progress: float) -> None:
 )
 def test_a_ring_that_cannot_be_painted_is_refused(painted: Any, says: str) -> None:
     with pytest.raises(InputError, match=says):
-        draw_task(broken(painted=painted), 0, SURFACE)
+        check_task(broken(painted=painted), [0])
 
 
 @pytest.mark.parametrize(

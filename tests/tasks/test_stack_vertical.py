@@ -19,13 +19,14 @@ from models.surface import Surface
 from sandbox.options.scene_options import SceneOptions, plan
 from sandbox.recording.recording import load_recording
 from sandbox.session.respawn import AWAY
-from sandbox.trial.assembly import build, place_surface
+from sandbox.trial.assembly import build
 from sandbox.trial.headless import run_trial
 from sandbox.trial.replay import replay
 from tasks.sensing import Sensing
 from tasks.stack_vertical import GAP, SIDE, StackVertical
 from tasks.stacking import EDGE, MASS
 from tasks.task import Measure
+from tasks.touch_surface import place_surface
 from tests.support.scripted import run as proceed
 from tests.support.scripted import scripted
 from tests.support.simulation import no_warning, put, run

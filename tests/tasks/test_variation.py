@@ -32,7 +32,7 @@ from sandbox.recording.recording import load_recording
 from sandbox.session.device import Device
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
-from sandbox.trial.assembly import build, place_surface
+from sandbox.trial.assembly import build
 from sandbox.trial.driver import View
 from sandbox.trial.headless import run_trial
 from sandbox.trial.replay import replay
@@ -41,6 +41,7 @@ from tasks.box_to_goal import BoxToGoal
 from tasks.goals import place
 from tasks.stack import Stack, StackThree
 from tasks.task import Task
+from tasks.touch_surface import place_surface
 from tasks.variation import RANGES, Variation, vary
 from tasks.wrench_slide import WrenchSlide
 

@@ -16,11 +16,12 @@ from typing import Any
 import gymnasium
 
 from sandbox.gym import register_task
-from sandbox.trial.assembly import place_surface
 from sandbox.trial.settings import HandSettings, RunSettings
 from sandbox.trial.surfaces import place_all
-from tasks.registry import TASKS, draw_task
+from tasks.guarded import draw_task
+from tasks.registry import TASKS
 from tasks.task import Task
+from tasks.touch_surface import place_surface
 from tools.docs.markdown_table import markdown_table
 from tools.docs.measured_tables import MeasuredTable, tables_of
 from tools.docs.task_films import FILMS, TaskFilm, film_of

@@ -7,10 +7,11 @@ from dataclasses import replace
 from models.errors import InputError, SurfaceTooSmallError
 from models.messages.message import Message
 from models.surface import METRES_PER_INCH, Surface
-from sandbox.trial.assembly import place_surface
 from sandbox.trial.lift import lifts
 from sandbox.trial.settings import RunSettings
-from tasks.registry import TASKS, draw_task, hands_of
+from tasks.guarded import draw_task
+from tasks.registry import TASKS, hands_of
+from tasks.touch_surface import place_surface
 
 CANNOT_BEGIN = Message(
     "cannot_begin", "This cannot be played as it was asked for: the computer says why."

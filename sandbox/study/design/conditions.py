@@ -154,9 +154,10 @@ def tasks_of(design: Design) -> dict[str, type[Task]]:
 
 def drawn_tasks(design: Design) -> dict[str, Task]:
     """A drawn trial of each task of a design whose combinations can be run, by name."""
-    from sandbox.trial.assembly import place_surface
     from sandbox.trial.surfaces import place_all
-    from tasks.registry import draw_task, find_task
+    from tasks.guarded import draw_task
+    from tasks.registry import find_task
+    from tasks.touch_surface import place_surface
 
     drawn: dict[str, Task] = {}
     for levels in combinations(design):

@@ -32,7 +32,8 @@ from sandbox.recording.recording import load_recording
 from sandbox.server.protocol.protocol import PageScreen, PageTouches
 from sandbox.server.web import WebDevice
 from sandbox.session.device import Device
-from tasks.registry import draw_task, find_task
+from tasks.guarded import draw_task
+from tasks.registry import find_task
 from tasks.user import UserConfiguration
 from tests.sandbox.devices.kernel_slots import KernelSlots
 from tests.support.processes import ROOT, Sender

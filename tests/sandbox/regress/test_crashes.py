@@ -45,7 +45,8 @@ def test_one_crash_among_twelve_fails_the_run_and_is_named_with_its_error(
     shown = capsys.readouterr().out
     named = [line for line in shown.splitlines() if line.startswith("crashed ")]
     assert len(named) == 1
-    assert named[0].startswith("crashed raising seed 1: ZeroDivisionError: a lab's own bug (")
+    assert named[0].startswith("crashed raising seed 1: ")
+    assert "ZeroDivisionError: a lab's own bug (" in named[0]
     assert "1 trial crashed, and --allow-crashes permits none" in shown
     assert "--resume runs the crashed trials again" in shown
     found = json.loads(out.read_text())
@@ -57,7 +58,8 @@ def test_one_crash_among_twelve_fails_the_run_and_is_named_with_its_error(
     [case] = suite(xml).findall("testcase")
     error = case.find("error")
     assert case.get("name") == "raising" and error is not None
-    assert error.get("message", "").startswith("seed 1 crashed: ZeroDivisionError: a lab's own bug")
+    assert error.get("message", "").startswith("seed 1 crashed: ")
+    assert "ZeroDivisionError: a lab's own bug" in error.get("message", "")
     assert (error.text or "").splitlines()[-1] == "sandbox run raising --seed 1"
 
 
@@ -68,13 +70,13 @@ def test_as_many_crashes_as_are_allowed_pass_and_the_report_says_so(
     assert regress(Raising, "--allow-crashes", "1", "--json", out, "--junit", xml) == 0
     shown = capsys.readouterr().out
     assert "1 trial crashed; --allow-crashes permits 1" in shown
-    assert "crashed raising seed 1: ZeroDivisionError" in shown
+    assert "crashed raising seed 1: " in shown and "ZeroDivisionError" in shown
     found = json.loads(out.read_text())
     assert found["passed"] and found["crashes"]["count"] == found["crashes"]["allowed"] == 1
     assert "--allow-crashes permits 1" in found["notes"][0]
     assert suite(xml).get("errors") == suite(xml).get("skipped") == "0"
     output = suite(xml).findtext("testcase/system-out") or ""
-    assert "seed 1: crashed, ZeroDivisionError" in output
+    assert "seed 1: crashed, " in output and "ZeroDivisionError" in output
 
 
 def test_junit_has_one_test_a_task_and_no_value_that_is_none(tmp_path: Path) -> None:
@@ -95,8 +97,9 @@ def test_the_line_of_a_crashed_trial_runs_it_to_its_error(
         [line] = [after for line, after in pairwise(lines) if line == "raising seed 1: crashed"]
         words = shlex.split(line)
         assert words == ["sandbox", "run", "raising", "--seed", "1"]
-    with registered(Raising), pytest.raises(ZeroDivisionError, match="a lab's own bug"):
-        main(words[1:])
+    with registered(Raising):
+        assert main(words[1:]) == 2
+    assert "ZeroDivisionError: a lab's own bug" in capsys.readouterr().err
 
 
 def test_a_run_without_crashes_has_none_to_tell_of(
@@ -153,7 +156,7 @@ def test_a_varied_run_fails_by_crashes_and_may_be_allowed_some(
 
 def test_a_lab_s_own_test_fails_by_a_crash_and_may_allow_it(tmp_path: Path) -> None:
     regression = Regression(tmp_path, tmp_path)
-    with pytest.raises(AssertionError, match=r"1 trial crashed(.|\n)*seed 1: ZeroDivisionError"):
+    with pytest.raises(AssertionError, match=r"1 trial crashed(.|\n)*seed 1: .*ZeroDivisionError"):
         regression(Raising, "0:2")
     assert len(regression(Raising, "0:2", allow_crashes=1).crashes.trials) == 1
 

@@ -68,7 +68,7 @@ class LateWrench(WrenchSlide):
 
 def sensing_surface() -> Surface:
     from models.surface import Surface
-    from sandbox.trial.assembly import place_surface
+    from tasks.touch_surface import place_surface
 
     return place_surface(Surface(), BoxToGoal)
 

@@ -28,7 +28,7 @@ from tasks.clutter.slalom import (
     SHIFT,
     Slalom,
 )
-from tasks.registry import draw_task
+from tasks.guarded import draw_task
 from tasks.sensing import Sensing
 from tasks.task import Measure
 from tasks.variation import Variation, vary

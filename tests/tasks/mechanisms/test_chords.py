@@ -23,15 +23,16 @@ from sandbox.options.scene_options import SceneOptions, plan
 from sandbox.recording.recording import load_recording
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
-from sandbox.trial.assembly import build, place_surface
+from sandbox.trial.assembly import build
 from sandbox.trial.headless import run_trial
 from sandbox.trial.replay import replay
+from tasks.guarded import draw_task
 from tasks.mechanisms import chords
 from tasks.mechanisms.chords import Chords, own_finger
 from tasks.mechanisms.keyboard import DIP, HEAVIEST, KEYS, LIGHTEST, PITCH, TOP, key_name
-from tasks.registry import draw_task
 from tasks.sensing import Sensing
 from tasks.task import Measure
+from tasks.touch_surface import place_surface
 from tasks.variation import Variation, vary
 from tests.support.simulation import run
 

@@ -15,14 +15,14 @@ from models.scene import Scene, SceneSpec
 from models.surface import Surface
 from sandbox.options.scene_options import SceneOptions, plan
 from sandbox.recording.recording import load_recording
-from sandbox.trial.assembly import place_surface
 from sandbox.trial.headless import run_trial
 from sandbox.trial.replay import replay
 from sandbox.trial.result import TrialResult
+from tasks.guarded import draw_task
 from tasks.mechanisms.keyboard import KEYS, key_name
 from tasks.mechanisms.single_keys import SingleKeys
-from tasks.registry import draw_task
 from tasks.sensing import Sensing
+from tasks.touch_surface import place_surface
 
 SURFACE = place_surface(Surface(), SingleKeys)
 seeds = st.integers(0, 2**63 - 1)

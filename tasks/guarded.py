@@ -1,0 +1,270 @@
+"""Calls of a task's own code, whose errors become one line: drawing, building its scene, measuring.
+
+What a task must keep to beyond that, its author finds with `tasks.check_task`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import isfinite, nan
+
+import numpy as np
+
+from models.errors import HandSandboxError, InputError
+from models.objects import MechanismPart
+from models.plugins import failure
+from models.scene import Scene, SceneSpec
+from models.scene_hand import SceneHand
+from models.surface import Surface
+from tasks.registry import TASK_PLUGINS, is_built_in
+from tasks.sensing import Sensing
+from tasks.task import Measure, Task
+
+_OBJECT = ("name", "mass", "position", "yaw", "body")
+_GOAL = ("object", "position", "yaw", "on", "shown")
+
+
+def draw_task(kind: type[Task], seed: int, surface: Surface) -> Task:
+    """Draws the trial of a seed.
+
+    Args:
+        kind: The task.
+        seed: Seed of the trial.
+        surface: The surface as placed in the world.
+
+    Raises:
+        InputError: The seed is negative, the task's own code fails, or what it has drawn is no
+            trial: something is no object or no goal, or names do not belong together.
+    """
+    where = f"{kind.name}, seed {seed}"
+    if seed < 0:
+        raise InputError("the seed is out of range", where="seed", got=seed, expected="0 or more")
+    with TASK_PLUGINS.guarded(where, "the task cannot be drawn"):
+        task = kind.draw(seed, surface)
+        for obj in task.objects:
+            _check_parts(
+                "object", obj, _OBJECT, where, "a Box, an MjcfObject or a mechanism's part"
+            )
+        for goal in task.goals:
+            _check_parts("goal", goal, _GOAL, where, "a Goal")
+        _check_names(task, where)
+        _check_places(task, where)
+    return task
+
+
+def build_scene(
+    task: Task,
+    hands: Sequence[SceneHand] = (),
+    timestep: float = 0.002,
+    hands_collide: bool = False,
+) -> Scene:
+    """Compiles the scene of a drawn trial.
+
+    Args:
+        task: The drawn trial.
+        hands: The hands in it.
+        timestep: s, physics time step.
+        hands_collide: The hands collide with each other.
+
+    Raises:
+        InputError: An object of the task is not what MuJoCo can build.
+        SceneError: The time step does not fit.
+    """
+    where = f"{task.name}, seed {task.seed}"
+    with TASK_PLUGINS.guarded(where, "the scene of this task cannot be built"):
+        scene = Scene(
+            SceneSpec(
+                tuple(hands),
+                task.objects,
+                task.table_friction,
+                timestep,
+                hands_collide,
+                task.painted,
+                task.own_friction,
+            )
+        )
+    model = scene.model
+    numbers = (model.qpos0, model.geom_size, model.geom_pos, model.geom_friction)
+    if not all(np.isfinite(values).all() for values in numbers):
+        raise InputError(
+            "the scene of this task has a size, place or friction that is not finite",
+            where=where,
+            remedy="`tasks.check_task` names it",
+        )
+    return scene
+
+
+def measure(task: Task, sensing: Sensing) -> Measure:
+    """Calls a task's `measure`, and checks its result.
+
+    A progress below 0 or above 1 becomes the nearest of the two.
+
+    Raises:
+        InputError: `measure` of somebody else's task fails, or returns something else, such as
+            nothing, or a progress that is no number; or it would end the program, which then ended
+            as if all were well.
+    """
+    try:
+        result = task.measure(sensing)
+    except HandSandboxError:
+        raise
+    except (Exception, SystemExit) as error:
+        if is_built_in(type(task)):
+            raise
+        ends = isinstance(error, SystemExit)
+        raise InputError(
+            "`measure` ends the program" if ends else "`measure` of this task fails",
+            where=task.name,
+            got=failure(error),
+            expected="a Measure, such as `return judge(...)`" if ends else None,
+        ) from error
+    if not isinstance(result, Measure):
+        raise InputError(
+            "`measure` did not return a Measure",
+            where=task.name,
+            got=repr(result)[:80],
+            expected="a Measure, such as `return judge(...)`",
+            remedy="Every branch of `measure` needs a `return`",
+        )
+    return result if _plain(result) else _made_plain(result, task.name)
+
+
+def _plain(result: Measure) -> bool:
+    """True if all values are Python's own, and sound."""
+    return (
+        type(result.reached) is bool
+        and type(result.lost) is bool
+        and type(result.progress) is float
+        and 0.0 <= result.progress <= 1.0
+        and isinstance(result.reason, str)
+        and (result.first is None or (isinstance(result.first, Measure) and _plain(result.first)))
+    )
+
+
+def _made_plain(result: Measure, task: str) -> Measure:
+    """The same measure in Python's own values: NumPy's cannot be written into a recording.
+
+    Raises:
+        InputError: `reached` or `lost` is neither true nor false, `progress` is no finite number,
+            or `reason` no text.
+    """
+    first, returned = result.first, "of what `measure` returned"
+    if first is not None and not isinstance(first, Measure):
+        raise InputError(
+            f"`first` {returned} is no Measure",
+            where=task,
+            got=repr(first)[:80],
+            expected="a Measure",
+        )
+    if not isinstance(result.reason, str):
+        raise InputError(
+            f"`reason` {returned} is no text",
+            where=task,
+            got=repr(result.reason)[:80],
+            expected="text",
+        )
+    try:
+        reached, lost = bool(result.reached), bool(result.lost)
+    except ValueError:
+        raise InputError(
+            f"`reached` or `lost` {returned} is neither true nor false",
+            where=task,
+            got=f"{result.reached!r} and {result.lost!r}"[:80],
+            expected="one truth value each",
+            remedy="`(...).all()` makes one of several",
+        ) from None
+    try:
+        progress = float(result.progress)
+    except (TypeError, ValueError):
+        progress = nan
+    if not isfinite(progress):
+        raise InputError(
+            f"`progress` {returned} is no finite number",
+            where=task,
+            got=repr(result.progress)[:80],
+            expected="0 to 1",
+            remedy="A division by zero gives such a number",
+        )
+    return Measure(
+        reached,
+        min(max(progress, 0.0), 1.0),
+        result.reason,
+        lost,
+        None if first is None else _made_plain(first, task),
+    )
+
+
+def _check_parts(
+    what: str, value: object, parts: tuple[str, ...], where: str, expected: str
+) -> None:
+    """Checks that an object or a goal of a task has its parts."""
+    if not all(hasattr(value, part) for part in parts):
+        raise InputError(
+            f"this is no {what}",
+            where=where,
+            got=repr(value)[:80],
+            expected=expected,
+            remedy="`place` returns the objects, and then the goals: ([box], [Goal(...)])",
+        )
+
+
+def _check_names(task: Task, where: str) -> None:
+    """Checks that a drawn trial has objects, and that its goals name them.
+
+    Raises:
+        InputError: The task has no objects, two objects share a name, or a goal names an unknown
+            object.
+    """
+    names = [obj.name for obj in task.objects]
+    if not names or len(set(names)) < len(names):
+        raise InputError("a task needs objects with different names", where=where, got=str(names))
+    named = {g.object for g in task.goals} | {g.on for g in task.goals if g.on}
+    unknown = sorted(named - set(names))
+    if unknown:
+        raise InputError(
+            "a goal names an object that the task does not have",
+            where=where,
+            got=", ".join(unknown),
+            expected=", ".join(names),
+        )
+    aimed = [goal.object for goal in task.goals]
+    twice = sorted({name for name in aimed if aimed.count(name) > 1})
+    if twice:
+        raise InputError(
+            "an object has two goals, and only one of them would be shown",
+            where=where,
+            got=", ".join(twice),
+            expected="at most one goal for each object",
+        )
+    parts = [obj for obj in task.objects if isinstance(obj, MechanismPart)]
+    missing = sorted({name for part in parts for name in part.together} - set(names))
+    if missing:
+        raise InputError(
+            "parts of a mechanism are missing among the objects",
+            where=where,
+            got=", ".join(names),
+            expected=f"also {', '.join(missing)}",
+            remedy="Return `*mechanism.parts` among the objects",
+        )
+
+
+def _check_places(task: Task, where: str) -> None:
+    """Checks that objects and goals of a drawn trial are somewhere, and that objects have a mass.
+
+    Raises:
+        InputError: A position is not three finite numbers, or a yaw or a mass is not finite.
+    """
+    for obj in task.objects:
+        # MuJoCo would take it for a mass that is not given, and find one by itself.
+        if not isfinite(obj.mass):
+            raise InputError(f"the mass of {obj.name} is not finite", where=where, got=obj.mass)
+    placed = [(f"the object {obj.name}", obj.position, obj.yaw) for obj in task.objects]
+    placed += [(f"the goal of {goal.object}", goal.position, goal.yaw) for goal in task.goals]
+    for name, position, yaw in placed:
+        if len(position) != 3 or not all(map(isfinite, (*position, yaw))):
+            raise InputError(
+                f"{name} is not at a place",
+                where=where,
+                got=f"{position!r}, yaw {yaw!r}"[:80],
+                expected="3 finite numbers in m, and a yaw in rad",
+            )
