@@ -10,6 +10,7 @@ from models import lazy_names  # before NumPy: `models` pins the BLAS kernel
 
 if TYPE_CHECKING:
     from encoders.capture import Capture
+    from encoders.checks import check_encoder
     from encoders.encoder import Encoder
     from encoders.input_vector import contact_vector
     from encoders.paalm.paalm import Paalm
@@ -38,6 +39,7 @@ else:
             "TrainedModel": "encoders.regression.trained",
             "builtin": "encoders.regression.trained",
             "builtin_capture": "encoders.regression.trained",
+            "check_encoder": "encoders.checks",
             "contact_vector": "encoders.input_vector",
             "load_capture": "encoders.store",
             "load_model": "encoders.regression.trained",
@@ -58,6 +60,7 @@ __all__ = [
     "TrainedModel",
     "builtin",
     "builtin_capture",
+    "check_encoder",
     "contact_vector",
     "load_capture",
     "load_model",

@@ -135,7 +135,7 @@ except ShadowedPackageError as _error:
 from models import lazy_names  # noqa: E402
 
 if TYPE_CHECKING:
-    from sandbox.devices.conformance import DeviceConformance
+    from sandbox.devices.check_device import check_device
     from sandbox.devices.touch_device import TouchDevice
     from sandbox.library.motion import export_motion
     from sandbox.library.trajectories import Trajectories
@@ -150,7 +150,6 @@ else:
         __name__,
         {
             "Device": "sandbox.session.device",
-            "DeviceConformance": "sandbox.devices.conformance",
             "HandDevice": "sandbox.session.device",
             "Recording": "sandbox.recording.recording",
             "RunSettings": "sandbox.trial.settings",
@@ -159,6 +158,7 @@ else:
             "TouchDevice": "sandbox.devices.touch_device",
             "Trajectories": "sandbox.library.trajectories",
             "TrialRun": "sandbox.library.trial_run",
+            "check_device": "sandbox.devices.check_device",
             "export_motion": "sandbox.library.motion",
             "load_recording": "sandbox.recording.recording",
             "replay_recording": "sandbox.library.trial_run",
@@ -168,7 +168,6 @@ else:
 
 __all__ = [
     "Device",
-    "DeviceConformance",
     "HandDevice",
     "Recording",
     "RunSettings",
@@ -178,6 +177,7 @@ __all__ = [
     "TouchDevice",
     "Trajectories",
     "TrialRun",
+    "check_device",
     "export_motion",
     "load_recording",
     "replay_recording",

@@ -10,7 +10,7 @@ from models import lazy_names  # before NumPy: `models` pins the BLAS kernel
 
 if TYPE_CHECKING:
     from models.scene import PaintedRing
-    from tasks.check_task import check_task
+    from tasks.checks import check_task
     from tasks.custom_task import CustomTask, judge, two_places
     from tasks.guarded import draw_task
     from tasks.registry import find_task, task_names
@@ -33,7 +33,7 @@ else:
             "Task": "tasks.task",
             "User": "tasks.user",
             "UserConfiguration": "tasks.user",
-            "check_task": "tasks.check_task",
+            "check_task": "tasks.checks",
             "draw_task": "tasks.guarded",
             "find_task": "tasks.registry",
             "judge": "tasks.custom_task",

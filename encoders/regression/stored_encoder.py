@@ -113,7 +113,7 @@ def as_restored(encoder: Encoder, U: Array, Q: Array) -> Encoder:
     moved = np.abs(predicted(loaded, some) - predicted(encoder, some)).max()
     # An encoder without stored arrays was fitted again, to rounded frames.
     if not arrays:
-        _check_repeatable(loaded, restored(kind, options, arrays, U, Q), some)
+        check_repeatable(loaded, restored(kind, options, arrays, U, Q), some)
     if not same or (arrays and moved > SAME_POSE):
         raise EncoderError(
             "the encoder restored from its arrays differs from the original",
@@ -124,8 +124,13 @@ def as_restored(encoder: Encoder, U: Array, Q: Array) -> Encoder:
     return loaded
 
 
-def _check_repeatable(first: Encoder, second: Encoder, U: Array) -> None:
+def check_repeatable(first: Encoder, second: Encoder, U: Array) -> None:
     """Checks that two encoders fitted to equal frames predict equal poses.
+
+    Args:
+        first: One of them.
+        second: The other.
+        U: (T, 15) contact vectors of which both predict poses.
 
     Raises:
         EncoderError: They differ. A recording made with one could not be replayed with the other.

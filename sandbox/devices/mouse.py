@@ -84,13 +84,7 @@ class MouseDevice(Device):
         self._held: tuple[int, ...] = ()
         self._last = np.zeros(2)
         self._is_hand = False
-        self._closed = False
         self.news = threading.Event()
-
-    @property
-    def finished(self) -> bool:
-        """True once it was closed."""
-        return self._closed
 
     @property
     def pins(self) -> int:
@@ -109,7 +103,7 @@ class MouseDevice(Device):
     def close(self) -> None:
         """Lifts all fingers; may be called twice."""
         self.lift()
-        self._closed = True
+        super().close()
 
     def press(self, xy: ArrayLike, pin: bool = False, together: bool = False) -> None:
         """Presses the button: grabs a pinned finger at this place, else puts down a finger.

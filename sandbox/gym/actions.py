@@ -41,7 +41,7 @@ class Hands(Device):
             lifted one would; 0 with poses.
     """
 
-    name, finished = "gymnasium", False
+    name = "gymnasium"
     low: Array
     high: Array
 

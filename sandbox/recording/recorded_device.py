@@ -63,8 +63,10 @@ class RecordedDevice(Device):
 
     @property
     def finished(self) -> bool:
-        """True once the recorded trial is over."""
-        return round(self._now / self._timestep) >= self._last
+        """True once the recorded trial is over, or the device is closed."""
+        return self._closed or round(self._now / self._timestep) >= self._last
 
     def close(self) -> None:
-        """Does nothing: there is nothing to release."""
+        """Ends playback."""
+        super().close()
+        self._next, self._next_switch = len(self._inputs), len(self._switches)

@@ -50,14 +50,8 @@ class WebDevice(Device, PageDevice):
         self._inside: set[int] = set()
         self._present: frozenset[int] = frozenset()
         self._lift: float | None = None
-        self._closed = False
         self.news = threading.Event()
         self.applied = 0
-
-    @property
-    def finished(self) -> bool:
-        """True once closed; a person whose page has disconnected may come back."""
-        return self._closed
 
     @property
     def touched(self) -> bool:
@@ -123,10 +117,6 @@ class WebDevice(Device, PageDevice):
             self.applied = max(self.applied, seq)
             self.latency.take_in(arrived, at)
         return [frame for frame, _, _ in waiting]
-
-    def close(self) -> None:
-        """Ends the device."""
-        self._closed = True
 
     def _put(self, contacts: tuple[Contact, ...], gone: frozenset[int], seq: int) -> None:
         now = time.monotonic()

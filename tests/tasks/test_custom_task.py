@@ -30,7 +30,7 @@ from sandbox.trial.assembly import build
 from sandbox.trial.replay import settings_of
 from sandbox.trial.settings import RunSettings
 from tasks import variation
-from tasks.check_task import check_task
+from tasks.checks import check_task
 from tasks.custom_task import CustomTask, judge, two_places
 from tasks.guarded import draw_task, measure
 from tasks.registry import TASKS, find_task, origin
@@ -105,7 +105,6 @@ def test_two_places_on_an_upright_surface_are_refused() -> None:
 
 LIFTED = """
 from models.objects import Box, Cylinder
-from tasks.check_task import check_task
 from tasks.custom_task import CustomTask, judge, two_places
 from tasks.task import Goal
 

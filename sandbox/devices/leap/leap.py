@@ -102,7 +102,6 @@ class LeapDevice(HandDevice):
 
     name = "leap"
     has_lift = True
-    finished = False
 
     def __init__(self, address: str = DEFAULT_ADDRESS) -> None:
         if not address.startswith(("ws://", "wss://")):
@@ -178,6 +177,7 @@ class LeapDevice(HandDevice):
 
     def close(self) -> None:
         """Ends the connection and its thread."""
+        super().close()
         self._stop.set()
         self._thread.join(timeout=5.0)
 

@@ -57,7 +57,6 @@ class SimulatedLeap(HandDevice):
     name = "simulated leap"
     has_lift = True
     looks = True
-    finished = False
 
     def __init__(
         self,
@@ -138,10 +137,6 @@ class SimulatedLeap(HandDevice):
             self._leap.lose()
         self._away = gone
         return gone
-
-    def close(self) -> None:
-        """Ends the device."""
-        self.finished = True
 
 
 def _mirrored(seen: SeenObject) -> SeenObject:

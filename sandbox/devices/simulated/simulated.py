@@ -69,7 +69,6 @@ class SimulatedDevice(Device):
     name = "simulated"
     has_lift = True
     looks = True
-    finished = False
     truth: dict[int, int]
 
     def __init__(
@@ -181,10 +180,6 @@ class SimulatedDevice(Device):
                 if finger is not None:
                     self.truth[contact.id] = finger
         return [frame]
-
-    def close(self) -> None:
-        """Ends the device; there is nothing to release."""
-        self.finished = True
 
 
 def _sight(

@@ -29,7 +29,7 @@ class SimulatedSpreads(Device):
 
     def poll(self, now: float) -> Sequence[TouchFrame]:
         """The touches now."""
-        if self._now == math.inf:
+        if self.finished:
             return []
         self._now = now
         return [self._fingers.touch(now)]

@@ -54,7 +54,6 @@ class WebcamDevice(LandmarkDevice):
 
     name = "webcam"
     has_lift = True
-    finished = False
 
     def __init__(
         self,
@@ -110,6 +109,7 @@ class WebcamDevice(LandmarkDevice):
 
     def close(self) -> None:
         """Tells the page, whose camera goes off, and ends the service; may be called twice."""
+        super().close()
         self.server.close()
 
     def _take(self, message: PictureMessage) -> None:

@@ -154,3 +154,8 @@ class DegradedDevice(DeviceWrapper):
     def finished(self) -> bool:
         """True when no further frame can arrive, and none is delayed."""
         return self.device.finished and not self._on_the_way
+
+    def close(self) -> None:
+        """Closes the wrapped device; delayed frames are lost."""
+        super().close()
+        self._on_the_way.clear()

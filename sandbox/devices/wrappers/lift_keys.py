@@ -56,8 +56,9 @@ class LiftKeys(DeviceWrapper):
         self._lift = min(max(before + direction * SPEED * passed, 0.0), 1.0)
         if self._leader is not None:
             self._lift = self._leader._lift
+        over = self.device.finished
         frames = [replace(frame, lift=self._lift) for frame in self.device.poll(now)]
-        if not frames and self._lift != before:
+        if not frames and self._lift != before and not over:
             frames = [replace(self._last, lift=self._lift, cancelled=frozenset())]
         if frames:
             self._last = frames[-1]

@@ -10,12 +10,11 @@ import pytest
 from models.frames import Contact, TouchFrame
 from models.surface import Surface
 from sandbox.cli.play.window import _from_first_touch, _waiting
-from sandbox.devices.conformance import DeviceConformance
+from sandbox.devices.check_device import check_device
 from sandbox.devices.mouse import MouseDevice
 from sandbox.devices.tuio.tuio import TuioDevice
 from sandbox.devices.wrappers.first_touch import FirstTouch
 from sandbox.options.scene_options import SceneOptions, plan
-from sandbox.session.device import Device
 from sandbox.trial.assembly import build
 from tests.support.processes import PATIENCE, Sender
 from tests.support.scripted import Played
@@ -63,18 +62,16 @@ def test_what_a_device_said_before_the_first_touch_is_forgotten() -> None:
     assert list(device.poll(0.0)) == said[1:]
 
 
-class TestMouseThatIsWaitedFor(DeviceConformance):
-    def open(self, surface: Surface) -> FirstTouch:
-        return FirstTouch(MouseDevice(surface))
-
-    def stir(self, device: Device, step: int) -> None:
-        assert isinstance(device, FirstTouch)
+def test_a_mouse_that_is_waited_for_keeps_to_the_rules_for_devices() -> None:
+    def move(device: FirstTouch, step: int) -> None:
         mouse = device.find(MouseDevice)
         assert mouse is not None
         if step == 5:
             mouse.press((0.03, 0.03), pin=True)
             assert device.came()
         mouse.move((0.03 + 0.001 * step, 0.03))
+
+    check_device(lambda surface: FirstTouch(MouseDevice(surface)), move)
 
 
 @pytest.mark.parametrize(

@@ -12,7 +12,7 @@ import pytest
 
 from models.errors import InputError
 from models.surface import Surface
-from sandbox.devices.conformance import check_frames
+from sandbox.devices.check_device import check_frames
 from sandbox.server.protocol.protocol import PageScreen, PageTouches, decode
 from sandbox.server.web import WebDevice
 

@@ -18,7 +18,7 @@ import pytest
 
 from models.frames import TouchFrame
 from models.surface import METRES_PER_INCH, Surface
-from sandbox.devices.conformance import check_frames
+from sandbox.devices.check_device import check_frames
 from sandbox.devices.mouse import GRAB_RADIUS, MouseDevice, default_hand
 from sandbox.devices.tuio.tuio import touch_frame
 from sandbox.devices.tuio.tuio_senders import Commit, Tuio
