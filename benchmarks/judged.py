@@ -18,7 +18,7 @@ from typing import Any
 from models.errors import InputError
 from sandbox.clearing import clearing, hand_distances, solid_links
 from sandbox.trial.assembly import digests, reconstructor_settings
-from sandbox.trial.settings import SOLID, RunSettings
+from sandbox.trial.settings import SOLID, Settings, encoded
 from tasks.registry import TASKS
 from tasks.user import UserConfiguration
 
@@ -52,9 +52,9 @@ CLEARING = (
 
 def configuration() -> dict[str, Any]:
     """Settings, models and versions of tasks that decide how a run goes, as they are now."""
-    settings = RunSettings()
+    settings = Settings()
     return {
-        "settings": settings.as_json(),
+        "settings": encoded(settings),
         "reconstructor": asdict(reconstructor_settings(settings)),
         "user": UserConfiguration().as_json(),
         "digests": digests(settings),

@@ -24,6 +24,8 @@ from benchmarks.one_line import run
 from models.errors import InputError
 from sandbox.recording.recording import Recording, load_recording
 from sandbox.recording.versions import versions
+from sandbox.trial.open_devices import device_makers
+from sandbox.trial.recorded_settings import recorded_settings
 from sandbox.trial.replay import Verification, replay
 
 DEVICES = ("simulated", "leap-simulated", "leap-simulated:v1")
@@ -43,7 +45,7 @@ COLUMNS = (
 def record(folder: Path, seeds: int) -> None:
     """Records trials of the simulated user; those that lie there already stay as they are."""
     from benchmarks.judged import FIRST
-    from sandbox.options.scene_options import SceneOptions, plan
+    from sandbox.options.scene_options import SceneOptions, scene_settings
     from sandbox.trial.headless import run_trial
 
     folder.mkdir(parents=True, exist_ok=True)
@@ -51,8 +53,8 @@ def record(folder: Path, seeds: int) -> None:
     for task, device, seed in track(jobs, "recording"):
         file = folder / f"{task}-{device.replace(':', '-')}-{seed}.jsonl"
         if not file.exists():
-            chosen = plan(SceneOptions(task=task, seed=seed, device=device))
-            run_trial(chosen.settings, chosen.makers, record=file, about=chosen.about)
+            chosen = scene_settings(SceneOptions(task=task, seed=seed, device=device))
+            run_trial(chosen, device_makers(chosen), record=file)
 
 
 def row(name: str, found: list[Verification]) -> str:
@@ -74,8 +76,8 @@ def row(name: str, found: list[Verification]) -> str:
 
 def kind(recording: Recording) -> str:
     """What recordings are grouped by: task, device and encoder."""
-    header = recording.header
-    return ", ".join((header["settings"]["task"], header["device"], header["encoder"]))
+    made = recorded_settings(recording.header)
+    return ", ".join((made.task, made.device.name, made.pipeline.encoder))
 
 
 def main() -> None:

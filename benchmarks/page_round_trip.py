@@ -22,7 +22,6 @@ import argparse
 import multiprocessing
 import os
 import platform
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -36,7 +35,7 @@ from sandbox.session.messages import Snapshot
 from sandbox.trial.assembly import build
 from sandbox.trial.driver import Trial
 from sandbox.trial.live import LiveTrial
-from sandbox.trial.settings import SOLID, RunSettings
+from sandbox.trial.settings import SOLID, Settings
 from sandbox.trial.timing import TimedDevice, Timing
 from tasks.task import Task
 
@@ -44,7 +43,7 @@ from tasks.task import Task
 def served(server: PageServer, solid: str) -> tuple[Trial, LiveTrial]:
     """A session whose touches come from the server's page; not yet started."""
     size = 1024 / PX_PER_IN, 768 / PX_PER_IN
-    settings = replace(RunSettings(), solid=solid, surface_in=size)
+    settings = Settings().changed(solid=solid, size_in=size)
     timing = Timing(server.latency)
     device: list[WebDevice] = []
 

@@ -38,7 +38,7 @@ from sandbox.trial.device_makers import DeviceMaker
 from sandbox.trial.driver import trial_header, undisturbed
 from sandbox.trial.pacing import RealTime
 from sandbox.trial.replay import replay, settings_of
-from sandbox.trial.settings import RunSettings
+from sandbox.trial.settings import Settings
 from sandbox.trial.trial_recorder import TrialRecorder
 from tasks.user import UserConfiguration
 
@@ -90,7 +90,7 @@ class Timed:
 def logging(folder: Path, seconds: float) -> None:
     """Time in the loop of a trial at real time, a touch frame in every control period; bytes."""
     # Nobody succeeds: `random` touches all the time, and the trial lasts as long as is wanted.
-    settings = RunSettings(task="box-to-goal", seed=3)
+    settings = Settings(task="box-to-goal", seed=3)
     user = UserConfiguration(kind="random")
     costs: list[list[float]] = []
     writing: list[float] = []
@@ -187,7 +187,7 @@ def replaying(folder: Path) -> None:
     user = UserConfiguration()
     for task in ("box-to-goal", "stack", "wrench-turn"):
         record = folder / f"{task}.jsonl"
-        settings = RunSettings(task=task, seed=3)
+        settings = Settings(task=task, seed=3)
         trial_recorder = TrialRecorder(trial_header(settings, {}), record)
         session = build(settings, (_user_of(user, 3),), trial_recorder.recorder)
         while not session.over:

@@ -40,6 +40,7 @@ from benchmarks.lanes import in_lanes
 from benchmarks.one_line import run
 from models.errors import InputError
 from sandbox.regress.statistics import holm, mcnemar
+from sandbox.trial.open_devices import device_makers
 from tasks.registry import TASKS
 
 ENCODERS: dict[str, dict[str, Any]] = {
@@ -98,12 +99,12 @@ Job = tuple[str, str, int, int]
 
 def trial(job: Job) -> dict[str, Any]:
     """Runs one trial: (task, row, fingers, seed)."""
-    from sandbox.options.scene_options import SceneOptions, plan
+    from sandbox.options.scene_options import SceneOptions, scene_settings
     from sandbox.trial.headless import run_trial
 
     task, row, fingers, seed = job
-    chosen = plan(SceneOptions(task=task, seed=seed, fingers=fingers, **ROWS[row]))
-    result = run_trial(chosen.settings, chosen.makers, about=chosen.about).as_json()
+    chosen = scene_settings(SceneOptions(task=task, seed=seed, fingers=fingers, **ROWS[row]))
+    result = run_trial(chosen, device_makers(chosen)).as_json()
     kept = ("success", "instant", "final", "status", "progress", "time_s", "reason", "state_hash")
     return {
         "task": task,

@@ -24,6 +24,8 @@ from typing import Any, Literal, get_args
 import mujoco
 from threadpoolctl import threadpool_limits
 
+from sandbox.trial.open_devices import device_makers
+
 Solid = Literal["fingertips", "hand"]
 
 GOAL = 20.0
@@ -105,7 +107,7 @@ def timed(clock: Clock, places: Sequence[tuple[Any, str, str]]) -> Iterator[None
 
 def whole_trial(seed: int, fingers: int, solid: Solid) -> tuple[float, float, float]:
     """Simulated s, processor s and wall s of a trial, from settings to result."""
-    from sandbox.options.scene_options import SceneOptions, plan
+    from sandbox.options.scene_options import SceneOptions, scene_settings
     from sandbox.session.session import Session
     from sandbox.trial.headless import run_trial
 
@@ -116,12 +118,11 @@ def whole_trial(seed: int, fingers: int, solid: Solid) -> tuple[float, float, fl
         return []
 
     wall, own = time.perf_counter(), time.process_time()
-    chosen = plan(SceneOptions(seed=seed, fingers=fingers, solid=solid))
+    chosen = scene_settings(SceneOptions(seed=seed, fingers=fingers, solid=solid))
     run_trial(
-        chosen.settings,
-        chosen.makers,
+        chosen,
+        device_makers(chosen),
         remember,
-        about=chosen.about,
         dump=Path(gettempdir()),
     )
     return sessions[0].time, time.process_time() - own, time.perf_counter() - wall
@@ -129,14 +130,14 @@ def whole_trial(seed: int, fingers: int, solid: Solid) -> tuple[float, float, fl
 
 def parts_of_trial(seed: int, fingers: int, solid: Solid) -> dict[str, float]:
     """Processor s of every part in one control step, on average over a trial."""
-    from sandbox.options.scene_options import SceneOptions, plan
+    from sandbox.options.scene_options import SceneOptions, scene_settings
     from sandbox.recording.dump import DivergenceRecorder
     from sandbox.trial.assembly import build
     from sandbox.trial.driver import Trial
 
-    chosen = plan(SceneOptions(seed=seed, fingers=fingers, solid=solid))
+    chosen = scene_settings(SceneOptions(seed=seed, fingers=fingers, solid=solid))
     box = DivergenceRecorder({})
-    session: Any = build(chosen.settings, chosen.makers, box)
+    session: Any = build(chosen, device_makers(chosen), box)
     rig: Any = session.rigs[0]
     hand = getattr(rig.reconstructor, "trained", rig.reconstructor)
     clock = Clock()

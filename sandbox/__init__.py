@@ -144,7 +144,7 @@ if TYPE_CHECKING:
     from sandbox.session.device import Device, HandDevice
     from sandbox.session.messages import Snapshot
     from sandbox.session.session import Session
-    from sandbox.trial.settings import RunSettings
+    from sandbox.trial.settings import Settings
 else:
     __getattr__ = lazy_names(
         __name__,
@@ -152,7 +152,7 @@ else:
             "Device": "sandbox.session.device",
             "HandDevice": "sandbox.session.device",
             "Recording": "sandbox.recording.recording",
-            "RunSettings": "sandbox.trial.settings",
+            "Settings": "sandbox.trial.settings",
             "Session": "sandbox.session.session",
             "Snapshot": "sandbox.session.messages",
             "TouchDevice": "sandbox.devices.touch_device",
@@ -170,8 +170,8 @@ __all__ = [
     "Device",
     "HandDevice",
     "Recording",
-    "RunSettings",
     "Session",
+    "Settings",
     "ShadowedPackageError",
     "Snapshot",
     "TouchDevice",

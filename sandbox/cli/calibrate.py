@@ -24,16 +24,17 @@ from models.scene import CONTROL_PERIOD
 from models.surface import Surface
 from sandbox.cli.common.json_out import check_output, refuse_replacing
 from sandbox.cli.common.parse import parse
+from sandbox.devices.open_touches import first_line
 from sandbox.devices.simulated.spreads import SimulatedSpreads
 from sandbox.devices.tuio.tuio import DEFAULT_PORT, LOOPBACK
 from sandbox.options.metavars import choices
 from sandbox.options.profiles import Profile, default_path, save_profile
-from sandbox.options.scene_options import Plan, SceneOptions, is_in_air, plan
-from sandbox.options.touch_devices import first_line
+from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.recording.recording import is_recording
 from sandbox.session.device import Device
 from sandbox.session.own_layouts import Layouts, kept_layouts
-from sandbox.trial.settings import RunSettings
+from sandbox.trial.open_devices import device_makers, is_in_air, is_live
+from sandbox.trial.settings import Settings
 from tasks.registry import find_task
 
 _ASKED = {
@@ -118,7 +119,7 @@ def main(argv: list[str]) -> int:
     refuse_replacing(path, {"--device": Path(options.device), "--rest": options.rest})
     console = Console()
     simulated = options.device == "simulated"
-    chosen = plan(
+    chosen = scene_settings(
         SceneOptions(
             device=options.device,
             hand=options.hand,
@@ -128,15 +129,15 @@ def main(argv: list[str]) -> int:
             bind=options.bind,
         )
     )
-    settings = chosen.settings
-    if settings.in_air or len(chosen.makers) != 1:
+    settings = chosen
+    if settings.in_air or len(device_makers(chosen)) != 1:
         raise InputError(
             "this is not a recording of touches of one hand",
             where=f"--device {options.device}",
             remedy="Record five fingers at rest with `sandbox touches record`",
         )
     _check_surface(options, settings)
-    surface = settings.surface
+    surface = settings.surface.rectangle
     asked = replace(settings.hands[0].person, hand_size=1.0)
     if options.rest is not None:
         # Nobody puts down their fingers for a file that cannot be used.
@@ -147,7 +148,7 @@ def main(argv: list[str]) -> int:
     else:
         device = _opened(chosen, surface)
     try:
-        layouts = _collect(device, chosen.live, options.seconds, console)
+        layouts = _collect(device, is_live(chosen), options.seconds, console)
     finally:
         device.close()
     frame = PersonFrame(asked, surface)
@@ -155,7 +156,7 @@ def main(argv: list[str]) -> int:
     size = builtin_sizes().estimate(inward)
     _report(size, console)
     measured = replace(asked, hand_size=round(size.ratio, 4))
-    played = simulated or chosen.about.get("user") is not None
+    played = simulated or chosen.device.user is not None
     interval = _rounded(size, measured)
     profile = Profile(measured, interval, options.device, played, _named(inward, measured), ())
     save_profile(profile, path)
@@ -173,25 +174,25 @@ def main(argv: list[str]) -> int:
     return 0
 
 
-def _opened(chosen: Plan, surface: Surface) -> Device:
+def _opened(chosen: Settings, surface: Surface) -> Device:
     # A device is opened for a task, since simulated users need one; others only take the surface.
-    task = find_task(chosen.settings.task).draw(chosen.settings.seed, surface)
-    (make_device,) = chosen.makers
+    task = find_task(chosen.task).draw(chosen.seed, surface)
+    (make_device,) = device_makers(chosen)
     return make_device(task, surface)
 
 
-def _check_surface(options: CalibrateOptions, settings: RunSettings) -> None:
+def _check_surface(options: CalibrateOptions, settings: Settings) -> None:
     """Checks that the size of the surface is known, since a guess cannot measure a hand."""
     file = Path(options.device)
     told: object = None
     if file.is_file():
         told = (
-            settings.surface_calibrated
+            settings.surface.calibrated
             if is_recording(file)
             else first_line(file).get("surface_calibrated")
         )
     # What tells is in lengths already, so that a size given now has no effect.
-    asked = options.surface is not None or (settings.surface_calibrated and not file.is_file())
+    asked = options.surface is not None or (settings.surface.calibrated and not file.is_file())
     if not (asked if told is None else told):
         raise InputError(
             "the size of the touch surface is not known",

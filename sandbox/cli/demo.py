@@ -21,7 +21,7 @@ from sandbox.session.session import Session
 from sandbox.trial.assembly import build
 from sandbox.trial.driver import Trial
 from sandbox.trial.live import LiveTrial
-from sandbox.trial.settings import RunSettings
+from sandbox.trial.recorded_settings import recorded_settings
 from sandbox.views.display import has_display
 from sandbox.views.errors import GraphicsError
 from tasks.score import ending
@@ -66,7 +66,7 @@ def main(argv: list[str]) -> int:
         "no person took part."
     )
     session = build(
-        RunSettings.from_json(recording.header["settings"]),
+        recorded_settings(recording.header),
         (lambda task, surface: RecordedDevice(recording),),
     )
     kept: list[Snapshot] = []

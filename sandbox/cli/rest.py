@@ -19,12 +19,14 @@ from sandbox.cli.common.json_out import check_output, refuse_replacing
 from sandbox.cli.common.parse import parse
 from sandbox.devices.leap.leap import DEFAULT_ADDRESS
 from sandbox.devices.registry import built_in
-from sandbox.options.headset_devices import LIVE as HEADSET
+from sandbox.devices.webxr.headset_maker import LIVE as HEADSET
 from sandbox.options.metavars import choices
-from sandbox.options.scene_options import Plan, SceneOptions, plan
+from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.session.device import AnyDevice
 from sandbox.session.rest_watch import RestWatch
+from sandbox.trial.open_devices import device_makers, is_live
 from sandbox.trial.pacing import RealTime
+from sandbox.trial.settings import Settings
 from tasks.registry import find_task
 
 
@@ -76,22 +78,22 @@ def main(argv: list[str]) -> int:
     options = parse(RestOptions, "sandbox rest", argv)
     console = Console(stderr=True)
     chosen = _plan(options)
-    hand = chosen.settings.hands[0]
+    hand = chosen.hands[0]
     assert hand.in_air is not None
-    surface = chosen.settings.surface
-    task = find_task(chosen.settings.task).draw(chosen.settings.seed, surface)
+    surface = chosen.surface.rectangle
+    task = find_task(chosen.task).draw(chosen.seed, surface)
     reconstructor = hand.in_air.any_reconstructor(hand.person, surface, RateLimit())
-    device: Any = chosen.makers[0](task, surface)
+    device: Any = device_makers(chosen)[0](task, surface)
     watch = RestWatch(device, reconstructor, hand.person)
     with closing(device):
         if device.address:
             console.print(Text(f"{device.name}: {device.address}"))
-        if chosen.live:
+        if is_live(chosen):
             console.print(f"hold your {hand.side} hand as it rests on a screen, for a second")
         _watch(watch, device, options, console)
     looks = watch.looks
     _check(watch, hand.person.hand_size, options)
-    save_rest(looks, options.out, hand.side, chosen.about.get("user") is not None)
+    save_rest(looks, options.out, hand.side, chosen.device.user is not None)
     console.print(
         Text(
             f"{len(looks)} look{'s' if len(looks) > 1 else ''} at a {hand.side} hand of size "
@@ -102,7 +104,7 @@ def main(argv: list[str]) -> int:
     return 0
 
 
-def _plan(options: RestOptions) -> Plan:
+def _plan(options: RestOptions) -> Settings:
     """Settings and maker of the device.
 
     Raises:
@@ -141,8 +143,8 @@ def _plan(options: RestOptions) -> Plan:
         calibration=options.calibration,
         webcam=options.webcam,
     )
-    chosen = plan(scene)
-    if chosen.settings.hands[0].in_air is None:
+    chosen = scene_settings(scene)
+    if chosen.hands[0].in_air is None:
         raise InputError(
             "this recording has touches, and no hand that was seen",
             where=f"--device {options.device}",

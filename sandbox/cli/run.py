@@ -22,7 +22,7 @@ from sandbox.cli.common.page_view import address_line
 from sandbox.cli.common.parse import parse
 from sandbox.cli.common.printing import printing
 from sandbox.export.view import MotionView
-from sandbox.options.scene_options import Plan, SceneOptions, check_labels, plan
+from sandbox.options.scene_options import SceneOptions, check_labels, scene_settings
 from sandbox.session.device import Device
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
@@ -32,8 +32,10 @@ from sandbox.trial.driver import View
 from sandbox.trial.events import EventLog, NoticeEvents
 from sandbox.trial.headless import run_trial
 from sandbox.trial.lift import with_lift
+from sandbox.trial.open_devices import device_makers, is_live
 from sandbox.trial.pacing import RealTime
 from sandbox.trial.result import TrialResult
+from sandbox.trial.settings import Settings
 from tasks.score import ending
 from tasks.task import Task
 
@@ -68,7 +70,7 @@ def main(argv: list[str]) -> int:
 def perform(options: RunOptions) -> int:
     """Runs the trial that the options describe, and reports its result."""
     check_labels(options)
-    chosen = plan(options)
+    chosen = scene_settings(options)
     if options.device == "mouse":
         raise InputError(
             "the mouse needs a window", where="--device mouse", remedy="Use `sandbox play`"
@@ -115,7 +117,7 @@ def _written(options: RunOptions) -> set[tuple[str, int]]:
     return {(str(path), path.stat().st_mtime_ns) for path in files if path.exists()}
 
 
-def _run(options: RunOptions, chosen: Plan, events: EventLog, console: Console) -> TrialResult:
+def _run(options: RunOptions, chosen: Settings, events: EventLog, console: Console) -> TrialResult:
     clock: list[RealTime] = []
     started: list[bool] = []
 
@@ -125,7 +127,7 @@ def _run(options: RunOptions, chosen: Plan, events: EventLog, console: Console) 
         clock[0].wait(snapshot.time)
 
     # A simulated user does not act on a notice: standard output is for the result.
-    simulated = chosen.about.get("user") is not None
+    simulated = chosen.device.user is not None
     notices = NoticePrinter(Console(stderr=True) if simulated else console, wrap=False)
 
     def announced(make: DeviceMaker) -> DeviceMaker:
@@ -153,7 +155,7 @@ def _run(options: RunOptions, chosen: Plan, events: EventLog, console: Console) 
 
         def make_views(session: Session) -> list[View]:
             views: list[View] = [NoticeEvents(events, notices.say).show]
-            if chosen.live:
+            if is_live(chosen):
                 views.append(pace)
             if options.film:
                 views.append(closing.enter_context(open_film(options.film, session, caption)).show)
@@ -162,10 +164,8 @@ def _run(options: RunOptions, chosen: Plan, events: EventLog, console: Console) 
             return views
 
         caption = "simulated user" if simulated else ""
-        makers = tuple(map(announced, with_lift(chosen.makers, keys=False)))
-        result = run_trial(
-            chosen.settings, makers, make_views, options.record, chosen.about, options.dump
-        )
+        makers = tuple(map(announced, with_lift(device_makers(chosen), keys=False)))
+        result = run_trial(chosen, makers, make_views, options.record, dump=options.dump)
     events.tell("trial_end", **result.as_json())
     if clock and clock[0].lost > 0:
         what = f"this machine fell behind real time by {clock[0].lost:.1f} s"

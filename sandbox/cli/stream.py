@@ -20,15 +20,16 @@ from models.frames import SIDES
 from sandbox.cli.common.json_out import check_output, write_json
 from sandbox.cli.common.page_options import PageOptions
 from sandbox.cli.common.parse import parse
+from sandbox.devices.leap.leap_maker import LIVE as LEAP
+from sandbox.devices.leap.leap_maker import is_leap, open_leap
 from sandbox.devices.registry import DEVICES
 from sandbox.devices.tuio.tuio import DEFAULT_PORT, LOOPBACK
 from sandbox.export.leap_source import Hand
 from sandbox.export.motion_source import MotionSource
 from sandbox.export.sources import open_source
-from sandbox.options.leap_devices import LIVE as LEAP
-from sandbox.options.leap_devices import LeapOptions, is_leap, open_leap
+from sandbox.options.leap_devices import LeapOptions
 from sandbox.options.metavars import choices
-from sandbox.options.scene_options import SceneOptions, plan
+from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.recording.recording import is_recording
 from sandbox.stream.lines import BLENDER, MAYA, MAYA_MEL, StreamTarget
 from sandbox.stream.player import StreamPace, StreamPlayer
@@ -36,10 +37,11 @@ from sandbox.stream.script import script
 from sandbox.stream.sender import Moment, Sender, parse_address
 from sandbox.study.record.trial_files import find_recordings
 from sandbox.system.ending import heeding
+from sandbox.trial.open_devices import device_makers
 
 if TYPE_CHECKING:
     from sandbox.trial.device_makers import DeviceMakers
-    from sandbox.trial.settings import RunSettings
+    from sandbox.trial.settings import Settings
 
 TASK = "box-to-goal"
 """Task whose workspace is used unless another is named."""
@@ -306,7 +308,7 @@ def _is_capture(path: Path) -> bool:
     return path.suffix == ".npz"
 
 
-def _session(options: StreamOptions, console: Console) -> tuple[RunSettings, DeviceMakers]:
+def _session(options: StreamOptions, console: Console) -> tuple[Settings, DeviceMakers]:
     scene = SceneOptions(
         task=options.task or TASK,
         device=str(options.device),
@@ -324,9 +326,9 @@ def _session(options: StreamOptions, console: Console) -> tuple[RunSettings, Dev
         raise InputError(
             "the mouse needs a window", where="--device mouse", expected=", ".join(LIVE)
         )
-    chosen = plan(scene)
+    chosen = scene_settings(scene)
     if options.device != "web":
-        return chosen.settings, chosen.makers
+        return chosen, device_makers(chosen)
     from sandbox.cli.common.touch_page import open_page_touches
     from sandbox.options.touch_devices import TouchOptions
 
@@ -341,7 +343,7 @@ def _session(options: StreamOptions, console: Console) -> tuple[RunSettings, Dev
     if page is None:
         raise InputError("nobody opened the page", where="--device web")
     size = (page.surface.width_in, page.surface.height_in)
-    return replace(chosen.settings, surface_in=size), (lambda task, surface: page,)
+    return chosen.changed(size_in=size), (lambda task, surface: page,)
 
 
 def _print(player: StreamPlayer, console: Console) -> int:

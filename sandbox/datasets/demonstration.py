@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
@@ -21,7 +21,9 @@ from sandbox.gym.options import TRUE_LABELS
 from sandbox.recording.recorded_task import task_change
 from sandbox.recording.recording import Recording, load_recording
 from sandbox.recording.states import check_states
+from sandbox.trial.recorded_settings import recorded_settings, recorded_users
 from sandbox.trial.replay import settings_of, versions_of
+from sandbox.trial.settings import encoded
 from tasks.registry import TASK_PLUGINS, find_task
 from tasks.variation import TOUCHES
 
@@ -94,14 +96,14 @@ def environment_of(recording: Recording, observe: Sequence[str]) -> tuple[str, d
     Raises:
         RecordingError: Its task, encoder or robot is not on this machine.
     """
-    settings = settings_of(recording).as_json()
+    settings = encoded(settings_of(recording))
     task = _from_anywhere(settings.pop("task"))
     del settings["seed"]
-    if settings.get("variation"):
-        # The recorded touches are what the screen made of the fingers.
-        settings["variation"] = {
-            name: value for name, value in settings["variation"].items() if name not in TOUCHES
-        }
+    # The recorded touches are what the screen made of the fingers.
+    settings["variation"] |= dict.fromkeys(TOUCHES, 0.0)
+    # An agent takes the place of whoever drove the devices.
+    for device in ("device", "second_device"):
+        del settings[device]
     options: dict[str, Any] = {
         "action": "touch",
         "reward": "progress",
@@ -127,7 +129,7 @@ def changed_task(recording: Recording) -> str:
         RecordingError: Its task, encoder or robot is not on this machine.
     """
     settings = settings_of(recording)
-    return task_change(recording.header, settings.task, settings.seed, settings.surface)
+    return task_change(recording.header, settings.task, settings.seed, settings.surface.rectangle)
 
 
 def demonstrate(recording: Recording, env: HandSandboxEnv) -> Demonstration:
@@ -141,7 +143,7 @@ def demonstrate(recording: Recording, env: HandSandboxEnv) -> Demonstration:
     """
     assert recording.end is not None
     hands = len(env.settings.hands)
-    period = round(CONTROL_PERIOD / env.settings.timestep)
+    period = round(CONTROL_PERIOD / env.settings.physics.timestep)
     periods = int(recording.end["step"]) // period
     frames = [_frames(recording, hand, periods, period) for hand in range(hands)]
     lifted = find_task(env.settings.task).lift_range > 0
@@ -151,7 +153,7 @@ def demonstrate(recording: Recording, env: HandSandboxEnv) -> Demonstration:
     space = env.action_space
     assert isinstance(space, spaces.Box)
     first = np.clip(_actions(touches, slots, lifts, periods), space.low, space.high)
-    seed = int(recording.header["settings"]["seed"])
+    seed = recorded_settings(recording.header, "seed").seed
     seen, info = env.reset(seed=seed)
     observed, rewards, hashes = [seen], [], [info["state_hash"]]
     fingers: list[dict[int, int]] = [{} for _ in range(hands)]
@@ -257,12 +259,13 @@ def _note_fingers(
 def _about(recording: Recording, success: bool, same: bool) -> dict[str, Any]:
     header, end = recording.header, recording.end
     assert end is not None
+    user = recorded_users(header)[0]
     return {
         "source": recording.path.name,
         "success": success,
-        "simulated": header.get("user") is not None,
-        "device": str(header.get("device", "")),
-        "user": header.get("user"),
+        "simulated": user is not None,
+        "device": recorded_settings(header, "device").device.name,
+        "user": None if user is None else asdict(user),
         "same_states_as_recorded": same,
         "recorded_success": bool(end["result"]["success"]),
         "recorded_state_hash": str(end["hash"]),

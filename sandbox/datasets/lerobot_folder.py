@@ -167,7 +167,7 @@ def _write(
     whole = {name: combined([own[name] for own in statistics]) for name in statistics[0]}
     stats = {name: {k: v.tolist() for k, v in own.items()} for name, own in whole.items()}
     _write_json(folder / "meta/stats.json", stats)
-    robot = options["settings"].get("robot") or "hand_sandbox"
+    robot = options["settings"]["physics"]["robot"] or "hand_sandbox"
     _write_json(folder / "meta/info.json", _info(features, robot, len(rows), frames.count))
     ours = {"kind": KIND, "schema": SCHEMA, "task": task, "options": dict(options)}
     _write_json(folder / OURS, {**ours, "versions": versions()})

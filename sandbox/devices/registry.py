@@ -54,6 +54,7 @@ class DeviceEntry:
         guessed_size: It does not report the size of its surface, which is a guess without
             --surface.
         argument: It can also be opened as `NAME:ARGUMENT`.
+        options: `MODULE:CLASS` of its options.
     """
 
     place: str
@@ -66,6 +67,7 @@ class DeviceEntry:
     one_hand: bool = False
     guessed_size: bool = False
     argument: bool = True
+    options: str = "sandbox.devices.options:NoOptions"
 
 
 DEVICES: dict[str, DeviceEntry] = {
@@ -73,10 +75,23 @@ DEVICES: dict[str, DeviceEntry] = {
         "sandbox.devices.mouse:MouseDevice", in_scene=True, one_hand=True, argument=False
     ),
     "web": DeviceEntry("sandbox.server.web:WebDevice", one_hand=True, argument=False),
-    "tuio": DeviceEntry("sandbox.devices.tuio.tuio:TuioDevice", guessed_size=True, argument=False),
-    "evdev": DeviceEntry("sandbox.devices.evdev.evdev_device:EvdevDevice", guessed_size=True),
+    "tuio": DeviceEntry(
+        "sandbox.devices.tuio.tuio:TuioDevice",
+        guessed_size=True,
+        argument=False,
+        options="sandbox.devices.tuio.options:TuioOptions",
+    ),
+    "evdev": DeviceEntry(
+        "sandbox.devices.evdev.evdev_device:EvdevDevice",
+        guessed_size=True,
+        options="sandbox.devices.evdev.options:EvdevOptions",
+    ),
     "leap": DeviceEntry(
-        "sandbox.devices.leap.leap:LeapDevice", in_air=True, in_scene=True, argument=False
+        "sandbox.devices.leap.leap:LeapDevice",
+        in_air=True,
+        in_scene=True,
+        argument=False,
+        options="sandbox.devices.leap.options:LeapOptions",
     ),
     "webcam": DeviceEntry(
         "sandbox.devices.webcam.webcam:WebcamDevice",
@@ -84,6 +99,7 @@ DEVICES: dict[str, DeviceEntry] = {
         camera=True,
         in_scene=True,
         argument=False,
+        options="sandbox.devices.webcam.options:WebcamOptions",
     ),
     "webxr": DeviceEntry(
         "sandbox.devices.webxr.webxr:HeadsetDevice",
@@ -99,6 +115,7 @@ DEVICES: dict[str, DeviceEntry] = {
         in_scene=True,
         one_hand=True,
         argument=False,
+        options="sandbox.devices.simulated.options:SimulatedOptions",
     ),
     "webxr-simulated": DeviceEntry(
         "sandbox.devices.simulated.headset_user:SimulatedHeadset",
@@ -108,6 +125,7 @@ DEVICES: dict[str, DeviceEntry] = {
         simulated=True,
         in_scene=True,
         argument=False,
+        options="sandbox.devices.simulated.options:InAirOptions",
     ),
     "leap-simulated": DeviceEntry(
         "sandbox.devices.simulated.leap_user:SimulatedLeap",
@@ -115,9 +133,14 @@ DEVICES: dict[str, DeviceEntry] = {
         in_air=True,
         simulated=True,
         in_scene=True,
+        options="sandbox.devices.simulated.options:InAirOptions",
     ),
 }
 """Built-in devices by name. To add one, write its module and add an entry here."""
+
+
+_PLAYED = "sandbox.devices.options:PlayedOptions"
+"""Options of files and of somebody's own devices."""
 
 
 def built_in(device: str) -> DeviceEntry | None:
@@ -125,6 +148,17 @@ def built_in(device: str) -> DeviceEntry | None:
     name, colon, _ = device.partition(":")
     entry = DEVICES.get(name)
     return entry if entry and (entry.argument or not colon) else None
+
+
+def device_options(device: str) -> type[Any]:
+    """The class of a device's options; it alone is imported, and not the device.
+
+    Args:
+        device: `NAME[:ARGUMENT]`, built in; or a file, or the place of somebody's own device.
+    """
+    entry = built_in(device)
+    options: type[Any] = imported(entry.options if entry else _PLAYED)
+    return options
 
 
 def open_built_in(device: str, surface: Surface) -> AnyDevice:

@@ -11,8 +11,8 @@ _PROBE = """
 import time
 from sandbox.trial.assembly import build
 from sandbox.devices.mouse import MouseDevice
-from sandbox.trial.settings import RunSettings
-session = build(RunSettings(), (lambda task, surface: MouseDevice(surface),))
+from sandbox.trial.settings import Settings
+session = build(Settings(), (lambda task, surface: MouseDevice(surface),))
 surface = session.rigs[0].reconstructor.surface
 session.rigs[0].device.hand(3, surface.to_surface(session.task.objects[0].position))
 while session.time < 1.5:

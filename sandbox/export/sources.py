@@ -33,7 +33,7 @@ from sandbox.recording.recording_file import GZIP, first_line, stored
 from sandbox.recording.states import check_states, other_states
 from sandbox.session.pose_track import PoseTrack, read_track_line
 from sandbox.trial.recorded_settings import recorded_settings
-from sandbox.trial.settings import RunSettings
+from sandbox.trial.settings import Settings
 
 if TYPE_CHECKING:
     from sandbox.session.messages import Snapshot
@@ -122,17 +122,17 @@ def poses_of_qpos(time: Array, qpos: Array, hands: int) -> Poses:
     return Poses(time, values[..., :3], turns / np.linalg.norm(turns, axis=-1, keepdims=True))
 
 
-def hands_of(settings: RunSettings) -> tuple[tuple[Armature, ...], tuple[str, ...]]:
+def hands_of(settings: Settings) -> tuple[tuple[Armature, ...], tuple[str, ...]]:
     """Armatures and names of a session's hands.
 
     Raises:
         InputError: The hands are a robot's, whose joints the formats do not hold.
     """
-    if settings.robot:
+    if settings.physics.robot:
         raise InputError(
             "a robot's hand has no skeleton that can be exported",
             where="--robot",
-            got=settings.robot,
+            got=settings.physics.robot,
         )
     return (
         tuple(Armature(hand.person.skeleton(ADULT)) for hand in settings.hands),
@@ -144,7 +144,7 @@ def _simulated(path: Path) -> MotionSource:
     header = read_header(first_line(path), path)
     settings = recorded_settings(header, "hands", "robot", "timestep")
     armatures, names = hands_of(settings)
-    timestep = settings.timestep
+    timestep = settings.physics.timestep
 
     def run(take: PoseCallback) -> str:
         any_rows = False
@@ -185,7 +185,7 @@ def _commanded(path: Path) -> MotionSource:
     check_states(recording)
     settings = recorded_settings(recording.header)
     armatures, names = hands_of(settings)
-    duration = recording.end["step"] * settings.timestep if recording.end else 0.0
+    duration = recording.end["step"] * settings.physics.timestep if recording.end else 0.0
 
     def run(take: PoseCallback) -> str:
         def show(snapshot: Snapshot) -> None:

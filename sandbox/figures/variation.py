@@ -68,7 +68,7 @@ def draw(found: Sweep) -> Figure:
             # Within a panel it would hide where something breaks.
             lines, names = panels[0].get_legend_handles_labels()
             made.legend(lines, names, loc="outside lower center", ncols=min(len(names), 4))
-        encoder = found.plan.configuration()["encoder"]
+        encoder = found.plan.settings[0].pipeline.encoder
         made.suptitle(
             f"SIMULATED user, {len(found.plan.seeds)} seeds, encoder {encoder}; 95 % intervals; "
             "ring: breaks",

@@ -9,7 +9,7 @@ from typing import Any
 
 from models.errors import InputError
 from models.objects import MechanismPart
-from sandbox.trial.settings import RunSettings
+from sandbox.trial.settings import Settings
 from tasks.task import Task
 from tasks.variation import RANGES
 
@@ -63,7 +63,7 @@ class Curriculum:
                 )
         return cls(**{name: float(value) for name, value in (options or {}).items()})
 
-    def settings(self, settings: RunSettings) -> RunSettings:
+    def settings(self, settings: Settings) -> Settings:
         """Settings of a trial with these changes."""
         changes = {f.name: getattr(self, f.name) for f in fields(self) if f.name != "near"}
         if self == Curriculum(near=self.near):

@@ -112,7 +112,7 @@ class HandSandboxEnv(gymnasium.Env[Observation, Array]):
         render_mode: None, or `rgb_array`, for which this machine needs OpenGL.
         size: px, width and height of pictures.
         settings: Settings as a recording's header has them; None starts from the defaults.
-        single: Single settings of `sandbox.trial.settings.RunSettings`, such as `encoder="cubic"`.
+        single: Single settings of `sandbox.trial.settings.Settings`, such as `encoder="cubic"`.
 
     Raises:
         InputError: An option is unknown, or its value is not allowed.
@@ -168,7 +168,7 @@ class HandSandboxEnv(gymnasium.Env[Observation, Array]):
         self.settings = run_settings(task, person, settings, single, _NAMES)
         self.render_mode = render_mode
         self._kind = find_task(task)
-        placed = place_surface(self.settings.surface, self._kind)
+        placed = place_surface(self.settings.surface.rectangle, self._kind)
         self._surface, self._surfaces = place_all(placed, self.settings, self._kind)
         self._pictures = Pictures(self._surface, (size[0], size[1]))
         self.session: Session | None = None

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import asdict, dataclass, fields, replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
-from models.errors import InputError, RecordingError
+from models.errors import InputError
+from sandbox.recording.states import STATES
+from sandbox.trial.recorded_settings import recorded_settings
 from sandbox.trial.settings import LABELS as RUN_LABELS
-from sandbox.trial.settings import RunSettings
+from sandbox.trial.settings import Settings, encoded, setting_names
 from tasks.registry import find_task, hands_of
 from tasks.variation import TOUCHES, Variation
 
@@ -44,6 +46,9 @@ REWARDS = {
     "sparse": "1 at success",
 }
 """Choice of reward -> what it is."""
+
+AGENT = "agent"
+"""Name of the device of an agent's touches."""
 
 STEP = 0.010
 """m, default of `step`."""
@@ -127,21 +132,21 @@ def run_settings(
     settings: Mapping[str, Any] | None,
     single: Mapping[str, Any],
     known: Sequence[str],
-) -> RunSettings:
+) -> Settings:
     """Settings of the trials of an environment.
 
     Args:
         task: Name or place of the task.
         person: `side`, `size` and `turn` of the first hand (`HandSettings`), of which those that
             are None are taken from the settings.
-        settings: What `RunSettings.as_json` returned; None starts from the defaults.
+        settings: Settings as a recording's header has them; None starts from the defaults.
         single: Single settings by name.
         known: The other options of an environment, for errors.
 
     Raises:
         InputError: A setting is unknown or not allowed.
     """
-    allowed = {f.name for f in fields(RunSettings)} - set(_OWN)
+    allowed = set(setting_names()) - set(_OWN)
     if unknown := [name for name in single if name not in allowed]:
         settings_alone = sorted(allowed - set(known))
         raise InputError(
@@ -151,23 +156,20 @@ def run_settings(
             remedy=_REPLACED.get(unknown[0]),
         )
     kind = find_task(task)
-    plain = RunSettings().as_json() if settings is None else settings
+    plain = encoded(Settings()) if settings is None else settings
     if not isinstance(plain, Mapping):
         raise InputError(
             "not settings of a run", where="settings", got=plain, expected="a header's mapping"
         )
-    base = RunSettings.from_json({**plain, "task": task, "seed": 0})
-    first, *others = base.as_json()["hands"]
+    agent = {"device": {"name": AGENT, "options": {}}, "second_device": None}
+    whole = {**plain, **agent, "task": task, "seed": 0}
+    base = recorded_settings({"states": STATES, "settings": whole})
+    first, *others = base.hands
     chosen = {name: _plain(value) for name, value in person.items() if value is not None}
-    if chosen.get("side", first["side"]) != first["side"]:
-        # Layouts and the rest posture are those of one side only.
-        first = {name: v for name, v in first.items() if name not in ("layouts", "rest")}
-    hands = [{**first, **chosen}, *others]
+    # Layouts and the rest posture are those of one side only.
+    first = first.on(chosen.get("side", first.side))
     own = {name: _plain(value) for name, value in single.items()}
-    try:
-        values = RunSettings.from_json({**base.as_json(), **own, "hands": hands})
-    except RecordingError as error:
-        raise InputError("an option cannot be used", where="make", got=error.got) from None
+    values = base.changed(**own, hands=(replace(first, **chosen), *others))
     if any(hand.in_air is not None for hand in values.hands):
         raise InputError(
             "an agent touches, and these settings are of a hand in the air", where="settings"
@@ -186,6 +188,6 @@ def run_settings(
 
 def _plain(value: Any) -> Any:
     """The value of an option as JSON has it."""
-    if isinstance(value, Variation):
-        return asdict(value)
+    if isinstance(value, Mapping):
+        return Variation(**value)
     return value.item() if isinstance(value, np.generic) else value

@@ -5,7 +5,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from difflib import get_close_matches
 from inspect import signature
 from pathlib import Path
@@ -18,9 +18,11 @@ from threadpoolctl import threadpool_limits
 from models.errors import InputError
 from models.json_input import checked
 from models.surface import Surface
+from sandbox.devices.device_settings import DeviceSettings
+from sandbox.devices.options import PlayedOptions
 from sandbox.devices.wrappers.adapted import adapted
 from sandbox.library.trajectories import Trajectories, TrajectoryView
-from sandbox.options.scene_options import SceneOptions, plan
+from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.recording.recording import load_recording
 from sandbox.session.device import Device
 from sandbox.session.messages import Snapshot
@@ -29,11 +31,16 @@ from sandbox.trial.device_makers import DeviceMaker
 from sandbox.trial.driver import View
 from sandbox.trial.headless import run_trial as play_trial
 from sandbox.trial.lift import with_lift
+from sandbox.trial.open_devices import device_makers, is_live
 from sandbox.trial.pacing import RealTime
+from sandbox.trial.recorded_settings import recorded_users
 from sandbox.trial.replay import Verification, replay
 from tasks.registry import TASKS
 from tasks.score import Score
 from tasks.task import Task
+
+FROM_PYTHON = "from Python"
+"""Name of a device that a function opens."""
 
 OpenDevice = Callable[[Surface], Device]
 """Opens a device on a placed surface; a subclass of `TouchDevice` is one."""
@@ -106,26 +113,27 @@ def run_trial(
         GraphicsError: A film or pictures are requested and OpenGL is missing.
     """
     named = device if isinstance(device, str) else "simulated"
-    chosen = plan(_scene_options(task=_place(task), seed=seed, device=named, **options))
-    makers, about, live = chosen.makers, chosen.about, chosen.live
+    chosen = scene_settings(_scene_options(task=_place(task), seed=seed, device=named, **options))
+    if isinstance(device, str):
+        makers, live = device_makers(chosen), is_live(chosen)
+    else:
+        makers, live = (_opens(device),), False
+        chosen = replace(chosen, device=DeviceSettings(FROM_PYTHON, PlayedOptions()))
     if named == "mouse":
         raise InputError("the mouse needs a window", where="device", remedy="Use `sandbox play`")
     if named in ("web", "webxr"):
         raise InputError(
             "no page is served here", where="device", got=named, remedy="Use `sandbox play`"
         )
-    if not isinstance(device, str):
-        makers, about, live = (_opens(device),), {"device": "from Python"}, False
-    caption = "simulated user" if about.get("user") is not None else ""
+    caption = "simulated user" if chosen.device.user is not None else ""
     with _Views(film, pictures, trajectories, caption) as views:
         if live if real_time is None else real_time:
             views.pace = RealTime()
         result = play_trial(
-            chosen.settings,
+            chosen,
             with_lift(makers, keys=False),
             views.make,
             Path(record) if record else None,
-            about,
         )
     return views.run(result=result.as_json())
 
@@ -154,7 +162,7 @@ def replay_recording(
         GraphicsError: A film or pictures are asked for and this machine has no OpenGL.
     """
     recording = load_recording(Path(path))
-    caption = "simulated user" if recording.header.get("user") else ""
+    caption = "simulated user" if recorded_users(recording.header)[0] else ""
     with _Views(film, pictures, trajectories, caption) as views, threadpool_limits(1):
         session, verification = replay(recording, views.make)
         session.close()

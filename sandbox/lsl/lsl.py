@@ -109,7 +109,8 @@ class LslOutlets:
     def begin(self, header: Mapping[str, Any]) -> None:
         """See `SessionListener`."""
         settings = header.get("settings", {})
-        about = {k: settings[k] for k in ("task", "seed", "encoder") if k in settings}
+        known = {**settings, **settings.get("pipeline", {})}
+        about = {k: known[k] for k in ("task", "seed", "encoder") if k in known}
         self.event("trial_start", {**about, **header.get("study", {})})
 
     def input(self, step: int, time: float, hand: int, frame: Frame) -> None:

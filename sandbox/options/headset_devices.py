@@ -3,24 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any, cast
+from typing import Any
 
 from models.errors import InputError
-from models.surface import Surface
-from sandbox.devices.webxr.webxr import HeadsetDevice
-from sandbox.session.device import Device
-from sandbox.trial.device_makers import DeviceMaker, DeviceMakers
+from sandbox.devices.webxr.headset_maker import LIVE, is_headset
 from sandbox.trial.hand_input import HandInput
-from sandbox.trial.settings import RunSettings
-from tasks.task import Task
-from tasks.user import UserConfiguration
-
-LIVE, SIMULATED = "webxr", "webxr-simulated"
-
-
-def is_headset(device: str) -> bool:
-    """True if a device is a headset, or a simulated one."""
-    return device in (LIVE, SIMULATED)
+from sandbox.trial.settings import Settings
 
 
 def both_in_one_headset(options: Any) -> bool:
@@ -28,7 +16,7 @@ def both_in_one_headset(options: Any) -> bool:
     return options.device == LIVE and options.second_device in (None, LIVE)
 
 
-def with_headset_hands(settings: RunSettings, options: Any) -> RunSettings:
+def with_headset_hands(settings: Settings, options: Any) -> Settings:
     """Returns settings whose hands are solved from joints where a headset sees them.
 
     Args:
@@ -60,36 +48,5 @@ def with_headset_hands(settings: RunSettings, options: Any) -> RunSettings:
                 got=f"two {first.side} hands",
             )
         others = [replace(others[0], in_air=seen)]
-        settings = replace(settings, one_surface=False)
+        settings = settings.changed(shared=False)
     return replace(settings, hands=(first, *others))
-
-
-def headset_makers(hands: int) -> DeviceMakers:
-    """Returns makers of a headset's device for one hand, or for two that share it."""
-    opened: list[HeadsetDevice] = []
-
-    def first(task: Task, surface: Surface) -> Device:
-        opened[:] = [HeadsetDevice()]
-        return cast(Device, opened[0])
-
-    def second(task: Task, surface: Surface) -> Device:
-        return cast(Device, opened[0].second)
-
-    return (first, second)[:hands]
-
-
-def simulated_maker(settings: RunSettings, user: UserConfiguration, hand: int) -> DeviceMaker:
-    """Returns a maker of a simulated headset.
-
-    Args:
-        settings: Settings of the run.
-        user: Simulated user, whose hand it sees.
-        hand: Index of the hand in `settings.hands`.
-    """
-    # Bodies are simulated with parts of SciPy that take long to load.
-    from sandbox.devices.simulated.headset_user import SimulatedHeadset
-
-    person = settings.hands[hand].person
-    return lambda task, surface: cast(
-        Device, SimulatedHeadset(task, user, settings.seed, person, hand)
-    )

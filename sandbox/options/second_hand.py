@@ -11,7 +11,7 @@ import tyro
 from models.errors import InputError
 from sandbox.devices.registry import DEVICES
 from sandbox.recording.recording import Recording
-from sandbox.trial.settings import RunSettings
+from sandbox.trial.settings import Settings
 from tasks.registry import find_task, hands_of
 
 TWICE = ("--device", "--hand", "--hand-size", "--turn", "--user")
@@ -73,8 +73,8 @@ def with_second_names(argv: Sequence[str]) -> list[str]:
 
 
 def with_second_hand(
-    settings: RunSettings, options: SecondOptions, device: str, recording: Recording | None
-) -> RunSettings:
+    settings: Settings, options: SecondOptions, device: str, recording: Recording | None
+) -> Settings:
     """Returns settings with a second hand if the task or the options need one.
 
     Args:
@@ -117,10 +117,8 @@ def with_second_hand(
         raise InputError("this device takes only one hand", where="--one-surface", got=device)
     alone = options.second_device is None and device not in ONE_HAND_EACH
     first = settings.hands[0]
-    return replace(
-        settings,
-        hands=(first, replace(first.other, **given)),
-        one_surface=options.one_surface or alone,
+    return settings.changed(
+        hands=(first, replace(first.other, **given)), shared=options.one_surface or alone
     )
 
 

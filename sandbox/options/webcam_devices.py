@@ -2,34 +2,22 @@
 
 from __future__ import annotations
 
-import webbrowser
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from math import atan, degrees
 from pathlib import Path
-from typing import Annotated, Any, cast
+from typing import Annotated, Any
 
 import tyro
 
 from encoders.webcam.camera import Camera
 from models.errors import InputError
-from models.surface import Surface
-from sandbox.devices.registry import built_in
-from sandbox.devices.webcam.installed import installed_engine
 from sandbox.devices.webcam.landmark_file import (
-    LandmarkFileDevice,
-    is_landmark_file,
     read_landmarks,
 )
-from sandbox.devices.webcam.shared_camera import SharedCamera
-from sandbox.devices.webcam.webcam import WebcamDevice
-from sandbox.session.device import Device
-from sandbox.trial.device_makers import DeviceMakers
+from sandbox.devices.webcam.webcam_maker import LIVE, is_webcam
 from sandbox.trial.hand_input import HandInput
-from sandbox.trial.settings import RunSettings
-from tasks.task import Task
+from sandbox.trial.settings import Settings
 
-LIVE = "webcam"
 _NUMBERS = {"fov": "view", "tilt": "tilt", "roll": "roll", "pan": "pan"}
 """Key of an option -> field of the camera."""
 _WORDS = ("mirrored", "quiet")
@@ -62,14 +50,6 @@ class WebcamChoice:
     camera: Camera
     mirrored: bool = False
     quiet: bool = False
-
-
-def is_webcam(device: str) -> bool:
-    """True if a device is a camera or a recording of landmarks."""
-    if built_in(device) is not None:
-        return device == LIVE
-    path = Path(device)
-    return path.is_file() and is_landmark_file(path)
 
 
 def both_before_one_camera(options: Any) -> bool:
@@ -110,7 +90,7 @@ def webcam_choice(text: str, camera: Camera | None = None) -> WebcamChoice:
     return WebcamChoice(replace(camera or Camera(), **values), **words)
 
 
-def with_webcam_hands(settings: RunSettings, options: Any) -> RunSettings:
+def with_webcam_hands(settings: Settings, options: Any) -> Settings:
     """Returns settings with the camera of the hands that are before one.
 
     Args:
@@ -129,7 +109,7 @@ def with_webcam_hands(settings: RunSettings, options: Any) -> RunSettings:
         second, other = others[0], options.second_device or options.device
         if is_webcam(other):
             others = [replace(second, in_air=_hand_input(options, other))]
-            settings = replace(settings, one_surface=False)
+            settings = settings.changed(shared=False)
         if both_before_one_camera(options) and first.side == second.side:
             raise InputError(
                 "two hands before one camera must be a right and a left hand",
@@ -137,50 +117,6 @@ def with_webcam_hands(settings: RunSettings, options: Any) -> RunSettings:
                 got=f"two {second.side} hands",
             )
     return replace(settings, hands=(first, *others))
-
-
-def webcam_maker(
-    options: Any, settings: RunSettings, hand: int
-) -> Callable[[Task, Surface], Device]:
-    """Returns a function that opens the camera, or a recording of one.
-
-    Raises:
-        InputError: The engine is not installed, or the file cannot be read.
-    """
-    if options.device != LIVE:
-        recording = read_landmarks(Path(options.device))
-        return lambda task, surface: cast(Device, LandmarkFileDevice(recording))
-    engine = installed_engine()
-    choice = webcam_choice(options.webcam)
-    sides = [h.side for h in settings.hands]
-    sides = sides if both_before_one_camera(options) else [sides[hand]]
-
-    def make(task: Task, surface: Surface) -> Device:
-        device = WebcamDevice(engine, sides, choice.mirrored)
-        if not choice.quiet:
-            webbrowser.open(device.address)
-        return cast(Device, device)
-
-    return make
-
-
-def sharing_camera(make: Callable[[Task, Surface], Device]) -> DeviceMakers:
-    """Returns makers of two devices that share one camera.
-
-    Args:
-        make: Opens the camera.
-    """
-    parts: list[Device] = []
-
-    def first(task: Task, surface: Surface) -> Device:
-        camera: Any = make(task, surface)
-        parts[:] = [cast(Device, part) for part in SharedCamera(camera).parts]
-        return parts[0]
-
-    def second(task: Task, surface: Surface) -> Device:
-        return parts[1]
-
-    return first, second
 
 
 def _hand_input(options: Any, device: str) -> HandInput:

@@ -9,6 +9,7 @@ from models.errors import RecordingError
 from models.scene import CONTROL_PERIOD
 from sandbox.recording.recording import Recording
 from sandbox.session.device import Device
+from sandbox.trial.recorded_settings import recorded_settings
 
 
 class RecordedDevice(Device):
@@ -29,7 +30,7 @@ class RecordedDevice(Device):
         self.damage = (
             RecordingError(recording.damage, where=self.name) if recording.damage else None
         )
-        self._timestep = float(recording.header["settings"]["timestep"])
+        self._timestep = recorded_settings(recording.header, "physics").physics.timestep
         self._inputs = recording.inputs.get(hand, [])
         self._switches = [e for e in recording.events if e.what == "contact"]
         self._next = self._next_switch = 0

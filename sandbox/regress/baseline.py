@@ -25,6 +25,8 @@ SCHEMA = 2
 KIND = "baseline of sandbox regress"
 HEAD = 200
 """Bytes at the beginning of a baseline, among which is its kind."""
+_NAMED = 4
+"""Number of changed defaults that a clause names at most."""
 ANEW = "--update-baseline, in pytest --sandbox-update-baseline, makes it anew"
 """Way out where a baseline cannot be compared with."""
 
@@ -71,6 +73,7 @@ class _BaselineFile(Struct):
     given: dict[str, Any]
     program: dict[str, Any]
     tasks: dict[str, _TaskLines]
+    settings: dict[str, Any] = {}
 
 
 @dataclass(frozen=True)
@@ -160,6 +163,14 @@ class Baseline:
         other = " with other models" if models else ""
         return f"the baseline is of {self.origin}{other}, this run of {origin}"
 
+    def changed_defaults(self, origin: Origin) -> str:
+        """A clause that names the settings that nobody gave and that have other values now."""
+        there, here = flat(self.origin.settings), flat(origin.settings)
+        changed = [name for name in here if name in there and here[name] != there[name]]
+        values = (f"{name} is {here[name]}, was {there[name]}" for name in changed[:_NAMED])
+        more = f" and {len(changed) - _NAMED} more" if len(changed) > _NAMED else ""
+        return f"defaults have changed since: {'; '.join(values)}{more}" if changed else ""
+
     def check_seeds(self, names: Sequence[str], seeds: Sequence[int]) -> None:
         """Refuses a run of which it has no seed.
 
@@ -224,13 +235,15 @@ class Baseline:
                 f'   "depends_on": {json.dumps(dict(task.depends_on))},\n'
                 '   "trials": {\n' + ",\n".join(rows) + "\n   }\n  }"
             )
-        given, program = (
+        given, settings, program = (
             json.dumps(part, indent=1, sort_keys=True).replace("\n", "\n ")
-            for part in (self.origin.given, self.origin.program)
+            for part in (self.origin.given, self.origin.settings, self.origin.program)
         )
         return (
             f'{{\n "kind": {json.dumps(KIND)},\n "schema": {SCHEMA},\n "given": {given},\n'
-            f' "program": {program},\n "tasks": {{\n' + ",\n".join(tasks) + "\n }\n}\n"
+            f' "settings": {settings},\n "program": {program},\n "tasks": {{\n'
+            + ",\n".join(tasks)
+            + "\n }\n}\n"
         )
 
     def save(self) -> None:
@@ -282,7 +295,7 @@ def load_baseline(path: Path) -> Baseline:
         )
         for name, task in document.tasks.items()
     }
-    return Baseline(Origin(document.given, document.program), tasks, path)
+    return Baseline(Origin(document.given, document.program, document.settings), tasks, path)
 
 
 def replaceable(path: Path) -> Baseline | None:

@@ -25,7 +25,6 @@ from sandbox.regress.plan import TrialJob, registered
 from sandbox.trial.assembly import load_encoder
 from sandbox.trial.headless import run_trial
 from sandbox.trial.result import KeptIn, kept_fields
-from sandbox.trial.settings import RunSettings
 from tasks.guarded import build_scene, draw_task, measure
 from tasks.registry import find_task, is_built_in
 
@@ -76,14 +75,7 @@ def run_job(job: TrialJob) -> Trial:
         # A run that was killed left a part of it.
         recording.unlink(missing_ok=True)
     with registered(job.own_task):
-        planned = job.planned()
-        result = run_trial(
-            planned.settings,
-            planned.makers,
-            record=recording,
-            about=planned.about,
-            dump=Path(gettempdir()),
-        )
+        result = run_trial(job.settings, record=recording, dump=Path(gettempdir()))
     if recording is not None and result.success and not job.record_all:
         recording.unlink(missing_ok=True)
     return {
@@ -129,7 +121,7 @@ def is_own_fault(error: HandSandboxError, job: TrialJob) -> bool:
     codes = [frame.f_code for frame, _ in traceback.walk_tb(error.__traceback__)]
     if not any(call.__code__ in codes for call in (draw_task, build_scene, measure)):
         return False
-    return not is_built_in(job.own_task or find_task(job.task))
+    return not is_built_in(job.own_task or find_task(job.settings.task))
 
 
 @dataclass
@@ -168,7 +160,7 @@ class Processes:
 
     def run(self, jobs: Sequence[TrialJob], stopped: Stopped = never) -> Trials:
         """The trials as they end."""
-        for name in {str(job.scene.get("encoder", RunSettings.encoder)) for job in jobs}:
+        for name in {job.settings.pipeline.encoder for job in jobs}:
             # An encoder that has to be trained is trained here, once, and not in every process.
             load_encoder(name)
         waiting = list(reversed(jobs))

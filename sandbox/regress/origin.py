@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 ENCODER = "encoder"
@@ -19,10 +19,13 @@ class Origin:
             digest. Results compare only where these are equal.
         program: The program that ran: `states` (see `sandbox.recording.states`), `version`, from a
             checkout `commit`, and `models`, the digests of encoder and labels.
+        settings: All settings of a trial, but for task, seed and what follows from the task, so
+            that a changed default is named; empty in a baseline that does not have them.
     """
 
     given: Mapping[str, Any]
     program: Mapping[str, Any]
+    settings: Mapping[str, Any] = field(default_factory=dict)
 
     @property
     def decides_states(self) -> tuple[Any, Any]:

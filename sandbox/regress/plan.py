@@ -7,19 +7,20 @@ import shlex
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, fields, replace
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 from encoders.regression.model_registry import MODELS
 from models.errors import InputError
 from models.plugins import failure
-from sandbox.options.scene_options import Plan, SceneOptions, plan
+from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.options.second_hand import SecondOptions
 from sandbox.recording.states import STATES
 from sandbox.recording.versions import versions
 from sandbox.regress.origin import ENCODER, Origin
 from sandbox.trial.assembly import digests, drawn
-from sandbox.trial.settings import result_settings
+from sandbox.trial.settings import Settings, encoded
 from tasks.registry import TASKS, claim_name, find_task, is_built_in, task_names
 from tasks.task import Task
 
@@ -34,24 +35,16 @@ class TrialJob:
     """One trial to run, in any process.
 
     Attributes:
-        task: Name of the task, or its place.
-        seed: Seed of the trial.
-        scene: Options of `sandbox run` that differ from its defaults.
+        settings: Settings of the trial.
         record: Folder for a recording, which is kept if the trial fails; None does not record.
         own_task: The task's class if the registry does not know it.
         record_all: The recording is kept if the trial succeeds, too.
     """
 
-    task: str
-    seed: int
-    scene: Mapping[str, Any] = field(default_factory=dict)
+    settings: Settings
     record: Path | None = None
     own_task: type[Task] | None = None
     record_all: bool = False
-
-    def planned(self) -> Plan:
-        """The trial's settings and device; call it where the task is registered."""
-        return plan(SceneOptions(task=self.task, seed=self.seed, **self.scene))
 
     @property
     def recording(self) -> Path | None:
@@ -61,7 +54,12 @@ class TrialJob:
     @property
     def name(self) -> str:
         """Name of the task."""
-        return self.own_task.name if self.own_task else _name(self.task)
+        return self.own_task.name if self.own_task else _name(self.settings.task)
+
+    @property
+    def seed(self) -> int:
+        """Seed of the trial."""
+        return self.settings.seed
 
 
 @dataclass(frozen=True)
@@ -89,10 +87,11 @@ class RegressionPlan:
         if unknown:
             raise InputError("no such option of a trial", got=", ".join(sorted(unknown)))
         claimed: dict[str, tuple[str, type[Task]]] = {}
-        for job in self.jobs()[: len(self.tasks)]:
-            with registered(job.own_task):
+        for task in self.tasks:
+            place, own_task = _place(task)
+            with registered(own_task):
                 # Trials of two tasks of one name would be counted as those of one.
-                claim_name(claimed, job.task, find_task(job.task))
+                claim_name(claimed, place, find_task(place))
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -100,19 +99,30 @@ class RegressionPlan:
         return tuple(_name(t) for t in self.tasks)
 
     def jobs(self) -> list[TrialJob]:
-        """All trials, a seed of every task before the next seed: what breaks off is balanced."""
+        """All trials, a seed of every task before the next seed: what breaks off is balanced.
+
+        Raises:
+            InputError: An option has an invalid value.
+        """
         return [
-            TrialJob(
-                task if isinstance(task, str) else task.name,
-                seed,
-                self.scene,
-                self.record,
-                None if isinstance(task, str) else task,
-                self.record_all,
-            )
+            TrialJob(replace(settings, seed=seed), self.record, _place(task)[1], self.record_all)
             for seed in self.seeds
-            for task in self.tasks
+            for task, settings in zip(self.tasks, self.settings, strict=True)
         ]
+
+    @cached_property
+    def settings(self) -> tuple[Settings, ...]:
+        """Settings of every task's trials, with seed 0.
+
+        Raises:
+            InputError: An option has an invalid value.
+        """
+        made = []
+        for task in self.tasks:
+            place, own_task = _place(task)
+            with registered(own_task):
+                made.append(scene_settings(SceneOptions(task=place, **self.scene)))
+        return tuple(made)
 
     def check_drawn(self) -> None:
         """Checks, before anything is played, that some trial of every task can be drawn.
@@ -130,7 +140,7 @@ class RegressionPlan:
             for job in replace(self, tasks=(task,)).jobs():
                 try:
                     with registered(job.own_task):
-                        drawn(job.planned().settings)
+                        drawn(job.settings)
                 except InputError as error:
                     reasons.append(error)
                 except (Exception, SystemExit) as error:
@@ -148,23 +158,16 @@ class RegressionPlan:
         Raises:
             InputError: An option has an invalid value.
         """
-        job = self.jobs()[0]
-        with registered(job.own_task):
-            planned = job.planned()
-        settings = result_settings(planned.settings.as_json())
+        settings = self.settings[0]
+        values = encoded(settings)
         for each in ("task", "seed"):
-            del settings[each]
-        configuration = {
-            "encoder": planned.settings.encoder,
-            "settings": settings,
-            "digests": digests(planned.settings),
-            **planned.about,
-        }
+            del values[each]
         if not set(self.scene) & {f.name for f in fields(SecondOptions)}:
             # Which tasks have a second hand follows from the tasks.
-            settings.pop("second", None)
-            configuration.pop("second", None)
-        return configuration
+            values["hands"] = values["hands"][:1]
+            values["second_device"] = None
+            values["surface"]["shared"] = False
+        return {"settings": values, "digests": digests(settings)}
 
     def origin(self) -> Origin:
         """What its trials follow from, beside tasks and seeds.
@@ -172,18 +175,17 @@ class RegressionPlan:
         Raises:
             InputError: An option has an invalid value.
         """
-        job = self.jobs()[0]
-        with registered(job.own_task):
-            settings = job.planned().settings
-        models = digests(settings)
+        configuration = self.configuration()
+        models, settings = configuration["digests"], configuration["settings"]
         given = dict(self.scene)
-        if given.get(ENCODER, settings.encoder) not in MODELS:
+        if given.get(ENCODER, settings["pipeline"]["encoder"]) not in MODELS:
             given[ENCODER] = f"of one's own, {models['encoder']}"
+            settings["pipeline"]["encoder"] = given[ENCODER]
         here = versions()
         program = {"states": STATES, "version": here["hand-sandbox"], "models": models}
         if "commit" in here:
             program["commit"] = here["commit"]
-        return Origin(json.loads(json.dumps(given, default=str)), program)
+        return Origin(json.loads(json.dumps(given, default=str)), program, settings)
 
     def versions(self) -> dict[str, int]:
         """Version of every task."""
@@ -201,8 +203,7 @@ class RegressionPlan:
         asked = next((t for t in self.tasks if _name(t) == task), task)
         if not isinstance(asked, str):
             return _python_command(asked, seed, self.scene)
-        job = TrialJob(asked, seed, self.scene, self.record)
-        kept = job.recording
+        kept = None if self.record is None else self.record / f"{_name(asked)}-{seed}.jsonl"
         run = ["sandbox", "run", asked, "--seed", str(seed), *options(self.scene)]
         if crashed:
             return shlex.join(run)
@@ -214,6 +215,11 @@ class RegressionPlan:
         return f"{again} && {shlex.join(['sandbox', 'replay', name])}"
 
 
+def _place(task: str | type[Task]) -> tuple[str, type[Task] | None]:
+    """Name or place of a task, and its class if the registry does not know it."""
+    return (task, None) if isinstance(task, str) else (task.name, task)
+
+
 def _name(task: str | type[Task]) -> str:
     return find_task(task).name if isinstance(task, str) else task.name
 
@@ -223,9 +229,9 @@ def _python_command(own_task: type[Task], seed: int, scene: Mapping[str, Any]) -
     module, name = own_task.__module__, own_task.__qualname__
     program = (
         "from sandbox.regress.execute import run_job; "
-        "from sandbox.regress.plan import TrialJob; "
+        "from sandbox.regress.plan import RegressionPlan; "
         f"from {module} import {name} as T; "
-        f"print(run_job(TrialJob(T.name, {seed}, {dict(scene)!r}, own_task=T)))"
+        f"print(run_job(RegressionPlan((T,), ({seed},), {dict(scene)!r}).jobs()[0]))"
     )
     return shlex.join(["python", "-c", program])
 

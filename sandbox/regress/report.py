@@ -304,6 +304,8 @@ def make_report(
         differing = baseline.differing_program(origin)
         if differing:
             notes.append(f"{differing}: states are not compared")
+        if changed := baseline.changed_defaults(origin):
+            notes.append(changed)
         comparisons = _compare(tasks, baseline, states=not differing)
         for task in tasks:
             if task.name not in comparisons:

@@ -33,7 +33,8 @@ def show(report: Report, console: Console) -> None:
 
 
 def _successes(report: Report) -> Table:
-    table = Table(title=f"simulated user, encoder {escape(report.configuration['encoder'])}")
+    encoder = report.configuration["settings"]["pipeline"]["encoder"]
+    table = Table(title=f"simulated user, encoder {escape(encoder)}")
     table.add_column("task")
     for name in ("success", "95 % interval", "progress", "median time", "crashed"):
         table.add_column(name, justify="right")

@@ -58,7 +58,7 @@ def said(curve: Curve) -> list[str]:
 
 def _table(found: Sweep, curve: Curve) -> Table:
     kind = curve.kind
-    encoder = found.plan.configuration()["encoder"]
+    encoder = found.plan.settings[0].pipeline.encoder
     table = Table(title=f"{escape(curve.task)}: {kind.about} (simulated user, {escape(encoder)})")
     table.add_column(f"{kind.name}, {kind.unit or 'factor'}", justify="right")
     for name in ("success", "95 % interval", "lost", "won", "p", "median time", ""):

@@ -338,10 +338,14 @@ def refusal(plan: RegressionPlan) -> str:
 
     A trial that the task's own code cannot draw is left to crash when it is run.
     """
-    for job in plan.jobs():
+    try:
+        jobs = plan.jobs()
+    except InputError as error:
+        return str(error)
+    for job in jobs:
         with registered(job.own_task):
             try:
-                drawn(job.planned().settings)
+                drawn(job.settings)
             except InputError as error:
                 if not is_own_fault(error, job):
                     return str(error)

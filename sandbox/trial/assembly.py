@@ -36,7 +36,7 @@ from sandbox.session.collision_gating import CollisionGatingRules
 from sandbox.session.own_layouts import known_layouts
 from sandbox.session.session import Recorder, Rig, Session
 from sandbox.trial.device_makers import DeviceMakers, check_count
-from sandbox.trial.settings import SOLID, HandSettings, RunSettings
+from sandbox.trial.settings import SOLID, HandSettings, Settings
 from sandbox.trial.surfaces import place_all
 from tasks.guarded import draw_task
 from tasks.overlaps import check_varied
@@ -83,19 +83,19 @@ def _print_progress(line: str) -> None:
     print(f"--encoder: {line}", file=sys.stderr)
 
 
-def digests(settings: RunSettings) -> dict[str, str]:
+def digests(settings: Settings) -> dict[str, str]:
     """Digests of the trained models: the encoder, and the belief over labels if it is used; and of
     a robot's hand."""
     belief = _belief(settings)
     labels = "" if belief is None else belief.trained.digest
-    learned = {"encoder": load_encoder(settings.encoder).digest, "labels": labels}
-    if not settings.robot:
+    learned = {"encoder": load_encoder(settings.pipeline.encoder).digest, "labels": labels}
+    if not settings.physics.robot:
         return learned
-    return {**learned, "robot": RobotHand("", find_robot(settings.robot)).digest}
+    return {**learned, "robot": RobotHand("", find_robot(settings.physics.robot)).digest}
 
 
 def reconstructor_settings(
-    settings: RunSettings, lift_range: float = 0.0, size: float = 1.0
+    settings: Settings, lift_range: float = 0.0, size: float = 1.0
 ) -> ReconstructorSettings:
     """Settings of the reconstructor of touches.
 
@@ -105,26 +105,26 @@ def reconstructor_settings(
         size: Length of the person's hand relative to the trained hand.
     """
     tracker, arrival = TrackerSettings(), ArrivalSettings()
-    if not settings.stitch:
+    if not settings.pipeline.stitch:
         tracker = replace(tracker, grace=0.0, cancelled_grace=0.0)
-    if not settings.smoothing:
+    if not settings.pipeline.smoothing:
         tracker = replace(tracker, low_pass=0.0)
-    if not settings.arrival:
+    if not settings.pipeline.arrival:
         arrival = replace(arrival, hover=0.0)
     chosen = ReconstructorSettings(
         tracker=tracker,
         arrival=arrival,
         # The reconstructor works in the trained hand's scale.
         lift=LiftSettings(reach=lift_range / size),
-        correction=CorrectionSettings() if settings.correction else None,
-        encode=settings.encode,
-        rate=GENTLE if is_gentle(settings.impulse) else RateLimit(),
+        correction=CorrectionSettings() if settings.pipeline.correction else None,
+        encode=settings.pipeline.encode,
+        rate=GENTLE if is_gentle(settings.physics.impulse) else RateLimit(),
     )
-    return chosen if settings.smoothing else replace(chosen, posture_tau=0.0)
+    return chosen if settings.pipeline.smoothing else replace(chosen, posture_tau=0.0)
 
 
 def make_labeller(
-    settings: RunSettings, model: TrainedModel, hand: HandSettings | None = None
+    settings: Settings, model: TrainedModel, hand: HandSettings | None = None
 ) -> Labeller:
     """The labeller that the settings name.
 
@@ -138,24 +138,24 @@ def make_labeller(
     return _belief(settings, hand) or PaperLabels(model)
 
 
-def _belief(settings: RunSettings, hand: HandSettings | None = None) -> BeliefLabels | None:
+def _belief(settings: Settings, hand: HandSettings | None = None) -> BeliefLabels | None:
     """The belief over labels that the settings name, about the fingers that a robot's hand has;
     None for the paper's rule."""
     belief = _any_belief(settings, hand)
-    if belief and settings.robot:
-        belief.fingers = len(find_robot(settings.robot).tips)
+    if belief and settings.physics.robot:
+        belief.fingers = len(find_robot(settings.physics.robot).tips)
     return belief
 
 
-def _any_belief(settings: RunSettings, hand: HandSettings | None = None) -> BeliefLabels | None:
+def _any_belief(settings: Settings, hand: HandSettings | None = None) -> BeliefLabels | None:
     """The same for a hand with five fingers."""
-    if settings.labels == "paper":
+    if settings.pipeline.labels == "paper":
         return None
     known = known_layouts(hand.layouts, hand.size) if hand and hand.layouts else None
     return builtin_population_belief(known)
 
 
-def drawn(settings: RunSettings, may_overlap: bool = False) -> tuple[Task, tuple[Surface, ...]]:
+def drawn(settings: Settings, may_overlap: bool = False) -> tuple[Task, tuple[Surface, ...]]:
     """Draws and varies the trial of a run, and places the surface of every hand.
 
     Args:
@@ -167,7 +167,7 @@ def drawn(settings: RunSettings, may_overlap: bool = False) -> tuple[Task, tuple
             of the varied trial overlap.
     """
     kind = find_task(settings.task)
-    whole, surfaces = place_all(place_surface(settings.surface, kind), settings, kind)
+    whole, surfaces = place_all(place_surface(settings.surface.rectangle, kind), settings, kind)
     plain = draw_task(kind, settings.seed, whole)
     task = vary(plain, settings.variation, whole)
     if task is not plain and not may_overlap:
@@ -176,7 +176,7 @@ def drawn(settings: RunSettings, may_overlap: bool = False) -> tuple[Task, tuple
 
 
 def build(
-    settings: RunSettings,
+    settings: Settings,
     makers: DeviceMakers,
     recorder: Recorder | None = None,
     wrap_reconstructor: Callable[[Reconstructor], Reconstructor] | None = None,
@@ -209,7 +209,7 @@ def build(
             expected=f"0 for {settings.task}",
         )
     check_count(makers, settings)
-    model = load_encoder(settings.encoder)
+    model = load_encoder(settings.pipeline.encoder)
     reconstructors: list[Reconstructor | AirReconstructor] = []
     leads: list[Callable[[Array | None], None] | None] = []
     for hand, surface in zip(settings.hands, surfaces, strict=True):
@@ -241,12 +241,12 @@ def build(
         reconstructors.append(touched)
         leads.append(touched.lead)
     rules = CollisionGatingRules(
-        settings.ghost_until_clear,
-        settings.distal_only,
+        settings.pipeline.ghost_until_clear,
+        settings.pipeline.distal_only,
         # Tips that are not at their touches cannot be led; nor is there a need where a hand
         # becomes solid within things.
-        lead=settings.correction and settings.ghost_until_clear,
-        all_over=settings.solid == SOLID[1],
+        lead=settings.pipeline.correction and settings.pipeline.ghost_until_clear,
+        all_over=settings.physics.solid == SOLID[1],
     )
     air_rules = replace(rules, lead=False, **IN_AIR)
     friction = settings.variation.friction
@@ -266,7 +266,13 @@ def build(
             device = make(task, surface)
             rigs.append(Rig(device, reconstructor, model_hand, yaw, own_rules, lead))
         session = Session(
-            task, rigs, rules, settings.timestep, recorder, settings.contact, friction
+            task,
+            rigs,
+            rules,
+            settings.physics.timestep,
+            recorder,
+            settings.physics.contact,
+            friction,
         )
     except BaseException:
         with ExitStack() as closing:
@@ -278,7 +284,7 @@ def build(
     return session
 
 
-def _hands(settings: RunSettings, task_type: type[Task]) -> list[SceneHand]:
+def _hands(settings: Settings, task_type: type[Task]) -> list[SceneHand]:
     """The simulated hands."""
     return [
         _hand(settings, name, hand, task_type)
@@ -286,34 +292,36 @@ def _hands(settings: RunSettings, task_type: type[Task]) -> list[SceneHand]:
     ]
 
 
-def _hand(settings: RunSettings, name: str, hand: HandSettings, task_type: type[Task]) -> SceneHand:
+def _hand(settings: Settings, name: str, hand: HandSettings, task_type: type[Task]) -> SceneHand:
     """One simulated hand: ours, or a robot's."""
     skeleton = hand.person.skeleton(ADULT)
     solid_end = _solid_end(settings, hand, task_type)
-    if not settings.robot:
+    if not settings.physics.robot:
         return Hand(
             name,
             skeleton,
-            servo=settings.servo,
-            impulse=settings.impulse,
-            finger_armature=finger_armature(settings.impulse),
+            servo=settings.physics.servo,
+            impulse=settings.physics.impulse,
+            finger_armature=finger_armature(settings.physics.impulse),
             solid_end=solid_end,
-            solid_palm=settings.solid == SOLID[1],
+            solid_palm=settings.physics.solid == SOLID[1],
         )
-    mapping = find_robot(settings.robot)
+    mapping = find_robot(settings.physics.robot)
     if mapping.side != hand.side:
         raise InputError(
             f"this robot's hand is a {mapping.side} one",
             where="--robot",
-            got=f"{settings.robot} for the {hand.side} hand",
+            got=f"{settings.physics.robot} for the {hand.side} hand",
             remedy=f"Use --hand {mapping.side}",
         )
-    return RobotHand(name, mapping, skeleton, hand.size, settings.impulse, solid_end=solid_end)
+    return RobotHand(
+        name, mapping, skeleton, hand.size, settings.physics.impulse, solid_end=solid_end
+    )
 
 
-def _solid_end(settings: RunSettings, hand: HandSettings, task_type: type[Task]) -> float | None:
+def _solid_end(settings: Settings, hand: HandSettings, task_type: type[Task]) -> float | None:
     """Solid length in m of the last links where only fingertips are solid; see `Hand`."""
-    if settings.solid == SOLID[1]:
+    if settings.physics.solid == SOLID[1]:
         return None if hand.in_air is not None else TIP_END
     if task_type.plane == "front":
         return UPRIGHT_END

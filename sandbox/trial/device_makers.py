@@ -8,7 +8,7 @@ from models.errors import InputError
 from models.surface import Surface
 from sandbox.devices.wrappers.shared import MergedTouches, SharedSurface
 from sandbox.session.device import Device
-from sandbox.trial.settings import RunSettings
+from sandbox.trial.settings import Settings
 from sandbox.trial.surfaces import homes
 from tasks.task import Task
 
@@ -16,7 +16,7 @@ DeviceMaker = Callable[[Task, Surface], Device]
 """Function that opens a device for a drawn task on a placed surface."""
 
 DeviceMakers = tuple[DeviceMaker, ...]
-"""One maker per hand, in the order of `RunSettings.hands`."""
+"""One maker per hand, in the order of `Settings.hands`."""
 
 
 def with_first(makers: DeviceMakers, change: Callable[[DeviceMaker], DeviceMaker]) -> DeviceMakers:
@@ -25,7 +25,7 @@ def with_first(makers: DeviceMakers, change: Callable[[DeviceMaker], DeviceMaker
     return (change(first), *others)
 
 
-def sharing(make_device: DeviceMaker, settings: RunSettings) -> DeviceMakers:
+def sharing(make_device: DeviceMaker, settings: Settings) -> DeviceMakers:
     """Makers for two hands that open one device and share its surface.
 
     Args:
@@ -54,7 +54,7 @@ def merging(makers: DeviceMakers) -> DeviceMaker:
     return make
 
 
-def check_count(makers: DeviceMakers, settings: RunSettings) -> None:
+def check_count(makers: DeviceMakers, settings: Settings) -> None:
     """Checks that there is one maker per hand.
 
     Raises:

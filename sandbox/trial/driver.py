@@ -24,9 +24,10 @@ from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
 from sandbox.trial.assembly import build, digests
 from sandbox.trial.device_makers import DeviceMakers
+from sandbox.trial.open_devices import device_makers
 from sandbox.trial.pacing import Pace
 from sandbox.trial.result import TrialResult
-from sandbox.trial.settings import RunSettings
+from sandbox.trial.settings import Settings, encoded
 from sandbox.trial.trial_recorder import TrialRecorder
 
 View = Callable[[Snapshot], None]
@@ -141,8 +142,8 @@ class Trial:
 
 @contextmanager
 def open_trial(
-    settings: RunSettings,
-    makers: DeviceMakers,
+    settings: Settings,
+    makers: DeviceMakers | None = None,
     make_views: ViewMaker = no_views,
     record: Path | None = None,
     about: dict[str, Any] | None = None,
@@ -153,10 +154,10 @@ def open_trial(
 
     Args:
         settings: Settings of the run.
-        makers: Functions that open the devices, one per hand.
+        makers: Functions that open the devices, one per hand; None opens those of the settings.
         make_views: Makes the views.
         record: File of the recording; None writes none.
-        about: Further entries of header and result, such as the simulated user.
+        about: Further entries of header and result, such as the trial of a study.
         dump: Folder for the last states of a diverging simulation without a recording; beside a
             recording they are always written.
         may_overlap: Things of a varied trial may overlap; see `build`.
@@ -169,7 +170,8 @@ def open_trial(
     begun = False
     try:
         with undisturbed():
-            session = build(settings, makers, trial_recorder.recorder, may_overlap=may_overlap)
+            opened = device_makers(settings) if makers is None else makers
+            session = build(settings, opened, trial_recorder.recorder, may_overlap=may_overlap)
             try:
                 trial = Trial(session, make_views(session), trial_recorder)
                 begun = True
@@ -200,14 +202,13 @@ def undisturbed() -> Iterator[None]:
             gc.enable()
 
 
-def trial_header(settings: RunSettings, about: dict[str, Any] | None = None) -> dict[str, Any]:
+def trial_header(settings: Settings, about: dict[str, Any] | None = None) -> dict[str, Any]:
     """The header of a recording: everything needed to run the trial again."""
-    task_from = task_origin(settings.task, settings.seed, settings.surface)
-    encoder_from = encoder_origin(settings.encoder)
+    task_from = task_origin(settings.task, settings.seed, settings.surface.rectangle)
+    encoder_from = encoder_origin(settings.pipeline.encoder)
     return {
         "states": STATES,
-        "settings": settings.as_json(),
-        "encoder": settings.encoder,
+        "settings": encoded(settings),
         "digests": digests(settings),
         "versions": versions(),
         **({"task_from": task_from} if task_from else {}),

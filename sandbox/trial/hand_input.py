@@ -3,7 +3,7 @@ the hand."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from math import isfinite
 from typing import Any
 
@@ -45,8 +45,8 @@ class HandInput:
 
     at: tuple[float, float, float] = UNDER
     calibration: dict[str, Any] | None = None
-    camera: Camera | None = None
-    joints: bool = False
+    camera: Camera | None = field(default=None, metadata={"before": None})
+    joints: bool = field(default=False, metadata={"before": False})
 
     def __post_init__(self) -> None:
         if not all(isfinite(c) and abs(c) <= FARTHEST for c in self.at):

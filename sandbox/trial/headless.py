@@ -8,12 +8,12 @@ from typing import Any
 from sandbox.trial.device_makers import DeviceMakers
 from sandbox.trial.driver import ViewMaker, no_views, open_trial
 from sandbox.trial.result import TrialResult
-from sandbox.trial.settings import RunSettings
+from sandbox.trial.settings import Settings
 
 
 def run_trial(
-    settings: RunSettings,
-    makers: DeviceMakers,
+    settings: Settings,
+    makers: DeviceMakers | None = None,
     make_views: ViewMaker = no_views,
     record: Path | None = None,
     about: dict[str, Any] | None = None,

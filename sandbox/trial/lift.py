@@ -9,12 +9,12 @@ from models.surface import Surface
 from sandbox.devices.wrappers.lift_keys import LiftKeys
 from sandbox.session.device import Device
 from sandbox.trial.device_makers import DeviceMaker, DeviceMakers
-from sandbox.trial.settings import RunSettings
+from sandbox.trial.settings import Settings
 from tasks.registry import find_task
 from tasks.task import Task
 
 
-def lifts(settings: RunSettings) -> bool:
+def lifts(settings: Settings) -> bool:
     """True if a trial needs a lift control: its task lifts, and a hand touches a surface."""
     return find_task(settings.task).lift_range > 0 and not settings.in_air
 

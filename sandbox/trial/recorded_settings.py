@@ -2,39 +2,130 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import fields
 from typing import Any
+
+import msgspec
 
 from encoders.regression.registry import find_encoder
 from models.errors import InputError, RecordingError
 from models.plugins import how_to_get, place_of
 from sandbox.recording.states import STATES, states_of
-from sandbox.trial.settings import RunSettings
+from sandbox.trial.settings import (
+    GROUPS,
+    HandSettings,
+    Settings,
+    decoded,
+    encoded,
+    group_of,
+)
+from tasks.user import UserConfiguration
 
 
-def recorded_settings(header: dict[str, Any], *names: str) -> RunSettings:
-    """The settings of a recording, to read it or to play its touches as a device.
+def recorded_settings(header: Mapping[str, Any], *names: str) -> Settings:
+    """The settings of a recording.
 
     Of a recording with other `STATES`, settings that this program lacks are left out, and those
     that it did not name have their defaults; whoever calls this reports `other_states`.
 
     Args:
         header: Header of the recording.
-        names: Settings that are needed; none stands for all. Others have their defaults.
+        names: Fields and groups of `Settings` that are needed; none stands for all. Of a recording
+            with other `STATES`, the rest have their defaults.
 
     Raises:
         RecordingError: A setting is missing, unknown or of the wrong type.
         InputError: A value is not allowed.
     """
     values = header["settings"]
-    if states_of(header) != STATES and isinstance(values, dict):
-        wanted = names or [field.name for field in fields(RunSettings)]
-        known = {name: values[name] for name in wanted if name in values}
-        values = RunSettings().as_json() | known
-    return RunSettings.from_json(values)
+    if isinstance(values, Mapping) and not values.keys() & GROUPS.keys():
+        values = _grouped(values)
+    if states_of(header) != STATES and isinstance(values, Mapping):
+        needed = names or values.keys()
+        known = {name: value for name, value in values.items() if name in needed}
+        values = _laid_over(encoded(Settings()), known)
+    return decoded(values)
 
 
-def recorded_encoder(header: dict[str, Any], where: str) -> str:
+def recorded_users(header: Mapping[str, Any]) -> tuple[UserConfiguration | None, ...]:
+    """The simulated users who drove the devices of a recording, by hand; None for a person."""
+    settings = header["settings"]
+    if "device" in settings:
+        made = recorded_settings(header, "device", "second_device")
+        return made.device.user, made.device_of(1).user
+    second = header.get("second")
+    users = (header.get("user"), second.get("user") if isinstance(second, dict) else None)
+    return tuple(_user(user) for user in users)
+
+
+def _user(values: Any) -> UserConfiguration | None:
+    """A simulated user as headers had one beside the settings."""
+    if not isinstance(values, dict):
+        return None
+    known = {each.name for each in fields(UserConfiguration)}
+    given = {name: value for name, value in values.items() if name in known}
+    return msgspec.convert(given, UserConfiguration)
+
+
+def _grouped(flat: Mapping[str, Any]) -> dict[str, Any]:
+    """Settings in groups, of a header whose settings stand beside each other.
+
+    What such a header leaves out has its default; what this program lacks stays, to be refused.
+    """
+    values = encoded(Settings())
+    for name, value in flat.items():
+        new = _RENAMED.get(name, name)
+        try:
+            group = group_of(new)
+        except InputError:
+            values[name] = value
+            continue
+        if group:
+            values[group][new] = value
+        elif new == "hands" and isinstance(value, list):
+            values[new] = [_laid_over(_HAND, hand, all_of_it=True) for hand in value]
+        else:
+            values[new] = value
+    return values
+
+
+_RENAMED = {
+    "surface_in": "size_in",
+    "surface_calibrated": "calibrated",
+    "surface_scale": "scale",
+    "one_surface": "shared",
+}
+"""Names of settings in headers without groups -> their names now."""
+
+_HAND = msgspec.to_builtins(HandSettings())
+
+
+def _laid_over(
+    base: Mapping[str, Any], over: Mapping[str, Any], all_of_it: bool = False
+) -> dict[str, Any]:
+    """Values with others laid over them, of which unknown ones are left out.
+
+    Args:
+        base: The values.
+        over: The others.
+        all_of_it: Unknown ones are taken, too.
+    """
+    values = dict(base)
+    for name, value in over.items():
+        if name not in base and not all_of_it:
+            continue
+        inner = values.get(name)
+        if name == "hands" and isinstance(value, list):
+            values[name] = [_laid_over(_HAND, hand) for hand in value]
+        elif isinstance(inner, Mapping) and isinstance(value, Mapping) and name != "options":
+            values[name] = _laid_over(inner, value)
+        else:
+            values[name] = value
+    return values
+
+
+def recorded_encoder(header: Mapping[str, Any], where: str) -> str:
     """The name under which a recording's encoder can be loaded on this machine.
 
     Args:
@@ -44,7 +135,7 @@ def recorded_encoder(header: dict[str, Any], where: str) -> str:
     Raises:
         RecordingError: The encoder is not on this machine; the error names what to install.
     """
-    name = str(header["settings"]["encoder"])
+    name = recorded_settings(header, "pipeline").pipeline.encoder
     source = header.get("encoder_from")
     if not isinstance(source, dict):
         return name

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -19,8 +19,8 @@ from sandbox.trial.assembly import build, digests
 from sandbox.trial.device_makers import DeviceMaker, DeviceMakers
 from sandbox.trial.driver import Trial, ViewMaker, no_views
 from sandbox.trial.recorded_poses import RecordedPoses
-from sandbox.trial.recorded_settings import recorded_encoder
-from sandbox.trial.settings import RunSettings
+from sandbox.trial.recorded_settings import recorded_encoder, recorded_settings
+from sandbox.trial.settings import Settings
 
 
 @dataclass(frozen=True)
@@ -60,7 +60,7 @@ class Verification:
         return self.first_difference is None and self.compared > 0
 
 
-def settings_of(recording: Recording) -> RunSettings:
+def settings_of(recording: Recording) -> Settings:
     """The settings that a recording was made with, to play it again.
 
     Raises:
@@ -70,10 +70,8 @@ def settings_of(recording: Recording) -> RunSettings:
     """
     check_states(recording)
     header, where = recording.header, str(recording.path)
-    settings = replace(
-        RunSettings.from_json(header["settings"]),
-        task=recorded_task(header, where),
-        encoder=recorded_encoder(header, where),
+    settings = recorded_settings(header).changed(
+        task=recorded_task(header, where), encoder=recorded_encoder(header, where)
     )
     here, there = digests(settings), header.get("digests")
     if here != there:
@@ -86,7 +84,7 @@ def settings_of(recording: Recording) -> RunSettings:
                 "too. For replays on other machines, train it once with `sandbox train --encoder` "
                 "into a model file"
             )
-        elif "encoder" in changed and Path(settings.encoder).is_file():
+        elif "encoder" in changed and Path(settings.pipeline.encoder).is_file():
             remedy = "Put the model file, or the code of its encoder, back as it was"
         raise RecordingError(
             f"its {' and '.join(changed) or 'encoder'} of the same name changed since it was made",
@@ -137,7 +135,9 @@ def replay(recording: Recording, make_views: ViewMaker = no_views) -> tuple[Sess
     """
     settings = settings_of(recording)
     versions_of(recording)
-    changed = task_change(recording.header, settings.task, settings.seed, settings.surface)
+    changed = task_change(
+        recording.header, settings.task, settings.seed, settings.surface.rectangle
+    )
     try:
         session = build(settings, recorded_hands(recording, len(settings.hands)), may_overlap=True)
     except InputError as error:

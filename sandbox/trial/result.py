@@ -166,7 +166,7 @@ class TrialResult(msgspec.Struct, frozen=True, kw_only=True):
         ),
     ]
     settings: Annotated[
-        dict[str, Any] | None, _field("", "settings of the run: `RunSettings.as_json`")
+        dict[str, Any] | None, _field("", "settings of the trial: `sandbox.trial.settings`")
     ] = None
     digests: Annotated[
         dict[str, str] | None, _field("", "digests of the encoder and of the labels", JOURNAL)
@@ -183,17 +183,6 @@ class TrialResult(msgspec.Struct, frozen=True, kw_only=True):
     ] = None
     encoder_from: Annotated[
         dict[str, Any] | None, _field("", "file or package of an encoder that is not built in")
-    ] = None
-    device: Annotated[str | None, _field("", "device that the input came from")] = None
-    user: Annotated[dict[str, Any] | None, _field("", "configuration of the simulated user")] = None
-    drop_outs: Annotated[float | None, _field("1/s", "touches that the simulated screen loses")] = (
-        None
-    )
-    variation: Annotated[
-        dict[str, Any] | None, _field("", "differences from the trial that the seed draws")
-    ] = None
-    second: Annotated[
-        dict[str, Any] | None, _field("", "device and simulated user of the second hand")
     ] = None
     study: Annotated[dict[str, Any] | None, _field("", "study, participant, session and trial")] = (
         None

@@ -1,82 +1,195 @@
-"""Settings of a run: plain values that a recording's header keeps for its replay."""
+"""Settings of a trial: one nested value, from the command line to a recording's header.
+
+To add a setting, add a field with its docstring to one of the classes here. The command line shows
+it, a study's design may name it, `sandbox regress` sends it to its workers, and a recording's
+header stores it. A field that is younger than files in use declares the value that those files
+stand for: `field(default=..., metadata={BEFORE: value})`.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field, fields, replace
-from typing import Any
+from collections.abc import Iterator, Mapping
+from dataclasses import Field, dataclass, field, fields, is_dataclass, replace
+from difflib import get_close_matches
+from functools import cache
+from types import UnionType
+from typing import Annotated, Any, Literal, Union, get_args, get_origin, get_type_hints
 
 import msgspec
 
 from encoders.person.rest_posture import Looks
 from encoders.regression.model_registry import DEFAULT_MODEL
 from models.errors import InputError, RecordingError
-from models.hand import IMPULSE_PROFILES, SERVOS
+from models.hand import IMPULSE_PROFILES
 from models.person import HANDS, Person
 from models.surface import PRESETS, Surface
-from sandbox.session.contact_modes import ContactMode, contact_mode
+from sandbox.devices.device_settings import DeviceSettings
 from sandbox.session.own_layouts import Layouts
 from sandbox.trial.hand_input import HandInput
 from tasks.variation import Variation
 
-DEFAULT_LABELS = "population"
-"""The default of the labels."""
+BEFORE = "before"
+"""Key of a field's metadata: the value that a header without this field stands for."""
 
 LABELS = ("population", "paper", "device")
-"""`population`: a belief carried from contact to contact, trained on hundreds of simulated people,
-which also learns from layouts of five fingers during a trial; `paper`: nearest training pose;
-`device`: the simulated user labels its touches, an upper bound, and touches without a label are
-labelled as by `population`."""
+"""Values of `PipelineSettings.labels`."""
 
 SOLID = ("fingertips", "hand")
-"""What of a hand collides: the last links of touching fingers, or palm and all links."""
+"""Values of `PhysicsSettings.solid`."""
 
 MOST_HANDS = 2
 """Largest number of hands in a scene."""
 
-_OPTIONAL = {
-    "variation",
-    "surface_scale",
-    "scored",
-    "robot",
-    "solid",
-}
-"""Settings that a header may lack."""
 
-_IN_RESULTS = {
-    "side": "hand",
-    "size": "hand_size",
-    "turn": "turn",
-    "in_air": "in_air",
-    "layouts": "layouts",
-    "rest": "rest",
-}
-"""Names of a hand's settings in results, by their names in headers."""
+class _Checked:
+    """A group of settings whose values are checked against their types when it is made."""
+
+    def __post_init__(self) -> None:
+        """Checks types, choices and bounds.
+
+        Raises:
+            InputError: A value is not allowed; `where` is its field.
+        """
+        kind: Any = type(self)
+        hints = _hints(kind)
+        for each in fields(kind):
+            if _dataclass_in(hints[each.name]) is not None:
+                # It checks itself.
+                continue
+            value = getattr(self, each.name)
+            try:
+                msgspec.convert(value, hints[each.name])
+            except msgspec.ValidationError as error:
+                raise InputError(
+                    "not a value of this setting",
+                    where=each.name,
+                    got=value,
+                    expected=_expected(hints[each.name], error),
+                ) from None
 
 
 @dataclass(frozen=True)
-class HandSettings:
-    """One hand in the scene, and the person whose hand it is; JSON values only.
+class PipelineSettings(_Checked):
+    """How touches become poses."""
 
-    Attributes:
-        side: `right` or `left`.
-        size: Length of the person's hand relative to the trained hand.
-        turn: degrees, direction in which the person sits (see `models.person.Person`).
-        in_air: Settings of the 3-D device that drives the hand; None if touches drive it.
-        layouts: Known touches of the person's five fingers (see `sandbox.session.own_layouts`),
-            which names of fingers by `population` use.
-        rest: Looks at the person's hand (see `encoders.person.rest_posture`), which the encoder
-            `population` uses.
-    """
+    encoder: str = DEFAULT_MODEL
+    """Encoder, which estimates the hand's pose: a model that ships, the file of a trained model, or
+    somebody's own (`encoders.regression.model_registry`)."""
 
-    side: str = HANDS[0]
-    size: float = 1.0
-    turn: int = 0
-    in_air: HandInput | None = None
-    layouts: Layouts = ()
-    rest: Looks = ()
+    labels: Literal["population", "paper", "device"] = "population"
+    """How fingers are labelled. population: by a belief carried from contact to contact, trained on
+    hundreds of simulated people, which also learns from layouts of five fingers during a trial.
+    paper: by the nearest training pose. device: the simulated user labels its touches, an upper
+    bound; touches without a label are labelled as by population."""
+
+    correction: bool = True
+    """Fingertips are corrected to meet their touches."""
+
+    smoothing: bool = True
+    """Touches and posture are low-pass filtered."""
+
+    arrival: bool = True
+    """The hand hovers, comes down from above and rises; otherwise it drops where it is."""
+
+    ghost_until_clear: bool = True
+    """A hand that is down becomes solid only outside objects."""
+
+    distal_only: bool = True
+    """Only last links of touching fingers are ever solid."""
+
+    stitch: bool = True
+    """A lost contact lives on for a moment, until it returns or expires."""
+
+    encode: bool = True
+    """The encoder's pose is used; otherwise the mean training pose."""
+
+
+@dataclass(frozen=True)
+class PhysicsSettings(_Checked):
+    """Servos, contacts and time step of the simulation."""
+
+    servo: Literal["orientation", "position"] = "orientation"
+    """orientation: one servo on the rotation of each ball joint. position: three servos, one on
+    each component."""
+
+    impulse: Annotated[float, msgspec.Meta(gt=0.0, le=1e9)] = IMPULSE_PROFILES["paper"]
+    """Limit of every servo, N s (N m s) per 1/60 s, above 0."""
+
+    contact: Literal["hard", "soft", "none"] = "hard"
+    """Contact between hand and objects at the start (`sandbox.session.contact_modes`). soft: the
+    hand yields and pushes with 3 N at most. none: it passes through everything."""
+
+    solid: Literal["fingertips", "hand"] = "fingertips"
+    """What of the hand collides: the last links of touching fingers, or palm and all links."""
+
+    robot: str = ""
+    """Robot whose hand is in the place of the person's (see `models.robot.known`); empty for our
+    own hand."""
+
+    timestep: Annotated[float, msgspec.Meta(gt=0.0, lt=1.0)] = 0.002
+    """Physics time step, s, between 0 and 1."""
 
     def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.robot and self.solid != SOLID[0]:
+            raise InputError(
+                "of a robot's hand only fingertips are solid",
+                where="--solid",
+                got=self.solid,
+                expected=SOLID[0],
+                remedy=f"Leave out --robot, or use --solid {SOLID[0]}",
+            )
+
+
+@dataclass(frozen=True)
+class SurfaceSettings(_Checked):
+    """The touch surface of one hand, not yet placed in the world."""
+
+    size_in: tuple[float, float] = PRESETS["ipad2"]
+    """Width and height, inches."""
+
+    calibrated: bool = True
+    """False if the size is a guess."""
+
+    scale: float = 1.0
+    """Length on the screen of what is one long on the surface (`models.surface.Surface.scale`)."""
+
+    shared: bool = False
+    """All hands touch one surface; otherwise each has its own, of the same size."""
+
+    @property
+    def rectangle(self) -> Surface:
+        """The surface of one hand, at the world's origin."""
+        return Surface(*self.size_in, calibrated=self.calibrated, scale=self.scale)
+
+
+@dataclass(frozen=True)
+class HandSettings(_Checked):
+    """One hand in the scene, and the person whose hand it is."""
+
+    side: str = HANDS[0]
+    """`right` or `left`."""
+
+    size: float = 1.0
+    """Length of the person's hand relative to the trained hand, 0.6 to 1.6."""
+
+    turn: int = 0
+    """Direction in which the person sits, degrees: 0, 90, 180 or 270 (see `models.person.Person`).
+    """
+
+    in_air: HandInput | None = None
+    """Settings of the 3-D device that drives the hand; None if touches drive it."""
+
+    layouts: Layouts = ()
+    """Known touches of the person's five fingers, m (see `sandbox.session.own_layouts`), which
+    labels by `population` use."""
+
+    rest: Looks = ()
+    """Samples of the person's hand at rest (see `encoders.person.rest_posture`), which the encoder
+    `population` uses."""
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
         _ = self.person
 
     @classmethod
@@ -100,90 +213,40 @@ class HandSettings:
 
 
 @dataclass(frozen=True)
-class RunSettings:
-    """Settings of one run; JSON values only.
-
-    Attributes:
-        task: Name of the task.
-        seed: Seed of the task's start and goal, and of a simulated user.
-        encoder: `population`, `paper`, `linear`, `quadratic`, `cubic`, `pca-ik`, the file of a
-            trained model, or an external encoder (`encoders.regression.model_registry`).
-        labels: One of `LABELS`.
-        correction: Fingertips are corrected to meet their touches.
-        smoothing: Touches and posture are low-pass filtered.
-        arrival: The hand hovers, comes down from above and rises; otherwise it drops where it is.
-        ghost_until_clear: A hand that is down becomes solid only outside objects.
-        distal_only: Only last links of touching fingers are ever solid.
-        stitch: A lost contact is kept for a moment, until it returns or expires.
-        encode: The encoder's pose is used; otherwise the mean training pose.
-        servo: One of `models.hand.SERVOS`.
-        impulse: N s (N m s) per 1/60 s, limit of every servo.
-        contact: Initial contact mode (see `sandbox.session.contact_modes`).
-        surface_in: Width and height of a hand's touch surface, inches.
-        surface_calibrated: False if the surface's size is a guess.
-        surface_scale: Length on the screen of what is one long on the surface (`Surface.scale`).
-        scored: False if the result does not count, as on the scaled table of a phone.
-        timestep: s, physics time step.
-        hands: One entry per hand, in the order of devices, rigs and recorded inputs.
-        one_surface: All hands touch one surface; otherwise each has its own, of the same size.
-        variation: Differences from the drawn trial, and disturbances of the touches.
-        robot: The robot whose hand is in the place of the person's (see `models.robot.known`);
-            empty for our own hand.
-        solid: One of `SOLID`; a header without it has the first.
-    """
+class Settings:
+    """Everything that a trial follows from, but for its input."""
 
     task: str = "box-to-goal"
+    """Name of the task, or its place: `FILE.py`, `FILE.py:CLASS`, `MODULE:CLASS`."""
+
     seed: int = 0
-    encoder: str = DEFAULT_MODEL
-    labels: str = DEFAULT_LABELS
-    correction: bool = True
-    smoothing: bool = True
-    arrival: bool = True
-    ghost_until_clear: bool = True
-    distal_only: bool = True
-    stitch: bool = True
-    encode: bool = True
-    servo: str = SERVOS[0]
-    impulse: float = IMPULSE_PROFILES["paper"]
-    contact: str = ContactMode.HARD.value
-    surface_in: tuple[float, float] = PRESETS["ipad2"]
-    surface_calibrated: bool = True
-    timestep: float = 0.002
-    hands: tuple[HandSettings, ...] = (HandSettings(),)
-    one_surface: bool = False
+    """Seed of the task's start and goal, and of a simulated user."""
+
     variation: Variation = field(default_factory=Variation)
-    surface_scale: float = 1.0
+    """Differences from the drawn trial, and disturbances of the touches."""
+
+    hands: tuple[HandSettings, ...] = field(default_factory=lambda: (HandSettings(),))
+    """One entry per hand, in the order of devices, rigs and recorded inputs; one or two."""
+
+    pipeline: PipelineSettings = field(default_factory=PipelineSettings)
+    """How touches become poses."""
+
+    physics: PhysicsSettings = field(default_factory=PhysicsSettings)
+    """Servos, contacts and time step."""
+
+    surface: SurfaceSettings = field(default_factory=SurfaceSettings)
+    """The touch surface."""
+
+    device: DeviceSettings = field(default_factory=DeviceSettings)
+    """Device of the first hand, with its options."""
+
+    second_device: DeviceSettings | None = None
+    """Device of the second hand; None if there is one hand, or if both hands share one device."""
+
     scored: bool = True
-    robot: str = ""
-    solid: str = SOLID[0]
+    """False if the result does not count, as on the scaled table of a phone."""
 
     def __post_init__(self) -> None:
-        if not 0.0 < self.timestep < 1.0:
-            raise InputError(
-                "not a physics time step",
-                where="timestep",
-                got=self.timestep,
-                expected="s, between 0 and 1",
-            )
-        if self.labels not in LABELS:
-            raise InputError(
-                "no such labels", where="labels", got=self.labels, expected=", ".join(LABELS)
-            )
-        if self.solid not in SOLID:
-            raise InputError(
-                "no such solid part of a hand",
-                where="--solid",
-                got=self.solid,
-                expected=", ".join(SOLID),
-            )
-        if self.robot and self.solid != SOLID[0]:
-            raise InputError(
-                "of a robot's hand only fingertips are solid",
-                where="--solid",
-                got=self.solid,
-                expected=SOLID[0],
-                remedy=f"Leave out --robot, or use --solid {SOLID[0]}",
-            )
         if not 1 <= len(self.hands) <= MOST_HANDS:
             raise InputError(
                 "a run must have one or two hands",
@@ -191,7 +254,6 @@ class RunSettings:
                 got=len(self.hands),
                 expected=f"1 to {MOST_HANDS}",
             )
-        contact_mode(self.contact)
 
     @property
     def hand_names(self) -> tuple[str, ...]:
@@ -205,14 +267,17 @@ class RunSettings:
         return all(hand.in_air is not None for hand in self.hands)
 
     @property
-    def surface(self) -> Surface:
-        """The touch rectangle of one hand, not yet placed in the world."""
-        calibrated, scale = self.surface_calibrated, self.surface_scale
-        return Surface(*self.surface_in, calibrated=calibrated, scale=scale)
+    def one_device(self) -> bool:
+        """True if there are two hands and one device."""
+        return len(self.hands) > 1 and self.second_device is None
 
-    def knowing(self, layouts: Mapping[str, Layouts]) -> RunSettings:
+    def device_of(self, hand: int) -> DeviceSettings:
+        """The device of a hand."""
+        return self.second_device if hand and self.second_device else self.device
+
+    def with_layouts(self, layouts: Mapping[str, Layouts]) -> Settings:
         """The same with known layouts of hands, by the hand's name, if its labels use them."""
-        if self.labels != "population":
+        if self.pipeline.labels != "population":
             return self
         hands = tuple(
             replace(hand, layouts=layouts.get(name, hand.layouts))
@@ -220,100 +285,173 @@ class RunSettings:
         )
         return replace(self, hands=hands)
 
-    def as_json(self) -> dict[str, Any]:
-        """Values for a recording's header, without a neutral variation, true size, solid
-        fingertips, an `in_air` or a camera of None, missing joints, or empty layouts and looks."""
-        values = asdict(self)
-        if self.variation.neutral:
-            del values["variation"]
-        if self.surface_scale == 1.0:
-            del values["surface_scale"]
-        if self.scored:
-            del values["scored"]
-        if not self.robot:
-            del values["robot"]
-        if self.solid == SOLID[0]:
-            del values["solid"]
-        values["hands"] = [_without_defaults(hand) for hand in values["hands"]]
-        return values
+    def changed(self, **values: Any) -> Settings:
+        """The same with other values of fields of it, its pipeline, its physics or its surface.
 
-    @classmethod
-    def from_json(cls, values: Any) -> RunSettings:
-        """Reads settings that `as_json` wrote.
+        Args:
+            values: Values by the names of the fields.
 
         Raises:
-            RecordingError: A setting is missing, unknown or of the wrong type.
-            InputError: A value is not allowed.
+            InputError: No field has this name, or a value is not allowed.
         """
-        _check_names(values, cls, optional=_OPTIONAL)
-        for hand in values["hands"] if isinstance(values["hands"], list) else ():
-            _check_names(hand, HandSettings, optional={"in_air", "layouts", "rest"})
-            if hand.get("in_air") is not None:
-                _check_names(hand["in_air"], HandInput, optional={"camera", "joints"})
-        if "variation" in values:
-            _check_names(values["variation"], Variation, optional=_names(Variation))
-        try:
-            return msgspec.convert(values, cls)
-        except msgspec.ValidationError as error:
-            raise RecordingError(
-                "these settings cannot be read",
-                where="settings",
-                got=str(error),
-                remedy="The file is damaged, or was written by another program",
-            ) from None
+        own: dict[str, Any] = {}
+        groups: dict[str, dict[str, Any]] = {}
+        for name, value in values.items():
+            group = group_of(name)
+            if group:
+                groups.setdefault(group, {})[name] = value
+            else:
+                own[name] = value
+        for group, some in groups.items():
+            own[group] = replace(getattr(self, group), **some)
+        return replace(self, **own)
 
 
-def result_settings(values: Mapping[str, Any]) -> dict[str, Any]:
-    """The settings of a header in the form of results, baselines and `run --json`.
+GROUPS = {
+    "pipeline": PipelineSettings,
+    "physics": PhysicsSettings,
+    "surface": SurfaceSettings,
+}
+"""Groups of `Settings` whose fields have names of their own."""
 
-    The first hand's settings are at the top level, those of a second hand under `second`.
 
-    Args:
-        values: Values that `RunSettings.as_json` returned.
+def setting_names() -> list[str]:
+    """Names that `Settings.changed` takes, but for those of groups and devices."""
+    own = [each.name for each in fields(Settings) if each.name not in (*GROUPS, *_DEVICES)]
+    return [*own, *(each.name for kind in GROUPS.values() for each in fields(kind))]
+
+
+_DEVICES = ("device", "second_device")
+
+
+def group_of(name: str) -> str:
+    """The group that a setting is in; empty for a field of `Settings` itself.
+
+    Raises:
+        InputError: There is no such setting; the error names the nearest one.
     """
-    flat = {name: value for name, value in values.items() if name not in ("hands", "one_surface")}
-    first, *others = [
-        {_IN_RESULTS[name]: value for name, value in hand.items()} for hand in values["hands"]
-    ]
-    flat |= first
-    if others:
-        flat["second"] = {**others[0], "shared": values["one_surface"]}
-    return flat
+    own = [each.name for each in fields(Settings)]
+    if name in own:
+        return ""
+    within = {each.name: group for group, kind in GROUPS.items() for each in fields(kind)}
+    if name not in within:
+        raise InputError("no such setting", got=name, remedy=_nearest(name, [*own, *within]))
+    return within[name]
 
 
-def bare(settings: dict[str, Any]) -> dict[str, Any]:
-    """Settings of the paper's own pipeline: its labels, no correction, no smoothing."""
-    return {**settings, "labels": "paper", "correction": False, "smoothing": False}
+PAPER_PIPELINE = {"labels": "paper", "correction": False, "smoothing": False}
+"""Settings of the paper's own pipeline: its labels, no correction, no smoothing."""
 
 
-def _without_defaults(hand: dict[str, Any]) -> dict[str, Any]:
-    told = {name: value for name, value in hand.items() if value is not None and value != ()}
-    if "in_air" in told:
-        absent = {"camera": None, "joints": False}
-        told["in_air"] = {
-            name: v for name, v in told["in_air"].items() if v != absent.get(name, ...)
-        }
-    return told
+def encoded(settings: Settings) -> dict[str, Any]:
+    """All values of settings as JSON, for a header."""
+    values: dict[str, Any] = msgspec.to_builtins(settings)
+    return values
 
 
-def _names(kind: type[Any]) -> set[str]:
-    return {f.name for f in fields(kind)}
+def decoded(values: Any) -> Settings:
+    """Settings that `encoded` returned, perhaps in an earlier version.
 
-
-def _check_names(values: Any, kind: type[Any], optional: set[str] | None = None) -> None:
-    """Refuses values whose names are not those of a dataclass's fields."""
-    if not isinstance(values, dict):
+    Raises:
+        RecordingError: A setting is missing, unknown or of the wrong type.
+        InputError: A value is not allowed.
+    """
+    try:
+        settings = msgspec.convert(_whole(values, Settings, "settings"), Settings)
+    except msgspec.ValidationError as error:
         raise RecordingError(
             "these settings cannot be read",
             where="settings",
-            got=str(values)[:80],
-            expected="an object with " + ", ".join(sorted(_names(kind))),
-        )
-    wrong = (set(values) ^ _names(kind)) - ((optional or set()) - set(values))
-    if wrong:
+            got=str(error),
+            remedy="The file is damaged, or was written by another program",
+        ) from None
+    second = settings.second_device
+    return replace(
+        settings,
+        device=settings.device.decoded(),
+        second_device=second and second.decoded(),
+    )
+
+
+def differences(here: Settings, there: Settings) -> Iterator[tuple[str, Any, Any]]:
+    """Settings that differ: name, such as `pipeline.encoder`, and both values as JSON."""
+    yield from _differences("", encoded(here), encoded(there))
+
+
+def _differences(path: str, here: Any, there: Any) -> Iterator[tuple[str, Any, Any]]:
+    if isinstance(here, dict) and isinstance(there, dict):
+        for name in dict.fromkeys((*here, *there)):
+            inner = f"{path}.{name}" if path else name
+            yield from _differences(inner, here.get(name), there.get(name))
+    elif here != there:
+        yield path, here, there
+
+
+def _whole(values: Any, kind: Any, where: str) -> dict[str, Any]:
+    """Values of a dataclass by name; missing ones that declare a value for earlier files have it.
+
+    Raises:
+        RecordingError: A name is unknown, or a value is missing.
+    """
+    known: dict[str, Field[Any]] = {each.name: each for each in fields(kind)}
+    if not isinstance(values, Mapping):
         raise RecordingError(
-            "these settings are another version's",
-            where="settings",
-            got=", ".join(sorted(wrong)) + " missing or unknown",
-            remedy="Use the version that the header names",
+            "these settings cannot be read",
+            where=where,
+            got=str(values)[:80],
+            expected="an object with " + ", ".join(known),
         )
+    for name in values:
+        if name not in known:
+            raise RecordingError(
+                "this program has no such setting",
+                where=where,
+                got=name,
+                remedy=f"{_nearest(name, known)} The version that the header names has it",
+            )
+    whole = {}
+    for name, each in known.items():
+        if name not in values:
+            if BEFORE not in each.metadata:
+                raise RecordingError(
+                    "a setting is missing",
+                    where=where,
+                    got=name,
+                    remedy="The file is damaged, or was written by another program",
+                )
+            whole[name] = each.metadata[BEFORE]
+            continue
+        inner, value = _dataclass_in(_hints(kind)[name]), values[name]
+        if inner is not None and isinstance(value, list | tuple):
+            whole[name] = [_whole(v, inner, f"{where}.{name}") for v in value]
+        elif inner is not None and value is not None:
+            whole[name] = _whole(value, inner, f"{where}.{name}")
+        else:
+            whole[name] = value
+    return whole
+
+
+def _dataclass_in(hint: Any) -> type[Any] | None:
+    """The dataclass that a field's type names, alone, as an option or in a tuple."""
+    if get_origin(hint) in (Union, UnionType, tuple):
+        inner = [_dataclass_in(each) for each in get_args(hint)]
+        return next((each for each in inner if each is not None), None)
+    return hint if isinstance(hint, type) and is_dataclass(hint) else None
+
+
+@cache
+def _hints(kind: Any) -> dict[str, Any]:
+    return get_type_hints(kind, include_extras=True)
+
+
+def _expected(hint: Any, error: msgspec.ValidationError) -> str:
+    """The values that a setting takes, in words."""
+    if get_origin(hint) is Literal:
+        return ", ".join(map(str, get_args(hint)))
+    return str(error).removeprefix("Expected ").replace("`", "")
+
+
+def _nearest(name: str, known: Any) -> str:
+    """The next step for whoever wrote a name that does not exist."""
+    near = get_close_matches(name, list(known), 1)
+    return f"Did you mean {near[0]}?" if near else f"Settings here: {', '.join(known)}"

@@ -9,13 +9,13 @@ import numpy as np
 from models.arithmetic.arrays import Array
 from models.errors import InputError
 from models.surface import Surface
-from sandbox.trial.settings import RunSettings
+from sandbox.trial.settings import Settings
 from tasks.registry import hands_of
 from tasks.task import Task
 
 
 def place_all(
-    placed: Surface, settings: RunSettings, kind: type[Task]
+    placed: Surface, settings: Settings, kind: type[Task]
 ) -> tuple[Surface, tuple[Surface, ...]]:
     """Places the surface that a task is drawn on, and the surface of every hand.
 
@@ -38,7 +38,7 @@ def place_all(
             expected="a device for each hand, or two hands on one device",
             remedy=f"sandbox run {kind.name} --device simulated --device simulated",
         )
-    if hands == 1 or hands_of(kind) == 1 or settings.one_surface:
+    if hands == 1 or hands_of(kind) == 1 or settings.surface.shared:
         return placed, (placed,) * hands
     if placed.upright:
         raise InputError("two upright surfaces are not supported", where=kind.name)
@@ -51,7 +51,7 @@ def place_all(
     return whole, tuple(sides)
 
 
-def sides_of(settings: RunSettings) -> tuple[int, int]:
+def sides_of(settings: Settings) -> tuple[int, int]:
     """Sides of the two hands: 1 is right, -1 left.
 
     The first hand is on the right, unless it is a left hand and the second a right hand.
@@ -60,7 +60,7 @@ def sides_of(settings: RunSettings) -> tuple[int, int]:
     return (-1, 1) if first and not second else (1, -1)
 
 
-def home(hand: int, settings: RunSettings, surface: Surface) -> Array:
+def home(hand: int, settings: Settings, surface: Surface) -> Array:
     """(2,) m in the world, centre of a hand's part of its surface.
 
     Args:
@@ -68,11 +68,11 @@ def home(hand: int, settings: RunSettings, surface: Surface) -> Array:
         settings: Settings of the run.
         surface: Surface of the hand.
     """
-    if not settings.one_surface or len(settings.hands) == 1:
+    if not settings.surface.shared or len(settings.hands) == 1:
         return np.asarray(surface.to_world(surface.size / 2)[:2])
     return np.asarray(surface.to_world(homes(settings, surface)[hand])[:2])
 
 
-def homes(settings: RunSettings, surface: Surface) -> Array:
+def homes(settings: Settings, surface: Surface) -> Array:
     """(2, 2) m on a surface that two hands share, centre of each hand's half."""
     return np.array([surface.size * [0.5 + 0.25 * side, 0.5] for side in sides_of(settings)])

@@ -13,7 +13,6 @@ from sandbox.recording.dump import DivergenceRecorder, dump_path
 from sandbox.recording.recording import RecordingWriter
 from sandbox.session.session import Recorder, Session
 from sandbox.trial.result import SCHEMA, TrialResult
-from sandbox.trial.settings import result_settings
 
 
 class TrialRecorder:
@@ -50,8 +49,8 @@ class TrialRecorder:
             session: The session at its end.
             more: Further fields of the result by name, JSON values.
         """
-        settings = result_settings(self._header["settings"])
-        fields = {**self._header, "settings": settings, **more, "schema": SCHEMA}
+        encoder = self._header["settings"]["pipeline"]["encoder"]
+        fields = {"encoder": encoder, **self._header, **more, "schema": SCHEMA}
         result = TrialResult.of(session, fields)
         path = dump_path(self._dump, self._record, session.task.name, session.task.seed)
         if session.diverged and path is not None:

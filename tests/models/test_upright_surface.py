@@ -22,7 +22,7 @@ from models.skeleton import ADULT
 from models.surface import Surface
 from sandbox.session.device import Device
 from sandbox.trial.assembly import UPRIGHT_END, build
-from sandbox.trial.settings import HandSettings, RunSettings
+from sandbox.trial.settings import HandSettings, Settings
 from tasks.box_to_goal import BoxToGoal
 from tasks.simulated_user.front_stacker import in_picture, roll
 from tasks.simulated_user.front_view import FrontView
@@ -71,7 +71,7 @@ def touching(up: float) -> TouchFrame:
 
 @pytest.mark.parametrize("up", [0.01, 0.04])
 def test_touches_dragged_up_the_screen_lift_the_fingertips_as_far(up: float) -> None:
-    settings = RunSettings(task="stack-vertical", smoothing=False)
+    settings = Settings().changed(task="stack-vertical", smoothing=False)
     session = build(settings, (lambda task, surface: _Still(),))
     reconstructor: Any = session.rigs[0].reconstructor
     kinematics = Kinematics(ADULT)
@@ -92,7 +92,7 @@ def test_touches_dragged_up_the_screen_lift_the_fingertips_as_far(up: float) -> 
 
 
 def test_the_hand_waits_in_front_of_its_place_and_not_above_it() -> None:
-    session = build(RunSettings(task="stack-vertical"), (lambda task, surface: _Still(),))
+    session = build(Settings(task="stack-vertical"), (lambda task, surface: _Still(),))
     tips = Kinematics(ADULT).tips(session.rigs[0].reconstructor.commanded)
     middle = UPRIGHT.to_world(UPRIGHT.size / 2)
     assert np.all(tips[:, 1] < -0.05)
@@ -100,7 +100,7 @@ def test_the_hand_waits_in_front_of_its_place_and_not_above_it() -> None:
 
 
 def test_nobody_sits_at_the_side_of_an_upright_surface() -> None:
-    settings = RunSettings(task="stack-vertical", hands=(HandSettings(turn=90),))
+    settings = Settings(task="stack-vertical", hands=(HandSettings(turn=90),))
     with pytest.raises(InputError, match="from its lower edge"):
         build(settings, (lambda task, surface: _Still(),))
 

@@ -19,9 +19,9 @@ from sandbox.cli.capture.hand_files import read_mapping
 from sandbox.cli.capture.touch_files import read_touch_log
 from sandbox.devices.files.frame_file import read_frame_file
 from sandbox.devices.files.paired_capture import arrivals, first_line_with_host, read_about
+from sandbox.devices.open_touches import open_file
 from sandbox.devices.tuio.touch_capture import read_capture
 from sandbox.options.profiles import load_profile
-from sandbox.options.touch_devices import open_file
 from sandbox.regress.baseline import Baseline, Kept, KeptTask, load_baseline
 from sandbox.regress.origin import Origin
 from sandbox.study.record.chain import chained

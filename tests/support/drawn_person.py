@@ -26,7 +26,7 @@ from sandbox.session.messages import Snapshot
 from sandbox.trial.hand_input import HandInput
 from sandbox.trial.headless import run_trial
 from sandbox.trial.result import TrialResult
-from sandbox.trial.settings import HandSettings, RunSettings
+from sandbox.trial.settings import HandSettings, Settings
 from tasks.task import Task
 from tasks.user import UserConfiguration
 from tests.encoders.webcam.seen_hands import SIZE, landmarks
@@ -160,7 +160,7 @@ def play(
 ) -> tuple[TrialResult, DrawnPerson]:
     """One trial's result, and its camera."""
     hands = (HandSettings(in_air=HandInput(camera=camera)),)
-    settings = RunSettings(task=task, seed=seed, hands=hands)
+    settings = Settings(task=task, seed=seed, hands=hands)
     made: list[DrawnPerson] = []
 
     def make(drawn: Task, surface: Surface) -> Any:

@@ -11,7 +11,7 @@ from models.frames import Contact, TouchFrame
 from sandbox.session.device import Device, HandDevice
 from sandbox.session.session import Recorder, Session
 from sandbox.trial.assembly import build
-from sandbox.trial.settings import RunSettings
+from sandbox.trial.settings import Settings
 
 Touch = Callable[[float], Sequence[Contact]]
 
@@ -58,7 +58,7 @@ class PlayedHands(Played, HandDevice):
 
 
 def scripted(touch: Touch, recorder: Recorder | None = None, **settings: Any) -> Session:
-    return build(RunSettings(**settings), (lambda task, surface: Script(touch),), recorder)
+    return build(Settings().changed(**settings), (lambda task, surface: Script(touch),), recorder)
 
 
 def box_xy(session: Session) -> np.ndarray:

@@ -15,7 +15,7 @@ from sandbox.devices.mouse import MouseDevice
 from sandbox.session.messages import ContactView, Snapshot
 from sandbox.session.session import Session
 from sandbox.trial.assembly import build
-from sandbox.trial.settings import RunSettings
+from sandbox.trial.settings import Settings
 
 
 @dataclass(frozen=True)
@@ -41,7 +41,7 @@ def mouse_session(seed: int = 3) -> tuple[Session, MouseDevice, Surface]:
         devices.append(MouseDevice(surface))
         return devices[0]
 
-    session = build(RunSettings(seed=seed), (open_mouse,))
+    session = build(Settings(seed=seed), (open_mouse,))
     return session, devices[0], session.rigs[0].reconstructor.surface
 
 

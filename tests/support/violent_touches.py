@@ -25,7 +25,7 @@ from sandbox.session.messages import Snapshot
 from sandbox.session.respawn import AWAY, FLOOR
 from sandbox.session.session import Session
 from sandbox.trial.assembly import build
-from sandbox.trial.settings import RunSettings
+from sandbox.trial.settings import Settings
 
 TRIAL = 30.0
 """s of simulated time, after which another seed begins."""
@@ -211,7 +211,7 @@ def soak(
         task: Its name.
         seconds: Simulated time, s.
         first_seed: Seed of the first trial; the next ones follow.
-        settings: Others than the defaults of `RunSettings`.
+        settings: Others than the defaults of `Settings`.
     """
     found = Found()
     seed = first_seed
@@ -244,7 +244,7 @@ def _trial(
         devices.append(Violent(surface, seed))
         return devices[-1]
 
-    session = build(RunSettings(task=task, seed=seed, **settings), (device,))  # type: ignore[arg-type]
+    session = build(Settings(task=task, seed=seed, **settings), (device,))  # type: ignore[arg-type]
     names = list(session.scene.object_bodies)
     bodies = list(session.scene.object_bodies.values())
     away = np.zeros(len(names))

@@ -18,7 +18,7 @@ from models.rotations import exp, matrix_to_quaternion
 from models.surface import Surface, enclosing
 from sandbox.cli.main import main
 from sandbox.devices.simulated.simulated import SimulatedDevice
-from sandbox.options.scene_options import SceneOptions, plan
+from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.options.second_hand import with_second_names
 from sandbox.recording.recording import Recording, load_recording
 from sandbox.regress.plan import RegressionPlan
@@ -26,9 +26,10 @@ from sandbox.session.session import Session
 from sandbox.trial.assembly import build
 from sandbox.trial.hand_input import HandInput
 from sandbox.trial.headless import run_trial
+from sandbox.trial.open_devices import device_makers
 from sandbox.trial.replay import replay
 from sandbox.trial.result import TrialResult
-from sandbox.trial.settings import HandSettings, RunSettings
+from sandbox.trial.settings import HandSettings, Settings, decoded, encoded
 from tasks.carry_together import BORDER, SEAM, SLOPE_TOLERANCE, CarryTogether
 from tasks.guarded import draw_task
 from tasks.sensing import Sensing
@@ -42,8 +43,8 @@ BOTH = Surface(15.52, 5.82).centred_at((0.0, 0.0, 0.0))
 
 
 def carry(seed: int, **options: Any) -> TrialResult:
-    chosen = plan(SceneOptions(task=TASK, seed=seed, **options))
-    return run_trial(chosen.settings, chosen.makers, about=chosen.about)
+    chosen = scene_settings(SceneOptions(task=TASK, seed=seed, **options))
+    return run_trial(chosen, device_makers(chosen))
 
 
 @pytest.fixture(scope="module")
@@ -65,33 +66,33 @@ def test_the_recording_of_two_hands_replays_to_the_bit_and_plays_as_two_devices(
     session, found = replay(recording)
     assert found.exact and found.complete and session.scorer.score.held
     assert len(session.rigs) == 2
-    again = plan(SceneOptions(device=str(recording.path)))
-    result = run_trial(again.settings, again.makers)
+    again = scene_settings(SceneOptions(device=str(recording.path)))
+    result = run_trial(again, device_makers(again))
     assert result.state_hash == recording.end["result"]["state_hash"]
 
 
 def test_settings_of_two_hands_are_read_back_as_they_were_and_damaged_ones_are_refused() -> None:
     hands = (HandSettings(), HandSettings("right", 0.9, 180, HandInput()))
-    two = RunSettings(hands=hands, one_surface=True)
-    values = json.loads(json.dumps(two.as_json()))
-    assert RunSettings.from_json(values) == two
+    two = Settings().changed(hands=hands, shared=True)
+    values = json.loads(json.dumps(encoded(two)))
+    assert decoded(values) == two
     for wrong, what in (
-        ({"second": {"hand": "left"}}, "second missing or unknown"),
-        ({"hands": [{"side": "left"}]}, "size, turn missing or unknown"),
-        ({"hands": [{**values["hands"][0], "colour": "blue"}]}, "colour missing or unknown"),
+        ({"second": {"hand": "left"}}, "no such setting .*second.*Did you mean second_device"),
+        ({"hands": [{"side": "left"}]}, "settings.hands: a setting is missing .*size"),
+        ({"hands": [{**values["hands"][0], "colour": "blue"}]}, "no such setting .*colour"),
         ({"hands": [*values["hands"], values["hands"][0]]}, "one or two hands"),
         ({"hands": []}, "one or two hands"),
         ({"hands": 2}, "Expected `array`"),
         ({"seed": "one"}, "Expected `int`"),
     ):
         with pytest.raises(InputError, match=what):
-            RunSettings.from_json({**values, **wrong})
+            decoded({**values, **wrong})
 
 
 def test_one_skilled_hand_alone_only_tips_the_tray() -> None:
     """One skilled user who waits for nobody, and one who does nothing."""
-    chosen = plan(SceneOptions(task=TASK, seed=0, second_user="idle"))
-    session = build(chosen.settings, chosen.makers)
+    chosen = scene_settings(SceneOptions(task=TASK, seed=0, second_user="idle"))
+    session = build(chosen, device_makers(chosen))
     devices: list[Any] = [rig.device for rig in session.rigs]
     user, idle = (device.user for device in devices)
     assert isinstance(user, Carrier) and isinstance(idle, IdleUser)
@@ -110,11 +111,11 @@ def test_one_skilled_hand_alone_only_tips_the_tray() -> None:
 
 
 def test_the_mirrored_scene_has_the_same_trial_with_the_sides_swapped() -> None:
-    settings = RunSettings(task=TASK, hands=RIGHT_AND_LEFT)
+    settings = Settings(task=TASK, hands=RIGHT_AND_LEFT)
     swapped = replace(settings, hands=RIGHT_AND_LEFT[::-1])
 
-    def places(chosen: RunSettings) -> tuple[list[Array], Session]:
-        session = build(chosen, plan(SceneOptions(task=TASK)).makers)
+    def places(chosen: Settings) -> tuple[list[Array], Session]:
+        session = build(chosen, device_makers(scene_settings(SceneOptions(task=TASK))))
         return [
             r.reconstructor.surface.to_world(r.reconstructor.surface.size / 2)[0]
             for r in session.rigs
@@ -126,7 +127,7 @@ def test_the_mirrored_scene_has_the_same_trial_with_the_sides_swapped() -> None:
     assert (first, second) == pytest.approx((left, right))
     assert session.task == other.task
     whole = session.whole_surface
-    assert whole.width_in == pytest.approx(2 * settings.surface_in[0])
+    assert whole.width_in == pytest.approx(2 * settings.surface.size_in[0])
     np.testing.assert_allclose(whole.to_world(whole.size / 2)[:2], 0.0, atol=1e-12)
 
 
@@ -142,8 +143,8 @@ def test_two_hands_on_one_large_surface_carry_the_tray() -> None:
 @pytest.fixture(scope="module")
 def still() -> Session:
     """A session that nobody plays."""
-    chosen = plan(SceneOptions(task=TASK, seed=3, user="idle", second_user="idle"))
-    return build(chosen.settings, chosen.makers)
+    chosen = scene_settings(SceneOptions(task=TASK, seed=3, user="idle", second_user="idle"))
+    return build(chosen, device_makers(chosen))
 
 
 DEGREE = np.deg2rad(1.0)
@@ -222,8 +223,8 @@ def test_a_tray_s_clearance_is_that_of_its_boxes() -> None:
 
 @pytest.mark.parametrize("vary", ["size=0.9,mass=0.7,start=10", "latency=60,noise=1"])
 def test_varied_trials_run(vary: str) -> None:
-    chosen = plan(SceneOptions(task=TASK, seed=1, vary=vary))
-    session = build(chosen.settings, chosen.makers)
+    chosen = scene_settings(SceneOptions(task=TASK, seed=1, vary=vary))
+    session = build(chosen, device_makers(chosen))
     for _ in range(80):
         snapshot = session.advance()
         for rig in session.rigs:
@@ -263,18 +264,18 @@ def test_invalid_options_for_a_second_hand_are_refused() -> None:
         ({"task": TASK, "second_hand_size": 7.0}, "the hand size is out of range"),
     ):
         with pytest.raises(InputError, match=what):
-            chosen = plan(SceneOptions(**options))
-            build(chosen.settings, chosen.makers)
+            chosen = scene_settings(SceneOptions(**options))
+            build(chosen, device_makers(chosen))
     with pytest.raises(InputError, match="needs two hands"):
-        build(RunSettings(task=TASK), plan(SceneOptions()).makers)
-    two = RunSettings(hands=RIGHT_AND_LEFT)
+        build(Settings(task=TASK), device_makers(Settings()))
+    two = Settings(hands=RIGHT_AND_LEFT)
     with pytest.raises(InputError, match="needs its own device"):
-        build(two, plan(SceneOptions()).makers)
+        build(two, device_makers(Settings()))
 
 
 def test_two_people_with_a_screen_each_share_a_task_for_one_hand() -> None:
-    chosen = plan(SceneOptions(seed=4, second_device="simulated", second_turn=180))
-    session = build(chosen.settings, chosen.makers)
+    chosen = scene_settings(SceneOptions(seed=4, second_device="simulated", second_turn=180))
+    session = build(chosen, device_makers(chosen))
     first, second = (rig.reconstructor.surface for rig in session.rigs)
     assert first is second and session.scene.spec.hands[0].name != session.scene.spec.hands[1].name
     assert session.task == draw_task(type(session.task), 4, first)
@@ -285,8 +286,9 @@ def test_two_people_with_a_right_hand_each_carry_it_from_the_command_line(tmp_pa
     words = ["--device", "simulated", "--device", "simulated", "--hand", "right", "--hand", "right"]
     assert main(["run", TASK, "--seed", "2", *words, "--json", str(out)]) == 0
     result = json.loads(out.read_text())
-    assert result["success"] and result["second"]["device"] == "simulated"
-    assert result["settings"]["second"]["hand"] == "right"
+    settings = result["settings"]
+    assert result["success"] and settings["second_device"]["name"] == "simulated"
+    assert settings["hands"][1]["side"] == "right"
 
 
 def test_a_task_for_two_hands_without_a_tray_needs_users_of_its_own() -> None:
@@ -300,4 +302,4 @@ def test_a_regression_run_of_all_tasks_has_the_configuration_of_one_of_them() ->
     first, second = (RegressionPlan(tasks, (0,)) for tasks in (("box-to-goal", TASK), (TASK,)))
     assert first.configuration() == second.configuration()
     asked = RegressionPlan((TASK,), (0,), {"second_hand": "right"})
-    assert asked.configuration()["settings"]["second"]["hand"] == "right"
+    assert asked.configuration()["settings"]["hands"][1]["side"] == "right"

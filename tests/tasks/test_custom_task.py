@@ -28,7 +28,7 @@ from sandbox.recording.states import STATES
 from sandbox.regression import Regression
 from sandbox.trial.assembly import build
 from sandbox.trial.replay import settings_of
-from sandbox.trial.settings import RunSettings
+from sandbox.trial.settings import Settings, encoded
 from tasks import variation
 from tasks.checks import check_task
 from tasks.custom_task import CustomTask, judge, two_places
@@ -378,7 +378,7 @@ def test_a_trial_that_cannot_be_played_is_refused_in_one_line_when_it_is_built(
 ) -> None:
     monkeypatch.setitem(TASKS, "test-broken", broken(place=classmethod(place)))
     with pytest.raises(InputError, match=says) as error:
-        build(RunSettings(task="test-broken"), (lambda task, surface: Script(),))
+        build(Settings(task="test-broken"), (lambda task, surface: Script(),))
     assert "test-broken, seed 0" in str(error.value) and "\n" not in str(error.value)
 
 
@@ -393,7 +393,7 @@ def test_a_session_does_not_check_what_the_author_of_a_task_checks(
 
     task = broken(place=classmethod(place))
     monkeypatch.setitem(TASKS, "test-broken", task)
-    build(RunSettings(task="test-broken"), (lambda task, surface: Script(),))
+    build(Settings(task="test-broken"), (lambda task, surface: Script(),))
     assert len(drawn) == 1
     with pytest.raises(InputError, match="two draws of one seed differ"):
         check_task(task)
@@ -442,7 +442,7 @@ def test_a_task_whose_measure_returns_no_measure_is_refused_before_the_trial(
             closed.append(self)
 
     with pytest.raises(InputError, match=says) as error:
-        build(RunSettings(task="test-broken"), (lambda task, surface: Closes(),))
+        build(Settings(task="test-broken"), (lambda task, surface: Closes(),))
     assert "\n" not in str(error.value) and len(closed) == 1
 
 
@@ -456,7 +456,7 @@ def test_a_measure_that_later_returns_nothing_ends_the_trial_with_a_one_line_err
         return judge(0.5, (True, "never")) if len(seen) < 4 else None
 
     monkeypatch.setitem(TASKS, "test-broken", broken(measure=measure))
-    session = build(RunSettings(task="test-broken"), (lambda task, surface: Script(),))
+    session = build(Settings(task="test-broken"), (lambda task, surface: Script(),))
     with pytest.raises(InputError, match="did not return a Measure"):
         for _ in range(9):
             session.advance()
@@ -718,7 +718,7 @@ def test_without_a_touch_the_example_is_not_done_and_its_command_names_the_file(
 
 def recorded(path: Path, task: str, **source: object) -> None:
     """A recording's header, with where its task is from."""
-    settings = RunSettings(task=task).as_json()
+    settings = encoded(Settings(task=task))
     header = {"kind": "header", "schema": 2, "states": STATES, "settings": settings}
     path.write_text(json.dumps({**header, "task_from": source}) + "\n")
 

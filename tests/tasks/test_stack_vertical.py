@@ -16,11 +16,12 @@ from models.hand import Hand
 from models.rotations import exp, matrix_to_quaternion
 from models.scene import Scene, SceneSpec
 from models.surface import Surface
-from sandbox.options.scene_options import SceneOptions, plan
+from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.recording.recording import load_recording
 from sandbox.session.respawn import AWAY
 from sandbox.trial.assembly import build
 from sandbox.trial.headless import run_trial
+from sandbox.trial.open_devices import device_makers
 from sandbox.trial.replay import replay
 from tasks.sensing import Sensing
 from tasks.stack_vertical import GAP, SIDE, StackVertical
@@ -179,9 +180,9 @@ def test_the_simulated_user_stacks_with_one_hand_and_replay_shows_it_to_the_bit(
     tmp_path: Path, seed: int, hand: Literal["right", "left"], fingers: int
 ) -> None:
     options = SceneOptions(task="stack-vertical", seed=seed, hand=hand, fingers=fingers)
-    planned = plan(options)
+    planned = scene_settings(options)
     file = tmp_path / "trial.jsonl"
-    result = run_trial(planned.settings, planned.makers, record=file)
+    result = run_trial(planned, device_makers(planned), record=file)
     assert result.success, result.reason
     session, verification = replay(load_recording(file))
     assert verification.exact and verification.complete
@@ -190,8 +191,8 @@ def test_the_simulated_user_stacks_with_one_hand_and_replay_shows_it_to_the_bit(
 
 @pytest.mark.parametrize("user", ["idle", "random"])
 def test_a_user_who_does_nothing_does_not_stack(user: Literal["idle", "random"]) -> None:
-    planned = plan(SceneOptions(task="stack-vertical", seed=1, user=user))
-    session = build(planned.settings, planned.makers)
+    planned = scene_settings(SceneOptions(task="stack-vertical", seed=1, user=user))
+    session = build(planned, device_makers(planned))
     device = session.rigs[0].device
     for _ in range(400):
         device.show(session.advance())

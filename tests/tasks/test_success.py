@@ -15,7 +15,7 @@ from models.errors import InputError
 from models.frames import Contact, TouchFrame
 from sandbox.session.device import Device
 from sandbox.trial.assembly import build
-from sandbox.trial.settings import RunSettings
+from sandbox.trial.settings import Settings
 from tasks.score import Scorer
 
 
@@ -124,7 +124,9 @@ class Nonsense(Device):
 def test_ten_minutes_of_nonsense_neither_diverge_nor_command_an_illegal_pose(
     impulse: float,
 ) -> None:
-    session = build(RunSettings(impulse=impulse), (lambda task, surface: Nonsense(surface.size),))
+    session = build(
+        Settings().changed(impulse=impulse), (lambda task, surface: Nonsense(surface.size),)
+    )
     skeleton = session.rigs[0].hand.skeleton
     for _ in range(10 * 60 * 62):
         session.advance()

@@ -16,11 +16,12 @@ from models.arithmetic.arrays import Array
 from models.frames import TouchFrame
 from models.surface import Surface
 from sandbox.devices.wrappers.device_wrapper import DeviceWrapper
-from sandbox.options.scene_options import SceneOptions, plan
+from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.session.device import Device
 from sandbox.trial.device_makers import DeviceMaker
 from sandbox.trial.driver import open_trial
-from sandbox.trial.settings import RunSettings
+from sandbox.trial.open_devices import device_makers
+from sandbox.trial.settings import Settings
 from tasks.registry import TASKS
 from tasks.simulated_user.grasp import grasp_across
 from tasks.simulated_user.hand import NARROWEST, Hand
@@ -135,7 +136,7 @@ def played(
     task: str, seed: int, fingers: int, seconds: float = 5.0, **options: Any
 ) -> list[Watched]:
     """The first seconds of a trial."""
-    chosen = plan(SceneOptions(task=task, seed=seed, fingers=fingers, **options))
+    chosen = scene_settings(SceneOptions(task=task, seed=seed, fingers=fingers, **options))
     opened: list[Watched] = []
 
     def watched(make: DeviceMaker) -> DeviceMaker:
@@ -145,8 +146,8 @@ def played(
 
         return open_device
 
-    makers = tuple(watched(make) for make in chosen.makers)
-    with open_trial(chosen.settings, makers, about=chosen.about) as trial:
+    makers = tuple(watched(make) for make in device_makers(chosen))
+    with open_trial(chosen, makers) as trial:
         trial.run(stop=lambda: trial.session.time > seconds)
     return opened
 
@@ -167,7 +168,7 @@ def test_no_two_fingers_are_ever_nearer_than_real_ones_nor_wider_apart(
 
 
 def test_a_hand_at_the_border_of_the_screen_stops_as_a_whole() -> None:
-    size = np.array(RunSettings().surface_in) * 0.0254
+    size = np.array(Settings().surface.size_in) * 0.0254
     at_border = 0
     for seed in range(8_000, 8_005):
         (device,) = played("wrench-slide", seed, 5)

@@ -1,6 +1,5 @@
 """Varied trials: what is changed is changed by just that much, and nothing else is."""
 
-import json
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
@@ -26,7 +25,7 @@ from sandbox.devices.wrappers.degraded import (
     DegradedDevice,
 )
 from sandbox.devices.wrappers.drop_outs import LENGTH
-from sandbox.options.scene_options import SceneOptions, plan
+from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.options.variations import KINDS, parse_variation
 from sandbox.recording.recording import load_recording
 from sandbox.session.device import Device
@@ -35,8 +34,10 @@ from sandbox.session.session import Session
 from sandbox.trial.assembly import build
 from sandbox.trial.driver import View
 from sandbox.trial.headless import run_trial
+from sandbox.trial.open_devices import device_makers
+from sandbox.trial.recorded_settings import recorded_settings
 from sandbox.trial.replay import replay
-from sandbox.trial.settings import RunSettings
+from sandbox.trial.settings import Settings, decoded, encoded
 from tasks.box_to_goal import BoxToGoal
 from tasks.goals import place
 from tasks.stack import Stack, StackThree
@@ -104,16 +105,15 @@ def test_a_neutral_variation_gives_the_very_same_trial(seed: int) -> None:
 
 
 def test_a_run_with_a_neutral_variation_has_the_hash_of_one_without() -> None:
-    def run(text: str) -> tuple[str, dict[str, Any], dict[str, Any]]:
-        chosen = plan(SceneOptions(seed=2, vary=text))
-        session = build(chosen.settings, chosen.makers)
+    def run(text: str) -> tuple[str, dict[str, Any]]:
+        chosen = scene_settings(SceneOptions(seed=2, vary=text))
+        session = build(chosen, device_makers(chosen))
         for _ in range(40):
             session.advance()
-        return session.state_hash, chosen.settings.as_json(), chosen.about
+        return session.state_hash, encoded(chosen)
 
     plain = run("")
     assert run("size=1,mass=1,friction=1,hand-size=1,latency=0,noise=0,ghosts=0") == plain
-    assert "variation" not in plain[1] and "variation" not in plain[2]
     assert run("mass=2")[0] != plain[0]
 
 
@@ -201,8 +201,8 @@ def test_an_object_with_a_fixed_size_is_refused() -> None:
 
 def test_friction_times_k_is_every_sliding_friction_times_k_and_no_other() -> None:
     def model(text: str) -> mujoco.MjModel:
-        chosen = plan(SceneOptions(vary=text))
-        return build(chosen.settings, chosen.makers).scene.model
+        chosen = scene_settings(SceneOptions(vary=text))
+        return build(chosen, device_makers(chosen)).scene.model
 
     plain, slippery = model(""), model("friction=0.25")
     assert np.array_equal(slippery.geom_friction[:, 0], 0.25 * plain.geom_friction[:, 0])
@@ -212,8 +212,8 @@ def test_friction_times_k_is_every_sliding_friction_times_k_and_no_other() -> No
 
 def test_a_box_on_a_slippery_table_slides_at_a_slope_at_which_it_else_stays() -> None:
     def slid(friction: float) -> float:
-        chosen = plan(SceneOptions(user="idle", seed=1, vary=f"friction={friction}"))
-        session = build(chosen.settings, chosen.makers)
+        chosen = scene_settings(SceneOptions(user="idle", seed=1, vary=f"friction={friction}"))
+        session = build(chosen, device_makers(chosen))
         # Friction is 0.5 against the table: it holds at a slope of 0.3 and not at 0.3 if halved.
         session.scene.model.opt.gravity[:] = [0.3 * 9.81, 0.0, -9.81]
         start = session.scene.object_pose(session.data, "box")[0]
@@ -335,7 +335,7 @@ def test_a_touch_that_came_back_is_cancelled_under_the_id_it_came_back_with() ->
 
 def test_a_touch_that_came_back_has_its_true_finger_and_an_id_that_nobody_else_has() -> None:
     # The screen of the simulated user drops touches of its own, too.
-    chosen = plan(SceneOptions(seed=1, drop_outs=2.0, vary="dropped=3"))
+    chosen = scene_settings(SceneOptions(seed=1, drop_outs=2.0, vary="dropped=3"))
     seen: set[int] = set()
     truth: dict[int, int] = {}
 
@@ -346,7 +346,7 @@ def test_a_touch_that_came_back_has_its_true_finger_and_an_id_that_nobody_else_h
 
         return [look]
 
-    run_trial(chosen.settings, chosen.makers, views)
+    run_trial(chosen, device_makers(chosen), views)
     assert max(seen) >= FIRST_RETURNED > min(seen)
     assert any(1_000_000 <= i < FIRST_RETURNED for i in seen)
     assert seen <= set(truth) and set(truth.values()) <= set(range(5))
@@ -363,27 +363,18 @@ def test_a_varied_run_replays_to_the_bit_and_is_marked_in_recording_and_result(
     tmp_path: Path,
 ) -> None:
     text = "size=0.9,mass=2,friction=0.8,start=10,noise=0.5,dropped=1,ghosts=1,latency=30"
-    chosen = plan(SceneOptions(seed=6, vary=text + ",hand-size=1.05"))
+    chosen = scene_settings(SceneOptions(seed=6, vary=text + ",hand-size=1.05"))
     path = tmp_path / "varied.jsonl"
-    result = run_trial(chosen.settings, chosen.makers, record=path, about=chosen.about)
+    result = run_trial(chosen, device_makers(chosen), record=path)
     recording = load_recording(path)
     session, found = replay(recording)
     assert found.exact and found.complete and session.state_hash == result.state_hash
     box: Any = session.task.objects[0]
     assert box.half_size[0] == pytest.approx(0.9 * 0.025)
-    again = RunSettings.from_json(recording.header["settings"])
-    assert again == chosen.settings and again.hands[0].size == 1.05
-    assert (
-        result.variation
-        == again.variation.as_json()
-        == json.loads(json.dumps(recording.header["variation"]))
-    )
-
-
-def test_settings_of_an_older_recording_are_not_varied() -> None:
-    values = RunSettings().as_json()
-    assert "variation" not in values
-    assert RunSettings.from_json(values).variation.neutral
+    again = recorded_settings(recording.header)
+    assert again == chosen and again.hands[0].size == 1.05
+    assert result.settings is not None
+    assert again.variation.as_json() == result.settings["variation"]
 
 
 @given(st.text(max_size=30))
@@ -429,7 +420,7 @@ def test_all_values_of_the_automatic_sweep_are_valid() -> None:
 @pytest.mark.parametrize("values", [[], "size", {"speed": 1.0}, {"size": 99.0}])
 def test_a_recording_with_another_variation_is_refused(values: Any) -> None:
     with pytest.raises(InputError):
-        RunSettings.from_json({**RunSettings().as_json(), "variation": values})
+        decoded({**encoded(Settings()), "variation": values})
 
 
 def test_a_simulation_of_the_smallest_and_heaviest_box_stands_still_at_its_start() -> None:

@@ -16,9 +16,10 @@ from models.arithmetic.arrays import Array
 from models.objects import BOLT_LIFT, JAW, Wrench, bolt_place
 from models.rotations import exp
 from sandbox.devices.simulated.air_user.holds import hold_of, pinch_motion
-from sandbox.options.scene_options import SceneOptions, plan
+from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.recording.recording import load_recording
 from sandbox.trial.headless import run_trial
+from sandbox.trial.open_devices import device_makers
 from sandbox.trial.replay import replay
 from tasks.simulated_user.hand import Hand
 from tasks.simulated_user.handling import handling_of
@@ -223,11 +224,11 @@ def test_a_hand_in_the_air_closes_on_the_handle_that_is_there_and_turns_it_about
 def test_the_simulated_user_does_it_with_another_wrench_and_it_replays_to_the_bit(
     task: str, size: float, more: dict[str, Any], tmp_path: Path
 ) -> None:
-    chosen = plan(SceneOptions(task=task, seed=1, vary=f"size={size}", **more))
+    chosen = scene_settings(SceneOptions(task=task, seed=1, vary=f"size={size}", **more))
     path = tmp_path / "varied.jsonl"
-    result = run_trial(chosen.settings, chosen.makers, record=path, about=chosen.about)
+    result = run_trial(chosen, device_makers(chosen), record=path)
     assert result.success, result.reason
-    assert result.variation["size"] == size
+    assert result.settings is not None and result.settings["variation"]["size"] == size
     session, found = replay(load_recording(path))
     assert found.exact and found.complete and session.state_hash == result.state_hash
     wrench: Any = session.task.objects[0]

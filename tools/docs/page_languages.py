@@ -44,7 +44,7 @@ from sandbox.session.collision_gating import STUCK
 from sandbox.session.messages import ContactView, Snapshot
 from sandbox.session.session import Session
 from sandbox.trial.assembly import build
-from sandbox.trial.settings import RunSettings
+from sandbox.trial.settings import Settings
 from sandbox.words.words import LANGUAGES, words_in
 from tasks.registry import TASKS
 from tasks.score import Status
@@ -190,7 +190,7 @@ def in_play(browser: Browser, code: str, size: str) -> Iterator[tuple[str, Tab]]
         tab.wait("!document.querySelector('.end').classList.contains('success')")
         yield settled("over", tab)
         surface = Surface(5.4, 2.5)
-        settings = RunSettings(task="stack", surface_in=(surface.width_in, surface.height_in))
+        settings = Settings(task="stack").changed(size_in=(surface.width_in, surface.height_in))
         server.show_problem(OTHER_PAGE, *refusal(settings))
         tab.wait("!document.querySelector('.trouble').hidden")
         yield settled("trouble", tab)
@@ -236,11 +236,11 @@ def with_fingers(session: Session, snapshot: Snapshot) -> Snapshot:
     return replace(snapshot, hands=(replace(hand, contacts=contacts, solid=frozenset({0, 1})),))
 
 
-def refusal(settings: RunSettings) -> list[str]:
+def refusal(settings: Settings) -> list[str]:
     """What a screen is told that is too small."""
     from models.errors import SurfaceTooSmallError
 
-    size = settings.surface.width_in, settings.surface.height_in
+    size = settings.surface.size_in
     error = SurfaceTooSmallError(settings.task, size, "the boxes", SMALLEST_IN)
     return list(explain_refusal(error, settings, LIFT_STRIP_PX / PPI))
 
@@ -253,7 +253,7 @@ def show(
     size = max(size[0], SMALLEST_IN[0]), max(size[1], SMALLEST_IN[1])
     settings = fitted or {"surface_in": (min(size[0], 10.3), min(size[1], 7.7))}
     session = build(
-        RunSettings(task="stack", **settings),
+        Settings(task="stack", **settings),
         (lambda task, surface: WebDevice(surface, server.latency),),
     )
     device, surface = session.rigs[0].device, session.rigs[0].reconstructor.surface

@@ -24,7 +24,7 @@ from sandbox.server.protocol.describe import describe_scene
 from sandbox.server.protocol.skins import pack_skin
 from sandbox.server.web import WebDevice
 from sandbox.trial.assembly import build
-from sandbox.trial.settings import RunSettings
+from sandbox.trial.settings import Settings
 from tasks.user import UserConfiguration
 from tests.support.chromium import Browser, Tab
 
@@ -60,7 +60,7 @@ def main() -> None:
 def play(server: PageServer, tab: Tab) -> bytes:
     """The picture, as PNG."""
     session = build(
-        RunSettings(seed=SEED, surface_in=(WIDTH / PPI, HEIGHT / PPI)),
+        Settings(seed=SEED).changed(size_in=(WIDTH / PPI, HEIGHT / PPI)),
         (lambda task, surface: WebDevice(surface, server.latency),),
     )
     device, surface = session.rigs[0].device, session.rigs[0].reconstructor.surface

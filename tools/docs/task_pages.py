@@ -16,7 +16,7 @@ from typing import Any
 import gymnasium
 
 from sandbox.gym import register_task
-from sandbox.trial.settings import HandSettings, RunSettings
+from sandbox.trial.settings import HandSettings, Settings
 from sandbox.trial.surfaces import place_all
 from tasks.guarded import draw_task
 from tasks.registry import TASKS
@@ -140,8 +140,8 @@ def _film(name: str) -> list[str]:
 
 def _facts(kind: type[Task]) -> str:
     hand = HandSettings()
-    settings = RunSettings(task=kind.name, hands=(hand, hand.other)[: kind.hands])
-    whole, _ = place_all(place_surface(settings.surface, kind), settings, kind)
+    settings = Settings(task=kind.name, hands=(hand, hand.other)[: kind.hands])
+    whole, _ = place_all(place_surface(settings.surface.rectangle, kind), settings, kind)
     task = draw_task(kind, 0, whole)
     lift = f"up to {100 * kind.lift_range:.0f} cm" if kind.lift_range else "not used"
     rows = [

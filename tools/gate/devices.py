@@ -29,7 +29,7 @@ from sandbox import run_trial
 from sandbox.devices.evdev.evdev_device import EvdevDevice
 from sandbox.devices.evdev.evdev_touch import Axis, Slots
 from sandbox.devices.webxr.webxr import HeadsetDevice
-from sandbox.options.scene_options import SceneOptions, plan
+from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.server.protocol.protocol import PageHands, PageScreen, PageTouches, decode
 from sandbox.server.web import WebDevice
 from sandbox.session.device import Device, HandDevice
@@ -56,8 +56,8 @@ def play(name: str) -> Observed:
         opened = Page if name == "page" else touch_screen
         return outcome(run_trial(task, seed, opened, trajectories=False).result)
     if name == "headset":
-        chosen = plan(SceneOptions(task=task, seed=seed, device="webxr-simulated"))
-        return outcome(play_settings(chosen.settings, (_headset,)).as_json())
+        chosen = scene_settings(SceneOptions(task=task, seed=seed, device="webxr-simulated"))
+        return outcome(play_settings(chosen, (_headset,)).as_json())
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / f"{name}.jsonl"
         path.write_bytes(gzip.decompress((INPUTS / f"{name}.jsonl.gz").read_bytes()))

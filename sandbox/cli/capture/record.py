@@ -32,6 +32,8 @@ from sandbox.devices.files.paired_capture import (
 from sandbox.devices.leap.leap import DEFAULT_ADDRESS, LeapDevice, LeapFileDevice
 from sandbox.devices.leap.leap_fake import FAKE
 from sandbox.devices.leap.leap_file import read_leap
+from sandbox.devices.leap.leap_maker import LIVE, open_leap
+from sandbox.devices.open_touches import Opened
 from sandbox.devices.tuio.tuio import DEFAULT_PORT, LOOPBACK
 from sandbox.devices.webcam.installed import installed_engine
 from sandbox.devices.webcam.landmark_file import (
@@ -41,11 +43,11 @@ from sandbox.devices.webcam.landmark_file import (
 )
 from sandbox.devices.webcam.landmarks_json import message_of
 from sandbox.devices.webcam.webcam import WebcamDevice
-from sandbox.options.leap_devices import LIVE, open_leap
+from sandbox.devices.webcam.webcam_maker import LIVE as CAMERA
+from sandbox.devices.webcam.webcam_maker import is_webcam
 from sandbox.options.metavars import TOUCH_DEVICE_CHOICES
-from sandbox.options.touch_devices import Opened, TouchOptions
-from sandbox.options.webcam_devices import LIVE as CAMERA
-from sandbox.options.webcam_devices import is_webcam, webcam_choice
+from sandbox.options.touch_devices import TouchOptions
+from sandbox.options.webcam_devices import webcam_choice
 from sandbox.session.device import Device, HandDevice, LandmarkDevice
 
 Hands = HandDevice | LandmarkDevice

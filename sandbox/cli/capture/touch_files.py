@@ -15,8 +15,8 @@ from models.frames import TouchFrame
 from models.json_input import numbered_lines
 from models.surface import METRES_PER_INCH, Surface
 from sandbox.devices.files.frame_file import LONGEST_LINE, decoded_frame, frame_surface
+from sandbox.devices.open_touches import first_line, recorded_surface
 from sandbox.devices.tuio.touch_capture import CaptureDevice, read_capture
-from sandbox.options.touch_devices import first_line, recorded_surface
 from sandbox.recording.recording import is_recording, load_recording
 
 _SAME_SIZE = 0.01

@@ -6,7 +6,8 @@ from typing import Any
 
 from rich.console import Console
 
-from sandbox.options.touch_devices import Opened, TouchOptions, open_touches
+from sandbox.devices.open_touches import Opened
+from sandbox.options.touch_devices import TouchOptions, open_touches
 
 
 def open_touches_or_page(options: TouchOptions, seconds: float, tap: Any = None) -> Opened | None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
-from dataclasses import replace
 
 from rich.console import Console
 
@@ -13,7 +12,7 @@ from models.frames import TouchFrame
 from models.surface import Surface, parse_surface
 from sandbox.cli.common.page_options import PageOptions, open_page
 from sandbox.cli.common.page_view import show_address
-from sandbox.options.scene_options import SceneOptions, plan
+from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.options.touch_devices import TouchOptions
 from sandbox.server.page_server import PageServer
 from sandbox.server.protocol.describe import describe_scene
@@ -22,6 +21,7 @@ from sandbox.server.web import WebDevice
 from sandbox.session.device import Device
 from sandbox.trial.assembly import build
 from sandbox.trial.events import EventLog
+from sandbox.trial.open_devices import device_makers
 
 _PERIOD = 1.0 / 30.0
 """s between two frames sent to the page, so that it sees that the program is running."""
@@ -43,17 +43,17 @@ class PageTouches(Device):
     def __init__(self, server: PageServer, surface: Surface | None) -> None:
         self._server = server
         self.address = server.url
-        chosen = plan(SceneOptions(device="web"))
+        chosen = scene_settings(SceneOptions(device="web"))
         screen = server.screen
         assert screen is not None
-        settings = replace(chosen.settings, **rectangle(screen))
+        settings = chosen.changed(**rectangle(screen))
         if surface is not None:
-            settings = replace(settings, surface_in=(surface.width_in, surface.height_in))
+            settings = settings.changed(size_in=(surface.width_in, surface.height_in))
         try:
-            self._session = build(settings, chosen.makers)
+            self._session = build(settings, device_makers(chosen))
         except SurfaceTooSmallError as error:
             # No task is played, so the error must not speak of one.
-            width, height = settings.surface_in
+            width, height = settings.surface.size_in
             raise InputError(
                 "this screen is too small for a hand",
                 where="the page",

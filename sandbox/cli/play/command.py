@@ -17,11 +17,12 @@ from sandbox.cli.common.parse import parse
 from sandbox.cli.play.own_profile import Learner, with_usable_profile
 from sandbox.cli.play.page import play_on_page
 from sandbox.cli.run import RunOptions, perform
-from sandbox.options.headset_devices import LIVE
+from sandbox.devices.webxr.headset_maker import LIVE
 from sandbox.options.leap_calibration import uses_touch_profile, with_measured_hand
 from sandbox.options.metavars import device_choices
 from sandbox.options.profiles import DEFAULT, default_path, find_profile
-from sandbox.options.scene_options import SceneOptions, check_labels, is_in_air, plan
+from sandbox.options.scene_options import SceneOptions, check_labels, scene_settings
+from sandbox.trial.open_devices import is_in_air
 from sandbox.views.display import has_display
 from tasks.registry import find_task
 
@@ -115,7 +116,7 @@ def main(argv: list[str]) -> int:
 
 def _check(options: PlayOptions) -> None:
     """Checks that the task can be played, before a page or window is opened."""
-    find_task(plan(replace(options, record=None)).settings.task)
+    find_task(scene_settings(replace(options, record=None)).task)
     if options.record is not None and not options.record.absolute().parent.is_dir():
         raise InputError(
             "no such folder",

@@ -17,9 +17,10 @@ from sandbox.options.profiles import (
     profile_path,
     save_profile,
 )
-from sandbox.options.scene_options import SceneOptions, is_in_air
+from sandbox.options.scene_options import SceneOptions
 from sandbox.session.own_layouts import learned_layouts
 from sandbox.session.session import Session
+from sandbox.trial.open_devices import is_in_air
 
 Options = TypeVar("Options", bound=SceneOptions)
 

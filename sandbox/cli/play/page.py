@@ -23,9 +23,9 @@ from sandbox.cli.play.absences import Absences
 from sandbox.cli.play.own_profile import Learner
 from sandbox.cli.play.screen_too_small import explain_refusal
 from sandbox.cli.run import report_end
+from sandbox.devices.webxr.headset_maker import LIVE
 from sandbox.devices.webxr.webxr import HeadsetDevice
-from sandbox.options.headset_devices import LIVE
-from sandbox.options.scene_options import Plan, SceneOptions, plan
+from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.server.page_server import PageServer
 from sandbox.server.protocol.protocol import LIFT_STRIP_PX, PlayerRequest
 from sandbox.server.protocol.rectangle import common, rectangle, scaled
@@ -37,8 +37,9 @@ from sandbox.trial.driver import Trial, View, open_trial
 from sandbox.trial.events import EventLog, NoticeEvents
 from sandbox.trial.lift import lifts
 from sandbox.trial.live import LiveTrial
+from sandbox.trial.open_devices import device_makers, is_live
 from sandbox.trial.result import TrialResult
-from sandbox.trial.settings import RunSettings
+from sandbox.trial.settings import Settings
 from sandbox.trial.timing import Timing, timed
 from tasks.registry import TASKS
 
@@ -77,7 +78,7 @@ class PlayerRequests:
     hands: tuple[int, ...] = (0, 1)
 
     @classmethod
-    def of(cls, settings: RunSettings) -> PlayerRequests:
+    def of(cls, settings: Settings) -> PlayerRequests:
         """The task and the hands of settings."""
         return cls(settings.task, tuple(hand.side for hand in settings.hands))
 
@@ -95,7 +96,7 @@ class PlayerRequests:
                 case "pause" | "resume":
                     self.paused = ask.what == "pause"
 
-    def wanted(self, settings: RunSettings) -> RunSettings:
+    def wanted(self, settings: Settings) -> Settings:
         """The settings with the wanted task and hands, and the seed of this trial."""
         hands = tuple(hand.on(side) for hand, side in zip(settings.hands, self.sides, strict=False))
         return replace(
@@ -130,7 +131,7 @@ class PagePlay:
 
     def run(self) -> None:
         """Runs trials until the program is interrupted."""
-        wishes = PlayerRequests.of(plan(self.options).settings)
+        wishes = PlayerRequests.of(scene_settings(self.options))
         self._wait_for_players()
         while True:
             self._trial(wishes)
@@ -174,8 +175,8 @@ class PagePlay:
         timing = Timing(self.servers[0].latency)
         for server in self.servers:
             server.latency.begin_trial()
-        makers = chosen.makers
-        if chosen.live:
+        makers = device_makers(chosen)
+        if is_live(chosen):
             makers = with_first(makers, lambda maker: timed(maker, timing))
         ended: list[TrialResult] = []
         with ExitStack() as closing:
@@ -184,16 +185,15 @@ class PagePlay:
             try:
                 trial = closing.enter_context(
                     open_trial(
-                        chosen.settings,
+                        chosen,
                         makers,
                         lambda session: self._views(session, timing),
                         numbered(record, wishes.trial) if record else None,
-                        chosen.about,
-                        self.options.dump,
+                        dump=self.options.dump,
                     )
                 )
             except InputError as error:
-                self._refuse(error, chosen.settings)
+                self._refuse(error, chosen)
                 return
             self._play(trial, chosen, wishes, ended)
         self._notices.wait()
@@ -204,7 +204,7 @@ class PagePlay:
             self.events.tell("trial_end", **result.as_json())
 
     def _play(
-        self, trial: Trial, chosen: Plan, wishes: PlayerRequests, ended: list[TrialResult]
+        self, trial: Trial, chosen: Settings, wishes: PlayerRequests, ended: list[TrialResult]
     ) -> None:
         """Plays until the trial is over or a new one is requested; adds its result to `ended`."""
         session = trial.session
@@ -237,9 +237,9 @@ class PagePlay:
         finally:
             live.stop()
             latency = self.servers[0].latency.as_json()
-            counts = _counts(chosen.settings)
+            counts = _counts(chosen)
             absent = absences.listed() or None
-            self._tell_size(session, chosen.settings)
+            self._tell_size(session, chosen)
             ended.append(trial.end(latency=latency, absences=absent, **counts))
             if self.learner is not None:
                 self.learner.after(session)
@@ -248,7 +248,7 @@ class PagePlay:
         if live.failure:
             raise live.failure
 
-    def _tell_size(self, session: Session, settings: RunSettings) -> None:
+    def _tell_size(self, session: Session, settings: Settings) -> None:
         """Tells a person in a headset whose hand has another size than the drawn one."""
         headset = session.first_rig.device.find(HeadsetDevice)
         seen = headset.hand_size if headset is not None else None
@@ -258,37 +258,37 @@ class PagePlay:
                 f"`--hand-size {seen:.2f}` draws it so"
             )
 
-    def _chosen(self, wishes: PlayerRequests) -> Plan:
+    def _chosen(self, wishes: PlayerRequests) -> Settings:
         options = replace(self.options, record=None)
-        return plan(options, adjust=lambda settings: self._fitted(wishes.wanted(settings)))
+        return self._fitted(wishes.wanted(scene_settings(options)))
 
-    def _fitted(self, settings: RunSettings) -> RunSettings:
+    def _fitted(self, settings: Settings) -> Settings:
         """The settings with the surface of the pages that are touched."""
         screens = [server.screen for server in self.servers if server.screen]
         if "web" in (self.options.device, self.options.second_device) and screens:
-            hands = len(settings.hands) if settings.one_surface else 1
+            hands = len(settings.hands) if settings.surface.shared else 1
             if self._scaled(settings):
                 size = scaled(screens[0], lifts(settings))
-                return replace(settings, **size)
+                return settings.changed(**size)
             sizes = [rectangle(screen, hands, lifts(settings)) for screen in screens]
-            settings = replace(settings, **common(sizes))
+            settings = settings.changed(**common(sizes))
         return settings
 
-    def _scaled(self, settings: RunSettings) -> bool:
+    def _scaled(self, settings: Settings) -> bool:
         """True if the only page fills itself with its table. Two tablets have one scale, the true
         one."""
         screen = self.servers[0].screen
-        alone = len(self.servers) == 1 and not settings.one_surface
+        alone = len(self.servers) == 1 and not settings.surface.shared
         return alone and screen is not None and screen.fit != ""
 
-    def _show(self, session: Session, chosen: Plan) -> tuple[int, ...]:
+    def _show(self, session: Session, chosen: Settings) -> tuple[int, ...]:
         """Returns the index of the hand that each page is for."""
-        caption = SIMULATED_USER if chosen.about.get("user") else ""
-        hands, touched = chosen.settings.hands, touched_pages(session)
+        caption = SIMULATED_USER if chosen.device.user else ""
+        hands, touched = chosen.hands, touched_pages(session)
         shown = []
         for k, server in enumerate(self.servers):
             own, device = touched[k] if k < len(touched) else (None, None)
-            side, scored = hands[own or 0].side, chosen.settings.scored
+            side, scored = hands[own or 0].side, chosen.scored
             show_session(server, session, side, caption, device, own, scored)
             shown.append(own or 0)
         language = self.servers[0].language
@@ -305,7 +305,7 @@ class PagePlay:
 
         return [timing.stepped, notices.show, on_pages]
 
-    def _refuse(self, error: InputError, settings: RunSettings) -> None:
+    def _refuse(self, error: InputError, settings: Settings) -> None:
         """A task that this screen has no room for: said on the page; another can be chosen."""
         for server in self.servers:
             strip = LIFT_STRIP_PX / server.screen.px_per_in if server.screen else 0.0
@@ -327,7 +327,7 @@ def play_on_page(
     `learner` see `PagePlay`.
     """
     hands = [options.device, options.second_device].count("web")
-    sides = [hand.side for hand in plan(options).settings.hands]
+    sides = [hand.side for hand in scene_settings(options).hands]
     names = sides if len(set(sides)) == len(sides) else ["first", "second"]
     headset = options.device == LIVE
     first = open_page(page, touch=hands > 0 or headset, headset=headset)
@@ -364,9 +364,9 @@ def play_on_page(
     return max(judge_latency(server.latency, limit, console) for server in servers)
 
 
-def _counts(settings: RunSettings) -> dict[str, Any]:
+def _counts(settings: Settings) -> dict[str, Any]:
     """Fields of the result of a table that is not of true size."""
-    scale = settings.surface_scale
+    scale = settings.surface.scale
     return {
         "surface_scale": None if scale == 1.0 else round(scale, 4),
         "scored": None if settings.scored else False,

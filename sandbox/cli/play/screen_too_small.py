@@ -8,7 +8,7 @@ from models.errors import InputError, SurfaceTooSmallError
 from models.messages.message import Message
 from models.surface import METRES_PER_INCH, Surface
 from sandbox.trial.lift import lifts
-from sandbox.trial.settings import RunSettings
+from sandbox.trial.settings import Settings
 from tasks.guarded import draw_task
 from tasks.registry import TASKS, hands_of
 from tasks.touch_surface import place_surface
@@ -19,9 +19,7 @@ CANNOT_BEGIN = Message(
 """What a page says of every other error, whose text is for whoever typed the command."""
 
 
-def explain_refusal(
-    error: InputError, settings: RunSettings, strip_in: float = 0.0
-) -> list[Message]:
+def explain_refusal(error: InputError, settings: Settings, strip_in: float = 0.0) -> list[Message]:
     """Returns what a player is told on why a trial cannot begin, and what to do instead.
 
     Args:
@@ -31,7 +29,7 @@ def explain_refusal(
     """
     if not isinstance(error, SurfaceTooSmallError):
         return [CANNOT_BEGIN]
-    surface = settings.surface
+    surface = settings.surface.rectangle
     strip = strip_in if lifts(settings) else 0.0
     sentences = [
         Message(

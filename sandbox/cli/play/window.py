@@ -31,7 +31,7 @@ from sandbox.cli.play.screen_too_small import CANNOT_BEGIN
 from sandbox.cli.run import report_end
 from sandbox.devices.wrappers.first_touch import FirstTouch
 from sandbox.devices.wrappers.merged import MergedDevice
-from sandbox.options.scene_options import Plan, SceneOptions, plan
+from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.server.page_device import PageDevice
 from sandbox.server.page_server import PageServer
 from sandbox.server.protocol.describe import summary
@@ -46,7 +46,9 @@ from sandbox.trial.driver import View, open_trial
 from sandbox.trial.events import EventLog, NoticeEvents
 from sandbox.trial.lift import with_lift
 from sandbox.trial.live import LiveTrial
+from sandbox.trial.open_devices import device_makers, is_live
 from sandbox.trial.result import TrialResult
+from sandbox.trial.settings import Settings
 from sandbox.trial.timing import Timing, timed
 from sandbox.views.window.window import SIZE, Window
 from tasks.score import Status
@@ -129,7 +131,7 @@ class WindowPlay:
 
     def run(self) -> None:
         """Runs trials until the window is closed."""
-        first = plan(replace(self.options, record=None)).settings
+        first = scene_settings(replace(self.options, record=None))
         wishes = PlayerRequests.of(first)
         done = wishes.task, wishes.sides
         try:
@@ -163,12 +165,11 @@ class WindowPlay:
         timing = Timing(self.latency)
         self.latency.begin_trial()
         with open_trial(
-            chosen.settings,
+            chosen,
             self._device_makers(chosen, timing),
             lambda session: self._views(session, timing),
             kept,
-            chosen.about,
-            self.options.dump,
+            dump=self.options.dump,
         ) as trial:
             session = trial.session
             ended: list[TrialResult] = []
@@ -259,17 +260,16 @@ class WindowPlay:
         """True while the program waits for a tablet."""
         return self.lan and self.server is not None and not self.server.wait_for_player(0.0)
 
-    def _chosen(self, wishes: PlayerRequests) -> Plan:
-        options = replace(self.options, record=None)
-        chosen = plan(options, adjust=wishes.wanted)
+    def _chosen(self, wishes: PlayerRequests) -> Settings:
+        return wishes.wanted(scene_settings(replace(self.options, record=None)))
+
+    def _device_makers(self, chosen: Settings, timing: Timing) -> DeviceMakers:
+        """Returns device makers; the first adds the page's touches and measures latency."""
+        makers = device_makers(chosen)
         if self._waits(chosen):
             # Beneath what makes touches late or shares them: neither works while no time passes.
-            chosen = plan(options, _from_first_touch, wishes.wanted)
-        return chosen
-
-    def _device_makers(self, chosen: Plan, timing: Timing) -> DeviceMakers:
-        """Returns device makers; the first adds the page's touches and measures latency."""
-        makers = with_lift(chosen.makers, keys=True)
+            makers = device_makers(chosen, _from_first_touch)
+        makers = with_lift(makers, keys=True)
 
         def beside_page(maker: DeviceMaker) -> DeviceMaker:
             def make_both(task: Task, surface: Surface) -> Device:
@@ -280,19 +280,19 @@ class WindowPlay:
         if self.share:
             makers = with_first(makers, beside_page)
         # The offset of a Leap's clock from this machine's is unknown.
-        if chosen.live and not chosen.settings.in_air:
+        if is_live(chosen) and not chosen.in_air:
             makers = with_first(makers, lambda maker: timed(maker, timing))
         return makers
 
-    def _waits(self, chosen: Plan) -> bool:
+    def _waits(self, chosen: Settings) -> bool:
         """True if time begins with the first touch, because a person plays with their fingers."""
         of_person = self.options.device != "simulated" and not Path(self.options.device).is_file()
-        return chosen.live and of_person and not chosen.settings.in_air
+        return is_live(chosen) and of_person and not chosen.in_air
 
-    def _open_window(self, session: Session, chosen: Plan) -> Window:
+    def _open_window(self, session: Session, chosen: Settings) -> Window:
         surface = session.whole_surface
         title = f"Hand Sandbox: {session.task.name}"
-        caption = SIMULATED_USER if chosen.about.get("user") is not None else ""
+        caption = SIMULATED_USER if chosen.device.user is not None else ""
         if self.window is None:
             self.window = Window(session.scene, surface, title, SIZE, caption, in_air(session))
         else:
@@ -305,15 +305,15 @@ class WindowPlay:
         self.events.tell("trial_start", task=session.task.name, seed=session.task.seed)
         return self.window
 
-    def _show_on_page(self, session: Session, chosen: Plan) -> int:
+    def _show_on_page(self, session: Session, chosen: Settings) -> int:
         """Returns the index of the hand that the page is for."""
         if self.server is None:
             return 0
-        caption = SIMULATED_USER if chosen.about.get("user") is not None else ""
+        caption = SIMULATED_USER if chosen.device.user is not None else ""
         # The page is for the second hand, or for touches beside the mouse.
         beside = session.first_rig.device.find(WebDevice)
         own, web = next(iter(touched_pages(session)), (0, beside))
-        side = chosen.settings.hands[own or 0].side
+        side = chosen.hands[own or 0].side
         show_session(self.server, session, side, caption, web, own)
         return own or 0
 

@@ -24,6 +24,7 @@ from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
 from sandbox.study.record.trial_files import find_recordings, finished_only
 from sandbox.trial.driver import View, undisturbed
+from sandbox.trial.recorded_settings import recorded_users
 from sandbox.trial.replay import Verification, replay
 from sandbox.trial.result import TrialResult
 from tasks.score import Status, ending
@@ -133,7 +134,7 @@ def _replay(file: Path, options: ReplayOptions, brief: bool, console: Console) -
     if options.view == "film" and film is None:
         film = Path(file.name).with_suffix(".webp")
     # A film of a simulated user must say so.
-    caption = "simulated user" if recording.header.get("user") else ""
+    caption = "simulated user" if recorded_users(recording.header)[0] else ""
     steps = recording.end["step"] if recording.end else None
     began = time.perf_counter()
     with ExitStack() as closing:

@@ -260,7 +260,7 @@ def _play(
     calibrate = (
         _average if simulated else hand_measurer(forms, person, leap, say, own=own, again=repeated)
     )
-    other = second.device if second else name
+    other = second or touch
     runner = SessionRunner(
         session,
         player,
@@ -268,10 +268,10 @@ def _play(
         forms,
         controls,
         say,
-        name,
-        settings_fitter(name, page, other, camera),
+        touch.settings,
+        settings_fitter(name, page, other.device, camera),
         calibrate,
-        second_device=other,
+        second_device=other.settings,
         witness=options.witness,
     )
     try:

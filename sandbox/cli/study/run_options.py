@@ -166,8 +166,8 @@ def again(options: StudyRunOptions, ppid: str) -> str:
 
 def check_options(options: StudyRunOptions) -> None:
     """Checks that options fit together, before anything is written."""
+    from sandbox.devices.open_touches import guessed_surface, live_maker
     from sandbox.devices.registry import built_in
-    from sandbox.options.touch_devices import guessed_surface, live_maker
 
     entry = built_in(options.device)
     if entry is None or entry.in_air:
@@ -210,7 +210,9 @@ def check_options(options: StudyRunOptions) -> None:
             remedy="Use --device web or --device tuio",
         )
     maker = (
-        live_maker(touch_options(options)) if options.device not in ("mouse", "simulated") else None
+        live_maker(touch_options(options).settings)
+        if options.device not in ("mouse", "simulated")
+        else None
     )
     if maker is not None:
         # Errors of a device are reported now, and not after the forms.
@@ -219,7 +221,7 @@ def check_options(options: StudyRunOptions) -> None:
 
 def check_leap(options: StudyRunOptions, design: Design) -> None:
     """Checks the Leap, too, if the design has trials over it."""
-    from sandbox.options.leap_devices import open_leap
+    from sandbox.devices.leap.leap_maker import open_leap
     from sandbox.study.design.conditions import combinations, values_of
     from sandbox.study.design.plan import over_a_leap
 
@@ -254,7 +256,7 @@ def check_second_device(options: StudyRunOptions, design: Design) -> None:
     Raises:
         InputError: The device is missing, not needed, or cannot be used beside the first one.
     """
-    from sandbox.options.touch_devices import guessed_surface, is_evdev, live_maker
+    from sandbox.devices.open_touches import guessed_surface, is_evdev, live_maker
     from sandbox.study.design.conditions import PARTNER, combinations, run_settings, values_of
     from sandbox.study.run.run_device import needs_second_device
 
@@ -308,7 +310,7 @@ def check_second_device(options: StudyRunOptions, design: Design) -> None:
             remedy="Use web, tuio, evdev or simulated",
         )
     asked = second_touch_options(options)
-    maker = live_maker(asked) if asked and name not in ("mouse", PARTNER) else None
+    maker = live_maker(asked.settings) if asked and name not in ("mouse", PARTNER) else None
     if maker is not None:
         maker(guessed_surface()).close()
 

@@ -22,9 +22,10 @@ from sandbox.cli.touches.send import Send, send
 from sandbox.cli.touches.views import JsonView, TextView, View, what_to_check
 from sandbox.devices.files.frame_file import frame_record, header_record
 from sandbox.devices.files.line_file import LineFile
+from sandbox.devices.open_touches import Opened
 from sandbox.devices.registry import offered_devices
 from sandbox.devices.tuio.touch_capture import CapturedPacket, packet_record
-from sandbox.options.touch_devices import Opened, TouchOptions
+from sandbox.options.touch_devices import TouchOptions
 
 PATIENCE = 5.0
 """s without a frame after which a hint on what to check is shown."""

@@ -36,7 +36,7 @@ def rectangle(screen: PageScreen, hands: int = 1, lifts: bool = False) -> dict[s
     size = tuple(
         round(min(side, end), 4) for side, end in zip(room(screen, lifts), most, strict=True)
     )
-    return {"surface_in": size, "surface_calibrated": screen.calibrated}
+    return {"size_in": size, "calibrated": screen.calibrated}
 
 
 def scaled(screen: PageScreen, lifts: bool = False) -> dict[str, Any]:
@@ -50,18 +50,18 @@ def scaled(screen: PageScreen, lifts: bool = False) -> dict[str, Any]:
     scale = min(max(width / most_w, height / most_h), width / least_w, height / least_h)
     size = min(width / scale, most_w), min(height / scale, most_h)
     return {
-        "surface_in": tuple(round(side, 4) for side in size),
+        "size_in": tuple(round(side, 4) for side in size),
         # At another scale there is no size that could be wrong.
-        "surface_calibrated": True,
-        "surface_scale": scale,
+        "calibrated": True,
+        "scale": scale,
         "scored": screen.fit == "mouse",
     }
 
 
 def common(rectangles: Sequence[dict[str, Any]]) -> dict[str, Any]:
     """The largest touch rectangle that fits on all of some screens, as settings."""
-    sizes = [r["surface_in"] for r in rectangles]
+    sizes = [r["size_in"] for r in rectangles]
     return {
-        "surface_in": tuple(min(sides) for sides in zip(*sizes, strict=True)),
-        "surface_calibrated": all(r["surface_calibrated"] for r in rectangles),
+        "size_in": tuple(min(sides) for sides in zip(*sizes, strict=True)),
+        "calibrated": all(r["calibrated"] for r in rectangles),
     }

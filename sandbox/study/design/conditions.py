@@ -13,7 +13,7 @@ from sandbox.words.words import words_in
 
 if TYPE_CHECKING:
     from sandbox.study.design.reading import Reader
-    from sandbox.trial.settings import RunSettings
+    from sandbox.trial.settings import Settings
     from tasks.task import Task
 
 PARTNER = "simulated"
@@ -66,7 +66,7 @@ CHOICES = {
 
 def run_settings(
     values: Mapping[str, Any], seed: int, hand: str = "right", hand_size: float = 1.0
-) -> RunSettings:
+) -> Settings:
     """Creates the settings of one trial.
 
     Args:
@@ -78,7 +78,7 @@ def run_settings(
     Raises:
         InputError: A value is not allowed.
     """
-    from sandbox.options.scene_options import SceneOptions, plan
+    from sandbox.options.scene_options import SceneOptions, scene_settings
     from sandbox.options.webcam_devices import webcam_choice
     from sandbox.trial.hand_input import HandInput
 
@@ -95,7 +95,7 @@ def run_settings(
     if "second_device" in given:
         given["second_device"] = _SIMULATED[given["second_device"]]
     options = SceneOptions(seed=seed, hand=_hand(hand), **given)
-    settings = plan(options).settings
+    settings = scene_settings(options)
     hands = tuple(
         replace(
             hand,
@@ -164,7 +164,7 @@ def drawn_tasks(design: Design) -> dict[str, Task]:
         settings = run_settings(values_of(design, levels), design.seed % 1000)
         if settings.task not in drawn:
             kind = find_task(settings.task)
-            whole, _ = place_all(place_surface(settings.surface, kind), settings, kind)
+            whole, _ = place_all(place_surface(settings.surface.rectangle, kind), settings, kind)
             drawn[settings.task] = draw_task(kind, settings.seed, whole)
     return drawn
 
@@ -221,7 +221,7 @@ def check_conditions(design: Design, reader: Reader) -> None:
             if not settings.variation.neutral:
                 for seed in range(_VARIED_SEEDS):
                     drawn(replace(settings, seed=seed))
-            load_encoder(settings.encoder)
+            load_encoder(settings.pipeline.encoder)
         except HandSandboxError as error:
             if str(error) in seen:
                 continue

@@ -38,7 +38,7 @@ from sandbox.study.design.questionnaires import (
 )
 from sandbox.study.design.reading import DesignError, Mistake, Reader, TomlTable
 from sandbox.study.measures.registry import measures, rule_measures
-from sandbox.trial.settings import DEFAULT_LABELS
+from sandbox.trial.settings import PipelineSettings
 
 MOST_SESSIONS = 99
 """Largest number of sessions of one participant."""
@@ -196,7 +196,7 @@ def _digest(text: str, forms: tuple[Form, ...]) -> str:
 
 
 def _check_learning(design: Design, trials: TomlTable) -> None:
-    common = str(design.settings.get("labels", DEFAULT_LABELS))
+    common = str(design.settings.get("labels", PipelineSettings.labels))
     used = {common}
     for factor in design.factors:
         given = {str(level.settings.get("labels", common)) for level in factor.levels}

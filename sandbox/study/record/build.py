@@ -100,7 +100,8 @@ def build_of(design: Design) -> dict[str, Any]:
     tasks: set[str] = set()
     for levels in combinations(design):
         settings = run_settings(values_of(design, levels), 0)
-        learned.setdefault(f"{settings.encoder}, labels {settings.labels}", digests(settings))
+        pipeline = settings.pipeline
+        learned.setdefault(f"{pipeline.encoder}, labels {pipeline.labels}", digests(settings))
         tasks.add(settings.task)
     own = own_tasks(sorted(tasks))
     outside = external_definitions()

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
-from dataclasses import replace
 
 import msgspec
 
@@ -24,7 +23,7 @@ from sandbox.study.run.task_texts import task_texts
 from sandbox.trial.driver import View
 from sandbox.trial.lift import lifts
 from sandbox.trial.live import LiveTrial
-from sandbox.trial.settings import RunSettings
+from sandbox.trial.settings import Settings
 
 AFTER = 1.2
 """s for which the end of a trial stays visible."""
@@ -110,7 +109,7 @@ class PagePlayer:
             options, name, message.task, message.goal, self._language, page.texts
         )
         message = msgspec.structs.replace(message, task=title, goal=goal)
-        apart = len(session.rigs) > 1 and not request.settings.one_surface
+        apart = len(session.rigs) > 1 and not request.settings.surface.shared
         skins = [pack_skin(hand) for hand in scene.spec.hands]
         server.show_scene(message, scene, page.device, skins, hand if apart else None)
         page.hide_sheet()
@@ -207,7 +206,7 @@ class _PageClock:
         return {"waited_s": waited, "away_s": round(self._away, 3), "away": self._times}
 
 
-def settings_for_screen(page: StudyPage, settings: RunSettings, designed: bool) -> RunSettings:
+def settings_for_screen(page: StudyPage, settings: Settings, designed: bool) -> Settings:
     """Adapts the settings of a trial to the participant's screen.
 
     Args:
@@ -229,9 +228,9 @@ def settings_for_screen(page: StudyPage, settings: RunSettings, designed: bool) 
             remedy="Open the study's own link anew; the session resumes at this trial",
         )
     if not designed:
-        hands = len(settings.hands) if settings.one_surface else 1
-        return replace(settings, **rectangle(screen, hands, lifts(settings)))
-    wanted = settings.surface_in
+        hands = len(settings.hands) if settings.surface.shared else 1
+        return settings.changed(**rectangle(screen, hands, lifts(settings)))
+    wanted = settings.surface.size_in
     if is_too_small(screen, wanted, lifts(settings)):
         raise StudyError(
             "the screen is too small for the design's touch rectangle",
@@ -241,16 +240,16 @@ def settings_for_screen(page: StudyPage, settings: RunSettings, designed: bool) 
             remedy="Rotate it, use a larger screen or full screen, or remove `surface` from the "
             "design; the session resumes at this trial",
         )
-    return replace(settings, surface_calibrated=screen.calibrated)
+    return settings.changed(calibrated=screen.calibrated)
 
 
-def on_both_screens(settings: RunSettings, other: RunSettings) -> RunSettings:
+def on_both_screens(settings: Settings, other: Settings) -> Settings:
     """The settings with a touch rectangle that fits on two screens, each with its own settings."""
     sizes = [
-        {"surface_in": s.surface_in, "surface_calibrated": s.surface_calibrated}
+        {"size_in": s.surface.size_in, "calibrated": s.surface.calibrated}
         for s in (settings, other)
     ]
-    return replace(settings, **common(sizes))
+    return settings.changed(**common(sizes))
 
 
 def page_device(page: StudyPage, surface: Surface) -> WebDevice:

@@ -19,7 +19,7 @@ from sandbox.trial.driver import Trial, View, ViewMaker, open_trial
 from sandbox.trial.live import LiveTrial
 from sandbox.trial.pacing import Pace
 from sandbox.trial.result import TrialResult
-from sandbox.trial.settings import RunSettings
+from sandbox.trial.settings import Settings
 from tasks.score import Status
 
 TICK = 0.02
@@ -44,7 +44,7 @@ class TrialRequest:
         learns: Names of the hands whose new layouts of five fingers are kept for the next trial.
     """
 
-    settings: RunSettings
+    settings: Settings
     makers: DeviceMakers
     record: Path
     about: dict[str, Any]

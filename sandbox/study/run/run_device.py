@@ -3,23 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 from typing import Any, cast
 
 from models.errors import StudyError
 from models.surface import Surface
 from sandbox.devices.leap.leap import DEFAULT_ADDRESS
+from sandbox.devices.leap.leap_maker import open_leap, split_by_side
+from sandbox.devices.open_touches import has_unknown_size, is_evdev, live_maker, native_surface
 from sandbox.devices.simulated.simulated import NEXT_PERSON
+from sandbox.devices.webcam.webcam_maker import sharing_camera
 from sandbox.devices.wrappers.degraded import DegradedDevice
-from sandbox.options.leap_devices import open_leap, split_by_side
-from sandbox.options.touch_devices import (
-    TouchOptions,
-    has_unknown_size,
-    is_evdev,
-    live_maker,
-    native_surface,
-)
-from sandbox.options.webcam_devices import sharing_camera, webcam_choice
+from sandbox.options.touch_devices import TouchOptions
+from sandbox.options.webcam_devices import webcam_choice
 from sandbox.session.device import Device
 from sandbox.study.design.conditions import PARTNER
 from sandbox.study.design.plan import TrialStep
@@ -32,7 +27,7 @@ from sandbox.study.run.simulate import simulated_devices, simulated_hand
 from sandbox.study.run.study_page import StudyPage
 from sandbox.trial.device_makers import DeviceMaker, DeviceMakers, sharing
 from sandbox.trial.lift import with_lift
-from sandbox.trial.settings import RunSettings
+from sandbox.trial.settings import Settings
 from tasks.task import Task
 from tasks.user import UserConfiguration
 
@@ -62,9 +57,7 @@ def person_devices(
     if options.device == "simulated":
         return simulated_devices(person)
 
-    def opens(
-        asked: TouchOptions, trial: TrialStep, settings: RunSettings, hand: int
-    ) -> DeviceMaker:
+    def opens(asked: TouchOptions, trial: TrialStep, settings: Settings, hand: int) -> DeviceMaker:
         name = asked.device
         if name == PARTNER:
             return simulated_hand(UserConfiguration(), settings, hand, trial.seed)
@@ -86,7 +79,7 @@ def person_devices(
 
                 device = MouseDevice(surface, settings.hands[hand].person)
             else:
-                maker = live_maker(asked)
+                maker = live_maker(asked.settings)
                 assert maker is not None, name
                 device = maker(surface)
             if settings.variation.degrades_touches:
@@ -96,13 +89,13 @@ def person_devices(
 
         return make
 
-    def of_trial(trial: TrialStep, settings: RunSettings) -> DeviceMakers:
+    def of_trial(trial: TrialStep, settings: Settings) -> DeviceMakers:
         first = opens(options, trial, settings, 0)
         # Keys of the window lift the hands whose devices have no lift control.
         keys = "mouse" in (options.device, second.device if second else "")
         if len(settings.hands) == 1:
             return with_lift((first,), keys)
-        if settings.one_surface:
+        if settings.surface.shared:
             return with_lift(sharing(first, settings), keys)
         if trial.values.get("second_device") == PARTNER:
             asked = TouchOptions(device=PARTNER)
@@ -123,19 +116,19 @@ def person_devices(
     return of_trial
 
 
-def needs_second_device(values: Mapping[str, Any], settings: RunSettings) -> bool:
+def needs_second_device(values: Mapping[str, Any], settings: Settings) -> bool:
     """Returns True if a trial needs a second touch device.
 
     Args:
         values: Values of the trial, by the names of settings in designs.
         settings: Settings of the trial.
     """
-    if len(settings.hands) == 1 or settings.one_surface:
+    if len(settings.hands) == 1 or settings.surface.shared:
         return False
     return values.get("second_device") != PARTNER and settings.hands[1].in_air is None
 
 
-def before_cameras(settings: RunSettings) -> tuple[bool, ...]:
+def before_cameras(settings: Settings) -> tuple[bool, ...]:
     """For each hand, True if it is before a camera."""
     return tuple(h.in_air is not None and h.in_air.camera is not None for h in settings.hands)
 
@@ -158,7 +151,7 @@ def settings_fitter(
         camera: The session's camera; None if no trial needs one.
     """
 
-    def fit(trial: TrialStep, settings: RunSettings, poll: Poll) -> RunSettings:
+    def fit(trial: TrialStep, settings: Settings, poll: Poll) -> Settings:
         if camera is not None and any(before_cameras(settings)):
             if page is not None:
                 page.wait("camera_open")
@@ -174,20 +167,20 @@ def settings_fitter(
         check_size(second, fitted, "the surface of the second hand has another size")
         return fitted
 
-    def check_size(device: str, settings: RunSettings, what: str) -> None:
+    def check_size(device: str, settings: Settings, what: str) -> None:
         native = native_surface(device) if is_evdev(device) else None
-        own = (native.width_in, native.height_in) if native else settings.surface_in
-        pairs = zip(own, settings.surface_in, strict=True)
+        own = (native.width_in, native.height_in) if native else settings.surface.size_in
+        pairs = zip(own, settings.surface.size_in, strict=True)
         if any(abs(a / b - 1.0) > SLACK for a, b in pairs):
             raise StudyError(
                 what,
                 where="surface",
                 got=f"{own[0]:.2f} x {own[1]:.2f} in",
-                expected="{:g} x {:g} in".format(*settings.surface_in),
+                expected="{:g} x {:g} in".format(*settings.surface.size_in),
                 remedy="Write the size of the device into the design, or remove `surface`",
             )
 
-    def fit_first(trial: TrialStep, settings: RunSettings, poll: Poll) -> RunSettings:
+    def fit_first(trial: TrialStep, settings: Settings, poll: Poll) -> Settings:
         designed = "surface" in trial.values
         if settings.hands[0].in_air is not None:
             return settings
@@ -199,11 +192,11 @@ def settings_fitter(
                 check_size(
                     name, settings, "the touch device has another size than the design's surface"
                 )
-            return replace(settings, surface_in=(native.width_in, native.height_in))
+            return settings.changed(size_in=(native.width_in, native.height_in))
         if has_unknown_size(name):
             # The device reports no size. Without one in the design it is a guess, which the
             # recording notes.
-            return settings if designed else replace(settings, surface_calibrated=False)
+            return settings if designed else settings.changed(calibrated=False)
         return settings
 
     return fit

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from hashlib import blake2b
 from pathlib import Path
@@ -12,6 +12,8 @@ from typing import Any
 
 from models.errors import InputError, StudyError
 from models.messages.wording import counted
+from sandbox.devices.device_settings import DeviceSettings
+from sandbox.devices.simulated.options import SimulatedOptions
 from sandbox.study.design.conditions import PARTNER, consent_text, run_settings
 from sandbox.study.design.plan import (
     BreakStep,
@@ -28,15 +30,15 @@ from sandbox.study.run.controls import Command, Controls
 from sandbox.study.run.finished_trials import bring_up_to_date
 from sandbox.study.run.forms import Forms, Poll
 from sandbox.study.run.players import TICK, PlayedAttempt, TrialPlayer, TrialRequest
+from sandbox.study.run.simulated_user import simulated_user
 from sandbox.study.tables.tables import StudyTables, rebuild_session
 from sandbox.trial.device_makers import DeviceMakers
 from sandbox.trial.result import TrialResult
-from sandbox.trial.settings import RunSettings
-from tasks.user import UserConfiguration
+from sandbox.trial.settings import Settings
 
-OpenDevices = Callable[[TrialStep, RunSettings], DeviceMakers]
+OpenDevices = Callable[[TrialStep, Settings], DeviceMakers]
 """Returns functions that open the devices of a trial, one for every hand."""
-FitSettings = Callable[[TrialStep, RunSettings, Poll], RunSettings]
+FitSettings = Callable[[TrialStep, Settings, Poll], Settings]
 """Adapts the settings of a trial to the participant's device; may wait for the device."""
 Calibrate = Callable[[Poll], dict[str, Any] | None]
 """Measures the participant's hand over a Leap; None uses an average hand."""
@@ -65,11 +67,11 @@ class SessionRunner:
         forms: Shows texts and questions to the participant.
         controls: Commands of the experimenter.
         say: Prints a line for the experimenter.
-        device: Name of the device, for recordings.
+        device: The device of the first hand, for recordings.
         fit: See `FitSettings`.
         calibrate: See `Calibrate`.
         tables: Tables of the study that have been read before; None reads all journals.
-        second_device: Name of the second hand's device, for recordings of trials with two hands.
+        second_device: The second hand's device, for recordings of trials with two hands.
         witness: File to which the digests of journals are appended at the end; None writes none.
     """
 
@@ -79,11 +81,11 @@ class SessionRunner:
     forms: Forms
     controls: Controls
     say: Callable[[str], object]
-    device: str = "simulated"
+    device: DeviceSettings = field(default_factory=DeviceSettings)
     fit: FitSettings = lambda trial, settings, poll: settings
     calibrate: Calibrate = lambda poll: None
     tables: StudyTables | None = None
-    second_device: str = "simulated"
+    second_device: DeviceSettings = field(default_factory=DeviceSettings)
     witness: Path | None = None
 
     def __post_init__(self) -> None:
@@ -206,7 +208,8 @@ class SessionRunner:
             return
         learns = self._learning_hands(trial, settings)
         known = session.state.learned
-        settings = settings.knowing({name: known[name] for name in learns if name in known})
+        settings = settings.with_layouts({name: known[name] for name in learns if name in known})
+        settings = self._with_devices(trial, settings)
         done, of = session.state.done(session.steps)
         levels = ", ".join(trial.levels.values())
         kind = "  practice" if trial.practice else ""
@@ -214,9 +217,6 @@ class SessionRunner:
         record = session.begin(trial)
         start = session.state.attempts[trial.number][-1].start
         about = {
-            "device": self.device,
-            **({"user": person.user} if person.user is not None else {}),
-            **({"second": self._second(trial)} if len(settings.hands) > 1 else {}),
             "study": {
                 "experiment": session.study.design.name,
                 "mode": session.study.mode,
@@ -249,7 +249,7 @@ class SessionRunner:
             raise
         self._commit(trial, played)
 
-    def _learning_hands(self, trial: TrialStep, settings: RunSettings) -> tuple[str, ...]:
+    def _learning_hands(self, trial: TrialStep, settings: Settings) -> tuple[str, ...]:
         """Names of the participant's hands if the design lets a session learn their layouts."""
         if self.session.study.design.learning != "session":
             return ()
@@ -259,17 +259,19 @@ class SessionRunner:
 
     def _has_partner(self, trial: TrialStep) -> bool:
         """True if a simulated user moves the second hand."""
-        asked = (trial.values.get("second_device"), self.second_device)
+        asked = (trial.values.get("second_device"), self.second_device.name)
         return self.session.person.user is not None or PARTNER in asked
 
-    def _second(self, trial: TrialStep) -> dict[str, Any]:
-        """Device and simulated user of the second hand, for the recording."""
-        user = self.session.person.user
-        if user is not None:
-            return {"device": PARTNER, "user": user}
-        if PARTNER in (trial.values.get("second_device"), self.second_device):
-            return {"device": PARTNER, "user": UserConfiguration().as_json()}
-        return {"device": self.second_device}
+    def _with_devices(self, trial: TrialStep, settings: Settings) -> Settings:
+        """The settings with the devices of the session, for the recording."""
+        person = self.session.person
+        device, second = self.device, self.second_device
+        if person.user is not None:
+            device = second = DeviceSettings(PARTNER, SimulatedOptions(simulated_user(person)))
+        elif self._has_partner(trial):
+            second = DeviceSettings()
+        both = len(settings.hands) > 1
+        return replace(settings, device=device, second_device=second if both else None)
 
     def _commit(self, trial: TrialStep, played: PlayedAttempt) -> None:
         session = self.session
@@ -400,9 +402,7 @@ class SessionRunner:
         return attempt.end is None and self.session.journal.records[-1]["kind"] != "trial_broken"
 
 
-def _calibrated(
-    settings: RunSettings, side: str, calibration: dict[str, Any] | None
-) -> RunSettings:
+def _calibrated(settings: Settings, side: str, calibration: dict[str, Any] | None) -> Settings:
     """Adds the calibration of the participant's hand to settings of a trial in the air."""
     if calibration is None:
         return settings

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import shlex
 from collections.abc import Callable
-from dataclasses import asdict, fields, replace
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any, cast
 
@@ -12,10 +12,10 @@ import numpy as np
 
 from models.errors import OtherPlanError, StudyError
 from models.surface import Surface
+from sandbox.devices.leap.leap_maker import split_by_side
 from sandbox.devices.simulated.leap_user import SimulatedLeap
 from sandbox.devices.simulated.simulated import NEXT_PERSON, SimulatedDevice
 from sandbox.devices.wrappers.degraded import DegradedDevice
-from sandbox.options.leap_devices import split_by_side
 from sandbox.session.device import Device
 from sandbox.study.design.conditions import uses_camera
 from sandbox.study.design.design import Design
@@ -28,9 +28,10 @@ from sandbox.study.run.finished_trials import bring_up_to_date
 from sandbox.study.run.forms import SimulatedForms
 from sandbox.study.run.players import HeadlessPlayer
 from sandbox.study.run.runner import OpenDevices, SessionOutcome, SessionRunner
+from sandbox.study.run.simulated_user import simulated_user
 from sandbox.study.tables.tables import StudyTables
 from sandbox.trial.device_makers import DeviceMaker, DeviceMakers
-from sandbox.trial.settings import RunSettings
+from sandbox.trial.settings import Settings
 from sandbox.trial.surfaces import home
 from tasks.task import Task
 from tasks.user import UserConfiguration
@@ -81,12 +82,9 @@ def simulated_person(design: Design, number: int) -> dict[str, Any]:
 
 def simulated_devices(person: Participant) -> OpenDevices:
     """Returns a function that opens the devices of a simulated participant."""
-    # Besides skill, a participant of an earlier version may have settings that are no more.
-    known = {field.name for field in fields(UserConfiguration)}
-    values = {k: v for k, v in (person.user or {}).items() if k in known}
-    user = UserConfiguration(**{**values, "reaction": tuple(values["reaction"])})
+    user = simulated_user(person)
 
-    def of_trial(trial: TrialStep, settings: RunSettings) -> DeviceMakers:
+    def of_trial(trial: TrialStep, settings: Settings) -> DeviceMakers:
         # The seed differs from the task's own, between participants, and between sessions.
         seed = trial.seed ^ (person.number + 1) ^ ((trial.session - 1) << DAYS)
         makers = tuple(
@@ -99,7 +97,7 @@ def simulated_devices(person: Participant) -> OpenDevices:
 
 
 def simulated_hand(
-    user: UserConfiguration, settings: RunSettings, hand: int, seed: int
+    user: UserConfiguration, settings: Settings, hand: int, seed: int
 ) -> DeviceMaker:
     """Returns a function that opens the device of one simulated hand.
 
@@ -120,7 +118,7 @@ def simulated_hand(
             user,
             surface,
             seed,
-            settings.labels == "device",
+            settings.pipeline.labels == "device",
             person=whose.person,
             hand=hand,
             home=home(hand, settings, surface),

@@ -82,6 +82,8 @@ KEPT: dict[str, tuple[str, ...]] = {
     "pause": (),
     "go_on": (),
 }
+_USER_OPTIONS = ("user", "drop_outs")
+"""Options of devices that are about a simulated user."""
 LEARNED = "learned"
 """Field of results with the layouts of a person's fingers; touches in recordings tell the same, and
 copies without recordings must not."""
@@ -214,6 +216,15 @@ def _masked_header(header: dict[str, Any], masking: PersonMasking) -> dict[str, 
     masked = _without_marks(without_folders(header))
     if isinstance(masked.get("study"), dict):
         masked["study"]["ppid"] = masking.ppid
+    for name in ("device", "second_device"):
+        device = masked.get("settings", {}).get(name)
+        if isinstance(device, dict):
+            # Addresses of a laboratory's devices are nobody else's.
+            options = device.get("options", {})
+            masked["settings"][name] = {
+                **device,
+                "options": {k: v for k, v in options.items() if k in _USER_OPTIONS},
+            }
     if "broken_off" in masked and not masking.words:
         masked["broken_off"] = WITHHELD
         if masked.get("reason"):

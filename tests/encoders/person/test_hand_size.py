@@ -30,7 +30,7 @@ from models.scene import Scene, SceneSpec
 from models.skeleton import ADULT, Skeleton
 from models.surface import Surface
 from sandbox.trial.assembly import build
-from sandbox.trial.settings import HandSettings, RunSettings
+from sandbox.trial.settings import HandSettings, Settings
 from tasks.simulated_user.spreads import _SPREADS, spread_layout
 from tests.support.scripted import Script
 from tests.support.simulation import legal_poses, put
@@ -54,7 +54,7 @@ def turned(xy: np.ndarray, angle: float) -> np.ndarray:
 def reconstructed(size: float, touched: float) -> tuple[Surface, list[Reconstruction]]:
     """What the default settings make of touches `touched` times as far apart, on such a screen."""
     screen = (7.76 * touched, 5.82 * touched)
-    settings = RunSettings(hands=(HandSettings(size=size),), surface_in=screen)
+    settings = Settings(hands=(HandSettings(size=size),)).changed(size_in=screen)
     made = build(settings, (lambda task, surface: Script(),))
     reconstructor: Any = made.rigs[0].reconstructor
     found = []
@@ -89,7 +89,7 @@ def test_fingertips_of_a_hand_of_any_size_are_on_the_real_touches(size: float) -
 
 def test_a_hand_of_size_one_is_the_trained_one_itself() -> None:
     assert Person().skeleton(ADULT) is ADULT
-    plain = RunSettings()
+    plain = Settings()
     made = build(plain, (lambda task, surface: None,))
     assert made.scene.spec.hands[0].skeleton is ADULT
 
@@ -282,7 +282,7 @@ def test_touches_scaled_to_the_trained_hand_bring_the_wrist_nearer(size: float) 
 
 def test_a_surface_of_another_size_changes_nothing_but_its_middle() -> None:
     # The wrapper's surface is in the trained hand's metres; what leaves it is in real ones.
-    settings = replace(RunSettings(hands=(HandSettings(size=0.9),)), surface_in=(9.0, 7.0))
+    settings = Settings(hands=(HandSettings(size=0.9),)).changed(size_in=(9.0, 7.0))
     session = build(settings, (lambda task, surface: None,))
     reconstructor = session.rigs[0].reconstructor
     assert reconstructor.surface.size == pytest.approx(Surface(9.0, 7.0).size)

@@ -26,7 +26,7 @@ from sandbox.session.device import Device
 from sandbox.session.messages import Snapshot
 from sandbox.trial.assembly import build
 from sandbox.trial.headless import run_trial
-from sandbox.trial.settings import HandSettings, RunSettings
+from sandbox.trial.settings import HandSettings, Settings
 from tasks.simulated_user.spreads import spread_layout
 
 
@@ -192,7 +192,7 @@ class Resting(Device):
         pass
 
 
-def notices_of(settings: RunSettings, turn: float) -> list[str]:
+def notices_of(settings: Settings, turn: float) -> list[str]:
     session = build(settings, (lambda task, surface: Resting(surface, turn),))
     return [about_turning(session.advance()) for _ in range(150)]
 
@@ -203,14 +203,14 @@ def about_turning(snapshot: Snapshot) -> str:
 
 
 def test_a_person_at_the_far_side_of_the_screen_is_warned_unless_the_seat_is_set() -> None:
-    far = notices_of(RunSettings(), np.pi)
+    far = notices_of(Settings(), np.pi)
     assert far[-1] and len(set(far) - {""}) == 1
-    assert not any(notices_of(RunSettings(hands=(HandSettings(turn=180),)), np.pi))
-    assert not any(notices_of(RunSettings(), 0.0))
+    assert not any(notices_of(Settings(hands=(HandSettings(turn=180),)), np.pi))
+    assert not any(notices_of(Settings(), 0.0))
 
 
 def test_a_left_hand_is_judged_in_its_mirror() -> None:
-    surface = RunSettings().surface
+    surface = Settings().surface.rectangle
     frame = PersonFrame(Person("left"), surface)
 
     class Left(Resting):
@@ -225,7 +225,7 @@ def test_a_left_hand_is_judged_in_its_mirror() -> None:
 
     def last(turn: float) -> str:
         session = build(
-            RunSettings(hands=(HandSettings("left"),)), (lambda task, surface: Left(surface, turn),)
+            Settings(hands=(HandSettings("left"),)), (lambda task, surface: Left(surface, turn),)
         )
         return [about_turning(session.advance()) for _ in range(150)][-1]
 
@@ -235,7 +235,7 @@ def test_a_left_hand_is_judged_in_its_mirror() -> None:
 def test_the_warning_changes_no_state_of_the_simulation() -> None:
     hashes = []
     for watched_too in (True, False):
-        session = build(RunSettings(), (lambda task, surface: Resting(surface, np.pi),))
+        session = build(Settings(), (lambda task, surface: Resting(surface, np.pi),))
         if not watched_too:
             session.rigs[0].yaw = None
         for _ in range(100):
@@ -246,7 +246,7 @@ def test_the_warning_changes_no_state_of_the_simulation() -> None:
 
 def test_the_events_of_a_run_hold_one_warning(tmp_path: Path) -> None:
     recorded, events = tmp_path / "far.jsonl", tmp_path / "events.jsonl"
-    run_trial(RunSettings(), (lambda task, surface: Resting(surface, np.pi),), record=recorded)
+    run_trial(Settings(), (lambda task, surface: Resting(surface, np.pi),), record=recorded)
     assert run.main(["--device", str(recorded), "--events", str(events)]) == 0
     told = [json.loads(line) for line in events.read_text().splitlines()]
     warnings = [e for e in told if e["event"] == "warning"]

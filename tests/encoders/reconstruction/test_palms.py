@@ -20,7 +20,7 @@ from models.frames import Contact, TouchFrame
 from models.skeleton import ADULT
 from models.surface import Surface
 from sandbox.trial.assembly import load_encoder, make_labeller, reconstructor_settings
-from sandbox.trial.settings import RunSettings
+from sandbox.trial.settings import Settings
 
 DT = 0.016
 FINGERS = ((0.10, 0.14), (0.12, 0.09), (0.14, 0.08), (0.16, 0.09), (0.18, 0.11))
@@ -42,8 +42,8 @@ def grown(time: float, first: float, last: float, takes: float) -> float:
 
 
 def reconstructor() -> TouchReconstructor:
-    settings = RunSettings()
-    model = load_encoder(settings.encoder)
+    settings = Settings()
+    model = load_encoder(settings.pipeline.encoder)
     surface = Surface(16.0, 12.0)
     return TouchReconstructor(
         model, make_labeller(settings, model), ADULT, surface, reconstructor_settings(settings)

@@ -18,12 +18,13 @@ from models.one_pose import OnePose
 from models.scene import Scene, SceneSpec
 from models.skeleton import ADULT
 from sandbox.clearing.hand_distances import REACH, HandDistances
-from sandbox.options.scene_options import SceneOptions, plan
+from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.recording.recording import load_recording
 from sandbox.session.session import Session
 from sandbox.trial.headless import run_trial
+from sandbox.trial.open_devices import device_makers
 from sandbox.trial.replay import replay, settings_of
-from sandbox.trial.settings import RunSettings
+from sandbox.trial.settings import Settings
 from tests.support.scripted import box_xy, run, scripted
 from tests.support.simulation import put
 
@@ -234,24 +235,18 @@ def test_the_two_parts_of_a_last_link_are_the_whole_of_it() -> None:
 
 def test_a_trial_of_a_solid_hand_replays_to_the_bit(tmp_path: Path) -> None:
     recording = tmp_path / "trial.jsonl"
-    chosen = plan(SceneOptions(task="box-to-goal", seed=2, solid="hand"))
-    result = run_trial(chosen.settings, chosen.makers, record=recording, about=chosen.about)
+    chosen = scene_settings(SceneOptions(task="box-to-goal", seed=2, solid="hand"))
+    result = run_trial(chosen, device_makers(chosen), record=recording)
     assert result.success
     loaded = load_recording(recording)
-    assert loaded.header["settings"]["solid"] == "hand"
-    assert settings_of(loaded).solid == "hand"
+    assert loaded.header["settings"]["physics"]["solid"] == "hand"
+    assert settings_of(loaded).physics.solid == "hand"
     _, verification = replay(loaded)
     assert verification.exact
     assert verification.complete
 
 
-def test_a_header_without_it_has_solid_fingertips() -> None:
-    values = RunSettings().as_json()
-    assert "solid" not in values
-    assert RunSettings.from_json(values).solid == "fingertips"
-
-
 @pytest.mark.parametrize("settings", [{"solid": "palm"}, {"solid": "hand", "robot": "shadow"}])
 def test_a_hand_that_cannot_be_solid_so_is_refused(settings: dict[str, Any]) -> None:
     with pytest.raises(InputError, match="solid"):
-        RunSettings(**settings)
+        Settings().changed(**settings)

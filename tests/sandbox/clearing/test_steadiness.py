@@ -10,10 +10,11 @@ import pytest
 from models.pose import JOINTS
 from models.skeleton import ADULT
 from sandbox.clearing import clearing
-from sandbox.options.scene_options import SceneOptions, plan
+from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
 from sandbox.trial.headless import run_trial
+from sandbox.trial.open_devices import device_makers
 from tests.support.corrections import Changes
 
 View = Callable[[Snapshot], None]
@@ -21,8 +22,8 @@ View = Callable[[Snapshot], None]
 
 def between_books(seed: int, views: Callable[[Session], Sequence[View]]) -> bool:
     """Plays `books`, where the encoder's pose is inside of a book; tells whether it succeeded."""
-    chosen = plan(SceneOptions(task="books", seed=seed, solid="hand"))
-    return run_trial(chosen.settings, chosen.makers, views, about=chosen.about).success
+    chosen = scene_settings(SceneOptions(task="books", seed=seed, solid="hand"))
+    return run_trial(chosen, device_makers(chosen), views).success
 
 
 def back(seed: int) -> float:

@@ -23,10 +23,11 @@ from sandbox.cli.play.command import PlayOptions
 from sandbox.devices.files.frame_file import frame_record, header_record
 from sandbox.devices.simulated.spreads import SimulatedSpreads
 from sandbox.options.profiles import Profile, default_path, find_profile, load_profile, save_profile
-from sandbox.options.scene_options import SceneOptions, plan
+from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.trial.driver import open_trial
 from sandbox.trial.headless import run_trial
-from sandbox.trial.settings import HandSettings, RunSettings
+from sandbox.trial.open_devices import device_makers
+from sandbox.trial.settings import HandSettings, Settings
 
 LAYOUT = np.array([(0.03, 0.09), (0.06, 0.05), (0.08, 0.04), (0.10, 0.05), (0.12, 0.07)])
 
@@ -105,14 +106,14 @@ def test_playing_with_ones_own_fingers_uses_ones_own_profile(
     for other in ("mouse", "simulated", str(default_path())):
         assert PlayOptions(device=other).with_own_profile().profile is None
     assert PlayOptions(device="tuio", profile="none").with_own_profile().profile == "none"
-    assert plan(SceneOptions(profile="default")).settings.hands[0].person == Person("left", 0.9)
-    assert plan(SceneOptions(profile="none")).settings.hands[0].person == Person()
+    assert scene_settings(SceneOptions(profile="default")).hands[0].person == Person("left", 0.9)
+    assert scene_settings(SceneOptions(profile="none")).hands[0].person == Person()
 
 
 def test_what_is_asked_for_on_the_command_line_goes_before_the_profile(tmp_path: Path) -> None:
     path = tmp_path / "p.json"
     save_profile(Profile(Person("left", 0.9, 180), (0.8, 1.0), "tuio", False), path)
-    settings = plan(SceneOptions(profile=str(path), hand_size=1.05)).settings
+    settings = scene_settings(SceneOptions(profile=str(path), hand_size=1.05))
     assert settings.hands[0].person == Person("left", 1.05, 180)
 
 
@@ -122,7 +123,7 @@ def test_a_recording_of_five_fingers_in_three_spreads_gives_the_size_of_the_hand
     recorded = tmp_path / "spreads.jsonl"
     person = Person("left", 1.12)
     run_trial(
-        RunSettings(hands=(HandSettings("left"),)),
+        Settings(hands=(HandSettings("left"),)),
         (lambda task, surface: SimulatedSpreads(person, surface, 3),),
         record=recorded,
         about={"device": "simulated", "user": {"kind": "spreads"}},
@@ -181,9 +182,9 @@ def test_a_file_of_touches_on_a_guessed_size_measures_no_hand(
 def test_a_file_of_touches_on_a_guessed_size_plays_as_such(guessed: bool, tmp_path: Path) -> None:
     surface = Surface(9.0, 6.0, calibrated=not guessed)
     touches = touches_of_spreads(tmp_path / "touches.jsonl", surface)
-    settings = plan(SceneOptions(device=str(touches))).settings
-    assert settings.surface_in == (9.0, 6.0)
-    assert settings.surface_calibrated is not guessed
+    settings = scene_settings(SceneOptions(device=str(touches)))
+    assert settings.surface.size_in == (9.0, 6.0)
+    assert settings.surface.calibrated is not guessed
 
 
 @pytest.mark.parametrize(
@@ -327,9 +328,9 @@ def test_a_profile_that_is_not_there_is_one_clear_error(tmp_path: Path) -> None:
 def test_a_recording_of_two_hands_or_of_one_in_the_air_is_no_rest_of_five_fingers(
     task: str, device: str, tmp_path: Path
 ) -> None:
-    chosen = plan(SceneOptions(task=task, device=device))
+    chosen = scene_settings(SceneOptions(task=task, device=device))
     recorded = tmp_path / "run.jsonl"
-    with open_trial(chosen.settings, chosen.makers, record=recorded, about=chosen.about) as trial:
+    with open_trial(chosen, device_makers(chosen), record=recorded) as trial:
         trial.session.advance()
         trial.end()
     with pytest.raises(InputError):

@@ -20,7 +20,7 @@ from models.skeleton import ADULT
 from models.surface import Surface
 from sandbox.cli.capture.touch_files import read_touch_log
 from sandbox.cli.main import main
-from sandbox.options.scene_options import SceneOptions, plan
+from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.recording.recording import RecordingWriter
 from tests.support.hand_recording import (
     RATE,
@@ -467,6 +467,6 @@ def test_touches_at_a_guessed_size_are_stretched_to_the_measured_one(tmp_path: P
 def test_touches_of_a_file_without_a_size_are_called_a_guess(tmp_path: Path) -> None:
     file = tmp_path / "touches.jsonl"
     file.write_text('{"time": 0.0, "contacts": [{"id": 1, "x": 8.0, "y": 3.0}]}\n')
-    assert not plan(SceneOptions(device=str(file))).settings.surface_calibrated
+    assert not scene_settings(SceneOptions(device=str(file))).surface.calibrated
     given = SceneOptions(device=str(file), surface="9x6in")
-    assert plan(given).settings.surface_calibrated
+    assert scene_settings(given).surface.calibrated

@@ -12,7 +12,7 @@ from models.errors import InputError
 from models.person import Person
 from sandbox.cli import profile as profile_command
 from sandbox.options.profiles import Profile, load_profile, save_profile
-from sandbox.options.scene_options import SceneOptions, plan
+from sandbox.options.scene_options import SceneOptions, scene_settings
 
 LAYOUT = ((0.0, 0.0), (0.035, -0.042), (0.06, -0.055), (0.083, -0.048), (0.104, -0.026))
 MIRRORED = tuple((-x, y) for x, y in LAYOUT)
@@ -32,7 +32,7 @@ def with_value(path: Path, **values: Any) -> None:
 
 def test_layouts_of_a_profile_are_used_where_names_are_those_of_the_population(path: Path) -> None:
     def layouts(**options: Any) -> object:
-        return plan(SceneOptions(profile=str(path), **options)).settings.hands[0].layouts
+        return scene_settings(SceneOptions(profile=str(path), **options)).hands[0].layouts
 
     assert layouts(labels="population") == (LAYOUT,)
     assert layouts(labels="paper") == ()

@@ -5,6 +5,7 @@ from __future__ import annotations
 import errno
 import json
 import shutil
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -24,8 +25,12 @@ from sandbox.datasets.minari_file import check_name
 from sandbox.datasets.npz_file import read_npz
 from sandbox.datasets.playback import first_difference
 from sandbox.datasets.slots import actions_of, slots_of, touches_of
+from sandbox.devices.device_settings import DeviceSettings
 from sandbox.gym import register_task
+from sandbox.recording.recording import load_recording
 from sandbox.study.record.journal import Journal
+from sandbox.trial.recorded_settings import recorded_settings
+from sandbox.trial.settings import encoded
 from tests.support.needs import require
 from tests.support.processes import ROOT
 
@@ -216,7 +221,7 @@ def test_what_cannot_be_exported_is_one_line(
     header, _, rest = text.partition("\n")
     (tmp_path / "cut.jsonl").write_text(text[: len(text) // 2], encoding="utf-8")
     other = json.loads(header)
-    other["settings"]["impulse"] = 0.5
+    other["settings"]["physics"]["impulse"] = 0.5
     (tmp_path / "other.jsonl").write_text(f"{json.dumps(other)}\n{rest}", encoding="utf-8")
     (tmp_path / "text.jsonl").write_text("nothing\n", encoding="utf-8")
     if file == "idle.jsonl":
@@ -395,7 +400,9 @@ def test_a_minari_set_of_a_person_and_a_simulated_user_says_that_it_is_of_both(
 
     monkeypatch.setenv("MINARI_DATASETS_PATH", str(tmp_path / "sets"))
     first, person = recordings / f"{SEEDS[0]}.jsonl", tmp_path / "person.jsonl"
-    changed(recordings / f"{SEEDS[1]}.jsonl", person, {"user": None}, {})
+    made = recorded_settings(load_recording(recordings / f"{SEEDS[1]}.jsonl").header)
+    of_a_person = encoded(replace(made, device=DeviceSettings.of("web")))
+    changed(recordings / f"{SEEDS[1]}.jsonl", person, {"settings": of_a_person}, {})
     for name, files, by in (
         ("lab/both-v0", [first, person], "people and a simulated user"),
         ("lab/people-v0", [person], "people"),

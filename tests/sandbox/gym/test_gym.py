@@ -95,7 +95,7 @@ def test_the_default_environment_has_touches_and_labels_that_are_found() -> None
         "goals": (1, 4),
         "time": (1,),
     }
-    assert not env.options.true_labels and env.settings.labels == "population"
+    assert not env.options.true_labels and env.settings.pipeline.labels == "population"
     env.close()
 
 

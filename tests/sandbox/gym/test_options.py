@@ -20,7 +20,7 @@ from sandbox.gym import HandSandboxEnv
 from sandbox.gym.goals import ARRIVED
 from sandbox.gym.options import ACTIONS, LABELS, OBSERVED, REWARDS
 from sandbox.gym.rewards import REACH
-from sandbox.trial.settings import HandSettings, RunSettings
+from sandbox.trial.settings import HandSettings, Settings, encoded
 from tasks.registry import TASKS, hands_of
 from tasks.variation import Variation
 from tests.sandbox.gym.scripted_grip import ScriptedGrip
@@ -122,9 +122,12 @@ def test_true_labels_are_the_slots_and_labels_that_are_found_need_not_be() -> No
 
 
 def test_labels_of_a_header_s_settings_hold_unless_others_are_chosen() -> None:
-    settings = RunSettings(labels="paper").as_json()
-    assert HandSandboxEnv(settings=settings).settings.labels == "paper"
-    assert HandSandboxEnv(settings=settings, labels="population").settings.labels == "population"
+    settings = encoded(Settings().changed(labels="paper"))
+    assert HandSandboxEnv(settings=settings).settings.pipeline.labels == "paper"
+    assert (
+        HandSandboxEnv(settings=settings, labels="population").settings.pipeline.labels
+        == "population"
+    )
 
 
 def test_what_is_asked_for_is_seen_as_the_session_has_it(env: HandSandboxEnv) -> None:
@@ -166,7 +169,7 @@ def test_a_step_along_the_surface_moves_a_touch_by_its_share_of_the_step() -> No
 def test_a_step_along_the_hand_turns_with_the_person() -> None:
     ways = []
     for turn in (0, 180):
-        settings = RunSettings(hands=(HandSettings(turn=turn),)).as_json()
+        settings = encoded(Settings(hands=(HandSettings(turn=turn),)))
         env = HandSandboxEnv(action="hand", observe=["touches"], settings=settings)
         env.reset(seed=1)
         ahead = np.zeros(15)
@@ -281,9 +284,9 @@ def test_a_task_without_goals_has_no_goal_dictionaries(tmp_path: Path) -> None:
 
 
 def test_single_settings_and_the_person_go_before_those_of_a_header() -> None:
-    settings = RunSettings(encoder="linear", hands=(HandSettings(size=0.9, turn=90),)).as_json()
-    env = HandSandboxEnv(settings=settings, encoder="cubic", turn=180, surface_in=(9, 6))
-    assert env.settings.encoder == "cubic" and env.settings.surface_in == (9.0, 6.0)
+    settings = encoded(Settings(hands=(HandSettings(size=0.9, turn=90),)).changed(encoder="linear"))
+    env = HandSandboxEnv(settings=settings, encoder="cubic", turn=180, size_in=(9, 6))
+    assert env.settings.pipeline.encoder == "cubic" and env.settings.surface.size_in == (9.0, 6.0)
     assert env.settings.hands == (HandSettings(size=0.9, turn=180),)
     env.close()
 

@@ -144,7 +144,7 @@ def test_a_device_class_is_opened_and_its_touches_come_back() -> None:
     touches = run.trajectories.touches
     assert set(touches.contact) == {7} and set(touches.hand) == {0}
     assert np.allclose(touches.xy[-1], (0.05 + 0.1 * 0.19, 0.04), atol=0.004)
-    assert run.result["device"] == "from Python" and run.score.reason == "never"
+    assert run.result["settings"]["device"]["name"] == "from Python" and run.score.reason == "never"
 
 
 def test_a_task_class_is_played_by_its_name_too() -> None:

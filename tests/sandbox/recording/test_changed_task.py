@@ -15,13 +15,14 @@ from models.plugins import files_of, place_of
 from models.surface import Surface
 from sandbox import replay_recording
 from sandbox.cli.main import main
-from sandbox.options.scene_options import SceneOptions, plan
+from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.recording.recorded_task import task_change, task_origin
 from sandbox.recording.recording import load_recording
 from sandbox.recording.task_files import task_files
 from sandbox.trial.driver import trial_header
 from sandbox.trial.headless import run_trial
-from sandbox.trial.settings import RunSettings
+from sandbox.trial.open_devices import device_makers
+from sandbox.trial.settings import Settings
 from tasks.registry import find_task
 
 SURFACE = Surface()
@@ -110,10 +111,10 @@ def the_line(said: str) -> str:
 def test_a_header_has_digests_of_all_files_of_its_own_task_and_none_of_a_built_in_one(
     lab: Path,
 ) -> None:
-    header = trial_header(RunSettings(task=str(lab / "push.py")))
+    header = trial_header(Settings(task=str(lab / "push.py")))
     names = {"push.py", "limits.py", "mug.xml", "handle.xml", "shapes/mug.obj"}
     assert set(header["task_from"]["files"]) == names
-    assert "task_from" not in trial_header(RunSettings(task="box-to-goal"))
+    assert "task_from" not in trial_header(Settings(task="box-to-goal"))
     assert all(task_files(name, 0, SURFACE) == {} for name in ("dial", "box-to-goal"))
 
 
@@ -268,9 +269,9 @@ def test_of_two_files_with_one_name_elsewhere_either_is_missed(
 @pytest.fixture(scope="module")
 def cut(tmp_path_factory: pytest.TempPathFactory) -> bytes:
     """A recording that breaks off."""
-    chosen = plan(SceneOptions(seed=3))
+    chosen = scene_settings(SceneOptions(seed=3))
     path = tmp_path_factory.mktemp("whole") / "run.jsonl"
-    run_trial(chosen.settings, chosen.makers, record=path, about=chosen.about)
+    run_trial(chosen, device_makers(chosen), record=path)
     return b"".join(path.read_bytes().splitlines(keepends=True)[:40])
 
 

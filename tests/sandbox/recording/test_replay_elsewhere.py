@@ -15,13 +15,14 @@ from hypothesis.extra import numpy as hnp
 from models.arithmetic.arrays import Array
 from models.errors import RecordingError
 from sandbox.cli.replay import command
-from sandbox.options.scene_options import SceneOptions, plan
+from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.recording.agreement import is_same_outcome
 from sandbox.recording.recording import load_recording
 from sandbox.session.messages import Snapshot
 from sandbox.session.pose_track import GRAIN, PoseTrack, PoseTrackWriter, read_track_line
 from sandbox.trial.driver import open_trial
 from sandbox.trial.headless import run_trial
+from sandbox.trial.open_devices import device_makers
 from sandbox.trial.replay import Verification, replay
 from sandbox.trial.result import TrialResult
 from tasks.score import Score, Status
@@ -33,14 +34,13 @@ def recorded(
 ) -> tuple[dict[int, Snapshot], TrialResult, Path]:
     """A trial's snapshots by step, its result and its recording."""
     path = tmp_path_factory.mktemp("run") / "run.jsonl"
-    chosen = plan(SceneOptions(seed=11, fingers=3))
+    chosen = scene_settings(SceneOptions(seed=11, fingers=3))
     seen: dict[int, Snapshot] = {}
     result = run_trial(
-        chosen.settings,
-        chosen.makers,
+        chosen,
+        device_makers(chosen),
         lambda session: [lambda snapshot: seen.__setitem__(snapshot.step, snapshot)],
         record=path,
-        about=chosen.about,
     )
     return seen, result, path
 
@@ -51,7 +51,7 @@ def forged(path: Path, name: str, **settings: object) -> Path:
     lines = path.read_text().splitlines()
     header = json.loads(lines[0])
     header["versions"] |= {"fingerprint": "another machine", "libm": "musl 1.2, 0123456789ab"}
-    header["settings"] |= settings
+    header["settings"]["physics"] |= settings
     other = path.with_name(name)
     other.write_text("\n".join([json.dumps(header), *lines[1:]]) + "\n")
     return other
@@ -134,8 +134,8 @@ def test_a_trial_that_was_left_is_called_broken_off_by_its_replay(
     recorded: tuple[dict[int, Snapshot], TrialResult, Path], capsys: pytest.CaptureFixture[str]
 ) -> None:
     path = recorded[2].with_name("left.jsonl")
-    chosen = plan(SceneOptions(seed=11, fingers=3))
-    with open_trial(chosen.settings, chosen.makers, record=path, about=chosen.about) as trial:
+    chosen = scene_settings(SceneOptions(seed=11, fingers=3))
+    with open_trial(chosen, device_makers(chosen), record=path) as trial:
         for _ in range(60):
             trial.step()
         trial.end()
@@ -155,7 +155,7 @@ def test_on_the_same_machine_a_difference_still_fails(
     _, _, path = recorded
     lines = path.read_text().splitlines()
     header = json.loads(lines[0])
-    header["settings"]["impulse"] = 0.02
+    header["settings"]["physics"]["impulse"] = 0.02
     other = path.with_name("same.jsonl")
     other.write_text("\n".join([json.dumps(header), *lines[1:]]) + "\n")
     assert command.main([str(other)]) == 1

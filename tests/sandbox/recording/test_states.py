@@ -12,12 +12,13 @@ import pytest
 from models.errors import RecordingError
 from sandbox.cli.main import main
 from sandbox.export.sources import open_source
-from sandbox.options.scene_options import SceneOptions, plan
+from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.recording.recording import load_recording
 from sandbox.recording.states import STATES, OtherStatesError, made_with, states_of
 from sandbox.study.record.stored_sessions import session_path
 from sandbox.study.run.simulate import run_simulated
 from sandbox.trial.headless import run_trial
+from sandbox.trial.open_devices import device_makers
 from sandbox.trial.replay import replay
 from tests.support.study_files import TRIALS, open_study
 
@@ -27,8 +28,8 @@ MADE_WITH = "made with states 1 (hand-sandbox 0.2.0, commit abc1234)"
 @pytest.fixture(scope="module")
 def recorded(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("run") / "run.jsonl"
-    chosen = plan(SceneOptions(seed=11, fingers=3))
-    run_trial(chosen.settings, chosen.makers, record=path, about=chosen.about)
+    chosen = scene_settings(SceneOptions(seed=11, fingers=3))
+    run_trial(chosen, device_makers(chosen), record=path)
     return path
 
 

@@ -18,7 +18,7 @@ from encoders.regression.model_registry import DEFAULT_MODEL
 from models.errors import InputError
 from sandbox.cli.common.parse import parse
 from sandbox.cli.main import main
-from sandbox.options.scene_options import SceneOptions, plan
+from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.recording.recording import load_recording
 from sandbox.recording.versions import DECISIVE
 from sandbox.regress.execute import CRASHED, Executor, Processes, Serial, run_job
@@ -32,6 +32,7 @@ from sandbox.regress.plan import (
     registered,
 )
 from sandbox.trial.headless import run_trial
+from sandbox.trial.open_devices import device_makers
 from tasks.registry import TASKS
 from tests.support.regress_tasks import Quick, Raising, Stopping, Worse
 
@@ -67,9 +68,9 @@ def quick_run(*words: str | Path, seeds: str = "0:9") -> int:
 
 
 def test_a_trial_is_that_of_the_run_command_to_the_bit() -> None:
-    chosen = plan(SceneOptions(task="box-to-goal", seed=4, fingers=5))
-    alone = run_trial(chosen.settings, chosen.makers, about=chosen.about)
-    trial = run_job(TrialJob("box-to-goal", 4, {"fingers": 5}))
+    chosen = scene_settings(SceneOptions(task="box-to-goal", seed=4, fingers=5))
+    alone = run_trial(chosen, device_makers(chosen))
+    trial = run_job(TrialJob(chosen))
     fingerprint, parts = trial.pop("fingerprint"), trial.pop("depends_on")
     assert trial == {name: alone.as_json()[name] for name in trial}
     assert fingerprint == alone.fingerprint
@@ -119,7 +120,7 @@ def test_the_json_has_every_task_and_every_trial(
     assert [t["seed"] for t in found["trials"]] == list(range(9))
     assert [f["seed"] for f in task["failed"]] == [0, 3, 6]
     assert found["schema"] == 1 and found["complete"] and found["passed"]
-    assert found["configuration"]["encoder"] == DEFAULT_MODEL
+    assert found["configuration"]["settings"]["pipeline"]["encoder"] == DEFAULT_MODEL
     assert found["noise_floor"]["pairs"] == 9 and found["noise_floor"]["fewest_losses"] == 5
     assert "6/9" in capsys.readouterr().out
 

@@ -81,7 +81,7 @@ def limited(plan: RegressionPlan) -> list[dict[str, Any]]:
     """Trials that fail where masses are more than three times what was drawn; no physics."""
     trials = []
     for job in plan.jobs():
-        mass = job.planned().settings.variation.mass
+        mass = job.settings.variation.mass
         light = mass <= 3.0
         trials.append({"seed": job.seed, "success": light, "progress": 1.0, "time_s": 1.0})
     return trials
@@ -245,7 +245,7 @@ def test_a_varied_run_is_never_compared_with_a_baseline_of_one_that_is_not() -> 
 
 def test_two_variations_of_a_plan_hold_together() -> None:
     plan = varied(RegressionPlan((Heavy,), SEEDS), KINDS["mass"], 2.0)
-    both = varied(plan, KINDS["latency"], 0.1 + 0.2).jobs()[0].planned().settings.variation
+    both = varied(plan, KINDS["latency"], 0.1 + 0.2).jobs()[0].settings.variation
     assert (both.mass, both.latency) == (2.0, pytest.approx(3e-4))
 
 

@@ -227,7 +227,7 @@ def test_trials_of_another_run_are_refused_in_one_line_and_stay(
             (("--seeds", "0:5"), "seeds 0:4"),
             (("--fingers", "4"), "user.fingers 3"),
             (("--encoder", "cubic"), "digests.encoder"),
-            (("--impulse", "safe"), "settings.impulse"),
+            (("--impulse", "safe"), "settings.physics.impulse"),
             (("--vary", "mass=2"), "vary"),
         ):
             error = refused(capsys, *words, *more)

@@ -17,7 +17,7 @@ from sandbox.server.protocol.protocol import LIFT_STRIP_PX, TaskName
 from sandbox.server.protocol.skins import pack_skin
 from sandbox.server.web import WebDevice
 from sandbox.trial.assembly import build
-from sandbox.trial.settings import RunSettings
+from sandbox.trial.settings import Settings
 from tasks.user import UserConfiguration
 from tests.sandbox.server.test_page_server import Stage, wait_for
 from tests.support.chromium import Tab
@@ -59,7 +59,7 @@ true
 def staged(server: PageServer, **settings: object) -> Stage:
     values = {"surface_in": (WIDTH / PPI, HEIGHT / PPI), **settings}
     session = build(
-        RunSettings(**values),  # type: ignore[arg-type]
+        Settings().changed(**values),
         (lambda task, surface: WebDevice(surface, server.latency),),
     )
     device = session.rigs[0].device

@@ -18,7 +18,7 @@ from sandbox.server.protocol.describe import describe_scene, state_of
 from sandbox.server.protocol.protocol import PageScreen, PageTouches
 from sandbox.server.protocol.skins import pack_skin
 from sandbox.server.web import WebDevice
-from sandbox.trial.settings import RunSettings
+from sandbox.trial.settings import Settings
 from tests.sandbox.server.test_page_server import Stage, opened
 from tests.sandbox.session.test_collision_gating import BESIDE_IT, INTO_THE_BOX, grip
 from tests.support.page_client import Page
@@ -119,7 +119,7 @@ SCREEN = PageScreen(100.0, 1000.0, 800.0, True)
 
 
 def test_a_touch_beside_the_rectangle_is_none_and_a_dragged_one_stays_at_its_border() -> None:
-    device = WebDevice(RunSettings().surface)
+    device = WebDevice(Settings().surface.rectangle)
     width = device._size[0] / 0.0254 * 100
     device.push(_touches((1, -5.0, 10.0, 0.0, 0.0)), SCREEN)
     device.push(_touches((1, -5.0, 10.0, 0.0, 0.0), (2, 50.0, 10.0, 30.0, 20.0)), SCREEN)
@@ -133,21 +133,21 @@ def test_a_touch_beside_the_rectangle_is_none_and_a_dragged_one_stays_at_its_bor
 
 
 def test_a_cancelled_finger_is_told_apart_from_a_lifted_one() -> None:
-    device = WebDevice(RunSettings().surface)
+    device = WebDevice(Settings().surface.rectangle)
     device.push(_touches((1, 50, 50, 0, 0), (2, 90, 50, 0, 0)), SCREEN)
     device.push(_touches(cancelled=[1, 99]), SCREEN)
     assert device.poll()[-1].cancelled == {1}
 
 
 def test_the_lift_control_stays_where_it_was_while_a_message_does_not_tell() -> None:
-    device = WebDevice(RunSettings().surface)
+    device = WebDevice(Settings().surface.rectangle)
     device.push(_touches(lift=0.4), SCREEN)
     device.push(_touches(), SCREEN)
     assert [frame.lift for frame in device.poll()] == [0.4, 0.4]
 
 
 def test_of_two_contacts_with_one_id_the_first_counts() -> None:
-    device = WebDevice(RunSettings().surface)
+    device = WebDevice(Settings().surface.rectangle)
     device.push(_touches((1, 50, 50, 0, 0), (1, 90, 50, 0, 0)), SCREEN)
     (frame,) = device.poll()
     assert len(frame.contacts) == 1

@@ -18,7 +18,7 @@ from sandbox.server.page_server import PageServer
 from sandbox.server.web import WebDevice
 from sandbox.trial.assembly import build
 from sandbox.trial.events import EventLog
-from sandbox.trial.settings import RunSettings
+from sandbox.trial.settings import Settings
 from tasks.registry import TASKS, hands_of
 from tests.sandbox.server.played_page import played
 from tests.support.page_client import SCREEN, Page
@@ -28,7 +28,7 @@ PHONE = {"px_per_in": 155.0, "width_px": 844.0, "height_px": 390.0, "calibrated"
 
 def words(task: str, width: float, height: float) -> str:
     """What is told about a task that has no room on a surface."""
-    settings = RunSettings(task=task, surface_in=(width, height))
+    settings = Settings().changed(task=task, size_in=(width, height))
     with pytest.raises(InputError) as refused:
         build(settings, (lambda task, surface: WebDevice(surface),))
     return "\n".join(explain_refusal(refused.value, settings))
@@ -36,9 +36,9 @@ def words(task: str, width: float, height: float) -> str:
 
 def test_a_tablet_has_room_for_every_task_of_one_hand_and_a_phone_for_none() -> None:
     one_hand = {name for name, task in TASKS.items() if hands_of(task) == 1}
-    tablet = RunSettings(surface_in=PRESETS["ipad2"]).surface
+    tablet = Settings().changed(size_in=PRESETS["ipad2"]).surface.rectangle
     assert set(fitting(tablet, 0)) == one_hand
-    assert fitting(RunSettings(surface_in=(5.45, 2.52)).surface, 0) == ()
+    assert fitting(Settings().changed(size_in=(5.45, 2.52)).surface.rectangle, 0) == ()
 
 
 def test_on_a_phone_one_is_told_its_size_and_to_take_a_larger_screen() -> None:

@@ -28,7 +28,7 @@ from sandbox.server.protocol.protocol import CREDIT
 from sandbox.server.web import WebDevice
 from sandbox.session.session import Session
 from sandbox.trial.assembly import build
-from sandbox.trial.settings import RunSettings
+from sandbox.trial.settings import Settings
 from tests.support.page_client import Page, open_socket
 from tests.support.processes import PATIENCE
 from tools.page_types import FILE, typescript
@@ -70,7 +70,7 @@ def server() -> Iterator[PageServer]:
 
 def opened(server: PageServer) -> Stage:
     """A stage with its first scene."""
-    session = build(RunSettings(), (lambda task, surface: WebDevice(surface, server.latency),))
+    session = build(Settings(), (lambda task, surface: WebDevice(surface, server.latency),))
     device = session.rigs[0].device
     assert isinstance(device, WebDevice)
     stage = Stage(server, session, device)

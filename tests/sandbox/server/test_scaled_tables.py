@@ -23,7 +23,7 @@ from sandbox.server.web import WebDevice
 from sandbox.study.run.page_player import settings_for_screen
 from sandbox.study.run.study_page import StudyPage
 from sandbox.trial.events import EventLog
-from sandbox.trial.settings import RunSettings
+from sandbox.trial.settings import Settings, decoded, encoded
 from tasks.registry import TASKS, hands_of
 from tests.sandbox.server.played_page import played
 from tests.support.page_client import Page
@@ -77,13 +77,13 @@ def test_places_are_scaled_and_fingers_are_not() -> None:
 
 
 def test_a_header_says_the_scale_and_nothing_at_true_size() -> None:
-    plain = RunSettings().as_json()
+    plain = encoded(Settings())
     assert "surface_scale" not in plain and "scored" not in plain
-    assert RunSettings.from_json(plain) == RunSettings()
-    phone = RunSettings(**scaled(PHONE))
-    assert phone.as_json()["surface_scale"] == pytest.approx(0.432, abs=1e-3)
-    assert phone.as_json()["scored"] is False
-    assert RunSettings.from_json(json.loads(json.dumps(phone.as_json()))) == phone
+    assert decoded(plain) == Settings()
+    phone = Settings().changed(**scaled(PHONE))
+    assert encoded(phone)["surface_scale"] == pytest.approx(0.432, abs=1e-3)
+    assert encoded(phone)["scored"] is False
+    assert decoded(json.loads(json.dumps(encoded(phone)))) == phone
 
 
 @pytest.mark.parametrize("scale", [0.0, -1.0, 1000.0, float("nan")])
@@ -95,7 +95,7 @@ def test_a_scale_that_no_screen_has_is_refused(scale: float) -> None:
 def test_a_study_refuses_a_scaled_table() -> None:
     page = cast(StudyPage, SimpleNamespace(server=SimpleNamespace(screen=PHONE)))
     with pytest.raises(StudyError, match="a study cannot use a scaled table"):
-        settings_for_screen(page, RunSettings(), designed=False)
+        settings_for_screen(page, Settings(), designed=False)
 
 
 @pytest.mark.parametrize(("fit", "scored"), [("phone", False), ("mouse", True), ("", True)])

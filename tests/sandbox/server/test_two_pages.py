@@ -13,12 +13,13 @@ from models.surface import METRES_PER_INCH
 from sandbox.cli.common.page_options import PageOptions, open_page
 from sandbox.cli.common.page_view import show_session, touched_pages
 from sandbox.cli.play.page import PagePlay
-from sandbox.options.scene_options import SceneOptions, plan
+from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.server.page_server import PageServer
 from sandbox.server.protocol.protocol import LIFT_STRIP_PX, PageScreen, PageTouches
 from sandbox.server.protocol.rectangle import common, rectangle
 from sandbox.trial.assembly import build
 from sandbox.trial.events import EventLog
+from sandbox.trial.open_devices import device_makers
 from tests.sandbox.server.played_page import played
 from tests.sandbox.server.test_page_server import wait_for
 from tests.support.page_client import SCREEN, Page
@@ -116,17 +117,17 @@ def test_the_only_page_of_two_hands_asks_for_the_hand_that_it_touches(
 @pytest.mark.slow
 def test_two_tablets_carry_a_tray_together(servers: tuple[PageServer, PageServer]) -> None:
     size = common([rectangle(PageScreen(**SCREEN))] * 2)
-    chosen = plan(OPTIONS)
-    session = build(replace(chosen.settings, **size), chosen.makers)
+    chosen = scene_settings(OPTIONS)
+    session = build(replace(chosen, **size), device_makers(chosen))
     pages, touched = [], touched_pages(session)
     assert [hand for hand, _ in touched] == [0, 1]
     for server, (hand, device) in zip(servers, touched, strict=True):
         show_session(server, session, "right", "", device, hand)
         pages.append(Page(server.url))
-    simulated = plan(SceneOptions(task=TASK, seed=SEED, device="simulated"))
+    simulated = scene_settings(SceneOptions(task=TASK, seed=SEED, device="simulated"))
     users = [
         maker(session.task, rig.reconstructor.surface)
-        for maker, rig in zip(simulated.makers, session.rigs, strict=True)
+        for maker, rig in zip(device_makers(simulated), session.rigs, strict=True)
     ]
     for page in pages:
         page.until("scene")
@@ -152,8 +153,8 @@ def test_two_tablets_carry_a_tray_together(servers: tuple[PageServer, PageServer
 def test_time_begins_with_whichever_hand_touches_first() -> None:
     from sandbox.cli.play.window import _from_first_touch, _waiting
 
-    chosen = plan(replace(OPTIONS, device="mouse"), _from_first_touch)
-    session = build(chosen.settings, chosen.makers)
+    chosen = scene_settings(replace(OPTIONS, device="mouse"))
+    session = build(chosen, device_makers(chosen, _from_first_touch))
     ((hand, page),) = touched_pages(session)
     assert hand == 1
     assert _waiting(session)

@@ -20,7 +20,7 @@ from sandbox.trial.driver import View
 from sandbox.trial.headless import run_trial
 from sandbox.trial.replay import replay
 from sandbox.trial.result import TrialResult
-from sandbox.trial.settings import RunSettings
+from sandbox.trial.settings import Settings
 from tasks.task import Task
 from tests.support.scripted import Script, Touch, box_xy, pinch, run, scripted
 
@@ -177,7 +177,7 @@ def test_a_session_with_switches_replays_to_the_bit_with_them(tmp_path: Path) ->
 
         return [stop]
 
-    result = run_trial(RunSettings(seed=4), (device,), views, record=path)
+    result = run_trial(Settings(seed=4), (device,), views, record=path)
     recording = load_recording(path)
     assert [e.details["mode"] for e in recording.events] == list(times.values())
     session, found = replay(recording)
@@ -188,7 +188,7 @@ def test_a_session_with_switches_replays_to_the_bit_with_them(tmp_path: Path) ->
 
 def test_a_mode_that_does_not_exist_is_refused() -> None:
     with pytest.raises(InputError, match="hard, soft, none"):
-        RunSettings(contact="squishy")
+        Settings().changed(contact="squishy")
     session = scripted(lambda now: (), seed=1)
     with pytest.raises(InputError, match="squishy"):
         session.set_contact("squishy")

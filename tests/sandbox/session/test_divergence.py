@@ -13,23 +13,25 @@ import pytest
 from models.errors import DivergenceError
 from sandbox.cli import run as run_command
 from sandbox.cli.replay import command as replay_command
-from sandbox.options.scene_options import SceneOptions, plan
+from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.recording.dump import LAST
 from sandbox.recording.recording import load_recording
 from sandbox.regress.execute import run_job
 from sandbox.regress.plan import TrialJob
 from sandbox.session.session import Session
 from sandbox.trial.headless import run_trial
+from sandbox.trial.open_devices import device_makers
 from sandbox.trial.replay import replay
 from sandbox.trial.result import TrialResult
+from sandbox.trial.settings import Settings
 from tests.support.scripted import run, scripted
 
 ABSURD = f"{Path(__file__).parent / 'absurd_task.py'}:Absurd"
 
 
 def diverge(record: Path | None = None, dump: Path | None = None) -> TrialResult:
-    chosen = plan(SceneOptions(task=ABSURD, seed=7))
-    return run_trial(chosen.settings, chosen.makers, record=record, dump=dump)
+    chosen = scene_settings(SceneOptions(task=ABSURD, seed=7))
+    return run_trial(chosen, device_makers(chosen), record=record, dump=dump)
 
 
 @pytest.fixture(scope="module")
@@ -118,7 +120,7 @@ def test_a_regression_trial_that_diverges_tells_where_its_dump_is(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
-    trial = run_job(TrialJob(ABSURD, 2))
+    trial = run_job(TrialJob(Settings(ABSURD, 2)))
     assert trial["status"] == "diverged" and Path(trial["dump"]).parent == tmp_path
     assert replay(load_recording(Path(trial["dump"])))[1].exact
 

@@ -21,7 +21,7 @@ from sandbox.session.messages import MOVE_APART
 from sandbox.session.session import Session
 from sandbox.trial.headless import run_trial
 from sandbox.trial.replay import replay
-from sandbox.trial.settings import HandSettings, RunSettings
+from sandbox.trial.settings import HandSettings, Settings
 from tests.support.one_thing import MugOnTable, OneThing
 from tests.support.scripted import Played, run, scripted
 
@@ -259,7 +259,7 @@ def test_fingers_that_are_led_replay_to_the_bit(tmp_path: Path) -> None:
     frames = [frame for now in times for frame in session.rigs[0].device.poll(float(now))]
     session.close()
     path = tmp_path / "recorded.jsonl"
-    settings = RunSettings(seed=1, labels="device")
+    settings = Settings().changed(seed=1, labels="device")
     run_trial(settings, (lambda task, surface: Played(frames),), record=path)
     session, verification = replay(load_recording(path))
     assert verification.exact and verification.complete

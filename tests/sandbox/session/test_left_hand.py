@@ -28,13 +28,14 @@ from models.scene import Scene, SceneSpec
 from models.skeleton import ADULT
 from models.surface import Surface
 from sandbox.devices.mouse import MouseDevice
-from sandbox.options.scene_options import SceneOptions, plan
+from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.recording.recording import load_recording
 from sandbox.trial.assembly import build
 from sandbox.trial.headless import run_trial
+from sandbox.trial.open_devices import device_makers
 from sandbox.trial.replay import replay
 from sandbox.trial.result import TrialResult
-from sandbox.trial.settings import HandSettings, RunSettings
+from sandbox.trial.settings import HandSettings, Settings
 from tasks.simulated_user.hand import Hand as UserHand
 from tasks.simulated_user.outline_handling import OutlineHandling
 from tasks.simulated_user.seated import Seat
@@ -51,8 +52,8 @@ places = st.tuples(st.floats(0.0, 1.0), st.floats(0.0, 1.0))
 
 
 def trial(record: Path | None = None, **options: Any) -> TrialResult:
-    chosen = plan(SceneOptions(**options))
-    return run_trial(chosen.settings, chosen.makers, record=record, about=chosen.about)
+    chosen = scene_settings(SceneOptions(**options))
+    return run_trial(chosen, device_makers(chosen), record=record)
 
 
 def grasp(now: float) -> list[Contact]:
@@ -71,7 +72,7 @@ def reconstructed(
     touch: Callable[[float], Iterable[Contact]], **about: Any
 ) -> tuple[Surface, list[Reconstruction]]:
     """Reconstructions of 2 s of touches, by the default settings."""
-    session = build(RunSettings(**about), (lambda task, surface: Script(lambda now: []),))
+    session = build(Settings().changed(**about), (lambda task, surface: Script(lambda now: []),))
     reconstructor: Any = session.rigs[0].reconstructor
     frames = [TouchFrame(t, tuple(touch(t))) for t in np.arange(130) * 0.016]
     return reconstructor.surface, [reconstructor.step(f) for f in frames]
@@ -233,7 +234,7 @@ def test_a_left_handed_recording_as_a_device_keeps_its_hand_unless_asked_otherwi
 ) -> None:
     result, path = left_run
     assert trial(device=str(path)).state_hash == result.state_hash
-    assert plan(SceneOptions(device=str(path), hand="right")).settings.hands[0].side == "right"
+    assert scene_settings(SceneOptions(device=str(path), hand="right")).hands[0].side == "right"
 
 
 def test_the_keys_of_the_mouse_put_down_a_left_hand_and_a_turned_one() -> None:

@@ -13,10 +13,11 @@ from pathlib import Path
 
 import pytest
 
-from sandbox.options.scene_options import SceneOptions, plan
+from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.session.session import Session
 from sandbox.trial.driver import View
 from sandbox.trial.headless import run_trial
+from sandbox.trial.open_devices import device_makers
 from tasks.registry import find_task, task_names
 
 
@@ -30,11 +31,11 @@ def left_over(options: SceneOptions, record: Path | None = None) -> list[str]:
         seen.extend(weakref.ref(part) for part in parts)
         return ()
 
-    chosen = plan(options)
+    chosen = scene_settings(options)
     gc.collect()
     gc.disable()
     try:
-        run_trial(chosen.settings, chosen.makers, watch, record, chosen.about)
+        run_trial(chosen, device_makers(chosen), watch, record)
         del chosen
         found = [part for part in (ref() for ref in seen) if part is not None]
     finally:

@@ -15,8 +15,9 @@ from models.surface import Surface
 from sandbox.recording.recording import load_recording
 from sandbox.session.own_layouts import Layouts, known_layouts, learned_layouts
 from sandbox.trial.driver import open_trial
+from sandbox.trial.recorded_settings import recorded_settings
 from sandbox.trial.replay import replay
-from sandbox.trial.settings import HandSettings, RunSettings
+from sandbox.trial.settings import HandSettings, Settings
 from tests.support.scripted import Script
 
 FIVE = 1e-3 * np.array([[70, 100], [105, 58], [130, 45], [153, 52], [174, 74]])
@@ -26,7 +27,7 @@ KNOWN: Layouts = (
     ((0.0, 0.0), (0.04, -0.03), (0.07, -0.04), (0.095, -0.03), (0.115, -0.005)),
     ((0.0, 0.0), (0.030, -0.050), (0.05, -0.065), (0.075, -0.058), (0.110, -0.030)),
 )
-SETTINGS = RunSettings(labels="population")
+SETTINGS = Settings().changed(labels="population")
 INDEX_AND_RING = (1, 3)
 """Fingers that look like thumb and index finger, unless five fingers have taught better."""
 
@@ -49,7 +50,7 @@ class Touched:
 
 
 def touched(
-    fingers: tuple[int, ...], settings: RunSettings = SETTINGS, record: Path | None = None
+    fingers: tuple[int, ...], settings: Settings = SETTINGS, record: Path | None = None
 ) -> Touched:
     person = settings.hands[0].person
 
@@ -82,7 +83,7 @@ def test_names_of_fewer_than_five_fingers_teach_nothing_however_sure_they_are(
 def test_five_fingers_teach_their_layout_in_the_persons_own_size(side: str, size: float) -> None:
     settings = replace(SETTINGS, hands=(HandSettings(side, size),))
     after = touched((0, 1, 2, 3, 4), settings)
-    (hand,) = settings.knowing(after.learned).hands
+    (hand,) = settings.with_layouts(after.learned).hands
     assert list(after.learned) == [side]
     (layout,) = np.array(hand.layouts)
     np.testing.assert_allclose(layout - layout[0], size * (FIVE - FIVE[0]), atol=3e-4)
@@ -99,12 +100,12 @@ def test_every_trial_begins_with_the_settings_alone_so_that_their_order_does_not
     forwards = hashes([0, 1, 2])
     assert forwards == hashes([2, 1, 0])
     # It would matter if the first trial taught the second.
-    taught = SETTINGS.knowing(touched(trials[0]).learned)
+    taught = SETTINGS.with_layouts(touched(trials[0]).learned)
     assert touched(INDEX_AND_RING, taught).state_hash != forwards[1]
 
 
 def test_layouts_of_five_fingers_mend_names_of_two() -> None:
-    taught = SETTINGS.knowing(touched((0, 1, 2, 3, 4)).learned)
+    taught = SETTINGS.with_layouts(touched((0, 1, 2, 3, 4)).learned)
     assert touched(INDEX_AND_RING).labels == {1: 0, 3: 1}
     assert touched(INDEX_AND_RING, taught).labels == {1: 1, 3: 3}
 
@@ -112,18 +113,18 @@ def test_layouts_of_five_fingers_mend_names_of_two() -> None:
 def test_a_recording_holds_the_layouts_that_were_used_and_replays_without_a_profile(
     tmp_path: Path,
 ) -> None:
-    taught = SETTINGS.knowing(touched((0, 1, 2, 3, 4)).learned)
+    taught = SETTINGS.with_layouts(touched((0, 1, 2, 3, 4)).learned)
     path = tmp_path / "known.jsonl"
     played = touched(INDEX_AND_RING, taught, path)
     recording = load_recording(path)
-    assert RunSettings.from_json(recording.header["settings"]) == taught
+    assert recorded_settings(recording.header) == taught
     session, verification = replay(recording)
     assert verification.exact and session.reconstructions[0].contacts[1].label == 3
     assert played.learned == {}
 
 
 def test_what_was_known_at_the_beginning_stays_and_the_new_comes_last() -> None:
-    (after,) = touched((0, 1, 2, 3, 4), SETTINGS.knowing({"right": KNOWN})).learned.values()
+    (after,) = touched((0, 1, 2, 3, 4), SETTINGS.with_layouts({"right": KNOWN})).learned.values()
     assert len(after) == len(KNOWN) + 1
     for kept, known in zip(after, KNOWN, strict=False):
         # Layouts have their middle at 0.
@@ -132,10 +133,10 @@ def test_what_was_known_at_the_beginning_stays_and_the_new_comes_last() -> None:
 
 
 def test_layouts_are_for_names_by_the_population_and_for_the_same_side() -> None:
-    other = replace(SETTINGS, labels="paper")
-    assert other.knowing({"right": KNOWN}) == other
-    assert SETTINGS.knowing({"left": KNOWN}) == SETTINGS
-    known = SETTINGS.knowing({"right": KNOWN}).hands[0]
+    other = SETTINGS.changed(labels="paper")
+    assert other.with_layouts({"right": KNOWN}) == other
+    assert SETTINGS.with_layouts({"left": KNOWN}) == SETTINGS
+    known = SETTINGS.with_layouts({"right": KNOWN}).hands[0]
     assert known.on("right") == known
     assert known.on("left").layouts == ()
     assert known.other.layouts == ()

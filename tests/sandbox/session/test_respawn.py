@@ -25,7 +25,7 @@ from sandbox.trial.driver import View
 from sandbox.trial.headless import run_trial
 from sandbox.trial.replay import replay
 from sandbox.trial.result import TrialResult
-from sandbox.trial.settings import RunSettings
+from sandbox.trial.settings import Settings
 from tasks.sensing import Sensing
 from tasks.task import Task
 from tests.support.scripted import Script, run, scripted
@@ -228,7 +228,7 @@ def test_a_trial_in_which_things_come_back_replays_to_the_bit(tmp_path: Path) ->
 
         return [stop]
 
-    result = run_trial(RunSettings(seed=4), (device,), views, record=path)
+    result = run_trial(Settings(seed=4), (device,), views, record=path)
     assert result.respawned == 1
     recording = load_recording(path)
     assert [e.what for e in recording.events] == ["respawn"]

@@ -13,21 +13,23 @@ import pytest
 from models.frames import Contact, TouchFrame
 from models.kinematics import Kinematics
 from sandbox.devices.wrappers.drop_outs import DropOuts
-from sandbox.options.scene_options import SceneOptions, plan
+from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.recording.recording import load_recording
 from sandbox.session.session import STATE, Rig, Session
 from sandbox.trial.assembly import build
 from sandbox.trial.driver import Trial
 from sandbox.trial.headless import run_trial
+from sandbox.trial.open_devices import device_makers
+from sandbox.trial.recorded_settings import recorded_settings
 from sandbox.trial.replay import replay
 from sandbox.trial.result import TrialResult
-from sandbox.trial.settings import RunSettings
+from sandbox.trial.settings import Settings
 from tests.support.scripted import Script
 
 
 def trial(record: Path | None = None, **options: Any) -> TrialResult:
-    chosen = plan(SceneOptions(**options))
-    return run_trial(chosen.settings, chosen.makers, record=record, about=chosen.about)
+    chosen = scene_settings(SceneOptions(**options))
+    return run_trial(chosen, device_makers(chosen), record=record)
 
 
 @pytest.fixture(scope="module")
@@ -74,9 +76,7 @@ def test_a_stored_state_is_taken_back_to_the_bit_and_steps_on_alike(
 ) -> None:
     _, path = recorded
     recording = load_recording(path)
-    session = build(
-        RunSettings.from_json(recording.header["settings"]), (lambda t, s: Script(lambda now: []),)
-    )
+    session = build(recorded_settings(recording.header), (lambda t, s: Script(lambda now: []),))
     model, data = session.scene.model, session.data
     for step, state in recording.keyframes.items():
         mujoco.mj_setState(model, data, state, STATE)
@@ -104,15 +104,15 @@ def test_a_device_that_fails_to_close_keeps_no_other_one_open() -> None:
             raise OSError("the cable is out")
 
     both = (lambda task, surface: Closes(lambda now: []),) * 2
-    chosen = plan(SceneOptions(task="carry-together"))
-    session = build(chosen.settings, both)
+    chosen = scene_settings(SceneOptions(task="carry-together"))
+    session = build(chosen, both)
     with pytest.raises(OSError, match="the cable is out"):
         session.close()
     assert len(closed) == 2
 
 
 def test_without_touches_nothing_is_touched() -> None:
-    session = build(RunSettings(), (lambda task, surface: Script(lambda now: []),))
+    session = build(Settings(), (lambda task, surface: Script(lambda now: []),))
     before = session.data.qpos.copy()
     box = session.scene.model.joint("box").qposadr[0]
     for _ in range(60):
@@ -123,7 +123,7 @@ def test_without_touches_nothing_is_touched() -> None:
 
 
 def test_a_hand_put_down_inside_the_box_stays_a_ghost_until_its_fingers_are_out() -> None:
-    settings = RunSettings(seed=4)
+    settings = Settings(seed=4)
     place: dict[str, Any] = {}
 
     def touch(now: float) -> list[Contact]:
@@ -154,7 +154,7 @@ def test_fingertips_are_within_a_millimetre_of_resting_touches() -> None:
     places = [(0.03, 0.10), (0.05, 0.06), (0.07, 0.05), (0.09, 0.06), (0.11, 0.07)]
     contacts = [Contact(i, x, y) for i, (x, y) in enumerate(places)]
     # Beside a thing, a fingertip is led off its touch: far from the box, none is.
-    session = build(RunSettings(seed=4), (lambda task, surface: Script(lambda now: contacts),))
+    session = build(Settings(seed=4), (lambda task, surface: Script(lambda now: contacts),))
     surface = session.rigs[0].reconstructor.surface
     box = surface.to_surface(session.scene.object_pose(session.data, "box")[0])
     assert np.linalg.norm(np.array(places) - box, axis=1).min() > 0.04
@@ -173,7 +173,7 @@ def test_the_labels_of_a_hand_that_is_down_never_change_and_a_new_finger_gets_a_
         contacts = [Contact(1, 0.06, 0.10), Contact(2, 0.09, 0.05)]
         return [*contacts, Contact(3, 0.11, 0.055)] if now > 1.5 else contacts
 
-    session = build(RunSettings(seed=1), (lambda task, surface: Script(touch),))
+    session = build(Settings(seed=1), (lambda task, surface: Script(touch),))
     named: dict[int, int] = {}
     for _ in range(180):
         session.advance()
@@ -191,7 +191,7 @@ def test_a_contact_lost_for_a_moment_keeps_its_finger() -> None:
             return both[:1]
         return both if now < 1.5 else [both[0], Contact(9, 0.091, 0.051)]
 
-    session = build(RunSettings(seed=1), (lambda task, surface: Script(touch),))
+    session = build(Settings(seed=1), (lambda task, surface: Script(touch),))
     seen = []
     for _ in range(140):
         session.advance()
@@ -207,7 +207,7 @@ def test_a_jump_of_all_touches_moves_the_hand_no_faster_than_allowed() -> None:
         x = 0.05 if now < 1.5 else 0.15
         return [Contact(1, x, 0.10), Contact(2, x + 0.02, 0.05)]
 
-    session = build(RunSettings(seed=1), (lambda task, surface: Script(touch),))
+    session = build(Settings(seed=1), (lambda task, surface: Script(touch),))
     poses = []
     for _ in range(150):
         session.advance()
@@ -220,13 +220,13 @@ def test_a_jump_of_all_touches_moves_the_hand_no_faster_than_allowed() -> None:
 def test_the_session_plays_a_closed_device_to_its_end() -> None:
     device = Script(lambda now: [])
     device.finished = True
-    session = build(RunSettings(), (lambda task, surface: device,))
+    session = build(Settings(), (lambda task, surface: device,))
     Trial(session, []).run()
     assert session.scorer.score.status == "input_ended" and session.scorer.score.reason
 
 
 def test_a_scene_holds_two_rigs_that_do_not_disturb_each_other() -> None:
-    settings = RunSettings(seed=1)
+    settings = Settings(seed=1)
     lone = build(settings, (lambda task, surface: Script(lambda now: []),))
     one = build(settings, (lambda task, surface: Script(lambda now: [Contact(1, 0.05, 0.10)]),))
     two = build(settings, (lambda task, surface: Script(lambda now: []),))

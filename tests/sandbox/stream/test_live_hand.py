@@ -13,7 +13,7 @@ from models.surface import Surface
 from sandbox.session.device import Device
 from sandbox.stream.live_hand import LiveHand
 from sandbox.trial.assembly import build
-from sandbox.trial.settings import RunSettings
+from sandbox.trial.settings import Settings
 from tasks.task import Task
 from tests.support.processes import until
 
@@ -44,7 +44,7 @@ def live(seconds: float, fails: bool = False) -> LiveHand:
     def open_device(task: Task, surface: Surface) -> Device:
         return Moving(seconds, fails)
 
-    return LiveHand(build(RunSettings(), (open_device,)))
+    return LiveHand(build(Settings(), (open_device,)))
 
 
 def test_it_follows_its_device_and_keeps_the_last_pose() -> None:

@@ -11,6 +11,7 @@ from queue import Empty, SimpleQueue
 from typing import Any
 
 from models.surface import METRES_PER_INCH
+from sandbox.devices.device_settings import DeviceSettings
 from sandbox.devices.simulated.simulated import SimulatedDevice
 from sandbox.options.touch_devices import TouchOptions
 from sandbox.server.page_server import PageServer
@@ -186,9 +187,9 @@ class OnPage:
                     PageForms(self.page, lambda: self.controls.paused),
                     self.controls,
                     self.said.append,
-                    "web",
+                    DeviceSettings.of("web"),
                     settings_fitter("web", self.page, "web" if two else ""),
-                    second_device="web" if two else "simulated",
+                    second_device=DeviceSettings.of("web" if two else "simulated"),
                 ).run()
             self.page.show_sheet("end", text=self.page.texts["end"])
         except BaseException as error:

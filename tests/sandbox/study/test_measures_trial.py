@@ -31,7 +31,7 @@ from sandbox.study.tables.tables import rebuild_study
 from sandbox.study.tables.trial_table import trial_columns
 from sandbox.trial.assembly import build
 from sandbox.trial.result import TrialResult
-from sandbox.trial.settings import RunSettings
+from sandbox.trial.settings import Settings
 from tasks.score import Status
 from tasks.sensing import Sensing
 from tasks.task import Goal, Task
@@ -222,7 +222,7 @@ def played(task: str, seed: int, look: Callable[[Session], object]) -> tuple[Ses
     def device(drawn: Task, surface: Surface) -> SimulatedDevice:
         return SimulatedDevice(drawn, UserConfiguration(), surface, seed)
 
-    session, frames = build(RunSettings(task=task, seed=seed), (device,)), FrameTable()
+    session, frames = build(Settings(task=task, seed=seed), (device,)), FrameTable()
     frames.watch(session)
     user: Any = session.rigs[0].device
     while not session.over:
@@ -304,7 +304,7 @@ def test_no_label_that_a_device_tells_is_wrong_and_those_of_a_simulated_user_are
     def device(drawn: Task, surface: Surface) -> SimulatedDevice:
         return SimulatedDevice(drawn, UserConfiguration(), surface, 3, True)
 
-    session = build(RunSettings(task="box-to-goal", seed=3, labels="device"), (device,))
+    session = build(Settings().changed(task="box-to-goal", seed=3, labels="device"), (device,))
     user: Any = session.rigs[0].device
     labels: dict[int, int | None] = {}
     frames = FrameTable()

@@ -169,8 +169,8 @@ def test_a_level_may_set_several_things() -> None:
         t for t in trials_of(session_plan(design(text), 0)) if t.levels["contact"] == "gentle"
     )
     settings = run_settings(trial.values, trial.seed, "left", 1.1)
-    assert (settings.contact, settings.impulse) == ("soft", 0.5)
-    assert settings.hands == (HandSettings("left", 1.1),) and settings.encoder == "linear"
+    assert (settings.physics.contact, settings.physics.impulse) == ("soft", 0.5)
+    assert settings.hands == (HandSettings("left", 1.1),) and settings.pipeline.encoder == "linear"
 
 
 MISTAKES = [

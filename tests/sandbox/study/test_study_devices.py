@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 
 from sandbox.cli.main import main
+from sandbox.devices.device_settings import DeviceSettings
 from sandbox.options.touch_devices import TouchOptions
 from sandbox.recording.recording import load_recording
 from sandbox.study.record.folder import PILOT, StudyFolder
@@ -75,7 +76,7 @@ def test_touches_over_tuio_are_played_and_inches_are_a_guess_unless_the_design_t
             SimulatedForms(1),
             Controls(),
             lambda text: None,
-            "tuio",
+            DeviceSettings.of("tuio"),
             settings_fitter("tuio"),
         )
         assert runner.run() is SessionOutcome.COMPLETE

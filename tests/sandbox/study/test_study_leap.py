@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 
 from models.errors import DeviceError
+from sandbox.devices.device_settings import DeviceSettings
 from sandbox.devices.leap.leap_fake import FakeLeapd
 from sandbox.devices.leap.leap_write import leap_message
 from sandbox.options.touch_devices import TouchOptions
@@ -71,7 +72,7 @@ def study(tmp_path_factory: pytest.TempPathFactory) -> StudyFolder:
                 forms,
                 Controls(),
                 lambda text: None,
-                "leap",
+                DeviceSettings.of("leap"),
                 settings_fitter("mouse"),
                 hand_measurer(forms, person, server.address, lambda text: None, WANTED),
             )

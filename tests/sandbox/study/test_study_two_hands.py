@@ -13,6 +13,7 @@ import pytest
 from models.errors import InputError, StudyError
 from sandbox.cli.main import main
 from sandbox.cli.study.run_options import StudyRunOptions, check_second_device
+from sandbox.devices.device_settings import DeviceSettings
 from sandbox.options.touch_devices import TouchOptions
 from sandbox.recording.recording import load_recording
 from sandbox.study.design.conditions import run_settings
@@ -31,7 +32,8 @@ from sandbox.study.run.simulate import run_simulated
 from sandbox.study.share.bids import motion, touch_events
 from sandbox.study.tables.frames import rebuild_tables
 from sandbox.study.tables.tables import rebuild_study
-from sandbox.trial.settings import HandSettings, RunSettings
+from sandbox.trial.recorded_settings import recorded_settings
+from sandbox.trial.settings import HandSettings, Settings
 from tests.support.study_files import design, open_study
 
 TASK = "carry-together"
@@ -86,7 +88,7 @@ def test_a_simulated_trial_for_two_hands_has_tables_of_both_and_replays(
 
 def test_the_recording_tells_both_hands_and_their_users(session: Path) -> None:
     recording = load_recording(session / "trials" / "T001.jsonl")
-    settings = RunSettings.from_json(recording.header["settings"])
+    settings = recorded_settings(recording.header)
     assert [hand.side for hand in settings.hands] in (["right", "left"], ["left", "right"])
     assert len({hand.size for hand in settings.hands}) == 1
     assert recording.header["second"]["user"] == recording.header["user"]
@@ -126,13 +128,13 @@ def test_a_pilot_is_run_with_a_device_for_each_hand(tmp_path: Path) -> None:
             SimulatedForms(1),
             Controls(),
             lambda text: None,
-            "mouse",
+            DeviceSettings.of("mouse"),
             settings_fitter("mouse", second="simulated"),
-            second_device="simulated",
+            second_device=DeviceSettings.of("simulated"),
         ).run()
     assert outcome is SessionOutcome.COMPLETE
     recording = load_recording(next(study.path.glob("*/S001/trials/*.jsonl*")))
-    settings = RunSettings.from_json(recording.header["settings"])
+    settings = recorded_settings(recording.header)
     assert settings.hands == (HandSettings("left", 1.1), HandSettings("right", 1.1))
     assert recording.header["device"] == "mouse"
     assert recording.header["second"]["device"] == "simulated"
@@ -140,7 +142,7 @@ def test_a_pilot_is_run_with_a_device_for_each_hand(tmp_path: Path) -> None:
     assert {entry.step for entry in recording.inputs[1]}
 
 
-def step(**values: Any) -> tuple[TrialStep, RunSettings]:
+def step(**values: Any) -> tuple[TrialStep, Settings]:
     """A trial of the task for two hands, and its settings."""
     given = {"task": TASK, **values}
     return TrialStep("trial:1", 1, 1, 1, 1, False, {}, given, 3), run_settings(given, 3, "left")

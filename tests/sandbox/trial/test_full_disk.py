@@ -12,13 +12,14 @@ import pytest
 from PIL import Image
 
 from models.errors import InputError, RecordingError
-from sandbox.options.scene_options import SceneOptions, plan
+from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.recording.recording import load_recording
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
 from sandbox.trial.driver import View, open_trial
 from sandbox.trial.headless import run_trial
 from sandbox.trial.live import LiveTrial
+from sandbox.trial.open_devices import device_makers
 from sandbox.trial.replay import replay
 from sandbox.views.errors import FilmError
 from sandbox.views.film_files import _Mp4, open_film
@@ -39,29 +40,27 @@ def full_disk() -> Iterator[None]:
 
 
 def test_a_trial_ends_soon_after_its_recording_cannot_go_on(tmp_path: Path) -> None:
-    chosen, path = plan(SceneOptions(seed=3)), tmp_path / "run.jsonl"
+    chosen, path = scene_settings(SceneOptions(seed=3)), tmp_path / "run.jsonl"
     seen: list[float] = []
 
     def watch(snapshot: Snapshot) -> None:
         seen.append(snapshot.time)
 
     with full_disk(), pytest.raises(RecordingError, match="incomplete"):
-        run_trial(chosen.settings, chosen.makers, lambda session: [watch], path, chosen.about)
+        run_trial(chosen, device_makers(chosen), lambda session: [watch], path)
     recording = load_recording(path)
     _, found = replay(recording)
     assert found.exact and recording.end is None
-    whole = run_trial(chosen.settings, chosen.makers, about=chosen.about)
+    whole = run_trial(chosen, device_makers(chosen))
     assert seen[-1] < whole.time_s
 
 
 def test_a_person_who_plays_is_told_while_playing(tmp_path: Path) -> None:
-    chosen = plan(SceneOptions(seed=3))
+    chosen = scene_settings(SceneOptions(seed=3))
     with (
         full_disk(),
         pytest.raises(RecordingError, match="incomplete"),
-        open_trial(
-            chosen.settings, chosen.makers, record=tmp_path / "run.jsonl", about=chosen.about
-        ) as trial,
+        open_trial(chosen, device_makers(chosen), record=tmp_path / "run.jsonl") as trial,
     ):
         live = LiveTrial(trial, speed=1000.0)
         live.start()
@@ -92,15 +91,15 @@ def test_a_film_of_which_ffmpeg_wrote_a_part_is_refused_and_the_old_one_stays(
 
 
 def test_a_trial_that_cannot_begin_leaves_no_recording(tmp_path: Path) -> None:
-    chosen, path = plan(SceneOptions(seed=3)), tmp_path / "run.jsonl"
+    chosen, path = scene_settings(SceneOptions(seed=3)), tmp_path / "run.jsonl"
 
     def no_views(session: Session) -> list[View]:
         raise InputError("no such format of films")
 
     with pytest.raises(InputError, match="no such format"):
-        run_trial(chosen.settings, chosen.makers, no_views, path, chosen.about)
+        run_trial(chosen, device_makers(chosen), no_views, path)
     assert not path.exists()
     path.write_text("somebody's own")
     with pytest.raises(RecordingError, match="exists"):
-        run_trial(chosen.settings, chosen.makers, no_views, path, chosen.about)
+        run_trial(chosen, device_makers(chosen), no_views, path)
     assert path.read_text() == "somebody's own"

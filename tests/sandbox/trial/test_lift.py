@@ -18,14 +18,15 @@ from models.errors import InputError
 from models.frames import Contact, TouchFrame
 from models.kinematics import Kinematics
 from sandbox.devices.wrappers.lift_keys import SPEED, LiftKeys
-from sandbox.options.scene_options import SceneOptions, plan
+from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.recording.recording import RecordingWriter, load_recording
 from sandbox.session.device import Device
 from sandbox.trial.assembly import build
 from sandbox.trial.headless import run_trial
 from sandbox.trial.lift import with_lift
+from sandbox.trial.open_devices import device_makers
 from sandbox.trial.replay import replay
-from sandbox.trial.settings import HandSettings, RunSettings
+from sandbox.trial.settings import HandSettings, Settings
 from tasks.box_to_goal import BoxToGoal
 from tasks.stack import Stack
 
@@ -46,7 +47,7 @@ def poses(
     **settings: Any,
 ) -> list[Reconstruction]:
     """What is reconstructed with a lift control that is time -> its position."""
-    options = RunSettings(task=task, seed=1, **settings)
+    options = Settings(task=task, seed=1, **settings)
     made = build(options, (lambda task, surface: Still(),))
     reconstructor: Any = made.rigs[0].reconstructor
     times = np.arange(round(seconds / PERIOD)) * PERIOD
@@ -96,7 +97,7 @@ def test_a_hand_that_comes_while_the_lift_is_up_comes_down_to_its_height() -> No
     low, high = (poses(held(x), seconds=3.0) for x in (0.0, 0.8))
     when = [next(i for i, r in enumerate(found) if r.down) for found in (low, high)]
     assert when[0] == when[1]
-    tips = Kinematics(build(RunSettings(), (lambda t, s: None,)).rigs[0].hand.skeleton).tips
+    tips = Kinematics(build(Settings(), (lambda t, s: None,)).rigs[0].hand.skeleton).tips
     rise = tips(high[-1].q)[:2, 2] - tips(low[-1].q)[:2, 2]
     np.testing.assert_allclose(rise, 0.8 * Stack.lift_range, atol=1e-4)
 
@@ -205,7 +206,7 @@ def test_a_key_tapped_between_two_polls_does_something() -> None:
 def test_a_task_that_needs_a_lift_control_gets_one_or_says_so(keys: bool) -> None:
     device = Still()
     (make,) = with_lift((lambda task, surface: device,), keys)
-    surface = RunSettings().surface
+    surface = Settings().surface.rectangle
     assert make(BoxToGoal.draw(1, surface), surface) is device
     task = Stack.draw(1, surface)
     if keys:
@@ -220,8 +221,8 @@ def test_a_task_that_needs_a_lift_control_gets_one_or_says_so(keys: bool) -> Non
 
 def test_a_run_with_lift_replays_to_the_bit(tmp_path: Path) -> None:
     path = tmp_path / "stack.jsonl"
-    chosen = plan(SceneOptions(task="stack", seed=3))
-    result = run_trial(chosen.settings, chosen.makers, record=path, about=chosen.about)
+    chosen = scene_settings(SceneOptions(task="stack", seed=3))
+    result = run_trial(chosen, device_makers(chosen), record=path)
     recording = load_recording(path)
     inputs: Any = recording.inputs[0]
     assert max(i.frame.lift for i in inputs) > 0.3

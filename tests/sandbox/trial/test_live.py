@@ -15,7 +15,7 @@ from sandbox.session.device import Device
 from sandbox.trial.assembly import build
 from sandbox.trial.driver import Trial
 from sandbox.trial.live import LiveTrial
-from sandbox.trial.settings import RunSettings
+from sandbox.trial.settings import Settings
 from tests.support.processes import until
 
 
@@ -49,7 +49,7 @@ def test_a_device_that_breaks_ends_the_session_and_is_no_trial_that_was_played(
     def breaks(_task: object, _surface: Surface) -> Breaking:
         return Breaking(error)
 
-    session = build(RunSettings(), (breaks,))
+    session = build(Settings(), (breaks,))
     live = LiveTrial(Trial(session))
     assert not live.over and live.failure is None
     live.start()
@@ -59,7 +59,7 @@ def test_a_device_that_breaks_ends_the_session_and_is_no_trial_that_was_played(
 
 
 def test_a_touch_from_before_time_went_on_is_none_that_waited_for_a_step() -> None:
-    session = build(RunSettings(), (lambda _task, surface: WebDevice(surface),))
+    session = build(Settings(), (lambda _task, surface: WebDevice(surface),))
     latency = session.first_rig.device.latency
     assert latency is not None
     live = LiveTrial(Trial(session))

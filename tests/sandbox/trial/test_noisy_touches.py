@@ -6,10 +6,11 @@ from pathlib import Path
 
 import pytest
 
-from sandbox.options.scene_options import SceneOptions, plan
+from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.recording.recording import load_recording
 from sandbox.session.session import Session
 from sandbox.trial.headless import run_trial
+from sandbox.trial.open_devices import device_makers
 from sandbox.trial.replay import replay
 from tests.support.waits import Waits
 
@@ -22,8 +23,10 @@ def waits(noise: float, record: Path | None = None) -> list[float]:
         watched.append(Waits(session))
         return watched
 
-    chosen = plan(SceneOptions(seed=5, fingers=3, vary=f"noise={noise:g}" if noise else ""))
-    result = run_trial(chosen.settings, chosen.makers, watch, record=record, about=chosen.about)
+    chosen = scene_settings(
+        SceneOptions(seed=5, fingers=3, vary=f"noise={noise:g}" if noise else "")
+    )
+    result = run_trial(chosen, device_makers(chosen), watch, record=record)
     assert result.success, result.reason
     return watched[0].waits
 

@@ -12,7 +12,7 @@ from models.errors import InputError
 from models.person import Person
 from sandbox.cli.main import main
 from sandbox.options.profiles import Profile, load_profile, save_profile
-from sandbox.options.scene_options import SceneOptions, plan
+from sandbox.options.scene_options import SceneOptions, scene_settings
 
 
 @pytest.fixture(scope="module")
@@ -35,7 +35,7 @@ def test_a_profile_keeps_a_rest_posture_for_the_encoder_of_any_person(
     assert load_profile(path) == profile and "3 looks" in profile.line
 
     def used(**options: Any) -> Looks:
-        return plan(SceneOptions(profile=str(path), **options)).settings.hands[0].rest
+        return scene_settings(SceneOptions(profile=str(path), **options)).hands[0].rest
 
     assert used(encoder="population") == looks
     assert used() == looks

@@ -25,7 +25,7 @@ from sandbox.session.session import Session
 from sandbox.trial.assembly import build
 from sandbox.trial.driver import Trial
 from sandbox.trial.live import LiveTrial
-from sandbox.trial.settings import RunSettings
+from sandbox.trial.settings import Settings
 from sandbox.trial.timing import TimedDevice, Timing, timed
 from tests.support.processes import PATIENCE, Sender
 from tests.support.tuio_packets import frame
@@ -212,7 +212,7 @@ def test_without_a_window_it_plays_what_needs_none(
 
 
 def test_build_opens_a_followed_device() -> None:
-    session = build(RunSettings(), (timed(lambda t, s: MouseDevice(s), Timing(LatencyLog())),))
+    session = build(Settings(), (timed(lambda t, s: MouseDevice(s), Timing(LatencyLog())),))
     assert session.rigs[0].device.name == "mouse" and session.lift(0) is None
 
 

@@ -13,12 +13,13 @@ import pytest
 
 from models.surface import METRES_PER_INCH
 from sandbox.cli.common.page_view import show_session, touched_pages
-from sandbox.options.scene_options import SceneOptions, plan
+from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.server.page_server import PageServer
 from sandbox.server.protocol.protocol import PageScreen
 from sandbox.server.protocol.rectangle import rectangle
 from sandbox.session.messages import Snapshot
 from sandbox.trial.assembly import build
+from sandbox.trial.open_devices import device_makers
 from tests.sandbox.server.test_page_server import wait_for
 from tests.support.chromium import BINARY, Browser
 from tests.support.page_client import Page
@@ -61,9 +62,9 @@ def carried(
         drawn: Returns once the page has drawn a first picture.
         seen: Is called as long as the tray is in its place.
     """
-    chosen = plan(SceneOptions(task=TASK, seed=SEED, device="web", one_surface=True))
-    settings = replace(chosen.settings, **rectangle(SCREEN, 2))
-    session = build(settings, chosen.makers)
+    chosen = scene_settings(SceneOptions(task=TASK, seed=SEED, device="web", one_surface=True))
+    settings = replace(chosen, **rectangle(SCREEN, 2))
+    session = build(settings, device_makers(chosen))
     ((whose, device),) = touched_pages(session)
     assert whose is None
     show_session(server, session, "right", "", device)
@@ -97,7 +98,7 @@ def carried(
 def _users(task: Any, surface: Any) -> Any:
     """Both users, as one device that touches the whole surface."""
     options = SceneOptions(task=TASK, seed=SEED, one_surface=True, surface=f"{SIZE[0]}x{SIZE[1]}in")
-    first: Any = plan(options).makers[0](task, surface)
+    first: Any = device_makers(scene_settings(options))[0](task, surface)
     return first._surface.device
 
 

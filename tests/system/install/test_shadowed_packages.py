@@ -178,7 +178,7 @@ def test_another_package_s_files_among_ours_are_told_in_one_line(
     stranger.write_text("name = 'somebody else'\n", encoding="utf-8")
     package, name = file.split("/")[:2]
     call: dict[str, Any] = {"cwd": site_packages.parent, "path": (site_packages,)}
-    answer = python("-c", "import sandbox; print(sandbox.RunSettings().task)", **call)
+    answer = python("-c", "import sandbox; print(sandbox.Settings().task)", **call)
     assert (answer.returncode, answer.stdout) == (0, "box-to-goal\n")
     assert f"`{package}` ({name!r}" in answer.stderr
     command = python("-m", "sandbox", "--version", **call)

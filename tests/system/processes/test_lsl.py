@@ -28,11 +28,12 @@ from sandbox.lsl.lsl import (
     touch_sample,
 )
 from sandbox.lsl.lsl_listening import forwarding_to, tell
-from sandbox.options.scene_options import SceneOptions, plan
+from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.recording.recording import Recording, load_recording
 from sandbox.session.messages import Snapshot
 from sandbox.study.run.simulate import run_simulated
 from sandbox.trial.headless import run_trial
+from sandbox.trial.open_devices import device_makers
 from sandbox.trial.replay import replay
 from tests.support.study_files import TRIALS, open_study
 
@@ -68,10 +69,10 @@ def heard(
     )
     try:
         assert outlets.wait_for_consumers(60.0)
-        chosen = plan(SCENE)
+        chosen = scene_settings(SCENE)
         with forwarding_to(outlets):
             tell("break", {"least_s": 3})
-            run_trial(chosen.settings, chosen.makers, record=folder / "trial.jsonl")
+            run_trial(chosen, device_makers(chosen), record=folder / "trial.jsonl")
         assert reader.wait(60.0) == 0
     finally:
         reader.kill()
@@ -141,8 +142,8 @@ def test_a_stream_says_what_its_channels_are(heard: Heard) -> None:
 
 
 def test_listening_changes_no_state_of_a_trial(heard: Heard, tmp_path: Path) -> None:
-    chosen = plan(SCENE)
-    result = run_trial(chosen.settings, chosen.makers)
+    chosen = scene_settings(SCENE)
+    result = run_trial(chosen, device_makers(chosen))
     assert heard[1].end is not None and heard[1].end["hash"] == result.state_hash
 
 

@@ -13,9 +13,9 @@ import pytest
 
 from models.surface import Surface
 from sandbox.devices.files.frame_file import read_frame_file
+from sandbox.devices.open_touches import open_file
 from sandbox.devices.tuio.touch_capture import read_capture
 from sandbox.devices.tuio.tuio import TuioDevice
-from sandbox.options.touch_devices import open_file
 from tests.sandbox.devices.tuio.test_tuio_streams import framed
 from tests.support.page_client import SCREEN, Page
 from tests.support.processes import PATIENCE, ROOT, Sender, program, run, until

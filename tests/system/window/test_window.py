@@ -19,7 +19,7 @@ from sandbox.devices.mouse import MouseDevice
 from sandbox.devices.wrappers.lift_keys import SPEED, LiftKeys
 from sandbox.session.messages import ContactView, Snapshot
 from sandbox.trial.assembly import build
-from sandbox.trial.settings import RunSettings
+from sandbox.trial.settings import Settings
 from sandbox.views.renderer import Renderer
 from sandbox.views.window import drawing_quality
 from sandbox.views.window.window import Window
@@ -337,9 +337,7 @@ def test_from_above_another_table_is_seen_from_the_front_and_a_key_looks_down_ag
     try:
         desk.do("key", "v")
         assert desk.window._renderer.camera.orthographic
-        wall = build(
-            RunSettings(task="stack-vertical"), (lambda task, surface: MouseDevice(surface),)
-        )
+        wall = build(Settings(task="stack-vertical"), (lambda task, surface: MouseDevice(surface),))
         desk.window.show_scene(wall.scene, wall.whole_surface, "another table")
         desk.snapshot = wall.snapshot()
         desk.pump()

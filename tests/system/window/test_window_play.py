@@ -25,7 +25,7 @@ from sandbox.recording.recording import load_recording
 from sandbox.server.web import WebDevice
 from sandbox.session.latency import LatencyLog
 from sandbox.trial.assembly import build
-from sandbox.trial.settings import RunSettings
+from sandbox.trial.settings import Settings
 from sandbox.trial.timing import TimedDevice, Timing
 from sandbox.views.window import drawing_quality
 from sandbox.views.window.window import SPEEDS
@@ -97,7 +97,7 @@ def test_the_footer_is_at_the_bottom_right_and_tells_rate_lift_and_address(desk:
     assert "pictures/s" in rate and "ms each" in rate and "127.0.0.1:1" in address
     assert any("2.5 s behind" in line for line in footer.lines(desk.window, 2.5, session))
     with_keys = (lambda task, surface: LiftKeys(MouseDevice(surface)),)
-    stack = build(RunSettings(task="stack"), with_keys)
+    stack = build(Settings(task="stack"), with_keys)
     assert "lifted 0 of 120 mm" in footer.lines(desk.window, 0.0, stack)
     keys = stack.rigs[0].device
     assert isinstance(keys, LiftKeys)

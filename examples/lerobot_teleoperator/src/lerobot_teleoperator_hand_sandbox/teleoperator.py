@@ -1,6 +1,5 @@
 """The teleoperator: a person's hand, live, as actions of a robot's hand."""
 
-from dataclasses import replace
 from typing import Any
 
 from lerobot.teleoperators.teleoperator import Teleoperator
@@ -9,10 +8,11 @@ from rich.console import Console
 
 from models.errors import InputError
 from sandbox.cli.common.touch_page import open_page_touches
-from sandbox.options.scene_options import SceneOptions, plan
+from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.options.touch_devices import TouchOptions
 from sandbox.stream.live_hand import LiveHand
 from sandbox.trial.assembly import build
+from sandbox.trial.open_devices import device_makers
 
 from .actions import HandActions
 from .config_hand_sandbox import HandSandboxConfig
@@ -75,15 +75,15 @@ class HandSandbox(Teleoperator):
             raise DeviceAlreadyConnectedError(f"{self} is connected already")
         page = self.config.device in PAGES
         device = "web" if page else self.config.device
-        chosen = plan(SceneOptions(task=self.config.task, device=device))
-        settings, makers = chosen.settings, chosen.makers
+        chosen = scene_settings(SceneOptions(task=self.config.task, device=device))
+        settings, makers = chosen, device_makers(chosen)
         if page:
             asked = TouchOptions(device="web", tablet=PAGES[self.config.device])
             touches = open_page_touches(asked, Console(), self.config.patience)
             if touches is None:
                 raise InputError("nobody opened the page", where="teleop.device")
             size = touches.surface.width_in, touches.surface.height_in
-            settings, makers = replace(settings, surface_in=size), (lambda *_: touches,)
+            settings, makers = settings.changed(size_in=size), (lambda *_: touches,)
         self._hand = LiveHand(build(settings, makers))
 
     def calibrate(self) -> None:

@@ -14,7 +14,7 @@ from sandbox.devices.leap.leap_truth import write_take
 from sandbox.devices.leap.shared_leap import SharedLeap
 from sandbox.trial.assembly import build
 from sandbox.trial.hand_input import HandInput
-from sandbox.trial.settings import HandSettings, RunSettings
+from sandbox.trial.settings import HandSettings, Settings
 from tests.support.leap_hands import take
 from tests.support.scripted import Played, PlayedHands
 
@@ -33,7 +33,7 @@ def stacked_for_a_while() -> list[HandFrame]:
     return found
 
 
-def said(settings: RunSettings, makers: object, until: float) -> dict[float, tuple[str, ...]]:
+def said(settings: Settings, makers: object, until: float) -> dict[float, tuple[str, ...]]:
     """What is said at every moment of a session."""
     session = build(settings, makers)  # type: ignore[arg-type]
     try:
@@ -51,7 +51,7 @@ def test_hands_above_each_other_are_said_to_be_until_a_moment_after_they_are_not
     frames, two = stacked_for_a_while(), task == "carry-together"
     sides = ("right", "left") if two else ("right",)
     hands = tuple(HandSettings(side, in_air=HandInput()) for side in sides)
-    settings = RunSettings(task=task, hands=hands)
+    settings = Settings(task=task, hands=hands)
     shared = SharedLeap(PlayedHands(frames), ("right", "left"))
     parts: Any = tuple(lambda drawn, surface, i=i: shared.parts[i] for i in (0, 1))
     makers: Any = parts if two else (lambda drawn, surface: Played(frames),)
@@ -66,7 +66,7 @@ def test_hands_above_each_other_are_said_to_be_until_a_moment_after_they_are_not
 def test_a_hand_that_stays_away_is_missed_and_one_that_is_lost_for_a_moment_is_not() -> None:
     frames = [replace(f, hands=f.hands if not 1.0 <= f.time < 4.0 else ()) for f in take(1).frames]
     blink = [replace(f, hands=() if 0.4 <= f.time < 0.9 else f.hands) for f in frames]
-    settings = RunSettings(hands=(HandSettings(in_air=HandInput()),))
+    settings = Settings(hands=(HandSettings(in_air=HandInput()),))
     told = said(settings, (lambda drawn, surface: Played(blink),), 4.5)
     missed = [t for t, words in told.items() if any("is not seen" in w for w in words)]
     assert 2.2 < missed[0] < 2.5 and 3.9 < missed[-1] < 4.1

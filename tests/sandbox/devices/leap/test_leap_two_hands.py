@@ -14,12 +14,13 @@ from models.errors import InputError
 from sandbox.cli.common.page_view import show_session
 from sandbox.cli.main import main as command
 from sandbox.cli.run import main
+from sandbox.devices.leap.leap_maker import is_leap
 from sandbox.devices.leap.leap_truth import write_take
 from sandbox.devices.leap.shared_leap import SharedLeap
 from sandbox.devices.simulated.leap_disturbance import LeapDisturbance, parse_simulated
 from sandbox.devices.simulated.leap_user import SimulatedLeap
-from sandbox.options.leap_devices import hand_input, is_leap
-from sandbox.options.scene_options import Plan, SceneOptions, plan
+from sandbox.options.leap_devices import hand_input
+from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.recording.recorded_device import RecordedDevice
 from sandbox.recording.recording import load_recording
 from sandbox.server.page_server import PageServer
@@ -29,7 +30,9 @@ from sandbox.study.record.folder import Participant
 from sandbox.study.run.simulate import simulated_devices
 from sandbox.trial.assembly import build
 from sandbox.trial.headless import run_trial
+from sandbox.trial.open_devices import device_makers
 from sandbox.trial.replay import replay
+from sandbox.trial.settings import Settings
 from tasks.user import UserConfiguration
 from tests.support.leap_hands import take
 from tests.support.page_client import Page
@@ -62,16 +65,16 @@ def test_a_hand_over_the_other_hides_both() -> None:
     assert shared.counts["one hand above the other"] == 5
 
 
-def chosen(task: str, **options: Any) -> Plan:
-    return plan(replace(SceneOptions(task=task), **options))
+def chosen(task: str, **options: Any) -> Settings:
+    return scene_settings(replace(SceneOptions(task=task), **options))
 
 
 @pytest.mark.slow
 def test_two_hands_over_one_leap_carry_a_tray_and_replay_to_the_bit(tmp_path: Path) -> None:
     made = chosen("carry-together", device="leap-simulated:v1", seed=1)
-    assert [hand.in_air is not None for hand in made.settings.hands] == [True, True]
+    assert [hand.in_air is not None for hand in made.hands] == [True, True]
     path = tmp_path / "two.jsonl"
-    result = run_trial(made.settings, made.makers, record=path, about=made.about)
+    result = run_trial(made, device_makers(made), record=path)
     assert result.success, result.reason
     read = load_recording(path)
     inputs: Any = read.inputs
@@ -85,7 +88,7 @@ def test_two_hands_over_one_leap_carry_a_tray_and_replay_to_the_bit(tmp_path: Pa
 
 def test_a_hand_in_the_air_and_one_on_a_screen_are_in_one_scene() -> None:
     made = chosen("carry-together", device="leap-simulated", second_device="simulated")
-    assert [hand.in_air is not None for hand in made.settings.hands] == [True, False]
+    assert [hand.in_air is not None for hand in made.hands] == [True, False]
 
 
 def test_two_right_hands_over_one_leap_are_refused() -> None:
@@ -111,7 +114,7 @@ def test_a_leap_recording_drives_the_hand_with_its_own_calibration(
     write_take(take(1), path, {})
     assert is_leap(str(path)) and not is_leap(str(tmp_path / "missing.json"))
     made = chosen("box-to-goal", device=str(path))
-    (hand,) = made.settings.hands
+    (hand,) = made.hands
     assert hand.in_air is not None
     calibration = hand.in_air.calibration
     assert calibration is not None and calibration["by_tip"]
@@ -120,7 +123,7 @@ def test_a_leap_recording_drives_the_hand_with_its_own_calibration(
     assert main(["box-to-goal", "--device", str(path), "--json", str(tmp_path / "out.json")]) == 0
     result = json.loads((tmp_path / "out.json").read_text())
     assert result["status"] == "input_ended"
-    assert result["settings"]["in_air"]["at"] == [0.0, 0.0, -0.1]
+    assert result["settings"]["hands"][0]["in_air"]["at"] == [0.0, 0.0, -0.1]
 
 
 def test_a_recording_without_the_wanted_hand_says_which_it_has(tmp_path: Path) -> None:
@@ -168,7 +171,7 @@ def test_a_simulated_leap_that_is_none_is_refused(wrong: str) -> None:
 def test_a_hand_that_is_lost_while_it_carries_a_box_takes_it_up_again(tmp_path: Path) -> None:
     made = chosen("box-to-goal", device="leap-simulated:lose=1")
     path = tmp_path / "lost.jsonl"
-    assert run_trial(made.settings, made.makers, record=path).success
+    assert run_trial(made, device_makers(made), record=path).success
     frames: list[Any] = [entry.frame for entry in load_recording(path).inputs[0]]
     gone = [f.time for f in frames if not f.hands]
     assert 0.9 < gone[-1] - gone[0] < 1.1, "once, for a second"
@@ -188,7 +191,7 @@ def test_the_hand_that_a_simulated_person_moves_is_theirs_alone() -> None:
     )
     palms = []
     for made in (first, again, other):
-        session = build(made.settings, made.makers)
+        session = build(made, device_makers(made))
         for _ in range(20):
             session.advance()
         palms.append(session.reconstructions[0].q)
@@ -199,7 +202,7 @@ def test_the_hand_that_a_simulated_person_moves_is_theirs_alone() -> None:
 @pytest.mark.parametrize("device", ["leap-simulated", "simulated"])
 def test_who_looks_at_a_hand_in_the_air_on_the_page_has_no_lift_control(device: str) -> None:
     made = chosen("stack", device=device)
-    session = build(made.settings, made.makers)
+    session = build(made, device_makers(made))
     server = PageServer()
     try:
         show_session(server, session, "right", "simulated user")
@@ -218,7 +221,8 @@ def test_a_study_compares_touch_and_air() -> None:
         for device in ("touch", "leap")
     )
     assert air.in_air and not touch.in_air
-    assert replace(air, hands=(replace(air.hands[0], in_air=None),)) == touch
+    on_screen = (replace(air.hands[0], in_air=None),)
+    assert replace(air, hands=on_screen, device=touch.device) == touch
     user = {**UserConfiguration().as_json(), "reaction": [0.15, 0.25]}
     of_trial = simulated_devices(Participant("TEST", 1, "left", 0.9, user=user))
     trial = TrialStep("trial:1", 1, 1, 1, 1, False, {"device": "leap"}, {"device": "leap"}, 3)

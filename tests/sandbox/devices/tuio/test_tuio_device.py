@@ -15,7 +15,8 @@ from models.frames import TouchFrame
 from models.surface import METRES_PER_INCH, Surface
 from sandbox.cli.touches.views import what_to_check
 from sandbox.devices.tuio.tuio import Transport, TuioDevice
-from sandbox.options.scene_options import SceneOptions, plan
+from sandbox.options.scene_options import SceneOptions, scene_settings
+from sandbox.trial.open_devices import device_makers
 from tasks.registry import find_task
 from tests.support.processes import PATIENCE, Sender, until
 from tests.support.tuio_packets import MALFORMED, blobs, frame
@@ -218,9 +219,9 @@ def test_two_hands_have_ports_one_after_the_other(transport: Transport) -> None:
         port = taken.getsockname()[1]
     options = SceneOptions(device="tuio", second_device="tuio")
     ports = {"tuio_transport": transport, "port": port, "websocket_port": port}
-    chosen = plan(replace(options, **ports))
+    chosen = scene_settings(replace(options, **ports))
     task = find_task("box-to-goal").draw(0, Surface())
-    devices = [make(task, Surface()) for make in chosen.makers]
+    devices = [make(task, Surface()) for make in device_makers(chosen)]
     try:
         assert [d.address for d in devices] == [f"127.0.0.1:{port}", f"127.0.0.1:{port + 1}"]
     finally:

@@ -16,11 +16,11 @@ from sandbox.cli.main import main
 from sandbox.devices.webcam.landmark_file import header_record
 from sandbox.devices.webcam.landmarks_json import message_of
 from sandbox.export.sources import open_source
-from sandbox.options.scene_options import SceneOptions, plan
+from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.options.webcam_devices import webcam_choice
 from sandbox.recording.recording import load_recording
 from sandbox.session.latest_frame import SILENCE, LatestFrame
-from sandbox.trial.settings import RunSettings
+from sandbox.trial.recorded_settings import recorded_settings
 from tests.encoders.webcam.seen_hands import film, held_up, mirror, seen
 
 CAMERA = Camera(70.0, (0.0, 0.45, 0.12))
@@ -56,24 +56,19 @@ def test_the_recording_keeps_the_camera_and_not_the_poses(tmp_path: Path) -> Non
     options = ["--webcam", "tilt=5,at=0/0.5/0.2", "--hand-size", "1.1"]
     main(["run", "box-to-goal", "--device", str(file), "--record", str(recording), *options])
     header = load_recording(recording).header
-    hand = RunSettings.from_json(header["settings"]).hands[0]
+    hand = recorded_settings(header).hands[0]
     assert hand.in_air is not None
     assert hand.in_air.camera == Camera(70.0, (0.0, 0.5, 0.2), 5.0)
     assert hand.size == 1.1
 
 
-def test_a_leap_s_header_says_nothing_of_a_camera() -> None:
-    settings = plan(SceneOptions(device="leap-simulated")).settings
-    (hand,) = settings.as_json()["hands"]
-    assert "camera" not in hand["in_air"]
-    assert RunSettings.from_json(settings.as_json()) == settings
-
-
 def test_two_hands_before_one_camera_are_each_their_own_side(tmp_path: Path) -> None:
     file = hand_file(tmp_path / "hands.jsonl", both=True)
-    chosen = plan(SceneOptions(device=str(file), task="carry-together", second_device=str(file)))
-    assert [hand.side for hand in chosen.settings.hands] == ["right", "left"]
-    assert all(hand.in_air and hand.in_air.camera for hand in chosen.settings.hands)
+    chosen = scene_settings(
+        SceneOptions(device=str(file), task="carry-together", second_device=str(file))
+    )
+    assert [hand.side for hand in chosen.hands] == ["right", "left"]
+    assert all(hand.in_air and hand.in_air.camera for hand in chosen.hands)
 
 
 def test_two_hands_carry_together_and_replay_to_the_bit(
@@ -91,7 +86,9 @@ def test_two_hands_carry_together_and_replay_to_the_bit(
 def test_two_right_hands_before_one_camera_are_refused(tmp_path: Path) -> None:
     file = str(hand_file(tmp_path / "hands.jsonl", both=True))
     with pytest.raises(InputError, match="a right and a left hand"):
-        plan(SceneOptions(device=file, second_device=file, hand="right", second_hand="right"))
+        scene_settings(
+            SceneOptions(device=file, second_device=file, hand="right", second_hand="right")
+        )
 
 
 def test_a_recording_of_landmarks_is_exported_as_it_is(tmp_path: Path) -> None:
@@ -132,7 +129,7 @@ def test_the_option_says_what_the_camera_is() -> None:
 def test_touches_alone_can_be_degraded(tmp_path: Path) -> None:
     file = str(hand_file(tmp_path / "hand.jsonl"))
     with pytest.raises(InputError, match="in the air"):
-        plan(SceneOptions(device=file, vary="noise=0.001"))
+        scene_settings(SceneOptions(device=file, vary="noise=0.001"))
 
 
 def test_a_camera_that_falls_silent_sees_no_hand() -> None:

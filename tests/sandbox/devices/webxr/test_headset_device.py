@@ -19,7 +19,7 @@ from models.frames import HandFrame
 from sandbox.cli.common.page_view import show_session, touched_pages
 from sandbox.devices.webxr.joints import held_hand, seen_hand
 from sandbox.devices.webxr.webxr import HeadsetDevice
-from sandbox.options.scene_options import SceneOptions, plan
+from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.server.page_server import PageServer
 from sandbox.server.protocol.protocol import (
     PROTOCOL,
@@ -30,6 +30,7 @@ from sandbox.server.protocol.protocol import (
 )
 from sandbox.server.static import HEADSET, StaticFiles
 from sandbox.trial.assembly import build
+from sandbox.trial.open_devices import device_makers
 from tests.encoders.headset.joint_hands import joints, points, seen
 
 SCREEN = {"px_per_in": 110.0, "width_px": 800.0, "height_px": 600.0, "calibrated": False}
@@ -69,8 +70,8 @@ class Headset:
 @pytest.fixture
 def headset() -> Iterator[Headset]:
     server = PageServer(files=StaticFiles(index=HEADSET))
-    chosen = plan(SceneOptions(device="webxr"))
-    session = build(chosen.settings, chosen.makers)
+    chosen = scene_settings(SceneOptions(device="webxr"))
+    session = build(chosen, device_makers(chosen))
     ((own, device),) = touched_pages(session)
     assert isinstance(device, HeadsetDevice)
     show_session(server, session, "right", "", device, own)
@@ -204,8 +205,8 @@ def test_the_address_shows_the_headset_s_page_and_needs_its_token(headset: Heads
 
 
 def test_a_touch_device_takes_no_hands() -> None:
-    chosen = plan(SceneOptions(device="web"))
-    session = build(chosen.settings, chosen.makers)
+    chosen = scene_settings(SceneOptions(device="web"))
+    session = build(chosen, device_makers(chosen))
     ((_, device),) = touched_pages(session)
     assert not device.hear(PageHands(1, 0.0, []), PageScreen(110.0, 800.0, 600.0, False))
 

@@ -11,11 +11,12 @@ from models.errors import InputError
 from models.frames import HandFrame
 from sandbox.cli.main import main
 from sandbox.devices.webxr.webxr import HeadsetDevice, SecondHand
-from sandbox.options.scene_options import SceneOptions, plan
+from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.recording.recording import load_recording
 from sandbox.trial.assembly import build
 from sandbox.trial.headless import run_trial
-from sandbox.trial.settings import RunSettings
+from sandbox.trial.open_devices import device_makers
+from sandbox.trial.recorded_settings import recorded_settings
 
 
 def test_a_trial_in_a_simulated_headset_is_recorded_and_replays_to_the_bit(
@@ -31,29 +32,22 @@ def test_a_trial_in_a_simulated_headset_is_recorded_and_replays_to_the_bit(
     assert all(isinstance(frame, HandFrame) for frame in frames) and isinstance(last, HandFrame)
     joints = [f.joints for f in last.hands[0].fingers]
     assert len(joints) == 5 and all(joints)
-    settings = RunSettings.from_json(recording.header["settings"])
+    settings = recorded_settings(recording.header)
     assert settings.hands[0].in_air is not None and settings.hands[0].in_air.joints
 
 
 @pytest.mark.parametrize(("task", "hand"), [("box-to-goal", "left"), ("stack", "right")])
 def test_the_simulated_person_succeeds(task: str, hand: Literal["left", "right"]) -> None:
-    chosen = plan(SceneOptions(task=task, device="webxr-simulated", hand=hand))
-    result = run_trial(chosen.settings, chosen.makers)
+    chosen = scene_settings(SceneOptions(task=task, device="webxr-simulated", hand=hand))
+    result = run_trial(chosen, device_makers(chosen))
     assert result.success, result.reason
 
 
-def test_a_leap_s_header_says_nothing_of_joints() -> None:
-    settings = plan(SceneOptions(device="leap-simulated")).settings
-    (hand,) = settings.as_json()["hands"]
-    assert "joints" not in hand["in_air"]
-    assert RunSettings.from_json(settings.as_json()) == settings
-
-
 def test_two_hands_in_one_headset_see_the_same_frames() -> None:
-    chosen = plan(SceneOptions(device="webxr", task="carry-together"))
-    assert [hand.side for hand in chosen.settings.hands] == ["right", "left"]
-    assert all(hand.in_air and hand.in_air.joints for hand in chosen.settings.hands)
-    session = build(chosen.settings, chosen.makers)
+    chosen = scene_settings(SceneOptions(device="webxr", task="carry-together"))
+    assert [hand.side for hand in chosen.hands] == ["right", "left"]
+    assert all(hand.in_air and hand.in_air.joints for hand in chosen.hands)
+    session = build(chosen, device_makers(chosen))
     first, second = (rig.device.within() for rig in session.rigs)
     headset = next(d for d in first if isinstance(d, HeadsetDevice))
     assert headset.second in [d for d in second if isinstance(d, SecondHand)]
@@ -61,17 +55,19 @@ def test_two_hands_in_one_headset_see_the_same_frames() -> None:
 
 def test_two_right_hands_in_one_headset_are_refused() -> None:
     with pytest.raises(InputError, match="a right and a left hand"):
-        plan(SceneOptions(device="webxr", second_device="webxr", hand="right", second_hand="right"))
+        scene_settings(
+            SceneOptions(device="webxr", second_device="webxr", hand="right", second_hand="right")
+        )
 
 
 def test_a_headset_is_the_first_device() -> None:
     with pytest.raises(InputError, match="comes first"):
-        plan(SceneOptions(device="tuio", second_device="webxr"))
+        scene_settings(SceneOptions(device="tuio", second_device="webxr"))
 
 
 def test_touches_alone_can_be_degraded() -> None:
     with pytest.raises(InputError, match="in the air"):
-        plan(SceneOptions(device="webxr", vary="noise=0.001"))
+        scene_settings(SceneOptions(device="webxr", vary="noise=0.001"))
 
 
 @pytest.mark.parametrize("view", ["window", "none"])

@@ -29,7 +29,7 @@ from sandbox.study.run.simulate import simulated_person
 from sandbox.study.share.privacy import Masking, anonymise
 from sandbox.trial.device_makers import DeviceMakers
 from sandbox.trial.replay import replay
-from sandbox.trial.settings import RunSettings
+from sandbox.trial.settings import Settings
 from tests.support.scripted import Script
 from tests.support.study_files import design
 
@@ -58,7 +58,7 @@ def quiet(text: str) -> None:
     """Nobody listens."""
 
 
-def touching(trial: TrialStep, settings: RunSettings) -> DeviceMakers:
+def touching(trial: TrialStep, settings: Settings) -> DeviceMakers:
     """Five fingers that touch and stay, a little farther apart in each trial."""
     hand = settings.hands[0].person
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from sandbox.devices.device_settings import DeviceSettings
 from sandbox.options.touch_devices import TouchOptions
 from sandbox.study.record.folder import PILOT, StudyFolder
 from sandbox.study.record.session_folder import SessionFolder
@@ -65,7 +66,7 @@ class CameraSession:
                 self.forms,
                 Controls(),
                 self.say,
-                "webcam",
+                DeviceSettings.of("webcam"),
                 settings_fitter("mouse", camera=camera),
             ).run()
         self.path = session_path(self.study.path, person.ppid)

@@ -17,8 +17,8 @@ from sandbox.recording.recording import load_recording
 from sandbox.study.record.journal import read_journal
 from sandbox.study.record.state import SessionState
 from sandbox.study.run.runner import SessionOutcome
+from sandbox.trial.recorded_settings import recorded_settings
 from sandbox.trial.replay import replay
-from sandbox.trial.settings import RunSettings
 from sandbox.words.words import words_in
 from tests.sandbox.study.study_on_page import OnPage, on_page, study_in
 from tests.support.page_client import SCREEN, Page
@@ -76,8 +76,8 @@ def test_a_trial_for_two_hands_is_played_on_two_pages_and_replays(tmp_path: Path
     recording = load_recording(next(running.folder.glob("trials/*")))
     assert recording.header["device"] == recording.header["second"]["device"] == "web"
     # The rectangle fits on both screens, beside the lift control of each.
-    settings = RunSettings.from_json(recording.header["settings"])
-    assert settings.surface_in == pytest.approx((910 / 132, 768 / 132), abs=1e-3)
+    settings = recorded_settings(recording.header)
+    assert settings.surface.size_in == pytest.approx((910 / 132, 768 / 132), abs=1e-3)
     last = [recording.inputs[hand][-1].frame for hand in (0, 1)]
     assert [len(frame.contacts) for frame in last if isinstance(frame, TouchFrame)] == [1, 2]
     _, found = replay(recording)

@@ -1,0 +1,50 @@
+"""Opens a headset, or a simulated person in one."""
+
+from __future__ import annotations
+
+from typing import cast
+
+from models.surface import Surface
+from sandbox.devices.webxr.webxr import HeadsetDevice
+from sandbox.session.device import Device
+from sandbox.trial.device_makers import DeviceMaker, DeviceMakers
+from sandbox.trial.settings import Settings
+from tasks.task import Task
+
+LIVE, SIMULATED = "webxr", "webxr-simulated"
+
+
+def is_headset(device: str) -> bool:
+    """True if a device is a headset, or a simulated one."""
+    return device in (LIVE, SIMULATED)
+
+
+def headset_makers(hands: int) -> DeviceMakers:
+    """Returns makers of a headset's device for one hand, or for two that share it."""
+    opened: list[HeadsetDevice] = []
+
+    def first(task: Task, surface: Surface) -> Device:
+        opened[:] = [HeadsetDevice()]
+        return cast(Device, opened[0])
+
+    def second(task: Task, surface: Surface) -> Device:
+        return cast(Device, opened[0].second)
+
+    return (first, second)[:hands]
+
+
+def simulated_headset_maker(settings: Settings, hand: int) -> DeviceMaker:
+    """Returns a maker of a simulated headset.
+
+    Args:
+        settings: Settings of the run.
+        hand: Index of the hand in `settings.hands`.
+    """
+    # Bodies are simulated with parts of SciPy that take long to load.
+    from sandbox.devices.simulated.headset_user import SimulatedHeadset
+
+    person, user = settings.hands[hand].person, settings.device_of(hand).user
+    assert user is not None
+    return lambda task, surface: cast(
+        Device, SimulatedHeadset(task, user, settings.seed, person, hand)
+    )

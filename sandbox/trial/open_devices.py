@@ -1,0 +1,221 @@
+"""Opens the devices that settings name."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import lru_cache
+from pathlib import Path
+
+from models.errors import InputError
+from models.surface import Surface
+from sandbox.devices.device_settings import DeviceSettings
+from sandbox.devices.leap.leap_maker import is_leap, leap_maker, split_by_side
+from sandbox.devices.open_touches import live_maker, open_file
+from sandbox.devices.registry import DEVICES, OWN_DEVICE, built_in, find_device, offered_devices
+from sandbox.devices.simulated.leap_disturbance import parse_simulated
+from sandbox.devices.simulated.simulated import NEXT_PERSON, SimulatedDevice
+from sandbox.devices.webcam.installed import installed_engine
+from sandbox.devices.webcam.webcam_maker import LIVE as WEBCAM
+from sandbox.devices.webcam.webcam_maker import is_webcam, sharing_camera, webcam_maker
+from sandbox.devices.webxr.headset_maker import (
+    LIVE,
+    headset_makers,
+    is_headset,
+    simulated_headset_maker,
+)
+from sandbox.devices.wrappers.degraded import DegradedDevice
+from sandbox.recording.recorded_device import RecordedDevice
+from sandbox.recording.recording import Recording, is_recording, load_recording
+from sandbox.session.device import Device
+from sandbox.trial.device_makers import DeviceMaker, DeviceMakers, merging, sharing
+from sandbox.trial.settings import Settings
+from sandbox.trial.surfaces import home
+from tasks.task import Task
+
+Around = Callable[[DeviceMaker], DeviceMaker]
+"""Function that puts something around the device that a maker opens."""
+
+
+def device_makers(settings: Settings, around: Around = lambda make: make) -> DeviceMakers:
+    """Makers of the devices that settings name, one for each hand.
+
+    Args:
+        settings: Settings of the run.
+        around: Change of the maker of the first device, beneath all that degrades or shares it.
+
+    Raises:
+        InputError: A device does not exist, or its file cannot be read.
+    """
+    name, second = settings.device.name, settings.second_device
+    first = _degraded(around(_maker(settings, 0)), settings, 0)
+    if len(settings.hands) == 1:
+        return (first,)
+    if second is not None:
+        other = _degraded(_maker(settings, 1), settings, 1)
+        if is_leap(name) and second.name == name:
+            return split_by_side((first, other), first, settings)
+        if name == "simulated" and settings.surface.shared:
+            return sharing(merging((first, other)), settings)
+        return first, other
+    if is_leap(name):
+        return split_by_side(None, first, settings)
+    if name == LIVE:
+        return headset_makers(len(settings.hands))
+    if is_webcam(name):
+        return sharing_camera(first)
+    return sharing(first, settings)
+
+
+def is_live(settings: Settings) -> bool:
+    """True if a person or another program drives the run, which is then in real time."""
+    devices = filter(None, (settings.device, settings.second_device))
+    return any(_is_live(device.name) for device in devices)
+
+
+def is_in_air(device: str) -> bool:
+    """True if a device sees hands in the air: a Leap, a camera, a headset, or a file."""
+    return is_leap(device) or is_webcam(device) or is_headset(device)
+
+
+def recording_of(device: str) -> Recording | None:
+    """The recording that a device's name names; None if it names another device.
+
+    Raises:
+        InputError: There is no such device and no such file, or the file cannot be read.
+    """
+    path = Path(device)
+    if built_in(device) is not None or is_in_air(device):
+        return None
+    if not path.exists():
+        if find_device(device) is not None:
+            return None
+        raise InputError(
+            "no such device or file",
+            where="--device",
+            got=device,
+            expected=", ".join([*DEVICES, *offered_devices(), OWN_DEVICE, "or a file"]),
+            remedy="`sandbox touches formats` lists the files that play as devices",
+        )
+    if not is_recording(path):
+        return None
+    state = path.stat()
+    return _loaded(path, state.st_mtime_ns, state.st_size)
+
+
+def check_device(device: DeviceSettings) -> None:
+    """Checks, before anything is built, a device's argument, its engine or its file of touches.
+
+    Raises:
+        InputError: The device cannot be opened like that.
+    """
+    path, argument = Path(device.name), device.name.partition(":")[2]
+    if device.name == WEBCAM:
+        installed_engine()
+    elif is_leap(device.name) and built_in(device.name) is not None and argument:
+        parse_simulated(argument)
+    elif built_in(device.name) is not None or is_in_air(device.name) or not path.exists():
+        return
+    elif not is_recording(path):
+        open_file(path, None).device.close()
+
+
+@lru_cache(maxsize=2)
+def _loaded(path: Path, changed: int, size: int) -> Recording:
+    """A recording, read once for settings and devices of both hands."""
+    return load_recording(path)
+
+
+def _is_live(device: str) -> bool:
+    entry = built_in(device)
+    if entry is not None:
+        return entry.live
+    return not Path(device).exists()
+
+
+def _maker(settings: Settings, hand: int) -> DeviceMaker:
+    """The maker of the device of one hand."""
+    device = settings.device_of(hand)
+    if is_leap(device.name):
+        maker: DeviceMaker = leap_maker(settings, hand)
+        return maker
+    if is_webcam(device.name):
+        return webcam_maker(settings, hand)
+    if device.name in _IN_SCENE:
+        return _IN_SCENE[device.name](settings, hand)
+    if (make := live_maker(device)) is not None:
+        return _on_surface(make)
+    recording = recording_of(device.name)
+    if recording is not None:
+        recorded_hand = hand if hand in recording.inputs else 0
+        return lambda task, surface: RecordedDevice(recording, recorded_hand)
+    path = Path(device.name)
+    return _on_surface(lambda surface: open_file(path, surface).device)
+
+
+def _degraded(make: DeviceMaker, settings: Settings, hand: int) -> DeviceMaker:
+    """A maker whose device is disturbed by the settings' variation."""
+    variation, name = settings.variation, settings.device_of(hand).name
+    # Only simulated users and 3-D devices have random numbers that differ between hands.
+    person = hand if is_in_air(name) or name == "simulated" else 0
+
+    def open_device(task: Task, surface: Surface) -> Device:
+        device = make(task, surface)
+        # Recorded touches were degraded when they were recorded.
+        if variation.degrades_touches and not isinstance(device, RecordedDevice):
+            return DegradedDevice(device, variation, surface, settings.seed + person * NEXT_PERSON)
+        return device
+
+    return open_device
+
+
+def _on_surface(make: Callable[[Surface], Device]) -> DeviceMaker:
+    """A maker of a device that does not depend on the task."""
+    return lambda task, surface: make(surface)
+
+
+def _simulated(settings: Settings, hand: int) -> DeviceMaker:
+    """A maker of a simulated user's screen."""
+    device = settings.device_of(hand)
+    user = device.user
+    assert user is not None
+    return lambda task, surface: SimulatedDevice(
+        task,
+        user,
+        surface,
+        settings.seed,
+        settings.pipeline.labels == "device",
+        device.options.drop_outs,
+        settings.hands[hand].person,
+        hand,
+        home(hand, settings, surface),
+    )
+
+
+def _mouse(settings: Settings, hand: int) -> DeviceMaker:
+    """A maker of the mouse in the window."""
+    from sandbox.devices.mouse import MouseDevice
+
+    return lambda task, surface: MouseDevice(surface, settings.hands[hand].person)
+
+
+def _web(settings: Settings, hand: int) -> DeviceMaker:
+    """A maker of the device for touches on the page."""
+    from sandbox.server.web import WebDevice
+
+    return _on_surface(WebDevice)
+
+
+def _webxr(settings: Settings, hand: int) -> DeviceMaker:
+    """A maker of the device of a headset's hand."""
+    (make,) = headset_makers(1)
+    return make
+
+
+_IN_SCENE: dict[str, Callable[[Settings, int], DeviceMaker]] = {
+    "simulated": _simulated,
+    "mouse": _mouse,
+    "web": _web,
+    "webxr": _webxr,
+    "webxr-simulated": simulated_headset_maker,
+}
+"""Makers of built-in touch devices that depend on more of the scene than its surface."""
