@@ -244,7 +244,7 @@ def _trial(
         devices.append(Violent(surface, seed))
         return devices[-1]
 
-    session = build(Settings(task=task, seed=seed, **settings), (device,))  # type: ignore[arg-type]
+    session = build(Settings(task, seed).changed(**settings), (device,))
     names = list(session.scene.object_bodies)
     bodies = list(session.scene.object_bodies.values())
     away = np.zeros(len(names))

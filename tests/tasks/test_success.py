@@ -70,7 +70,7 @@ def test_only_the_frozen_configuration_is_judged(tmp_path: Path) -> None:
     other_task["tasks"]["box-to-goal"] += 1
     assert frozen_seeds(5, "stack", "hand", frozen, other_task) == seeds
     changed = configuration()
-    changed["settings"]["impulse"] *= 2.0
+    changed["settings"]["physics"]["impulse"] *= 2.0
     for now, task in ((changed, "stack"), (other_task, "box-to-goal"), (other_task, "no-such")):
         with pytest.raises(InputError, match=r"benchmarks\.judged --freeze"):
             frozen_seeds(5, task, "hand", frozen, now)

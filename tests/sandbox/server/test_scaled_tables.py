@@ -45,7 +45,7 @@ def test_every_task_fits_on_a_table_that_fills_its_screen(
 ) -> None:
     screen = PageScreen(ppi, width, height, False, "mouse")
     found = scaled(screen, lifts)
-    size, scale = found["surface_in"], found["surface_scale"]
+    size, scale = found["size_in"], found["scale"]
     for side, least, most in zip(size, LEAST, LARGEST, strict=True):
         assert least - 1e-3 <= side <= most
     wide, high = (round(side * scale * ppi, 1) for side in size)
@@ -61,8 +61,8 @@ def test_every_task_fits_on_a_table_that_fills_its_screen(
 def test_a_monitor_is_full_where_it_was_filled_by_an_eighth() -> None:
     screen = PageScreen(110.0, 3840.0, 2160.0, False, "mouse")
     filled = scaled(screen)
-    table = [side * filled["surface_scale"] * 110.0 for side in filled["surface_in"]]
-    small = [side * 110.0 for side in rectangle(screen)["surface_in"]]
+    table = [side * filled["scale"] * 110.0 for side in filled["size_in"]]
+    small = [side * 110.0 for side in rectangle(screen)["size_in"]]
     assert table[0] * table[1] > 0.95 * 3840 * 2160
     assert small[0] * small[1] < 0.13 * 3840 * 2160
 
@@ -76,12 +76,9 @@ def test_places_are_scaled_and_fingers_are_not() -> None:
     assert contact.extent == pytest.approx((0.6 * METRES_PER_INCH, 0.7 * METRES_PER_INCH))
 
 
-def test_a_header_says_the_scale_and_nothing_at_true_size() -> None:
-    plain = encoded(Settings())
-    assert "surface_scale" not in plain and "scored" not in plain
-    assert decoded(plain) == Settings()
+def test_a_header_says_the_scale_and_that_the_result_does_not_count() -> None:
     phone = Settings().changed(**scaled(PHONE))
-    assert encoded(phone)["surface_scale"] == pytest.approx(0.432, abs=1e-3)
+    assert encoded(phone)["surface"]["scale"] == pytest.approx(0.432, abs=1e-3)
     assert encoded(phone)["scored"] is False
     assert decoded(json.loads(json.dumps(encoded(phone)))) == phone
 
@@ -124,8 +121,8 @@ def test_the_result_on_a_phone_does_not_count_and_says_so(
         server.close()
         events.close()
     settings = load_recording(tmp_path / "trial.jsonl").header["settings"]
-    assert settings.get("surface_scale", 1.0) == pytest.approx(scene["surface"]["scale"])
-    assert settings.get("scored", True) is scored
+    assert settings["surface"]["scale"] == pytest.approx(scene["surface"]["scale"])
+    assert settings["scored"] is scored
     (end,) = [line for line in map(json.loads, told.read_text().splitlines()) if "status" in line]
     assert end.get("scored", True) is scored
     assert ("surface_scale" in end) is (fit != "")

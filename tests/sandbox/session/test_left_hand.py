@@ -103,7 +103,7 @@ def test_a_person_at_another_side_gets_the_same_hand_turned_about_the_screens_mi
 ) -> None:
     # On a square screen the same person may sit anywhere.
     square = (6.0, 6.0)
-    _, here = reconstructed(grasp, hands=(HandSettings(hand),), surface_in=square)
+    _, here = reconstructed(grasp, hands=(HandSettings(hand),), size_in=square)
     middle = Surface(*square).size / 2
     angle = np.deg2rad(turn)
     # Counterclockwise seen from above, in a frame whose y points down.
@@ -115,7 +115,7 @@ def test_a_person_at_another_side_gets_the_same_hand_turned_about_the_screens_mi
             yield replace(c, x=float(x), y=float(y))
 
     turned = (HandSettings(hand, turn=turn),)
-    _, found = reconstructed(there, hands=turned, surface_in=square)
+    _, found = reconstructed(there, hands=turned, size_in=square)
     rotation = exp(np.array([0.0, 0.0, angle]))
     for a, b in zip(here, found, strict=True):
         np.testing.assert_allclose(b.q[:3], rotation @ a.q[:3], atol=1e-9)
@@ -216,7 +216,7 @@ def test_the_left_handed_simulated_user_brings_the_box_to_its_goal(
 ) -> None:
     result, _ = left_run
     assert result.success, result.reason
-    assert result.settings["hand"] == "left"
+    assert result.settings["hands"][0]["side"] == "left"
 
 
 def test_a_left_handed_recording_replays_to_the_same_hashes(

@@ -85,7 +85,7 @@ def test_touches_over_tuio_are_played_and_inches_are_a_guess_unless_the_design_t
     assert len(rows) == 2 and all(float(r["first_contact_s"]) < 0.3 for r in rows)
     for path in sorted((folder / "trials").iterdir()):
         recording = load_recording(path)
-        assert recording.header["settings"]["surface_calibrated"] is told
+        assert recording.header["settings"]["surface"]["calibrated"] is told
         _, found = replay(recording)
         assert found.exact and found.complete
 

@@ -34,6 +34,7 @@ from sandbox.study.tables.frames import rebuild_tables
 from sandbox.study.tables.tables import rebuild_study
 from sandbox.trial.recorded_settings import recorded_settings
 from sandbox.trial.settings import HandSettings, Settings
+from tasks.user import UserConfiguration
 from tests.support.study_files import design, open_study
 
 TASK = "carry-together"
@@ -91,7 +92,7 @@ def test_the_recording_tells_both_hands_and_their_users(session: Path) -> None:
     settings = recorded_settings(recording.header)
     assert [hand.side for hand in settings.hands] in (["right", "left"], ["left", "right"])
     assert len({hand.size for hand in settings.hands}) == 1
-    assert recording.header["second"]["user"] == recording.header["user"]
+    assert settings.second_device == settings.device and settings.device.user is not None
     assert recording.end is not None and recording.end["result"]["second_fingers"]
 
 
@@ -136,9 +137,9 @@ def test_a_pilot_is_run_with_a_device_for_each_hand(tmp_path: Path) -> None:
     recording = load_recording(next(study.path.glob("*/S001/trials/*.jsonl*")))
     settings = recorded_settings(recording.header)
     assert settings.hands == (HandSettings("left", 1.1), HandSettings("right", 1.1))
-    assert recording.header["device"] == "mouse"
-    assert recording.header["second"]["device"] == "simulated"
-    assert recording.header["second"]["user"]["kind"] == "skilled"
+    assert settings.device.name == "mouse" and settings.second_device is not None
+    assert settings.second_device.name == "simulated"
+    assert settings.second_device.user == UserConfiguration()
     assert {entry.step for entry in recording.inputs[1]}
 
 

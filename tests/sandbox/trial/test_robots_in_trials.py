@@ -29,7 +29,7 @@ def played(tmp_path_factory: pytest.TempPathFactory) -> tuple[TrialRun, Path]:
 def test_the_shadow_hand_brings_the_box_to_its_goal(played: tuple[TrialRun, Path]) -> None:
     run, _ = played
     assert run.success and run.score.status == "held"
-    assert run.result["settings"]["robot"] == "shadow" and run.result["unreached"] < 0.05
+    assert run.result["settings"]["physics"]["robot"] == "shadow" and run.result["unreached"] < 0.05
 
 
 def test_its_recording_replays_to_the_bit(played: tuple[TrialRun, Path]) -> None:

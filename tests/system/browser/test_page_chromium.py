@@ -87,7 +87,7 @@ def test_fingers_on_the_page_bring_the_box_to_its_goal(
     server: PageServer, tab: Tab, tmp_path: Path, fingers: int
 ) -> None:
     # Buttons are as large as on a tablet, the rest is half as large: they lie beside the rectangle.
-    stage = staged(server, surface_in=(9.0, 6.0))
+    stage = staged(server, size_in=(9.0, 6.0))
     corner = (WIDTH - 9.0 * PPI) / 2, (HEIGHT - 6.0 * PPI) / 2
     tab.wait(READY)
     assert wait_for(lambda: stage.server.wait_for_player(0.0))
@@ -269,7 +269,7 @@ def test_fingers_that_rest_are_not_taken_for_gone(
 def test_a_mouse_is_one_finger_and_the_rectangle_lies_in_the_middle(
     browser: Browser, server: PageServer
 ) -> None:
-    stage = staged(server, surface_in=(5.6, 4.2))
+    stage = staged(server, size_in=(5.6, 4.2))
     tab = browser.open(server.url, width=WIDTH, height=HEIGHT, storage=KNOWN)
     tab.wait(READY)
     tab.wait("!!document.querySelector('.task').textContent")
@@ -364,7 +364,7 @@ def test_a_card_held_to_the_screen_gives_its_inches(browser: Browser, server: Pa
     tab.tap("It fits")
     assert wait_for(lambda: server.screen is not None and server.screen.calibrated)
     assert server.screen.px_per_in == 101.5
-    inches = rectangle(server.screen)["surface_in"]
+    inches = rectangle(server.screen)["size_in"]
     np.testing.assert_allclose(inches, [900 / 101.5, 700 / 101.5], atol=1e-3)
     # What hides in a screen that nobody has measured is said until somebody does.
     assert tab.evaluate("document.querySelector('.badge.warn').hidden")
@@ -466,7 +466,7 @@ def test_a_place_on_the_surface_is_drawn_on_the_pixel_that_touches_it(
     session = scripted(
         lambda now: [Contact(1, x_in * METRES_PER_INCH, y_in * METRES_PER_INCH)],
         task=task,
-        surface_in=(WIDTH / PPI, HEIGHT / PPI),
+        size_in=(WIDTH / PPI, HEIGHT / PPI),
     )
     surface = session.rigs[0].reconstructor.surface
     # Fingers that are not on this screen are drawn where the program has them in the world.

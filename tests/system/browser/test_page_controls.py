@@ -76,7 +76,7 @@ def lifting(browser: Browser, server: PageServer, name: str) -> tuple[Tab, Stage
     tab = browser.open(server.url, width=width, height=height, storage=known(*SCREENS[name]))
     tab.wait(READY)
     tab.wait("!document.querySelector('.lift-strip').hidden")
-    wide = size["surface_in"][0] * ppi
+    wide = size["size_in"][0] * ppi
     left = max((width - wide) / 2, LIFT_STRIP_PX)
     return tab, stage, left, left + wide
 
@@ -108,7 +108,7 @@ def test_the_lift_control_is_beside_the_touch_rectangle_on_every_screen(
 def test_a_screen_that_is_wide_enough_gives_nothing_of_its_rectangle_to_the_lift_control() -> None:
     wide = PageScreen(109.0, 2560, 1440, True)
     assert rectangle(wide, lifts=True) == rectangle(wide)
-    assert rectangle(wide)["surface_in"] == LARGEST
+    assert rectangle(wide)["size_in"] == LARGEST
 
 
 def test_the_lift_control_is_a_slider_that_keys_and_wheel_move(

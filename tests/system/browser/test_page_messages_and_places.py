@@ -84,7 +84,7 @@ def server() -> Iterator[PageServer]:
 
 @pytest.fixture
 def stage(server: PageServer) -> Stage:
-    return staged(server, surface_in=(8.9, 6.2))
+    return staged(server, size_in=(8.9, 6.2))
 
 
 @pytest.fixture
@@ -119,7 +119,7 @@ def test_the_table_is_said_to_be_prepared_until_the_next_one_is_there(
         stage.advance()
         drawn(tab)
     assert tab.evaluate(SAID) == "preparing"
-    after = staged(stage.server, surface_in=(8.9, 6.2))
+    after = staged(stage.server, size_in=(8.9, 6.2))
 
     def shown() -> bool:
         # A session goes on; one picture alone may come before the page has its table.
@@ -199,7 +199,7 @@ def test_doubt_about_fingers_is_told_right_above_or_below_them(stage: Stage, tab
 def test_the_hint_covers_neither_objects_nor_goals(
     browser: Browser, server: PageServer, seed: int
 ) -> None:
-    stage = staged(server, surface_in=(8.9, 6.2), seed=seed)
+    stage = staged(server, size_in=(8.9, 6.2), seed=seed)
     tab = browser.open(server.url, width=SIZE[0], height=SIZE[1], storage=KNOWN)
     snapshot = started(stage, tab)
     tab.wait(f"{SAID} === 'hint'")

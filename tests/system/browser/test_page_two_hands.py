@@ -29,7 +29,7 @@ TASK, SEED, PPI = "carry-together", 3, 64.0
 WIDTH, HEIGHT = 1500, 460
 """px of the page; its lift control lies beside the rectangle."""
 SCREEN = PageScreen(PPI, WIDTH, HEIGHT, True)
-SIZE = rectangle(SCREEN, 2)["surface_in"]
+SIZE = rectangle(SCREEN, 2)["size_in"]
 KNOWN = {
     f"hand-sandbox:px-per-inch:{HEIGHT}x{WIDTH}@1": str(PPI),
     "hand-sandbox:advised": "yes",

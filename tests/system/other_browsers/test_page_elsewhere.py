@@ -84,7 +84,7 @@ def solved(stage: Stage, glass: Any, picture: Path) -> None:
 
 @pytest.mark.needs("firefox")
 def test_fingers_in_firefox_bring_the_box_to_its_goal(server: PageServer, tmp_path: Path) -> None:
-    stage = staged(server, surface_in=SURFACE)
+    stage = staged(server, size_in=SURFACE)
     page = Firefox(tmp_path, WIDTH, HEIGHT)
     try:
         page.go(server.url, MEASURED)
@@ -100,7 +100,7 @@ def test_fingers_in_firefox_bring_the_box_to_its_goal(server: PageServer, tmp_pa
 
 @pytest.mark.needs("webkit")
 def test_fingers_in_webkit_bring_the_box_to_its_goal(server: PageServer, tmp_path: Path) -> None:
-    stage = staged(server, surface_in=SURFACE)
+    stage = staged(server, size_in=SURFACE)
     page = WebKit(tmp_path, WIDTH, HEIGHT)
     try:
         page.go(server.url, MEASURED)

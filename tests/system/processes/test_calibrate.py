@@ -71,6 +71,9 @@ def test_a_run_uses_the_profile_only_when_it_is_named(
     plain, asked = json.loads(plain.stdout), json.loads(asked.stdout)
     person = {"hand": "right", "hand_size": 1.0, "turn": 0}
     assert person.items() <= plain["settings"].items()
-    assert asked["settings"]["hand"] == "left" and asked["settings"]["turn"] == 90
-    assert asked["settings"]["hand_size"] == pytest.approx(0.88, abs=0.1)
+    assert (
+        asked["settings"]["hands"][0]["side"] == "left"
+        and asked["settings"]["hands"][0]["turn"] == 90
+    )
+    assert asked["settings"]["hands"][0]["size"] == pytest.approx(0.88, abs=0.1)
     assert plain["success"] and asked["success"]

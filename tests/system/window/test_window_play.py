@@ -338,7 +338,7 @@ def test_a_task_that_cannot_be_played_here_is_told_and_the_last_one_comes_back(
     assert play.process.returncode == 130, out
     assert [e["task"] for e in play.events("trial_start")] == ["box-to-goal"] * 3
     ends = play.events("trial_end")
-    assert [e["settings"]["hand"] for e in ends] == ["right", "right", "left"]
+    assert [e["settings"]["hands"][0]["side"] for e in ends] == ["right", "right", "left"]
     kept = sorted(path.name for path in tmp_path.glob("run*.jsonl"))
     assert kept == ["run-3.jsonl", "run-4.jsonl", "run.jsonl"]
     assert all(load_recording(tmp_path / name).end for name in kept)

@@ -74,9 +74,9 @@ def test_a_trial_for_two_hands_is_played_on_two_pages_and_replays(tmp_path: Path
         assert sides == ["left", "right"]
         assert running.ended() is SessionOutcome.COMPLETE
     recording = load_recording(next(running.folder.glob("trials/*")))
-    assert recording.header["device"] == recording.header["second"]["device"] == "web"
-    # The rectangle fits on both screens, beside the lift control of each.
     settings = recorded_settings(recording.header)
+    assert [d and d.name for d in (settings.device, settings.second_device)] == ["web", "web"]
+    # The rectangle fits on both screens, beside the lift control of each.
     assert settings.surface.size_in == pytest.approx((910 / 132, 768 / 132), abs=1e-3)
     last = [recording.inputs[hand][-1].frame for hand in (0, 1)]
     assert [len(frame.contacts) for frame in last if isinstance(frame, TouchFrame)] == [1, 2]
