@@ -24,16 +24,17 @@ from models.scene import CONTROL_PERIOD
 from models.surface import Surface
 from sandbox.cli.common.json_out import check_output, refuse_replacing
 from sandbox.cli.common.parse import parse
+from sandbox.devices.kinds import is_in_air
 from sandbox.devices.open_touches import first_line
 from sandbox.devices.simulated.spreads import SimulatedSpreads
-from sandbox.devices.tuio.tuio import DEFAULT_PORT, LOOPBACK
+from sandbox.devices.tuio.options import DEFAULT_PORT, LOOPBACK
 from sandbox.options.metavars import choices
 from sandbox.options.profiles import Profile, default_path, save_profile
 from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.recording.recording import is_recording
 from sandbox.session.device import Device
 from sandbox.session.own_layouts import Layouts, kept_layouts
-from sandbox.trial.open_devices import device_makers, is_in_air, is_live
+from sandbox.trial.open_devices import device_makers, is_live
 from sandbox.trial.settings import Settings
 from tasks.registry import find_task
 

@@ -17,9 +17,9 @@ from models.limits import RateLimit
 from models.scene import CONTROL_PERIOD
 from sandbox.cli.common.json_out import check_output, refuse_replacing
 from sandbox.cli.common.parse import parse
-from sandbox.devices.leap.leap import DEFAULT_ADDRESS
+from sandbox.devices.kinds import LIVE_HEADSET as HEADSET
+from sandbox.devices.leap.options import DEFAULT_ADDRESS
 from sandbox.devices.registry import built_in
-from sandbox.devices.webxr.headset_maker import LIVE as HEADSET
 from sandbox.options.metavars import choices
 from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.session.device import AnyDevice

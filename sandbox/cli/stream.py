@@ -20,10 +20,11 @@ from models.frames import SIDES
 from sandbox.cli.common.json_out import check_output, write_json
 from sandbox.cli.common.page_options import PageOptions
 from sandbox.cli.common.parse import parse
-from sandbox.devices.leap.leap_maker import LIVE as LEAP
-from sandbox.devices.leap.leap_maker import is_leap, open_leap
+from sandbox.devices.kinds import LIVE_LEAP as LEAP
+from sandbox.devices.kinds import is_leap
+from sandbox.devices.leap.leap_maker import open_leap
 from sandbox.devices.registry import DEVICES
-from sandbox.devices.tuio.tuio import DEFAULT_PORT, LOOPBACK
+from sandbox.devices.tuio.options import DEFAULT_PORT, LOOPBACK
 from sandbox.export.leap_source import Hand
 from sandbox.export.motion_source import MotionSource
 from sandbox.export.sources import open_source

@@ -55,6 +55,8 @@ class DeviceEntry:
             --surface.
         argument: It can also be opened as `NAME:ARGUMENT`.
         options: `MODULE:CLASS` of its options.
+        maker: `MODULE:FUNCTION` that returns a maker (`sandbox.trial.device_makers`) for settings
+            and the index of a hand; empty for a device that its surface suffices for.
     """
 
     place: str
@@ -68,13 +70,23 @@ class DeviceEntry:
     guessed_size: bool = False
     argument: bool = True
     options: str = "sandbox.devices.options:NoOptions"
+    maker: str = ""
 
 
 DEVICES: dict[str, DeviceEntry] = {
     "mouse": DeviceEntry(
-        "sandbox.devices.mouse:MouseDevice", in_scene=True, one_hand=True, argument=False
+        "sandbox.devices.mouse:MouseDevice",
+        in_scene=True,
+        one_hand=True,
+        argument=False,
+        maker="sandbox.devices.mouse:mouse_maker",
     ),
-    "web": DeviceEntry("sandbox.server.web:WebDevice", one_hand=True, argument=False),
+    "web": DeviceEntry(
+        "sandbox.server.web:WebDevice",
+        one_hand=True,
+        argument=False,
+        maker="sandbox.server.web:web_maker",
+    ),
     "tuio": DeviceEntry(
         "sandbox.devices.tuio.tuio:TuioDevice",
         guessed_size=True,
@@ -92,6 +104,7 @@ DEVICES: dict[str, DeviceEntry] = {
         in_scene=True,
         argument=False,
         options="sandbox.devices.leap.options:LeapOptions",
+        maker="sandbox.devices.leap.leap_maker:leap_maker",
     ),
     "webcam": DeviceEntry(
         "sandbox.devices.webcam.webcam:WebcamDevice",
@@ -100,6 +113,7 @@ DEVICES: dict[str, DeviceEntry] = {
         in_scene=True,
         argument=False,
         options="sandbox.devices.webcam.options:WebcamOptions",
+        maker="sandbox.devices.webcam.webcam_maker:webcam_maker",
     ),
     "webxr": DeviceEntry(
         "sandbox.devices.webxr.webxr:HeadsetDevice",
@@ -107,6 +121,7 @@ DEVICES: dict[str, DeviceEntry] = {
         headset=True,
         in_scene=True,
         argument=False,
+        maker="sandbox.devices.webxr.headset_maker:headset_maker",
     ),
     "simulated": DeviceEntry(
         "sandbox.devices.simulated.simulated:SimulatedDevice",
@@ -116,6 +131,7 @@ DEVICES: dict[str, DeviceEntry] = {
         one_hand=True,
         argument=False,
         options="sandbox.devices.simulated.options:SimulatedOptions",
+        maker="sandbox.devices.simulated.maker:simulated_maker",
     ),
     "webxr-simulated": DeviceEntry(
         "sandbox.devices.simulated.headset_user:SimulatedHeadset",
@@ -126,6 +142,7 @@ DEVICES: dict[str, DeviceEntry] = {
         in_scene=True,
         argument=False,
         options="sandbox.devices.simulated.options:InAirOptions",
+        maker="sandbox.devices.webxr.headset_maker:simulated_headset_maker",
     ),
     "leap-simulated": DeviceEntry(
         "sandbox.devices.simulated.leap_user:SimulatedLeap",
@@ -134,6 +151,7 @@ DEVICES: dict[str, DeviceEntry] = {
         simulated=True,
         in_scene=True,
         options="sandbox.devices.simulated.options:InAirOptions",
+        maker="sandbox.devices.leap.leap_maker:leap_maker",
     ),
 }
 """Built-in devices by name. To add one, write its module and add an entry here."""

@@ -6,7 +6,8 @@ from dataclasses import replace
 from typing import Any
 
 from models.errors import InputError
-from sandbox.devices.webxr.headset_maker import LIVE, is_headset
+from sandbox.devices.kinds import LIVE_HEADSET as LIVE
+from sandbox.devices.kinds import is_headset
 from sandbox.trial.hand_input import HandInput
 from sandbox.trial.settings import Settings
 

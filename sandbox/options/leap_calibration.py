@@ -6,20 +6,20 @@ import sys
 from dataclasses import replace
 from itertools import islice
 from pathlib import Path
-from typing import Any, Literal, cast
+from typing import TYPE_CHECKING, Any, Literal, cast
 
 from rich.console import Console
 from rich.progress import Progress
 from rich.text import Text
 
-from encoders.paalm import Paalm
-from encoders.paalm.calibration import PAPER_FRAMES, HandCalibration
-from encoders.paalm.calibration_file import is_calibration, read_calibration, write_calibration
 from models.errors import EncoderError, InputError
-from sandbox.devices.leap.leap import LeapDevice
+from sandbox.devices.kinds import LIVE_LEAP as LIVE
 from sandbox.options.profiles import DEFAULT, default_path
 
-LIVE = "leap"
+if TYPE_CHECKING:
+    from encoders.paalm.calibration import HandCalibration
+    from sandbox.devices.leap.leap import LeapDevice
+
 FRAMES_PER_WANTED = 3
 """Frames read at most per frame wanted, since many may not show an open hand."""
 
@@ -42,7 +42,7 @@ def chosen_calibration(options: Any) -> Path | None:
     path: Path | None = None
     if named == DEFAULT:
         path = own_calibration_path() if own_calibration_path().exists() else None
-    elif named not in (None, "none") and is_calibration(Path(str(named))):
+    elif named not in (None, "none") and _is_calibration(str(named)):
         path = Path(str(named))
         if options.calibration is not None:
             raise InputError(
@@ -52,6 +52,13 @@ def chosen_calibration(options: Any) -> Path | None:
                 expected="one of --calibration and --profile",
             )
     return options.calibration or path
+
+
+def _is_calibration(name: str) -> bool:
+    """True if a profile's name is the file of a calibration over a Leap."""
+    from encoders.paalm.calibration_file import is_calibration
+
+    return is_calibration(Path(name))
 
 
 def uses_touch_profile(options: Any, in_air: bool) -> bool:
@@ -65,7 +72,7 @@ def uses_touch_profile(options: Any, in_air: bool) -> bool:
     if options.profile == DEFAULT:
         # Over a Leap the measured hand counts; the seat at a tablet has no meaning there.
         return not in_air or (not own_calibration_path().exists() and default_path().exists())
-    if not is_calibration(Path(options.profile)):
+    if not _is_calibration(options.profile):
         return True
     if not in_air:
         raise InputError(
@@ -95,6 +102,8 @@ def with_measured_hand(options: Any, console: Console, ask: bool | None = None) 
         or chosen_calibration(options) is not None
     ):
         return options
+    from encoders.paalm.calibration_file import read_calibration
+
     side = options.hand or "right"
     path = own_calibration_path()
     if path.exists() and side in read_calibration(path):
@@ -108,7 +117,7 @@ def with_measured_hand(options: Any, console: Console, ask: bool | None = None) 
 
 
 def measure_and_save(
-    address: str, side: str, path: Path, console: Console, wanted: int = PAPER_FRAMES
+    address: str, side: str, path: Path, console: Console, wanted: int | None = None
 ) -> bool:
     """Measures a hand over the service and saves it; returns False if the person skips this.
 
@@ -117,11 +126,16 @@ def measure_and_save(
         side: `right` or `left`.
         path: File of calibrations; that of the other hand in it is kept.
         console: Console for instructions and progress.
-        wanted: Number of frames with five fingers; 1000 in the paper, about ten seconds.
+        wanted: Number of frames with five fingers; None takes the paper's 1000, about ten seconds.
 
     Raises:
         DeviceError: The service sends nothing.
     """
+    from encoders.paalm.calibration import PAPER_FRAMES
+    from encoders.paalm.calibration_file import read_calibration
+    from sandbox.devices.leap.leap import LeapDevice
+
+    wanted = PAPER_FRAMES if wanted is None else wanted
     console.print(
         f"Hold your {side} hand 20 cm above the Leap, palm down, fingers spread, and still for ten "
         "seconds. Ctrl-C skips this: an average hand is then assumed.",
@@ -149,6 +163,8 @@ def measure_and_save(
 def _measure(
     device: LeapDevice, side: Literal["right", "left"], wanted: int, console: Console
 ) -> dict[str, HandCalibration]:
+    from encoders.paalm import Paalm
+
     with Progress(console=console, transient=True) as bar:
         job = bar.add_task("open and still", total=1.0)
         return Paalm().calibrate(
@@ -166,6 +182,8 @@ def save_calibrations(hands: dict[str, Any], path: Path) -> None:
         InputError: The folder cannot be made.
         EncoderError: The file cannot be written.
     """
+    from encoders.paalm.calibration_file import write_calibration
+
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
     except OSError as error:

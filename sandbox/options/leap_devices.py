@@ -4,31 +4,25 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Annotated, Any, cast
+from typing import TYPE_CHECKING, Annotated, Any, cast
 
 import tyro
 from rich.console import Console
 from rich.text import Text
 
-from encoders.paalm import Paalm
-from encoders.paalm.calibration import HandCalibration
-from encoders.paalm.calibration_file import read_hand
-from encoders.paalm.recorded import calibrate_on_recording
 from models.errors import InputError
-from sandbox.devices.leap.leap import DEFAULT_ADDRESS
-from sandbox.devices.leap.leap_file import (
-    LeapRecording,
-    check_side,
-    doubt_of_side,
-    read_leap,
-)
-from sandbox.devices.leap.leap_maker import is_leap
+from sandbox.devices.kinds import is_leap
+from sandbox.devices.leap.options import DEFAULT_ADDRESS
 from sandbox.devices.registry import built_in
 from sandbox.options.leap_calibration import chosen_calibration
 from sandbox.recording.recording import Recording
 from sandbox.trial.hand_input import UNDER, HandInput
 from sandbox.trial.recorded_settings import recorded_settings
 from sandbox.trial.settings import Settings
+
+if TYPE_CHECKING:
+    from encoders.paalm.calibration import HandCalibration
+    from sandbox.devices.leap.leap_file import LeapRecording
 
 
 @dataclass(frozen=True)
@@ -104,6 +98,9 @@ def hand_input(options: LeapOptions, device: str, side: str) -> HandInput:
         raise InputError(
             "not a position", where="--leap-at", got=options.leap_at, expected="X,Y,Z in m"
         ) from None
+    from encoders.paalm.calibration_file import read_hand
+    from sandbox.devices.leap.leap_file import read_leap
+
     calibration: HandCalibration | None = None
     file = chosen_calibration(options)
     if file is not None:
@@ -120,6 +117,10 @@ def hand_input(options: LeapOptions, device: str, side: str) -> HandInput:
 
 def _recorded(recording: LeapRecording, side: str, name: str) -> HandCalibration:
     """Returns the calibration of the hand in a recording."""
+    from encoders.paalm import Paalm
+    from encoders.paalm.recorded import calibrate_on_recording
+    from sandbox.devices.leap.leap_file import check_side, doubt_of_side
+
     check_side(recording.frames, side, name, "--hand")
     paalm = Paalm()
     why = calibrate_on_recording(paalm, recording.frames, cast(Any, side))

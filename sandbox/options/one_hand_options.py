@@ -9,8 +9,7 @@ from typing import Annotated, Literal
 import tyro
 
 from encoders.regression.model_registry import DEFAULT_MODEL, MODELS
-from sandbox.devices.tuio.tuio import DEFAULT_PORT, LOOPBACK, Transport
-from sandbox.devices.tuio.tuio_streams import DEFAULT_WEBSOCKET_PORT
+from sandbox.devices.tuio.options import DEFAULT_PORT, DEFAULT_WEBSOCKET_PORT, LOOPBACK, Transport
 from sandbox.options.metavars import choices, device_choices
 from sandbox.options.variations import KINDS, help_with_units
 

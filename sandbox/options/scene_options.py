@@ -8,17 +8,15 @@ from typing import Any
 from rich.console import Console
 from rich.text import Text
 
-from encoders.person.rest_posture import load_rest
 from encoders.regression.trained import POPULATION
 from models.errors import InputError
-from models.surface import parse_surface
+from models.surface import Surface, parse_surface
 from sandbox.devices.device_settings import DeviceSettings
-from sandbox.devices.open_touches import has_unknown_size, native_surface
+from sandbox.devices.kinds import is_in_air, is_webcam
 from sandbox.devices.options import PlayedOptions
 from sandbox.devices.registry import (
     built_in,
 )
-from sandbox.devices.webcam.webcam_maker import is_webcam
 from sandbox.options.headset_devices import (
     both_in_one_headset,
     with_headset_hands,
@@ -43,7 +41,7 @@ from sandbox.options.webcam_devices import (
 from sandbox.recording.recorded_task import recorded_task, task_change
 from sandbox.recording.recording import Recording
 from sandbox.recording.states import other_states
-from sandbox.trial.open_devices import check_device, is_in_air, recording_of
+from sandbox.trial.open_devices import check_device, recording_of
 from sandbox.trial.recorded_settings import recorded_encoder, recorded_settings, recorded_users
 from sandbox.trial.settings import PAPER_PIPELINE, Settings
 from tasks.user import UserConfiguration
@@ -206,6 +204,8 @@ def _settings(options: SceneOptions, recording: Recording | None) -> Settings:
         first = replace(first, size=size * first.size)
         values["variation"] = variation
     if options.rest is not None:
+        from encoders.person.rest_posture import load_rest
+
         first = replace(first, rest=load_rest(options.rest, first.side, first.size))
     elif options.encoder != POPULATION:
         # A model of one person knows nothing of others'.
@@ -214,13 +214,22 @@ def _settings(options: SceneOptions, recording: Recording | None) -> Settings:
     if options.surface:
         surface = parse_surface(options.surface)
         values["size_in"] = (surface.width_in, surface.height_in)
-    elif (native := native_surface(options.device)) is not None:
+    elif (native := _own_surface(options.device)) is not None:
         values["size_in"] = (native.width_in, native.height_in)
         values["calibrated"] = native.calibrated
-    elif has_unknown_size(options.device):
+    elif (entry := built_in(options.device)) is not None and entry.guessed_size:
         # TUIO does not transmit a size: without --surface, inches are a guess, and views say so.
         values["calibrated"] = False
     return base.changed(**values)
+
+
+def _own_surface(device: str) -> Surface | None:
+    """The surface that a device or a file reports; None if it reports none."""
+    if (entry := built_in(device)) is not None and not entry.guessed_size:
+        return None
+    from sandbox.devices.open_touches import native_surface
+
+    return native_surface(device)
 
 
 def _keeps_recorded_settings(options: SceneOptions) -> bool:

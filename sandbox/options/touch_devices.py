@@ -18,8 +18,8 @@ from sandbox.devices.open_touches import (
     native_surface,
     open_file,
 )
-from sandbox.devices.tuio.tuio import DEFAULT_PORT, LOOPBACK, Tap, Transport
-from sandbox.devices.tuio.tuio_streams import DEFAULT_WEBSOCKET_PORT
+from sandbox.devices.tuio.options import DEFAULT_PORT, DEFAULT_WEBSOCKET_PORT, LOOPBACK, Transport
+from sandbox.devices.tuio.tuio import Tap
 from sandbox.options.metavars import TOUCH_DEVICE_CHOICES
 
 

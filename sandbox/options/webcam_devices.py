@@ -11,10 +11,8 @@ import tyro
 
 from encoders.webcam.camera import Camera
 from models.errors import InputError
-from sandbox.devices.webcam.landmark_file import (
-    read_landmarks,
-)
-from sandbox.devices.webcam.webcam_maker import LIVE, is_webcam
+from sandbox.devices.kinds import LIVE_WEBCAM as LIVE
+from sandbox.devices.kinds import is_webcam
 from sandbox.trial.hand_input import HandInput
 from sandbox.trial.settings import Settings
 
@@ -120,5 +118,7 @@ def with_webcam_hands(settings: Settings, options: Any) -> Settings:
 
 
 def _hand_input(options: Any, device: str) -> HandInput:
+    from sandbox.devices.webcam.landmark_file import read_landmarks
+
     recorded = None if device == LIVE else read_landmarks(Path(device)).camera
     return HandInput(camera=webcam_choice(options.webcam, recorded).camera)

@@ -12,7 +12,6 @@ from encoders.correction import CorrectionSettings
 from encoders.labels.belief import BeliefLabels
 from encoders.labels.labelling import Labeller, PaperLabels
 from encoders.labels.population_belief import builtin_population_belief
-from encoders.person.rest_posture import knowing_rest
 from encoders.person.yaw_range import YawMonitor, YawRange
 from encoders.reconstruction.arrival import ArrivalSettings
 from encoders.reconstruction.contact_tracker import TrackerSettings
@@ -26,14 +25,11 @@ from models.arithmetic.arrays import Array
 from models.errors import CaptureError, InputError
 from models.hand import Hand, finger_armature, is_gentle
 from models.limits import GENTLE, RateLimit
-from models.robot.known import find_robot
-from models.robot.robot_hand import RobotHand
 from models.scene_hand import SceneHand
 from models.skeleton import ADULT
 from models.surface import Surface
 from sandbox.lsl.lsl_listening import ForwardingRecorder
 from sandbox.session.collision_gating import CollisionGatingRules
-from sandbox.session.own_layouts import known_layouts
 from sandbox.session.session import Recorder, Rig, Session
 from sandbox.trial.device_makers import DeviceMakers, check_count
 from sandbox.trial.settings import SOLID, HandSettings, Settings
@@ -91,6 +87,9 @@ def digests(settings: Settings) -> dict[str, str]:
     learned = {"encoder": load_encoder(settings.pipeline.encoder).digest, "labels": labels}
     if not settings.physics.robot:
         return learned
+    from models.robot.known import find_robot
+    from models.robot.robot_hand import RobotHand
+
     return {**learned, "robot": RobotHand("", find_robot(settings.physics.robot)).digest}
 
 
@@ -143,6 +142,8 @@ def _belief(settings: Settings, hand: HandSettings | None = None) -> BeliefLabel
     None for the paper's rule."""
     belief = _any_belief(settings, hand)
     if belief and settings.physics.robot:
+        from models.robot.known import find_robot
+
         belief.fingers = len(find_robot(settings.physics.robot).tips)
     return belief
 
@@ -151,7 +152,11 @@ def _any_belief(settings: Settings, hand: HandSettings | None = None) -> BeliefL
     """The same for a hand with five fingers."""
     if settings.pipeline.labels == "paper":
         return None
-    known = known_layouts(hand.layouts, hand.size) if hand and hand.layouts else None
+    known = None
+    if hand and hand.layouts:
+        from sandbox.session.own_layouts import known_layouts
+
+        known = known_layouts(hand.layouts, hand.size)
     return builtin_population_belief(known)
 
 
@@ -220,7 +225,11 @@ def build(
             continue
 
         labeller = make_labeller(settings, model, hand)
-        known = knowing_rest(model, hand.rest, hand.size) if hand.rest else model
+        known = model
+        if hand.rest:
+            from encoders.person.rest_posture import knowing_rest
+
+            known = knowing_rest(model, hand.rest, hand.size)
 
         def trained_hand(
             surface: Surface,
@@ -306,6 +315,9 @@ def _hand(settings: Settings, name: str, hand: HandSettings, task_type: type[Tas
             solid_end=solid_end,
             solid_palm=settings.physics.solid == SOLID[1],
         )
+    from models.robot.known import find_robot
+    from models.robot.robot_hand import RobotHand
+
     mapping = find_robot(settings.physics.robot)
     if mapping.side != hand.side:
         raise InputError(

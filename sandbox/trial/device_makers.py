@@ -6,7 +6,6 @@ from collections.abc import Callable
 
 from models.errors import InputError
 from models.surface import Surface
-from sandbox.devices.wrappers.shared import MergedTouches, SharedSurface
 from sandbox.session.device import Device
 from sandbox.trial.settings import Settings
 from sandbox.trial.surfaces import homes
@@ -32,6 +31,8 @@ def sharing(make_device: DeviceMaker, settings: Settings) -> DeviceMakers:
         make_device: Opens the device.
         settings: Settings of the run.
     """
+    from sandbox.devices.wrappers.shared import SharedSurface
+
     parts: list[Device] = []
 
     def first(task: Task, surface: Surface) -> Device:
@@ -46,6 +47,8 @@ def sharing(make_device: DeviceMaker, settings: Settings) -> DeviceMakers:
 
 def merging(makers: DeviceMakers) -> DeviceMaker:
     """A maker that opens both hands' devices on one surface and merges their touches."""
+
+    from sandbox.devices.wrappers.shared import MergedTouches
 
     def make(task: Task, surface: Surface) -> Device:
         first, second = (maker(task, surface) for maker in makers)

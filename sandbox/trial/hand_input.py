@@ -5,21 +5,18 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from math import isfinite
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from encoders.headset.joint_reconstructor import JointReconstructor, following
-from encoders.paalm.calibration import HandCalibration
-from encoders.paalm.calibration_file import calibration_from_json, calibration_to_json
-from encoders.paalm.hand_reconstructor import HandReconstructor, HandReconstructorSettings
-from encoders.paalm.paalm import Paalm
-from encoders.reconstruction.followed_hand import FollowingSettings
-from encoders.reconstruction.reconstructor import AirReconstructor
 from encoders.webcam.camera import Camera
-from encoders.webcam.landmark_reconstructor import LandmarkReconstructor
 from models.errors import InputError
 from models.limits import RateLimit
 from models.person import Person
 from models.surface import Surface
+
+if TYPE_CHECKING:
+    from encoders.paalm.calibration import HandCalibration
+    from encoders.paalm.hand_reconstructor import HandReconstructor
+    from encoders.reconstruction.reconstructor import AirReconstructor
 
 UNDER = (0.0, 0.0, -0.10)
 """m, default position of the device in the world: 10 cm under the centre of the table's top.
@@ -60,19 +57,27 @@ class HandInput:
     @classmethod
     def of(cls, at: tuple[float, float, float], calibration: HandCalibration | None) -> HandInput:
         """Makes the settings from a position (3,) m and a calibration, or None."""
+        from encoders.paalm.calibration_file import calibration_to_json
+
         return cls(at, None if calibration is None else calibration_to_json(calibration))
 
     def any_reconstructor(
         self, person: Person, surface: Surface, rate: RateLimit
     ) -> AirReconstructor:
         """The reconstructor of the device's kind; arguments and errors are `reconstructor`'s."""
+        # Each device needs a reconstructor of its own.
         if self.joints:
+            from encoders.headset.joint_reconstructor import JointReconstructor, following
+
             _check_seat(person, surface)
             return JointReconstructor(
                 person.hand, person.hand_size, following(rate), surface=surface
             )
         if self.camera is None:
             return self.reconstructor(person, surface, rate)
+        from encoders.reconstruction.followed_hand import FollowingSettings
+        from encoders.webcam.landmark_reconstructor import LandmarkReconstructor
+
         _check_seat(person, surface)
         return LandmarkReconstructor(
             self.camera,
@@ -94,6 +99,10 @@ class HandInput:
             InputError: The person sits elsewhere, or the workspace stands upright.
             EncoderError: The calibration is damaged.
         """
+        from encoders.paalm.calibration_file import calibration_from_json
+        from encoders.paalm.hand_reconstructor import HandReconstructor, HandReconstructorSettings
+        from encoders.paalm.paalm import Paalm
+
         _check_seat(person, surface)
         paalm = Paalm()
         if self.calibration is not None:

@@ -7,29 +7,16 @@ from functools import lru_cache
 from pathlib import Path
 
 from models.errors import InputError
+from models.plugins import imported
 from models.surface import Surface
 from sandbox.devices.device_settings import DeviceSettings
-from sandbox.devices.leap.leap_maker import is_leap, leap_maker, split_by_side
-from sandbox.devices.open_touches import live_maker, open_file
+from sandbox.devices.kinds import DeviceKind, is_in_air, kind_of
 from sandbox.devices.registry import DEVICES, OWN_DEVICE, built_in, find_device, offered_devices
-from sandbox.devices.simulated.leap_disturbance import parse_simulated
-from sandbox.devices.simulated.simulated import NEXT_PERSON, SimulatedDevice
-from sandbox.devices.webcam.installed import installed_engine
-from sandbox.devices.webcam.webcam_maker import LIVE as WEBCAM
-from sandbox.devices.webcam.webcam_maker import is_webcam, sharing_camera, webcam_maker
-from sandbox.devices.webxr.headset_maker import (
-    LIVE,
-    headset_makers,
-    is_headset,
-    simulated_headset_maker,
-)
-from sandbox.devices.wrappers.degraded import DegradedDevice
-from sandbox.recording.recorded_device import RecordedDevice
+from sandbox.devices.simulated.options import NEXT_PERSON
 from sandbox.recording.recording import Recording, is_recording, load_recording
 from sandbox.session.device import Device
 from sandbox.trial.device_makers import DeviceMaker, DeviceMakers, merging, sharing
 from sandbox.trial.settings import Settings
-from sandbox.trial.surfaces import home
 from tasks.task import Task
 
 Around = Callable[[DeviceMaker], DeviceMaker]
@@ -50,19 +37,29 @@ def device_makers(settings: Settings, around: Around = lambda make: make) -> Dev
     first = _degraded(around(_maker(settings, 0)), settings, 0)
     if len(settings.hands) == 1:
         return (first,)
+    kind = kind_of(name)
     if second is not None:
         other = _degraded(_maker(settings, 1), settings, 1)
-        if is_leap(name) and second.name == name:
+        if kind is DeviceKind.LEAP and second.name == name:
+            from sandbox.devices.leap.leap_maker import split_by_side
+
             return split_by_side((first, other), first, settings)
         if name == "simulated" and settings.surface.shared:
             return sharing(merging((first, other)), settings)
         return first, other
-    if is_leap(name):
-        return split_by_side(None, first, settings)
-    if name == LIVE:
-        return headset_makers(len(settings.hands))
-    if is_webcam(name):
-        return sharing_camera(first)
+    match kind:
+        case DeviceKind.LEAP:
+            from sandbox.devices.leap.leap_maker import split_by_side
+
+            return split_by_side(None, first, settings)
+        case DeviceKind.HEADSET:
+            from sandbox.devices.webxr.headset_maker import headset_makers
+
+            return headset_makers(len(settings.hands))
+        case DeviceKind.CAMERA:
+            from sandbox.devices.webcam.webcam_maker import sharing_camera
+
+            return sharing_camera(first)
     return sharing(first, settings)
 
 
@@ -70,11 +67,6 @@ def is_live(settings: Settings) -> bool:
     """True if a person or another program drives the run, which is then in real time."""
     devices = filter(None, (settings.device, settings.second_device))
     return any(_is_live(device.name) for device in devices)
-
-
-def is_in_air(device: str) -> bool:
-    """True if a device sees hands in the air: a Leap, a camera, a headset, or a file."""
-    return is_leap(device) or is_webcam(device) or is_headset(device)
 
 
 def recording_of(device: str) -> Recording | None:
@@ -109,13 +101,20 @@ def check_device(device: DeviceSettings) -> None:
         InputError: The device cannot be opened like that.
     """
     path, argument = Path(device.name), device.name.partition(":")[2]
-    if device.name == WEBCAM:
+    entry = built_in(device.name)
+    if device.name == "webcam":
+        from sandbox.devices.webcam.installed import installed_engine
+
         installed_engine()
-    elif is_leap(device.name) and built_in(device.name) is not None and argument:
+    elif entry is not None and entry.simulated and argument:
+        from sandbox.devices.simulated.leap_disturbance import parse_simulated
+
         parse_simulated(argument)
-    elif built_in(device.name) is not None or is_in_air(device.name) or not path.exists():
+    elif entry is not None or is_in_air(device.name) or not path.exists():
         return
     elif not is_recording(path):
+        from sandbox.devices.open_touches import open_file
+
         open_file(path, None).device.close()
 
 
@@ -135,35 +134,52 @@ def _is_live(device: str) -> bool:
 def _maker(settings: Settings, hand: int) -> DeviceMaker:
     """The maker of the device of one hand."""
     device = settings.device_of(hand)
-    if is_leap(device.name):
-        maker: DeviceMaker = leap_maker(settings, hand)
+    entry = built_in(device.name)
+    if entry is not None and entry.maker:
+        maker: DeviceMaker = imported(entry.maker)(settings, hand)
         return maker
-    if is_webcam(device.name):
-        return webcam_maker(settings, hand)
-    if device.name in _IN_SCENE:
-        return _IN_SCENE[device.name](settings, hand)
+    kind = kind_of(device.name)
+    if kind in _FILES:
+        maker = imported(_FILES[kind])(settings, hand)
+        return maker
+    from sandbox.devices.open_touches import live_maker, open_file
+
     if (make := live_maker(device)) is not None:
         return _on_surface(make)
     recording = recording_of(device.name)
     if recording is not None:
+        from sandbox.recording.recorded_device import RecordedDevice
+
         recorded_hand = hand if hand in recording.inputs else 0
         return lambda task, surface: RecordedDevice(recording, recorded_hand)
     path = Path(device.name)
     return _on_surface(lambda surface: open_file(path, surface).device)
 
 
+_FILES = {
+    DeviceKind.LEAP: "sandbox.devices.leap.leap_maker:leap_maker",
+    DeviceKind.CAMERA: "sandbox.devices.webcam.webcam_maker:webcam_maker",
+}
+"""Makers of devices that play files of hands in the air."""
+
+
 def _degraded(make: DeviceMaker, settings: Settings, hand: int) -> DeviceMaker:
     """A maker whose device is disturbed by the settings' variation."""
     variation, name = settings.variation, settings.device_of(hand).name
+    if not variation.degrades_touches:
+        return make
+    from sandbox.devices.wrappers.degraded import DegradedDevice
+    from sandbox.recording.recorded_device import RecordedDevice
+
     # Only simulated users and 3-D devices have random numbers that differ between hands.
     person = hand if is_in_air(name) or name == "simulated" else 0
 
     def open_device(task: Task, surface: Surface) -> Device:
         device = make(task, surface)
         # Recorded touches were degraded when they were recorded.
-        if variation.degrades_touches and not isinstance(device, RecordedDevice):
-            return DegradedDevice(device, variation, surface, settings.seed + person * NEXT_PERSON)
-        return device
+        if isinstance(device, RecordedDevice):
+            return device
+        return DegradedDevice(device, variation, surface, settings.seed + person * NEXT_PERSON)
 
     return open_device
 
@@ -171,51 +187,3 @@ def _degraded(make: DeviceMaker, settings: Settings, hand: int) -> DeviceMaker:
 def _on_surface(make: Callable[[Surface], Device]) -> DeviceMaker:
     """A maker of a device that does not depend on the task."""
     return lambda task, surface: make(surface)
-
-
-def _simulated(settings: Settings, hand: int) -> DeviceMaker:
-    """A maker of a simulated user's screen."""
-    device = settings.device_of(hand)
-    user = device.user
-    assert user is not None
-    return lambda task, surface: SimulatedDevice(
-        task,
-        user,
-        surface,
-        settings.seed,
-        settings.pipeline.labels == "device",
-        device.options.drop_outs,
-        settings.hands[hand].person,
-        hand,
-        home(hand, settings, surface),
-    )
-
-
-def _mouse(settings: Settings, hand: int) -> DeviceMaker:
-    """A maker of the mouse in the window."""
-    from sandbox.devices.mouse import MouseDevice
-
-    return lambda task, surface: MouseDevice(surface, settings.hands[hand].person)
-
-
-def _web(settings: Settings, hand: int) -> DeviceMaker:
-    """A maker of the device for touches on the page."""
-    from sandbox.server.web import WebDevice
-
-    return _on_surface(WebDevice)
-
-
-def _webxr(settings: Settings, hand: int) -> DeviceMaker:
-    """A maker of the device of a headset's hand."""
-    (make,) = headset_makers(1)
-    return make
-
-
-_IN_SCENE: dict[str, Callable[[Settings, int], DeviceMaker]] = {
-    "simulated": _simulated,
-    "mouse": _mouse,
-    "web": _web,
-    "webxr": _webxr,
-    "webxr-simulated": simulated_headset_maker,
-}
-"""Makers of built-in touch devices that depend on more of the scene than its surface."""

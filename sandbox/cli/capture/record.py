@@ -29,12 +29,16 @@ from sandbox.devices.files.paired_capture import (
     first_line_with_host,
     read_about,
 )
-from sandbox.devices.leap.leap import DEFAULT_ADDRESS, LeapDevice, LeapFileDevice
+from sandbox.devices.kinds import LIVE_LEAP as LIVE
+from sandbox.devices.kinds import LIVE_WEBCAM as CAMERA
+from sandbox.devices.kinds import is_webcam
+from sandbox.devices.leap.leap import LeapDevice, LeapFileDevice
 from sandbox.devices.leap.leap_fake import FAKE
 from sandbox.devices.leap.leap_file import read_leap
-from sandbox.devices.leap.leap_maker import LIVE, open_leap
+from sandbox.devices.leap.leap_maker import open_leap
+from sandbox.devices.leap.options import DEFAULT_ADDRESS
 from sandbox.devices.open_touches import Opened
-from sandbox.devices.tuio.tuio import DEFAULT_PORT, LOOPBACK
+from sandbox.devices.tuio.options import DEFAULT_PORT, LOOPBACK
 from sandbox.devices.webcam.installed import installed_engine
 from sandbox.devices.webcam.landmark_file import (
     LandmarkFileDevice,
@@ -43,8 +47,6 @@ from sandbox.devices.webcam.landmark_file import (
 )
 from sandbox.devices.webcam.landmarks_json import message_of
 from sandbox.devices.webcam.webcam import WebcamDevice
-from sandbox.devices.webcam.webcam_maker import LIVE as CAMERA
-from sandbox.devices.webcam.webcam_maker import is_webcam
 from sandbox.options.metavars import TOUCH_DEVICE_CHOICES
 from sandbox.options.touch_devices import TouchOptions
 from sandbox.options.webcam_devices import webcam_choice

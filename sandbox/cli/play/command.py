@@ -17,12 +17,12 @@ from sandbox.cli.common.parse import parse
 from sandbox.cli.play.own_profile import Learner, with_usable_profile
 from sandbox.cli.play.page import play_on_page
 from sandbox.cli.run import RunOptions, perform
-from sandbox.devices.webxr.headset_maker import LIVE
+from sandbox.devices.kinds import LIVE_HEADSET as LIVE
+from sandbox.devices.kinds import is_in_air
 from sandbox.options.leap_calibration import uses_touch_profile, with_measured_hand
 from sandbox.options.metavars import device_choices
 from sandbox.options.profiles import DEFAULT, default_path, find_profile
 from sandbox.options.scene_options import SceneOptions, check_labels, scene_settings
-from sandbox.trial.open_devices import is_in_air
 from sandbox.views.display import has_display
 from tasks.registry import find_task
 

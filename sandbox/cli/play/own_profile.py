@@ -10,6 +10,7 @@ from rich.console import Console
 from rich.text import Text
 
 from models.errors import InputError
+from sandbox.devices.kinds import is_in_air
 from sandbox.options.leap_calibration import uses_touch_profile
 from sandbox.options.profiles import (
     find_profile,
@@ -20,7 +21,6 @@ from sandbox.options.profiles import (
 from sandbox.options.scene_options import SceneOptions
 from sandbox.session.own_layouts import learned_layouts
 from sandbox.session.session import Session
-from sandbox.trial.open_devices import is_in_air
 
 Options = TypeVar("Options", bound=SceneOptions)
 

@@ -23,7 +23,7 @@ from sandbox.cli.play.absences import Absences
 from sandbox.cli.play.own_profile import Learner
 from sandbox.cli.play.screen_too_small import explain_refusal
 from sandbox.cli.run import report_end
-from sandbox.devices.webxr.headset_maker import LIVE
+from sandbox.devices.kinds import LIVE_HEADSET as LIVE
 from sandbox.devices.webxr.webxr import HeadsetDevice
 from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.server.page_server import PageServer

@@ -140,7 +140,7 @@ class StudyRunOptions:
     @property
     def leap_address(self) -> str:
         """Address of the Leap service."""
-        from sandbox.devices.leap.leap import DEFAULT_ADDRESS
+        from sandbox.devices.leap.options import DEFAULT_ADDRESS
 
         return self.leap or DEFAULT_ADDRESS
 

@@ -21,9 +21,8 @@ from models.errors import DeviceError
 from models.frames import HandFrame
 from sandbox.devices.leap.leap_file import LeapRecording
 from sandbox.devices.leap.leap_json import LeapDecoder
+from sandbox.devices.leap.options import DEFAULT_ADDRESS
 from sandbox.session.device import HandDevice
-
-DEFAULT_ADDRESS = "ws://127.0.0.1:6437/v6.json"
 
 KEPT = 600
 """Largest number of frames that wait to be fetched: two seconds at the device's highest rate."""

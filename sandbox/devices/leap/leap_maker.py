@@ -10,35 +10,22 @@ from rich.console import Console
 from rich.text import Text
 
 from models.surface import Surface
-from sandbox.devices.leap.leap import DEFAULT_ADDRESS, LeapDevice, LeapFileDevice
-from sandbox.devices.leap.leap_file import is_leap_recording, read_leap
+from sandbox.devices.kinds import LIVE_LEAP
+from sandbox.devices.leap.leap import LeapDevice, LeapFileDevice
+from sandbox.devices.leap.leap_file import read_leap
+from sandbox.devices.leap.options import DEFAULT_ADDRESS
 from sandbox.devices.leap.shared_leap import MergedLeap, SharedLeap
 from sandbox.devices.registry import built_in, open_built_in
-from sandbox.devices.webcam.landmark_file import is_landmark_file
 from sandbox.session.device import Device
 from sandbox.trial.device_makers import DeviceMaker, DeviceMakers
 from sandbox.trial.settings import Settings
 from tasks.task import Task
 
-LIVE, SIMULATED = "leap", "leap-simulated"
-SUFFIXES = (".json", ".lz")
-"""Suffixes of Leap recordings, which no recording of touches has; others are recognised by
-content."""
+SIMULATED = "leap-simulated"
 PATIENCE = 3.0
 """s within which a live device must send its first frame."""
 _NORMAL_COUNTS = ("frames", "handshakes", "connections")
 """Counts of a device that do not report a problem."""
-
-
-def is_leap(device: str) -> bool:
-    """True if a device is a Leap: `leap`, `leap-simulated`, or a Leap recording."""
-    entry = built_in(device)
-    if entry is not None:
-        return entry.in_air and not (entry.camera or entry.headset)
-    path = Path(device)
-    if not path.is_file() or is_landmark_file(path):
-        return False
-    return path.suffix in SUFFIXES or is_leap_recording(path)
 
 
 def leap_maker(settings: Settings, hand: int) -> Any:
@@ -53,7 +40,7 @@ def leap_maker(settings: Settings, hand: int) -> Any:
     """
     chosen = settings.device_of(hand)
     device, user = chosen.name, chosen.user
-    if device == LIVE:
+    if device == LIVE_LEAP:
         return lambda task, surface: open_leap(chosen.options.leap, tell=True)
     if built_in(device) is None:
         recording = read_leap(Path(device))

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from sandbox.devices.leap.leap import DEFAULT_ADDRESS
+DEFAULT_ADDRESS = "ws://127.0.0.1:6437/v6.json"
+"""WebSocket address of a service on this machine."""
 
 
 @dataclass(frozen=True)

@@ -7,6 +7,8 @@ from dataclasses import dataclass, field
 from models.errors import InputError
 from tasks.user import UserConfiguration
 
+NEXT_PERSON = 1_000_003
+"""Added to the seed for the user of the second hand; larger than all seeds of trials."""
 MOST_DROP_OUTS = 10.0
 """1/s, largest rate at which a simulated screen loses each touch."""
 

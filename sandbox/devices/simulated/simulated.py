@@ -14,6 +14,7 @@ from models.frames import TouchFrame
 from models.objects import Box, SceneObject, Tray
 from models.person import Person
 from models.surface import Surface
+from sandbox.devices.simulated.options import NEXT_PERSON
 from sandbox.devices.wrappers.drop_outs import DropOuts
 from sandbox.session.device import Device
 from sandbox.session.messages import Snapshot
@@ -41,9 +42,6 @@ _LIFTING: dict[str, type[Stacker] | type[IdleLiftUser] | type[RandomLiftUser]] =
     "random": RandomLiftUser,
 }
 """Users of tasks with a lift control, by kind."""
-
-NEXT_PERSON = 1_000_003
-"""Added to the seed for the user of the second hand; larger than all seeds of trials."""
 
 
 class SimulatedDevice(Device):

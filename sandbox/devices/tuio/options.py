@@ -3,9 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
-from sandbox.devices.tuio.tuio import DEFAULT_PORT, LOOPBACK, Transport
-from sandbox.devices.tuio.tuio_streams import DEFAULT_WEBSOCKET_PORT
+DEFAULT_PORT = 3333
+"""Default UDP port of TUIO senders."""
+
+DEFAULT_WEBSOCKET_PORT = 8080
+"""Default port of TUIO over WebSockets."""
+
+LOOPBACK = "127.0.0.1"
+
+Transport = Literal["udp", "tcp", "websocket", "all"]
+"""Transport of packets: each in a datagram, in a TCP stream after its length, or as a binary
+message of a WebSocket."""
 
 
 @dataclass(frozen=True)

@@ -17,24 +17,16 @@ import time
 from collections import deque
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import Literal, get_args
+from typing import get_args
 
 from models.errors import DeviceError, InputError
 from models.frames import Contact, TouchFrame
 from models.surface import Surface
+from sandbox.devices.tuio.options import DEFAULT_PORT, DEFAULT_WEBSOCKET_PORT, LOOPBACK, Transport
 from sandbox.devices.tuio.tuio_senders import Commit, SourceStatus, Statistics, Tuio
-from sandbox.devices.tuio.tuio_streams import DEFAULT_WEBSOCKET_PORT, Streams, parse_target
+from sandbox.devices.tuio.tuio_streams import Streams, parse_target
 from sandbox.session.closeable import Closeable
 from sandbox.session.device import Device
-
-DEFAULT_PORT = 3333
-"""Default UDP port of TUIO senders."""
-
-LOOPBACK = "127.0.0.1"
-
-Transport = Literal["udp", "tcp", "websocket", "all"]
-"""Transport of packets: each in a datagram, in a TCP stream after its length, or as a binary
-message of a WebSocket."""
 
 _SOCKETS: dict[Transport, tuple[socket.SocketKind, ...]] = {
     "udp": (socket.SOCK_DGRAM,),

@@ -27,10 +27,8 @@ from websockets.frames import CloseCode
 from websockets.http11 import Request, Response
 
 from models.errors import DeviceError
+from sandbox.devices.tuio.options import DEFAULT_WEBSOCKET_PORT
 from sandbox.devices.tuio.osc import MAX_PACKET_BYTES
-
-DEFAULT_WEBSOCKET_PORT = 8080
-"""Default port of TUIO over WebSockets."""
 
 MAX_CONNECTIONS = 32
 """Largest number of simultaneous connections; a sender needs one."""

@@ -7,11 +7,10 @@ from pathlib import Path
 from typing import Any, cast
 
 from models.surface import Surface
-from sandbox.devices.registry import built_in
+from sandbox.devices.kinds import LIVE_WEBCAM
 from sandbox.devices.webcam.installed import installed_engine
 from sandbox.devices.webcam.landmark_file import (
     LandmarkFileDevice,
-    is_landmark_file,
     read_landmarks,
 )
 from sandbox.devices.webcam.shared_camera import SharedCamera
@@ -20,16 +19,6 @@ from sandbox.session.device import Device
 from sandbox.trial.device_makers import DeviceMaker, DeviceMakers
 from sandbox.trial.settings import Settings
 from tasks.task import Task
-
-LIVE = "webcam"
-
-
-def is_webcam(device: str) -> bool:
-    """True if a device is a camera or a recording of landmarks."""
-    if built_in(device) is not None:
-        return device == LIVE
-    path = Path(device)
-    return path.is_file() and is_landmark_file(path)
 
 
 def webcam_maker(settings: Settings, hand: int) -> DeviceMaker:
@@ -43,7 +32,7 @@ def webcam_maker(settings: Settings, hand: int) -> DeviceMaker:
         InputError: The engine is not installed, or the file cannot be read.
     """
     chosen = settings.device_of(hand)
-    if chosen.name != LIVE:
+    if chosen.name != LIVE_WEBCAM:
         recording = read_landmarks(Path(chosen.name))
         return lambda task, surface: cast(Device, LandmarkFileDevice(recording))
     engine = installed_engine()

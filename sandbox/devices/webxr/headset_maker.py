@@ -11,12 +11,11 @@ from sandbox.trial.device_makers import DeviceMaker, DeviceMakers
 from sandbox.trial.settings import Settings
 from tasks.task import Task
 
-LIVE, SIMULATED = "webxr", "webxr-simulated"
 
-
-def is_headset(device: str) -> bool:
-    """True if a device is a headset, or a simulated one."""
-    return device in (LIVE, SIMULATED)
+def headset_maker(settings: Settings, hand: int) -> DeviceMaker:
+    """A maker of a headset's device for one hand."""
+    (make,) = headset_makers(1)
+    return make
 
 
 def headset_makers(hands: int) -> DeviceMakers:

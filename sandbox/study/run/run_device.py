@@ -7,10 +7,10 @@ from typing import Any, cast
 
 from models.errors import StudyError
 from models.surface import Surface
-from sandbox.devices.leap.leap import DEFAULT_ADDRESS
 from sandbox.devices.leap.leap_maker import open_leap, split_by_side
+from sandbox.devices.leap.options import DEFAULT_ADDRESS
 from sandbox.devices.open_touches import has_unknown_size, is_evdev, live_maker, native_surface
-from sandbox.devices.simulated.simulated import NEXT_PERSON
+from sandbox.devices.simulated.options import NEXT_PERSON
 from sandbox.devices.webcam.webcam_maker import sharing_camera
 from sandbox.devices.wrappers.degraded import DegradedDevice
 from sandbox.options.touch_devices import TouchOptions

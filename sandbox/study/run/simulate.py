@@ -14,7 +14,8 @@ from models.errors import OtherPlanError, StudyError
 from models.surface import Surface
 from sandbox.devices.leap.leap_maker import split_by_side
 from sandbox.devices.simulated.leap_user import SimulatedLeap
-from sandbox.devices.simulated.simulated import NEXT_PERSON, SimulatedDevice
+from sandbox.devices.simulated.options import NEXT_PERSON
+from sandbox.devices.simulated.simulated import SimulatedDevice
 from sandbox.devices.wrappers.degraded import DegradedDevice
 from sandbox.session.device import Device
 from sandbox.study.design.conditions import uses_camera

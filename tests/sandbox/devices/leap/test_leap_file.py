@@ -17,10 +17,10 @@ from hypothesis import strategies as st
 
 from models.errors import RecordingError
 from sandbox.devices.files.paired_capture import read_hands
+from sandbox.devices.kinds import is_leap
 from sandbox.devices.leap.leap import LeapFileDevice
 from sandbox.devices.leap.leap_file import read_leap
 from sandbox.devices.leap.leap_lz import decompress_base64
-from sandbox.devices.leap.leap_maker import is_leap
 from sandbox.devices.leap.leap_truth import take_with_truth, write_take
 from sandbox.devices.leap.leap_write import leap_message
 from sandbox.export.leap_frames import LeapFrames

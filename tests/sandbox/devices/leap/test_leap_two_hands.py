@@ -14,7 +14,7 @@ from models.errors import InputError
 from sandbox.cli.common.page_view import show_session
 from sandbox.cli.main import main as command
 from sandbox.cli.run import main
-from sandbox.devices.leap.leap_maker import is_leap
+from sandbox.devices.kinds import is_leap
 from sandbox.devices.leap.leap_truth import write_take
 from sandbox.devices.leap.shared_leap import SharedLeap
 from sandbox.devices.simulated.leap_disturbance import LeapDisturbance, parse_simulated

@@ -16,7 +16,7 @@ from encoders.webcam.camera import Camera
 from models.errors import DeviceError, FrameError, InputError, RecordingError
 from models.frames import LandmarkFrame
 from models.motion.sampling import Poses
-from sandbox.devices.leap.leap_maker import is_leap
+from sandbox.devices.kinds import is_leap, is_webcam
 from sandbox.devices.webcam.landmark_file import (
     LandmarkFileDevice,
     header_record,
@@ -24,7 +24,6 @@ from sandbox.devices.webcam.landmark_file import (
     read_landmarks,
 )
 from sandbox.devices.webcam.landmarks_json import frame_of, message_of, picture_message
-from sandbox.devices.webcam.webcam_maker import is_webcam
 from sandbox.export.landmark_source import open_landmarks
 from sandbox.recording.recorded_frames import frame_from_json, frame_to_json
 from tests.encoders.webcam.seen_hands import film, held_up
