@@ -354,8 +354,8 @@ def failure(error: BaseException) -> str:
     """One line about an error in somebody else's code: the error, and the file and line of it."""
     trace = traceback.extract_tb(error.__traceback__)
     text = f"{type(error).__name__}: {' '.join(str(error).split())[:300]}"
-    # Lines of Python's import machinery do not help the reader.
-    theirs = [step for step in trace if not step.filename.startswith("<frozen")]
+    # Lines of Python's import machinery, and of code that Python makes, do not help the reader.
+    theirs = [step for step in trace if not step.filename.startswith("<")]
     if isinstance(error, SyntaxError | ImportError) or not theirs:
         return text
     # Where their code called ours wrongly, the line of theirs is the one to look at.

@@ -15,13 +15,13 @@ import time
 from collections.abc import Callable, Sequence
 from typing import Any, TypeVar
 
-from models.arithmetic.products import length
 from models.errors import DeviceError
 from models.frames import Frame, HandFrame, LandmarkFrame, TouchFrame
 from models.plugins import failure
 from models.surface import Surface
 from sandbox.devices.registry import open_by_name
 from sandbox.devices.wrappers.adapted import adapted
+from sandbox.devices.wrappers.guarded import far_off, is_far_off
 from sandbox.session.device import AnyDevice
 
 T = TypeVar("T")
@@ -70,8 +70,7 @@ def check_device(
             that are off the surface; it uses the id of a lifted finger again; it is not finished
             once closed, or has frames afterwards; it cannot be closed twice or opened again.
     """
-    opened = _opener(open_device, surface)
-    device, where = _open(opened)
+    device, where = _open(open_device, surface)
     try:
         _check_words(device, where)
         frames = _watch(device, where, make_touches)
@@ -80,7 +79,7 @@ def check_device(
     check_frames(frames, surface, where)
     _check_ids(frames, where)
     _check_closed(device, where, surface)
-    again, where = _open(opened)
+    again, where = _open(open_device, surface)
     try:
         _watch(again, where, make_touches)
         _check_waits(again, where)
@@ -137,15 +136,15 @@ def _check_contacts(frame: TouchFrame, surface: Surface, where: str) -> None:
     width, height = (float(size) for size in surface.size)
     for contact in frame.contacts:
         x, y = contact.x, contact.y
-        off = max(-x, x - width, -y, y - height)
-        if off > SLACK:
-            far = off > length(surface.size)
+        if is_far_off(contact, surface):
+            raise far_off(contact, surface, f"{where}, contact {contact.id}")
+        if max(-x, x - width, -y, y - height) > SLACK:
             raise DeviceError(
-                "a contact is far off the surface" if far else "a contact is off the surface",
+                "a contact is off the surface",
                 where=f"{where}, contact {contact.id}",
                 got=f"({x:g}, {y:g}) m",
-                expected=f"metres, on a surface of {width:g} x {height:g} m",
-                remedy=None if far else "A finger that is dragged over the border stays at it",
+                expected=f"0 to {width:g} and 0 to {height:g} m",
+                remedy="A finger that is dragged over the border stays at it",
             )
         if contact.size is not None and contact.size >= max(width, height):
             raise DeviceError(
@@ -308,23 +307,23 @@ def _poll(device: AnyDevice, where: str, now: float) -> list[Frame]:
     return list(frames)
 
 
-def _opener(
+def _open(
     open_device: Callable[[Surface], Any] | type[Any] | str, surface: Surface
-) -> Callable[[], Any]:
-    if isinstance(open_device, str):
-        named = open_by_name(open_device)
-        if named is None:
-            raise DeviceError("no such device", got=open_device)
-        return lambda: named(surface)
-    if isinstance(open_device, type):
-        return lambda: open_device(surface, "")
-    return lambda: open_device(surface)
-
-
-def _open(opened: Callable[[], Any]) -> tuple[AnyDevice, str]:
+) -> tuple[AnyDevice, str]:
     """A device that was opened now, and its place for messages."""
-    device = _call(opened, "the device", "opening")
-    where = type(device).__qualname__
+    where = open_device if isinstance(open_device, str) else "the device"
+
+    def opened() -> Any:
+        if isinstance(open_device, str):
+            named = open_by_name(open_device)
+            if named is None:
+                raise DeviceError("no such device", got=open_device)
+            return named(surface)
+        return open_device(surface, "") if isinstance(open_device, type) else open_device(surface)
+
+    device = _call(opened, where, "opening")
+    if not isinstance(open_device, str):
+        where = type(device).__qualname__
     return device if isinstance(device, AnyDevice) else adapted(device, where), where
 
 

@@ -233,7 +233,7 @@ def find_device(text: str) -> OpenDevice | None:
             )
         with DEVICE_PLUGINS.guarded(where):
             device = device_class(surface, argument)
-        return GuardedDevice(adapted(device, where), where)
+        return GuardedDevice(adapted(device, where), surface, where)
 
     return open_it
 

@@ -13,35 +13,31 @@ from models.errors import InputError
 from models.frames import TouchFrame
 from models.objects import Box, SceneObject, Tray
 from models.person import Person
+from models.plugins import Registry
 from models.surface import Surface
 from sandbox.devices.simulated.options import NEXT_PERSON
 from sandbox.devices.wrappers.drop_outs import DropOuts
 from sandbox.session.device import Device
 from sandbox.session.messages import Snapshot
 from tasks.registry import hands_of
-from tasks.simulated_user.carrier import Carrier
-from tasks.simulated_user.control_users import IdleUser, RandomUser
-from tasks.simulated_user.front_stacker import FrontStacker
 from tasks.simulated_user.front_view import FrontUser, FrontView
-from tasks.simulated_user.lift import IdleLiftUser, RandomLiftUser
 from tasks.simulated_user.seated import Seat, SeatedUser
-from tasks.simulated_user.stacker import Stacker
-from tasks.simulated_user.user import SkilledUser
 from tasks.task import Task
 from tasks.user import FingersKnown, SeenObject, Sight, User, UserConfiguration
 
-_USERS: dict[str, type[SkilledUser] | type[IdleUser] | type[RandomUser]] = {
-    "skilled": SkilledUser,
-    "idle": IdleUser,
-    "random": RandomUser,
-}
-
-_LIFTING: dict[str, type[Stacker] | type[IdleLiftUser] | type[RandomLiftUser]] = {
-    "skilled": Stacker,
-    "idle": IdleLiftUser,
-    "random": RandomLiftUser,
-}
-"""Users of tasks with a lift control, by kind."""
+_USERS: Registry[Callable[..., User]] = Registry(
+    {
+        "skilled": "tasks.simulated_user.user:SkilledUser",
+        "skilled, upright": "tasks.simulated_user.front_stacker:FrontStacker",
+        "skilled, lifting": "tasks.simulated_user.stacker:Stacker",
+        "skilled, two hands": "tasks.simulated_user.carrier:Carrier",
+        "idle": "tasks.simulated_user.control_users:IdleUser",
+        "idle, lifting": "tasks.simulated_user.lift:IdleLiftUser",
+        "random": "tasks.simulated_user.control_users:RandomUser",
+        "random, lifting": "tasks.simulated_user.lift:RandomLiftUser",
+    }
+)
+"""Simulated users by kind, and by what a task asks of them."""
 
 
 class SimulatedDevice(Device):
@@ -94,19 +90,18 @@ class SimulatedDevice(Device):
         surface = view.surface if upright else surface
         seat = Seat(person, surface)
         plain = Person(hand_size=person.hand_size) == person
-        make = _USERS[configuration.kind]
-        if upright and make is SkilledUser:
-            make = FrontStacker
+        kind = configuration.kind
+        skilled = kind == "skilled"
         used = surface if plain else seat.surface
-        own = type(task).user if configuration.kind == "skilled" else None
+        own = type(task).user if skilled else None
         carried = any(isinstance(thing, Tray) for thing in task.objects)
-        if own is None and configuration.kind == "skilled" and hands_of(task) > 1 and not carried:
+        if own is None and skilled and hands_of(task) > 1 and not carried:
             raise InputError(
                 "two simulated users can only carry a tray",
                 where=task.name,
                 remedy="Define the task's own simulated user (`user`)",
             )
-        if own is None and configuration.kind == "skilled" and not task.goals:
+        if own is None and skilled and not task.goals:
             raise InputError(
                 "the simulated user needs goals to bring objects to, and this task has none",
                 where=task.name,
@@ -114,7 +109,7 @@ class SimulatedDevice(Device):
             )
         if (
             own is None
-            and configuration.kind == "skilled"
+            and skilled
             and hands_of(task) == 1
             and (upright or task.lift_range > 0)
             and not all(isinstance(thing, Box) for thing in task.objects)
@@ -130,11 +125,13 @@ class SimulatedDevice(Device):
         self.user: User = (
             own(configuration, used, seed)
             if own is not None
-            else Carrier(configuration, used, seed, task.lift_range, home)
-            if hands_of(task) > 1 and configuration.kind == "skilled"
-            else _LIFTING[configuration.kind](configuration, used, seed, task.lift_range)
+            else _USERS["skilled, two hands"](configuration, used, seed, task.lift_range, home)
+            if hands_of(task) > 1 and skilled
+            else _USERS[f"{kind}, lifting"](configuration, used, seed, task.lift_range)
             if task.lift_range > 0
-            else make(configuration, used, seed)
+            else _USERS["skilled, upright" if upright and skilled else kind](
+                configuration, used, seed
+            )
         )
         # The user that sees and touches: the plain one, or one moved to another seat.
         self._seated: User = self.user if plain else SeatedUser(self.user, seat)
