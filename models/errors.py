@@ -6,6 +6,9 @@ Callers give these facts; the message is built here, so that all messages have t
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from difflib import get_close_matches
+
 
 class HandSandboxError(Exception):
     """Base class of all errors that this project raises.
@@ -52,6 +55,35 @@ def _rebuilt(kind: type[HandSandboxError], args: tuple[object, ...]) -> HandSand
 
 class InputError(HandSandboxError):
     """Input from a person or a file cannot be used; the command line exits with 2."""
+
+
+def unknown_name(
+    what: str,
+    name: str,
+    names: Iterable[str],
+    *,
+    where: str | None = None,
+    others: str = "",
+    remedy: str | None = None,
+    kind: type[InputError] = InputError,
+) -> InputError:
+    """The error of a name that there is not: it says the nearest right one, or all of them.
+
+    Args:
+        what: The problem, such as `no such command`.
+        name: The wrong name.
+        names: The right ones.
+        where: Option, file or command with the mistake.
+        others: What else may stand there, such as `or a file`.
+        remedy: Next step, if no name is near.
+        kind: Class of the error.
+    """
+    names = list(names)
+    near = get_close_matches(name, names, 1)
+    if near:
+        return kind(what, where=where, got=name, remedy=f"Did you mean {near[0]}?")
+    expected = ", ".join([*names, *([others] if others else [])]) or None
+    return kind(what, where=where, got=name, expected=expected, remedy=remedy)
 
 
 class SurfaceTooSmallError(InputError):

@@ -38,7 +38,7 @@ from encoders.regression.trained import (
     save_model,
     train_encoder,
 )
-from models.errors import EncoderError
+from models.errors import EncoderError, unknown_name
 
 PCA_IK = "pca-ik"
 
@@ -111,15 +111,25 @@ def find_model(name: str, tell: Callable[[str], None]) -> TrainedModel:
         return pca_ik_model()
     if is_external(name):
         return _trained(find_encoder(name), tell)
-    if not Path(name).exists():
-        known = ", ".join((*MODELS, *sorted(ENCODER_PLUGINS.offered())))
-        raise EncoderError(
-            "there is no such encoder",
-            where="--encoder",
-            got=name,
-            expected=f"{known}, a file made by `sandbox train`, or FILE.py:CLASS",
-        )
+    check_model_name(name)
     return load_model(Path(name))
+
+
+def check_model_name(name: str) -> None:
+    """Checks that a name is one of `find_model`; loads and trains nothing.
+
+    Raises:
+        EncoderError: There is no such model, file or encoder.
+    """
+    if name not in MODELS and not is_external(name) and not Path(name).exists():
+        raise unknown_name(
+            "there is no such encoder",
+            name,
+            (*MODELS, *sorted(ENCODER_PLUGINS.offered())),
+            where="--encoder",
+            others="a file made by `sandbox train`, or FILE.py:CLASS",
+            kind=EncoderError,
+        )
 
 
 def cache_folder() -> Path:

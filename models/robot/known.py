@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from models.errors import InputError
+from models.errors import InputError, unknown_name
 from models.robot.mapping import RobotMapping, load_mapping
 
 ROBOTS = ("shadow", "adroit", "inspire", "allegro", "leap")
@@ -29,12 +29,8 @@ def find_robot(name: str) -> RobotMapping:
         return load_mapping(Path(__file__).parent / f"{name}.toml")
     path = Path(name)
     if path.suffix not in (".xml", ".toml"):
-        raise InputError(
-            "no such robot",
-            where="--robot",
-            got=name,
-            expected=", ".join(ROBOTS) + ", FILE.xml or FILE.toml",
-        )
+        others = "FILE.xml or FILE.toml"
+        raise unknown_name("no such robot", name, ROBOTS, where="--robot", others=others)
     if not path.is_file():
         raise InputError("no such file", where="--robot", got=name)
     mapping = path.with_suffix(".toml")

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated, Literal
 
-import tyro
+from cyclopts import Parameter
 from rich.console import Console
 from rich.markup import escape
 
@@ -22,13 +22,12 @@ from models.errors import InputError
 from models.person import Person, PersonFrame
 from models.scene import CONTROL_PERIOD
 from models.surface import Surface
+from sandbox.cli.common.command_line import parse
 from sandbox.cli.common.json_out import check_output, refuse_replacing
-from sandbox.cli.common.parse import parse
 from sandbox.devices.kinds import is_in_air
 from sandbox.devices.open_touches import first_line
 from sandbox.devices.simulated.spreads import SimulatedSpreads
 from sandbox.devices.tuio.options import DEFAULT_PORT, LOOPBACK
-from sandbox.options.metavars import choices
 from sandbox.options.profiles import Profile, default_path, save_profile
 from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.recording.recording import is_recording
@@ -45,7 +44,7 @@ _ASKED = {
 }
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class CalibrateOptions:
     """Measures a hand: put down five fingers three times, relaxed, close together and wide apart.
 
@@ -57,11 +56,10 @@ class CalibrateOptions:
     Try: sandbox calibrate --device simulated --hand-size 0.9 --out profile.json
     """
 
-    device: Annotated[str, tyro.conf.arg(metavar=choices("tuio", "evdev", "simulated", "FILE"))] = (
-        "tuio"
-    )
-    """Source of touches: a TUIO sender, a touch screen (evdev), a simulated person (to try the
-    command), or a file: a recording of this program or a capture of TUIO packets."""
+    device: Annotated[str, Parameter(metavar="DEVICE")] = "tuio"
+    """Source of touches: a TUIO sender (tuio), a touch screen (evdev), a simulated person
+    (simulated, to try the command), or a file: a recording of this program or a capture of TUIO
+    packets."""
 
     hand: Literal["right", "left"] | None = None
     """Which hand. Default: that of the recording, else right."""
@@ -69,18 +67,18 @@ class CalibrateOptions:
     turn: Literal[0, 90, 180, 270] | None = None
     """Edge of the screen at which the person sits: 0 lower, 90 right, 180 upper, 270 left."""
 
-    surface: Annotated[str | None, tyro.conf.arg(metavar="SIZE")] = None
+    surface: Annotated[str | None, Parameter(metavar="SIZE")] = None
     """Size of the touch surface: 7.76x5.82in, 197x148mm, or a preset such as ipad2. Required if the
     device does not report it, since an error here becomes an error of the hand's size."""
 
-    out: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    out: Annotated[Path | None, Parameter(metavar="FILE")] = None
     """File for the profile. Default: this user's own profile."""
 
-    rest: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    rest: Annotated[Path | None, Parameter(metavar="FILE")] = None
     """Rest posture of the hand, to keep in the profile: a file of looks at the hand, or a capture
     of it (docs/strangers.md)."""
 
-    hand_size: Annotated[float, tyro.conf.arg(metavar="RATIO")] = 1.0
+    hand_size: Annotated[float, Parameter(metavar="RATIO")] = 1.0
     """True size of the simulated person's hand."""
 
     seed: int = 0
@@ -92,7 +90,7 @@ class CalibrateOptions:
     port: int = DEFAULT_PORT
     """UDP port for TUIO; 0 takes a free one."""
 
-    bind: Annotated[str, tyro.conf.arg(metavar="ADDRESS")] = LOOPBACK
+    bind: Annotated[str, Parameter(metavar="ADDRESS")] = LOOPBACK
     """Address for TUIO. 127.0.0.1: reachable from this machine only; 0.0.0.0: from the network."""
 
 

@@ -8,12 +8,12 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Annotated, Literal
 
-import tyro
+from cyclopts import Parameter
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
 from models.errors import HandSandboxError
-from sandbox.cli.common.parse import parse
+from sandbox.cli.common.command_line import parse
 from sandbox.recording.recorded_device import RecordedDevice
 from sandbox.recording.recording import load_recording
 from sandbox.session.messages import Snapshot
@@ -40,7 +40,7 @@ _WORDS = {
 }
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class DemoOptions:
     """Plays recorded touches of a simulated user, who drags a box to its goal.
 
@@ -49,7 +49,7 @@ class DemoOptions:
     and a picture.
     """
 
-    out: Annotated[Path, tyro.conf.arg(metavar="DIR")] = Path("sandbox-demo")
+    out: Annotated[Path, Parameter(metavar="DIR")] = Path("sandbox-demo")
     """Folder for the film and the picture; existing ones are replaced."""
 
     view: Literal["auto", "window", "film", "none"] = "auto"

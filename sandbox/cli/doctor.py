@@ -6,12 +6,11 @@ import json
 from dataclasses import dataclass
 from typing import Any
 
-import tyro
 from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from sandbox.cli.common.parse import parse
+from sandbox.cli.common.command_line import parse
 from sandbox.doctor.check import Check
 from sandbox.doctor.devices import device_checks
 from sandbox.doctor.graphics import graphics_checks
@@ -26,17 +25,17 @@ SCHEMA = 1
 GROUPS = ("program", "pictures", "devices", "files", "extras")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class DoctorOptions:
     """Checks this machine: what works, what is missing, and how to fix it.
 
     It changes nothing. Checks that may crash (OpenGL without a screen) run in another process.
     """
 
-    json: tyro.conf.FlagCreatePairsOff[bool] = False
+    json: bool = False
     """Print all results as JSON."""
 
-    strict: tyro.conf.FlagCreatePairsOff[bool] = False
+    strict: bool = False
     """Exit status 1 if anything is missing, for scripts."""
 
 

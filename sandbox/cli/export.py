@@ -4,11 +4,11 @@ programs."""
 from __future__ import annotations
 
 from collections.abc import Container
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Literal
 
-import tyro
+from cyclopts import Parameter
 from rich.console import Console
 from rich.progress import Progress
 
@@ -17,7 +17,7 @@ from models.frames import FINGERS
 from models.messages.wording import counted
 from models.motion.sampling import Poses
 from models.motion.write.bvh import BvhWriter
-from sandbox.cli.common.parse import parse
+from sandbox.cli.common.command_line import SEVERAL, parse
 from sandbox.datasets.kind import NAMED, is_data_set
 from sandbox.export.leap_source import Hand
 from sandbox.export.sources import Of, open_source
@@ -35,7 +35,7 @@ Finger = Literal["thumb", "index", "middle", "ring", "little"]
 Order = Literal["XYZ", "XZY", "YXZ", "YZX", "ZXY", "ZYX"]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class ExportOptions:
     """Writes the motion of recorded hands for other programs, as keys at a constant rate; or
     recordings as one data set of demonstrations.
@@ -78,24 +78,24 @@ class ExportOptions:
         sandbox export trials --to lerobot --name me/box-to-goal
     """
 
-    file: Annotated[
-        tuple[str, ...], tyro.conf.Positional, tyro.conf.arg(metavar="RECORDING|TRIAL|CAPTURE")
-    ]
+    file: Annotated[tuple[str, ...], Parameter(metavar="RECORDING|TRIAL|CAPTURE")] = field(
+        kw_only=False
+    )
     """A recording (--record), a trial of a study (NAME/PARTICIPANT/S001/T007, as for `sandbox
     replay`), a capture (.npz), or a recording of a Leap (`sandbox leap formats` lists them). A data
     set takes several recordings, folders of recordings, and all trials of a study."""
 
-    to: Annotated[Path, tyro.conf.arg(metavar="FILE|minari|lerobot")]
+    to: Annotated[Path, Parameter(metavar="FILE|minari|lerobot")]
     """File to write; an existing file is replaced. Or `minari`, or `lerobot`."""
 
     name: str = ""
     """Name of a data set of Minari, such as hand_sandbox/box-to-goal/mine-v0, or of LeRobot, such
     as me/box-to-goal."""
 
-    successes: tyro.conf.FlagCreatePairsOff[bool] = False
+    successes: bool = False
     """Only successful trials become demonstrations of a data set."""
 
-    rate: Annotated[float, tyro.conf.arg(metavar="HZ")] = 60.0
+    rate: Annotated[float, Parameter(metavar="HZ")] = 60.0
     """Keys per second. Sessions have 62.5 poses per second, a Leap has its own times; between
     them, poses are interpolated."""
 
@@ -107,7 +107,7 @@ class ExportOptions:
     """Whose hand of a Leap recording. Default: all hands that are there. Where the Leap does not
     say whose hand it is, a single one is taken as a right hand."""
 
-    calibration: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    calibration: Annotated[Path | None, Parameter(metavar="FILE")] = None
     """Your hands over a Leap as `sandbox paalm calibrate --out FILE` measured them. Default: the
     open hand in the recording, the bones that the device reports, or an average hand."""
 
@@ -118,19 +118,19 @@ class ExportOptions:
     points: Literal["tips", "joints"] = "tips"
     """Points in .c3d and .csv: fingertips only, or also joints and wrist."""
 
-    fingers: tuple[Finger, ...] = ("thumb", "index", "middle", "ring", "little")
+    fingers: Annotated[tuple[Finger, ...], SEVERAL] = ("thumb", "index", "middle", "ring", "little")
     """Fingers whose points .c3d and .csv contain."""
 
-    take: Annotated[int, tyro.conf.arg(metavar="N")] = 1
+    take: Annotated[int, Parameter(metavar="N")] = 1
     """Number of the take in a capture, from 1; one take is exported at a time."""
 
-    out: Annotated[Path, tyro.conf.arg(metavar="DIR")] = Path("studies")
+    out: Annotated[Path, Parameter(metavar="DIR")] = Path("studies")
     """Folder of studies."""
 
 
 def main(argv: list[str]) -> int:
     """Runs `sandbox export ...`."""
-    options = parse(ExportOptions, "sandbox export", argv, append=False)
+    options = parse(ExportOptions, "sandbox export", argv)
     console, errors = Console(), Console(stderr=True)
     if is_data_set(options.to):
         return _data_set(options, console, errors)
@@ -300,7 +300,7 @@ def _input_file(options: ExportOptions) -> Path:
 
 def _check_effect(options: ExportOptions, heeds: Container[str]) -> None:
     """Refuses options that have no effect on this kind of file."""
-    default = ExportOptions(options.file, options.to)
+    default = ExportOptions(file=options.file, to=options.to)
     for name in ("points", "fingers", "euler"):
         if name not in heeds and getattr(options, name) != getattr(default, name):
             raise InputError(

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Annotated, Literal
 
 import numpy as np
-import tyro
+from cyclopts import Parameter
 from rich.console import Console
 from rich.table import Table
 from rich.text import Text
@@ -22,8 +22,8 @@ from encoders.store import load_capture
 from models.arithmetic.arrays import Array
 from models.errors import InputError
 from models.rotations import exp
+from sandbox.cli.common.command_line import subcommand
 from sandbox.cli.common.json_out import refuse_replacing
-from sandbox.cli.common.parse import subcommand
 from sandbox.devices.leap.leap_fake import DEFAULT_PORT, FakeLeapd
 from sandbox.devices.leap.leap_file import read_leap
 from sandbox.devices.leap.leap_truth import write_take
@@ -41,11 +41,12 @@ def main(argv: list[str]) -> int:
 
 
 def fake(
-    file: tyro.conf.Positional[Path],
-    bind: Annotated[str, tyro.conf.arg(metavar="ADDRESS")] = "127.0.0.1",
+    file: Path,
+    *,
+    bind: Annotated[str, Parameter(metavar="ADDRESS")] = "127.0.0.1",
     port: int = DEFAULT_PORT,
     rate: float = 100.0,
-    loop: tyro.conf.FlagCreatePairsOff[bool] = False,
+    loop: bool = False,
     seconds: float = math.inf,
 ) -> int:
     """Plays a recording as a running leapd would send it; Ctrl-C stops.
@@ -81,14 +82,17 @@ def fake(
 
 
 def simulate(
-    out: Annotated[Path, tyro.conf.arg(metavar="FILE|FOLDER")],
+    *,
+    out: Annotated[Path, Parameter(metavar="FILE|FOLDER")],
     seed: int = 0,
     takes: int = 1,
     hand: Literal["right", "left"] = "right",
     dialect: Literal["v1", "v3"] = "v1",
-    drop_outs: bool = True,
-    turned: Annotated[str, tyro.conf.arg(metavar="ROLL,PITCH,YAW")] = "0,0,0",
-    capture: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None,
+    drop_outs: Annotated[bool, Parameter(negative="--no-drop-outs")] = True,
+    turned: Annotated[
+        str, Parameter(metavar="ROLL,PITCH,YAW", allow_leading_hyphen=True)
+    ] = "0,0,0",
+    capture: Annotated[Path | None, Parameter(metavar="FILE")] = None,
 ) -> int:
     """Makes SIMULATED recordings of a hand over a Leap.
 

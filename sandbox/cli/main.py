@@ -6,7 +6,7 @@ import errno
 import importlib
 import sys
 
-from models.errors import HandSandboxError, InputError
+from models.errors import HandSandboxError, InputError, unknown_name
 from sandbox.cli.common.printing import HelpShown, prepare, print_no_more
 from sandbox.cli.removed import refuse_removed
 
@@ -71,12 +71,8 @@ def main(argv: list[str] | None = None) -> int:
             return EXIT_DONE
         refuse_removed(args)
         if name not in COMMANDS:
-            raise InputError(
-                "no such command",
-                got=name,
-                expected=", ".join(COMMANDS),
-                remedy="`sandbox` without arguments lists them",
-            )
+            remedy = "`sandbox` without arguments lists them"
+            raise unknown_name("no such command", name, COMMANDS, remedy=remedy)
         module = importlib.import_module(
             f"sandbox.cli.{name}.command" if name in IN_FOLDERS else f"sandbox.cli.{name}"
         )

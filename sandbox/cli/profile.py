@@ -6,14 +6,14 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated
 
-import tyro
+from cyclopts import Parameter
 from rich.console import Console
 
-from sandbox.cli.common.parse import parse
+from sandbox.cli.common.command_line import parse
 from sandbox.options.profiles import default_path, load_profile, save_profile
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class ProfileOptions:
     """Shows a profile: the hand, its size and seat, and how many layouts of five fingers it has.
 
@@ -23,10 +23,10 @@ class ProfileOptions:
     Try: sandbox profile --forget
     """
 
-    file: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    file: Annotated[Path | None, Parameter(metavar="FILE")] = None
     """File of the profile. Default: this user's own profile."""
 
-    forget: tyro.conf.FlagCreatePairsOff[bool] = False
+    forget: bool = False
     """Forget all layouts. Hand, size and seat stay."""
 
 

@@ -4,24 +4,25 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import closing, contextmanager, suppress
-from dataclasses import asdict, dataclass, fields, replace
+from dataclasses import dataclass, fields
 from functools import partial
 from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-import tyro
+from cyclopts import Parameter
 from rich.console import Console
 from rich.markup import escape
 
-from encoders.regression.model_registry import DEFAULT_MODEL
 from models.errors import InputError
 from models.messages.wording import counted
+from sandbox.cli.common.command_line import parse
 from sandbox.cli.common.json_out import TERMINAL, check_output, refuse_same
-from sandbox.cli.common.parse import parse, with_one_line_errors
 from sandbox.cli.common.printing import printing
+from sandbox.options.one_hand_options import TrialOptions
+from sandbox.options.second_hand import SecondOptions
 from sandbox.options.variations import KINDS, help_with_names
 from sandbox.regress.breaking_off import BreakOff
 from sandbox.regress.progress import progress_shown
@@ -35,8 +36,8 @@ if TYPE_CHECKING:
     from sandbox.regress.trials_file import TrialsFile
 
 
-@dataclass(frozen=True)
-class RegressOptions:
+@dataclass(frozen=True, kw_only=True)
+class RegressOptions(SecondOptions, TrialOptions):
     """Runs the simulated user over many seeds, says how often it succeeds, and whether that is
     less than a baseline said.
 
@@ -61,17 +62,13 @@ class RegressOptions:
         sandbox regress --tasks box-to-goal --seeds 0:30 --vary size latency=50,100
     """
 
-    tasks: Annotated[tuple[str, ...], tyro.conf.arg(metavar="all|NAME|FILE.py")] = ("all",)
+    tasks: Annotated[
+        tuple[str, ...], Parameter(metavar="all|NAME|FILE.py", consume_multiple=True)
+    ] = ("all",)
     """Which tasks; `sandbox` lists them, and FILE.py has one of your own."""
 
-    seeds: Annotated[str, tyro.conf.arg(metavar="A:B")] = "0:120"
+    seeds: Annotated[str, Parameter(metavar="A:B")] = "0:120"
     """From A to before B; commas join several."""
-
-    encoder: Annotated[str, tyro.conf.arg(metavar="NAME|FILE|FILE.py:CLASS")] = DEFAULT_MODEL
-    """As for `sandbox run`."""
-
-    fingers: int = 3
-    """Of the simulated user, 2 to 5."""
 
     executor: Literal["serial", "processes", "ray"] = "processes"
     """Where trials run; the results are the same to the bit. ray: the extra `ray`."""
@@ -79,58 +76,58 @@ class RegressOptions:
     workers: int = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else 1
     """How many trials at a time, one core each."""
 
-    address: Annotated[str | None, tyro.conf.arg(metavar="ADDRESS")] = None
+    address: Annotated[str | None, Parameter(metavar="ADDRESS")] = None
     """Of a running Ray cluster."""
 
-    json: Annotated[Path | None, tyro.conf.arg(metavar="OUT")] = None
+    json: Annotated[Path | None, Parameter(metavar="OUT")] = None
     """Writes the report with every trial; - is the terminal."""
 
-    junit: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    junit: Annotated[Path | None, Parameter(metavar="FILE")] = None
     """Writes JUnit's XML, a test for every task."""
 
-    baseline: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    baseline: Annotated[Path | None, Parameter(metavar="FILE")] = None
     """What to compare with; one of another encoder, task version or settings is refused."""
 
-    update_baseline: tyro.conf.FlagCreatePairsOff[bool] = False
+    update_baseline: bool = False
     """Makes the baseline from this run; nothing is judged."""
 
-    exact: tyro.conf.FlagCreatePairsOff[bool] = False
+    exact: bool = False
     """States must be equal to the bit where MuJoCo, architecture and libm are the baseline's."""
 
-    across_encoders: tyro.conf.FlagCreatePairsOff[bool] = False
+    across_encoders: bool = False
     """The baseline may be another encoder's: whether this one is worse is the question."""
 
     vary: Annotated[
         tuple[str, ...] | None,
-        tyro.conf.arg(
+        Parameter(
             metavar="NAME[=V1,V2]",
-            help_behavior_hint="",
+            consume_multiple=True,
             help=f"Success against {help_with_names(KINDS.values())}, with the values given, or "
             "with ever worse ones until it breaks. Instead of a baseline.",
         ),
     ] = None
 
-    plot: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    plot: Annotated[Path | None, Parameter(metavar="FILE")] = None
     """Draws what --vary found, .png or .svg; the extra `plots`."""
 
-    record: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
+    record: Annotated[Path | None, Parameter(metavar="DIR")] = None
     """Keeps a recording of every trial that fails in a new or empty folder."""
 
-    record_all: tyro.conf.FlagCreatePairsOff[bool] = False
+    record_all: bool = False
     """Keeps those of successful trials, too, which `sandbox export` makes data sets of."""
 
-    resume: tyro.conf.FlagCreatePairsOff[bool] = False
+    resume: bool = False
     """Continues from the trials of a run that was stopped or killed: only seeds that are missing or
     crashed are run. Give the same command again; other settings, seeds or versions are refused."""
 
-    allow_crashes: Annotated[int, tyro.conf.arg(metavar="N")] = 0
+    allow_crashes: Annotated[int, Parameter(metavar="N")] = 0
     """How many trials of the whole run may crash: their code raises an error, or their process or
     machine is lost. Each counts as a failure."""
 
 
 def main(argv: list[str]) -> int:
     """Runs `sandbox regress ...`."""
-    options, more = parse_known(argv)
+    options = _parsed(argv)
     _check(options)
     from sandbox.regress.junit import save_junit
     from sandbox.regress.plan import RegressionPlan, find_tasks, parse_seeds
@@ -141,7 +138,7 @@ def main(argv: list[str]) -> int:
     plan = RegressionPlan(
         find_tasks(options.tasks),
         parse_seeds(options.seeds),
-        _scene(options, more),
+        _scene(options),
         options.record,
         options.record_all,
     )
@@ -193,27 +190,8 @@ def main(argv: list[str]) -> int:
     return 0 if passed else 1
 
 
-def parse_known(argv: list[str]) -> tuple[RegressOptions, list[str]]:
-    """Our options, and those that are left for `sandbox run`."""
-    parsed: tuple[RegressOptions, list[str]] = with_one_line_errors(
-        lambda words: tyro.cli(
-            RegressOptions,
-            prog="sandbox regress",
-            args=words,
-            config=(tyro.conf.OmitArgPrefixes,),
-            return_unknown_args=True,
-        ),
-        argv,
-        "sandbox regress",
-    )
-    return parsed
-
-
-def _scene(options: RegressOptions, more: Sequence[str]) -> dict[str, Any]:
-    from sandbox.options.scene_options import SceneOptions, check_labels
-    from sandbox.regress.plan import differing
-
-    for word in more:
+def _parsed(argv: list[str]) -> RegressOptions:
+    for word in argv:
         if word.partition("=")[0] in ("--device", "--events", "--port", "--bind", "--seed"):
             raise InputError(
                 "this is not for regression runs",
@@ -221,10 +199,17 @@ def _scene(options: RegressOptions, more: Sequence[str]) -> dict[str, Any]:
                 expected="options of `sandbox run` that hold for every trial",
                 remedy="--seeds A:B says which" if word.startswith("--seed") else None,
             )
-    # A task that is no option keeps a stray word from being taken for one.
-    scene = parse(SceneOptions, "sandbox regress", ["box-to-goal", *more])
-    check_labels(replace(scene, encoder=options.encoder))
-    return differing({**asdict(scene), "encoder": options.encoder, "fingers": options.fingers})
+    return parse(RegressOptions, "sandbox regress", argv)
+
+
+def _scene(options: RegressOptions) -> dict[str, Any]:
+    from sandbox.options.scene_options import SceneOptions, check_labels
+    from sandbox.regress.plan import differing
+
+    names = [field.name for part in (TrialOptions, SecondOptions) for field in fields(part)]
+    scene = {name: getattr(options, name) for name in names}
+    check_labels(SceneOptions(**scene))
+    return differing(scene)
 
 
 def _check(options: RegressOptions) -> None:

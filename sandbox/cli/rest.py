@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-import tyro
+from cyclopts import Parameter
 from rich.console import Console
 from rich.text import Text
 
@@ -15,12 +15,11 @@ from encoders.person.rest_posture import MOST, check_looks, save_rest
 from models.errors import EncoderError, InputError
 from models.limits import RateLimit
 from models.scene import CONTROL_PERIOD
+from sandbox.cli.common.command_line import parse
 from sandbox.cli.common.json_out import check_output, refuse_replacing
-from sandbox.cli.common.parse import parse
 from sandbox.devices.kinds import LIVE_HEADSET as HEADSET
 from sandbox.devices.leap.options import DEFAULT_ADDRESS
 from sandbox.devices.registry import built_in
-from sandbox.options.metavars import choices
 from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.session.device import AnyDevice
 from sandbox.session.rest_watch import RestWatch
@@ -30,7 +29,7 @@ from sandbox.trial.settings import Settings
 from tasks.registry import find_task
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class RestOptions:
     """Sees your hand for a second, and writes its rest posture, which --rest of other commands
     takes.
@@ -43,11 +42,11 @@ class RestOptions:
          sandbox play box-to-goal --tablet --rest me.json
     """
 
-    device: Annotated[str, tyro.conf.arg(metavar=choices("leap", "webcam", "FILE"))]
+    device: Annotated[str, Parameter(metavar="leap|webcam|FILE")]
     """What sees the hand: a Leap, a camera, or a file: a recording of a Leap, of landmarks, or of a
     session with a Leap, a camera or a headset."""
 
-    out: Annotated[Path, tyro.conf.arg(metavar="FILE")]
+    out: Annotated[Path, Parameter(metavar="FILE")]
     """File for the rest posture; an existing one is replaced."""
 
     looks: int = 1
@@ -56,19 +55,19 @@ class RestOptions:
     hand: Literal["right", "left"] | None = None
     """Which hand. Default: that of the recording, else right."""
 
-    hand_size: Annotated[float | None, tyro.conf.arg(metavar="RATIO")] = None
+    hand_size: Annotated[float | None, Parameter(metavar="RATIO")] = None
     """Length of your hand relative to the trained one; `sandbox calibrate` measures it."""
 
     seconds: float = 60.0
     """Timeout for a live device, in seconds."""
 
-    leap: Annotated[str, tyro.conf.arg(metavar="URL")] = DEFAULT_ADDRESS
+    leap: Annotated[str, Parameter(metavar="URL")] = DEFAULT_ADDRESS
     """WebSocket address of leapd or of the Ultraleap bridge, for --device leap."""
 
-    calibration: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    calibration: Annotated[Path | None, Parameter(metavar="FILE")] = None
     """Your hand over a Leap, as measured by `sandbox paalm calibrate --out FILE`."""
 
-    webcam: Annotated[str, tyro.conf.arg(metavar="KEY=VALUE,...")] = ""
+    webcam: Annotated[str, Parameter(metavar="KEY=VALUE,...")] = ""
     """The camera of --device webcam, as in `sandbox play --help`. Say its tilt: it decides what is
     level."""
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Annotated
 
 import numpy as np
-import tyro
+from cyclopts import Parameter
 
 from models.errors import InputError
 from models.robot.known import ROBOTS, find_robot
@@ -15,8 +15,8 @@ from models.robot.mapping import located
 from models.robot.mapping_fit import fit_mapping
 from models.robot.retargeting import REACHED
 from models.robot.robot_hand import RobotHand
+from sandbox.cli.common.command_line import subcommand
 from sandbox.cli.common.json_out import refuse_replacing
-from sandbox.cli.common.parse import subcommand
 
 
 def main(argv: list[str]) -> int:
@@ -26,13 +26,13 @@ def main(argv: list[str]) -> int:
 
 
 def fit(
-    model: Annotated[str, tyro.conf.Positional, tyro.conf.arg(metavar="FILE.xml")],
-    /,
+    model: Annotated[str, Parameter(metavar="FILE.xml")],
+    *,
     tips: str,
     palm: str = "",
     ends: bool = False,
-    out: Annotated[Path | None, tyro.conf.arg(metavar="FILE.toml")] = None,
-    picture: Annotated[Path | None, tyro.conf.arg(metavar="FILE.png")] = None,
+    out: Annotated[Path | None, Parameter(metavar="FILE.toml")] = None,
+    picture: Annotated[Path | None, Parameter(metavar="FILE.png")] = None,
 ) -> int:
     """Fits a mapping from a person's hand to a robot's, for --robot of other commands.
 

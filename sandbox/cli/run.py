@@ -8,20 +8,22 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
-import tyro
+from cyclopts import Parameter
 from rich.console import Console
 from rich.markup import escape
 
 from models.errors import InputError
 from models.surface import Surface
+from sandbox.cli.common.command_line import parse
 from sandbox.cli.common.films import open_film
 from sandbox.cli.common.json_out import TERMINAL, check_output, refuse_same, write_json
 from sandbox.cli.common.lsl_options import LslOptions, streaming
 from sandbox.cli.common.notices import NoticePrinter
 from sandbox.cli.common.page_view import address_line
-from sandbox.cli.common.parse import parse
 from sandbox.cli.common.printing import printing
 from sandbox.export.view import MotionView
+from sandbox.options.headings import COMMON, OUTPUT
+from sandbox.options.names import check_names
 from sandbox.options.scene_options import SceneOptions, check_labels, scene_settings
 from sandbox.session.device import Device
 from sandbox.session.messages import Snapshot
@@ -40,7 +42,7 @@ from tasks.score import ending
 from tasks.task import Task
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class RunOptions(LslOptions, SceneOptions):
     """Runs a task without a window, as fast as the machine can, and prints its score.
 
@@ -51,13 +53,13 @@ class RunOptions(LslOptions, SceneOptions):
     Try: sandbox run box-to-goal --device simulated --seed 3 --json -
     """
 
-    json: Annotated[Path | None, tyro.conf.arg(metavar="OUT")] = None
+    json: Annotated[Path | None, Parameter(group=COMMON, metavar="OUT")] = None
     """File for the result as JSON; - is the terminal."""
 
-    film: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    film: Annotated[Path | None, Parameter(group=COMMON, metavar="FILE")] = None
     """File for a film: .webp, .gif, or .mp4 with the extra `film`."""
 
-    motion: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    motion: Annotated[Path | None, Parameter(group=OUTPUT, metavar="FILE")] = None
     """File for the motion of the hands, 60 keys per second: .bvh, .glb, .amc, .v, .c3d, .csv.
     `sandbox export` does the same with a recording and has more options."""
 
@@ -69,6 +71,7 @@ def main(argv: list[str]) -> int:
 
 def perform(options: RunOptions) -> int:
     """Runs the trial that the options describe, and reports its result."""
+    check_names(options)
     check_labels(options)
     chosen = scene_settings(options)
     if options.device == "mouse":

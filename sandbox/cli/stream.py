@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
-import tyro
+from cyclopts import Parameter
 from rich.console import Console
 
 from encoders.paalm.calibration import HandCalibration
@@ -17,9 +17,9 @@ from encoders.paalm.calibration_file import read_hand
 from encoders.regression.model_registry import DEFAULT_MODEL
 from models.errors import InputError
 from models.frames import SIDES
+from sandbox.cli.common.command_line import parse
 from sandbox.cli.common.json_out import check_output, write_json
 from sandbox.cli.common.page_options import PageOptions
-from sandbox.cli.common.parse import parse
 from sandbox.devices.kinds import LIVE_LEAP as LEAP
 from sandbox.devices.kinds import is_leap
 from sandbox.devices.leap.leap_maker import open_leap
@@ -29,7 +29,6 @@ from sandbox.export.leap_source import Hand
 from sandbox.export.motion_source import MotionSource
 from sandbox.export.sources import open_source
 from sandbox.options.leap_devices import LeapOptions
-from sandbox.options.metavars import choices
 from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.recording.recording import is_recording
 from sandbox.stream.lines import BLENDER, MAYA, MAYA_MEL, StreamTarget
@@ -56,7 +55,16 @@ KEY_PATIENCE = 10.0
 
 
 @dataclass(frozen=True)
-class StreamOptions(LeapOptions, PageOptions):
+class _File:
+    """What stands behind the command; its base comes first, as a positional argument must."""
+
+    file: Annotated[Path | None, Parameter(metavar="RECORDING|TRIAL|CAPTURE")] = None
+    """A recording (--record), a trial of a study, a capture (.npz), or a recording of a Leap, of
+    which every key is sent. Or use --device."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class StreamOptions(LeapOptions, PageOptions, _File):
     """Sends the motion of hands live to Maya or Blender, where the fingers of any rig follow.
 
     In Maya, paste the script into the script editor (Python) and run it. Select the first joints
@@ -87,34 +95,28 @@ class StreamOptions(LeapOptions, PageOptions):
     other program bake the motion. --print shows the commands instead of sending them.
     """
 
-    file: Annotated[
-        Path | None, tyro.conf.Positional, tyro.conf.arg(metavar="RECORDING|TRIAL|CAPTURE")
-    ] = None
-    """A recording (--record), a trial of a study, a capture (.npz), or a recording of a Leap, of
-    which every key is sent. Or use --device."""
-
-    maya: Annotated[str | None, tyro.conf.arg(metavar="HOST:PORT")] = None
+    maya: Annotated[str | None, Parameter(metavar="HOST:PORT")] = None
     """Address of Maya's command port."""
 
-    blender: Annotated[str | None, tyro.conf.arg(metavar="HOST:PORT")] = None
+    blender: Annotated[str | None, Parameter(metavar="HOST:PORT")] = None
     """Address on which the script in Blender listens."""
 
     script: Literal["maya", "blender"] | None = None
     """Print the script for this program and exit; the script needs no other files."""
 
-    print: tyro.conf.FlagCreatePairsOff[bool] = False
+    print: bool = False
     """Print the commands instead of sending them, in Maya's form unless --blender is given."""
 
-    device: Annotated[str | None, tyro.conf.arg(metavar=choices(*LIVE, "FILE"))] = None
-    """Source of live hands: a page in a browser (web), a TUIO sender, a touch screen (evdev),
-    a Leap, a simulated person (simulated, leap-simulated), or a file that plays as a device.
-    Physics is simulated only for simulated persons, since they react to what they see."""
+    device: Annotated[str | None, Parameter(metavar="DEVICE")] = None
+    """Source of live hands: a page in a browser (web), a TUIO sender (tuio), a touch screen
+    (evdev), a Leap (leap), a simulated person (simulated, leap-simulated), or a file that plays as
+    a device. Physics is simulated only for simulated persons, since they react to what they see."""
 
     of: Literal["simulated", "commanded"] | None = None
     """simulated: the hand as physics moves it, the default for a recording. commanded: the pose
     that the input asks for, the default for a device."""
 
-    rate: Annotated[float, tyro.conf.arg(metavar="HZ")] = 60.0
+    rate: Annotated[float, Parameter(metavar="HZ")] = 60.0
     """Poses per second."""
 
     speed: float = 1.0
@@ -134,7 +136,7 @@ class StreamOptions(LeapOptions, PageOptions):
     encoder: str = DEFAULT_MODEL
     """Encoder, as for `sandbox run`."""
 
-    surface: Annotated[str | None, tyro.conf.arg(metavar="SIZE")] = None
+    surface: Annotated[str | None, Parameter(metavar="SIZE")] = None
     """Size of the touch surface, such as 197x148mm or ipad2."""
 
     seed: int | None = None
@@ -143,22 +145,22 @@ class StreamOptions(LeapOptions, PageOptions):
     port: int = DEFAULT_PORT
     """UDP port for TUIO."""
 
-    bind: Annotated[str, tyro.conf.arg(metavar="ADDRESS")] = LOOPBACK
+    bind: Annotated[str, Parameter(metavar="ADDRESS")] = LOOPBACK
     """Address for TUIO."""
 
-    take: Annotated[int, tyro.conf.arg(metavar="N")] = 1
+    take: Annotated[int, Parameter(metavar="N")] = 1
     """Number of the take in a capture, from 1."""
 
-    out: Annotated[Path, tyro.conf.arg(metavar="DIR")] = Path("studies")
+    out: Annotated[Path, Parameter(metavar="DIR")] = Path("studies")
     """Folder of studies."""
 
-    json: Annotated[Path | None, tyro.conf.arg(metavar="OUT")] = None
+    json: Annotated[Path | None, Parameter(metavar="OUT")] = None
     """File for counts of sent and dropped poses and of answers, as JSON; - is the terminal."""
 
 
 def main(argv: list[str]) -> int:
     """Runs `sandbox stream ...`."""
-    options = parse(StreamOptions, "sandbox stream", argv, append=False)
+    options = parse(StreamOptions, "sandbox stream", argv)
     if options.script:
         print(script(options.script), end="")
         return 0

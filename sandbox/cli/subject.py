@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Annotated
 
 import numpy as np
-import tyro
+from cyclopts import Parameter
 from rich.console import Console
 from rich.markup import escape
 from rich.progress import Progress
@@ -15,10 +15,10 @@ from rich.progress import Progress
 from encoders.captures.subject import FROZEN, SEED, simulate
 from encoders.store import save_capture
 from models.errors import InputError
-from sandbox.cli.common.parse import parse
+from sandbox.cli.common.command_line import parse
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class SubjectOptions:
     """Makes a capture of a SIMULATED subject: touches of its fingers, and poses of its hand.
 
@@ -35,7 +35,7 @@ class SubjectOptions:
         sandbox train --capture training.npz --out mine.npz
     """
 
-    out: Annotated[Path, tyro.conf.arg(metavar="FILE")]
+    out: Annotated[Path, Parameter(metavar="FILE")]
     """File for the capture; an existing file is replaced."""
 
     seed: int = SEED

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Annotated
 
 import numpy as np
-import tyro
+from cyclopts import Parameter
 from rich.console import Console
 from rich.markup import escape
 from rich.progress import Progress
@@ -24,11 +24,11 @@ from encoders.regression.trained import (
 )
 from encoders.store import load_capture
 from models.errors import InputError
+from sandbox.cli.common.command_line import parse
 from sandbox.cli.common.json_out import check_output, refuse_replacing
-from sandbox.cli.common.parse import parse
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class TrainOptions:
     """Trains an encoder, which estimates the pose of the whole hand from touches.
 
@@ -47,10 +47,10 @@ class TrainOptions:
         sandbox train --encoder examples/kernel_ridge.py:KernelRidge --out kernel.npz
     """
 
-    out: Annotated[Path, tyro.conf.arg(metavar="MODEL")]
+    out: Annotated[Path, Parameter(metavar="MODEL")]
     """File for the model."""
 
-    capture: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    capture: Annotated[Path | None, Parameter(metavar="FILE")] = None
     """Capture to train on. With --encoder, the default is the built-in capture."""
 
     degree: int | None = None
@@ -61,7 +61,7 @@ class TrainOptions:
     """Ridge penalty on the polynomial's coefficients; 0 is least squares, as in the paper. Default:
     chosen by cross-validation over takes."""
 
-    encoder: Annotated[str | None, tyro.conf.arg(metavar="NAME|FILE.py:CLASS")] = None
+    encoder: Annotated[str | None, Parameter(metavar="NAME|FILE.py:CLASS")] = None
     """Train an encoder of your own: FILE.py:CLASS, MODULE:CLASS, or its NAME in an installed
     package."""
 

@@ -10,11 +10,11 @@ from contextlib import closing, suppress
 from pathlib import Path
 from typing import Annotated
 
-import tyro
+from cyclopts import Parameter
 from rich.console import Console
 from rich.text import Text
 
-from sandbox.cli.common.parse import subcommand
+from sandbox.cli.common.command_line import subcommand
 from sandbox.devices.files.line_file import LineFile
 from sandbox.devices.webcam import install as fetch
 from sandbox.devices.webcam.installed import (
@@ -70,8 +70,9 @@ def status() -> int:
 
 
 def record(
-    out: Annotated[tyro.conf.Positional[Path], tyro.conf.arg(metavar="FILE")],
-    webcam: Annotated[str, tyro.conf.arg(metavar="KEY=VALUE,...")] = "",
+    out: Annotated[Path, Parameter(metavar="FILE")],
+    *,
+    webcam: Annotated[str, Parameter(metavar="KEY=VALUE,...")] = "",
     seconds: float = math.inf,
 ) -> int:
     """Records the landmarks of hands before the camera, without a task; Ctrl-C ends.

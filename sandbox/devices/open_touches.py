@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from models.errors import DeviceError, InputError, RecordingError
+from models.errors import DeviceError, RecordingError, unknown_name
 from models.json_input import decoded_record
 from models.surface import Surface, parse_surface
 from sandbox.devices.device_settings import DeviceSettings
@@ -115,11 +115,12 @@ def open_file(path: Path, surface: Surface | None, stale_after: float = STALE_AF
         InputError: The file is missing or has none of these formats.
     """
     if not path.exists():
-        raise InputError(
+        raise unknown_name(
             "no such device or file",
+            str(path),
+            [*touch_devices(), *offered_devices()],
             where="--device",
-            got=str(path),
-            expected=", ".join([*touch_devices(), *offered_devices(), OWN_DEVICE, "or a file"]),
+            others=f"{OWN_DEVICE}, or a file",
             remedy="`sandbox touches formats` lists the files that play as devices",
         )
     if path.suffix == ".py":

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, cast
 
-import tyro
+from cyclopts import Parameter
 from rich.console import Console
 from rich.text import Text
 
@@ -14,6 +14,7 @@ from models.errors import InputError
 from sandbox.devices.kinds import is_leap
 from sandbox.devices.leap.options import DEFAULT_ADDRESS
 from sandbox.devices.registry import built_in
+from sandbox.options.headings import LEAP
 from sandbox.options.leap_calibration import chosen_calibration
 from sandbox.recording.recording import Recording
 from sandbox.trial.hand_input import UNDER, HandInput
@@ -25,18 +26,20 @@ if TYPE_CHECKING:
     from sandbox.devices.leap.leap_file import LeapRecording
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class LeapOptions:
     """Options for hands in the air."""
 
-    leap: Annotated[str, tyro.conf.arg(metavar="URL")] = DEFAULT_ADDRESS
+    leap: Annotated[str, Parameter(group=LEAP, metavar="URL")] = DEFAULT_ADDRESS
     """WebSocket address of leapd or of the Ultraleap bridge, for --device leap."""
 
-    leap_at: Annotated[str, tyro.conf.arg(metavar="X,Y,Z")] = ",".join(f"{c:g}" for c in UNDER)
+    leap_at: Annotated[str, Parameter(group=LEAP, metavar="X,Y,Z", allow_leading_hyphen=True)] = (
+        ",".join(f"{c:g}" for c in UNDER)
+    )
     """Position of the Leap in the scene, in m from the centre of the table top: right, away, up.
     With the default, a hand 20 cm above the device is 10 cm above the table."""
 
-    calibration: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    calibration: Annotated[Path | None, Parameter(group=LEAP, metavar="FILE")] = None
     """Your hand as measured by `sandbox paalm calibrate --out FILE`; --profile FILE works, too.
     Default: the open hand in a recording, the bones that the device reports, or an average hand."""
 

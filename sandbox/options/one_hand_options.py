@@ -2,32 +2,40 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Literal
 
-import tyro
+from cyclopts import Parameter
 
-from encoders.regression.model_registry import DEFAULT_MODEL, MODELS
+from encoders.regression.model_registry import DEFAULT_MODEL
 from sandbox.devices.tuio.options import DEFAULT_PORT, DEFAULT_WEBSOCKET_PORT, LOOPBACK, Transport
-from sandbox.options.metavars import choices, device_choices
+from sandbox.options.headings import (
+    COMMON,
+    EVDEV,
+    OUTPUT,
+    PERSON,
+    PHYSICS,
+    RECONSTRUCTION,
+    SIMULATED,
+    TUIO,
+)
 from sandbox.options.variations import KINDS, help_with_units
 
 Part = Literal["correction", "smoothing", "arrival", "ghost", "distal", "stitch", "encoder"]
 """Parts of the pipeline that can be taken away, to see what each is worth."""
 
 
-_DEVICES = device_choices(without=("mouse", "web", "webxr"))
+@dataclass(frozen=True, kw_only=True)
+class SourceOptions:
+    """Task and device of one hand."""
 
-
-@dataclass(frozen=True)
-class OneHandOptions:
-    """Task, device, encoder, physics and recording options for one hand."""
-
-    task: Annotated[str, tyro.conf.Positional, tyro.conf.arg(metavar="TASK")] = "box-to-goal"
+    task: Annotated[str, Parameter(group=COMMON, metavar="TASK")] = field(
+        default="box-to-goal", kw_only=False
+    )
     """Name of a task (`sandbox` lists them), or FILE.py with a task of your own."""
 
-    device: Annotated[str, tyro.conf.arg(metavar=_DEVICES)] = "simulated"
+    device: Annotated[str, Parameter(group=COMMON, metavar="DEVICE")] = "simulated"
     """Source of the input. simulated: a simulated user. tuio: a TUIO sender. evdev: a touch screen
     of this Linux machine. leap: a hand in the air over a Leap. webcam: a hand before a camera, by a
     page that opens in your browser (docs/webcam.md). leap-simulated: a simulated person
@@ -38,17 +46,25 @@ class OneHandOptions:
     `webcam record`. Or a device of your own: FILE.py:CLASS[:ARGUMENT],
     MODULE:CLASS[:ARGUMENT], or its name in an installed package (docs/write-a-device.md)."""
 
-    encoder: Annotated[str, tyro.conf.arg(metavar=choices(*MODELS, "FILE"))] = DEFAULT_MODEL
+
+@dataclass(frozen=True, kw_only=True)
+class TrialOptions:
+    """Hand, encoder and physics, which also hold for every trial of `sandbox regress`."""
+
+    encoder: Annotated[str, Parameter(group=COMMON, metavar="ENCODER")] = DEFAULT_MODEL
     """Encoder, which estimates the hand's pose from the touches. paper: least squares with the
     paper's labels, without correction and smoothing. The others use --labels, correction and
-    smoothing. population: the pose of any person, trained on hundreds of simulated people. FILE: a
+    smoothing. linear, quadratic, cubic: polynomials. pca-ik: inverse kinematics in principal
+    components. population: the pose of any person, trained on hundreds of simulated people. FILE: a
     model of one person by `sandbox train`, or FILE.py:CLASS or MODULE:CLASS, an
     encoder of your own (docs/write-an-encoder.md)."""
 
-    bare: tyro.conf.FlagCreatePairsOff[bool] = False
+    bare: Annotated[bool, Parameter(group=RECONSTRUCTION)] = False
     """Use the paper's labels, and no correction or smoothing, with any encoder."""
 
-    labels: Literal["population", "paper", "device"] | None = None
+    labels: Annotated[
+        Literal["population", "paper", "device"] | None, Parameter(group=RECONSTRUCTION)
+    ] = None
     """How fingers are labelled. population: by earlier touches and what was trained on hundreds of
     simulated people, for hands that nobody knows; it also learns from five fingers that touch
     together. paper: by the nearest training pose, as in the paper. device: the simulated user
@@ -56,101 +72,108 @@ class OneHandOptions:
     labelled as by population. Labels that another device reports for all contacts are always used.
     Default: those of the recording, else population."""
 
-    without: tuple[Part, ...] = ()
+    without: Annotated[tuple[Part, ...], Parameter(group=RECONSTRUCTION)] = ()
     """Switch off a part of the pipeline, to measure what it contributes."""
 
-    seed: Annotated[int | None, tyro.conf.arg(metavar="INT")] = None
-    """Seed of start, goal and simulated user. Default: that of the recording, else 0."""
-
-    impulse: Annotated[str, tyro.conf.arg(metavar="{paper,safe,N}")] = "paper"
+    impulse: Annotated[str, Parameter(group=PHYSICS, metavar="paper|safe|N")] = "paper"
     """Limit of every servo in N s per 1/60 s: paper is 100, safe is 0.5. At 0.5 and below, a
     lowered hand moves more slowly and its fingers are heavier."""
 
-    contact: Literal["hard", "soft", "none"] = "hard"
+    contact: Annotated[Literal["hard", "soft", "none"], Parameter(group=PHYSICS)] = "hard"
     """Contact between hand and objects. soft: the hand yields and pushes with 3 N at most. none: it
     passes through everything. Key c in the window switches."""
 
-    solid: Literal["fingertips", "hand"] | None = None
+    solid: Annotated[Literal["fingertips", "hand"] | None, Parameter(group=PHYSICS)] = None
     """What of the hand collides. fingertips: the last links of touching fingers. hand: the palm and
     all links of all fingers, with objects and the other hand; fingers that do not touch keep clear
     of things. Default: that of the recording, else fingertips."""
 
-    servo: Literal["orientation", "position"] = "orientation"
+    servo: Annotated[Literal["orientation", "position"], Parameter(group=PHYSICS)] = "orientation"
     """orientation: one servo on the rotation of each ball joint. position: three servos, one on
     each component."""
 
-    hand: Literal["right", "left"] | None = None
+    hand: Annotated[Literal["right", "left"] | None, Parameter(group=COMMON)] = None
     """Which hand. Default: that of the recording or profile, else right."""
 
-    robot: Annotated[str, tyro.conf.arg(metavar="{shadow,adroit,inspire,allegro,leap,FILE}")] = ""
-    """Robot whose hand is in the place of yours (docs/robots.md): one of the extra `robots`, or
-    FILE.xml with a mapping by `sandbox robot fit` beside it. Default: our own hand."""
+    robot: Annotated[str, Parameter(group=PHYSICS, metavar="ROBOT")] = ""
+    """Robot whose hand is in the place of yours (docs/robots.md): shadow, adroit, inspire, allegro
+    or leap, or FILE.xml with a mapping by `sandbox robot fit` beside it. Default: our own hand."""
 
-    hand_size: Annotated[float | None, tyro.conf.arg(metavar="RATIO")] = None
+    hand_size: Annotated[float | None, Parameter(group=PERSON, metavar="RATIO")] = None
     """Length of the hand relative to the trained hand, 0.6 to 1.6; `sandbox calibrate` measures
     it."""
 
-    turn: Literal[0, 90, 180, 270] | None = None
+    turn: Annotated[Literal[0, 90, 180, 270] | None, Parameter(group=PERSON)] = None
     """Edge of the screen at which the person sits: 0 lower, 90 right, 180 upper, 270 left."""
 
-    profile: Annotated[str | None, tyro.conf.arg(metavar="{default,none,FILE}")] = None
+    profile: Annotated[str | None, Parameter(group=COMMON, metavar="default|none|FILE")] = None
     """Profile of a person by `sandbox calibrate`: side and size of the hand, and seat. default:
     this user's own profile, which `sandbox play` with a touch device uses even without this
     option. Over a Leap: a calibration by `sandbox paalm calibrate`; default is this user's own
     measured hand."""
 
-    rest: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    rest: Annotated[Path | None, Parameter(group=RECONSTRUCTION, metavar="FILE")] = None
     """Rest posture: a few looks at the person's hand while it touches, or a capture of it. With
     --encoder population it removes what the hand does differently all the time
     (docs/strangers.md). Default: that of the profile."""
 
-    surface: Annotated[str | None, tyro.conf.arg(metavar="SIZE")] = None
+    surface: Annotated[str | None, Parameter(group=COMMON, metavar="SIZE")] = None
     """Size of the touch surface: 7.76x5.82in, 197x148mm, or a preset such as ipad2."""
 
-    fingers: int = 3
+    fingers: Annotated[int, Parameter(group=SIMULATED)] = 3
     """Number of fingers that the simulated user touches with, 2 to 5."""
 
-    user: Literal["skilled", "idle", "random"] = "skilled"
+    user: Annotated[Literal["skilled", "idle", "random"], Parameter(group=SIMULATED)] = "skilled"
     """Simulated user. idle and random are control conditions, which should not succeed."""
 
-    drop_outs: float = 0.0
+    drop_outs: Annotated[float, Parameter(group=SIMULATED)] = 0.0
     """Times per second that the simulated user's screen loses each touch. A lost touch returns
     after 0.1 s with another id."""
 
+
+# `--help` lists the options of the last base first.
+@dataclass(frozen=True, kw_only=True)
+class OneHandOptions(TrialOptions, SourceOptions):
+    """Task, device, encoder, physics and recording options for one hand."""
+
+    seed: Annotated[int | None, Parameter(group=COMMON, metavar="INT")] = None
+    """Seed of start, goal and simulated user. Default: that of the recording, else 0."""
+
     vary: Annotated[
         str,
-        tyro.conf.arg(
+        Parameter(
+            group=SIMULATED,
             metavar="NAME=VALUE,...",
             help="Change the trial or degrade the touches, such as size=0.8,latency=50. "
             + help_with_units(KINDS.values()),
         ),
     ] = ""
 
-    port: int = DEFAULT_PORT
+    port: Annotated[int, Parameter(group=TUIO)] = DEFAULT_PORT
     """UDP and TCP port for TUIO; 0 takes a free one."""
 
-    bind: Annotated[str, tyro.conf.arg(metavar="ADDRESS")] = LOOPBACK
+    bind: Annotated[str, Parameter(group=TUIO, metavar="ADDRESS")] = LOOPBACK
     """Address for TUIO. 127.0.0.1: reachable from this machine only; 0.0.0.0: from the network."""
 
-    tuio_transport: Transport = "udp"
+    tuio_transport: Annotated[Transport, Parameter(group=TUIO)] = "udp"
     """Transport of TUIO: udp, tcp, websocket, or all three."""
 
-    websocket_port: int = DEFAULT_WEBSOCKET_PORT
+    websocket_port: Annotated[int, Parameter(group=TUIO)] = DEFAULT_WEBSOCKET_PORT
     """TCP port for TUIO over WebSockets; 0 takes a free one."""
 
-    tuio_connect: Annotated[str, tyro.conf.arg(metavar="URL")] = ""
+    tuio_connect: Annotated[str, Parameter(group=TUIO, metavar="URL")] = ""
     """Connect to a TUIO sender that waits for connections, such as tcp://HOST:3333 or
     ws://HOST:8080."""
 
-    grab: tyro.conf.FlagCreatePairsOff[bool] = False
+    grab: Annotated[bool, Parameter(group=EVDEV)] = False
     """evdev: hide the touches from the desktop, so that a trackpad does not move the pointer."""
 
-    record: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    record: Annotated[Path | None, Parameter(group=COMMON, metavar="FILE")] = None
     """Write a recording, which `sandbox replay` reproduces bit for bit."""
 
-    dump: Annotated[Path, tyro.conf.arg(metavar="DIR")] = Path()
+    dump: Annotated[Path, Parameter(group=OUTPUT, metavar="DIR")] = Path()
     """Folder for a recording of the last states, written if the simulation diverges. With --record,
     it is written beside the recording instead."""
 
-    events: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    events: Annotated[Path | None, Parameter(group=OUTPUT, metavar="FILE")] = None
     """Append events to this file as JSON lines: listening, trial_start, trial_end, warning."""

@@ -58,7 +58,7 @@ _PARTS: dict[str, dict[str, Any]] = {
 
 
 # `--help` lists the options of the last base first: those that most people need.
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class SceneOptions(WebcamOptions, LeapOptions, SecondOptions, OneHandOptions):
     """Options of a scene with one or two hands."""
 

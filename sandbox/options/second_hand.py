@@ -6,10 +6,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Annotated, Any, Literal
 
-import tyro
+from cyclopts import Parameter
 
 from models.errors import InputError
 from sandbox.devices.registry import DEVICES
+from sandbox.options.headings import SECOND
 from sandbox.recording.recording import Recording
 from sandbox.trial.settings import Settings
 from tasks.registry import find_task, hands_of
@@ -21,29 +22,31 @@ ONE_HAND_EACH = tuple(name for name, entry in DEVICES.items() if entry.one_hand)
 """Devices for a single hand: in a task for two hands, a simulated user moves the other one."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class SecondOptions:
     """Options of a second hand."""
 
-    second_device: Annotated[str | None, tyro.conf.arg(metavar="DEVICE")] = None
+    second_device: Annotated[str | None, Parameter(group=SECOND, metavar="DEVICE")] = None
     """Device of a second hand; web gives it a page of its own. A second --device, --hand,
     --hand-size, --turn or --user means the same as the option with --second. The first hand is at
     the right, unless it is a left hand and the second one is a right hand. Tasks for two hands
     always have a second hand."""
 
-    second_hand: Literal["right", "left"] | None = None
+    second_hand: Annotated[Literal["right", "left"] | None, Parameter(group=SECOND)] = None
     """Side of the second hand. Default: opposite to the first."""
 
-    second_hand_size: Annotated[float | None, tyro.conf.arg(metavar="RATIO")] = None
+    second_hand_size: Annotated[float | None, Parameter(group=SECOND, metavar="RATIO")] = None
     """Length of the second hand, as --hand-size. Default: that of the first."""
 
-    second_turn: Literal[0, 90, 180, 270] | None = None
+    second_turn: Annotated[Literal[0, 90, 180, 270] | None, Parameter(group=SECOND)] = None
     """Seat of the second hand's person, as --turn."""
 
-    second_user: Literal["skilled", "idle", "random"] | None = None
+    second_user: Annotated[Literal["skilled", "idle", "random"] | None, Parameter(group=SECOND)] = (
+        None
+    )
     """Simulated user of the second hand. Default: that of the first."""
 
-    one_surface: tyro.conf.FlagCreatePairsOff[bool] = False
+    one_surface: Annotated[bool, Parameter(group=SECOND)] = False
     """Both hands touch one surface; its contacts are divided between them."""
 
 

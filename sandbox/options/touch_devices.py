@@ -6,7 +6,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Annotated
 
-import tyro
+from cyclopts import Parameter
 
 from models.surface import parse_surface
 from sandbox.devices.device_settings import DeviceSettings
@@ -20,21 +20,20 @@ from sandbox.devices.open_touches import (
 )
 from sandbox.devices.tuio.options import DEFAULT_PORT, DEFAULT_WEBSOCKET_PORT, LOOPBACK, Transport
 from sandbox.devices.tuio.tuio import Tap
-from sandbox.options.metavars import TOUCH_DEVICE_CHOICES
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class TouchOptions:
     """Source of touches."""
 
-    device: Annotated[str, tyro.conf.arg(metavar=TOUCH_DEVICE_CHOICES)] = "tuio"
+    device: Annotated[str, Parameter(metavar="DEVICE")] = "tuio"
     """Source of the touches. tuio: senders of TUIO 1.1 and 2.0. web: a page in a browser; add
     --tablet for a tablet in the network. evdev, evdev:NODE: a touch screen or trackpad of this
     Linux machine. FILE: a file by `touches record`, a recording of this program, or a capture of
     TUIO packets. Or a device of your own: FILE.py:CLASS[:ARGUMENT], or its name in an installed
     package."""
 
-    bind: Annotated[str, tyro.conf.arg(metavar="ADDRESS")] = LOOPBACK
+    bind: Annotated[str, Parameter(metavar="ADDRESS")] = LOOPBACK
     """Address on which this program listens for TUIO. 127.0.0.1: reachable from this machine only;
     0.0.0.0: from the network."""
 
@@ -47,11 +46,11 @@ class TouchOptions:
     websocket_port: int = DEFAULT_WEBSOCKET_PORT
     """TCP port for TUIO over WebSockets; 0 takes a free one."""
 
-    tuio_connect: Annotated[str, tyro.conf.arg(metavar="URL")] = ""
+    tuio_connect: Annotated[str, Parameter(metavar="URL")] = ""
     """Connect to a TUIO sender that waits for connections, such as tcp://HOST:3333 or
     ws://HOST:8080."""
 
-    surface: Annotated[str | None, tyro.conf.arg(metavar="SIZE")] = None
+    surface: Annotated[str | None, Parameter(metavar="SIZE")] = None
     """Size of the touch area: 7.76x5.82in, 197x148mm, or a preset (ipad2, ipad-11, ipad-13,
     ipad-mini). TUIO does not transmit the size, so without this option inches are a guess. A
     browser page is measured on the page, and most touch screens report their size."""
@@ -59,16 +58,16 @@ class TouchOptions:
     stale_after: float = STALE_AFTER
     """Seconds without a packet after which the touches of a TUIO sender are lifted."""
 
-    tablet: tyro.conf.FlagCreatePairsOff[bool] = False
+    tablet: bool = False
     """Open the page on a tablet in the same network: prints a QR code to scan."""
 
-    lan: Annotated[str | None, tyro.conf.arg(metavar="ADDRESS")] = None
+    lan: Annotated[str | None, Parameter(metavar="ADDRESS")] = None
     """Address on which the page is served, in place of the one that --tablet finds."""
 
     page_port: int = 0
     """TCP port of the page; 0 takes a free one."""
 
-    grab: tyro.conf.FlagCreatePairsOff[bool] = False
+    grab: bool = False
     """evdev: hide the touches from the desktop, so that a trackpad does not move the pointer."""
 
     @property

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from math import inf, isfinite
 
-from models.errors import InputError
+from models.errors import InputError, unknown_name
 from tasks.variation import RANGES, Variation
 
 
@@ -141,7 +141,7 @@ def find_kind(name: str) -> Kind:
         InputError: The name is unknown.
     """
     if name not in KINDS:
-        raise InputError("unknown quantity", where="--vary", got=name, expected=", ".join(KINDS))
+        raise unknown_name("unknown quantity", name, KINDS, where="--vary")
     return KINDS[name]
 
 

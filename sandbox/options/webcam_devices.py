@@ -7,12 +7,16 @@ from math import atan, degrees
 from pathlib import Path
 from typing import Annotated, Any
 
-import tyro
+from cyclopts import Parameter
 
 from encoders.webcam.camera import Camera
 from models.errors import InputError
 from sandbox.devices.kinds import LIVE_WEBCAM as LIVE
 from sandbox.devices.kinds import is_webcam
+from sandbox.devices.webcam.landmark_file import (
+    read_landmarks,
+)
+from sandbox.options.headings import WEBCAM
 from sandbox.trial.hand_input import HandInput
 from sandbox.trial.settings import Settings
 
@@ -22,11 +26,11 @@ _WORDS = ("mirrored", "quiet")
 _FORM = "fov=60 or sees=0.58/0.5,at=0/0.45/0.1,tilt=0,roll=0,pan=0,mirrored,quiet"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class WebcamOptions:
     """Options for hands before a webcam."""
 
-    webcam: Annotated[str, tyro.conf.arg(metavar="KEY=VALUE,...")] = ""
+    webcam: Annotated[str, Parameter(group=WEBCAM, metavar="KEY=VALUE,...")] = ""
     """The camera of --device webcam, by any of: fov=DEGREES across its picture, which with your
     hand's size gives its distance (default 60), or sees=ACROSS/AWAY, how many m of a ruler it sees
     from edge to edge, and how far away the ruler is held; at=X/Y/Z, where the camera is, m from the
@@ -118,7 +122,6 @@ def with_webcam_hands(settings: Settings, options: Any) -> Settings:
 
 
 def _hand_input(options: Any, device: str) -> HandInput:
-    from sandbox.devices.webcam.landmark_file import read_landmarks
 
     recorded = None if device == LIVE else read_landmarks(Path(device)).camera
     return HandInput(camera=webcam_choice(options.webcam, recorded).camera)

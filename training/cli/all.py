@@ -6,15 +6,15 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
-import tyro
+from cyclopts import Parameter
 
 from models.errors import InputError
-from sandbox.cli.common.parse import parse
+from sandbox.cli.common.command_line import parse
 from training.cli.shipped_file import make, people_to_train_on
 from training.shipped import FILES
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class AllOptions:
     """Makes all files that ship into a folder, and compares them with the shipped ones. Exit status
     1 if one differs by more than rounding.
@@ -24,10 +24,10 @@ class AllOptions:
         python -m training all --out made
     """
 
-    out: Annotated[Path, tyro.conf.arg(metavar="FOLDER")]
+    out: Annotated[Path, Parameter(metavar="FOLDER")]
     """Folder for the files; it is made if there is none."""
 
-    population: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    population: Annotated[Path | None, Parameter(metavar="FILE")] = None
     """People to train on, by `python -m training people`. Default: they are made anew."""
 
 

@@ -6,7 +6,7 @@ import importlib
 import sys
 from collections.abc import Sequence
 
-from models.errors import HandSandboxError, InputError
+from models.errors import HandSandboxError, InputError, unknown_name
 from sandbox.cli.common.printing import prepare
 from training.shipped import FILES
 
@@ -41,12 +41,8 @@ def main(argv: Sequence[str] | None = None) -> int:
 
             return make_file(name, rest)
         if name not in COMMANDS:
-            raise InputError(
-                "no such command",
-                got=name,
-                expected=", ".join(COMMANDS),
-                remedy="`python -m training` lists them",
-            )
+            remedy = "`python -m training` lists them"
+            raise unknown_name("no such command", name, COMMANDS, remedy=remedy)
         return int(importlib.import_module(f"training.cli.{name}").main(rest))
     except InputError as error:
         print(f"training: {error}", file=sys.stderr)

@@ -7,20 +7,20 @@ from math import ceil
 from pathlib import Path
 from typing import Annotated, Literal
 
-import tyro
+from cyclopts import Parameter
 from rich.console import Console
 from rich.markup import escape
 
 from models.errors import InputError
 from models.messages.wording import counted
+from sandbox.cli.common.command_line import parse
 from sandbox.cli.common.json_out import check_output
-from sandbox.cli.common.parse import parse
 from training.cli.progress_bar import bar, bars
 from training.population import save_population, simulate_population
 from training.population.population import PEOPLE
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class PeopleOptions:
     """Makes captures of hundreds of SIMULATED people, on whom the files for any person are trained.
 
@@ -36,7 +36,7 @@ class PeopleOptions:
         python -m training names --population people.npz --out names.npz
     """
 
-    out: Annotated[Path, tyro.conf.arg(metavar="FILE")]
+    out: Annotated[Path, Parameter(metavar="FILE")]
     """File for the population; an existing file is replaced."""
 
     salt: str = ""

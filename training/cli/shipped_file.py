@@ -11,13 +11,13 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Annotated
 
-import tyro
+from cyclopts import Parameter
 from rich.console import Console
 from rich.markup import escape
 
 from models.errors import InputError
+from sandbox.cli.common.command_line import parse
 from sandbox.cli.common.json_out import check_output, refuse_replacing
-from sandbox.cli.common.parse import parse
 from training.cli.progress_bar import bar, bars
 from training.comparison import compared
 from training.population import Population, load_population, simulate_population
@@ -25,7 +25,7 @@ from training.population.population import PEOPLE
 from training.shipped import FILES, Inputs
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class FileOptions:
     """Makes a file that ships, and compares it with the shipped one. Exit status 1 if they differ
     by more than rounding; the file is written all the same.
@@ -35,11 +35,11 @@ class FileOptions:
         python -m training linear --out linear.npz
     """
 
-    out: Annotated[Path, tyro.conf.arg(metavar="FILE")]
+    out: Annotated[Path, Parameter(metavar="FILE")]
     """Where to write the file. To ship it, name its place in the checkout."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class PeopleFileOptions:
     """Trains a file that ships on simulated people, and compares it with the shipped one. Exit
     status 1 if they differ by more than rounding; the file is written all the same.
@@ -50,10 +50,10 @@ class PeopleFileOptions:
         python -m training names --population people.npz --out names.npz
     """
 
-    out: Annotated[Path, tyro.conf.arg(metavar="FILE")]
+    out: Annotated[Path, Parameter(metavar="FILE")]
     """Where to write the file. To ship it, name its place in the checkout."""
 
-    population: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    population: Annotated[Path | None, Parameter(metavar="FILE")] = None
     """People to train on, by `python -m training people`. Default: they are made anew."""
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import numpy as np
-import tyro
+from cyclopts import Parameter
 from rich.console import Console
 from rich.progress import Progress, TaskID
 from rich.table import Table
@@ -21,8 +21,8 @@ from encoders.labels.population_belief import builtin_population_belief
 from encoders.person.rest_posture import MOST, Looks, knowing_rest, looks_of
 from encoders.regression.trained import POPULATION, TrainedModel, builtin
 from models.errors import InputError
+from sandbox.cli.common.command_line import parse
 from sandbox.cli.common.json_out import check_output, refuse_replacing, write_json
-from sandbox.cli.common.parse import parse
 from training.names import train_names
 from training.population import Population, load_population, simulate_population
 from training.population.population import PEOPLE
@@ -36,7 +36,7 @@ SCHEMA = 1
 Maker = Callable[[], BeliefLabels]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class StrangersOptions:
     """Measures how well people are served on whom nothing was trained: pose with true names, names
     with history, and how true the probabilities are. Intervals are over people.
@@ -65,17 +65,17 @@ class StrangersOptions:
     day_seed: int = 0
     """Seed that chooses the days."""
 
-    population: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    population: Annotated[Path | None, Parameter(metavar="FILE")] = None
     """People to train on, by `python -m training people`. Default: they are made anew."""
 
     rest: int = 0
     """Most looks at each hand that are known beforehand, 0 to 12, as by --rest of `sandbox run`: at
     the ends of other takes, of which there may be fewer."""
 
-    names: bool = True
+    names: Annotated[bool, Parameter(negative="--no-names")] = True
     """Judge names of fingers as well, which takes most of the time."""
 
-    json: Annotated[Path | None, tyro.conf.arg(metavar="OUT")] = None
+    json: Annotated[Path | None, Parameter(metavar="OUT")] = None
     """File for all numbers as JSON; - is the terminal."""
 
 

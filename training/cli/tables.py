@@ -6,14 +6,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
-import tyro
+from cyclopts import Parameter
 
-from sandbox.cli.common.parse import parse
+from sandbox.cli.common.command_line import parse
 from sandbox.cli.evaluate.command import EvaluateOptions, measure
 from training.subjects import subject
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class TablesOptions:
     """Measures encoders on the second SIMULATED subject: the tables of `sandbox evaluate`, which
     explains them. Encoders are trained on day 0 of that subject, and tested on other days.
@@ -23,9 +23,9 @@ class TablesOptions:
         python -m training tables --encoders linear quadratic --days 1
     """
 
-    encoders: Annotated[tuple[str, ...], tyro.conf.arg(metavar="NAME|FILE|FILE.py:CLASS")] = (
-        EvaluateOptions.encoders
-    )
+    encoders: Annotated[
+        tuple[str, ...], Parameter(metavar="NAME|FILE|FILE.py:CLASS", consume_multiple=True)
+    ] = EvaluateOptions.encoders
     """Encoders to evaluate."""
 
     days: int = EvaluateOptions.days
@@ -34,17 +34,17 @@ class TablesOptions:
     day_seed: int = EvaluateOptions.day_seed
     """Seed that chooses the test days."""
 
-    json: Annotated[Path | None, tyro.conf.arg(metavar="OUT")] = None
+    json: Annotated[Path | None, Parameter(metavar="OUT")] = None
     """File for all numbers as JSON; - is the terminal."""
 
-    plots: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
+    plots: Annotated[Path | None, Parameter(metavar="DIR")] = None
     """Folder for pictures of the tables and hands, as PNG and SVG; needs the extra `plots`."""
 
-    copas: bool = EvaluateOptions.copas
+    copas: Annotated[bool, Parameter(negative="--no-copas")] = EvaluateOptions.copas
     """Run the Copas test, which trains every encoder twenty more times."""
 
 
 def main(argv: list[str]) -> int:
     """Runs `python -m training tables ...`."""
-    options = parse(TablesOptions, "python -m training tables", argv, append=False)
+    options = parse(TablesOptions, "python -m training tables", argv)
     return measure(EvaluateOptions(**vars(options)), subject("second"))

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
-import tyro
+from cyclopts import Parameter
 from rich.console import Console
 
 from encoders.captures.conversion import ConversionReport, ConversionRules
@@ -17,8 +17,8 @@ from encoders.captures.overhead.naming import NamedContact
 from models.frames import FINGERS
 from models.surface import parse_surface
 from sandbox.cli.capture.pictures import read_session
+from sandbox.cli.common.command_line import parse
 from sandbox.cli.common.json_out import check_output, write_json
-from sandbox.cli.common.parse import parse
 from sandbox.devices.files.paired_capture import Asked, read_asked
 
 SETTLED = 0.3
@@ -26,7 +26,7 @@ SETTLED = 0.3
 SCHEMA = 1
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class ReportOptions:
     """Tells what a camera over a tablet saw: how many touches it named, how surely, and how often
     its names were those that the guide had asked for.
@@ -37,13 +37,13 @@ class ReportOptions:
         sandbox capture report day
     """
 
-    folder: Annotated[tyro.conf.Positional[Path], tyro.conf.arg(metavar="FOLDER")]
+    folder: Annotated[Path, Parameter(metavar="FOLDER")] = field(kw_only=False)
     """Folder by `sandbox capture record --hands webcam`."""
 
-    surface: Annotated[str | None, tyro.conf.arg(metavar="SIZE")] = None
+    surface: Annotated[str | None, Parameter(metavar="SIZE")] = None
     """Size of the touch surface, where the recording does not say it."""
 
-    json: Annotated[Path | None, tyro.conf.arg(metavar="OUT")] = None
+    json: Annotated[Path | None, Parameter(metavar="OUT")] = None
     """File for all numbers as JSON; - is the terminal."""
 
 

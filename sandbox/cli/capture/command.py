@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import numpy as np
-import tyro
+from cyclopts import Parameter
 from rich.console import Console
 from rich.markup import escape
 from rich.progress import Progress
@@ -30,13 +30,13 @@ from models.errors import InputError
 from models.surface import Surface, parse_surface
 from sandbox.cli.capture.hand_files import read_hand, read_mapping
 from sandbox.cli.capture.touch_files import read_touch_log
+from sandbox.cli.common.command_line import parse
 from sandbox.cli.common.json_out import check_output, refuse_replacing
-from sandbox.cli.common.parse import parse
 from sandbox.devices.files.paired_capture import HANDS, UNNAMED
 from sandbox.devices.webcam.landmark_file import is_landmark_file
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class CaptureOptions:
     """Makes a capture, on which an encoder can be trained, from your own recordings.
 
@@ -83,33 +83,33 @@ class CaptureOptions:
         sandbox train --capture c.npz --out mine.npz
     """
 
-    out: Annotated[Path, tyro.conf.arg(metavar="FILE")]
+    out: Annotated[Path, Parameter(metavar="FILE")]
     """File for the capture; an existing file is replaced."""
 
-    touches: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    touches: Annotated[Path | None, Parameter(metavar="FILE")] = None
     """Recording of the touches."""
 
-    joints: Annotated[Path | None, tyro.conf.arg(metavar="FILE.bvh|.amc|.v|.csv")] = None
+    joints: Annotated[Path | None, Parameter(metavar="FILE.bvh|.amc|.v|.csv")] = None
     """Recording of the hand's joints."""
 
-    skeleton: Annotated[Path | None, tyro.conf.arg(metavar="FILE.asf|.vsk")] = None
+    skeleton: Annotated[Path | None, Parameter(metavar="FILE.asf|.vsk")] = None
     """Skeleton of an .amc or .v file. Default: the file of the same name in its folder."""
 
-    joints_rate: Annotated[float | None, tyro.conf.arg(metavar="HZ")] = None
+    joints_rate: Annotated[float | None, Parameter(metavar="HZ")] = None
     """Frames per second of an .amc file, which does not store them. Default: 120, or the true rate
     of a file by this program."""
 
-    markers: Annotated[Path | None, tyro.conf.arg(metavar="FILE.tsv")] = None
+    markers: Annotated[Path | None, Parameter(metavar="FILE.tsv")] = None
     """Recording of markers on the hand, in place of --joints."""
 
-    recorded: Annotated[Path | None, tyro.conf.arg(metavar="FOLDER")] = None
+    recorded: Annotated[Path | None, Parameter(metavar="FOLDER")] = None
     """Folder by `sandbox capture record`, with touches and hand of a session with a Leap or a
     camera."""
 
-    hands: Annotated[Path | None, tyro.conf.arg(metavar="FILE.json|.jsonl")] = None
+    hands: Annotated[Path | None, Parameter(metavar="FILE.json|.jsonl")] = None
     """Recording of the hand by a Leap, with --touches recorded at the same time."""
 
-    calibration: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    calibration: Annotated[Path | None, Parameter(metavar="FILE")] = None
     """For --hands and --recorded: calibration by `sandbox paalm calibrate`. Default: measured at
     the start of the recording, where the hand must be open."""
 
@@ -121,7 +121,7 @@ class CaptureOptions:
     """Synchronisation. clock: the clocks differ by --offset. tap: the offset is estimated from
     taps; an error if that fails. Default: tap for --hands and --recorded, else clock."""
 
-    offset: Annotated[float, tyro.conf.arg(metavar="S")] = 0.0
+    offset: Annotated[float, Parameter(metavar="S")] = 0.0
     """Seconds by which the clock of the joints is ahead of that of the touches, for --sync
     clock."""
 
@@ -129,14 +129,14 @@ class CaptureOptions:
     """Side of the hand. Default: that of --recorded, else right. A left hand is mirrored, since
     encoders learn right hands only."""
 
-    surface: Annotated[str | None, tyro.conf.arg(metavar="SIZE")] = None
+    surface: Annotated[str | None, Parameter(metavar="SIZE")] = None
     """Size of the touch surface: 7.76x5.82in, 197x148mm, or a preset such as ipad2."""
 
-    mapping: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    mapping: Annotated[Path | None, Parameter(metavar="FILE")] = None
     """File (TOML or JSON) with the meaning of the recording's names, and the corners of the
     surface."""
 
-    unit: Annotated[float | None, tyro.conf.arg(metavar="M")] = None
+    unit: Annotated[float | None, Parameter(metavar="M")] = None
     """Unit of length of the recording in metres. Default: 0.01 for BVH, 0.001 for Vicon and
     markers, and that of the skeleton for .amc."""
 
@@ -144,11 +144,11 @@ class CaptureOptions:
     """Size of the hand in a CSV file relative to the program's adult hand. In other formats, the
     size is fitted."""
 
-    threshold: Annotated[float, tyro.conf.arg(metavar="MM")] = 5.0
+    threshold: Annotated[float, Parameter(metavar="MM")] = 5.0
     """Height in mm below which a fingertip touches the surface, if --touches is missing; also the
     flatness required to find the surface. Soft surfaces need more."""
 
-    rate: Annotated[float, tyro.conf.arg(metavar="HZ")] = 30.0
+    rate: Annotated[float, Parameter(metavar="HZ")] = 30.0
     """Frames per second of the capture."""
 
     subject: str | None = None

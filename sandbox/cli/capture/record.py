@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-import tyro
+from cyclopts import Parameter
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn
 from rich.text import Text
@@ -20,7 +20,7 @@ from encoders.captures.paired.guide import Guide
 from models.errors import InputError, RecordingError
 from models.frames import HandFrame, TouchFrame
 from sandbox.cli.capture.live_naming import LiveNaming
-from sandbox.cli.common.parse import parse
+from sandbox.cli.common.command_line import parse
 from sandbox.cli.common.touch_opening import open_touches_or_page
 from sandbox.devices.files.paired_capture import (
     ABOUT,
@@ -47,7 +47,6 @@ from sandbox.devices.webcam.landmark_file import (
 )
 from sandbox.devices.webcam.landmarks_json import message_of
 from sandbox.devices.webcam.webcam import WebcamDevice
-from sandbox.options.metavars import TOUCH_DEVICE_CHOICES
 from sandbox.options.touch_devices import TouchOptions
 from sandbox.options.webcam_devices import webcam_choice
 from sandbox.session.device import Device, HandDevice, LandmarkDevice
@@ -61,7 +60,7 @@ SILENT = 10.0
 """s without data from a device after which a hint is printed."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class RecordOptions:
     """Records touches and your hand at the same time, to train an encoder of your own.
 
@@ -86,21 +85,23 @@ class RecordOptions:
         sandbox capture --recorded monday --out mine.npz
     """
 
-    out: Annotated[Path, tyro.conf.arg(metavar="FOLDER")]
+    out: Annotated[Path, Parameter(metavar="FOLDER")]
     """Folder to create; an existing session is never overwritten."""
 
-    touches: Annotated[str, tyro.conf.arg(metavar=TOUCH_DEVICE_CHOICES)] = "tuio"
+    touches: Annotated[str, Parameter(metavar="DEVICE")] = "tuio"
     """Touch device, as --device of `sandbox touches show`."""
 
-    hands: Annotated[str, tyro.conf.arg(metavar="{leap,webcam,FILE}")] = LIVE
+    hands: Annotated[str, Parameter(metavar="leap|webcam|FILE")] = LIVE
     """Device that sees the hand: a running Leap service, a camera over the surface, or a recording
     of one of them."""
 
-    webcam: Annotated[str, tyro.conf.arg(metavar="KEY=VALUE,...")] = ""
+    webcam: Annotated[str, Parameter(metavar="KEY=VALUE,...")] = ""
     """With --hands webcam: fov=DEGREES across the picture, if known; mirrored, if the camera's
     picture is a mirror's; quiet, to open no browser."""
 
-    corners: Annotated[str | None, tyro.conf.arg(metavar="X/Y,X/Y,X/Y,X/Y")] = None
+    corners: Annotated[
+        str | None, Parameter(metavar="X/Y,X/Y,X/Y,X/Y", allow_leading_hyphen=True)
+    ] = None
     """With --hands webcam: the surface's corners in pixels of the picture: top left, top right,
     bottom right, bottom left, as you call them before it. They can be marked in the camera's page
     instead. Without them, the touches tell where the surface is."""
@@ -115,26 +116,26 @@ class RecordOptions:
     """Seconds for each set of fingers, in two parts; 6 give about as many frames as in the
     paper."""
 
-    free: tyro.conf.FlagCreatePairsOff[bool] = False
+    free: bool = False
     """Record without guidance until Ctrl-C, for a test set. Begin with the open hand and three
     taps, too."""
 
     seconds: float = math.inf
     """Stop after this many seconds."""
 
-    leap: Annotated[str, tyro.conf.arg(metavar="URL")] = DEFAULT_ADDRESS
+    leap: Annotated[str, Parameter(metavar="URL")] = DEFAULT_ADDRESS
     """WebSocket address of the Leap service."""
 
-    surface: Annotated[str | None, tyro.conf.arg(metavar="SIZE")] = None
+    surface: Annotated[str | None, Parameter(metavar="SIZE")] = None
     """Size of the touch surface: 7.76x5.82in, 197x148mm, or a preset such as ipad2."""
 
-    bind: Annotated[str, tyro.conf.arg(metavar="ADDRESS")] = LOOPBACK
+    bind: Annotated[str, Parameter(metavar="ADDRESS")] = LOOPBACK
     """Address for TUIO. 127.0.0.1: reachable from this machine only; 0.0.0.0: from the network."""
 
     port: int = DEFAULT_PORT
     """UDP port for TUIO; 0 takes a free one."""
 
-    tablet: tyro.conf.FlagCreatePairsOff[bool] = False
+    tablet: bool = False
     """With --touches web: open the page on a tablet in the same network."""
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-import tyro
+from cyclopts import Parameter
 from rich.console import Console
 from rich.progress import Progress
 from rich.text import Text
@@ -16,7 +16,7 @@ from encoders.captures.overhead.simulated import OverheadPictures, simulate_over
 from encoders.captures.paired.simulated import PairedSession, simulate_paired
 from encoders.store import save_capture
 from models.errors import InputError
-from sandbox.cli.common.parse import parse
+from sandbox.cli.common.command_line import parse
 from sandbox.devices.files.paired_capture import PairedCaptureWriter, check_new
 from sandbox.devices.webcam.landmark_file import header_record
 from sandbox.devices.webcam.landmarks_json import message_of
@@ -24,7 +24,7 @@ from sandbox.devices.webcam.landmarks_json import message_of
 TRUTH, DEVICES = "truth.npz", "truth.json"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class SimulateOptions:
     """Makes a SIMULATED session like one by `sandbox capture record`: a hand touches a tablet and
     is seen by a Leap, each with its own clock, latency and noise.
@@ -40,7 +40,7 @@ class SimulateOptions:
         sandbox capture --recorded monday --out mine.npz
     """
 
-    out: Annotated[Path, tyro.conf.arg(metavar="FOLDER")]
+    out: Annotated[Path, Parameter(metavar="FOLDER")]
     """Folder to create; an existing session is never overwritten."""
 
     seed: int = 0
@@ -59,7 +59,7 @@ class SimulateOptions:
     """What sees the hand: a Leap, or a camera over the tablet, as landmarks with errors.
     The truth then has the tablet's corners in place of the Leap's position."""
 
-    corners: tyro.conf.FlagCreatePairsOff[bool] = False
+    corners: bool = False
     """With --hands webcam: as if the tablet's corners had been marked."""
 
 

@@ -5,17 +5,19 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import Any
+from typing import Annotated, Any
 
-import tyro
+from cyclopts import Parameter
 from rich.console import Console
 
+from sandbox.options.headings import OUTPUT
 
-@dataclass(frozen=True)
+
+@dataclass(frozen=True, kw_only=True)
 class LslOptions:
     """Options of Lab Streaming Layer."""
 
-    lsl: tyro.conf.FlagCreatePairsOff[bool] = False
+    lsl: Annotated[bool, Parameter(group=OUTPUT)] = False
     """Send touches, poses and markers over Lab Streaming Layer (extra `lsl`)."""
 
 

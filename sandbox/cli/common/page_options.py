@@ -5,9 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated
 
-import tyro
+from cyclopts import Parameter
 
 from models.errors import InputError
+from sandbox.options.headings import COMMON, PAGE
 from sandbox.options.profiles import default_path
 from sandbox.recording.versions import versions
 from sandbox.server.connections.address import LOOPBACK, checked_address, local_network_address
@@ -19,25 +20,25 @@ from sandbox.server.static import HEADSET, StaticFiles
 from tasks.registry import TASKS, hands_of
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class PageOptions:
     """Options of the page's server."""
 
-    tablet: tyro.conf.FlagCreatePairsOff[bool] = False
+    tablet: Annotated[bool, Parameter(group=COMMON)] = False
     """Play on a tablet in the same network: prints a QR code to scan. Same as --device web, on this
     machine's network address."""
 
-    lan: Annotated[str | None, tyro.conf.arg(metavar="ADDRESS")] = None
+    lan: Annotated[str | None, Parameter(group=PAGE, metavar="ADDRESS")] = None
     """Address on which the page is served, in place of the one that --tablet finds."""
 
-    page_port: int = 0
+    page_port: Annotated[int, Parameter(group=PAGE)] = 0
     """TCP port of the page; 0 takes a free one. With a fixed port the link stays the same, and an
     open page reconnects when the program is restarted."""
 
-    tls_cert: Annotated[str | None, tyro.conf.arg(metavar="FILE")] = None
+    tls_cert: Annotated[str | None, Parameter(group=PAGE, metavar="FILE")] = None
     """Certificate for https, with --tls-key. Tablets refuse self-signed certificates."""
 
-    tls_key: Annotated[str | None, tyro.conf.arg(metavar="FILE")] = None
+    tls_key: Annotated[str | None, Parameter(group=PAGE, metavar="FILE")] = None
     """Key of the certificate."""
 
     @property

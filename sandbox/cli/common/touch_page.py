@@ -104,7 +104,7 @@ def open_page_touches(asked: TouchOptions, console: Console, patience: float) ->
         console: Console for link and QR code.
         patience: Timeout, s.
     """
-    options = PageOptions(asked.tablet, asked.lan, asked.page_port)
+    options = PageOptions(tablet=asked.tablet, lan=asked.lan, page_port=asked.page_port)
     server = open_page(options)
     show_address(server, options, EventLog(None), console)
     end = time.monotonic() + patience

@@ -10,13 +10,13 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-import tyro
+from cyclopts import Parameter
 from rich.console import Console
 from rich.progress import Progress, TaskID
 
 from models.errors import HandSandboxError, InputError
+from sandbox.cli.common.command_line import parse
 from sandbox.cli.common.json_out import check_output, refuse_replacing, write_json
-from sandbox.cli.common.parse import parse
 
 if TYPE_CHECKING:
     from encoders.evaluation.subjects import Subject
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 BUILTIN = "builtin"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class EvaluateOptions:
     """Measures how well encoders reconstruct the hand and label its fingers: Tables 1 and 2 of the
     paper of 2015, its Copas test, smoothness, fingertip errors, joint limits and time.
@@ -47,7 +47,9 @@ class EvaluateOptions:
     The paper of 2013 instead: sandbox evaluate --paalm simulated|FOLDER [--json OUT]
     """
 
-    encoders: Annotated[tuple[str, ...], tyro.conf.arg(metavar="NAME|FILE|FILE.py:CLASS")] = (
+    encoders: Annotated[
+        tuple[str, ...], Parameter(metavar="NAME|FILE|FILE.py:CLASS", consume_multiple=True)
+    ] = (
         "linear",
         "quadratic",
         "cubic",
@@ -58,14 +60,12 @@ class EvaluateOptions:
     """Encoders to evaluate."""
 
     capture: Annotated[
-        tuple[tuple[str, ...], ...],
-        tyro.conf.arg(metavar="builtin|FILE|DIR|LIST"),
-        tyro.conf.UseAppendAction,
+        tuple[str, ...], Parameter(metavar="builtin|FILE|DIR|LIST", consume_multiple=True)
     ] = ()
     """Test captures: builtin, the simulated subject's test days (default); captures; a folder of
     captures; or a text file (.txt) with one capture per line. May be repeated."""
 
-    train: Annotated[str, tyro.conf.arg(metavar="own|split|FILE")] = BUILTIN
+    train: Annotated[str, Parameter(metavar="own|split|FILE")] = BUILTIN
     """Training data: own (or builtin), day 0 of the same person; a capture; or split, four fifths
     of the takes of the one --capture FILE, whose other fifth is the test data."""
 
@@ -75,13 +75,13 @@ class EvaluateOptions:
     day_seed: int = 0
     """Seed that chooses the test days."""
 
-    json: Annotated[Path | None, tyro.conf.arg(metavar="OUT")] = None
+    json: Annotated[Path | None, Parameter(metavar="OUT")] = None
     """File for all numbers as JSON; - is the terminal."""
 
-    plots: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
+    plots: Annotated[Path | None, Parameter(metavar="DIR")] = None
     """Folder for pictures of the tables and hands, as PNG and SVG; needs the extra `plots`."""
 
-    copas: bool = True
+    copas: Annotated[bool, Parameter(negative="--no-copas")] = True
     """Run the Copas test, which trains every encoder twenty more times."""
 
 
@@ -93,7 +93,7 @@ def main(argv: list[str]) -> int:
 
         return judge_paalm(argv)
     try:
-        options = parse(EvaluateOptions, "sandbox evaluate", argv, append=False)
+        options = parse(EvaluateOptions, "sandbox evaluate", argv)
     except SystemExit:
         # It was asked for help, which is about both papers.
         from sandbox.cli.evaluate.paalm_judge import PaalmJudgeOptions
@@ -132,7 +132,7 @@ def measure(options: EvaluateOptions, person: Subject) -> int:
     console = Console(width=max(console.width, 110))
     with _bars() as progress:
         data = gather(
-            [place for places in options.capture for place in places] or [BUILTIN],
+            list(options.capture) or [BUILTIN],
             BUILTIN if options.train == "own" else options.train,
             person,
             options.days,
@@ -194,7 +194,7 @@ def _check(options: EvaluateOptions) -> None:
             "no such seed", where="--day-seed", got=options.day_seed, expected="0 or more"
         )
     check_output(options.json)
-    named = [Path(place) for places in options.capture for place in places]
+    named = [Path(place) for place in options.capture]
     named += map(Path, (options.train, *options.encoders))
     refuse_replacing(options.json, {str(path): path for path in named}, "--json")
     if options.plots is not None:

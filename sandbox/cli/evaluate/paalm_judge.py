@@ -7,7 +7,7 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Annotated, Any
 
-import tyro
+from cyclopts import Parameter
 from rich.console import Console
 from rich.progress import Progress
 from rich.table import Table
@@ -23,8 +23,8 @@ from encoders.paalm.simulated.forward import LeapTake, leap_take
 from encoders.paalm.simulated.leap_configuration import PRINTED_LEAP
 from models.errors import EncoderError, InputError, RecordingError
 from models.frames import SIDES
+from sandbox.cli.common.command_line import parse
 from sandbox.cli.common.json_out import check_output, refuse_replacing, write_json
-from sandbox.cli.common.parse import parse
 from sandbox.cli.evaluate.paalm_readings import SIMULATED_FIT, judge_readings, show_readings
 from sandbox.devices.leap.leap_file import LeapRecording, read_leap
 from sandbox.devices.leap.leap_truth import take_with_truth
@@ -40,7 +40,7 @@ CONDITIONS = {
 """Name -> dialect, drop-outs. The first is the one that PAALM was written for."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class PaalmJudgeOptions:
     """Measures PAALM (2013): angles, names of fingers, jitter and time; recording by recording.
 
@@ -54,10 +54,10 @@ class PaalmJudgeOptions:
     Try: sandbox evaluate --paalm simulated --takes 4 --json out.json
     """
 
-    paalm: Annotated[str, tyro.conf.arg(metavar="simulated|FOLDER")]
+    paalm: Annotated[str, Parameter(metavar="simulated|FOLDER")]
     """What is judged on."""
 
-    json: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    json: Annotated[Path | None, Parameter(metavar="FILE")] = None
     """Where all figures go."""
 
     takes: int = 8

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Annotated, Literal
 
 import numpy as np
-import tyro
+from cyclopts import Parameter
 from rich.console import Console
 from rich.progress import Progress
 from rich.text import Text
@@ -21,8 +21,8 @@ from encoders.paalm.calibration_file import read_calibration, write_calibration
 from encoders.paalm.recorded import calibrate_on_recording
 from models.errors import InputError
 from models.frames import SIDES, HandFrame
+from sandbox.cli.common.command_line import subcommand
 from sandbox.cli.common.json_out import refuse_replacing
-from sandbox.cli.common.parse import subcommand
 from sandbox.cli.paalm.views import check_picture, show_pictures
 from sandbox.devices.leap.leap import LeapDevice, LeapFileDevice
 from sandbox.devices.leap.leap_file import doubt_of_side, read_leap
@@ -50,18 +50,18 @@ Hands = Literal["right", "left", "both"]
 
 
 def show(
-    file: Annotated[tyro.conf.Positional[Path | None], tyro.conf.arg(metavar="FILE")] = None,
-    /,
+    file: Annotated[Path | None, Parameter(metavar="FILE")] = None,
+    *,
     device: Literal["leap"] | None = None,
-    address: Annotated[str, tyro.conf.arg(metavar="URL")] = DEFAULT_ADDRESS,
+    address: Annotated[str, Parameter(metavar="URL")] = DEFAULT_ADDRESS,
     hands: Hands = "right",
     frames: int | None = None,
-    calibration: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None,
+    calibration: Annotated[Path | None, Parameter(metavar="FILE")] = None,
     method: Literal["default", "paper"] = "default",
-    as_json: Annotated[tyro.conf.FlagCreatePairsOff[bool], tyro.conf.arg(name="json")] = False,
+    as_json: Annotated[bool, Parameter(name="json")] = False,
     seconds: float = math.inf,
     view: Literal["text", "window", "web"] = "text",
-    picture: Annotated[Path | None, tyro.conf.arg(metavar="FILE.png|.jpg|.webp")] = None,
+    picture: Annotated[Path | None, Parameter(metavar="FILE.png|.jpg|.webp")] = None,
     port: int = 0,
 ) -> int:
     """Shows the joint angles of every frame, as text or as pictures.
@@ -149,14 +149,13 @@ def show(
 
 
 def calibrate(
-    file: Annotated[tyro.conf.Positional[Path | None], tyro.conf.arg(metavar="FILE")] = None,
-    /,
+    file: Annotated[Path | None, Parameter(metavar="FILE")] = None,
     *,
     hands: Hands,
     device: Literal["leap"] | None = None,
-    address: Annotated[str, tyro.conf.arg(metavar="URL")] = DEFAULT_ADDRESS,
+    address: Annotated[str, Parameter(metavar="URL")] = DEFAULT_ADDRESS,
     frames: int = PAPER_FRAMES,
-    out: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None,
+    out: Annotated[Path | None, Parameter(metavar="FILE")] = None,
 ) -> int:
     """Measures hands: hold them open, palm down, fingers spread, 20 cm above the device.
 

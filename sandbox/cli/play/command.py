@@ -6,28 +6,29 @@ from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Annotated, Literal
 
-import tyro
+from cyclopts import Parameter
 from rich.console import Console
 
 from models.errors import InputError
+from sandbox.cli.common.command_line import parse
 from sandbox.cli.common.latency import checked_limit
 from sandbox.cli.common.lsl_options import LslOptions, streaming
 from sandbox.cli.common.page_options import PageOptions
-from sandbox.cli.common.parse import parse
 from sandbox.cli.play.own_profile import Learner, with_usable_profile
 from sandbox.cli.play.page import play_on_page
 from sandbox.cli.run import RunOptions, perform
 from sandbox.devices.kinds import LIVE_HEADSET as LIVE
 from sandbox.devices.kinds import is_in_air
+from sandbox.options.headings import COMMON, OUTPUT, PERSON
 from sandbox.options.leap_calibration import uses_touch_profile, with_measured_hand
-from sandbox.options.metavars import device_choices
+from sandbox.options.names import check_names
 from sandbox.options.profiles import DEFAULT, default_path, find_profile
 from sandbox.options.scene_options import SceneOptions, check_labels, scene_settings
 from sandbox.views.display import has_display
 from tasks.registry import find_task
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class PlayOptions(LslOptions, PageOptions, SceneOptions):
     """Plays a task in a window with the mouse or a tablet, or on a browser page by touch.
 
@@ -36,28 +37,30 @@ class PlayOptions(LslOptions, PageOptions, SceneOptions):
     that many fingers, and h shows all keys: r restarts, p pauses, s slows time down, q quits.
     """
 
-    device: Annotated[str, tyro.conf.arg(metavar=device_choices())] = "mouse"
+    device: Annotated[str, Parameter(group=COMMON, metavar="DEVICE")] = "mouse"
     """Source of the input. mouse: the mouse in the window. web: a page in a browser. tuio: a TUIO
     sender. evdev: a touch screen of this Linux machine. leap: a hand in the air over a Leap,
-    measured the first time. webxr: hands in a headset, by its own page (docs/headset.md).
-    simulated, leap-simulated: a simulated user. FILE: a recording of this
-    program or of a Leap, or a capture of TUIO packets. Or a device of your own:
-    FILE.py:CLASS[:ARGUMENT], MODULE:CLASS[:ARGUMENT], or its name in an installed package
-    (docs/write-a-device.md)."""
+    measured the first time. webcam: a hand before a camera (docs/webcam.md). webxr: hands in a
+    headset, by its own page (docs/headset.md). simulated, leap-simulated, webxr-simulated: a
+    simulated user. FILE: a recording of this program or of a Leap, or a capture of TUIO packets. Or
+    a device of your own: FILE.py:CLASS[:ARGUMENT], MODULE:CLASS[:ARGUMENT], or its name in an
+    installed package (docs/write-a-device.md)."""
 
-    view: Literal["auto", "window", "web", "film", "none"] = "auto"
+    view: Annotated[Literal["auto", "window", "web", "film", "none"], Parameter(group=COMMON)] = (
+        "auto"
+    )
     """Output. window: a window, and a page beside it, on which touches work like the mouse. web: a
     page only, which is the default with --device web and --tablet. film: a film. none: no output.
     auto: a window, unless the touches are on a page."""
 
-    film: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    film: Annotated[Path | None, Parameter(group=OUTPUT, metavar="FILE")] = None
     """File for the film of --view film. Default: TASK.webp."""
 
-    max_latency: Annotated[float | None, tyro.conf.arg(metavar="MS")] = None
+    max_latency: Annotated[float | None, Parameter(group=OUTPUT, metavar="MS")] = None
     """Exit status 1 if the 95th percentile of the time from a touch to its picture, in the window
     or on the page, was longer. Delays of the display are not included."""
 
-    learn: tyro.conf.FlagCreatePairsOff[bool] = False
+    learn: Annotated[bool, Parameter(group=PERSON)] = False
     """Keep new layouts of your five fingers in the profile, and use them from the next take on.
     Otherwise every take begins with the profile as it is, and leaves it so."""
 
@@ -73,6 +76,7 @@ class PlayOptions(LslOptions, PageOptions, SceneOptions):
 def main(argv: list[str]) -> int:
     """Runs `sandbox play ...`."""
     options = parse(PlayOptions, "sandbox play", argv)
+    check_names(options)
     check_labels(options)
     limit = checked_limit(options.max_latency)
     headset = options.device == LIVE

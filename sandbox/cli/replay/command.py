@@ -8,15 +8,15 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Literal
 
-import tyro
+from cyclopts import Parameter
 from rich.console import Console
 from rich.markup import escape
 from rich.progress import Progress
 
 from models.errors import InputError
+from sandbox.cli.common.command_line import FLAT, parse
 from sandbox.cli.common.films import open_film
 from sandbox.cli.common.page_options import PageOptions
-from sandbox.cli.common.parse import parse
 from sandbox.cli.replay.study import elsewhere, study_folder, verdict, verified, verify_study
 from sandbox.recording.agreement import BOUND_DEGREES, BOUND_MM, Agreement
 from sandbox.recording.recording import Recording, load_recording
@@ -33,7 +33,7 @@ SELDOM = 64
 """Control periods between two updates of the progress bar, which take longer than one period."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class ReplayOptions:
     """Replays recordings and compares each state with the recorded one, by its hash.
 
@@ -48,18 +48,18 @@ class ReplayOptions:
         sandbox replay run.jsonl --view film --film run.mp4
     """
 
-    trial: Annotated[str, tyro.conf.Positional, tyro.conf.arg(metavar="FILE|TRIAL")]
+    trial: Annotated[str, Parameter(metavar="FILE|TRIAL")] = field(kw_only=False)
     """A recording (--record); a trial of a study, NAME/PARTICIPANT/S001/T007, of which the valid
     attempt is taken, and whose session may be left out; or a study's folder, a participant or a
     session, which stands for all its trials."""
 
-    verify: tyro.conf.FlagCreatePairsOff[bool] = False
+    verify: bool = False
     """Exit status 1 unless the recording is complete and every state is equal. States of another
     machine's recording may differ if the outcome is the same and nothing is more than 1 mm or 2
     degrees away. Of a whole study, also compares journals, recordings, derived tables and the
     lock, and names what is missing, orphaned, changed or reordered."""
 
-    witness: Annotated[tuple[Path, ...], tyro.conf.arg(metavar="FILE")] = ()
+    witness: Annotated[tuple[Path, ...], Parameter(metavar="FILE")] = ()
     """With --verify and a study: file that `sandbox study run --witness FILE` wrote, kept where
     nobody who has the study can write; may be repeated."""
 
@@ -70,14 +70,14 @@ class ReplayOptions:
     speed: float = 1.0
     """Simulated seconds per second, for --view window and web."""
 
-    film: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    film: Annotated[Path | None, Parameter(metavar="FILE")] = None
     """File for a film: .webp, .gif, or .mp4 with the extra `film`. Default with --view film: a
     .webp with the recording's name."""
 
-    out: Annotated[Path, tyro.conf.arg(metavar="DIR")] = Path("studies")
+    out: Annotated[Path, Parameter(metavar="DIR")] = Path("studies")
     """Folder of studies."""
 
-    page: PageOptions = field(default_factory=PageOptions)
+    page: Annotated[PageOptions, FLAT] = field(default_factory=PageOptions)
 
 
 def main(argv: list[str]) -> int:

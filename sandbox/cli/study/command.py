@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from importlib.resources import files
 from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-import tyro
+from cyclopts import Parameter
 from rich.console import Console
 from rich.markup import escape
 
-from models.errors import InputError, StudyError
+from models.errors import StudyError, unknown_name
 from models.messages.wording import counted
-from sandbox.cli.common.parse import parse
+from sandbox.cli.common.command_line import parse
 from sandbox.cli.study import data_commands
 from sandbox.cli.study.plan_options import PlanOptions, participants_of, say_power
 from sandbox.cli.study.recover import RecoverOptions, recover
@@ -39,49 +39,49 @@ First steps:
 `sandbox study COMMAND --help` explains each command. The page "User studies" of the site explains
 the rest; in the repository it is docs/studies.md."""
 
-File = Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="DESIGN")]
+File = Annotated[Path, Parameter(metavar="DESIGN")]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class NewOptions:
     """Writes a template of a design; an existing file is never overwritten."""
 
-    file: File = Path("design.toml")
+    file: File = field(default=Path("design.toml"), kw_only=False)
     """File for the new design."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class CheckOptions:
     """Checks a design and lists every mistake with line and remedy. A mistake: exit status 2."""
 
-    file: File
+    file: File = field(kw_only=False)
     """Design file."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class StudySimulateOptions:
     """Runs a study with simulated participants of different skill and hand size.
 
     Their data go to a separate folder, NAME-simulated, and every row is marked as simulated.
     """
 
-    file: File
+    file: File = field(kw_only=False)
     """Design file."""
 
-    out: Annotated[Path, tyro.conf.arg(metavar="DIR")]
+    out: Annotated[Path, Parameter(metavar="DIR")]
     """Folder of studies."""
 
-    participants: Annotated[int | None, tyro.conf.arg(metavar="N")] = None
+    participants: Annotated[int | None, Parameter(metavar="N")] = None
     """Number of participants. Default: that of the design."""
 
-    resume: tyro.conf.FlagCreatePairsOff[bool] = False
+    resume: bool = False
     """Continue an earlier run, even if it was interrupted."""
 
-    witness: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    witness: Annotated[Path | None, Parameter(metavar="FILE")] = None
     """Append the digests of all journals to this file after every session, for `sandbox replay
     STUDY --verify --witness FILE`."""
 
-    force_upgrade: Annotated[str, tyro.conf.arg(metavar="REASON")] = ""
+    force_upgrade: Annotated[str, Parameter(metavar="REASON")] = ""
     """Continue although program, encoder or design have changed; the reason is logged."""
 
 
@@ -94,9 +94,7 @@ def main(argv: list[str]) -> int:
         print(FIRST_STEPS)
         return 0
     if argv[0] not in ACTIONS:
-        raise InputError(
-            "unknown subcommand of `sandbox study`", got=argv[0], expected=", ".join(ACTIONS)
-        )
+        raise unknown_name("no such command", argv[0], ACTIONS, where="sandbox study")
     options, action = ACTIONS[argv[0]]
     return action(parse(options, f"sandbox study {argv[0]}", argv[1:]), Console(soft_wrap=True))
 

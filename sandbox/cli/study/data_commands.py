@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Annotated, Any
 
-import tyro
+from cyclopts import Parameter
 from rich.console import Console
 from rich.markup import escape
 
@@ -20,11 +20,11 @@ if TYPE_CHECKING:
     from sandbox.study.record.folder import StudyFolder
     from sandbox.study.share.privacy import Anonymised, Masking
 
-Folder = Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="DIR")]
-Out = Annotated[Path, tyro.conf.arg(metavar="PATH")]
+Folder = Annotated[Path, Parameter(metavar="DIR")]
+Out = Annotated[Path, Parameter(metavar="PATH")]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class StudyExportOptions:
     """Copies a study for others, anonymised, as Motion-BIDS, or both.
 
@@ -38,38 +38,38 @@ class StudyExportOptions:
     repository) explains what can still be found out.
     """
 
-    folder: Folder
+    folder: Folder = field(kw_only=False)
     """Folder of the study, which contains study.json."""
 
     out: Out
     """New folder for the copy."""
 
-    anonymise: tyro.conf.FlagCreatePairsOff[bool] = False
+    anonymise: bool = False
     """Remove what identifies participants, as described above."""
 
-    bids: tyro.conf.FlagCreatePairsOff[bool] = False
+    bids: bool = False
     """Write a Motion-BIDS data set instead of a study folder."""
 
-    keep_words: tyro.conf.FlagCreatePairsOff[bool] = False
+    keep_words: bool = False
     """Keep free-text answers and the experimenter's notes; read all of them before you share
     them."""
 
-    keep_hands: tyro.conf.FlagCreatePairsOff[bool] = False
+    keep_hands: bool = False
     """Keep recordings over a Leap, which contain the lengths of fingers, and recordings and tables
     of touches of hands whose exact size fewer than five participants share."""
 
-    drop: Annotated[tuple[str, ...], tyro.conf.arg(metavar="ITEM")] = ()
+    drop: Annotated[tuple[str, ...], Parameter(metavar="ITEM")] = ()
     """Demographic item to leave out; may be repeated."""
 
-    bin: Annotated[tuple[str, ...], tyro.conf.arg(metavar="ITEM:WIDTH")] = ()
+    bin: Annotated[tuple[str, ...], Parameter(metavar="ITEM:WIDTH")] = ()
     """Demographic number to round down, such as age:10, or hand_size (default hand_size:0.1); may
     be repeated."""
 
-    recordings: bool = True
+    recordings: Annotated[bool, Parameter(negative="--no-recordings")] = True
     """Include recordings. Without them, trials cannot be replayed from the copy."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class WithdrawOptions:
     """Deletes all data of a participant who withdraws consent, and leaves a tombstone record.
 
@@ -79,20 +79,20 @@ class WithdrawOptions:
     yourself.
     """
 
-    folder: Folder
+    folder: Folder = field(kw_only=False)
     """Folder of the study."""
 
-    participant: Annotated[str, tyro.conf.arg(metavar="ID")]
+    participant: Annotated[str, Parameter(metavar="ID")]
     """Pseudonym of the participant."""
 
     reason: str = "wish of the participant"
     """Reason, stored in the tombstone record."""
 
-    yes: tyro.conf.FlagCreatePairsOff[bool] = False
+    yes: bool = False
     """Delete without asking."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class BackupOptions:
     """Writes a study to an archive and verifies it, or checks an existing archive.
 
@@ -103,17 +103,17 @@ class BackupOptions:
     Sessions may run at the same time. `tar -xzf` unpacks the archive; the study can continue there.
     """
 
-    folder: Annotated[Path | None, tyro.conf.Positional, tyro.conf.arg(metavar="DIR")] = None
+    folder: Annotated[Path | None, Parameter(metavar="DIR")] = field(default=None, kw_only=False)
     """Folder of the study."""
 
-    out: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    out: Annotated[Path | None, Parameter(metavar="FILE")] = None
     """New file for the archive."""
 
-    check: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    check: Annotated[Path | None, Parameter(metavar="FILE")] = None
     """Existing archive, which is read completely and compared with its digests."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class MergeOptions:
     """Merges the folders of two sites into one study; neither is changed.
 
@@ -123,16 +123,16 @@ class MergeOptions:
     second one gets another, and the command names both.
     """
 
-    first: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="A")]
+    first: Annotated[Path, Parameter(metavar="A")] = field(kw_only=False)
     """Folder of the first site."""
 
-    second: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="B")]
+    second: Annotated[Path, Parameter(metavar="B")] = field(kw_only=False)
     """Folder of the second site."""
 
     out: Out
     """New folder. To continue the study there, give it the name of the study."""
 
-    force_different: Annotated[str, tyro.conf.arg(metavar="REASON")] = ""
+    force_different: Annotated[str, Parameter(metavar="REASON")] = ""
     """Merge although programs or encoders differ; the reason is logged."""
 
 

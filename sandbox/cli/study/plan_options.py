@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-import tyro
+from cyclopts import Parameter
 from rich.console import Console
 
 from models.errors import InputError
@@ -15,23 +15,23 @@ if TYPE_CHECKING:
     from sandbox.study.design.design import Design
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class PlanOptions:
     """Shows the order of conditions for each participant, and how long sessions take.
 
     sandbox study plan design.toml --power --detect 15%
     """
 
-    file: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="DESIGN")]
+    file: Annotated[Path, Parameter(metavar="DESIGN")] = field(kw_only=False)
     """Design file."""
 
-    participants: Annotated[int | None, tyro.conf.arg(metavar="N")] = None
+    participants: Annotated[int | None, Parameter(metavar="N")] = None
     """Number of participants. Default: that of the design."""
 
-    power: tyro.conf.FlagCreatePairsOff[bool] = False
+    power: bool = False
     """Show which effects this number of participants can detect."""
 
-    detect: Annotated[str, tyro.conf.arg(metavar="CHANGE")] = ""
+    detect: Annotated[str, Parameter(metavar="CHANGE")] = ""
     """For --power: show how many participants are needed for a change of completion time such as
     15%."""
 

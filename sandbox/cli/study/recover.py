@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-import tyro
+from cyclopts import Parameter
 from rich.console import Console
 from rich.markup import escape
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from sandbox.study.record.folder import StudyFolder
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class RecoverOptions:
     """Shows what journals of a study have lost, and takes in or sets aside what is still there.
 
@@ -29,14 +29,14 @@ class RecoverOptions:
     is not continued until this was decided. Exit status 1: something was lost, and nothing decided.
     """
 
-    folder: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="DIR")]
+    folder: Annotated[Path, Parameter(metavar="DIR")] = field(kw_only=False)
     """Folder of the study."""
 
-    take_in: tyro.conf.FlagCreatePairsOff[bool] = False
+    take_in: bool = False
     """Take whole recordings in as finished trials, at times that are not known; what does not fit
     the plan is set aside."""
 
-    set_aside: tyro.conf.FlagCreatePairsOff[bool] = False
+    set_aside: bool = False
     """Leave whole recordings where they are, uncounted; their trials are run again."""
 
     reason: str = ""

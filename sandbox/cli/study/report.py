@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated
 
-import tyro
+from cyclopts import Parameter
 from rich.console import Console
 from rich.markup import escape
 
@@ -14,7 +14,7 @@ from models.errors import HandSandboxError, InputError
 from sandbox.cli.study.recover import tell_losses
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class ReportOptions:
     """Writes a page with the results of a study, CSV files and an R script.
 
@@ -28,15 +28,13 @@ class ReportOptions:
     sandbox study report studies/three-encoders --measure placement_error_m --measure regrasps
     """
 
-    folder: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="FOLDER")]
+    folder: Annotated[Path, Parameter(metavar="FOLDER")] = field(kw_only=False)
     """Folder of the study, which contains trial_results.csv."""
 
-    out: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
+    out: Annotated[Path | None, Parameter(metavar="DIR")] = None
     """Folder for the report. Default: FOLDER/report."""
 
-    measure: Annotated[
-        tyro.conf.UseAppendAction[tuple[str, ...]], tyro.conf.arg(metavar="NAME")
-    ] = ()
+    measure: Annotated[tuple[str, ...], Parameter(metavar="NAME")] = ()
     """Column of trial_results.csv that is compared like completion time and success; may be
     repeated. It is tested unless the design names primary outcomes. All other columns are described
     only."""

@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import shlex
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
-import tyro
+from cyclopts import Parameter
 
 from models.errors import InputError, StudyError
-from sandbox.devices.registry import DEVICES
-from sandbox.options.metavars import choices
 from sandbox.views.display import has_display
 
 if TYPE_CHECKING:
@@ -19,7 +17,6 @@ if TYPE_CHECKING:
     from sandbox.options.touch_devices import TouchOptions
     from sandbox.study.design.design import Design
 
-DEVICES_OF_STUDIES = tuple(name for name, entry in DEVICES.items() if not entry.in_air)
 NOT_REPEATED = (
     "file",
     "participant",
@@ -33,7 +30,7 @@ NOT_REPEATED = (
 """Options that are not copied to the command that continues a session."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class StudyRunOptions:
     """Runs a participant's session: consent, instructions, practice, trials, breaks and forms.
 
@@ -45,23 +42,24 @@ class StudyRunOptions:
     too, type a slash before a key while a form is open.
     """
 
-    file: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="DESIGN")]
+    file: Annotated[Path, Parameter(metavar="DESIGN")] = field(kw_only=False)
     """Design file."""
 
-    participant: Annotated[str, tyro.conf.arg(metavar="new|ID")] = ""
+    participant: Annotated[str, Parameter(metavar="new|ID")] = ""
     """new, or the id of a participant who has begun. Without this option, their ids are listed."""
 
-    out: Annotated[Path, tyro.conf.arg(metavar="DIR")] = Path("studies")
+    out: Annotated[Path, Parameter(metavar="DIR")] = Path("studies")
     """Folder of studies."""
 
-    pilot: tyro.conf.FlagCreatePairsOff[bool] = False
+    pilot: bool = False
     """Rehearse: the data go to a separate folder and never mix with those of the study."""
 
-    device: Annotated[str, tyro.conf.arg(metavar=choices(*DEVICES_OF_STUDIES))] = "mouse"
-    """Source of touches. web: the page, also chosen by --tablet. evdev, evdev:NODE: a touch screen
-    of this machine. simulated: a simulated user, in a pilot only."""
+    device: Annotated[str, Parameter(metavar="DEVICE")] = "mouse"
+    """Source of touches. mouse: the mouse in the window. web: the page, also chosen by --tablet.
+    tuio: a TUIO sender. evdev, evdev:NODE: a touch screen of this machine. simulated: a simulated
+    user, in a pilot only."""
 
-    second_device: Annotated[str | None, tyro.conf.arg(metavar=choices(*DEVICES_OF_STUDIES))] = None
+    second_device: Annotated[str | None, Parameter(metavar="DEVICE")] = None
     """Device of the second hand, in tasks for two hands. web: a page of its own, where the first
     hand has one. tuio, evdev: as for --device. simulated: a simulated user. Not needed if both
     hands are on one surface (one_surface in the design) or over one Leap."""
@@ -75,23 +73,23 @@ class StudyRunOptions:
     """Place of consent, instructions, questions and breaks. auto: on the page, or in the terminal
     with --device simulated."""
 
-    tablet: tyro.conf.FlagCreatePairsOff[bool] = False
+    tablet: bool = False
     """Run the session on a tablet in the same network: prints a QR code to scan."""
 
-    lan: Annotated[str | None, tyro.conf.arg(metavar="ADDRESS")] = None
+    lan: Annotated[str | None, Parameter(metavar="ADDRESS")] = None
     """Address on which the page is served, in place of the one that --tablet finds."""
 
     page_port: int = 0
     """TCP port of the page; 0 takes a free one. With a fixed port the link stays the same, and a
     tablet reconnects when the program is restarted."""
 
-    tls_cert: Annotated[str | None, tyro.conf.arg(metavar="FILE")] = None
+    tls_cert: Annotated[str | None, Parameter(metavar="FILE")] = None
     """Certificate for https, with --tls-key."""
 
-    tls_key: Annotated[str | None, tyro.conf.arg(metavar="FILE")] = None
+    tls_key: Annotated[str | None, Parameter(metavar="FILE")] = None
     """Key of the certificate."""
 
-    no_browser: tyro.conf.FlagCreatePairsOff[bool] = False
+    no_browser: bool = False
     """Do not open a browser for forms beside a window; the link is printed in any case."""
 
     hand: Literal["right", "left"] = "right"
@@ -104,32 +102,32 @@ class StudyRunOptions:
     language: str = ""
     """Language of a new participant. Default: the first one of the design."""
 
-    session: Annotated[int | None, tyro.conf.arg(metavar="N")] = None
+    session: Annotated[int | None, Parameter(metavar="N")] = None
     """Number of the session, for designs with several `sessions`. Default: the first unfinished
     one."""
 
-    resume: tyro.conf.FlagCreatePairsOff[bool] = False
+    resume: bool = False
     """Continue an interrupted session without asking."""
 
-    force_upgrade: Annotated[str, tyro.conf.arg(metavar="REASON")] = ""
+    force_upgrade: Annotated[str, Parameter(metavar="REASON")] = ""
     """Continue although program, encoder or design have changed; the reason is logged."""
 
-    witness: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    witness: Annotated[Path | None, Parameter(metavar="FILE")] = None
     """Append the digests of the session's and the study's journals to this file at the end. Keep it
     where nobody who has the study can write; `sandbox replay STUDY --verify --witness FILE`
     compares it."""
 
-    leap: Annotated[str, tyro.conf.arg(metavar="URL")] = ""
+    leap: Annotated[str, Parameter(metavar="URL")] = ""
     """WebSocket address of leapd or of the Ultraleap bridge, for trials with `device = "leap"`.
     Default: its usual address."""
 
-    lsl: tyro.conf.FlagCreatePairsOff[bool] = False
+    lsl: bool = False
     """Send touches, poses and markers over Lab Streaming Layer (extra `lsl`)."""
 
     port: int = 3333
     """UDP port for TUIO."""
 
-    bind: Annotated[str, tyro.conf.arg(metavar="ADDRESS")] = "127.0.0.1"
+    bind: Annotated[str, Parameter(metavar="ADDRESS")] = "127.0.0.1"
     """Address for TUIO. 127.0.0.1: reachable from this machine only; 0.0.0.0: from the network."""
 
     @property
@@ -154,11 +152,11 @@ class StudyRunOptions:
 def again(options: StudyRunOptions, ppid: str) -> str:
     """Returns the command that continues a participant's session."""
     words = ["sandbox", "study", "run", str(options.file), "--participant", ppid]
-    for field in fields(options):
-        value = getattr(options, field.name)
-        if field.name in NOT_REPEATED or value == field.default:
+    for option in fields(options):
+        value = getattr(options, option.name)
+        if option.name in NOT_REPEATED or value == option.default:
             continue
-        words.append("--" + field.name.replace("_", "-"))
+        words.append("--" + option.name.replace("_", "-"))
         if value is not True:
             words.append(str(value))
     return shlex.join(words)
@@ -327,9 +325,8 @@ def page_options(options: StudyRunOptions) -> PageOptions:
     """Returns the options of the participant's page."""
     from sandbox.cli.common.page_options import PageOptions
 
-    return PageOptions(
-        options.tablet, options.lan, options.page_port, options.tls_cert, options.tls_key
-    )
+    names = [option.name for option in fields(PageOptions)]
+    return PageOptions(**{name: getattr(options, name) for name in names})
 
 
 def touch_options(options: StudyRunOptions) -> TouchOptions:

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated
 
-import tyro
+from cyclopts import Parameter
 from rich.console import Console
 
 from models.errors import InputError
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class SheetOptions:
     """Prints what a participant will meet in order: texts, questions, practice, trials, breaks.
 
@@ -23,17 +23,17 @@ class SheetOptions:
     sandbox study sheet design.toml --participant-number 2 --out sheet.html
     """
 
-    file: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="DESIGN")]
+    file: Annotated[Path, Parameter(metavar="DESIGN")] = field(kw_only=False)
     """Design file."""
 
-    participant_number: Annotated[int, tyro.conf.arg(metavar="N")] = 1
+    participant_number: Annotated[int, Parameter(metavar="N")] = 1
     """Number of the participant in order of arrival, which determines the orders; from 1, while
     the tables of a study count from 0."""
 
     language: str = ""
     """Language of the participant. Default: the first one of the design."""
 
-    out: Annotated[Path | None, tyro.conf.arg(metavar="FILE.html")] = None
+    out: Annotated[Path | None, Parameter(metavar="FILE.html")] = None
     """Write a page to print instead. An existing file is never overwritten."""
 
 

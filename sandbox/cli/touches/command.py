@@ -7,18 +7,18 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
-import tyro
+from cyclopts import Parameter
 from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
 from models.errors import InputError
 from models.frames import TouchFrame
-from sandbox.cli.common.parse import with_one_line_errors
+from sandbox.cli.common.command_line import FLAT, subcommand
 from sandbox.cli.common.touch_opening import open_touches_or_page
-from sandbox.cli.touches.send import Send, send
+from sandbox.cli.touches.send import send
 from sandbox.cli.touches.views import JsonView, TextView, View, what_to_check
 from sandbox.devices.files.frame_file import frame_record, header_record
 from sandbox.devices.files.line_file import LineFile
@@ -31,8 +31,55 @@ PATIENCE = 5.0
 """s without a frame after which a hint on what to check is shown."""
 
 
-@dataclass(frozen=True)
+@FLAT
+@dataclass(frozen=True, kw_only=True)
 class Show(TouchOptions):
+    """Options of `sandbox touches show`."""
+
+    json: bool = False
+    """Print a JSON line per frame on stdout, {"time", "contacts": [{"id", "x", "y", "finger"}]},
+    and events as JSON lines on stderr, first {"event": "listening", "address"}."""
+
+    seconds: float = math.inf
+    """Stop after this many seconds."""
+
+    frames: Annotated[int | None, Parameter(metavar="INT")] = None
+    """Stop after this many frames."""
+
+
+@dataclass(frozen=True)
+class _NewFile:
+    """What stands behind the command; its base comes first, as a positional argument must."""
+
+    file: Annotated[Path, Parameter(metavar="FILE")]
+    """File for the recording; an existing file is never overwritten."""
+
+
+@FLAT
+@dataclass(frozen=True, kw_only=True)
+class Record(TouchOptions, _NewFile):
+    """Options of `sandbox touches record`."""
+
+    seconds: float = math.inf
+    """Stop after this many seconds."""
+
+    frames: Annotated[int | None, Parameter(metavar="INT")] = None
+    """Stop after this many frames."""
+
+
+def main(argv: list[str]) -> int:
+    """Runs `sandbox touches ...`; returns the exit status."""
+    commands: dict[str, Callable[..., int]] = {
+        "show": show,
+        "record": record,
+        "send": send,
+        "formats": formats,
+    }
+    about = "Shows, records and sends the touches of a tablet or touch table."
+    return subcommand(commands, "sandbox touches", about, argv)
+
+
+def show(options: Show = Show()) -> int:
     """Shows every touch as it arrives; Ctrl-C stops.
 
     x and y are in inches from the top left corner of the surface.
@@ -50,64 +97,6 @@ class Show(TouchOptions):
 
         sandbox touches show --bind 0.0.0.0
     """
-
-    json: tyro.conf.FlagCreatePairsOff[bool] = False
-    """Print a JSON line per frame on stdout, {"time", "contacts": [{"id", "x", "y", "finger"}]},
-    and events as JSON lines on stderr, first {"event": "listening", "address"}."""
-
-    seconds: float = math.inf
-    """Stop after this many seconds."""
-
-    frames: Annotated[int | None, tyro.conf.arg(metavar="INT")] = None
-    """Stop after this many frames."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class Record(TouchOptions):
-    """Records touches in a file, until Ctrl-C; the file can be used as a --device.
-
-    TUIO is recorded packet by packet, including invalid ones; other devices frame by frame. If the
-    program is killed, at most the last line is lost. If nothing arrives, no file is left, and the
-    exit status is 1.
-
-        sandbox touches record touches.jsonl --device evdev
-
-        sandbox touches show --device touches.jsonl
-    """
-
-    file: Annotated[tyro.conf.Positional[Path], tyro.conf.arg(metavar="FILE")]
-    """File for the recording; an existing file is never overwritten."""
-
-    seconds: float = math.inf
-    """Stop after this many seconds."""
-
-    frames: Annotated[int | None, tyro.conf.arg(metavar="INT")] = None
-    """Stop after this many frames."""
-
-
-def main(argv: list[str]) -> int:
-    """Runs `sandbox touches ...`; returns the exit status."""
-    kinds: dict[str, type] = {"show": Show, "record": Record, "send": Send}
-    doing: dict[str, Callable[[Any], int]] = {"show": show, "record": record, "send": send}
-    if argv[:1] == ["formats"] and len(argv) == 1:
-        return formats()
-    commands: dict[str, Callable[..., Any]] = {**kinds, "formats": formats}
-    asked = with_one_line_errors(
-        lambda words: tyro.extras.subcommand_cli_from_dict(
-            commands,
-            prog="sandbox touches",
-            description="Shows, records and sends the touches of a tablet or touch table.",
-            args=words,
-        ),
-        argv,
-        "sandbox touches",
-        commands,
-    )
-    return doing[argv[0]](asked)
-
-
-def show(options: Show) -> int:
-    """Runs `sandbox touches show`."""
     _check_end(options.seconds, options.frames)
     opened = open_touches_or_page(options, options.seconds)
     if opened is None:
@@ -119,7 +108,16 @@ def show(options: Show) -> int:
 
 
 def record(options: Record) -> int:
-    """Runs `sandbox touches record`."""
+    """Records touches in a file, until Ctrl-C; the file can be used as a --device.
+
+    TUIO is recorded packet by packet, including invalid ones; other devices frame by frame. If the
+    program is killed, at most the last line is lost. If nothing arrives, no file is left, and the
+    exit status is 1.
+
+        sandbox touches record touches.jsonl --device evdev
+
+        sandbox touches show --device touches.jsonl
+    """
     _check_end(options.seconds, options.frames)
     with LineFile(options.file) as file:
 

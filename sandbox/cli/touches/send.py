@@ -11,12 +11,13 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated
 
-import tyro
+from cyclopts import Parameter
 from rich.console import Console
 from rich.progress import Progress
 from rich.text import Text
 
 from models.errors import InputError
+from sandbox.cli.common.command_line import FLAT
 from sandbox.cli.common.touch_opening import open_touches_or_page
 from sandbox.devices.tuio.touch_capture import read_capture
 from sandbox.devices.tuio.tuio_sender import TuioOutput, connected, send_packet
@@ -31,7 +32,32 @@ _LONGEST_SLEEP = 1.0
 
 
 @dataclass(frozen=True)
-class Send(TouchOptions):
+class _File:
+    """What stands behind the command; its base comes first, as a positional argument must."""
+
+    file: Annotated[Path | None, Parameter(metavar="FILE")] = None
+    """File to send. With --tuio, --device may be given instead."""
+
+
+@FLAT
+@dataclass(frozen=True, kw_only=True)
+class Send(TouchOptions, _File):
+    """Options of `sandbox touches send`."""
+
+    to: Annotated[str, Parameter(metavar="HOST:PORT")] = ""
+    """Address to which the packets of a capture are sent."""
+
+    tuio: Annotated[str, Parameter(metavar="HOST:PORT")] = ""
+    """Address to which touches are sent as TUIO."""
+
+    speed: float = 1.0
+    """Playback speed of a file: 2 is twice as fast as recorded."""
+
+    seconds: float = math.inf
+    """Stop after this many seconds."""
+
+
+def send(options: Send = Send()) -> int:
     """Sends touches to other programs.
 
     --to sends the packets of a TUIO capture over UDP, as the recorded tablet did. With `sandbox
@@ -43,25 +69,6 @@ class Send(TouchOptions):
 
         sandbox touches send --device web --tablet --tuio 127.0.0.1:3333
     """
-
-    file: Annotated[tyro.conf.Positional[Path | None], tyro.conf.arg(metavar="FILE")] = None
-    """File to send. With --tuio, --device may be given instead."""
-
-    to: Annotated[str, tyro.conf.arg(metavar="HOST:PORT")] = ""
-    """Address to which the packets of a capture are sent."""
-
-    tuio: Annotated[str, tyro.conf.arg(metavar="HOST:PORT")] = ""
-    """Address to which touches are sent as TUIO."""
-
-    speed: float = 1.0
-    """Playback speed of a file: 2 is twice as fast as recorded."""
-
-    seconds: float = math.inf
-    """Stop after this many seconds."""
-
-
-def send(options: Send) -> int:
-    """Runs `sandbox touches send`."""
     if bool(options.to) == bool(options.tuio):
         raise InputError(
             "the destination is missing or not unique",

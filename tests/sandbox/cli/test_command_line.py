@@ -59,7 +59,7 @@ def test_an_option_that_there_is_not_is_one_line_that_leads_on(
 @pytest.mark.parametrize(
     ("argv", "words"),
     [
-        (["play", "box-to-goal", "--hand", "middle"], ["'middle'", "--hand", "'left'", "'right'"]),
+        (["play", "box-to-goal", "--hand", "middle"], ["'middle'", "--hand", "right, left"]),
         (["play", "box-to-goal", "--page-port", "x"], ["--page-port", "'x'"]),
         (["play", "--view", "web", "--page-port", "99999"], ["--page-port", "0 to 65535"]),
         (["touches", "show", "--tablet", "--page-port", "-1"], ["--page-port", "0 to 65535"]),
@@ -71,23 +71,35 @@ def test_an_option_that_there_is_not_is_one_line_that_leads_on(
         (["play", "stak", "--view", "web"], ["no such task", "stak", "box-to-goal"]),
         (["play", "stak"], ["no such task", "stak", "box-to-goal"]),
         (["play", "--view", "web", "--record", "no-folder/x.jsonl"], ["no such folder"]),
-        (["replay"], ["FILE"]),
-        (["run", "box-to-goal", "--devic", "simulated"], ["--devic", "perhaps --device"]),
+        (["replay"], ["TRIAL: this is missing"]),
+        (["run", "box-to-goal", "--devic", "simulated"], ["--devic", "Did you mean --device?"]),
         (["run", "box-to-goal", "--seed"], ["--seed: its value is missing (expected INT)"]),
         (["stream", "x", "--maya"], ["--maya: its value is missing (expected HOST:PORT)"]),
         (["stream", "--maya", "--print"], ["--maya: its value is missing (expected HOST:PORT)"]),
         (["regress", "--junit"], ["--junit: its value is missing (expected FILE)"]),
         (["touches", "send", "--to"], ["--to: its value is missing (expected HOST:PORT)"]),
-        (["touches", "show", "--tuio-transport", "q"], ["'q'", "'websocket'"]),
+        (["touches", "show", "--tuio-transport", "q"], ["'q'", "websocket"]),
         (["touches", "bla"], ["bla", "show, record, send, formats"]),
-        (["leap"], ["fake", "simulate", "formats"]),
+        (["leap", "simulat"], ["'simulat'", "Did you mean simulate?"]),
+        (["plya"], ["'plya'", "Did you mean play?"]),
+        (["study", "simulat"], ["'simulat'", "Did you mean simulate?"]),
+        (["run", "box-to-gaol"], ["'box-to-gaol'", "Did you mean box-to-goal?"]),
+        (["run", "--task", "box-to-gaol"], ["'box-to-gaol'", "Did you mean box-to-goal?"]),
+        (["play", "--device", "lep"], ["--device", "'lep'", "Did you mean leap?"]),
+        (["play", "--encoder", "quadratc"], ["--encoder", "Did you mean quadratic?"]),
+        (["run", "--robot", "shadw"], ["--robot", "Did you mean shadow?"]),
+        (["run", "--vary", "sise=2"], ["--vary", "Did you mean size?"]),
+        (["run", "--labels", "papper"], ["--labels", "Did you mean paper?"]),
+        (["regress", "--imulse", "3"], ["--imulse", "Did you mean --impulse?"]),
+        (["run", "box-to-goal", "stack"], ["too many words", "'stack'"]),
+        (["run", "--seed", "1.5"], ["--seed: not a whole number (got '1.5')"]),
         (["regress", "--tasks"], ["--tasks"]),
         (["bla"], ["bla", "play"]),
-        (["run", "--seed", "x"], ["--seed: 'x' is not a whole number"]),
-        (["run", "--fingers", "x"], ["--fingers: 'x' is not a whole number"]),
-        (["run", "--hand-size", "x"], ["--hand-size: 'x' is not a number"]),
-        (["run", "--turn", "45"], ["('0', '90', '180', '270')"]),
-        (["paalm", "show", "--frames", "x"], ["--frames: 'x' is not a whole number"]),
+        (["run", "--seed", "x"], ["--seed: not a whole number (got 'x')"]),
+        (["run", "--fingers", "x"], ["--fingers: not a whole number (got 'x')"]),
+        (["run", "--hand-size", "x"], ["--hand-size: not a number (got 'x')"]),
+        (["run", "--turn", "45"], ["0, 90, 180, 270"]),
+        (["paalm", "show", "--frames", "x"], ["--frames: not a whole number (got 'x')"]),
     ],
     ids=lambda v: " ".join(v) if isinstance(v, list) else None,
 )
@@ -106,9 +118,31 @@ def test_every_command_has_help(command: list[str], capsys: pytest.CaptureFixtur
         main([*command, "--help"])
     assert stop.value.code == 0
     help_text = capsys.readouterr().out
-    assert "usage: sandbox " + " ".join(command) in " ".join(help_text.split())
-    # What may be left out is not offered as a value, and not said to be one.
+    assert "Usage: sandbox " + " ".join(command) in " ".join(help_text.split())
+    # What may be left out is not offered as a value.
     assert not re.search(r"\bNone\b", help_text)
+
+
+def test_help_shows_the_options_of_the_device_that_is_named(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    texts = []
+    for named in ([], ["--device", "leap"], ["--device=leap-simulated:v1"]):
+        with pytest.raises(SystemExit):
+            main(["play", *named, "--help"])
+        texts.append(capsys.readouterr().out)
+    assert ["--leap-at" in text for text in texts] == [False, True, True]
+    assert all("--encoder" in text and "--webcam " not in text for text in texts)
+
+
+def test_ten_options_that_most_people_need_come_first_in_the_help(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    for command in ("play", "run"):
+        with pytest.raises(SystemExit):
+            main([command, "--help"])
+        first = capsys.readouterr().out.split("╭")[1]
+        assert len(re.findall(r"^│ (?:TASK )?--", first, re.M)) == 10
 
 
 def test_code_from_outside_that_ends_the_program_is_no_command_that_is_done(

@@ -17,7 +17,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sandbox.cli import doctor
-from sandbox.cli.common.parse import parse
+from sandbox.cli.common.command_line import parse
 from sandbox.cli.main import COMMANDS, main
 from sandbox.cli.overview import devices, first_steps, overview
 from sandbox.cli.play.command import PlayOptions

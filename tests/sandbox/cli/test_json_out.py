@@ -42,7 +42,7 @@ def test_two_results_in_one_file_are_refused(tmp_path: Path) -> None:
     [
         "run box-to-goal --record one.jsonl --json one.jsonl",
         "run box-to-goal --film one.webp --motion one.webp",
-        "regress box-to-goal --baseline kept.json --json kept.json",
+        "regress --tasks box-to-goal --baseline kept.json --json kept.json",
         "evaluate --paalm . --json kept.json",
         "leap simulate --capture kept.json --out kept.json",
         "paalm calibrate kept.json --hands right --out kept.json",

@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 
 from encoders.regression.model_registry import DEFAULT_MODEL
 from models.errors import InputError
-from sandbox.cli.common.parse import parse
+from sandbox.cli.common.command_line import parse
 from sandbox.cli.main import main
 from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.recording.recording import load_recording

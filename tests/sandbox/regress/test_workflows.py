@@ -12,7 +12,8 @@ from textwrap import dedent
 
 import pytest
 
-from sandbox.cli.regress import parse_known
+from sandbox.cli.common.command_line import parse
+from sandbox.cli.regress import RegressOptions
 from sandbox.regress.plan import parse_seeds
 from tests.support.processes import ROOT
 
@@ -49,12 +50,12 @@ def test_a_workflow_keeps_the_results_that_it_writes(text: str) -> None:
 def test_the_workflow_to_copy_gives_options_that_there_are() -> None:
     text = (ROOT / "examples" / "regression.yml").read_text()
     line = text[text.index("          sandbox regress") :].partition("\n      - ")[0]
-    found, more = parse_known(shlex.split(line)[2:])
-    assert found.baseline and found.junit and found.json and more == []
+    found = parse(RegressOptions, "sandbox regress", shlex.split(line)[2:])
+    assert found.baseline and found.junit and found.json
     assert parse_seeds(found.seeds) == tuple(range(120))
     (making,) = [line for line in text.splitlines() if line.startswith("#   sandbox regress")]
-    made, more = parse_known(shlex.split(making)[3:])
-    assert made.update_baseline and more == []
+    made = parse(RegressOptions, "sandbox regress", shlex.split(making)[3:])
+    assert made.update_baseline
     # What makes the baseline runs what the job compares with it.
     made = replace(made, update_baseline=False)
     assert replace(made, json=found.json, junit=found.junit, record=found.record) == found

@@ -1,0 +1,251 @@
+"""Parses command lines into dataclasses, or into the parameters of functions, by cyclopts.
+
+The docstrings under the fields of a dataclass are the help of its options.
+"""
+
+from __future__ import annotations
+
+import inspect
+import sys
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import MISSING, fields, is_dataclass
+from pathlib import Path
+from types import UnionType
+from typing import (
+    TYPE_CHECKING,
+    Annotated,
+    Any,
+    NoReturn,
+    TypeVar,
+    Union,
+    get_args,
+    get_origin,
+    get_type_hints,
+)
+
+from cyclopts import App, Argument, ArgumentCollection, CycloptsError, Parameter
+from cyclopts.exceptions import (
+    CoercionError,
+    MissingArgumentError,
+    UnknownCommandError,
+    UnknownOptionError,
+    UnusedCliTokensError,
+)
+
+from models.errors import InputError, unknown_name
+from sandbox.cli.common.printing import HelpShown, print_no_more
+
+if TYPE_CHECKING:
+    from _typeshed import DataclassInstance
+
+T = TypeVar("T", bound="DataclassInstance")
+
+FLAT = Parameter(name="*")
+"""Options of a dataclass are named by its fields alone."""
+
+SEVERAL = Parameter(consume_multiple=True)
+"""An option with a list takes all words behind it, and may be repeated."""
+
+
+def _shown(default: Any) -> str | None:
+    """The default of an option for its help; None for False, 0 and what is empty."""
+    if isinstance(default, tuple):
+        default = " ".join(map(str, default))
+    return str(default) if default else None
+
+
+_DEFAULTS = Parameter(negative=(), show_default=_shown, allow_repeating=True)
+"""Flags have no `--no-...` unless they name one. Of an option given twice, the last counts."""
+
+
+def parse(options: type[T], prog: str, argv: Sequence[str]) -> T:
+    """Parses the options of a command.
+
+    Options repeated for a second hand are accepted (see `second_hand`).
+
+    Args:
+        options: Dataclass of the options.
+        prog: What stands before the options on the command line.
+        argv: Words behind it.
+
+    Raises:
+        InputError: The options are invalid.
+        HelpShown: Help was printed.
+    """
+    if "second_device" in (field.name for field in fields(options)):
+        # This import loads scenes, which is slow; other commands do not need it.
+        from sandbox.options.second_hand import with_second_names
+
+        argv = with_second_names(argv)
+
+    def parsed(given: Any) -> Any:
+        return given
+
+    _resolve(options)
+    parsed.__annotations__ = {"given": Annotated[options, FLAT]}
+    if all(f.default is not MISSING or f.default_factory is not MISSING for f in fields(options)):
+        parsed.__defaults__ = (options(),)
+    app = _app(prog, options.__doc__)
+    app.default(parsed)
+    result: T = _run(app, prog, argv)
+    return result
+
+
+def subcommand(
+    commands: Mapping[str, Callable[..., int]], prog: str, description: str, argv: Sequence[str]
+) -> int:
+    """Runs one of several functions, with options as parameters, and returns its exit status.
+
+    Raises:
+        InputError: The options are invalid.
+        HelpShown: Help was printed.
+    """
+    app = _app(prog, description)
+    for name, function in commands.items():
+        for kind in get_type_hints(function).values():
+            if is_dataclass(kind):
+                _resolve(kind)
+        app.command(function, name=name)
+    return int(_run(app, prog, argv) or 0)
+
+
+def _resolve(options: Any) -> None:
+    """Resolves the types of a dataclass's fields, each in the module of its own class.
+
+    The library looks for them in the module of the last class, which lacks those of inherited
+    fields.
+    """
+    options.__init__.__annotations__.update(get_type_hints(options, include_extras=True))
+
+
+def _app(prog: str, about: str | None) -> App:
+    """An application that raises what is wrong, and whose functions return what they return."""
+    app = App(
+        name=prog,
+        help=inspect.cleandoc(about or ""),
+        help_format="markdown",
+        version_flags=(),
+        default_parameter=_DEFAULTS,
+        config=_check_whole_numbers,
+        exit_on_error=False,
+        print_error=False,
+        result_action="return_value",
+    )
+    app["--help"].show = False
+    return app
+
+
+def _run(app: App, prog: str, argv: Sequence[str]) -> Any:
+    """Parses, then calls the function; help is printed and ends the command."""
+    try:
+        command, bound, _ = app.parse_args(_with_terminal(argv))
+    except CycloptsError as error:
+        _refuse(error, prog, argv)
+    if command == app.help_print:
+        # This import loads what only the help needs.
+        from sandbox.cli.common.help_layout import HelpLayout
+
+        app.help_formatter = HelpLayout(argv)
+        try:
+            command(*bound.args, **bound.kwargs)
+            sys.stdout.flush()
+        except SystemExit:
+            # So ends `rich` a program whose reader has left, as `head` does.
+            print_no_more()
+        raise HelpShown(0)
+    return command(*bound.args, **bound.kwargs)
+
+
+def _with_terminal(argv: Sequence[str]) -> list[str]:
+    """The words with `--json -`, which is the terminal, as `--json=-`.
+
+    The library takes a word that begins with a hyphen for an option.
+    """
+    words: list[str] = []
+    for word in argv:
+        if word == "-" and words and words[-1].startswith("--"):
+            words[-1] += "=-"
+        else:
+            words.append(word)
+    return words
+
+
+def _check_whole_numbers(
+    app: App, commands: tuple[str, ...], arguments: ArgumentCollection
+) -> None:
+    """Refuses fractions where whole numbers are expected; the library would round them."""
+    for argument in arguments:
+        if int in _kinds(argument.hint) and float not in _kinds(argument.hint):
+            for token in argument.tokens:
+                if "." in token.value:
+                    raise CoercionError(argument=argument, token=token, target_type=int)
+
+
+def _refuse(error: CycloptsError, prog: str, argv: Sequence[str]) -> NoReturn:
+    """Raises the library's error as one of ours, with the nearest right word.
+
+    Raises:
+        InputError: Always.
+    """
+    path = " ".join([prog, *(error.command_chain or ())])
+    help_line = f"`{path} --help` lists all options"
+    match error:
+        case UnknownOptionError():
+            word = (error.token.keyword or error.token.value).partition("=")[0]
+            names = [name for a in error.argument_collection if a.parse for name in a.names]
+            near = unknown_name("no such option", word, names)
+            none_near = InputError(near.what, got=word, remedy=help_line)
+            raise (near if near.remedy else none_near) from None
+        case CoercionError(argument=Argument() as argument, token=token) if token is not None:
+            where = token.keyword or _label(argument)
+            if names := list(argument.get_choices() or ()):
+                what = "no such value"
+                raise unknown_name(
+                    what, token.value, names, where=where, remedy=help_line
+                ) from None
+            kinds = _kinds(argument.hint)
+            what = "not a number" if float in kinds else "no such value"
+            what = "not a whole number" if int in kinds else what
+            raise InputError(what, where=where, got=token.value, remedy=help_line) from None
+        case MissingArgumentError(argument=Argument() as argument):
+            if error.keyword is None and not argument.tokens:
+                raise InputError("this is missing", where=_label(argument), remedy=help_line)
+            raise InputError(
+                "its value is missing",
+                where=error.keyword or argument.name,
+                expected=_placeholder(argument),
+                remedy=help_line,
+            ) from None
+        case UnknownCommandError() if error.app is not None:
+            word = (error.unused_tokens or argv)[0]
+            names = [name for name in error.app if not name.startswith("-")]
+            raise unknown_name("no such command", word, names, where=path) from None
+        case UnusedCliTokensError():
+            words = " ".join(error.unused_tokens or ())
+            raise InputError("too many words", where=path, got=words, remedy=help_line) from None
+    error.verbose = False
+    raise InputError(" ".join(str(error).split()), remedy=help_line) from None
+
+
+def _kinds(hint: Any) -> set[Any]:
+    """The types that a value may have, without None; elements of a tuple count as its types."""
+    if get_origin(hint) in (Union, UnionType, tuple, list):
+        return set().union(*(_kinds(part) for part in get_args(hint) if part is not type(None)))
+    if get_origin(hint) is Annotated:
+        return _kinds(get_args(hint)[0])
+    return {hint}
+
+
+def _label(argument: Argument) -> str:
+    """What a required argument is called: the capitals of a positional one, else its option."""
+    return argument.name.lstrip("-").upper() if argument.index is not None else argument.name
+
+
+def _placeholder(argument: Argument) -> str:
+    """What stands for the value of an option, such as HOST:PORT."""
+    if argument.parameter.metavar:
+        return argument.parameter.metavar
+    if choices := argument.get_choices():
+        return f"one of {', '.join(choices)}"
+    names = {int: "INT", float: "FLOAT", Path: "PATH"}
+    return next((names[kind] for kind in _kinds(argument.hint) if kind in names), "TEXT")

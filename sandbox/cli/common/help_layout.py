@@ -1,0 +1,32 @@
+"""The layout of `--help`: headings of devices that are not named are left out, and pointed to."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from cyclopts.help import HelpPanel
+from cyclopts.help.formatters import DefaultFormatter
+from rich.console import Console, ConsoleOptions
+
+from sandbox.options.headings import OF_DEVICES
+
+
+class HelpLayout(DefaultFormatter):
+    """The library's layout, without the headings of other devices than those on a command line.
+
+    Args:
+        argv: Words of the command line, such as `--device leap-simulated:v1`, a `leap`.
+    """
+
+    def __init__(self, argv: Sequence[str]) -> None:
+        super().__init__()
+        words = {word.rpartition("=")[2].partition(":")[0].partition("-")[0] for word in argv}
+        self._hidden = {group.name: d for d, group in OF_DEVICES.items() if d not in words}
+
+    def __call__(self, console: Console, options: ConsoleOptions, panel: HelpPanel) -> None:
+        """Shows the options of one heading, or where they are shown."""
+        device = self._hidden.get(str(panel.title))
+        if device is None:
+            super().__call__(console, options, panel)
+        else:
+            console.print(f"{panel.title}: `--device {device} --help` shows its options")

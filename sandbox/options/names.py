@@ -1,0 +1,63 @@
+"""Names on a command line, checked before anything is opened or shown for them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Protocol
+
+from encoders.regression.model_registry import check_model_name
+from models.errors import unknown_name
+from models.robot.known import find_robot
+from sandbox.devices.registry import DEVICES, OWN_DEVICE, built_in, find_device, offered_devices
+from tasks.registry import find_task
+
+
+class NamedOptions(Protocol):
+    """The options that name something; for each see `OneHandOptions`."""
+
+    @property
+    def task(self) -> str: ...
+
+    @property
+    def device(self) -> str: ...
+
+    @property
+    def second_device(self) -> str | None: ...
+
+    @property
+    def encoder(self) -> str: ...
+
+    @property
+    def robot(self) -> str: ...
+
+
+def check_names(options: NamedOptions) -> None:
+    """Checks the names of task, devices, encoder and robot.
+
+    Raises:
+        InputError: There is nothing of a name.
+    """
+    find_task(options.task)
+    check_device_name(options.device)
+    if options.second_device is not None:
+        check_device_name(options.second_device, "--second-device")
+    check_model_name(options.encoder)
+    if options.robot:
+        find_robot(options.robot)
+
+
+def check_device_name(name: str, option: str = "--device") -> None:
+    """Checks that a name is that of a device, or that there is such a file.
+
+    Raises:
+        InputError: There is neither.
+    """
+    if built_in(name) is None and not Path(name).exists() and find_device(name) is None:
+        raise unknown_name(
+            "no such device or file",
+            name,
+            [*DEVICES, *offered_devices()],
+            where=option,
+            others=f"{OWN_DEVICE}, or a file",
+            remedy="`sandbox touches formats` lists the files that play as devices",
+        )
