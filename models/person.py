@@ -52,7 +52,7 @@ class Person:
                 where="--hand-size",
                 got=self.hand_size,
                 expected=f"{SIZES[0]:g} to {SIZES[1]:g} times the trained hand's",
-                remedy="`sandbox calibrate` measures it",
+                remedy="`sandbox hand measure` measures it",
             )
         if self.turn not in TURNS:
             raise InputError(

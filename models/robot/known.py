@@ -40,6 +40,6 @@ def find_robot(name: str) -> RobotMapping:
             where="--robot",
             got=name,
             expected=str(mapping),
-            remedy=f"`sandbox robot fit {name} --tips ...` writes it",
+            remedy=f"`sandbox devices robot fit {name} --tips ...` writes it",
         )
     return load_mapping(mapping)

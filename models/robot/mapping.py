@@ -12,7 +12,7 @@
     [coupled]
     ff_dip = ["ff_pip", 1.0]
 
-`sandbox robot fit` writes one.
+`sandbox devices robot fit` writes one.
 """
 
 from __future__ import annotations
@@ -248,7 +248,7 @@ def load_mapping(path: Path) -> RobotMapping:
             "this is not a mapping of a robot's hand",
             where=str(path),
             got=str(error),
-            remedy="`sandbox robot fit FILE.xml` writes one; docs/robots.md shows it",
+            remedy="`sandbox devices robot fit FILE.xml` writes one; docs/robots.md shows it",
         ) from None
 
 

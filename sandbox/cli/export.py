@@ -63,7 +63,7 @@ class ExportOptions:
 
     Try:
 
-        sandbox leap simulate --out leap.json
+        sandbox devices leap simulate --out leap.json
         sandbox export leap.json --to hand.bvh
         sandbox export both.json.lz --to hands.glb --hand both --calibration me.json
         sandbox run box-to-goal --device simulated --seed 3 --record run.jsonl
@@ -82,8 +82,8 @@ class ExportOptions:
         kw_only=False
     )
     """A recording (--record), a trial of a study (NAME/PARTICIPANT/S001/T007, as for `sandbox
-    replay`), a capture (.npz), or a recording of a Leap (`sandbox leap formats` lists them). A data
-    set takes several recordings, folders of recordings, and all trials of a study."""
+    replay`), a capture (.npz), or a recording of a Leap (`sandbox devices leap formats` lists
+    them). A data set takes several recordings, folders of recordings, and all trials of a study."""
 
     to: Annotated[Path, Parameter(metavar="FILE|minari|lerobot")]
     """File to write; an existing file is replaced. Or `minari`, or `lerobot`."""

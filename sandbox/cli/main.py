@@ -22,21 +22,27 @@ COMMANDS: dict[str, str] = {
     "stream": "send a hand's motion, live, to Maya or Blender",
     "train": "train an encoder on a capture",
     "evaluate": "measure how well encoders reconstruct hands and label fingers: the paper's tables",
-    "calibrate": "measure the size of a person's hand, so that the reconstruction fits it",
-    "rest": "see a person's hand for a second: its rest posture, for a better reconstruction",
-    "profile": "show what is known of a person's hand, or forget its layouts",
+    "hand": "what is known of your hand: measure it, see it at rest, show it, forget it",
     "study": "design, run, report and share user studies",
     "doctor": "check what works on this machine, and what to install for the rest",
     "paalm": "joint angles of hands over a Leap, by the paper of 2013: show and calibrate",
-    "robot": "robots' hands in the place of ours: fit one of your own, list those that are known",
-    "leap": "replace a Leap: simulated recordings, a fake service; list the formats",
-    "webcam": "hands before a webcam: install what finds them, record landmarks",
+    "devices": "simulate a Leap, install what a webcam needs, fit robots' hands",
     "touches": "show, record and send touches: the first thing to try with a new tablet",
 }
 """Command -> one line of help. Each is `main(argv) -> int` in sandbox/cli/COMMAND.py, or in
 sandbox/cli/COMMAND/command.py where it is in `IN_FOLDERS`."""
 
-IN_FOLDERS = {"capture", "evaluate", "paalm", "play", "replay", "study", "touches"}
+IN_FOLDERS = {
+    "capture",
+    "devices",
+    "evaluate",
+    "hand",
+    "paalm",
+    "play",
+    "replay",
+    "study",
+    "touches",
+}
 
 EXIT_DONE, EXIT_GATE_FAILED, EXIT_BAD_INPUT = 0, 1, 2
 

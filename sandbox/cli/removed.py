@@ -7,6 +7,13 @@ from collections.abc import Sequence
 from models.errors import InputError
 
 REMOVED = {
+    "calibrate": "`sandbox hand measure` measures a hand",
+    "rest": "`sandbox hand rest` sees a hand at rest",
+    "profile --forget": "`sandbox hand forget` forgets layouts",
+    "profile": "`sandbox hand show` shows a profile",
+    "leap": "`sandbox devices leap` has its commands",
+    "webcam": "`sandbox devices webcam` has its commands",
+    "robot": "`sandbox devices robot` has its commands",
     "subject population": "`python -m training people` in a checkout of the program makes people",
     "capture simulate --subject": "Every simulated person is of the first subject's kind",
     "train --population": "`python -m training names` and `population` train in a checkout",

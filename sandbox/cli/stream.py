@@ -82,7 +82,7 @@ class StreamOptions(LeapOptions, PageOptions, _File):
     Hands over a Leap come straight from PAALM, in the frame of the device, without a task and its
     table; --hand both streams two. A recording of a Leap does as well:
 
-        sandbox leap simulate --out leap.json
+        sandbox devices leap simulate --out leap.json
         sandbox stream leap.json --blender :7004
 
     Try it without a device, with a recorded hand or a simulated person:

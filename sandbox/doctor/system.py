@@ -151,7 +151,7 @@ def _profile() -> Check:
             "files",
             "your profile",
             True,
-            "none: the trained hand size is assumed; `sandbox calibrate` measures yours",
+            "none: the trained hand size is assumed; `sandbox hand measure` measures yours",
         )
     try:
         return Check("files", "your profile", True, find_profile(str(path)).line)
@@ -162,5 +162,5 @@ def _profile() -> Check:
             False,
             str(error),
             "your own hand's size",
-            f"Move {path} away, or measure again: `sandbox calibrate`",
+            f"Move {path} away, or measure again: `sandbox hand measure`",
         )

@@ -180,7 +180,7 @@ def _sides(
         raise RecordingError(
             "the file contains no usable Leap frames",
             where=where,
-            remedy="`sandbox leap formats` lists what can be read",
+            remedy="`sandbox devices leap formats` lists what can be read",
         )
     if not survey.hands:
         raise RecordingError(

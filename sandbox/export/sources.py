@@ -98,7 +98,7 @@ def open_source(
             "this is neither a recording nor a capture, nor a recording of a Leap",
             where=str(path),
             remedy="`--record FILE` of run and play makes a recording, `sandbox capture` a "
-            "capture; `sandbox leap formats` lists recordings of a Leap",
+            "capture; `sandbox devices leap formats` lists recordings of a Leap",
         ) from error
 
 

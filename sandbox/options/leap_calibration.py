@@ -25,7 +25,7 @@ FRAMES_PER_WANTED = 3
 
 
 def own_calibration_path() -> Path:
-    """Returns the file of this user's measured hands, beside the profile of `sandbox calibrate`."""
+    """Returns the file of this user's hands over a Leap, beside the profile of touches."""
     return default_path().with_name("hands.json")
 
 
@@ -62,7 +62,7 @@ def _is_calibration(name: str) -> bool:
 
 
 def uses_touch_profile(options: Any, in_air: bool) -> bool:
-    """True if --profile names a profile by `sandbox calibrate`, and the device is for touches.
+    """True if --profile names a profile by `sandbox hand measure`, and the device is for touches.
 
     Raises:
         InputError: The profile is a calibration over a Leap, and the device is for touches.
@@ -80,7 +80,7 @@ def uses_touch_profile(options: Any, in_air: bool) -> bool:
             where=f"--profile {options.profile}",
             got=f"--device {options.device}",
             expected="--device leap",
-            remedy="`sandbox calibrate` measures a hand that touches",
+            remedy="`sandbox hand measure` measures a hand that touches",
         )
     return False
 

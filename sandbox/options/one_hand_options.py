@@ -43,7 +43,7 @@ class SourceOptions:
     twice the noise, and the hand is lost for 1 s while it carries something). webxr-simulated: a
     simulated person in a headset (docs/headset.md). FILE: a recording of this program, a file by
     `touches record`, a capture of TUIO packets, a Leap recording (.json, .json.lz), or landmarks by
-    `webcam record`. Or a device of your own: FILE.py:CLASS[:ARGUMENT],
+    `devices webcam record`. Or a device of your own: FILE.py:CLASS[:ARGUMENT],
     MODULE:CLASS[:ARGUMENT], or its name in an installed package (docs/write-a-device.md)."""
 
 
@@ -97,17 +97,18 @@ class TrialOptions:
 
     robot: Annotated[str, Parameter(group=PHYSICS, metavar="ROBOT")] = ""
     """Robot whose hand is in the place of yours (docs/robots.md): shadow, adroit, inspire, allegro
-    or leap, or FILE.xml with a mapping by `sandbox robot fit` beside it. Default: our own hand."""
+    or leap, or FILE.xml with a mapping by `sandbox devices robot fit` beside it. Default: our own
+    hand."""
 
     hand_size: Annotated[float | None, Parameter(group=PERSON, metavar="RATIO")] = None
-    """Length of the hand relative to the trained hand, 0.6 to 1.6; `sandbox calibrate` measures
+    """Length of the hand relative to the trained hand, 0.6 to 1.6; `sandbox hand measure` measures
     it."""
 
     turn: Annotated[Literal[0, 90, 180, 270] | None, Parameter(group=PERSON)] = None
     """Edge of the screen at which the person sits: 0 lower, 90 right, 180 upper, 270 left."""
 
     profile: Annotated[str | None, Parameter(group=COMMON, metavar="default|none|FILE")] = None
-    """Profile of a person by `sandbox calibrate`: side and size of the hand, and seat. default:
+    """Profile of a person by `sandbox hand measure`: side and size of the hand, and seat. default:
     this user's own profile, which `sandbox play` with a touch device uses even without this
     option. Over a Leap: a calibration by `sandbox paalm calibrate`; default is this user's own
     measured hand."""

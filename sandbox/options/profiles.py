@@ -1,6 +1,6 @@
 """Profiles of persons: side, size, seat and layouts of five fingers, in a file.
 
-`sandbox calibrate` measures them, and `sandbox play --learn` adds layouts.
+`sandbox hand measure` measures them, and `sandbox play --learn` adds layouts.
 
 A profile is for people who play. Measurements and comparisons ignore it unless --profile is given.
 A recording holds the values themselves, so that it replays without a profile.
@@ -30,11 +30,11 @@ SCHEMA = 1
 
 KIND = "hand-sandbox profile"
 DEFAULT = "default"
-"""Name of the profile that `sandbox calibrate` writes without --out."""
+"""Name of the profile that `sandbox hand measure` writes without --out."""
 
 _UNSOUND = "a value of the profile cannot be used"
-_REMEDY = "`sandbox calibrate` makes a valid one"
-FORGET = "`sandbox profile --forget` forgets them"
+_REMEDY = "`sandbox hand measure` makes a valid one"
+FORGET = "`sandbox hand forget` forgets them"
 """Remedy for layouts that cannot be used."""
 
 
@@ -192,7 +192,7 @@ def _profile(values: _ProfileFile, where: str) -> Profile:
                 where=f"{where}, rest{f', {error.where}' if error.where else ''}",
                 got=error.got,
                 expected=error.expected,
-                remedy="`sandbox calibrate --rest FILE` sees the hand again",
+                remedy="`sandbox hand measure --rest FILE` sees the hand again",
             ) from None
     return Profile(person, (low, high), values.device, values.simulated, layouts, rest)
 

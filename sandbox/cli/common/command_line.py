@@ -7,8 +7,8 @@ from __future__ import annotations
 
 import inspect
 import sys
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import MISSING, fields, is_dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import MISSING, fields
 from pathlib import Path
 from types import UnionType
 from typing import (
@@ -58,6 +58,17 @@ _DEFAULTS = Parameter(negative=(), show_default=_shown, allow_repeating=True)
 """Flags have no `--no-...` unless they name one. Of an option given twice, the last counts."""
 
 
+def flat(options: type[T]) -> type[T]:
+    """Decorator of a dataclass of options: they are named by its fields alone.
+
+    It resolves the types of the fields, each in the module of its own class. The library looks for
+    them in the module of the last class, which lacks those of inherited fields.
+    """
+    init: Any = options.__init__
+    init.__annotations__.update(get_type_hints(options, include_extras=True))
+    return FLAT(options)
+
+
 def parse(options: type[T], prog: str, argv: Sequence[str]) -> T:
     """Parses the options of a command.
 
@@ -81,48 +92,26 @@ def parse(options: type[T], prog: str, argv: Sequence[str]) -> T:
     def parsed(given: Any) -> Any:
         return given
 
-    _resolve(options)
-    parsed.__annotations__ = {"given": Annotated[options, FLAT]}
+    parsed.__annotations__ = {"given": flat(options)}
     if all(f.default is not MISSING or f.default_factory is not MISSING for f in fields(options)):
         parsed.__defaults__ = (options(),)
-    app = _app(prog, options.__doc__)
+    app = application(prog, options.__doc__ or "")
     app.default(parsed)
-    result: T = _run(app, prog, argv)
+    result: T = run(app, argv)
     return result
 
 
-def subcommand(
-    commands: Mapping[str, Callable[..., int]], prog: str, description: str, argv: Sequence[str]
-) -> int:
-    """Runs one of several functions, with options as parameters, and returns its exit status.
+def application(name: str, about: str, *functions: Callable[..., int]) -> App:
+    """Returns a command with subcommands, whose options are the parameters of functions.
 
-    Raises:
-        InputError: The options are invalid.
-        HelpShown: Help was printed.
+    Args:
+        name: What stands before a subcommand on the command line.
+        about: Its help, in Markdown.
+        functions: The subcommands, named as the functions; each returns an exit status.
     """
-    app = _app(prog, description)
-    for name, function in commands.items():
-        for kind in get_type_hints(function).values():
-            if is_dataclass(kind):
-                _resolve(kind)
-        app.command(function, name=name)
-    return int(_run(app, prog, argv) or 0)
-
-
-def _resolve(options: Any) -> None:
-    """Resolves the types of a dataclass's fields, each in the module of its own class.
-
-    The library looks for them in the module of the last class, which lacks those of inherited
-    fields.
-    """
-    options.__init__.__annotations__.update(get_type_hints(options, include_extras=True))
-
-
-def _app(prog: str, about: str | None) -> App:
-    """An application that raises what is wrong, and whose functions return what they return."""
     app = App(
-        name=prog,
-        help=inspect.cleandoc(about or ""),
+        name=name,
+        help=inspect.cleandoc(about),
         help_format="markdown",
         version_flags=(),
         default_parameter=_DEFAULTS,
@@ -132,15 +121,22 @@ def _app(prog: str, about: str | None) -> App:
         result_action="return_value",
     )
     app["--help"].show = False
+    for function in functions:
+        app.command(function)
     return app
 
 
-def _run(app: App, prog: str, argv: Sequence[str]) -> Any:
-    """Parses, then calls the function; help is printed and ends the command."""
+def run(app: App, argv: Sequence[str]) -> Any:
+    """Parses a command line and runs it; returns what its function returns.
+
+    Raises:
+        InputError: The command line is invalid.
+        HelpShown: Help was printed.
+    """
     try:
         command, bound, _ = app.parse_args(_with_terminal(argv))
     except CycloptsError as error:
-        _refuse(error, prog, argv)
+        _refuse(error, app.name[0], argv)
     if command == app.help_print:
         # This import loads what only the help needs.
         from sandbox.cli.common.help_layout import HelpLayout
@@ -191,11 +187,8 @@ def _refuse(error: CycloptsError, prog: str, argv: Sequence[str]) -> NoReturn:
     help_line = f"`{path} --help` lists all options"
     match error:
         case UnknownOptionError():
-            word = (error.token.keyword or error.token.value).partition("=")[0]
-            names = [name for a in error.argument_collection if a.parse for name in a.names]
-            near = unknown_name("no such option", word, names)
-            none_near = InputError(near.what, got=word, remedy=help_line)
-            raise (near if near.remedy else none_near) from None
+            word = error.token.keyword or error.token.value
+            raise _no_option(word, error.argument_collection, help_line) from None
         case CoercionError(argument=Argument() as argument, token=token) if token is not None:
             where = token.keyword or _label(argument)
             if names := list(argument.get_choices() or ()):
@@ -209,7 +202,13 @@ def _refuse(error: CycloptsError, prog: str, argv: Sequence[str]) -> NoReturn:
             raise InputError(what, where=where, got=token.value, remedy=help_line) from None
         case MissingArgumentError(argument=Argument() as argument):
             if error.keyword is None and not argument.tokens:
-                raise InputError("this is missing", where=_label(argument), remedy=help_line)
+                # A wrong option may be the one that is missing.
+                for word in error.unused_tokens or ():
+                    if word.startswith("-") and error.app is not None:
+                        known = error.app.assemble_argument_collection()
+                        raise _no_option(word, known, help_line) from None
+                where = _label(argument)
+                raise InputError("this is missing", where=where, remedy=help_line) from None
             raise InputError(
                 "its value is missing",
                 where=error.keyword or argument.name,
@@ -225,6 +224,14 @@ def _refuse(error: CycloptsError, prog: str, argv: Sequence[str]) -> NoReturn:
             raise InputError("too many words", where=path, got=words, remedy=help_line) from None
     error.verbose = False
     raise InputError(" ".join(str(error).split()), remedy=help_line) from None
+
+
+def _no_option(word: str, known: ArgumentCollection, help_line: str) -> InputError:
+    """The error of an option that there is not, with the nearest one."""
+    word = word.partition("=")[0]
+    names = [name for argument in known if argument.parse for name in argument.names]
+    near = unknown_name("no such option", word, names)
+    return near if near.remedy else InputError(near.what, got=word, remedy=help_line)
 
 
 def _kinds(hint: Any) -> set[Any]:

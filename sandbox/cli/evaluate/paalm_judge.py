@@ -47,9 +47,9 @@ class PaalmJudgeOptions:
     simulated: hands in the air seen by a simulated Leap, with and without drop-outs, and as joints
     (v3). Persons follow from the frozen configuration. FOLDER: recordings; the truth is the
     device's own bones where PIP and DIP are independent (never v2, where they are equal by
-    construction), or what `sandbox leap simulate` wrote beside the frames. Recordings of the first
-    software have no truth: what no real hand does is counted, as a recording and as if live. The
-    paper as printed is judged on the device that it describes.
+    construction), or what `sandbox devices leap simulate` wrote beside the frames. Recordings of
+    the first software have no truth: what no real hand does is counted, as a recording and as if
+    live. The paper as printed is judged on the device that it describes.
 
     Try: sandbox evaluate --paalm simulated --takes 4 --json out.json
     """

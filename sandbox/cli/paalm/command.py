@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -21,7 +21,7 @@ from encoders.paalm.calibration_file import read_calibration, write_calibration
 from encoders.paalm.recorded import calibrate_on_recording
 from models.errors import InputError
 from models.frames import SIDES, HandFrame
-from sandbox.cli.common.command_line import subcommand
+from sandbox.cli.common.command_line import application, run
 from sandbox.cli.common.json_out import refuse_replacing
 from sandbox.cli.paalm.views import check_picture, show_pictures
 from sandbox.devices.leap.leap import LeapDevice, LeapFileDevice
@@ -41,9 +41,8 @@ HEADER = (
 
 def main(argv: list[str]) -> int:
     """Runs `sandbox paalm ...`; returns the exit status."""
-    commands: dict[str, Callable[..., int]] = {"show": show, "calibrate": calibrate}
     about = "PAALM (paper of 2013): joint angles from directions and lengths of fingers."
-    return subcommand(commands, "sandbox paalm", about, argv)
+    return int(run(application("sandbox paalm", about, show, calibrate), argv) or 0)
 
 
 Hands = Literal["right", "left", "both"]
@@ -78,7 +77,7 @@ def show(
 
     Try:
 
-        sandbox leap simulate --out hand.json
+        sandbox devices leap simulate --out hand.json
         sandbox paalm show hand.json
         sandbox paalm show hand.json --view window
 

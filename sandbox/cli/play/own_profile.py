@@ -105,7 +105,7 @@ class Learner:
             raise InputError(
                 "there is no profile to learn into",
                 where="--learn",
-                remedy="`sandbox calibrate` makes one",
+                remedy="`sandbox hand measure` makes one",
             )
         learner = cls(profile_path(str(options.profile)), console)
         profile = load_profile(learner.path)

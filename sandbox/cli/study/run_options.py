@@ -96,8 +96,8 @@ class StudyRunOptions:
     """Hand of a new participant."""
 
     hand_size: float = 1.0
-    """Length of a new participant's hand relative to the trained hand; `sandbox calibrate` measures
-    it."""
+    """Length of a new participant's hand relative to the trained hand; `sandbox hand measure`
+    measures it."""
 
     language: str = ""
     """Language of a new participant. Default: the first one of the design."""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
@@ -16,7 +15,7 @@ from rich.text import Text
 
 from models.errors import InputError
 from models.frames import TouchFrame
-from sandbox.cli.common.command_line import FLAT, subcommand
+from sandbox.cli.common.command_line import application, flat, run
 from sandbox.cli.common.touch_opening import open_touches_or_page
 from sandbox.cli.touches.send import send
 from sandbox.cli.touches.views import JsonView, TextView, View, what_to_check
@@ -31,7 +30,7 @@ PATIENCE = 5.0
 """s without a frame after which a hint on what to check is shown."""
 
 
-@FLAT
+@flat
 @dataclass(frozen=True, kw_only=True)
 class Show(TouchOptions):
     """Options of `sandbox touches show`."""
@@ -55,7 +54,7 @@ class _NewFile:
     """File for the recording; an existing file is never overwritten."""
 
 
-@FLAT
+@flat
 @dataclass(frozen=True, kw_only=True)
 class Record(TouchOptions, _NewFile):
     """Options of `sandbox touches record`."""
@@ -69,14 +68,8 @@ class Record(TouchOptions, _NewFile):
 
 def main(argv: list[str]) -> int:
     """Runs `sandbox touches ...`; returns the exit status."""
-    commands: dict[str, Callable[..., int]] = {
-        "show": show,
-        "record": record,
-        "send": send,
-        "formats": formats,
-    }
     about = "Shows, records and sends the touches of a tablet or touch table."
-    return subcommand(commands, "sandbox touches", about, argv)
+    return int(run(application("sandbox touches", about, show, record, send, formats), argv) or 0)
 
 
 def show(options: Show = Show()) -> int:

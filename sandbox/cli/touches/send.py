@@ -17,7 +17,7 @@ from rich.progress import Progress
 from rich.text import Text
 
 from models.errors import InputError
-from sandbox.cli.common.command_line import FLAT
+from sandbox.cli.common.command_line import flat
 from sandbox.cli.common.touch_opening import open_touches_or_page
 from sandbox.devices.tuio.touch_capture import read_capture
 from sandbox.devices.tuio.tuio_sender import TuioOutput, connected, send_packet
@@ -39,7 +39,7 @@ class _File:
     """File to send. With --tuio, --device may be given instead."""
 
 
-@FLAT
+@flat
 @dataclass(frozen=True, kw_only=True)
 class Send(TouchOptions, _File):
     """Options of `sandbox touches send`."""

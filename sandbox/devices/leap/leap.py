@@ -32,7 +32,7 @@ LARGEST_MESSAGE = 1 << 20
 
 SILENCE = 5.0
 """s without a frame after which `follow` takes the service as gone."""
-START_IT = "Start leapd or the Ultraleap bridge, or try `sandbox leap fake FILE`"
+START_IT = "Start leapd or the Ultraleap bridge, or try `sandbox devices leap fake FILE`"
 SILENT = "the Leap service is silent: start leapd or the Ultraleap bridge, and look at its cable"
 
 BACKGROUND = '{"background":true}'

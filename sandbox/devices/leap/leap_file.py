@@ -43,7 +43,7 @@ _FRAME = ("hands", "pointables")
 _MARKS = (b'"pointables"', b'"palmPosition"')
 """Keys that no other JSON has."""
 
-_REMEDY = "`sandbox leap formats` lists what can be played"
+_REMEDY = "`sandbox devices leap formats` lists what can be played"
 
 
 @dataclass(frozen=True)

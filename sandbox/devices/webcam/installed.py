@@ -1,8 +1,8 @@
 """The engine that finds hands: which files it has, and where this user keeps them.
 
-`sandbox webcam install` brings them (`sandbox.devices.webcam.install`). Nothing of it comes with
-this program. All of it is Google's MediaPipe, under the Apache licence 2.0. Later versions of both
-packages report their use to Google, and are therefore not for studies.
+`sandbox devices webcam install` brings them (`sandbox.devices.webcam.install`). Nothing of it comes
+with this program. All of it is Google's MediaPipe, under the Apache licence 2.0. Later versions of
+both packages report their use to Google, and are therefore not for studies.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ FILES: Mapping[str, str] = {
 }
 """Name of each file that is kept -> its SHA-256."""
 
-INSTALL = "`sandbox webcam install` brings it, once, with the network"
+INSTALL = "`sandbox devices webcam install` brings it, once, with the network"
 
 
 def data_folder() -> Path:

@@ -1,4 +1,4 @@
-"""Files of landmarks: a header, then one picture a line, as `sandbox webcam record` writes them.
+"""Files of landmarks, by `sandbox devices webcam record`: a header, then one picture a line.
 
     {"landmarks": 1, "camera": {"view": 60.0, ...}, "hand_size": 1.0}
     {"time": s, "taken": s, "size": [px, px], "seen": [{"side", "score", "image", "world"}]}

@@ -176,7 +176,7 @@ class LandmarkServer(Closeable):
         try:
             body = path.read_bytes()
         except OSError:
-            return plain(HTTPStatus.NOT_FOUND, "The engine is gone: sandbox webcam install")
+            return plain(HTTPStatus.NOT_FOUND, "The engine is gone: sandbox devices webcam install")
         if name == "/index.html":
             body = body.replace(TOKEN_PLACE, quote(self.access.token).encode())
         policy = (

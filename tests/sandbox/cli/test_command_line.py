@@ -12,15 +12,18 @@ from sandbox.cli.study.command import ACTIONS
 
 WITH_PARTS = {
     "touches": ("show", "record", "send"),
-    "leap": ("fake", "simulate"),
-    "webcam": ("install", "status", "record"),
+    "hand": ("measure", "rest", "show", "forget"),
     "paalm": ("show", "calibrate"),
     "study": tuple(ACTIONS),
 }
 EVERY = [
     [name, *part]
     for name in COMMANDS
+    if name != "devices"
     for part in ([[p] for p in WITH_PARTS[name]] if name in WITH_PARTS else [[]])
+] + [
+    ["devices", *line.split()]
+    for line in ("leap fake", "leap simulate", "webcam record", "webcam status", "robot fit")
 ]
 
 
@@ -80,7 +83,7 @@ def test_an_option_that_there_is_not_is_one_line_that_leads_on(
         (["touches", "send", "--to"], ["--to: its value is missing (expected HOST:PORT)"]),
         (["touches", "show", "--tuio-transport", "q"], ["'q'", "websocket"]),
         (["touches", "bla"], ["bla", "show, record, send, formats"]),
-        (["leap", "simulat"], ["'simulat'", "Did you mean simulate?"]),
+        (["devices", "leap", "simulat"], ["'simulat'", "Did you mean simulate?"]),
         (["plya"], ["'plya'", "Did you mean play?"]),
         (["study", "simulat"], ["'simulat'", "Did you mean simulate?"]),
         (["run", "box-to-gaol"], ["'box-to-gaol'", "Did you mean box-to-goal?"]),

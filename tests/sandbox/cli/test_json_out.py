@@ -44,9 +44,9 @@ def test_two_results_in_one_file_are_refused(tmp_path: Path) -> None:
         "run box-to-goal --film one.webp --motion one.webp",
         "regress --tasks box-to-goal --baseline kept.json --json kept.json",
         "evaluate --paalm . --json kept.json",
-        "leap simulate --capture kept.json --out kept.json",
+        "devices leap simulate --capture kept.json --out kept.json",
         "paalm calibrate kept.json --hands right --out kept.json",
-        "robot fit kept.json --tips a,b,c --out kept.json",
+        "devices robot fit kept.json --tips a,b,c --out kept.json",
     ],
 )
 def test_no_command_replaces_what_it_reads_or_another_of_its_results(

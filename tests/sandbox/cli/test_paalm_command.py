@@ -1,4 +1,4 @@
-"""`sandbox paalm`, `sandbox leap` and `sandbox evaluate --paalm` do what their help says."""
+"""`sandbox paalm`, `devices leap` and `evaluate --paalm` do what their help says."""
 
 from __future__ import annotations
 
@@ -108,7 +108,7 @@ def test_a_hand_whose_thumb_is_that_of_the_other_one_is_not_taken_for_this_one_w
     hand: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path = str(tmp_path / "hand.json")
-    assert main(["leap", "simulate", "--hand", hand, "--out", path]) == 0
+    assert main(["devices", "leap", "simulate", "--hand", hand, "--out", path]) == 0
     for taken_for in ("right", "left"):
         capsys.readouterr()
         assert main(["paalm", "show", path, "--hands", taken_for, "--seconds", "0.1"]) == 0
@@ -124,8 +124,8 @@ def test_a_hand_whose_thumb_is_that_of_the_other_one_is_not_taken_for_this_one_w
         ["paalm", "show", __file__],
         ["paalm", "calibrate", "none.json", "--hands", "right"],
         ["paalm", "calibrate", "--frames", "10"],
-        ["leap", "fake", "none.json"],
-        ["leap", "simulate", "--out", "/none/of/this/hand.json", "--seed", "-1"],
+        ["devices", "leap", "fake", "none.json"],
+        ["devices", "leap", "simulate", "--out", "/none/of/this/hand.json", "--seed", "-1"],
         ["evaluate", "--paalm", "none"],
         ["evaluate", "--paalm", "simulated", "--takes", "0"],
     ),
@@ -189,7 +189,15 @@ def test_a_capture_becomes_leap_recordings(
     whole = builtin_capture()
     trials = np.unique(whole.trial)[:2]
     save_capture(whole.select(np.isin(whole.trial, trials)), tmp_path / "touches.npz")
-    args = ["leap", "simulate", "--capture", str(tmp_path / "touches.npz"), "--takes", "2"]
+    args = [
+        "devices",
+        "leap",
+        "simulate",
+        "--capture",
+        str(tmp_path / "touches.npz"),
+        "--takes",
+        "2",
+    ]
     assert main([*args, "--out", str(tmp_path / "made")]) == 0
     made = sorted((tmp_path / "made").iterdir())
     assert len(made) == 2

@@ -91,7 +91,7 @@ def test_layouts_of_the_other_hand_are_left_out_and_one_line_says_so(path: Path)
 
 
 def test_a_profile_that_is_not_there_is_an_error(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="calibrate"):
+    with pytest.raises(InputError, match="hand measure"):
         usable(tmp_path / "none.json")
 
 

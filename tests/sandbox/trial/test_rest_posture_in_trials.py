@@ -73,8 +73,8 @@ def test_a_rest_posture_needs_an_encoder_of_any_person(
     assert "cannot use a rest posture" in capsys.readouterr().err
 
 
-def test_calibrate_keeps_a_rest_posture(tmp_path: Path, rest: Path, looks: Looks) -> None:
+def test_a_measured_hand_keeps_a_rest_posture(tmp_path: Path, rest: Path, looks: Looks) -> None:
     out = tmp_path / "me.json"
-    line = ["calibrate", "--device", "simulated", "--rest", str(rest), "--out", str(out)]
+    line = ["hand", "measure", "--device", "simulated", "--rest", str(rest), "--out", str(out)]
     assert main(line) == 0
     assert load_profile(out).rest == looks

@@ -125,7 +125,7 @@ def test_without_network_one_line_says_so(
 ) -> None:
     path = programs(tmp_path / "bin", npm='echo "npm error network unreachable" >&2; exit 1')
     monkeypatch.setenv("PATH", path + os.pathsep + "/usr/bin" + os.pathsep + "/bin")
-    assert main(["webcam", "install"]) == 2
+    assert main(["devices", "webcam", "install"]) == 2
     (line,) = capsys.readouterr().err.splitlines()
     assert "cannot be fetched" in line and "network unreachable" in line
     assert not home.exists()
@@ -152,8 +152,8 @@ def test_without_npm_and_without_network_one_line_says_so(
 def test_the_status_says_what_is_missing_and_what_to_do(
     home: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert main(["webcam", "status"]) == 1
-    assert "sandbox webcam install" in capsys.readouterr().out
+    assert main(["devices", "webcam", "status"]) == 1
+    assert "sandbox devices webcam install" in capsys.readouterr().out
 
 
 def test_a_session_without_the_engine_says_how_to_get_it(
@@ -161,4 +161,4 @@ def test_a_session_without_the_engine_says_how_to_get_it(
 ) -> None:
     assert main(["run", "box-to-goal", "--device", "webcam"]) == 2
     (line,) = capsys.readouterr().err.splitlines()
-    assert "sandbox webcam install" in line
+    assert "sandbox devices webcam install" in line

@@ -1,4 +1,4 @@
-"""`sandbox rest`: sees a hand for a second, and keeps its rest posture for --rest."""
+"""`sandbox hand rest`: sees a hand for a second, and keeps its rest posture for --rest."""
 
 from __future__ import annotations
 
@@ -15,12 +15,13 @@ from encoders.person.rest_posture import MOST, check_looks, save_rest
 from models.errors import EncoderError, InputError
 from models.limits import RateLimit
 from models.scene import CONTROL_PERIOD
-from sandbox.cli.common.command_line import parse
+from sandbox.cli.common.command_line import flat
 from sandbox.cli.common.json_out import check_output, refuse_replacing
 from sandbox.devices.kinds import LIVE_HEADSET as HEADSET
-from sandbox.devices.leap.options import DEFAULT_ADDRESS
 from sandbox.devices.registry import built_in
+from sandbox.options.leap_devices import LeapOptions
 from sandbox.options.scene_options import SceneOptions, scene_settings
+from sandbox.options.webcam_devices import WebcamOptions
 from sandbox.session.device import AnyDevice
 from sandbox.session.rest_watch import RestWatch
 from sandbox.trial.open_devices import device_makers, is_live
@@ -29,18 +30,10 @@ from sandbox.trial.settings import Settings
 from tasks.registry import find_task
 
 
+@flat
 @dataclass(frozen=True, kw_only=True)
-class RestOptions:
-    """Sees your hand for a second, and writes its rest posture, which --rest of other commands
-    takes.
-
-    Touches do not tell how high a wrist is held, and how far fingers bend at rest; whoever sees the
-    hand knows it (docs/strangers.md). Hold the hand still for a second, relaxed, with all
-    fingertips on one level, as it rests on a screen.
-
-    Try: sandbox rest --device webcam --out me.json
-         sandbox play box-to-goal --tablet --rest me.json
-    """
+class RestOptions(WebcamOptions, LeapOptions):
+    """Options of `sandbox hand rest`."""
 
     device: Annotated[str, Parameter(metavar="leap|webcam|FILE")]
     """What sees the hand: a Leap, a camera, or a file: a recording of a Leap, of landmarks, or of a
@@ -56,25 +49,25 @@ class RestOptions:
     """Which hand. Default: that of the recording, else right."""
 
     hand_size: Annotated[float | None, Parameter(metavar="RATIO")] = None
-    """Length of your hand relative to the trained one; `sandbox calibrate` measures it."""
+    """Length of your hand relative to the trained one; `sandbox hand measure` measures it."""
 
     seconds: float = 60.0
     """Timeout for a live device, in seconds."""
 
-    leap: Annotated[str, Parameter(metavar="URL")] = DEFAULT_ADDRESS
-    """WebSocket address of leapd or of the Ultraleap bridge, for --device leap."""
 
-    calibration: Annotated[Path | None, Parameter(metavar="FILE")] = None
-    """Your hand over a Leap, as measured by `sandbox paalm calibrate --out FILE`."""
+def rest(options: RestOptions) -> int:
+    """Sees your hand for a second, and writes its rest posture, for --rest of other commands.
 
-    webcam: Annotated[str, Parameter(metavar="KEY=VALUE,...")] = ""
-    """The camera of --device webcam, as in `sandbox play --help`. Say its tilt: it decides what is
-    level."""
+    Touches do not tell how high a wrist is held, and how far fingers bend at rest; whoever sees the
+    hand knows it (docs/strangers.md). Hold the hand still for a second, relaxed, with all
+    fingertips on one level, as it rests on a screen. For a webcam, give its tilt: it decides what
+    is level.
 
+    Try:
 
-def main(argv: list[str]) -> int:
-    """Runs `sandbox rest ...`."""
-    options = parse(RestOptions, "sandbox rest", argv)
+        sandbox hand rest --device webcam --out me.json
+        sandbox play box-to-goal --tablet --rest me.json
+    """
     console = Console(stderr=True)
     chosen = _plan(options)
     hand = chosen.hands[0]
@@ -139,6 +132,7 @@ def _plan(options: RestOptions) -> Settings:
         hand=options.hand,
         hand_size=options.hand_size,
         leap=options.leap,
+        leap_at=options.leap_at,
         calibration=options.calibration,
         webcam=options.webcam,
     )

@@ -1,4 +1,4 @@
-"""`sandbox rest`: one second of seeing a hand becomes a file for --rest, or one clear line."""
+"""`sandbox hand rest`: one second of seeing a hand becomes a file for --rest, or one clear line."""
 
 from __future__ import annotations
 
@@ -78,7 +78,7 @@ def leap_file(path: Path) -> Path:
 
 
 def rest(*words: str) -> int:
-    return main(["rest", *words])
+    return main(["hand", "rest", *words])
 
 
 @pytest.mark.parametrize("device", ["webcam", "leap"])

@@ -1,11 +1,10 @@
-"""`sandbox webcam`: installs what finds hands in pictures, tells what is there, and records."""
+"""`sandbox devices webcam`: installs what finds hands in pictures, and records."""
 
 from __future__ import annotations
 
 import math
 import time
 import webbrowser
-from collections.abc import Callable
 from contextlib import closing, suppress
 from pathlib import Path
 from typing import Annotated
@@ -14,7 +13,7 @@ from cyclopts import Parameter
 from rich.console import Console
 from rich.text import Text
 
-from sandbox.cli.common.command_line import subcommand
+from sandbox.cli.common.command_line import application
 from sandbox.devices.files.line_file import LineFile
 from sandbox.devices.webcam import install as fetch
 from sandbox.devices.webcam.installed import (
@@ -33,17 +32,6 @@ from sandbox.options.webcam_devices import webcam_choice
 
 _LOOK = 0.2
 """s between two looks at the clock."""
-
-
-def main(argv: list[str]) -> int:
-    """Runs `sandbox webcam ...`; returns the exit status."""
-    commands: dict[str, Callable[..., int]] = {
-        "install": install,
-        "status": status,
-        "record": record,
-    }
-    about = "Hands before a webcam: install what finds them, and record their landmarks."
-    return subcommand(commands, "sandbox webcam", about, argv)
 
 
 def install() -> int:
@@ -107,3 +95,12 @@ def record(
                     console.print(Text(told or "hands are looked for"))
     console.print(Text(f"{pictures} pictures: {out}"))
     return 0
+
+
+app = application(
+    "webcam",
+    "Hands before a webcam: install what finds them, and record their landmarks.",
+    install,
+    status,
+    record,
+)

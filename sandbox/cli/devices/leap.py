@@ -1,11 +1,10 @@
-"""`sandbox leap`: a fake leapd, simulated recordings, and a list of formats."""
+"""`sandbox devices leap`: a fake leapd, simulated recordings, and a list of formats."""
 
 from __future__ import annotations
 
 import json
 import math
 import time
-from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -22,22 +21,11 @@ from encoders.store import load_capture
 from models.arithmetic.arrays import Array
 from models.errors import InputError
 from models.rotations import exp
-from sandbox.cli.common.command_line import subcommand
+from sandbox.cli.common.command_line import application
 from sandbox.cli.common.json_out import refuse_replacing
 from sandbox.devices.leap.leap_fake import DEFAULT_PORT, FakeLeapd
 from sandbox.devices.leap.leap_file import read_leap
 from sandbox.devices.leap.leap_truth import write_take
-
-
-def main(argv: list[str]) -> int:
-    """Runs `sandbox leap ...`; returns the exit status."""
-    commands: dict[str, Callable[..., int]] = {
-        "fake": fake,
-        "simulate": simulate,
-        "formats": formats,
-    }
-    about = "Replaces a Leap Motion device: a fake service, simulated recordings, formats."
-    return subcommand(commands, "sandbox leap", about, argv)
 
 
 def fake(
@@ -56,7 +44,7 @@ def fake(
         sandbox paalm show --device leap
 
     Args:
-        file: A Leap recording; `sandbox leap formats` lists the formats.
+        file: A Leap recording; `sandbox devices leap formats` lists the formats.
         bind: Address to listen on. 127.0.0.1: reachable from this machine only.
         port: TCP port; 0 takes a free one.
         rate: Frames per second; a Leap sends 290 at most.
@@ -164,3 +152,12 @@ def formats() -> int:
     Console().print(table)
     print("Files are recognised by content; the suffix does not matter.")
     return 0
+
+
+app = application(
+    "leap",
+    "Replaces a Leap Motion device: a fake service, simulated recordings, formats.",
+    fake,
+    simulate,
+    formats,
+)

@@ -10,7 +10,7 @@ import pytest
 
 from models.errors import InputError
 from models.person import Person
-from sandbox.cli import profile as profile_command
+from sandbox.cli.hand.command import main
 from sandbox.options.profiles import Profile, load_profile, save_profile
 from sandbox.options.scene_options import SceneOptions, scene_settings
 
@@ -44,9 +44,9 @@ def test_layouts_of_a_profile_are_used_where_names_are_those_of_the_population(p
 def test_a_profile_shows_and_forgets_its_layouts(
     path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert profile_command.main(["--file", str(path)]) == 0
+    assert main(["show", str(path)]) == 0
     assert "1 layouts of five fingers" in capsys.readouterr().out.replace("\n", " ")
-    assert profile_command.main(["--file", str(path), "--forget"]) == 0
+    assert main(["forget", str(path)]) == 0
     assert "0 layouts of five fingers" in capsys.readouterr().out.replace("\n", " ")
     profile = load_profile(path)
     assert profile.layouts == () and profile.person == Person("left", 0.9)
@@ -70,5 +70,5 @@ def test_layouts_that_cannot_be_used_are_one_clear_line_and_can_be_forgotten(
         load_profile(path)
     assert str(path) in str(raised.value) and len(str(raised.value).splitlines()) == 1
     if says != "a number":
-        profile_command.main(["--file", str(path), "--forget"])
+        main(["forget", str(path)])
         assert load_profile(path).person == Person("left", 0.9)

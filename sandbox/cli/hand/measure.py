@@ -1,4 +1,4 @@
-"""`sandbox calibrate`: measures the size of a person's hand relative to the trained hand."""
+"""`sandbox hand measure`: measures the size of a person's hand relative to the trained hand."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from models.errors import InputError
 from models.person import Person, PersonFrame
 from models.scene import CONTROL_PERIOD
 from models.surface import Surface
-from sandbox.cli.common.command_line import parse
+from sandbox.cli.common.command_line import flat
 from sandbox.cli.common.json_out import check_output, refuse_replacing
 from sandbox.devices.kinds import is_in_air
 from sandbox.devices.open_touches import first_line
@@ -44,17 +44,10 @@ _ASKED = {
 }
 
 
+@flat
 @dataclass(frozen=True, kw_only=True)
-class CalibrateOptions:
-    """Measures a hand: put down five fingers three times, relaxed, close together and wide apart.
-
-    The profile stores the length of the hand relative to the trained hand, by which touches are
-    scaled, and the three layouts, which help to name fewer fingers. `sandbox play` with a touch
-    device uses the profile automatically; other commands need --profile. A profile that is there is
-    replaced; `sandbox profile` shows it.
-
-    Try: sandbox calibrate --device simulated --hand-size 0.9 --out profile.json
-    """
+class MeasureOptions:
+    """Options of `sandbox hand measure`."""
 
     device: Annotated[str, Parameter(metavar="DEVICE")] = "tuio"
     """Source of touches: a TUIO sender (tuio), a touch screen (evdev), a simulated person
@@ -94,9 +87,16 @@ class CalibrateOptions:
     """Address for TUIO. 127.0.0.1: reachable from this machine only; 0.0.0.0: from the network."""
 
 
-def main(argv: list[str]) -> int:
-    """Runs `sandbox calibrate ...`."""
-    options = parse(CalibrateOptions, "sandbox calibrate", argv)
+def measure(options: MeasureOptions = MeasureOptions()) -> int:
+    """Measures a hand: put down five fingers three times, relaxed, close together and wide apart.
+
+    The profile stores the length of the hand relative to the trained hand, by which touches are
+    scaled, and the three layouts, which help to label fewer fingers. `sandbox play` with a touch
+    device uses the profile automatically; other commands need --profile. A profile that is there is
+    replaced; `sandbox hand show` shows it.
+
+    Try: sandbox hand measure --device simulated --hand-size 0.9 --out profile.json
+    """
     if options.device == "mouse":
         raise InputError(
             "a mouse has no hand to measure", where="--device mouse", expected="a touch device"
@@ -180,7 +180,7 @@ def _opened(chosen: Settings, surface: Surface) -> Device:
     return make_device(task, surface)
 
 
-def _check_surface(options: CalibrateOptions, settings: Settings) -> None:
+def _check_surface(options: MeasureOptions, settings: Settings) -> None:
     """Checks that the size of the surface is known, since a guess cannot measure a hand."""
     file = Path(options.device)
     told: object = None

@@ -1,4 +1,4 @@
-"""`sandbox calibrate` measures a hand, and its profile is used where it was asked for."""
+"""`sandbox hand measure` measures a hand, and its profile is used where it was asked for."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from models.errors import InputError
 from models.frames import Contact, TouchFrame
 from models.person import HANDS, TURNS, Person
 from models.surface import Surface
-from sandbox.cli import calibrate
+from sandbox.cli.hand.command import main
 from sandbox.cli.play.command import PlayOptions
 from sandbox.devices.files.frame_file import frame_record, header_record
 from sandbox.devices.simulated.spreads import SimulatedSpreads
@@ -129,7 +129,7 @@ def test_a_recording_of_five_fingers_in_three_spreads_gives_the_size_of_the_hand
         about={"device": "simulated", "user": {"kind": "spreads"}},
     )
     out = tmp_path / "p.json"
-    assert calibrate.main(["--device", str(recorded), "--out", str(out)]) == 0
+    assert main(["measure", "--device", str(recorded), "--out", str(out)]) == 0
     profile = load_profile(out)
     assert profile.person.hand == "left" and profile.simulated
     assert profile.interval[0] < 1.12 < profile.interval[1]
@@ -151,7 +151,7 @@ def touches_of_spreads(path: Path, surface: Surface, tells: bool = True) -> Path
 def test_a_file_of_touches_that_knows_its_size_needs_no_other(tmp_path: Path) -> None:
     out = tmp_path / "p.json"
     touches = touches_of_spreads(tmp_path / "touches.jsonl", Surface())
-    assert calibrate.main(["--device", str(touches), "--out", str(out)]) == 0
+    assert main(["measure", "--device", str(touches), "--out", str(out)]) == 0
     low, high = load_profile(out).interval
     assert low < 1.12 < high
 
@@ -172,10 +172,10 @@ def test_a_file_of_touches_on_a_guessed_size_measures_no_hand(
     touches = touches_of_spreads(tmp_path / "touches.jsonl", surface, tells)
     arguments = ["--device", str(touches), "--out", str(tmp_path / "p.json"), *size]
     if says is None:
-        assert calibrate.main(arguments) == 0
+        assert main(["measure", *arguments]) == 0
         return
     with pytest.raises(InputError, match=says):
-        calibrate.main(arguments)
+        main(["measure", *arguments])
 
 
 @pytest.mark.parametrize("guessed", [False, True])
@@ -209,7 +209,7 @@ def test_what_cannot_be_calibrated_is_one_clear_error(
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
     with pytest.raises(InputError, match=says):
-        calibrate.main(arguments)
+        main(["measure", *arguments])
 
 
 @pytest.mark.parametrize("rest", ["nobody.json", "junk.json"])
@@ -219,14 +219,14 @@ def test_a_rest_posture_that_cannot_be_used_is_refused_before_fingers_are_put_do
     monkeypatch.chdir(tmp_path)
     Path("junk.json").write_text("{}")
     with pytest.raises(InputError, match=rest):
-        calibrate.main(["--device", "simulated", "--rest", rest, "--out", "p.json"])
+        main(["measure", "--device", "simulated", "--rest", rest, "--out", "p.json"])
     assert "spread" not in capsys.readouterr().out
 
 
 def test_a_recording_with_fewer_fingers_is_refused_with_what_was_found(tmp_path: Path) -> None:
     demo = Path(__file__).parents[3] / "sandbox" / "data" / "demo.jsonl"
     with pytest.raises(InputError, match="0 times, and at most 3 fingers"):
-        calibrate.main(["--device", str(demo), "--out", str(tmp_path / "p.json")])
+        main(["measure", "--device", str(demo), "--out", str(tmp_path / "p.json")])
     assert not (tmp_path / "p.json").exists()
 
 
@@ -290,7 +290,7 @@ def test_a_profile_with_any_other_value_is_sound_or_one_clear_error(
         profile = load_profile(path)
     except InputError as error:
         assert str(path) in str(error) and len(str(error).splitlines()) == 1
-        assert "calibrate" in str(error) or "profile --forget" in str(error)
+        assert "hand measure" in str(error) or "hand forget" in str(error)
     else:
         assert 0.6 <= profile.person.hand_size <= 1.6
 
@@ -318,7 +318,7 @@ def test_a_file_that_is_no_profile_is_refused_with_its_name(data: bytes, tmp_pat
 
 
 def test_a_profile_that_is_not_there_is_one_clear_error(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="calibrate"):
+    with pytest.raises(InputError, match="hand measure"):
         find_profile(str(tmp_path / "no.json"))
 
 
@@ -334,7 +334,7 @@ def test_a_recording_of_two_hands_or_of_one_in_the_air_is_no_rest_of_five_finger
         trial.session.advance()
         trial.end()
     with pytest.raises(InputError):
-        calibrate.main(["--device", str(recorded), "--out", str(tmp_path / "p.json")])
+        main(["measure", "--device", str(recorded), "--out", str(tmp_path / "p.json")])
 
 
 def test_a_profile_that_cannot_be_kept_is_told_before_fingers_are_put_down(
@@ -342,5 +342,5 @@ def test_a_profile_that_cannot_be_kept_is_told_before_fingers_are_put_down(
 ) -> None:
     monkeypatch.setenv("XDG_CONFIG_HOME", "/proc")
     with pytest.raises(InputError):
-        calibrate.main(["--device", "simulated"])
+        main(["measure", "--device", "simulated"])
     assert "spread" not in capsys.readouterr().out

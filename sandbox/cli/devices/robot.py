@@ -1,8 +1,7 @@
-"""`sandbox robot`: robots' hands in the place of ours."""
+"""`sandbox devices robot`: robots' hands in the place of ours."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated
 
@@ -15,14 +14,8 @@ from models.robot.mapping import located
 from models.robot.mapping_fit import fit_mapping
 from models.robot.retargeting import REACHED
 from models.robot.robot_hand import RobotHand
-from sandbox.cli.common.command_line import subcommand
+from sandbox.cli.common.command_line import application
 from sandbox.cli.common.json_out import refuse_replacing
-
-
-def main(argv: list[str]) -> int:
-    """Runs `sandbox robot ...`; returns the exit status."""
-    commands: dict[str, Callable[..., int]] = {"fit": fit, "show": show}
-    return subcommand(commands, "sandbox robot", "Robots' hands in the place of ours.", argv)
 
 
 def fit(
@@ -62,7 +55,7 @@ def fit(
     fitted = fit_mapping(path, [tip.strip() for tip in tips.split(",")], palm, name, ends)
     mapping = fitted.mapping
     try:
-        text = f"# Fitted by `sandbox robot fit {model}`.\n{mapping.as_toml()}"
+        text = f"# Fitted by `sandbox devices robot fit {model}`.\n{mapping.as_toml()}"
         out.write_text(text, encoding="utf-8")
     except OSError as error:
         raise InputError("it cannot be written", where=str(out), got=error.strerror) from None
@@ -105,3 +98,6 @@ def _draw(mapping: Path, picture: Path) -> None:
     from sandbox.views.two_hands import draw_beside
 
     draw_beside(find_robot(str(mapping)), picture)
+
+
+app = application("robot", "", fit, show)

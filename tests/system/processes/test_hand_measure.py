@@ -36,7 +36,8 @@ def calibrated(
 ) -> tuple[subprocess.CompletedProcess[str], Path]:
     home = tmp_path_factory.mktemp("home")
     done = command(
-        "calibrate",
+        "hand",
+        "measure",
         "--device",
         "simulated",
         "--hand-size",
