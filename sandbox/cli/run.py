@@ -18,10 +18,8 @@ from sandbox.cli.common.command_line import parse
 from sandbox.cli.common.films import open_film
 from sandbox.cli.common.json_out import TERMINAL, check_output, refuse_same, write_json
 from sandbox.cli.common.lsl_options import LslOptions, streaming
-from sandbox.cli.common.notices import NoticePrinter
-from sandbox.cli.common.page_view import address_line
+from sandbox.cli.common.notices import NoticePrinter, address_line
 from sandbox.cli.common.printing import printing
-from sandbox.export.view import MotionView
 from sandbox.options.headings import COMMON, OUTPUT
 from sandbox.options.names import check_names
 from sandbox.options.scene_options import SceneOptions, check_labels, scene_settings
@@ -163,6 +161,9 @@ def _run(options: RunOptions, chosen: Settings, events: EventLog, console: Conso
             if options.film:
                 views.append(closing.enter_context(open_film(options.film, session, caption)).show)
             if options.motion:
+                # This import loads all formats of motion files.
+                from sandbox.export.view import MotionView
+
                 views.append(closing.enter_context(MotionView(options.motion, session)).show)
             return views
 

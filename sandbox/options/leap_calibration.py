@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, cast
 
 from rich.console import Console
-from rich.progress import Progress
 from rich.text import Text
 
 from models.errors import EncoderError, InputError
@@ -163,6 +162,9 @@ def measure_and_save(
 def _measure(
     device: LeapDevice, side: Literal["right", "left"], wanted: int, console: Console
 ) -> dict[str, HandCalibration]:
+    # This import is slow, and few runs measure a hand.
+    from rich.progress import Progress
+
     from encoders.paalm import Paalm
 
     with Progress(console=console, transient=True) as bar:

@@ -7,7 +7,6 @@ from typing import Protocol
 
 from encoders.regression.model_registry import check_model_name
 from models.errors import unknown_name
-from models.robot.known import find_robot
 from sandbox.devices.registry import DEVICES, OWN_DEVICE, built_in, find_device, offered_devices
 from tasks.registry import find_task
 
@@ -43,6 +42,9 @@ def check_names(options: NamedOptions) -> None:
         check_device_name(options.second_device, "--second-device")
     check_model_name(options.encoder)
     if options.robot:
+        # This import reads mappings, which hands of people do without.
+        from models.robot.known import find_robot
+
         find_robot(options.robot)
 
 

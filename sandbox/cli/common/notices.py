@@ -48,3 +48,9 @@ class NoticePrinter:
             text = Text(self._waiting.get(), style="yellow")
             self._console.print(text, soft_wrap=not self._wrap)
             self._printed += 1
+
+
+def address_line(address: str) -> str:
+    """Returns the line about where a device listens: a link to open, or an address to send to."""
+    told = "open" if "://" in address else "listening for TUIO on"
+    return f"{told} [bold]{address}[/]"

@@ -115,12 +115,6 @@ def open_page_beside_window(
     return server
 
 
-def address_line(address: str) -> str:
-    """Returns the line about where a device listens: a link to open, or an address to send to."""
-    told = "open" if "://" in address else "listening for TUIO on"
-    return f"{told} [bold]{address}[/]"
-
-
 def short_address(server: PageServer) -> str:
     """Returns the page's host and port; the terminal shows the whole link."""
     return server.url.split("://", 1)[1].split("/", 1)[0].split("?", 1)[0]

@@ -14,11 +14,10 @@ from rich.markup import escape
 from models.errors import InputError
 from models.surface import Surface
 from sandbox.cli.common.latency import judge_latency, print_latency
-from sandbox.cli.common.notices import NoticePrinter
+from sandbox.cli.common.notices import NoticePrinter, address_line
 from sandbox.cli.common.page_options import PageOptions
 from sandbox.cli.common.page_view import (
     SIMULATED_USER,
-    address_line,
     in_air,
     open_page_beside_window,
     short_address,
