@@ -6,7 +6,7 @@ import json
 import os
 from collections.abc import Iterator
 from contextlib import closing, contextmanager, suppress
-from dataclasses import dataclass, fields
+from dataclasses import asdict, dataclass, fields
 from functools import partial
 from pathlib import Path
 from time import perf_counter
@@ -22,6 +22,7 @@ from sandbox.cli.common.command_line import parse
 from sandbox.cli.common.json_out import TERMINAL, check_output, refuse_same
 from sandbox.cli.common.printing import printing
 from sandbox.options.one_hand_options import TrialOptions
+from sandbox.options.picked import picked
 from sandbox.options.second_hand import SecondOptions
 from sandbox.options.variations import KINDS, help_with_names
 from sandbox.regress.breaking_off import BreakOff
@@ -206,10 +207,10 @@ def _scene(options: RegressOptions) -> dict[str, Any]:
     from sandbox.options.scene_options import SceneOptions, check_labels
     from sandbox.regress.plan import differing
 
-    names = [field.name for part in (TrialOptions, SecondOptions) for field in fields(part)]
-    scene = {name: getattr(options, name) for name in names}
-    check_labels(SceneOptions(**scene))
-    return differing(scene)
+    # Of the same name, but not those of a trial.
+    scene = picked(SceneOptions, options, vary="", record=None)
+    check_labels(scene)
+    return differing(asdict(scene))
 
 
 def _check(options: RegressOptions) -> None:

@@ -24,12 +24,14 @@ from sandbox.devices.kinds import LIVE_LEAP as LEAP
 from sandbox.devices.kinds import is_leap
 from sandbox.devices.leap.leap_maker import open_leap
 from sandbox.devices.registry import DEVICES
-from sandbox.devices.tuio.options import DEFAULT_PORT, LOOPBACK
 from sandbox.export.leap_source import Hand
 from sandbox.export.motion_source import MotionSource
 from sandbox.export.sources import open_source
 from sandbox.options.leap_devices import LeapOptions
+from sandbox.options.page_options import PageOptions
+from sandbox.options.picked import picked
 from sandbox.options.scene_options import SceneOptions, scene_settings
+from sandbox.options.touch_devices import TuioOptions
 from sandbox.recording.recording import is_recording
 from sandbox.stream.lines import BLENDER, MAYA, MAYA_MEL, StreamTarget
 from sandbox.stream.player import StreamPace, StreamPlayer
@@ -64,7 +66,7 @@ class _File:
 
 
 @dataclass(frozen=True, kw_only=True)
-class StreamOptions(LeapOptions, PageOptions, _File):
+class StreamOptions(LeapOptions, PageOptions, TuioOptions, _File):
     """Sends the motion of hands live to Maya or Blender, where the fingers of any rig follow.
 
     In Maya, paste the script into the script editor (Python) and run it. Select the first joints
@@ -141,12 +143,6 @@ class StreamOptions(LeapOptions, PageOptions, _File):
 
     seed: int | None = None
     """Seed of the simulated person and of the task."""
-
-    port: int = DEFAULT_PORT
-    """UDP port for TUIO."""
-
-    bind: Annotated[str, Parameter(metavar="ADDRESS")] = LOOPBACK
-    """Address for TUIO."""
 
     take: Annotated[int, Parameter(metavar="N")] = 1
     """Number of the take in a capture, from 1."""
@@ -312,19 +308,8 @@ def _is_capture(path: Path) -> bool:
 
 
 def _session(options: StreamOptions, console: Console) -> tuple[Settings, DeviceMakers]:
-    scene = SceneOptions(
-        task=options.task or TASK,
-        device=str(options.device),
-        encoder=options.encoder,
-        hand=None if options.hand == "both" else options.hand,
-        surface=options.surface,
-        seed=options.seed,
-        port=options.port,
-        bind=options.bind,
-        leap=options.leap,
-        leap_at=options.leap_at,
-        calibration=options.calibration,
-    )
+    hand = None if options.hand == "both" else options.hand
+    scene = picked(SceneOptions, options, task=options.task or TASK, hand=hand)
     if options.device == "mouse":
         raise InputError(
             "the mouse needs a window", where="--device mouse", expected=", ".join(LIVE)
@@ -335,14 +320,7 @@ def _session(options: StreamOptions, console: Console) -> tuple[Settings, Device
     from sandbox.cli.common.touch_page import open_page_touches
     from sandbox.options.touch_devices import TouchOptions
 
-    asked = TouchOptions(
-        device="web",
-        surface=options.surface,
-        tablet=options.tablet,
-        lan=options.lan,
-        page_port=options.page_port,
-    )
-    page = open_page_touches(asked, console, PAGE_PATIENCE)
+    page = open_page_touches(picked(TouchOptions, options), console, PAGE_PATIENCE)
     if page is None:
         raise InputError("nobody opened the page", where="--device web")
     size = (page.surface.width_in, page.surface.height_in)

@@ -9,17 +9,15 @@ from typing import Annotated, Literal
 from cyclopts import Parameter
 
 from encoders.regression.model_registry import DEFAULT_MODEL
-from sandbox.devices.tuio.options import DEFAULT_PORT, DEFAULT_WEBSOCKET_PORT, LOOPBACK, Transport
 from sandbox.options.headings import (
     COMMON,
-    EVDEV,
     OUTPUT,
     PERSON,
     PHYSICS,
     RECONSTRUCTION,
     SIMULATED,
-    TUIO,
 )
+from sandbox.options.touch_devices import TuioOptions
 from sandbox.options.variations import KINDS, help_with_units
 
 Part = Literal["correction", "smoothing", "arrival", "ghost", "distal", "stitch", "encoder"]
@@ -134,7 +132,7 @@ class TrialOptions:
 
 # `--help` lists the options of the last base first.
 @dataclass(frozen=True, kw_only=True)
-class OneHandOptions(TrialOptions, SourceOptions):
+class OneHandOptions(TuioOptions, TrialOptions, SourceOptions):
     """Task, device, encoder, physics and recording options for one hand."""
 
     seed: Annotated[int | None, Parameter(group=COMMON, metavar="INT")] = None
@@ -149,25 +147,6 @@ class OneHandOptions(TrialOptions, SourceOptions):
             + help_with_units(KINDS.values()),
         ),
     ] = ""
-
-    port: Annotated[int, Parameter(group=TUIO)] = DEFAULT_PORT
-    """UDP and TCP port for TUIO; 0 takes a free one."""
-
-    bind: Annotated[str, Parameter(group=TUIO, metavar="ADDRESS")] = LOOPBACK
-    """Address for TUIO. 127.0.0.1: reachable from this machine only; 0.0.0.0: from the network."""
-
-    tuio_transport: Annotated[Transport, Parameter(group=TUIO)] = "udp"
-    """Transport of TUIO: udp, tcp, websocket, or all three."""
-
-    websocket_port: Annotated[int, Parameter(group=TUIO)] = DEFAULT_WEBSOCKET_PORT
-    """TCP port for TUIO over WebSockets; 0 takes a free one."""
-
-    tuio_connect: Annotated[str, Parameter(group=TUIO, metavar="URL")] = ""
-    """Connect to a TUIO sender that waits for connections, such as tcp://HOST:3333 or
-    ws://HOST:8080."""
-
-    grab: Annotated[bool, Parameter(group=EVDEV)] = False
-    """evdev: hide the touches from the desktop, so that a trackpad does not move the pointer."""
 
     record: Annotated[Path | None, Parameter(group=COMMON, metavar="FILE")] = None
     """Write a recording, which `sandbox replay` reproduces bit for bit."""

@@ -20,55 +20,53 @@ from sandbox.devices.open_touches import (
 )
 from sandbox.devices.tuio.options import DEFAULT_PORT, DEFAULT_WEBSOCKET_PORT, LOOPBACK, Transport
 from sandbox.devices.tuio.tuio import Tap
+from sandbox.options.headings import COMMON, EVDEV, TUIO
+from sandbox.options.page_options import PageOptions
 
 
 @dataclass(frozen=True, kw_only=True)
-class TouchOptions:
+class TuioOptions:
+    """How senders of TUIO, and touch screens of this machine, are reached."""
+
+    bind: Annotated[str, Parameter(group=TUIO, metavar="ADDRESS")] = LOOPBACK
+    """Address on which this program listens for TUIO. 127.0.0.1: reachable from this machine only;
+    0.0.0.0: from the network."""
+
+    port: Annotated[int, Parameter(group=TUIO)] = DEFAULT_PORT
+    """UDP and TCP port for TUIO; 0 takes a free one and prints it."""
+
+    tuio_transport: Annotated[Transport, Parameter(group=TUIO)] = "udp"
+    """Transport of TUIO: udp, tcp, websocket, or all three."""
+
+    websocket_port: Annotated[int, Parameter(group=TUIO)] = DEFAULT_WEBSOCKET_PORT
+    """TCP port for TUIO over WebSockets; 0 takes a free one."""
+
+    tuio_connect: Annotated[str, Parameter(group=TUIO, metavar="URL")] = ""
+    """Connect to a TUIO sender that waits for connections, such as tcp://HOST:3333 or
+    ws://HOST:8080."""
+
+    grab: Annotated[bool, Parameter(group=EVDEV)] = False
+    """Hide the touches from the desktop, so that a trackpad does not move the pointer."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class TouchOptions(PageOptions, TuioOptions):
     """Source of touches."""
 
-    device: Annotated[str, Parameter(metavar="DEVICE")] = "tuio"
+    device: Annotated[str, Parameter(group=COMMON, metavar="DEVICE")] = "tuio"
     """Source of the touches. tuio: senders of TUIO 1.1 and 2.0. web: a page in a browser; add
     --tablet for a tablet in the network. evdev, evdev:NODE: a touch screen or trackpad of this
     Linux machine. FILE: a file by `touches record`, a recording of this program, or a capture of
     TUIO packets. Or a device of your own: FILE.py:CLASS[:ARGUMENT], or its name in an installed
     package."""
 
-    bind: Annotated[str, Parameter(metavar="ADDRESS")] = LOOPBACK
-    """Address on which this program listens for TUIO. 127.0.0.1: reachable from this machine only;
-    0.0.0.0: from the network."""
-
-    port: int = DEFAULT_PORT
-    """UDP and TCP port for TUIO; 0 takes a free one and prints it."""
-
-    tuio_transport: Transport = "udp"
-    """Transport of TUIO: udp, tcp, websocket, or all three."""
-
-    websocket_port: int = DEFAULT_WEBSOCKET_PORT
-    """TCP port for TUIO over WebSockets; 0 takes a free one."""
-
-    tuio_connect: Annotated[str, Parameter(metavar="URL")] = ""
-    """Connect to a TUIO sender that waits for connections, such as tcp://HOST:3333 or
-    ws://HOST:8080."""
-
-    surface: Annotated[str | None, Parameter(metavar="SIZE")] = None
+    surface: Annotated[str | None, Parameter(group=COMMON, metavar="SIZE")] = None
     """Size of the touch area: 7.76x5.82in, 197x148mm, or a preset (ipad2, ipad-11, ipad-13,
     ipad-mini). TUIO does not transmit the size, so without this option inches are a guess. A
     browser page is measured on the page, and most touch screens report their size."""
 
-    stale_after: float = STALE_AFTER
+    stale_after: Annotated[float, Parameter(group=TUIO)] = STALE_AFTER
     """Seconds without a packet after which the touches of a TUIO sender are lifted."""
-
-    tablet: bool = False
-    """Open the page on a tablet in the same network: prints a QR code to scan."""
-
-    lan: Annotated[str | None, Parameter(metavar="ADDRESS")] = None
-    """Address on which the page is served, in place of the one that --tablet finds."""
-
-    page_port: int = 0
-    """TCP port of the page; 0 takes a free one."""
-
-    grab: bool = False
-    """evdev: hide the touches from the desktop, so that a trackpad does not move the pointer."""
 
     @property
     def settings(self) -> DeviceSettings:

@@ -38,7 +38,6 @@ from sandbox.devices.leap.leap_file import read_leap
 from sandbox.devices.leap.leap_maker import open_leap
 from sandbox.devices.leap.options import DEFAULT_ADDRESS
 from sandbox.devices.open_touches import Opened
-from sandbox.devices.tuio.options import DEFAULT_PORT, LOOPBACK
 from sandbox.devices.webcam.installed import installed_engine
 from sandbox.devices.webcam.landmark_file import (
     LandmarkFileDevice,
@@ -47,7 +46,9 @@ from sandbox.devices.webcam.landmark_file import (
 )
 from sandbox.devices.webcam.landmarks_json import message_of
 from sandbox.devices.webcam.webcam import WebcamDevice
-from sandbox.options.touch_devices import TouchOptions
+from sandbox.options.page_options import PageOptions
+from sandbox.options.picked import picked
+from sandbox.options.touch_devices import TouchOptions, TuioOptions
 from sandbox.options.webcam_devices import webcam_choice
 from sandbox.session.device import Device, HandDevice, LandmarkDevice
 
@@ -61,7 +62,7 @@ SILENT = 10.0
 
 
 @dataclass(frozen=True, kw_only=True)
-class RecordOptions:
+class RecordOptions(PageOptions, TuioOptions):
     """Records touches and your hand at the same time, to train an encoder of your own.
 
     It guides you: hold the hand open (PAALM measures it), tap three times with all five fingers (to
@@ -128,15 +129,6 @@ class RecordOptions:
 
     surface: Annotated[str | None, Parameter(metavar="SIZE")] = None
     """Size of the touch surface: 7.76x5.82in, 197x148mm, or a preset such as ipad2."""
-
-    bind: Annotated[str, Parameter(metavar="ADDRESS")] = LOOPBACK
-    """Address for TUIO. 127.0.0.1: reachable from this machine only; 0.0.0.0: from the network."""
-
-    port: int = DEFAULT_PORT
-    """UDP port for TUIO; 0 takes a free one."""
-
-    tablet: bool = False
-    """With --touches web: open the page on a tablet in the same network."""
 
 
 def main(argv: list[str]) -> int:
@@ -385,11 +377,5 @@ def _hands(options: RecordOptions) -> Hands:
 
 
 def _touches(options: RecordOptions) -> Opened | None:
-    asked = TouchOptions(
-        device=options.touches,
-        bind=options.bind,
-        port=options.port,
-        surface=options.surface,
-        tablet=options.tablet,
-    )
+    asked = picked(TouchOptions, options, device=options.touches)
     return open_touches_or_page(asked, options.seconds)

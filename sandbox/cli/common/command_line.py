@@ -141,7 +141,11 @@ def run(app: App, argv: Sequence[str]) -> Any:
         # This import loads what only the help needs.
         from sandbox.cli.common.help_layout import HelpLayout
 
-        app.help_formatter = HelpLayout(argv)
+        # Without `--help`, which is a command of its own.
+        _, apps, _ = app.parse_commands(bound.arguments["tokens"])
+        options = apps[-1].assemble_argument_collection() if apps[-1].default_command else ()
+        defaults = [str(argument.field_info.default) for argument in options]
+        app.help_formatter = HelpLayout([*argv, *defaults])
         try:
             command(*bound.args, **bound.kwargs)
             sys.stdout.flush()

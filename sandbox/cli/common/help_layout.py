@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable
 
 from cyclopts.help import HelpPanel
 from cyclopts.help.formatters import DefaultFormatter
@@ -12,15 +12,16 @@ from sandbox.options.headings import OF_DEVICES
 
 
 class HelpLayout(DefaultFormatter):
-    """The library's layout, without the headings of other devices than those on a command line.
+    """The library's layout, without the headings of devices that are not named.
 
     Args:
-        argv: Words of the command line, such as `--device leap-simulated:v1`, a `leap`.
+        named: Words of the command line, such as `--device leap-simulated:v1`, a `leap`, and values
+            of options that are not given.
     """
 
-    def __init__(self, argv: Sequence[str]) -> None:
+    def __init__(self, named: Iterable[str]) -> None:
         super().__init__()
-        words = {word.rpartition("=")[2].partition(":")[0].partition("-")[0] for word in argv}
+        words = {word.rpartition("=")[2].partition(":")[0].partition("-")[0] for word in named}
         self._hidden = {group.name: d for d, group in OF_DEVICES.items() if d not in words}
 
     def __call__(self, console: Console, options: ConsoleOptions, panel: HelpPanel) -> None:

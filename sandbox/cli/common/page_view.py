@@ -9,8 +9,9 @@ from encoders.paalm.hand_reconstructor import HandReconstructor
 from encoders.webcam.landmark_reconstructor import LandmarkReconstructor
 from models.errors import DeviceError
 from models.messages.message import Message
-from sandbox.cli.common.page_options import PageOptions, open_page
+from sandbox.cli.common.open_page import open_page
 from sandbox.devices.wrappers.device_wrapper import DeviceWrapper
+from sandbox.options.page_options import PageOptions
 from sandbox.server.connections.address import LOOPBACK
 from sandbox.server.connections.invitation import code, hints
 from sandbox.server.page_device import PageDevice

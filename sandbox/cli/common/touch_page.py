@@ -10,7 +10,7 @@ from rich.console import Console
 from models.errors import InputError, SurfaceTooSmallError
 from models.frames import TouchFrame
 from models.surface import Surface, parse_surface
-from sandbox.cli.common.page_options import PageOptions, open_page
+from sandbox.cli.common.open_page import open_page
 from sandbox.cli.common.page_view import show_address
 from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.options.touch_devices import TouchOptions
@@ -104,9 +104,8 @@ def open_page_touches(asked: TouchOptions, console: Console, patience: float) ->
         console: Console for link and QR code.
         patience: Timeout, s.
     """
-    options = PageOptions(tablet=asked.tablet, lan=asked.lan, page_port=asked.page_port)
-    server = open_page(options)
-    show_address(server, options, EventLog(None), console)
+    server = open_page(asked)
+    show_address(server, asked, EventLog(None), console)
     end = time.monotonic() + patience
     try:
         while not server.wait_for_player(0.1):

@@ -27,9 +27,10 @@ from sandbox.cli.common.json_out import check_output, refuse_replacing
 from sandbox.devices.kinds import is_in_air
 from sandbox.devices.open_touches import first_line
 from sandbox.devices.simulated.spreads import SimulatedSpreads
-from sandbox.devices.tuio.options import DEFAULT_PORT, LOOPBACK
+from sandbox.options.picked import picked
 from sandbox.options.profiles import Profile, default_path, save_profile
 from sandbox.options.scene_options import SceneOptions, scene_settings
+from sandbox.options.touch_devices import TuioOptions
 from sandbox.recording.recording import is_recording
 from sandbox.session.device import Device
 from sandbox.session.own_layouts import Layouts, kept_layouts
@@ -46,7 +47,7 @@ _ASKED = {
 
 @flat
 @dataclass(frozen=True, kw_only=True)
-class MeasureOptions:
+class MeasureOptions(TuioOptions):
     """Options of `sandbox hand measure`."""
 
     device: Annotated[str, Parameter(metavar="DEVICE")] = "tuio"
@@ -80,12 +81,6 @@ class MeasureOptions:
     seconds: float = 120.0
     """Timeout for a live device, in seconds."""
 
-    port: int = DEFAULT_PORT
-    """UDP port for TUIO; 0 takes a free one."""
-
-    bind: Annotated[str, Parameter(metavar="ADDRESS")] = LOOPBACK
-    """Address for TUIO. 127.0.0.1: reachable from this machine only; 0.0.0.0: from the network."""
-
 
 def measure(options: MeasureOptions = MeasureOptions()) -> int:
     """Measures a hand: put down five fingers three times, relaxed, close together and wide apart.
@@ -118,16 +113,8 @@ def measure(options: MeasureOptions = MeasureOptions()) -> int:
     refuse_replacing(path, {"--device": Path(options.device), "--rest": options.rest})
     console = Console()
     simulated = options.device == "simulated"
-    chosen = scene_settings(
-        SceneOptions(
-            device=options.device,
-            hand=options.hand,
-            turn=options.turn,
-            surface=options.surface,
-            port=options.port,
-            bind=options.bind,
-        )
-    )
+    # The others are about the simulated person, or come after the measurement.
+    chosen = scene_settings(picked(SceneOptions, options, hand_size=None, seed=None, rest=None))
     settings = chosen
     if settings.in_air or len(device_makers(chosen)) != 1:
         raise InputError(

@@ -20,6 +20,7 @@ from sandbox.cli.common.json_out import check_output, refuse_replacing
 from sandbox.devices.kinds import LIVE_HEADSET as HEADSET
 from sandbox.devices.registry import built_in
 from sandbox.options.leap_devices import LeapOptions
+from sandbox.options.picked import picked
 from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.options.webcam_devices import WebcamOptions
 from sandbox.session.device import AnyDevice
@@ -127,16 +128,7 @@ def _plan(options: RestOptions) -> Settings:
             where=f"--device {options.device}",
             expected="leap, webcam, or a recording of hands",
         )
-    scene = SceneOptions(
-        device=options.device,
-        hand=options.hand,
-        hand_size=options.hand_size,
-        leap=options.leap,
-        leap_at=options.leap_at,
-        calibration=options.calibration,
-        webcam=options.webcam,
-    )
-    chosen = scene_settings(scene)
+    chosen = scene_settings(picked(SceneOptions, options))
     if chosen.hands[0].in_air is None:
         raise InputError(
             "this recording has touches, and no hand that was seen",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -13,7 +13,6 @@ from models.errors import InputError
 from sandbox.cli.common.command_line import parse
 from sandbox.cli.common.latency import checked_limit
 from sandbox.cli.common.lsl_options import LslOptions, streaming
-from sandbox.cli.common.page_options import PageOptions
 from sandbox.cli.play.own_profile import Learner, with_usable_profile
 from sandbox.cli.play.page import play_on_page
 from sandbox.cli.run import RunOptions, perform
@@ -22,6 +21,8 @@ from sandbox.devices.kinds import is_in_air
 from sandbox.options.headings import COMMON, OUTPUT, PERSON
 from sandbox.options.leap_calibration import uses_touch_profile, with_measured_hand
 from sandbox.options.names import check_names
+from sandbox.options.page_options import PageOptions
+from sandbox.options.picked import picked
 from sandbox.options.profiles import DEFAULT, default_path, find_profile
 from sandbox.options.scene_options import SceneOptions, check_labels, scene_settings
 from sandbox.views.display import has_display
@@ -153,7 +154,6 @@ def _without_window(options: PlayOptions) -> int:
             got=f"--view {options.view}",
             expected="--view window or --view web",
         )
-    scene = {f.name: getattr(options, f.name) for f in fields(SceneOptions)}
     film = options.film or Path(f"{Path(options.task).stem}.webp")
     drawn = film if options.view == "film" else None
-    return perform(RunOptions(**scene, film=drawn, lsl=options.lsl))
+    return perform(picked(RunOptions, options, film=drawn))

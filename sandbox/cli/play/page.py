@@ -17,7 +17,7 @@ from models.messages.message import Message
 from models.person import HANDS
 from sandbox.cli.common.latency import judge_latency, print_latency
 from sandbox.cli.common.notices import NoticePrinter
-from sandbox.cli.common.page_options import PageOptions, open_page
+from sandbox.cli.common.open_page import open_page
 from sandbox.cli.common.page_view import SIMULATED_USER, show_address, show_session, touched_pages
 from sandbox.cli.play.absences import Absences
 from sandbox.cli.play.own_profile import Learner
@@ -25,6 +25,7 @@ from sandbox.cli.play.screen_too_small import explain_refusal
 from sandbox.cli.run import report_end
 from sandbox.devices.kinds import LIVE_HEADSET as LIVE
 from sandbox.devices.webxr.webxr import HeadsetDevice
+from sandbox.options.page_options import PageOptions
 from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.server.page_server import PageServer
 from sandbox.server.protocol.protocol import LIFT_STRIP_PX, PlayerRequest

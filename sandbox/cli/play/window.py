@@ -15,7 +15,6 @@ from models.errors import InputError
 from models.surface import Surface
 from sandbox.cli.common.latency import judge_latency, print_latency
 from sandbox.cli.common.notices import NoticePrinter, address_line
-from sandbox.cli.common.page_options import PageOptions
 from sandbox.cli.common.page_view import (
     SIMULATED_USER,
     in_air,
@@ -30,6 +29,7 @@ from sandbox.cli.play.screen_too_small import CANNOT_BEGIN
 from sandbox.cli.run import report_end
 from sandbox.devices.wrappers.first_touch import FirstTouch
 from sandbox.devices.wrappers.merged import MergedDevice
+from sandbox.options.page_options import PageOptions
 from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.server.page_device import PageDevice
 from sandbox.server.page_server import PageServer

@@ -16,8 +16,8 @@ from rich.progress import Progress
 from models.errors import InputError
 from sandbox.cli.common.command_line import FLAT, parse
 from sandbox.cli.common.films import open_film
-from sandbox.cli.common.page_options import PageOptions
 from sandbox.cli.replay.study import elsewhere, study_folder, verdict, verified, verify_study
+from sandbox.options.page_options import PageOptions
 from sandbox.recording.agreement import BOUND_DEGREES, BOUND_MM, Agreement
 from sandbox.recording.recording import Recording, load_recording
 from sandbox.session.messages import Snapshot

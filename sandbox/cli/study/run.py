@@ -26,14 +26,13 @@ from sandbox.cli.study.run_options import (
     check_options,
     check_page,
     check_second_device,
-    page_options,
     second_touch_options,
     touch_options,
 )
 from sandbox.views.display import has_display
 
 if TYPE_CHECKING:
-    from sandbox.cli.common.page_options import PageOptions
+    from sandbox.options.page_options import PageOptions
     from sandbox.study.design.checks import Finding
     from sandbox.study.record.folder import StudyFolder
     from sandbox.study.record.session_folder import SessionFolder
@@ -149,14 +148,13 @@ def _open_page(
     prints how to open them; None without a page."""
     if not options.has_page:
         return None
-    where = page_options(options)
     two = options.second_device == "web"
     if two:
         console.print("for the participant:")
-    page = _serve_page(options, where, session, console, closing)
+    page = _serve_page(options, options, session, console, closing)
     if two:
         console.print("for the second hand:")
-        next_port = replace(where, page_port=where.page_port and where.page_port + 1)
+        next_port = replace(options, page_port=options.page_port and options.page_port + 1)
         whose = "the second hand's page"
         page.beside = _serve_page(options, next_port, session, console, closing, whose)
     beside = options.touches != "web" and options.view == "window"
@@ -175,7 +173,7 @@ def _serve_page(
 ) -> StudyPage:
     """Serves one page, and prints how to open it."""
     from models.surface import parse_surface
-    from sandbox.cli.common.page_options import open_page
+    from sandbox.cli.common.open_page import open_page
     from sandbox.cli.common.page_view import show_address
     from sandbox.cli.play.page import print_refusals
     from sandbox.study.design.conditions import any_lifts

@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 import shlex
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import Parameter
 
 from models.errors import InputError, StudyError
+from sandbox.options.page_options import PageOptions
+from sandbox.options.picked import picked
 from sandbox.views.display import has_display
 
 if TYPE_CHECKING:
-    from sandbox.cli.common.page_options import PageOptions
     from sandbox.options.touch_devices import TouchOptions
     from sandbox.study.design.design import Design
 
@@ -30,8 +31,16 @@ NOT_REPEATED = (
 """Options that are not copied to the command that continues a session."""
 
 
+@dataclass(frozen=True)
+class _Design:
+    """What stands behind the command; its base comes first, as a positional argument must."""
+
+    file: Annotated[Path, Parameter(metavar="DESIGN")]
+    """Design file."""
+
+
 @dataclass(frozen=True, kw_only=True)
-class StudyRunOptions:
+class StudyRunOptions(PageOptions, _Design):
     """Runs a participant's session: consent, instructions, practice, trials, breaks and forms.
 
     `sandbox study run design.toml --participant new --tablet` prints a QR code. Scan it with the
@@ -41,9 +50,6 @@ class StudyRunOptions:
     The terminal is for the experimenter: h and Enter shows the keys. If forms are in the terminal,
     too, type a slash before a key while a form is open.
     """
-
-    file: Annotated[Path, Parameter(metavar="DESIGN")] = field(kw_only=False)
-    """Design file."""
 
     participant: Annotated[str, Parameter(metavar="new|ID")] = ""
     """new, or the id of a participant who has begun. Without this option, their ids are listed."""
@@ -72,22 +78,6 @@ class StudyRunOptions:
     forms: Literal["auto", "page", "terminal"] = "auto"
     """Place of consent, instructions, questions and breaks. auto: on the page, or in the terminal
     with --device simulated."""
-
-    tablet: bool = False
-    """Run the session on a tablet in the same network: prints a QR code to scan."""
-
-    lan: Annotated[str | None, Parameter(metavar="ADDRESS")] = None
-    """Address on which the page is served, in place of the one that --tablet finds."""
-
-    page_port: int = 0
-    """TCP port of the page; 0 takes a free one. With a fixed port the link stays the same, and a
-    tablet reconnects when the program is restarted."""
-
-    tls_cert: Annotated[str | None, Parameter(metavar="FILE")] = None
-    """Certificate for https, with --tls-key."""
-
-    tls_key: Annotated[str | None, Parameter(metavar="FILE")] = None
-    """Key of the certificate."""
 
     no_browser: bool = False
     """Do not open a browser for forms beside a window; the link is printed in any case."""
@@ -316,24 +306,16 @@ def check_second_device(options: StudyRunOptions, design: Design) -> None:
 def check_page(options: StudyRunOptions) -> None:
     """Checks address and certificate of the page by serving it for a moment."""
     if options.has_page:
-        from sandbox.cli.common.page_options import open_page
+        from sandbox.cli.common.open_page import open_page
 
-        open_page(page_options(options)).close()
-
-
-def page_options(options: StudyRunOptions) -> PageOptions:
-    """Returns the options of the participant's page."""
-    from sandbox.cli.common.page_options import PageOptions
-
-    names = [option.name for option in fields(PageOptions)]
-    return PageOptions(**{name: getattr(options, name) for name in names})
+        open_page(options).close()
 
 
 def touch_options(options: StudyRunOptions) -> TouchOptions:
     """Returns the options of the touch device."""
     from sandbox.options.touch_devices import TouchOptions
 
-    return TouchOptions(device=options.touches, bind=options.bind, port=options.port)
+    return picked(TouchOptions, options, device=options.touches)
 
 
 def second_touch_options(options: StudyRunOptions) -> TouchOptions | None:
@@ -343,4 +325,4 @@ def second_touch_options(options: StudyRunOptions) -> TouchOptions | None:
     if options.second_device is None:
         return None
     port = options.port + 1 if options.port and options.device == "tuio" else options.port
-    return TouchOptions(device=options.second_device, bind=options.bind, port=port)
+    return picked(TouchOptions, options, device=options.second_device, port=port)

@@ -13,11 +13,12 @@ from rich.console import Console
 
 from models.errors import InputError
 from models.person import Person
-from sandbox.cli.common.page_options import PageOptions, open_page
+from sandbox.cli.common.open_page import open_page
 from sandbox.cli.play.command import PlayOptions
 from sandbox.cli.play.command import main as play
 from sandbox.cli.play.own_profile import Learner, with_usable_profile
 from sandbox.cli.play.page import PagePlay
+from sandbox.options.page_options import PageOptions
 from sandbox.options.profiles import Profile, load_profile, save_profile
 from sandbox.options.scene_options import scene_settings
 from sandbox.trial.events import EventLog

@@ -9,9 +9,10 @@ from rich.console import Console
 
 from models.errors import InputError
 from models.surface import PRESETS
-from sandbox.cli.common.page_options import PageOptions, open_page
+from sandbox.cli.common.open_page import open_page
 from sandbox.cli.play.page import PagePlay
 from sandbox.cli.play.screen_too_small import explain_refusal, fitting
+from sandbox.options.page_options import PageOptions
 from sandbox.options.scene_options import SceneOptions
 from sandbox.server import audience
 from sandbox.server.page_server import PageServer

@@ -10,9 +10,10 @@ import pytest
 from rich.console import Console
 
 from models.surface import METRES_PER_INCH
-from sandbox.cli.common.page_options import PageOptions, open_page
+from sandbox.cli.common.open_page import open_page
 from sandbox.cli.common.page_view import show_session, touched_pages
 from sandbox.cli.play.page import PagePlay
+from sandbox.options.page_options import PageOptions
 from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.server.page_server import PageServer
 from sandbox.server.protocol.protocol import LIFT_STRIP_PX, PageScreen, PageTouches

@@ -13,8 +13,9 @@ from typing import Any
 from rich.console import Console
 
 from models.frames import TouchFrame
-from sandbox.cli.common.page_options import PageOptions, open_page
+from sandbox.cli.common.open_page import open_page
 from sandbox.cli.play.page import PagePlay
+from sandbox.options.page_options import PageOptions
 from sandbox.options.scene_options import SceneOptions
 from sandbox.recording.recording import load_recording
 from sandbox.server.page_server import PageServer

@@ -12,8 +12,9 @@ from pathlib import Path
 import pytest
 from rich.console import Console
 
-from sandbox.cli.common.page_options import PageOptions, open_page
+from sandbox.cli.common.open_page import open_page
 from sandbox.cli.play.page import PagePlay
+from sandbox.options.page_options import PageOptions
 from sandbox.options.scene_options import SceneOptions
 from sandbox.server.page_server import PageServer
 from sandbox.server.protocol.protocol import StudyView

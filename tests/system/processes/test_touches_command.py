@@ -314,7 +314,7 @@ def test_packets_without_touches_are_named_as_what_is_wrong(tmp_path: Path) -> N
         (["record", "pyproject.toml"], "not overwritten"),
         (["record", "no/such/folder/file"], "no/such/folder"),
         (["show", "--nonsense"], "nonsense"),
-        ([], "show"),
+        (["shwo"], "show"),
     ],
     ids=str,
 )
