@@ -19,7 +19,6 @@ from models.errors import InputError
 from models.frames import SIDES
 from sandbox.cli.common.command_line import parse
 from sandbox.cli.common.json_out import check_output, write_json
-from sandbox.cli.common.page_options import PageOptions
 from sandbox.devices.kinds import LIVE_LEAP as LEAP
 from sandbox.devices.kinds import is_leap
 from sandbox.devices.leap.leap_maker import open_leap
