@@ -23,7 +23,7 @@ from models.messages.wording import counted
 from sandbox.regress import statistics
 from sandbox.regress.baseline import Baseline, load_baseline, replaceable, update
 from sandbox.regress.execute import CRASHED, Processes, Serial
-from sandbox.regress.plan import RegressionPlan, differing, find_tasks, parse_seeds
+from sandbox.regress.plan import RegressionPlan, find_tasks, parse_seeds
 from sandbox.regress.report import Report, make_report, without_baseline
 from sandbox.system.whole_files import check_whole
 from tasks.task import Task
@@ -87,7 +87,7 @@ class Regression:
         plan = RegressionPlan(
             find_tasks([self._beside(task)]) if isinstance(task, str) else (task,),
             parse_seeds(seeds),
-            differing({"encoder": self._encoder(encoder), **scene}),
+            {"encoder": self._encoder(encoder), **scene},
         )
         try:
             plan.check_drawn()

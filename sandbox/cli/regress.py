@@ -6,7 +6,7 @@ import json
 import os
 from collections.abc import Iterator
 from contextlib import closing, contextmanager, suppress
-from dataclasses import asdict, dataclass, fields
+from dataclasses import dataclass, fields
 from functools import partial
 from pathlib import Path
 from time import perf_counter
@@ -21,7 +21,7 @@ from models.messages.wording import counted
 from sandbox.cli.common.command_line import parse
 from sandbox.cli.common.json_out import TERMINAL, check_output, refuse_same
 from sandbox.cli.common.printing import printing
-from sandbox.options.one_hand_options import TrialOptions
+from sandbox.options.one_hand_options import TrialOptions, given_options
 from sandbox.options.picked import picked
 from sandbox.options.second_hand import SecondOptions
 from sandbox.options.variations import KINDS, help_with_names
@@ -205,12 +205,12 @@ def _parsed(argv: list[str]) -> RegressOptions:
 
 def _scene(options: RegressOptions) -> dict[str, Any]:
     from sandbox.options.scene_options import SceneOptions, check_labels
-    from sandbox.regress.plan import differing
 
     # Of the same name, but not those of a trial.
-    scene = picked(SceneOptions, options, vary="", record=None)
+    given = options.given - {"vary", "record"}
+    scene = picked(SceneOptions, options, vary="", record=None, given=given)
     check_labels(scene)
-    return differing(asdict(scene))
+    return {name: getattr(scene, name) for name in given_options(scene)}
 
 
 def _check(options: RegressOptions) -> None:

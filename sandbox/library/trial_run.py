@@ -238,7 +238,7 @@ def _scene_options(**values: Any) -> SceneOptions:
         InputError: A name is not an option, or a value is of another type.
     """
     types = get_type_hints(SceneOptions)
-    known = {f.name for f in fields(SceneOptions)}
+    known = {f.name for f in fields(SceneOptions)} - {"given"}
     unknown = sorted(set(values) - known)
     if unknown:
         own = {*signature(run_trial).parameters} - {"options"}
@@ -250,7 +250,8 @@ def _scene_options(**values: Any) -> SceneOptions:
             expected=", ".join(sorted(known | own)),
             remedy=f"Did you mean {', '.join(n[0] for n in near)}?" if all(near) else None,
         )
-    return SceneOptions(**{name: _of_type(name, values[name], types[name]) for name in values})
+    typed = {name: _of_type(name, values[name], types[name]) for name in values}
+    return SceneOptions(**typed, given=frozenset(values))
 
 
 def _of_type(name: str, value: Any, kind: Any) -> Any:

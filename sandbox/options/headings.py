@@ -17,5 +17,10 @@ EVDEV = Group.create_ordered("Device evdev")
 LEAP = Group.create_ordered("Device leap, and its recordings")
 WEBCAM = Group.create_ordered("Device webcam")
 
+OF_SETTINGS = {"PipelineSettings": RECONSTRUCTION, "PhysicsSettings": PHYSICS}
+"""Class of `sandbox.trial.settings` -> heading of the options that its fields are."""
+COMMON_SETTINGS = ("encoder",)
+"""Fields of these classes that most people need."""
+
 OF_DEVICES = {"tuio": TUIO, "evdev": EVDEV, "leap": LEAP, "webcam": WEBCAM}
 """Device -> heading of the options that only it needs. `--help` has them if the device is named."""

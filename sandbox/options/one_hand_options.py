@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Annotated, Literal
 
 from cyclopts import Parameter
 
-from encoders.regression.model_registry import DEFAULT_MODEL
 from sandbox.options.headings import (
     COMMON,
     OUTPUT,
@@ -19,6 +18,7 @@ from sandbox.options.headings import (
 )
 from sandbox.options.touch_devices import TuioOptions
 from sandbox.options.variations import KINDS, help_with_units
+from sandbox.trial.settings import PhysicsSettings, PipelineSettings
 
 Part = Literal["correction", "smoothing", "arrival", "ghost", "distal", "stitch", "encoder"]
 """Parts of the pipeline that can be taken away, to see what each is worth."""
@@ -46,57 +46,25 @@ class SourceOptions:
 
 
 @dataclass(frozen=True, kw_only=True)
-class TrialOptions:
-    """Hand, encoder and physics, which also hold for every trial of `sandbox regress`."""
+class TrialOptions(PipelineSettings, PhysicsSettings):
+    """Hand, pipeline and physics, which also hold for every trial of `sandbox regress`."""
 
-    encoder: Annotated[str, Parameter(group=COMMON, metavar="ENCODER")] = DEFAULT_MODEL
-    """Encoder, which estimates the hand's pose from the touches. paper: least squares with the
-    paper's labels, without correction and smoothing. The others use --labels, correction and
-    smoothing. linear, quadratic, cubic: polynomials. pca-ik: inverse kinematics in principal
-    components. population: the pose of any person, trained on hundreds of simulated people. FILE: a
-    model of one person by `sandbox train`, or FILE.py:CLASS or MODULE:CLASS, an
-    encoder of your own (docs/write-an-encoder.md)."""
+    given: Annotated[frozenset[str], Parameter(parse=False)] = frozenset()
+    """Names of the options on the command line; of options that were made in Python, those that
+    differ from the defaults count (`given_options`)."""
 
     bare: Annotated[bool, Parameter(group=RECONSTRUCTION)] = False
     """Use the paper's labels, and no correction or smoothing, with any encoder."""
 
-    labels: Annotated[
-        Literal["population", "paper", "device"] | None, Parameter(group=RECONSTRUCTION)
-    ] = None
-    """How fingers are labelled. population: by earlier touches and what was trained on hundreds of
-    simulated people, for hands that nobody knows; it also learns from five fingers that touch
-    together. paper: by the nearest training pose, as in the paper. device: the simulated user
-    reports which finger touches, an upper bound for labelling; contacts that no device labels are
-    labelled as by population. Labels that another device reports for all contacts are always used.
-    Default: those of the recording, else population."""
-
     without: Annotated[tuple[Part, ...], Parameter(group=RECONSTRUCTION)] = ()
     """Switch off a part of the pipeline, to measure what it contributes."""
 
-    impulse: Annotated[str, Parameter(group=PHYSICS, metavar="paper|safe|N")] = "paper"
+    impulse: Annotated[str, Parameter(group=PHYSICS, metavar="paper|safe|N")] = "paper"  # type: ignore[assignment]
     """Limit of every servo in N s per 1/60 s: paper is 100, safe is 0.5. At 0.5 and below, a
     lowered hand moves more slowly and its fingers are heavier."""
 
-    contact: Annotated[Literal["hard", "soft", "none"], Parameter(group=PHYSICS)] = "hard"
-    """Contact between hand and objects. soft: the hand yields and pushes with 3 N at most. none: it
-    passes through everything. Key c in the window switches."""
-
-    solid: Annotated[Literal["fingertips", "hand"] | None, Parameter(group=PHYSICS)] = None
-    """What of the hand collides. fingertips: the last links of touching fingers. hand: the palm and
-    all links of all fingers, with objects and the other hand; fingers that do not touch keep clear
-    of things. Default: that of the recording, else fingertips."""
-
-    servo: Annotated[Literal["orientation", "position"], Parameter(group=PHYSICS)] = "orientation"
-    """orientation: one servo on the rotation of each ball joint. position: three servos, one on
-    each component."""
-
     hand: Annotated[Literal["right", "left"] | None, Parameter(group=COMMON)] = None
     """Which hand. Default: that of the recording or profile, else right."""
-
-    robot: Annotated[str, Parameter(group=PHYSICS, metavar="ROBOT")] = ""
-    """Robot whose hand is in the place of yours (docs/robots.md): shadow, adroit, inspire, allegro
-    or leap, or FILE.xml with a mapping by `sandbox devices robot fit` beside it. Default: our own
-    hand."""
 
     hand_size: Annotated[float | None, Parameter(group=PERSON, metavar="RATIO")] = None
     """Length of the hand relative to the trained hand, 0.6 to 1.6; `sandbox hand measure` measures
@@ -128,6 +96,21 @@ class TrialOptions:
     drop_outs: Annotated[float, Parameter(group=SIMULATED)] = 0.0
     """Times per second that the simulated user's screen loses each touch. A lost touch returns
     after 0.1 s with another id."""
+
+    def __post_init__(self) -> None:
+        """Checks nothing: values are checked when they become settings."""
+
+
+def given_options(options: TrialOptions) -> frozenset[str]:
+    """Names of the options that were given."""
+    kind = type(options)
+    plain = kind()
+    names = (each.name for each in fields(kind) if each.name != "given")
+    return frozenset(
+        name
+        for name in names
+        if name in options.given or getattr(options, name) != getattr(plain, name)
+    )
 
 
 # `--help` lists the options of the last base first.

@@ -28,7 +28,7 @@ from sandbox.options.leap_devices import (
     both_over_one_device,
     with_leap_hands,
 )
-from sandbox.options.one_hand_options import OneHandOptions
+from sandbox.options.one_hand_options import OneHandOptions, given_options
 from sandbox.options.profiles import find_profile
 from sandbox.options.second_hand import SecondOptions, with_second_hand
 from sandbox.options.variations import parse_variation
@@ -43,7 +43,7 @@ from sandbox.recording.recording import Recording
 from sandbox.recording.states import other_states
 from sandbox.trial.open_devices import check_device, recording_of
 from sandbox.trial.recorded_settings import recorded_encoder, recorded_settings, recorded_users
-from sandbox.trial.settings import PAPER_PIPELINE, Settings
+from sandbox.trial.settings import PAPER_PIPELINE, PhysicsSettings, PipelineSettings, Settings
 from tasks.user import UserConfiguration
 
 _PARTS: dict[str, dict[str, Any]] = {
@@ -135,7 +135,7 @@ def check_labels(options: SceneOptions) -> None:
         InputError: Both are given.
     """
     what = "--bare" if options.bare else "--encoder paper" if options.encoder == "paper" else ""
-    if what and options.labels == "population":
+    if what and options.labels == "population" and "labels" in given_options(options):
         raise InputError(
             "this has the paper's labels, so these cannot be chosen",
             where=what,
@@ -162,19 +162,11 @@ def _settings(options: SceneOptions, recording: Recording | None) -> Settings:
     else:
         base = Settings(task=options.task)
     base = replace(base, seed=base.seed if options.seed is None else options.seed)
-    if recording is not None and _keeps_recorded_settings(options):
-        return base
-    values: dict[str, Any] = {
-        "encoder": options.encoder,
-        "servo": options.servo,
-        "impulse": impulse_limit(options.impulse),
-        "contact": options.contact,
-        "robot": options.robot,
-    }
-    if options.solid is not None:
-        values["solid"] = options.solid
-    if options.labels is not None:
-        values["labels"] = options.labels
+    given = given_options(options)
+    names = [each.name for kind in (PipelineSettings, PhysicsSettings) for each in fields(kind)]
+    values: dict[str, Any] = {name: getattr(options, name) for name in names if name in given}
+    if "impulse" in given:
+        values["impulse"] = impulse_limit(options.impulse)
     if options.encoder == "paper" or options.bare:
         values |= PAPER_PIPELINE
     if options.labels == "device":
@@ -207,7 +199,7 @@ def _settings(options: SceneOptions, recording: Recording | None) -> Settings:
         from encoders.person.rest_posture import load_rest
 
         first = replace(first, rest=load_rest(options.rest, first.side, first.size))
-    elif options.encoder != POPULATION:
+    elif values.get("encoder", base.pipeline.encoder) != POPULATION:
         # A model of one person knows nothing of others'.
         first = replace(first, rest=())
     values["hands"] = (first, *others)
@@ -230,25 +222,6 @@ def _own_surface(device: str) -> Surface | None:
     from sandbox.devices.open_touches import native_surface
 
     return native_surface(device)
-
-
-def _keeps_recorded_settings(options: SceneOptions) -> bool:
-    """True if no option changes the run of a recording except its input."""
-    plain = SceneOptions()
-    pipeline = (
-        "encoder",
-        "bare",
-        "labels",
-        "without",
-        "impulse",
-        "contact",
-        "servo",
-        "robot",
-        "solid",
-        "surface",
-    )
-    person = ("hand", "hand_size", "turn", "profile", "rest")
-    return all(getattr(options, k) == getattr(plain, k) for k in (*pipeline, *person))
 
 
 def _user(options: SceneOptions) -> UserConfiguration:

@@ -82,7 +82,7 @@ class RegressionPlan:
 
     def __post_init__(self) -> None:
         unknown = set(self.scene) - {f.name for f in fields(SceneOptions)} | (
-            set(self.scene) & {"task", "seed", "device", "record", "events", "dump"}
+            set(self.scene) & {"task", "seed", "device", "record", "events", "dump", "given"}
         )
         if unknown:
             raise InputError("no such option of a trial", got=", ".join(sorted(unknown)))
@@ -121,7 +121,11 @@ class RegressionPlan:
         for task in self.tasks:
             place, own_task = _place(task)
             with registered(own_task):
-                made.append(scene_settings(SceneOptions(task=place, **self.scene)))
+                made.append(
+                    scene_settings(
+                        SceneOptions(task=place, given=frozenset(self.scene), **self.scene)
+                    )
+                )
         return tuple(made)
 
     def check_drawn(self) -> None:
@@ -241,20 +245,13 @@ def options(scene: Mapping[str, Any]) -> Iterator[str]:
     for name, value in scene.items():
         flag = "--" + name.replace("_", "-")
         if isinstance(value, bool):
-            if value:
-                yield flag
+            # What is on by default can only be switched off.
+            yield flag if value else "--no-" + flag.removeprefix("--")
         elif isinstance(value, tuple | list):
             for each in value:
                 yield from (flag, str(each))
         elif value is not None:
             yield from (flag, str(value))
-
-
-def differing(values: Mapping[str, Any]) -> dict[str, Any]:
-    """Those options of a scene that are not what `sandbox run` takes by itself."""
-    plain = SceneOptions()
-    # The plan refuses texts that are not options.
-    return {name: value for name, value in values.items() if value != getattr(plain, name, ...)}
 
 
 def find_tasks(names: Sequence[str]) -> tuple[str, ...]:

@@ -1,9 +1,9 @@
 """Settings of a trial: one nested value, from the command line to a recording's header.
 
-To add a setting, add a field with its docstring to one of the classes here. The command line shows
-it, a study's design may name it, `sandbox regress` sends it to its workers, and a recording's
-header stores it. A field that is younger than files in use declares the value that those files
-stand for: `field(default=..., metadata={BEFORE: value})`.
+To add a setting, add a field with its docstring to `PipelineSettings` or `PhysicsSettings`. The
+command line has an option of its name, a study's design may name it, `sandbox regress` sends it to
+its workers, and a recording's header stores it. A field that is younger than files in use declares
+the value that those files stand for: `field(default=..., metadata={BEFORE: value})`.
 """
 
 from __future__ import annotations
@@ -68,19 +68,25 @@ class _Checked:
                 ) from None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class PipelineSettings(_Checked):
     """How touches become poses."""
 
     encoder: str = DEFAULT_MODEL
-    """Encoder, which estimates the hand's pose: a model that ships, the file of a trained model, or
-    somebody's own (`encoders.regression.model_registry`)."""
+    """Encoder, which estimates the hand's pose from the touches. paper: least squares with the
+    paper's labels, without correction and smoothing. The others use --labels, correction and
+    smoothing. linear, quadratic, cubic: polynomials. pca-ik: inverse kinematics in principal
+    components. population: the pose of any person, trained on hundreds of simulated people. FILE: a
+    model of one person by `sandbox train`, or FILE.py:CLASS or MODULE:CLASS, an
+    encoder of your own (docs/write-an-encoder.md)."""
 
     labels: Literal["population", "paper", "device"] = "population"
-    """How fingers are labelled. population: by a belief carried from contact to contact, trained on
-    hundreds of simulated people, which also learns from layouts of five fingers during a trial.
-    paper: by the nearest training pose. device: the simulated user labels its touches, an upper
-    bound; touches without a label are labelled as by population."""
+    """How fingers are labelled. population: by earlier touches and what was trained on hundreds of
+    simulated people, for hands that nobody knows; it also learns from five fingers that touch
+    together. paper: by the nearest training pose, as in the paper. device: the simulated user
+    reports which finger touches, an upper bound for labelling; contacts that no device labels are
+    labelled as by population. Labels that another device reports for all contacts are always used.
+    """
 
     correction: bool = True
     """Fingertips are corrected to meet their touches."""
@@ -104,7 +110,7 @@ class PipelineSettings(_Checked):
     """The encoder's pose is used; otherwise the mean training pose."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class PhysicsSettings(_Checked):
     """Servos, contacts and time step of the simulation."""
 
@@ -116,15 +122,18 @@ class PhysicsSettings(_Checked):
     """Limit of every servo, N s (N m s) per 1/60 s, above 0."""
 
     contact: Literal["hard", "soft", "none"] = "hard"
-    """Contact between hand and objects at the start (`sandbox.session.contact_modes`). soft: the
-    hand yields and pushes with 3 N at most. none: it passes through everything."""
+    """Contact between hand and objects at the start. soft: the hand yields and pushes with 3 N at
+    most. none: it passes through everything. Key c in the window switches."""
 
     solid: Literal["fingertips", "hand"] = "fingertips"
-    """What of the hand collides: the last links of touching fingers, or palm and all links."""
+    """What of the hand collides. fingertips: the last links of touching fingers. hand: the palm and
+    all links of all fingers, with objects and the other hand; fingers that do not touch keep clear
+    of things."""
 
     robot: str = ""
-    """Robot whose hand is in the place of the person's (see `models.robot.known`); empty for our
-    own hand."""
+    """Robot whose hand is in the place of yours (docs/robots.md): shadow, adroit, inspire, allegro
+    or leap, or FILE.xml with a mapping by `sandbox devices robot fit` beside it. Default: our own
+    hand."""
 
     timestep: Annotated[float, msgspec.Meta(gt=0.0, lt=1.0)] = 0.002
     """Physics time step, s, between 0 and 1."""

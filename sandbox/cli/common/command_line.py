@@ -8,7 +8,7 @@ from __future__ import annotations
 import inspect
 import sys
 from collections.abc import Callable, Sequence
-from dataclasses import MISSING, fields
+from dataclasses import MISSING, fields, replace
 from pathlib import Path
 from types import UnionType
 from typing import (
@@ -34,6 +34,7 @@ from cyclopts.exceptions import (
 
 from models.errors import InputError, unknown_name
 from sandbox.cli.common.printing import HelpShown, print_no_more
+from sandbox.options.headings import COMMON, COMMON_SETTINGS, OF_SETTINGS
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
@@ -64,9 +65,25 @@ def flat(options: type[T]) -> type[T]:
     It resolves the types of the fields, each in the module of its own class. The library looks for
     them in the module of the last class, which lacks those of inherited fields.
     """
+    hints = get_type_hints(options, include_extras=True)
+    own = inspect.get_annotations(options)
+    for name in hints:
+        # The first class in order of inheritance decides: it may be shorter to type there.
+        owner = next(kind for kind in options.__mro__ if name in inspect.get_annotations(kind))
+        if owner.__name__ in OF_SETTINGS:
+            own[name] = hints[name] = Annotated[hints[name], _of_setting(owner, name)]
     init: Any = options.__init__
-    init.__annotations__.update(get_type_hints(options, include_extras=True))
+    init.__annotations__.update(hints)
+    options.__annotations__ = own
     return FLAT(options)
+
+
+def _of_setting(group: type[Any], name: str) -> Parameter:
+    """How a field of a group of settings is an option."""
+    heading = COMMON if name in COMMON_SETTINGS else OF_SETTINGS[group.__name__]
+    # What is on by default can only be switched off.
+    negative = f"--no-{name.replace('_', '-')}" if getattr(group, name) is True else ()
+    return Parameter(group=heading, negative=negative)
 
 
 def parse(options: type[T], prog: str, argv: Sequence[str]) -> T:
@@ -89,6 +106,11 @@ def parse(options: type[T], prog: str, argv: Sequence[str]) -> T:
 
         argv = with_second_names(argv)
 
+    given: set[str] = set()
+
+    def collect(app: App, commands: tuple[str, ...], arguments: ArgumentCollection) -> None:
+        given.update(each.keys[-1] for each in arguments if each.tokens and each.keys)
+
     def parsed(given: Any) -> Any:
         return given
 
@@ -97,7 +119,10 @@ def parse(options: type[T], prog: str, argv: Sequence[str]) -> T:
         parsed.__defaults__ = (options(),)
     app = application(prog, options.__doc__ or "")
     app.default(parsed)
+    app.config = (_check_whole_numbers, collect)
     result: T = run(app, argv)
+    if "given" in (field.name for field in fields(options)):
+        result = replace(result, given=frozenset(given))
     return result
 
 

@@ -43,7 +43,7 @@ def with_usable_profile(options: Options, console: Console) -> Options:
         rest = "without the profile" if usable is None else "with its hand, size and seat alone"
         _say(f"{error}. Play goes on {rest}", console)
         return usable or replace(options, profile="none")
-    learned = profile.layouts and options.labels in (None, "population")
+    learned = profile.layouts and options.labels == "population"
     if learned and options.hand not in (None, profile.person.hand):
         _say(
             f"the layouts of the profile are of the {profile.person.hand} hand, and the "
@@ -87,7 +87,7 @@ class Learner:
         Raises:
             InputError: Nothing can be learned with these options.
         """
-        if options.labels not in (None, "population"):
+        if options.labels != "population":
             raise InputError(
                 "only labels by the population use layouts of five fingers",
                 where="--learn",
