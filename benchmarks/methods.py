@@ -58,14 +58,14 @@ if TYPE_CHECKING:
 
 SHIPS = "what ships"
 METHODS: dict[str, dict[str, Any]] = {
-    "mean pose": {"without": ("encoder",)},
+    "mean pose": {"encode": False},
     "linear": {"encoder": "linear"},
     "quadratic": {"encoder": "quadratic"},
     "cubic": {"encoder": "cubic"},
     SHIPS: {},
     "true labels": {"labels": "device"},
-    "no correction": {"without": ("correction",)},
-    "no filter": {"without": ("smoothing",)},
+    "no correction": {"correction": False},
+    "no filter": {"smoothing": False},
     "the paper's labels": {"labels": "paper"},
     "pca-ik": {"encoder": "pca-ik"},
     "bare": {"bare": True},

@@ -311,7 +311,7 @@ def _fault(value: Any, problem: Exception, form: Any) -> _Fault:
     if unknown := _UNKNOWN.fullmatch(message):
         return _Fault(f"{_name(unknown[1])} is not known here", field)
     if wanted := _EXPECTED.fullmatch(message):
-        return _Fault("", field, _shown(actual), _in_plain_words(wanted[1]))
+        return _Fault("", field, _shown(actual), in_plain_words(wanted[1]))
     if message.startswith("Invalid enum value"):
         return _Fault("this value is not known here", field, _shown(actual))
     if message.endswith("out of range"):
@@ -386,7 +386,7 @@ def _without_got(text: str) -> str:
     return re.sub(r", got .*?(?= - at |$)", "", text)
 
 
-def _in_plain_words(expected: str) -> str:
+def in_plain_words(expected: str) -> str:
     """Expected type in an error of msgspec, in plain words."""
 
     def words(match: re.Match[str]) -> str:

@@ -31,6 +31,10 @@ REMOVED = {
     "evaluate --encoders best": "`--encoders trained` is trained on the person's day 0",
     "--labels history": "`--labels population` is the default",
     "--without history": "`--labels paper` labels by the paper's rule",
+    "--without ghost": "`--no-ghost-until-clear` takes its place",
+    "--without distal": "`--no-distal-only` takes its place",
+    "--without encoder": "`--no-encode` takes its place",
+    "--without": "`--no-correction`, `--no-smoothing` and others take its place",
     "--tell-labels": "`--labels device` uses the labels of the simulated user",
     "study plan --from": "`--spread` takes the standard deviation over people of the difference in "
     "log time, which `sandbox study report` prints for a pilot",

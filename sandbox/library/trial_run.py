@@ -100,7 +100,7 @@ def run_trial(
             for a device that a person or another program drives by its name, else as fast as it
             goes.
         options: Other options of `sandbox run`, with underscores: `encoder="paper"`, `fingers=5`,
-            `hand="left"`, `without=("correction",)`.
+            `hand="left"`, `correction=False`.
 
     Returns:
         The run.

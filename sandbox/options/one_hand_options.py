@@ -20,9 +20,6 @@ from sandbox.options.touch_devices import TuioOptions
 from sandbox.options.variations import KINDS, help_with_units
 from sandbox.trial.settings import PhysicsSettings, PipelineSettings
 
-Part = Literal["correction", "smoothing", "arrival", "ghost", "distal", "stitch", "encoder"]
-"""Parts of the pipeline that can be taken away, to see what each is worth."""
-
 
 @dataclass(frozen=True, kw_only=True)
 class SourceOptions:
@@ -55,9 +52,6 @@ class TrialOptions(PipelineSettings, PhysicsSettings):
 
     bare: Annotated[bool, Parameter(group=RECONSTRUCTION)] = False
     """Use the paper's labels, and no correction or smoothing, with any encoder."""
-
-    without: Annotated[tuple[Part, ...], Parameter(group=RECONSTRUCTION)] = ()
-    """Switch off a part of the pipeline, to measure what it contributes."""
 
     impulse: Annotated[str, Parameter(group=PHYSICS, metavar="paper|safe|N")] = "paper"  # type: ignore[assignment]
     """Limit of every servo in N s per 1/60 s: paper is 100, safe is 0.5. At 0.5 and below, a

@@ -46,16 +46,6 @@ from sandbox.trial.recorded_settings import recorded_encoder, recorded_settings,
 from sandbox.trial.settings import PAPER_PIPELINE, PhysicsSettings, PipelineSettings, Settings
 from tasks.user import UserConfiguration
 
-_PARTS: dict[str, dict[str, Any]] = {
-    "correction": {"correction": False},
-    "smoothing": {"smoothing": False},
-    "arrival": {"arrival": False},
-    "ghost": {"ghost_until_clear": False},
-    "distal": {"distal_only": False},
-    "stitch": {"stitch": False},
-    "encoder": {"encode": False},
-}
-
 
 # `--help` lists the options of the last base first: those that most people need.
 @dataclass(frozen=True, kw_only=True)
@@ -140,7 +130,7 @@ def check_labels(options: SceneOptions) -> None:
             "this has the paper's labels, so these cannot be chosen",
             where=what,
             got=f"--labels {options.labels}",
-            remedy="Leave one of them out; `--without correction smoothing` keeps labels of ours",
+            remedy="Leave one of them out; `--no-correction --no-smoothing` keeps labels of ours",
         )
 
 
@@ -171,16 +161,6 @@ def _settings(options: SceneOptions, recording: Recording | None) -> Settings:
         values |= PAPER_PIPELINE
     if options.labels == "device":
         values["labels"] = options.labels
-    for part in options.without:
-        # The command line knows the parts; a study's design may name any.
-        if part not in _PARTS:
-            raise InputError(
-                "no such part of the pipeline",
-                where="without",
-                got=part,
-                expected=", ".join(_PARTS),
-            )
-        values |= _PARTS[part]
     first, *others = base.hands
     if uses_touch_profile(options, is_in_air(options.device)):
         first = replace(find_profile(str(options.profile)).hand, in_air=first.in_air)

@@ -181,7 +181,9 @@ class RegressionPlan:
         """
         configuration = self.configuration()
         models, settings = configuration["digests"], configuration["settings"]
-        given = dict(self.scene)
+        # Whoever names a default gives nothing else than who does not.
+        plain = SceneOptions()
+        given = {k: value for k, value in self.scene.items() if value != getattr(plain, k)}
         if given.get(ENCODER, settings["pipeline"]["encoder"]) not in MODELS:
             given[ENCODER] = f"of one's own, {models['encoder']}"
             settings["pipeline"]["encoder"] = given[ENCODER]
@@ -245,8 +247,10 @@ def options(scene: Mapping[str, Any]) -> Iterator[str]:
     for name, value in scene.items():
         flag = "--" + name.replace("_", "-")
         if isinstance(value, bool):
-            # What is on by default can only be switched off.
-            yield flag if value else "--no-" + flag.removeprefix("--")
+            if value:
+                yield flag
+            elif getattr(SceneOptions, name) is True:
+                yield "--no-" + flag.removeprefix("--")
         elif isinstance(value, tuple | list):
             for each in value:
                 yield from (flag, str(each))

@@ -21,6 +21,7 @@ from encoders.person.rest_posture import Looks
 from encoders.regression.model_registry import DEFAULT_MODEL
 from models.errors import InputError, RecordingError
 from models.hand import IMPULSE_PROFILES
+from models.json_input import in_plain_words
 from models.person import HANDS, Person
 from models.surface import PRESETS, Surface
 from sandbox.devices.device_settings import DeviceSettings
@@ -64,7 +65,7 @@ class _Checked:
                     "not a value of this setting",
                     where=each.name,
                     got=value,
-                    expected=_expected(hints[each.name], error),
+                    expected=expected_values(hints[each.name], error),
                 ) from None
 
 
@@ -324,6 +325,11 @@ GROUPS = {
 """Groups of `Settings` whose fields have names of their own."""
 
 
+def field_types(group: Any) -> dict[str, Any]:
+    """Types of the fields of a class of settings, with their bounds, by name."""
+    return {each.name: _hints(group)[each.name] for each in fields(group)}
+
+
 def setting_names() -> list[str]:
     """Names that `Settings.changed` takes, but for those of groups and devices."""
     own = [each.name for each in fields(Settings) if each.name not in (*GROUPS, *_DEVICES)]
@@ -453,11 +459,11 @@ def _hints(kind: Any) -> dict[str, Any]:
     return get_type_hints(kind, include_extras=True)
 
 
-def _expected(hint: Any, error: msgspec.ValidationError) -> str:
+def expected_values(hint: Any, error: msgspec.ValidationError) -> str:
     """The values that a setting takes, in words."""
     if get_origin(hint) is Literal:
-        return ", ".join(map(str, get_args(hint)))
-    return str(error).removeprefix("Expected ").replace("`", "")
+        return "one of " + ", ".join(map(str, get_args(hint)))
+    return in_plain_words(str(error).removeprefix("Expected ").partition(", got ")[0])
 
 
 def _nearest(name: str, known: Any) -> str:

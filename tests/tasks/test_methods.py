@@ -101,8 +101,10 @@ def test_the_picture_names_every_method_and_every_task_and_is_the_same_each_time
 def test_every_method_but_bare_ones_keeps_labels_correction_and_filter() -> None:
     assert list(METHODS)[4] == SHIPS and METHODS[SHIPS] == {}
     changed = [set(options) for name, options in METHODS.items() if name != "bare"]
-    assert all(keys <= {"encoder", "without", "labels"} for keys in changed)
-    assert METHODS["mean pose"] == {"without": ("encoder",)}
+    assert all(
+        keys <= {"encoder", "labels", "encode", "correction", "smoothing"} for keys in changed
+    )
+    assert METHODS["mean pose"] == {"encode": False}
 
 
 def test_a_trial_gives_the_points_of_its_result() -> None:

@@ -4,8 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
+from functools import cache
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
+
+import msgspec
 
 from models.errors import HandSandboxError
 from sandbox.study.design.design import Design, Factor, Level
@@ -30,38 +33,35 @@ _SIMULATED = {
 }
 """Simulated devices that replace those of a design while its settings are computed."""
 
-SETTINGS: dict[str, type | tuple[type, ...]] = {
+_ABBREVIATIONS: dict[str, Any] = {
     "task": str,
-    "device": str,
-    "second_device": str,
-    "second_hand": str,
+    "device": Literal["touch", "leap", "webcam"],
+    "second_device": Literal["touch", "leap", "webcam", "simulated"],
+    "second_hand": Literal["right", "left"],
     "one_surface": bool,
-    "encoder": str,
     "bare": bool,
-    "labels": str,
-    "without": (list, str),
-    "impulse": (str, int, float),
-    "contact": str,
-    "servo": str,
-    "solid": str,
+    "impulse": str | int | float,
     "surface": str,
-    "turn": int,
+    "turn": Literal[0, 90, 180, 270],
     "vary": str,
     "leap_at": str,
     "webcam": str,
 }
-"""Settings that a design may contain, with their types."""
+"""Settings that a design writes as the command line does, with their types."""
 
-CHOICES = {
-    "device": ("touch", "leap", WEBCAM),
-    "second_device": ("touch", "leap", WEBCAM, PARTNER),
-    "second_hand": ("right", "left"),
-    "contact": ("hard", "soft", "none"),
-    "labels": ("population", "paper", "device"),
-    "servo": ("orientation", "position"),
-    "solid": ("fingertips", "hand"),
-    "turn": (0, 90, 180, 270),
-}
+
+@cache
+def setting_types() -> dict[str, Any]:
+    """Settings that a design may contain, with their types: every field of pipeline and physics of
+    `sandbox.trial.settings`, and what the command line abbreviates."""
+    from sandbox.trial.settings import PhysicsSettings, PipelineSettings, field_types
+
+    return {
+        "task": str,
+        **field_types(PipelineSettings),
+        **field_types(PhysicsSettings),
+        **_ABBREVIATIONS,
+    }
 
 
 def run_settings(
@@ -70,7 +70,7 @@ def run_settings(
     """Creates the settings of one trial.
 
     Args:
-        values: Values by the names of `SETTINGS`.
+        values: Values by the names of `setting_types`.
         seed: Seed of the trial.
         hand: The participant's hand.
         hand_size: Its length relative to the trained one.
@@ -85,16 +85,13 @@ def run_settings(
     given = dict(values)
     if "impulse" in given:
         given["impulse"] = str(given["impulse"])
-    if "without" in given:
-        some = given["without"]
-        given["without"] = tuple([some] if isinstance(some, str) else some)
     # The real devices are opened later; here only hands in the air need other settings.
     devices = (given.get("device", "touch"), given.get("second_device", given.get("device")))
     before_camera = HandInput(camera=webcam_choice(given.get("webcam", "")).camera)
     given["device"] = _SIMULATED[devices[0]]
     if "second_device" in given:
         given["second_device"] = _SIMULATED[given["second_device"]]
-    options = SceneOptions(seed=seed, hand=_hand(hand), **given)
+    options = SceneOptions(seed=seed, hand=_hand(hand), given=frozenset(given), **given)
     settings = scene_settings(options)
     hands = tuple(
         replace(
@@ -235,6 +232,8 @@ def check_conditions(design: Design, reader: Reader) -> None:
 
 
 def _check_kinds(design: Design, reader: Reader) -> bool:
+    from sandbox.trial.settings import expected_values
+
     wrong = False
     given = [(("settings",), design.settings)]
     given += [
@@ -244,17 +243,16 @@ def _check_kinds(design: Design, reader: Reader) -> bool:
     ]
     for path, values in given:
         for name, value in values.items():
-            is_flag = isinstance(value, bool)
-            fits = isinstance(value, SETTINGS[name]) and is_flag == (SETTINGS[name] is bool)
-            options = CHOICES.get(name)
-            if fits and (options is None or value in options):
+            kind = setting_types()[name]
+            try:
+                # A number is no word, and neither is true or false.
+                msgspec.convert(value, kind, strict=True)
                 continue
+            except msgspec.ValidationError as error:
+                expected = expected_values(kind, error)
             wrong = True
             at = (*path, name) if path == ("settings",) else path
-            remedy = "See `sandbox run --help` for its values"
-            if options:
-                remedy = "Write one of " + ", ".join(map(str, options))
-            reader.add_mistake(at, f"{name} cannot be {value!r}", remedy)
+            reader.add_mistake(at, f"{name} cannot be {value!r}", f"Write {expected}")
     return wrong
 
 

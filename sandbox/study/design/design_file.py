@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from models.errors import StudyError
-from sandbox.study.design.conditions import SETTINGS, check_conditions
+from sandbox.study.design.conditions import check_conditions, setting_types
 from sandbox.study.design.design import (
     DEMOGRAPHICS,
     END,
@@ -294,9 +294,16 @@ def _factor(table: TomlTable, key: str, names: list[str]) -> str:
 
 
 def _settings(table: TomlTable) -> dict[str, Any]:
-    given = {name: (table.has(name), table.raw(name)) for name in SETTINGS}
+    given = {name: (table.has(name), table.raw(name)) for name in setting_types()}
     table.done()
     return {name: value for name, (there, value) in given.items() if there}
+
+
+def _nearest_setting(name: str) -> str:
+    """What to write in the place of a setting that there is not."""
+    known = setting_types()
+    near = get_close_matches(name, known, 1)
+    return f"Did you mean {near[0]}?" if near else "Settings are: " + ", ".join(known)
 
 
 def _title(top: TomlTable, languages: tuple[str, ...]) -> str:
@@ -408,12 +415,12 @@ def _levels(table: TomlTable, raw: Any, setting: str) -> tuple[Level, ...]:
                 continue
         else:
             name, settings = str(value), {setting: value}
-        unknown = sorted(set(settings) - set(SETTINGS))
+        unknown = sorted(set(settings) - set(setting_types()))
         if unknown:
             table.add_mistake(
                 "levels" if isinstance(value, dict) else "setting",
                 f"unknown setting {unknown[0]!r}",
-                "Settings are: " + ", ".join(SETTINGS),
+                _nearest_setting(unknown[0]),
             )
             if not isinstance(value, dict):
                 return ()

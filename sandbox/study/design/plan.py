@@ -99,7 +99,7 @@ class TrialStep(Step):
         repetition: 1, 2, ... of this combination of levels; 0 in practice.
         practice: True for a practice trial.
         levels: Levels by factor.
-        values: Settings by the names of `conditions.SETTINGS`.
+        values: Settings by the names of `conditions.setting_types`.
         seed: Seed of the trial.
         session: Session number, from 1.
     """

@@ -148,14 +148,14 @@ def test_ten_options_that_most_people_need_come_first_in_the_help(
         assert len(re.findall(r"^│ (?:TASK )?--", first, re.M)) == 10
 
 
-def test_code_from_outside_that_ends_the_program_is_no_command_that_is_done(
+def test_a_device_that_ends_the_program_is_refused_with_its_line(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     device = tmp_path / "ends.py"
     device.write_text(DEVICE_THAT_ENDS_THE_PROGRAM)
-    assert main(["run", "box-to-goal", "--device", f"{device}:Ends"]) == 1
+    assert main(["run", "box-to-goal", "--device", f"{device}:Ends"]) == 2
     said = capsys.readouterr().err
-    assert "code from outside ended the program (SystemExit" in said and "ends.py:" in said
+    assert "SystemExit" in said and "ends.py:" in said and "\n" not in said.strip()
 
 
 def test_a_trial_that_fails_exits_with_0(capsys: pytest.CaptureFixture[str]) -> None:

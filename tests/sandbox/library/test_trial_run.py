@@ -233,7 +233,7 @@ def test_the_turn_of_a_knob_is_the_one_that_its_pose_has_and_goes_on_beyond_a_wh
         ({"flim": "a.webp"}, "Did you mean film?"),
         ({"seed": "3"}, "seed: not a value of this option"),
         ({"fingers": True}, "fingers: not a value of this option"),
-        ({"without": "correction"}, "without: not a value of this option"),
+        ({"correction": "no"}, "correction: not a value of this option"),
         ({"bare": "yes"}, "bare: not a value of this option"),
         ({"hand": "middle"}, "hand: not a value of this option"),
         ({"vary": {"size": 0.8}}, 'such as vary="size=0.8,latency=100"'),
@@ -249,5 +249,5 @@ def test_an_option_of_another_type_is_one_clear_line(options: dict[str, Any], sa
 
 def test_numbers_of_numpy_paths_and_lists_are_options_too(tmp_path: Path) -> None:
     options: dict[str, Any] = {"fingers": np.int64(2), "hand_size": np.float32(1.0)}
-    done = run_trial("box-to-goal", cast(int, np.int64(3)), without=["ghost"], **options)
+    done = run_trial("box-to-goal", cast(int, np.int64(3)), ghost_until_clear=False, **options)
     assert done.result["seed"] == 3 and done.score.status

@@ -186,7 +186,10 @@ MISTAKES = [
     ("seed = 5", "seed = 5.5", "whole number"),
     ('encoder = "linear"', 'surface = "1x1in"', "too small"),
     ('encoder = "linear"', 'labels = "history"', "population, paper, device"),
-    ('encoder = "linear"', 'without = "history"', "no such part of the pipeline"),
+    ('encoder = "linear"', 'without = "history"', "unknown key"),
+    ('encoder = "linear"', "smothing = false", "Did you mean smoothing?"),
+    ('encoder = "linear"', 'smoothing = "no"', "smoothing cannot be 'no'. Write true or false"),
+    ('encoder = "linear"', "timestep = 3", "timestep cannot be 3"),
     ('encoder = "linear"', "tell_labels = true", "Did you mean labels"),
 ]
 
