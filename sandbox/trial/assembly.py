@@ -103,7 +103,7 @@ def reconstructor_settings(
         lift_range: m by which the task's lift control raises the hand.
         size: Length of the person's hand relative to the trained hand.
     """
-    tracker, arrival = TrackerSettings(), ArrivalSettings()
+    tracker, arrival = TrackerSettings(), ArrivalSettings(hover=settings.pipeline.hover)
     if not settings.pipeline.stitch:
         tracker = replace(tracker, grace=0.0, cancelled_grace=0.0)
     if not settings.pipeline.smoothing:

@@ -98,6 +98,11 @@ class PipelineSettings(_Checked):
     arrival: bool = True
     """The hand hovers, comes down from above and rises; otherwise it drops where it is."""
 
+    hover: Annotated[float, msgspec.Meta(gt=0.0, le=0.3)] = field(
+        default=0.09, metadata={BEFORE: 0.09}
+    )
+    """Height above its place at which the hand waits before it comes down, m, above 0 to 0.3."""
+
     ghost_until_clear: bool = True
     """A hand that is down becomes solid only outside objects."""
 
