@@ -98,7 +98,7 @@ def main(argv: list[str] | None = None) -> int:
             raise
         from models.plugins import failure
 
-        print(f"sandbox: code from outside ended the program ({failure(end)})", file=sys.stderr)
+        print(f"sandbox: somebody else's code ended the program ({failure(end)})", file=sys.stderr)
         return EXIT_GATE_FAILED
     except KeyboardInterrupt:
         print("sandbox: stopped", file=sys.stderr)

@@ -5,11 +5,10 @@ from __future__ import annotations
 import ast
 import importlib.util
 from collections.abc import Mapping
-from importlib.metadata import entry_points
 from pathlib import Path
 
 from models.plugins import package
-from sandbox.devices.registry import DEVICES
+from sandbox.devices.registry import DEVICE_PLUGINS, DEVICES
 from sandbox.views.display import has_display
 
 
@@ -61,8 +60,6 @@ def _columns(rows: Mapping[str, str]) -> list[str]:
 
 def _installed_tasks() -> list[str]:
     """Tasks of installed packages, with the reason for those that cannot be used."""
-    if not entry_points(group="hand_sandbox.tasks"):
-        return []
     from tasks.registry import TASKS, task_names, unusable_tasks
 
     broken = unusable_tasks()
@@ -72,8 +69,10 @@ def _installed_tasks() -> list[str]:
 
 def _installed_devices() -> list[str]:
     """Devices of installed packages, which are checked only when they are used."""
-    rows = {e.name: f"offered by {package(e)}" for e in entry_points(group="hand_sandbox.devices")}
-    return [f"  {name}  {text}" for name, text in sorted(rows.items())]
+    return [
+        f"  {name}  offered by {', '.join(map(package, entries))}"
+        for name, entries in DEVICE_PLUGINS.offered().items()
+    ]
 
 
 def _sentence_of(place: str) -> str:

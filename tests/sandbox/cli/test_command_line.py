@@ -36,7 +36,9 @@ class Ends(Device):
     def __init__(self, surface, argument):
         pass
     def poll(self, now):
-        raise SystemExit
+        {poll}
+    def close(self):
+        {close}
 """
 
 
@@ -148,14 +150,26 @@ def test_ten_options_that_most_people_need_come_first_in_the_help(
         assert len(re.findall(r"^│ (?:TASK )?--", first, re.M)) == 10
 
 
-def test_a_device_that_ends_the_program_is_refused_with_its_line(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+@pytest.mark.parametrize(
+    ("poll", "close", "status", "says"),
+    [
+        ("raise SystemExit", "pass", 2, "`poll` of this device fails (got 'SystemExit"),
+        ("1 / 0", "raise SystemExit", 1, "somebody else's code ended the program (SystemExit"),
+    ],
+)
+def test_somebody_s_code_that_ends_the_program_is_no_command_that_is_done(
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    poll: str,
+    close: str,
+    status: int,
+    says: str,
 ) -> None:
     device = tmp_path / "ends.py"
-    device.write_text(DEVICE_THAT_ENDS_THE_PROGRAM)
-    assert main(["run", "box-to-goal", "--device", f"{device}:Ends"]) == 2
+    device.write_text(DEVICE_THAT_ENDS_THE_PROGRAM.format(poll=poll, close=close))
+    assert main(["run", "box-to-goal", "--device", f"{device}:Ends"]) == status
     said = capsys.readouterr().err
-    assert "SystemExit" in said and "ends.py:" in said and "\n" not in said.strip()
+    assert says in said and "ends.py:" in said
 
 
 def test_a_trial_that_fails_exits_with_0(capsys: pytest.CaptureFixture[str]) -> None:
