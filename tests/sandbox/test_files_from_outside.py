@@ -12,13 +12,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from encoders.captures.conversion.hand_files import read_mapping
 from encoders.paalm.calibration import HandCalibration
 from encoders.paalm.calibration_file import calibration_to_json, is_calibration, read_calibration
 from models.errors import EncoderError, InputError, RecordingError, StudyError
-from sandbox.cli.capture.hand_files import read_mapping
-from sandbox.cli.capture.touch_files import read_touch_log
 from sandbox.devices.files.frame_file import read_frame_file
 from sandbox.devices.files.paired_capture import arrivals, first_line_with_host, read_about
+from sandbox.devices.files.touch_log_file import read_touch_log
 from sandbox.devices.open_touches import open_file
 from sandbox.devices.tuio.touch_capture import read_capture
 from sandbox.options.profiles import load_profile

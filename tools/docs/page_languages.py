@@ -24,7 +24,6 @@ from PIL import Image
 
 from models.surface import Surface
 from sandbox.cli.play.page import OTHER_PAGE
-from sandbox.cli.play.screen_too_small import explain_refusal
 from sandbox.server.page_server import PageServer
 from sandbox.server.protocol.contact_forces import HandFeedback
 from sandbox.server.protocol.describe import describe_scene
@@ -39,6 +38,7 @@ from sandbox.server.protocol.protocol import (
 )
 from sandbox.server.protocol.rectangle import scaled
 from sandbox.server.protocol.skins import pack_skin
+from sandbox.server.screen_too_small import explain_refusal
 from sandbox.server.web import WebDevice
 from sandbox.session.collision_gating import STUCK
 from sandbox.session.messages import ContactView, Snapshot

@@ -25,14 +25,14 @@ from encoders.captures.conversion import (
     capture_from_poses,
     capture_from_touches,
 )
+from encoders.captures.conversion.hand_files import read_hand, read_mapping
 from encoders.store import save_capture
 from models.errors import InputError
 from models.surface import Surface, parse_surface
-from sandbox.cli.capture.hand_files import read_hand, read_mapping
-from sandbox.cli.capture.touch_files import read_touch_log
 from sandbox.cli.common.command_line import parse
 from sandbox.cli.common.json_out import check_output, refuse_replacing
 from sandbox.devices.files.paired_capture import HANDS, UNNAMED
+from sandbox.devices.files.touch_log_file import read_touch_log
 from sandbox.devices.webcam.landmark_file import is_landmark_file
 
 

@@ -15,7 +15,6 @@ from encoders.paalm.calibration import HandCalibration
 from encoders.paalm.calibration_file import read_hand
 from models.errors import EncoderError, InputError
 from models.surface import Surface
-from sandbox.cli.capture.touch_files import read_touch_log
 from sandbox.devices.files.paired_capture import (
     HANDS,
     TOUCHES,
@@ -25,6 +24,7 @@ from sandbox.devices.files.paired_capture import (
     read_about,
     read_hands,
 )
+from sandbox.devices.files.touch_log_file import read_touch_log
 from sandbox.devices.leap.leap_file import check_side
 
 

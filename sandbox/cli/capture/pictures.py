@@ -23,7 +23,6 @@ from models.arithmetic.arrays import Array
 from models.errors import InputError, RecordingError
 from models.frames import LandmarkFrame
 from models.surface import Surface
-from sandbox.cli.capture.touch_files import read_touch_log, touch_surface
 from sandbox.devices.files.paired_capture import (
     HANDS,
     TOUCHES,
@@ -32,6 +31,7 @@ from sandbox.devices.files.paired_capture import (
     picture_arrivals,
     read_about,
 )
+from sandbox.devices.files.touch_log_file import read_touch_log, touch_surface
 from sandbox.devices.webcam.landmark_file import read_landmarks
 
 

@@ -19,17 +19,17 @@ from sandbox.cli.common.latency import judge_latency, print_latency
 from sandbox.cli.common.notices import NoticePrinter
 from sandbox.cli.common.open_page import open_page
 from sandbox.cli.common.page_view import SIMULATED_USER, show_address, show_session, touched_pages
-from sandbox.cli.play.absences import Absences
 from sandbox.cli.play.own_profile import Learner
-from sandbox.cli.play.screen_too_small import explain_refusal
 from sandbox.cli.run import report_end
 from sandbox.devices.kinds import LIVE_HEADSET as LIVE
 from sandbox.devices.webxr.webxr import HeadsetDevice
 from sandbox.options.page_options import PageOptions
 from sandbox.options.scene_options import SceneOptions, scene_settings
+from sandbox.server.absences import Absences
 from sandbox.server.page_server import PageServer
 from sandbox.server.protocol.protocol import LIFT_STRIP_PX, PlayerRequest
 from sandbox.server.protocol.rectangle import common, rectangle, scaled
+from sandbox.server.screen_too_small import explain_refusal
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
 from sandbox.system.ending import ending_as_by_ctrl_c

@@ -25,7 +25,6 @@ from sandbox.cli.common.page_view import (
 )
 from sandbox.cli.play.own_profile import Learner
 from sandbox.cli.play.page import PlayerRequests, numbered, print_refusals
-from sandbox.cli.play.screen_too_small import CANNOT_BEGIN
 from sandbox.cli.run import report_end
 from sandbox.devices.wrappers.first_touch import FirstTouch
 from sandbox.devices.wrappers.merged import MergedDevice
@@ -34,6 +33,7 @@ from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.server.page_device import PageDevice
 from sandbox.server.page_server import PageServer
 from sandbox.server.protocol.describe import summary
+from sandbox.server.screen_too_small import CANNOT_BEGIN
 from sandbox.server.web import WebDevice
 from sandbox.session.device import Device
 from sandbox.session.latency import LatencyLog

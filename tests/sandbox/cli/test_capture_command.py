@@ -18,8 +18,8 @@ from models.pose import joint_vectors
 from models.rotations import geodesic_angle
 from models.skeleton import ADULT
 from models.surface import Surface
-from sandbox.cli.capture.touch_files import read_touch_log
 from sandbox.cli.main import main
+from sandbox.devices.files.touch_log_file import read_touch_log
 from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.recording.recording import RecordingWriter
 from tests.support.hand_recording import (

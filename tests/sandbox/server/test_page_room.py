@@ -11,11 +11,11 @@ from models.errors import InputError
 from models.surface import PRESETS
 from sandbox.cli.common.open_page import open_page
 from sandbox.cli.play.page import PagePlay
-from sandbox.cli.play.screen_too_small import explain_refusal, fitting
 from sandbox.options.page_options import PageOptions
 from sandbox.options.scene_options import SceneOptions
 from sandbox.server import audience
 from sandbox.server.page_server import PageServer
+from sandbox.server.screen_too_small import explain_refusal, fitting
 from sandbox.server.web import WebDevice
 from sandbox.trial.assembly import build
 from sandbox.trial.events import EventLog

@@ -14,12 +14,12 @@ from models.errors import InputError, StudyError
 from models.surface import METRES_PER_INCH, Surface
 from sandbox.cli.common.open_page import open_page
 from sandbox.cli.play.page import PagePlay
-from sandbox.cli.play.screen_too_small import fitting
 from sandbox.options.page_options import PageOptions
 from sandbox.options.scene_options import SceneOptions
 from sandbox.recording.recording import load_recording
 from sandbox.server.protocol.protocol import LIFT_STRIP_PX, PageScreen, PageTouches
 from sandbox.server.protocol.rectangle import LARGEST, LEAST, rectangle, scaled
+from sandbox.server.screen_too_small import fitting
 from sandbox.server.web import WebDevice
 from sandbox.study.run.page_player import settings_for_screen
 from sandbox.study.run.study_page import StudyPage
