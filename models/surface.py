@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from models.arithmetic.products import stacked_applied
-from models.errors import InputError
+from models.errors import InputError, unknown_name
 
 METRES_PER_INCH = 0.0254
 """Metres in one inch (exact, by definition). The contact vector alone is in inches."""
@@ -163,10 +163,11 @@ def parse_surface(text: str) -> Surface:
         unit = _TO_INCHES[(match[3] or "in").lower()]
         return Surface(float(match[1]) * unit, float(match[2]) * unit)
     except ValueError:
-        raise InputError(
+        raise unknown_name(
             "not the size of a surface",
+            text,
+            PRESETS,
             where="--surface",
-            got=text,
-            expected="WIDTHxHEIGHT with in, mm or cm, or one of " + ", ".join(PRESETS),
+            others="WIDTHxHEIGHT with in, mm or cm",
             remedy="Measure the touch area with a ruler, for example 197x148mm",
         ) from None

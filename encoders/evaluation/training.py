@@ -26,7 +26,7 @@ from encoders.regression.registry import (
 from encoders.regression.stored_encoder import predicted
 from encoders.regression.trained import TrainedModel, load_model
 from models.arithmetic.arrays import Array
-from models.errors import EncoderError
+from models.errors import EncoderError, InputError, unknown_name
 from models.pose import POSE_SIZE
 
 Progress = Callable[[float], None]
@@ -45,7 +45,12 @@ TRAINED = "trained"
 NAMES = (*LEAST_SQUARES, "pca-ik", "mean", TRAINED)
 """Methods that can be trained by name."""
 
-_EXPECTED = ", ".join(NAMES) + ", a FILE.npz made by `sandbox train`, or FILE.py:CLASS"
+
+def _unknown(name: str) -> InputError:
+    """The error of an encoder that there is not."""
+    others = "a FILE.npz made by `sandbox train`, or FILE.py:CLASS"
+    what, where = "no such encoder", "--encoders"
+    return unknown_name(what, name, NAMES, where=where, others=others, kind=EncoderError)
 
 
 @dataclass(frozen=True)
@@ -82,12 +87,7 @@ class Training:
             if model.correction is not None:
                 return PersonMethod(Path(name).stem, model, lambda: paper)
             return EncoderMethod(Path(name).stem, model.encoder, lambda: paper)
-        raise EncoderError(
-            "no such encoder",
-            where="--encoders",
-            got=name,
-            expected=_EXPECTED,
-        )
+        raise _unknown(name)
 
     def _fitted(self, name: str, fresh: type[Encoder], metric: str = "joints") -> EncoderMethod:
         """An encoder with the paper's labelling rule, which has no history and so is shared."""
@@ -149,12 +149,7 @@ def check_names(names: tuple[str, ...]) -> None:
             find_encoder(name)
             continue
         if path.suffix != ".npz":
-            raise EncoderError(
-                "no such encoder",
-                where="--encoders",
-                got=name,
-                expected=_EXPECTED,
-            )
+            raise _unknown(name)
         if not path.is_file():
             raise EncoderError("no such file", where="--encoders", got=name)
     shown = [_shown(name) for name in names]

@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from encoders.encoder import Encoder
-from models.errors import EncoderError
+from models.errors import EncoderError, unknown_name
 from models.plugins import PluginKind, Registry, loaded_from
 
 _REGRESSION = "encoders.regression"
@@ -59,11 +59,13 @@ def find_encoder(name: str) -> type[Encoder]:
         return ENCODERS[name]
     plugin = ENCODER_PLUGINS.find(name)
     if plugin is None:
-        raise EncoderError(
+        raise unknown_name(
             "no such encoder",
+            name,
+            ENCODER_PLUGINS.names(),
             where="--encoder",
-            got=name,
-            expected=", ".join(ENCODER_PLUGINS.names()) + " or FILE.py:CLASS",
+            others="FILE.py:CLASS",
+            kind=EncoderError,
         )
     return checked(plugin.value, plugin.where)
 

@@ -14,7 +14,7 @@ from rich.console import Console
 
 from encoders.paalm.calibration import HandCalibration
 from encoders.paalm.calibration_file import read_hand
-from encoders.regression.model_registry import DEFAULT_MODEL
+from encoders.regression.model_registry import DEFAULT_MODEL, check_model_name
 from models.errors import InputError
 from models.frames import SIDES
 from sandbox.cli.common.command_line import parse
@@ -27,6 +27,7 @@ from sandbox.export.leap_source import Hand
 from sandbox.export.motion_source import MotionSource
 from sandbox.export.sources import open_source
 from sandbox.options.leap_devices import LeapOptions
+from sandbox.options.names import check_device_name
 from sandbox.options.page_options import PageOptions
 from sandbox.options.picked import picked
 from sandbox.options.scene_options import SceneOptions, scene_settings
@@ -39,6 +40,7 @@ from sandbox.stream.sender import Moment, Sender, parse_address
 from sandbox.study.record.trial_files import find_recordings
 from sandbox.system.ending import heeding
 from sandbox.trial.open_devices import device_makers
+from tasks.registry import find_task
 
 if TYPE_CHECKING:
     from sandbox.trial.device_makers import DeviceMakers
@@ -209,6 +211,11 @@ def _target(options: StreamOptions) -> tuple[StreamTarget, tuple[str, int] | Non
 
 
 def _check(options: StreamOptions) -> None:
+    if options.task is not None:
+        find_task(options.task)
+    check_model_name(options.encoder)
+    if options.device is not None:
+        check_device_name(options.device)
     check_output(options.json)
     if (options.file is None) == (options.device is None):
         raise InputError(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from models.errors import InputError
+from models.errors import unknown_name
 from models.hand import IMPULSE_PROFILES
 
 
@@ -19,10 +19,8 @@ def impulse_limit(text: str) -> float:
         if not 0 < value < float("inf"):
             raise ValueError
     except ValueError:
-        raise InputError(
-            "not an impulse limit",
-            where="--impulse",
-            got=text,
-            expected="paper, safe or a positive number of N s per 1/60 s",
+        others = "a positive number of N s per 1/60 s"
+        raise unknown_name(
+            "not an impulse limit", text, IMPULSE_PROFILES, where="--impulse", others=others
         ) from None
     return value

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from functools import lru_cache
 from pathlib import Path
 
-from models.errors import InputError
+from models.errors import unknown_name
 from models.plugins import imported
 from models.surface import Surface
 from sandbox.devices.device_settings import DeviceSettings
@@ -81,11 +81,12 @@ def recording_of(device: str) -> Recording | None:
     if not path.exists():
         if find_device(device) is not None:
             return None
-        raise InputError(
+        raise unknown_name(
             "no such device or file",
+            device,
+            [*DEVICES, *offered_devices()],
             where="--device",
-            got=device,
-            expected=", ".join([*DEVICES, *offered_devices(), OWN_DEVICE, "or a file"]),
+            others=f"{OWN_DEVICE}, or a file",
             remedy="`sandbox touches formats` lists the files that play as devices",
         )
     if not is_recording(path):

@@ -449,7 +449,7 @@ def test_names_and_places_are_told_apart() -> None:
     assert is_external(NAME) and is_external("my_lab.encoders:Mine")
     assert all(origin(name) == {} for name in ENCODERS)
     assert find_encoder("tests.encoders.test_own_encoder:Mean").__name__ == "Mean"
-    with pytest.raises(EncoderError, match=r"linear, .* or FILE\.py:CLASS"):
+    with pytest.raises(EncoderError, match=r"linear, .* FILE\.py:CLASS"):
         find_encoder("nobody")
 
 
@@ -565,7 +565,7 @@ def test_an_installed_package_s_encoder_is_run_recorded_and_replayed(
     [
         ("tiny-lab-missing", "No module named 'tiny_lab_nowhere'"),
         ("tiny-lab-five", "not an encoder"),
-        ("tiny-lab-nothing", "tiny-lab-five, tiny-lab-mean, tiny-lab-missing"),
+        ("unheard-of", "tiny-lab-five, tiny-lab-mean, tiny-lab-missing"),
     ],
 )
 def test_an_unusable_installed_encoder_is_refused_with_a_one_line_error(

@@ -27,7 +27,7 @@ from encoders.captures.conversion import (
 )
 from encoders.captures.conversion.hand_files import read_hand, read_mapping
 from encoders.store import save_capture
-from models.errors import InputError
+from models.errors import InputError, unknown_name
 from models.surface import Surface, parse_surface
 from sandbox.cli.common.command_line import parse
 from sandbox.cli.common.json_out import check_output, refuse_replacing
@@ -172,6 +172,9 @@ def main(argv: list[str]) -> int:
         from sandbox.cli.capture.simulate import main as simulate
 
         return simulate(argv[1:])
+    if argv and not argv[0].startswith("-"):
+        names = ("record", "report", "simulate")
+        raise unknown_name("no such command", argv[0], names, where="sandbox capture")
     options = parse(CaptureOptions, "sandbox capture", argv)
     seen = options.hands is not None or options.recorded is not None
     options = replace(options, sync=options.sync or ("tap" if seen else "clock"))

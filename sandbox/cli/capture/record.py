@@ -17,7 +17,7 @@ from rich.progress import BarColumn, Progress, TextColumn
 from rich.text import Text
 
 from encoders.captures.paired.guide import Guide
-from models.errors import InputError, RecordingError
+from models.errors import InputError, RecordingError, unknown_name
 from models.frames import HandFrame, TouchFrame
 from sandbox.cli.capture.live_naming import LiveNaming
 from sandbox.cli.common.command_line import parse
@@ -46,6 +46,7 @@ from sandbox.devices.webcam.landmark_file import (
 )
 from sandbox.devices.webcam.landmarks_json import message_of
 from sandbox.devices.webcam.webcam import WebcamDevice
+from sandbox.options.names import check_device_name
 from sandbox.options.page_options import PageOptions
 from sandbox.options.picked import picked
 from sandbox.options.touch_devices import TouchOptions, TuioOptions
@@ -134,6 +135,7 @@ class RecordOptions(PageOptions, TuioOptions):
 def main(argv: list[str]) -> int:
     """Runs `sandbox capture record ...`."""
     options = parse(RecordOptions, "sandbox capture record", argv)
+    check_device_name(options.touches, "--touches")
     for name, value in (("--seconds", options.seconds), ("--each", options.each)):
         if not value > 0.0:
             raise InputError("expected a positive time", where=name, got=value)
@@ -367,11 +369,12 @@ def _hands(options: RecordOptions) -> Hands:
         return open_leap(options.leap)
     path = Path(options.hands)
     if not path.is_file():
-        raise InputError(
+        raise unknown_name(
             "no such device or file",
+            options.hands,
+            (LIVE, CAMERA),
             where="--hands",
-            got=options.hands,
-            expected=f"{LIVE}, {CAMERA}, or a recording of one of them",
+            others="or a recording of one of them",
         )
     return LeapFileDevice(read_leap(path))
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import Parameter
 
-from models.errors import InputError, StudyError
+from models.errors import InputError, StudyError, unknown_name
 from sandbox.options.page_options import PageOptions
 from sandbox.options.picked import picked
 from sandbox.views.display import has_display
@@ -155,16 +155,12 @@ def again(options: StudyRunOptions, ppid: str) -> str:
 def check_options(options: StudyRunOptions) -> None:
     """Checks that options fit together, before anything is written."""
     from sandbox.devices.open_touches import guessed_surface, live_maker
-    from sandbox.devices.registry import built_in
+    from sandbox.devices.registry import DEVICES, built_in
 
     entry = built_in(options.device)
     if entry is None or entry.in_air:
-        raise InputError(
-            "no such device for a study",
-            where="--device",
-            got=options.device,
-            expected="web, mouse, tuio, evdev, evdev:NODE or simulated",
-        )
+        names = [name for name, known in DEVICES.items() if not known.in_air]
+        raise unknown_name("no such device for a study", options.device, names, where="--device")
     if options.device == "simulated" and not options.pilot:
         raise StudyError(
             "a simulated user cannot be a participant",
