@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, replace
-from difflib import get_close_matches
 from typing import Any
 
 import msgspec
 
-from models.errors import InputError, RecordingError
+from models.errors import InputError, RecordingError, unknown_name
 from sandbox.devices.registry import device_options
 from sandbox.devices.simulated.options import SimulatedOptions
 from tasks.user import UserConfiguration
@@ -58,14 +57,8 @@ class DeviceSettings:
         known = [each.name for each in fields(kind)]
         for option in values:
             if option not in known:
-                near = get_close_matches(option, known, 1)
-                raise RecordingError(
-                    "this device has no such option",
-                    where=where,
-                    got=option,
-                    expected=", ".join(known) or "no options",
-                    remedy=f"Did you mean {near[0]}?" if near else None,
-                )
+                what = "this device has no such option"
+                raise unknown_name(what, option, known, where=where, kind=RecordingError)
         try:
             return replace(self, options=msgspec.convert(values, kind))
         except (msgspec.ValidationError, InputError) as error:
