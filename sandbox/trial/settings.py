@@ -441,10 +441,11 @@ def _whole(values: Any, kind: Any, where: str) -> dict[str, Any]:
                 )
             whole[name] = each.metadata[BEFORE]
             continue
-        inner, value = _dataclass_in(_hints(kind)[name]), values[name]
-        if inner is not None and isinstance(value, list | tuple):
+        hint, value = _hints(kind)[name], values[name]
+        inner, several = _dataclass_in(hint), get_origin(hint) is tuple
+        if inner is not None and several and isinstance(value, list | tuple):
             whole[name] = [_whole(v, inner, f"{where}.{name}") for v in value]
-        elif inner is not None and value is not None:
+        elif inner is not None and not several and value is not None:
             whole[name] = _whole(value, inner, f"{where}.{name}")
         else:
             whole[name] = value

@@ -94,7 +94,7 @@ def test_the_example_runs_over_seeds(tmp_path: Path) -> None:
     line = ["regress", "--tasks", QUICK, "--seeds", "0:2", "--encoder", NAME, "--json", str(out)]
     assert main([*line, "--executor", "serial"]) == 0
     report = json.loads(out.read_text())
-    assert report["configuration"]["encoder"] == NAME
+    assert report["configuration"]["settings"]["pipeline"]["encoder"] == NAME
 
 
 def test_the_example_is_evaluated(capture: Capture, tmp_path: Path) -> None:
@@ -565,7 +565,7 @@ def test_an_installed_package_s_encoder_is_run_recorded_and_replayed(
     [
         ("tiny-lab-missing", "No module named 'tiny_lab_nowhere'"),
         ("tiny-lab-five", "not an encoder"),
-        ("unheard-of", "tiny-lab-five, tiny-lab-mean, tiny-lab-missing"),
+        ("nothing", "tiny-lab-five, tiny-lab-mean, tiny-lab-missing"),
     ],
 )
 def test_an_unusable_installed_encoder_is_refused_with_a_one_line_error(

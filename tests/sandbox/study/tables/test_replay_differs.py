@@ -63,7 +63,7 @@ def forge(session: Path, elsewhere: bool, **settings: object) -> None:
                 "fingerprint": "another machine",
                 "libm": "musl 1.2, 0123456789ab",
             }
-        header["settings"] |= settings
+        header["settings"]["physics"] |= settings
         lines[0] = json.dumps(header).encode()
         stored(path).write_bytes(gzip.compress(b"\n".join(lines)))
 
