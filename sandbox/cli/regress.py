@@ -130,7 +130,6 @@ def main(argv: list[str]) -> int:
     """Runs `sandbox regress ...`."""
     options = _parsed(argv)
     _check(options)
-    from sandbox.regress.junit import save_junit
     from sandbox.regress.plan import RegressionPlan, find_tasks, parse_seeds
     from sandbox.regress.report import make_report
     from sandbox.regress.show import show
@@ -178,6 +177,8 @@ def main(argv: list[str]) -> int:
                 else:
                     write_whole(options.json, text + "\n", "--json")
             if options.junit is not None:
+                from sandbox.regress.junit import save_junit
+
                 save_junit(report, options.junit)
             passed = report.passed if report.complete else None
             if options.update_baseline:

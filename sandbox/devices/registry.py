@@ -23,8 +23,6 @@ from typing import Any
 from models.errors import DeviceError
 from models.plugins import PluginKind, imported
 from models.surface import Surface
-from sandbox.devices.wrappers.adapted import adapted
-from sandbox.devices.wrappers.guarded import GuardedDevice
 from sandbox.session.device import AnyDevice, Device
 
 DEVICE_PLUGINS: PluginKind[Any] = PluginKind(
@@ -198,6 +196,8 @@ def open_by_name(device: str) -> OpenDevice | None:
     """
     if built_in(device) is None:
         return find_device(device)
+    from sandbox.devices.wrappers.adapted import adapted
+
     return lambda surface: adapted(open_built_in(device, surface), device)
 
 
@@ -222,6 +222,8 @@ def find_device(text: str) -> OpenDevice | None:
     device_class, where, argument = plugin
     if not callable(device_class):
         raise DeviceError("this is not a device", where=where, got=repr(device_class)[:80])
+    from sandbox.devices.wrappers.adapted import adapted
+    from sandbox.devices.wrappers.guarded import GuardedDevice
 
     def open_it(surface: Surface) -> Device:
         if mismatch := _mismatch(device_class, surface, argument):

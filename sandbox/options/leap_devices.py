@@ -15,7 +15,6 @@ from sandbox.devices.kinds import is_leap
 from sandbox.devices.leap.options import DEFAULT_ADDRESS
 from sandbox.devices.registry import built_in
 from sandbox.options.headings import LEAP
-from sandbox.options.leap_calibration import chosen_calibration
 from sandbox.recording.recording import Recording
 from sandbox.trial.hand_input import UNDER, HandInput
 from sandbox.trial.recorded_settings import recorded_settings
@@ -103,6 +102,7 @@ def hand_input(options: LeapOptions, device: str, side: str) -> HandInput:
         ) from None
     from encoders.paalm.calibration_file import read_hand
     from sandbox.devices.leap.leap_file import read_leap
+    from sandbox.options.leap_calibration import chosen_calibration
 
     calibration: HandCalibration | None = None
     file = chosen_calibration(options)

@@ -22,14 +22,12 @@ from sandbox.options.headset_devices import (
     with_headset_hands,
 )
 from sandbox.options.impulse import impulse_limit
-from sandbox.options.leap_calibration import uses_touch_profile
 from sandbox.options.leap_devices import (
     LeapOptions,
     both_over_one_device,
     with_leap_hands,
 )
 from sandbox.options.one_hand_options import OneHandOptions, given_options
-from sandbox.options.profiles import find_profile
 from sandbox.options.second_hand import SecondOptions, with_second_hand
 from sandbox.options.variations import parse_variation
 from sandbox.options.webcam_devices import (
@@ -162,8 +160,12 @@ def _settings(options: SceneOptions, recording: Recording | None) -> Settings:
     if options.labels == "device":
         values["labels"] = options.labels
     first, *others = base.hands
-    if uses_touch_profile(options, is_in_air(options.device)):
-        first = replace(find_profile(str(options.profile)).hand, in_air=first.in_air)
+    if options.profile not in (None, "none"):
+        from sandbox.options.leap_calibration import uses_touch_profile
+        from sandbox.options.profiles import find_profile
+
+        if uses_touch_profile(options, is_in_air(options.device)):
+            first = replace(find_profile(options.profile).hand, in_air=first.in_air)
     first = first.on(options.hand or first.side)
     if values.get("labels", base.pipeline.labels) != "population":
         first = replace(first, layouts=())

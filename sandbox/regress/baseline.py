@@ -15,7 +15,7 @@ from msgspec import Struct
 from models.errors import InputError
 from models.json_input import check_layout, decoded, read_bytes
 from sandbox.regress.execute import CRASHED, Trial
-from sandbox.regress.origin import ENCODER, Origin
+from sandbox.regress.origin import ENCODER, Origin, flat
 from sandbox.system.durable_files import OPEN, Release, lock
 from sandbox.system.whole_files import resolved, write_whole
 from sandbox.trial.result import KeptIn, kept_fields
@@ -385,16 +385,3 @@ def _end(fd: int, release: Release | None) -> None:
 def _setting(name: str, given: Mapping[str, Any]) -> str:
     """A setting with its value, for people."""
     return f"{name} {given[name]}" if name in given else f"{name} left to its default"
-
-
-def flat(values: Mapping[str, Any]) -> dict[str, Any]:
-    """Nested values by dotted name, as JSON reads them back."""
-
-    def walk(prefix: str, value: Any) -> Iterator[tuple[str, Any]]:
-        if isinstance(value, dict):
-            for name, inner in value.items():
-                yield from walk(f"{prefix}.{name}" if prefix else name, inner)
-        else:
-            yield prefix, value
-
-    return dict(walk("", json.loads(json.dumps(values))))

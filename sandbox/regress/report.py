@@ -6,14 +6,16 @@ import shlex
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from statistics import fmean, median
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from models.messages.wording import counted
 from sandbox.recording.versions import differing_parts
 from sandbox.regress import statistics
-from sandbox.regress.baseline import Baseline, KeptTask
 from sandbox.regress.execute import CRASHED, Trial
 from sandbox.regress.plan import RegressionPlan
+
+if TYPE_CHECKING:
+    from sandbox.regress.baseline import Baseline, KeptTask
 
 SCHEMA = 1
 """Version of the report's JSON."""

@@ -16,11 +16,11 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from models.frames import Frame, HandFrame, LandmarkFrame, TouchFrame
-from sandbox.session.latency import LatencyLog
 
 if TYPE_CHECKING:
     from builtins import property as default
 
+    from sandbox.session.latency import LatencyLog
     from sandbox.session.messages import Snapshot
 else:
 

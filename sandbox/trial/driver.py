@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from threadpoolctl import threadpool_limits
 
@@ -25,10 +25,12 @@ from sandbox.session.session import Session
 from sandbox.trial.assembly import build, digests
 from sandbox.trial.device_makers import DeviceMakers
 from sandbox.trial.open_devices import device_makers
-from sandbox.trial.pacing import Pace
 from sandbox.trial.result import TrialResult
 from sandbox.trial.settings import Settings, encoded
 from sandbox.trial.trial_recorder import TrialRecorder
+
+if TYPE_CHECKING:
+    from sandbox.trial.pacing import Pace
 
 View = Callable[[Snapshot], None]
 """Receives every snapshot of a trial, in order."""

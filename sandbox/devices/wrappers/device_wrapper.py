@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
 
 from models.frames import TouchFrame
 from sandbox.session.device import AnyDevice, Device
-from sandbox.session.latency import LatencyLog
 from sandbox.session.messages import Snapshot
+
+if TYPE_CHECKING:
+    from sandbox.session.latency import LatencyLog
 
 
 class DeviceWrapper(Device):
