@@ -51,14 +51,20 @@ class SceneOptions(WebcamOptions, LeapOptions, SecondOptions, OneHandOptions):
     """Options of a scene with one or two hands."""
 
 
-def scene_settings(options: SceneOptions) -> Settings:
+def scene_settings(options: SceneOptions, base: Settings | None = None) -> Settings:
     """Resolves options into settings.
+
+    Args:
+        options: The options.
+        base: Settings that the options change; None has the defaults. A recording that is played
+            has its own.
 
     Raises:
         InputError: An option has an invalid value, or options contradict each other.
     """
     recording = recording_of(options.device)
-    settings = with_second_hand(_settings(options, recording), options, options.device, recording)
+    chosen = _settings(options, recording, base or Settings())
+    settings = with_second_hand(chosen, options, options.device, recording)
     if recording is None:
         played = recording_of(options.second_device) if options.second_device else None
         settings = with_webcam_hands(with_leap_hands(settings, options, played), options)
@@ -132,7 +138,7 @@ def check_labels(options: SceneOptions) -> None:
         )
 
 
-def _settings(options: SceneOptions, recording: Recording | None) -> Settings:
+def _settings(options: SceneOptions, recording: Recording | None, base: Settings) -> Settings:
     variation, size = parse_variation(options.vary)
     if recording is not None and options.vary:
         raise InputError("a recording cannot be varied", where="--vary", got=str(recording.path))
@@ -148,7 +154,7 @@ def _settings(options: SceneOptions, recording: Recording | None) -> Settings:
             line = Text(f"{where}: {notice}", style="yellow")
             Console(stderr=True).print(line, soft_wrap=True)
     else:
-        base = Settings(task=options.task)
+        base = replace(base, task=options.task)
     base = replace(base, seed=base.seed if options.seed is None else options.seed)
     given = given_options(options)
     names = [each.name for kind in (PipelineSettings, PhysicsSettings) for each in fields(kind)]

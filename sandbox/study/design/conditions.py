@@ -65,7 +65,11 @@ def setting_types() -> dict[str, Any]:
 
 
 def run_settings(
-    values: Mapping[str, Any], seed: int, hand: str = "right", hand_size: float = 1.0
+    values: Mapping[str, Any],
+    seed: int,
+    hand: str = "right",
+    hand_size: float = 1.0,
+    base: Settings | None = None,
 ) -> Settings:
     """Creates the settings of one trial.
 
@@ -74,6 +78,7 @@ def run_settings(
         seed: Seed of the trial.
         hand: The participant's hand.
         hand_size: Its length relative to the trained one.
+        base: Settings that the values change; None has the defaults.
 
     Raises:
         InputError: A value is not allowed.
@@ -92,7 +97,7 @@ def run_settings(
     if "second_device" in given:
         given["second_device"] = _SIMULATED[given["second_device"]]
     options = SceneOptions(seed=seed, hand=_hand(hand), given=frozenset(given), **given)
-    settings = scene_settings(options)
+    settings = scene_settings(options, base)
     hands = tuple(
         replace(
             hand,

@@ -13,12 +13,13 @@ OUT/EXPERIMENT/            real data; pilot data are in EXPERIMENT-pilot, simula
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from hashlib import blake2b
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 from uuid import uuid4
 
 from msgspec import Struct
@@ -38,6 +39,9 @@ from sandbox.study.record.files import (
 )
 from sandbox.study.record.journal import Journal, now, read_journal
 from sandbox.study.record.pseudonym import new_pseudonym
+
+if TYPE_CHECKING:
+    from sandbox.trial.settings import Settings
 
 SCHEMA = 1
 """Version of the folder's layout."""
@@ -83,6 +87,10 @@ REPORT = "report.html"
 """Name of the page of a report, wherever it is."""
 _ABOUT = ("schema", "study", "experiment", "mode", "created", "build")
 """Fields of `study.json`, in order."""
+
+SETTINGS = "settings"
+"""Field of `study.json` with all settings of a trial that the design leaves as they are: a default
+that changes later changes no study that has begun."""
 
 
 class _StudyFile(Struct):
@@ -167,6 +175,13 @@ class StudyFolder:
     def build(self) -> dict[str, Any]:
         """Program, encoders and design that the study is locked to."""
         return dict(self._about["build"])
+
+    @property
+    def settings(self) -> Settings:
+        """Settings of trials where the design leaves them as they are."""
+        from sandbox.trial.settings import Settings, decoded
+
+        return decoded(self._about[SETTINGS]) if SETTINGS in self._about else Settings()
 
     def design_of(self, digest: str) -> Design:
         """The design of a digest, as a session's records name it; today's one if it was not kept or
@@ -301,6 +316,7 @@ class StudyFolder:
                     mode=self.mode,
                     created=now(),
                     build=build,
+                    settings=_default_settings(),
                 )
             locked_to = about_of(journal.records, path)
         if path.exists():
@@ -350,6 +366,14 @@ class StudyFolder:
         write_atomically(path, json_bytes(self._about))
 
 
+def _default_settings() -> dict[str, Any]:
+    """All settings of a trial with their defaults, as JSON."""
+    from sandbox.trial.settings import Settings, encoded
+
+    values: dict[str, Any] = json.loads(json.dumps(encoded(Settings())))
+    return values
+
+
 def about_of(records: list[Record], where: Path) -> dict[str, Any]:
     """Content of `study.json` according to the journal of the study.
 
@@ -366,7 +390,7 @@ def about_of(records: list[Record], where: Path) -> dict[str, Any]:
     # A merged study has the upgrades of its sites, too.
     own = [r for r in records if "site" not in r]
     builds = [r["after"] for r in own if r["kind"] in (ANEW, "upgrade", "libraries")]
-    about = {name: start[name] for name in _ABOUT}
+    about = {name: start[name] for name in (*_ABOUT, SETTINGS) if name in start}
     return {**about, "build": builds[-1]} if builds else about
 
 

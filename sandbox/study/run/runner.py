@@ -199,7 +199,9 @@ class SessionRunner:
 
     def _run_trial(self, trial: TrialStep) -> None:
         session, person = self.session, self.session.person
-        settings = run_settings(trial.values, trial.seed, person.hand, person.hand_size)
+        settings = run_settings(
+            trial.values, trial.seed, person.hand, person.hand_size, session.study.settings
+        )
         settings = _calibrated(settings, person.hand, session.state.calibration)
         try:
             settings = self.fit(trial, settings, self._poll_form)

@@ -42,6 +42,7 @@ from sandbox.study.record.files import (
 from sandbox.study.record.folder import (
     LOCK,
     SCHEMA,
+    SETTINGS,
     STUDY_FILE,
     STUDY_JOURNAL,
     WITHDRAWN,
@@ -58,6 +59,7 @@ from sandbox.study.share.privacy_records import RecordingEnd
 from sandbox.study.share.withdraw import REMOVED, SITES, withdrawn
 from sandbox.study.tables.column import csv_bytes
 from sandbox.study.tables.tables import rebuild_all
+from sandbox.trial.settings import encoded
 
 Say = Callable[[str], object]
 
@@ -107,6 +109,7 @@ def merge(first: StudyFolder, second: StudyFolder, out: Path, force: str = "") -
             "mode": first.mode,
             "created": now(),
             "build": first.build,
+            SETTINGS: encoded(first.settings),
         }
         write_atomically(work / STUDY_FILE, json_bytes(about))
         write_design(work, first.design)
