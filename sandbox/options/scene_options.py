@@ -14,28 +14,14 @@ from models.surface import Surface, parse_surface
 from sandbox.devices.device_settings import DeviceSettings
 from sandbox.devices.kinds import is_in_air, is_webcam
 from sandbox.devices.options import PlayedOptions
-from sandbox.devices.registry import (
-    built_in,
-)
-from sandbox.options.headset_devices import (
-    both_in_one_headset,
-    with_headset_hands,
-)
+from sandbox.devices.registry import built_in
+from sandbox.options.hands_in_air import share_device_in_air, with_hands_in_air
 from sandbox.options.impulse import impulse_limit
-from sandbox.options.leap_devices import (
-    LeapOptions,
-    both_over_one_device,
-    with_leap_hands,
-)
+from sandbox.options.leap_devices import LeapOptions
 from sandbox.options.one_hand_options import OneHandOptions, given_options
 from sandbox.options.second_hand import SecondOptions, with_second_hand
 from sandbox.options.variations import parse_variation
-from sandbox.options.webcam_devices import (
-    WebcamOptions,
-    both_before_one_camera,
-    webcam_choice,
-    with_webcam_hands,
-)
+from sandbox.options.webcam_devices import WebcamOptions, webcam_choice
 from sandbox.recording.recorded_task import recorded_task, task_change
 from sandbox.recording.recording import Recording
 from sandbox.recording.states import other_states
@@ -67,8 +53,7 @@ def scene_settings(options: SceneOptions, base: Settings | None = None) -> Setti
     settings = with_second_hand(chosen, options, options.device, recording)
     if recording is None:
         played = recording_of(options.second_device) if options.second_device else None
-        settings = with_webcam_hands(with_leap_hands(settings, options, played), options)
-        settings = with_headset_hands(settings, options)
+        settings = with_hands_in_air(settings, options, played)
     first = _device(options, recording)
     settings = replace(settings, device=first, second_device=_second(options, recording, settings))
     for device in filter(None, (first, settings.second_device)):
@@ -98,16 +83,12 @@ def _second(
     if len(settings.hands) == 1:
         return None
     other = options.second_device or ("simulated" if recording is None else options.device)
-    if both_over_one_device(options):
+    if share_device_in_air(options):
         entry = built_in(options.device)
         if entry is None or not entry.simulated:
             return None
         other = options.device
-    elif (
-        both_in_one_headset(options)
-        or both_before_one_camera(options)
-        or (settings.surface.shared and recording is None and options.device != "simulated")
-    ):
+    elif settings.surface.shared and recording is None and options.device != "simulated":
         return None
     more = replace(
         options,

@@ -12,13 +12,9 @@ from cyclopts import Parameter
 from encoders.webcam.camera import Camera
 from models.errors import InputError
 from sandbox.devices.kinds import LIVE_WEBCAM as LIVE
-from sandbox.devices.kinds import is_webcam
-from sandbox.devices.webcam.landmark_file import (
-    read_landmarks,
-)
+from sandbox.devices.webcam.landmark_file import read_landmarks
 from sandbox.options.headings import WEBCAM
 from sandbox.trial.hand_input import HandInput
-from sandbox.trial.settings import Settings
 
 _NUMBERS = {"fov": "view", "tilt": "tilt", "roll": "roll", "pan": "pan"}
 """Key of an option -> field of the camera."""
@@ -54,11 +50,6 @@ class WebcamChoice:
     quiet: bool = False
 
 
-def both_before_one_camera(options: Any) -> bool:
-    """True if two hands, should there be two, are before the same camera."""
-    return is_webcam(options.device) and options.second_device in (None, options.device)
-
-
 def webcam_choice(text: str, camera: Camera | None = None) -> WebcamChoice:
     """Reads `--webcam`.
 
@@ -92,36 +83,11 @@ def webcam_choice(text: str, camera: Camera | None = None) -> WebcamChoice:
     return WebcamChoice(replace(camera or Camera(), **values), **words)
 
 
-def with_webcam_hands(settings: Settings, options: Any) -> Settings:
-    """Returns settings with the camera of the hands that are before one.
-
-    Args:
-        settings: Settings with all hands.
-        options: `WebcamOptions` with `device` and `second_device`.
+def hand_before_camera(options: WebcamOptions, device: str) -> HandInput:
+    """Returns how a camera, or a recording of one, sees a hand.
 
     Raises:
-        InputError: The camera is impossible, or both hands are of one side.
+        InputError: The camera is impossible.
     """
-    first, *others = settings.hands
-    if is_webcam(options.device):
-        if settings.variation.degrades_touches:
-            raise InputError("touches can be degraded, hands in the air cannot", where="--vary")
-        first = replace(first, in_air=_hand_input(options, options.device))
-    if others:
-        second, other = others[0], options.second_device or options.device
-        if is_webcam(other):
-            others = [replace(second, in_air=_hand_input(options, other))]
-            settings = settings.changed(shared=False)
-        if both_before_one_camera(options) and first.side == second.side:
-            raise InputError(
-                "two hands before one camera must be a right and a left hand",
-                where="--hand",
-                got=f"two {second.side} hands",
-            )
-    return replace(settings, hands=(first, *others))
-
-
-def _hand_input(options: Any, device: str) -> HandInput:
-
     recorded = None if device == LIVE else read_landmarks(Path(device)).camera
     return HandInput(camera=webcam_choice(options.webcam, recorded).camera)

@@ -19,7 +19,7 @@ from sandbox.devices.leap.leap_truth import write_take
 from sandbox.devices.leap.shared_leap import SharedLeap
 from sandbox.devices.simulated.leap_disturbance import LeapDisturbance, parse_simulated
 from sandbox.devices.simulated.leap_user import SimulatedLeap
-from sandbox.options.leap_devices import hand_input
+from sandbox.options.leap_devices import hand_over_leap
 from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.recording.recorded_device import RecordedDevice
 from sandbox.recording.recording import load_recording
@@ -104,7 +104,7 @@ def test_what_spoils_touches_does_not_spoil_hands_in_the_air() -> None:
 @pytest.mark.parametrize("at", ["", "1,2", "a,b,c", "0,0,9", "nan,0,0"])
 def test_a_device_that_is_nowhere_is_refused(at: str) -> None:
     with pytest.raises(InputError, match="--leap-at"):
-        hand_input(SceneOptions(leap_at=at), "leap", "right")
+        hand_over_leap(SceneOptions(leap_at=at), "leap", "right")
 
 
 def test_a_leap_recording_drives_the_hand_with_its_own_calibration(
