@@ -236,7 +236,7 @@ def test_nothing_is_tested_on_the_frames_it_learned_from(
 @pytest.mark.parametrize(
     ("argv", "words"),
     [
-        (("--encoders", "quintic"), ("quintic", "linear, quadratic")),
+        (("--encoders", "quintic"), ("quintic", "Did you mean quadratic?")),
         (("--encoders", "linear", "linear"), ("once", "linear")),
         (("--encoders", "missing.npz"), ("missing.npz", "no such file")),
         (("--days", "0"), ("--days", "1 or more")),

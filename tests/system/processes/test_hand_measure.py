@@ -70,11 +70,8 @@ def test_a_run_uses_the_profile_only_when_it_is_named(
     plain = command("run", "--seed", "5", "--json", "-", home=home)
     asked = command("run", "--seed", "5", "--json", "-", "--profile", "default", home=home)
     plain, asked = json.loads(plain.stdout), json.loads(asked.stdout)
-    person = {"hand": "right", "hand_size": 1.0, "turn": 0}
-    assert person.items() <= plain["settings"].items()
-    assert (
-        asked["settings"]["hands"][0]["side"] == "left"
-        and asked["settings"]["hands"][0]["turn"] == 90
-    )
-    assert asked["settings"]["hands"][0]["size"] == pytest.approx(0.88, abs=0.1)
+    (hand,), (own,) = plain["settings"]["hands"], asked["settings"]["hands"]
+    assert (hand["side"], hand["size"], hand["turn"]) == ("right", 1.0, 0)
+    assert (own["side"], own["turn"]) == ("left", 90)
+    assert own["size"] == pytest.approx(0.88, abs=0.1)
     assert plain["success"] and asked["success"]
