@@ -251,9 +251,9 @@ def show(
     """A table with the lift control on the page; of true size without `fitted` settings."""
     size = (width - LIFT_STRIP_PX) / PPI, height / PPI
     size = max(size[0], SMALLEST_IN[0]), max(size[1], SMALLEST_IN[1])
-    settings = fitted or {"surface_in": (min(size[0], 10.3), min(size[1], 7.7))}
+    settings = fitted or {"size_in": (min(size[0], 10.3), min(size[1], 7.7))}
     session = build(
-        Settings(task="stack", **settings),
+        Settings(task="stack").changed(**settings),
         (lambda task, surface: WebDevice(surface, server.latency),),
     )
     device, surface = session.rigs[0].device, session.rigs[0].reconstructor.surface

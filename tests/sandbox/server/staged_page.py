@@ -36,7 +36,7 @@ KNOWN = {
 graphics card draws in software, with the same two cores that simulate."""
 READY = "!!document.querySelector('.dot[data-condition=open]')"
 TASKS = [TaskName("box-to-goal", "Bring a box to its goal.", False)]
-BESIDE_LIFT = {"surface_in": ((WIDTH - LIFT_STRIP_PX) / PPI, HEIGHT / PPI)}
+BESIDE_LIFT = {"size_in": ((WIDTH - LIFT_STRIP_PX) / PPI, HEIGHT / PPI)}
 """The touch rectangle of that page in a task that lifts."""
 WATCHED = """
 window.told = [];
@@ -57,7 +57,7 @@ true
 
 
 def staged(server: PageServer, **settings: object) -> Stage:
-    values = {"surface_in": (WIDTH / PPI, HEIGHT / PPI), **settings}
+    values = {"size_in": (WIDTH / PPI, HEIGHT / PPI), **settings}
     session = build(
         Settings().changed(**values),
         (lambda task, surface: WebDevice(surface, server.latency),),

@@ -119,7 +119,7 @@ def test_the_only_page_of_two_hands_asks_for_the_hand_that_it_touches(
 def test_two_tablets_carry_a_tray_together(servers: tuple[PageServer, PageServer]) -> None:
     size = common([rectangle(PageScreen(**SCREEN))] * 2)
     chosen = scene_settings(OPTIONS)
-    session = build(replace(chosen, **size), device_makers(chosen))
+    session = build(chosen.changed(**size), device_makers(chosen))
     pages, touched = [], touched_pages(session)
     assert [hand for hand, _ in touched] == [0, 1]
     for server, (hand, device) in zip(servers, touched, strict=True):

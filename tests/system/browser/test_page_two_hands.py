@@ -63,7 +63,7 @@ def carried(
         seen: Is called as long as the tray is in its place.
     """
     chosen = scene_settings(SceneOptions(task=TASK, seed=SEED, device="web", one_surface=True))
-    settings = replace(chosen, **rectangle(SCREEN, 2))
+    settings = chosen.changed(**rectangle(SCREEN, 2))
     session = build(settings, device_makers(chosen))
     ((whose, device),) = touched_pages(session)
     assert whose is None
