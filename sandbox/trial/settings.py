@@ -427,7 +427,7 @@ def _whole(values: Any, kind: Any, where: str) -> dict[str, Any]:
                 "this program has no such setting",
                 where=where,
                 got=name,
-                remedy=f"{_nearest(name, known)} The version that the header names has it",
+                remedy=f"{_place_of(name, known)} The version that the header names has it",
             )
     whole = {}
     for name, each in known.items():
@@ -450,6 +450,12 @@ def _whole(values: Any, kind: Any, where: str) -> dict[str, Any]:
         else:
             whole[name] = value
     return whole
+
+
+def _place_of(name: str, known: Any) -> str:
+    """Where a setting that is unknown in one place stands, or which one is near."""
+    within = [group for group, kind in GROUPS.items() if name in field_types(kind)]
+    return f"It stands in {within[0]}." if within else _nearest(name, known)
 
 
 def _dataclass_in(hint: Any) -> type[Any] | None:
@@ -475,4 +481,4 @@ def expected_values(hint: Any, error: msgspec.ValidationError) -> str:
 def _nearest(name: str, known: Any) -> str:
     """The next step for whoever wrote a name that does not exist."""
     near = get_close_matches(name, list(known), 1)
-    return f"Did you mean {near[0]}?" if near else f"Settings here: {', '.join(known)}"
+    return f"Did you mean {near[0]}?" if near else f"Settings here: {', '.join(known)}."

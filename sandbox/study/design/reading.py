@@ -241,11 +241,13 @@ class TomlTable:
 
     def done(self) -> None:
         """Reports all values that were not taken out as mistakes."""
+        from sandbox.study.design.conditions import setting_types
+
         for key in self._values:
             near = get_close_matches(key, self._known, 1)
-            remedy = (
-                f"Did you mean {near[0]}?"
-                if near
-                else "Keys here are: " + ", ".join(sorted(set(self._known)))
-            )
+            remedy = "Keys here are: " + ", ".join(sorted(set(self._known)))
+            if near:
+                remedy = f"Did you mean {near[0]}?"
+            elif key in setting_types():
+                remedy = "It stands under [settings], or in a level of a factor"
             self.add_mistake(key, "unknown key", remedy)
