@@ -18,7 +18,7 @@ from typing import Any
 from models.errors import InputError
 from sandbox.clearing import clearing, hand_distances, solid_links
 from sandbox.trial.assembly import digests, reconstructor_settings
-from sandbox.trial.settings import SOLID, Settings, encoded
+from sandbox.trial.settings import SOLID, Settings, decoded, encoded
 from tasks.registry import TASKS
 from tasks.user import UserConfiguration
 
@@ -97,7 +97,9 @@ def frozen_seeds(n: int, task: str, solid: str, path: Path, now: dict[str, Any])
     # Another task that comes or changes draws no new seeds for this one.
     for each in (frozen, now):
         each["tasks"] = {task: each["tasks"].get(task)}
-    if frozen != now or frozen["tasks"][task] is None:
+    # A setting that is younger than the file has the value that such files stand for.
+    same = {**frozen, "settings": json.loads(json.dumps(encoded(decoded(frozen["settings"]))))}
+    if same != now or frozen["tasks"][task] is None:
         raise InputError(
             "the configuration has changed since it was frozen",
             where=f"{path}, {task}",

@@ -471,10 +471,17 @@ def _hints(kind: Any) -> dict[str, Any]:
     return get_type_hints(kind, include_extras=True)
 
 
+_BOUNDS = {"gt": "above", "ge": "at least", "lt": "below", "le": "at most"}
+"""Bound of `msgspec.Meta` -> words."""
+
+
 def expected_values(hint: Any, error: msgspec.ValidationError) -> str:
     """The values that a setting takes, in words."""
     if get_origin(hint) is Literal:
         return "one of " + ", ".join(map(str, get_args(hint)))
+    for bounds in getattr(hint, "__metadata__", ()):
+        values = {word: getattr(bounds, name, None) for name, word in _BOUNDS.items()}
+        return "a number " + " and ".join(f"{w} {v:g}" for w, v in values.items() if v is not None)
     return in_plain_words(str(error).removeprefix("Expected ").partition(", got ")[0])
 
 
