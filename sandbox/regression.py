@@ -19,7 +19,7 @@ import pytest
 from encoders.regression.model_registry import DEFAULT_MODEL
 from encoders.regression.trained import TrainedModel, save_model
 from models.errors import InputError
-from models.messages.wording import counted
+from models.message import counted
 from sandbox.regress import statistics
 from sandbox.regress.baseline import Baseline, load_baseline, replaceable, update
 from sandbox.regress.execute import CRASHED, Processes, Serial

@@ -14,7 +14,7 @@ import numpy as np
 from models.arithmetic.arrays import Array
 from models.arithmetic.products import length
 from models.errors import SurfaceTooSmallError
-from models.messages.message import Message
+from models.message import Message
 from models.objects import Box
 from models.scene import TABLE
 from models.surface import Surface

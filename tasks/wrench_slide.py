@@ -10,7 +10,7 @@ import numpy as np
 
 from models.arithmetic.arrays import Array
 from models.arithmetic.products import length
-from models.messages.message import Message
+from models.message import Message
 from models.objects import HANDLE, JAW, THICKNESS
 from models.surface import Surface
 from tasks.sensing import ObjectState

@@ -10,7 +10,7 @@ import numpy as np
 
 from models.arithmetic import functions
 from models.arithmetic.arrays import Array
-from models.messages.message import Message
+from models.message import Message
 from models.objects import BOLT_LIFT, HANDLE, JAW, THICKNESS
 from models.surface import Surface
 from tasks.sensing import ObjectState

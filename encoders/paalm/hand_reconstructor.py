@@ -21,7 +21,7 @@ from models.arithmetic.arrays import Array
 from models.errors import EncoderError
 from models.frames import FINGERS, HandFrame, Vector
 from models.limits import RateLimit
-from models.messages.message import Message
+from models.message import Message
 from models.person import Person
 from models.skeleton import ADULT
 from models.surface import Surface

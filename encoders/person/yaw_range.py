@@ -18,7 +18,7 @@ import numpy as np
 from encoders.person.natural_layout import LEAST, NaturalLayout
 from models.arithmetic.arrays import Array
 from models.errors import CaptureError
-from models.messages.message import Message
+from models.message import Message
 
 RARE = 0.005
 """Share of the training frames on either side that are left out of the range as outliers."""

@@ -14,7 +14,7 @@ from models.arithmetic.arrays import Array
 from models.arithmetic.products import length
 from models.frames import FINGERS
 from models.limits import RateLimit
-from models.messages.message import Message
+from models.message import Message
 from models.one_pose import OnePose
 from models.pose import JOINTS, ROOT_POSITION, ROOT_ROTATION
 from models.rotations import unwrapped

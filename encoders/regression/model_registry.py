@@ -17,9 +17,9 @@ from hashlib import blake2b
 from pathlib import Path
 from tempfile import NamedTemporaryFile
 from time import perf_counter
+from typing import TYPE_CHECKING
 
 from encoders.encoder import Encoder
-from encoders.regression.pca_ik import PcaIkEncoder
 from encoders.regression.registry import (
     ENCODER_PLUGINS,
     find_encoder,
@@ -39,6 +39,9 @@ from encoders.regression.trained import (
     train_encoder,
 )
 from models.errors import EncoderError, unknown_name
+
+if TYPE_CHECKING:
+    from encoders.regression.pca_ik import PcaIkEncoder
 
 PCA_IK = "pca-ik"
 
@@ -83,6 +86,8 @@ def pca_ik_model() -> TrainedModel:
 
 def pca_ik_like(like: TrainedModel) -> TrainedModel:
     """The paper's PCA-IK with its own numbers, fitted to the capture of another model."""
+    from encoders.regression.pca_ik import PcaIkEncoder
+
     return PcaIkModel(
         PCA_IK,
         PcaIkEncoder().fit(like.training_u, like.training_pose),

@@ -14,7 +14,7 @@ from rich.progress import Progress
 
 from models.errors import InputError
 from models.frames import FINGERS
-from models.messages.wording import counted
+from models.message import counted
 from models.motion.sampling import Poses
 from models.motion.write.bvh import BvhWriter
 from sandbox.cli.common.command_line import SEVERAL, parse

@@ -14,6 +14,7 @@ from sandbox.devices.device_settings import DeviceSettings
 from sandbox.devices.evdev.evdev_device import EvdevDevice, evdev_surface, open_node
 from sandbox.devices.files.frame_file import FramesDevice, read_frame_file
 from sandbox.devices.registry import DEVICES, OWN_DEVICE, built_in, offered_devices, open_by_name
+from sandbox.devices.tuio.options import STALE_AFTER
 from sandbox.devices.tuio.touch_capture import CaptureDevice, read_capture
 from sandbox.devices.tuio.tuio import Tap, TuioDevice
 from sandbox.recording import recording_file
@@ -21,9 +22,6 @@ from sandbox.session.device import Device
 
 SERVED = ("web",)
 """Built-in devices that are opened by the page server."""
-
-STALE_AFTER = 2.0
-"""s without a packet after which the touches of a TUIO sender are lifted, unless it is chosen."""
 
 _LONGEST_LINE = 1_000_000
 

@@ -8,7 +8,6 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from sandbox.options.headings import COMMON, PAGE
-from sandbox.server.connections.address import LOOPBACK, checked_address, local_network_address
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -35,6 +34,12 @@ class PageOptions:
     @property
     def page_host(self) -> str:
         """Address on which the page is served."""
+        from sandbox.server.connections.address import (
+            LOOPBACK,
+            checked_address,
+            local_network_address,
+        )
+
         if self.lan:
             return checked_address(self.lan)
         return local_network_address() if self.tablet else LOOPBACK

@@ -4,24 +4,25 @@ from __future__ import annotations
 
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
 from models.surface import parse_surface
 from sandbox.devices.device_settings import DeviceSettings
-from sandbox.devices.open_touches import (
+from sandbox.devices.tuio.options import (
+    DEFAULT_PORT,
+    DEFAULT_WEBSOCKET_PORT,
+    LOOPBACK,
     STALE_AFTER,
-    Opened,
-    guessed_surface,
-    live_maker,
-    native_surface,
-    open_file,
+    Transport,
 )
-from sandbox.devices.tuio.options import DEFAULT_PORT, DEFAULT_WEBSOCKET_PORT, LOOPBACK, Transport
-from sandbox.devices.tuio.tuio import Tap
 from sandbox.options.headings import COMMON, EVDEV, TUIO
 from sandbox.options.page_options import PageOptions
+
+if TYPE_CHECKING:
+    from sandbox.devices.open_touches import Opened
+    from sandbox.devices.tuio.tuio import Tap
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -85,6 +86,9 @@ def open_touches(options: TouchOptions, tap: Tap | None = None) -> Opened:
     Raises:
         InputError: The device or file is missing or cannot be opened.
     """
+    # Commands without touches have these options, too.
+    from sandbox.devices.open_touches import guessed_surface, live_maker, native_surface, open_file
+
     given = parse_surface(options.surface) if options.surface else None
     maker = live_maker(options.settings, tap, options.stale_after)
     if maker is not None:

@@ -6,7 +6,7 @@ import re
 from pathlib import Path
 from xml.etree import ElementTree
 
-from models.messages.wording import counted
+from models.message import counted
 from sandbox.regress.report import Report, TaskResult
 from sandbox.system.whole_files import write_whole
 

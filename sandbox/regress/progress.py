@@ -12,7 +12,7 @@ from time import perf_counter
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
-from models.messages.wording import counted
+from models.message import counted
 
 FIRST, EVERY = 10.0, 30.0
 """s after which the first plain line is due, and each further one."""

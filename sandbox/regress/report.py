@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from statistics import fmean, median
 from typing import TYPE_CHECKING, Any
 
-from models.messages.wording import counted
+from models.message import counted
 from sandbox.recording.versions import differing_parts
 from sandbox.regress import statistics
 from sandbox.regress.execute import CRASHED, Trial

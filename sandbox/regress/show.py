@@ -6,7 +6,7 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from models.messages.wording import counted
+from models.message import counted
 from sandbox.regress import statistics
 from sandbox.regress.execute import CRASHED
 from sandbox.regress.report import Comparison, Crashes, Report

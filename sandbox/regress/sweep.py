@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from models.errors import InputError
-from models.messages.wording import counted
+from models.message import counted
 from sandbox.options.variations import Kind, find_kind, parse_value
 from sandbox.regress import statistics
 from sandbox.regress.execute import Trial, is_own_fault

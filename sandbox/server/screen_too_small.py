@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from models.errors import InputError, SurfaceTooSmallError
-from models.messages.message import Message
+from models.message import Message
 from models.surface import METRES_PER_INCH, Surface
 from sandbox.trial.lift import lifts
 from sandbox.trial.settings import Settings

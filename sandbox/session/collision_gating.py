@@ -7,6 +7,7 @@ would throw it across the room; a person who sees a ghost moves the finger out i
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import mujoco
 import numpy as np
@@ -17,12 +18,14 @@ from encoders.reconstruction.touch_reconstructor import Reconstruction
 from models.arithmetic.arrays import Array
 from models.arithmetic.products import squared_lengths
 from models.frames import FINGERS
-from models.messages.message import Message
+from models.message import Message
 from models.scene import CONTROL_PERIOD, BodyPoses, Scene
 from models.scene_hand import Link
-from sandbox.clearing.solid_links import SolidLinks
 from sandbox.session.messages import MOVE_APART
 from sandbox.session.pose_track import bits
+
+if TYPE_CHECKING:
+    from sandbox.clearing.solid_links import SolidLinks
 
 CLEARANCE = 0.0005
 """m, least distance of a fingertip's surface from an object when it becomes solid."""

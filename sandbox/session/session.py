@@ -11,7 +11,7 @@ from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from hashlib import blake2b
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 import mujoco
 import numpy as np
@@ -23,13 +23,10 @@ from encoders.reconstruction.touch_reconstructor import Reconstruction
 from models.arithmetic.arrays import Array
 from models.errors import DivergenceError
 from models.frames import Frame, TouchFrame
-from models.messages.message import Message
+from models.message import Message
 from models.scene import StillPoses
 from models.scene_hand import SceneHand
 from models.surface import Surface, enclosing
-from sandbox.clearing.clearing import Clearing
-from sandbox.clearing.hand_distances import HandDistances
-from sandbox.clearing.solid_links import SolidLinks
 from sandbox.session.collision_gating import CollisionGate, CollisionGatingRules
 from sandbox.session.contact_modes import ContactMode, ContactModes, contact_mode
 from sandbox.session.device import AnyDevice
@@ -44,6 +41,10 @@ from tasks.guarded import build_scene, measure
 from tasks.score import Scorer, Status
 from tasks.sensing import Sensing
 from tasks.task import Task
+
+if TYPE_CHECKING:
+    from sandbox.clearing.clearing import Clearing
+    from sandbox.clearing.solid_links import SolidLinks
 
 NOTICE_TIME = 2.0
 """s for which the notice about an object that was put back is shown."""
@@ -138,19 +139,10 @@ class Session:
         self.scene.model.geom_friction[:, 0] *= friction
         self.data = mujoco.MjData(self.scene.model)
         surfaces = [rig.reconstructor.surface for rig in rigs]
-        distances = [
-            HandDistances(self.scene, i) if whole else None for i, whole in enumerate(all_over)
-        ]
+        parts, self._clearing = self._whole_hands(all_over, surfaces)
         self._gates = [
-            CollisionGate(self.scene, i, own, SolidLinks(self.scene, i, d) if d else None)
-            for i, (own, d) in enumerate(zip(gating, distances, strict=True))
-        ]
-        # A hand in the air is where it is seen; only touches leave open where the rest of it is.
-        self._clearing = [
-            Clearing(self.scene, i, skeleton, surface, d)
-            if d and rig.lead and (skeleton := rig.hand.skeleton)
-            else None
-            for i, (rig, surface, d) in enumerate(zip(rigs, surfaces, distances, strict=True))
+            CollisionGate(self.scene, i, own, part)
+            for i, (own, part) in enumerate(zip(gating, parts, strict=True))
         ]
         self._leading = [
             FingertipLeading(self.scene, i, surface, gate) if rig.lead and own.lead else None
@@ -232,6 +224,29 @@ class Session:
     def solid(self, hand: int) -> frozenset[int]:
         """Labels of a hand's fingers that can collide now."""
         return self._gates[hand].solid
+
+    def _whole_hands(
+        self, all_over: Sequence[bool], surfaces: Sequence[Surface]
+    ) -> tuple[list[SolidLinks | None], list[Clearing | None]]:
+        """Links of hands that are solid all over, and what keeps these hands clear of objects."""
+        parts: list[SolidLinks | None] = [None] * len(self.rigs)
+        clearing: list[Clearing | None] = [None] * len(self.rigs)
+        if not any(all_over):
+            return parts, clearing
+        # Of most hands only fingertips are solid.
+        from sandbox.clearing.clearing import Clearing
+        from sandbox.clearing.hand_distances import HandDistances
+        from sandbox.clearing.solid_links import SolidLinks
+
+        for i, (rig, surface) in enumerate(zip(self.rigs, surfaces, strict=True)):
+            if all_over[i]:
+                distances = HandDistances(self.scene, i)
+                parts[i] = SolidLinks(self.scene, i, distances)
+                skeleton = rig.hand.skeleton
+                # A hand in the air is where it is seen; only touches leave open where the rest is.
+                if rig.lead and skeleton:
+                    clearing[i] = Clearing(self.scene, i, skeleton, surface, distances)
+        return parts, clearing
 
     def correction(self, hand: int) -> Array | None:
         """(48,) m and rad, what is added to a hand's pose to keep it clear of things; None where

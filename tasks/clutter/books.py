@@ -10,7 +10,7 @@ import numpy as np
 
 from models.arithmetic.products import distance, length
 from models.errors import SurfaceTooSmallError
-from models.messages.message import Message
+from models.message import Message
 from models.objects import Box
 from models.surface import Surface
 from tasks.box_to_goal import BORDER, POSITION_TOLERANCE, missing

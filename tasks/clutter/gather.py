@@ -11,7 +11,7 @@ import numpy as np
 from models.arithmetic.arrays import Array
 from models.arithmetic.products import length, squared_lengths
 from models.errors import InputError, SurfaceTooSmallError
-from models.messages.message import Message
+from models.message import Message
 from models.objects import Box
 from models.scene import PaintedRing
 from models.surface import Surface

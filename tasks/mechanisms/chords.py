@@ -11,7 +11,7 @@ import numpy as np
 
 from models.errors import SurfaceTooSmallError
 from models.frames import FINGERS
-from models.messages.message import Message
+from models.message import Message
 from models.objects import SceneObject
 from models.surface import Surface
 from tasks.mechanisms.chord_user import ChordUser

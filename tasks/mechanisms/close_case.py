@@ -10,7 +10,7 @@ import numpy as np
 
 from models.errors import SurfaceTooSmallError
 from models.mechanisms.mechanism import Part
-from models.messages.message import Message
+from models.message import Message
 from models.surface import Surface
 from tasks.mechanisms.case import CAP, CASE, HALF_LENGTH, TRAVEL, case
 from tasks.mechanisms.close_case_user import CaseUser

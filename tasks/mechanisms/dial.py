@@ -9,7 +9,7 @@ from typing import ClassVar
 import numpy as np
 
 from models.errors import SurfaceTooSmallError
-from models.messages.message import Message
+from models.message import Message
 from models.objects import SceneObject
 from models.surface import Surface
 from tasks.mechanisms.dial_user import DialUser

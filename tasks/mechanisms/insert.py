@@ -12,7 +12,7 @@ from models.arithmetic.arrays import Array
 from models.arithmetic.products import length
 from models.errors import SurfaceTooSmallError
 from models.mechanisms.mechanism import Part
-from models.messages.message import Message
+from models.message import Message
 from models.objects import Box
 from models.surface import Surface
 from tasks.mechanisms.insert_user import InsertUser

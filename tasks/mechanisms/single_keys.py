@@ -9,7 +9,7 @@ from typing import ClassVar
 import numpy as np
 
 from models.frames import FINGERS
-from models.messages.message import Message
+from models.message import Message
 from models.surface import Surface
 from tasks.mechanisms.chords import POINT, SIZE, YAW, Chords, own_finger, placed, pressed
 from tasks.mechanisms.keyboard import KEYS, key_name

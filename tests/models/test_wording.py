@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from models.messages.wording import counted
+from models.message import counted
 
 
 @pytest.mark.parametrize(

@@ -12,7 +12,7 @@ from rich.console import Console
 from rich.markup import escape
 
 from models.errors import InputError
-from models.messages.wording import counted
+from models.message import counted
 from sandbox.cli.common.command_line import parse
 from sandbox.cli.common.json_out import check_output
 from training.cli.progress_bar import bar, bars

@@ -8,7 +8,7 @@ from encoders.headset.joint_reconstructor import JointReconstructor
 from encoders.paalm.hand_reconstructor import HandReconstructor
 from encoders.webcam.landmark_reconstructor import LandmarkReconstructor
 from models.errors import DeviceError
-from models.messages.message import Message
+from models.message import Message
 from sandbox.cli.common.open_page import open_page
 from sandbox.devices.wrappers.device_wrapper import DeviceWrapper
 from sandbox.options.page_options import PageOptions

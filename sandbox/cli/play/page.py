@@ -13,7 +13,7 @@ from rich.console import Console
 from rich.markup import escape
 
 from models.errors import InputError
-from models.messages.message import Message
+from models.message import Message
 from models.person import HANDS
 from sandbox.cli.common.latency import judge_latency, print_latency
 from sandbox.cli.common.notices import NoticePrinter

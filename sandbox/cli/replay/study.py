@@ -8,7 +8,7 @@ from pathlib import Path
 from rich.console import Console
 from rich.markup import escape
 
-from models.messages.wording import counted
+from models.message import counted
 from sandbox.recording.recording import load_recording
 from sandbox.recording.states import other_states
 from sandbox.study.audit.audit import audit, is_study

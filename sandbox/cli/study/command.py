@@ -14,7 +14,7 @@ from rich.console import Console
 from rich.markup import escape
 
 from models.errors import StudyError, unknown_name
-from models.messages.wording import counted
+from models.message import counted
 from sandbox.cli.common.command_line import parse
 from sandbox.cli.study import data_commands
 from sandbox.cli.study.plan_options import PlanOptions, participants_of, say_power

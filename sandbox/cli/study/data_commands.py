@@ -13,7 +13,7 @@ from rich.console import Console
 from rich.markup import escape
 
 from models.errors import InputError, StudyError
-from models.messages.wording import counted
+from models.message import counted
 from sandbox.cli.study.recover import tell_losses
 
 if TYPE_CHECKING:

@@ -7,7 +7,7 @@ from itertools import groupby
 
 from rich.table import Table
 
-from models.messages.wording import counted
+from models.message import counted
 from sandbox.study.design.balance import confounded, cycle_line, nearest_cycles
 from sandbox.study.design.checks import parting_breaks
 from sandbox.study.design.conditions import tasks_of

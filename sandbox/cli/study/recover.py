@@ -11,7 +11,7 @@ from rich.console import Console
 from rich.markup import escape
 
 from models.errors import InputError
-from models.messages.wording import counted
+from models.message import counted
 
 if TYPE_CHECKING:
     from sandbox.study.record.folder import StudyFolder

@@ -16,7 +16,7 @@ from rich.console import Console
 from rich.markup import escape
 
 from models.errors import StudyError
-from models.messages.wording import counted
+from models.message import counted
 from sandbox.cli.common.lsl_options import streaming
 from sandbox.cli.study.run_options import (
     StudyRunOptions,

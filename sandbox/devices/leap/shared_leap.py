@@ -11,7 +11,7 @@ from encoders.paalm.hand_reconstructor import NOTICE_LASTS
 from encoders.paalm.palm import stacked
 from encoders.paalm.sides import HandSides
 from models.frames import HandFrame
-from models.messages.message import Message
+from models.message import Message
 from sandbox.session.device import HandDevice
 from sandbox.session.messages import Snapshot
 

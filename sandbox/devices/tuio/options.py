@@ -11,6 +11,9 @@ DEFAULT_PORT = 3333
 DEFAULT_WEBSOCKET_PORT = 8080
 """Default port of TUIO over WebSockets."""
 
+STALE_AFTER = 2.0
+"""s without a packet after which the touches of a TUIO sender are lifted, unless it is chosen."""
+
 LOOPBACK = "127.0.0.1"
 
 Transport = Literal["udp", "tcp", "websocket", "all"]

@@ -9,7 +9,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from models.messages.message import Message
+from models.message import Message
 from models.scene import Scene as SimulatedScene
 from models.surface import Surface
 from sandbox.server.protocol.contact_forces import HandFeedback

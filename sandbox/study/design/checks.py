@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 from models.errors import HandSandboxError
-from models.messages.wording import counted
+from models.message import counted
 from sandbox.study.design.balance import confounded, nearest_cycles, whole_cycle
 from sandbox.study.design.conditions import (
     PARTNER,

@@ -18,7 +18,6 @@ COMPUTES = (
     "models",
     "models/arithmetic",
     "models/mechanisms",
-    "models/messages",
     "models/robot",
     "encoders",
     "encoders/headset",

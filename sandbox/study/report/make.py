@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from models.errors import StudyError
-from models.messages.wording import counted
+from models.message import counted
 from sandbox.study.record.files import make_folder, write_atomically
 from sandbox.study.record.folder import REPORT
 

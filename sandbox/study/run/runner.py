@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from models.errors import InputError, StudyError
-from models.messages.wording import counted
+from models.message import counted
 from sandbox.devices.device_settings import DeviceSettings
 from sandbox.devices.simulated.options import SimulatedOptions
 from sandbox.study.design.conditions import PARTNER, consent_text, run_settings

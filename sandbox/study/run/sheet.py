@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from itertools import groupby
 
 from models.errors import StudyError
-from models.messages.wording import counted
+from models.message import counted
 from sandbox.server.protocol.describe import summary
 from sandbox.study.design.conditions import WEBCAM, consent_text, run_settings
 from sandbox.study.design.design import Design, Form

@@ -190,7 +190,11 @@ MISTAKES = [
     ('encoder = "linear"', "smothing = false", "Did you mean smoothing?"),
     ("seed = 5", "smoothing = false", "It stands under [settings]"),
     ('encoder = "linear"', 'smoothing = "no"', "smoothing cannot be 'no'. Write true or false"),
-    ('encoder = "linear"', "timestep = 3", "timestep cannot be 3. Write a number above 0 and below 1"),
+    (
+        'encoder = "linear"',
+        "timestep = 3",
+        "timestep cannot be 3. Write a number above 0 and below 1",
+    ),
     ('encoder = "linear"', "tell_labels = true", "Did you mean labels"),
 ]
 

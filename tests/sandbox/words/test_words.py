@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from models.messages.message import Message
+from models.message import Message
 from sandbox.server.protocol.describe import told
 from sandbox.study.design.design import WORDINGS
 from sandbox.words.words import (

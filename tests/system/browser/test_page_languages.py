@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from models.messages.message import Message
+from models.message import Message
 from sandbox.server.page_server import PageServer
 from sandbox.server.protocol.protocol import Sheet, StudyView
 from sandbox.session.collision_gating import STUCK

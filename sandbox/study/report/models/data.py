@@ -17,7 +17,7 @@ from msgspec import Struct
 
 from models.errors import StudyError
 from models.json_input import decoded, read_bytes
-from models.messages.wording import counted
+from models.message import counted
 from sandbox.study.measures.kept import DIFFERS, WORDING, kept_lines
 from sandbox.study.measures.measure import PRIMARY, SIMULATED_USER
 from sandbox.study.record.folder import SIMULATED, STUDY_JOURNAL, withdrawals_of

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from models.errors import HandSandboxError, StudyError
-from models.messages.wording import counted
+from models.message import counted
 from sandbox.study.design.design import Design
 from sandbox.study.design.design_file import load_design
 from sandbox.study.record.folder import ANONYMISED, DESIGN_FILE, EARLIER, STUDY_JOURNAL

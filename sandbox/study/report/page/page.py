@@ -6,7 +6,7 @@ from importlib.resources import files
 from math import isfinite
 from typing import Any
 
-from models.messages.wording import counted
+from models.message import counted
 from sandbox.study.report.models.analysis import Analysis
 from sandbox.study.report.models.comparisons import Pair, titles_of
 from sandbox.study.report.models.exclusions import flow

@@ -1,4 +1,4 @@
-"""A sentence for people: English text, and what another language needs to say the same."""
+"""Sentences for people: English text, and what another language needs to say the same."""
 
 from __future__ import annotations
 
@@ -35,3 +35,14 @@ class Message(str):
 
     def __getnewargs_ex__(self) -> tuple[tuple[str, str], dict[str, Any]]:
         return (self.key, self._text), dict(self.values)
+
+
+def counted(number: int, one: str, several: str | None = None) -> str:
+    """A number with its noun: `1 trial`, `12 trials`, `1,204 people`.
+
+    Args:
+        number: How many there are.
+        one: The noun for one of them.
+        several: The noun for any other number; by default `one` with an s.
+    """
+    return f"{number:,} {one if number == 1 else several or one + 's'}"

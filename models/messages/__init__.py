@@ -1,1 +1,0 @@
-"""Sentences for people that can be said in other languages."""
