@@ -19,6 +19,7 @@ from sandbox.trial.settings import (
     decoded,
     encoded,
     group_of,
+    is_allowed,
 )
 from tasks.user import UserConfiguration
 
@@ -26,8 +27,8 @@ from tasks.user import UserConfiguration
 def recorded_settings(header: Mapping[str, Any], *names: str) -> Settings:
     """The settings of a recording.
 
-    Of a recording with other `STATES`, settings that this program lacks are left out, and those
-    that it did not name have their defaults; whoever calls this reports `other_states`.
+    Of a recording with other `STATES`, settings and values that this program lacks are left out,
+    and those that it did not name have their defaults; whoever calls this reports `other_states`.
 
     Args:
         header: Header of the recording.
@@ -44,6 +45,8 @@ def recorded_settings(header: Mapping[str, Any], *names: str) -> Settings:
     if states_of(header) != STATES and isinstance(values, Mapping):
         needed = names or values.keys()
         known = {name: value for name, value in values.items() if name in needed}
+        for group in GROUPS.keys() & known.keys():
+            known[group] = {k: v for k, v in known[group].items() if is_allowed(group, k, v)}
         values = _laid_over(encoded(Settings()), known)
     return decoded(values)
 

@@ -335,6 +335,16 @@ def field_types(group: Any) -> dict[str, Any]:
     return {each.name: _hints(group)[each.name] for each in fields(group)}
 
 
+def is_allowed(group: str, name: str, value: Any) -> bool:
+    """True if a field of a group may have a JSON value."""
+    kind = field_types(GROUPS[group]).get(name)
+    try:
+        msgspec.convert(value, kind)
+    except (msgspec.ValidationError, TypeError):
+        return False
+    return kind is not None
+
+
 def setting_names() -> list[str]:
     """Names that `Settings.changed` takes, but for those of groups and devices."""
     own = [each.name for each in fields(Settings) if each.name not in (*GROUPS, *_DEVICES)]
