@@ -87,7 +87,13 @@ def open_touches(options: TouchOptions, tap: Tap | None = None) -> Opened:
         InputError: The device or file is missing or cannot be opened.
     """
     # Commands without touches have these options, too.
-    from sandbox.devices.open_touches import guessed_surface, live_maker, native_surface, open_file
+    from sandbox.devices.open_touches import (
+        Opened,
+        guessed_surface,
+        live_maker,
+        native_surface,
+        open_file,
+    )
 
     given = parse_surface(options.surface) if options.surface else None
     maker = live_maker(options.settings, tap, options.stale_after)

@@ -12,7 +12,6 @@ from dataclasses import MISSING, fields, replace
 from pathlib import Path
 from types import UnionType
 from typing import (
-    TYPE_CHECKING,
     Annotated,
     Any,
     NoReturn,
@@ -35,11 +34,9 @@ from cyclopts.exceptions import (
 from models.errors import InputError, unknown_name
 from sandbox.cli.common.printing import HelpShown, print_no_more
 from sandbox.options.headings import COMMON, COMMON_SETTINGS, OF_SETTINGS
+from sandbox.options.picked import DataclassInstance
 
-if TYPE_CHECKING:
-    from _typeshed import DataclassInstance
-
-T = TypeVar("T", bound="DataclassInstance")
+T = TypeVar("T", bound=DataclassInstance)
 
 FLAT = Parameter(name="*")
 """Options of a dataclass are named by its fields alone."""

@@ -243,7 +243,7 @@ def test_options_of_a_reset_that_cannot_be_are_refused_in_a_line(
         ({"goal": "far"}, "False, True"),
         ({"step": 0.0}, "up to 0.1 m"),
         ({"hand": "middle"}, "right or left"),
-        ({"hand_size": "big"}, "float"),
+        ({"hand_size": "big"}, "expected a number"),
         ({"robot": "gripper"}, "shadow"),
         ({"render_mode": "human"}, "rgb_array"),
         ({"variation": Variation(noise=0.001)}, "noise"),
