@@ -11,6 +11,7 @@ import msgspec
 from encoders.regression.registry import find_encoder
 from models.errors import InputError, RecordingError
 from models.plugins import how_to_get, place_of
+from sandbox.devices.registry import device_options
 from sandbox.recording.states import STATES, states_of
 from sandbox.trial.settings import (
     GROUPS,
@@ -41,7 +42,7 @@ def recorded_settings(header: Mapping[str, Any], *names: str) -> Settings:
     """
     values = header["settings"]
     if isinstance(values, Mapping) and not values.keys() & GROUPS.keys():
-        values = _grouped(values)
+        values = _grouped(values, header)
     if states_of(header) != STATES and isinstance(values, Mapping):
         needed = names or values.keys()
         known = {name: value for name, value in values.items() if name in needed}
@@ -53,30 +54,20 @@ def recorded_settings(header: Mapping[str, Any], *names: str) -> Settings:
 
 def recorded_users(header: Mapping[str, Any]) -> tuple[UserConfiguration | None, ...]:
     """The simulated users who drove the devices of a recording, by hand; None for a person."""
-    settings = header["settings"]
-    if "device" in settings:
-        made = recorded_settings(header, "device", "second_device")
-        return made.device.user, made.device_of(1).user
-    second = header.get("second")
-    users = (header.get("user"), second.get("user") if isinstance(second, dict) else None)
-    return tuple(_user(user) for user in users)
+    made = recorded_settings(header, "hands", "device", "second_device")
+    return made.device.user, made.device_of(1).user
 
 
-def _user(values: Any) -> UserConfiguration | None:
-    """A simulated user as headers had one beside the settings."""
-    if not isinstance(values, dict):
-        return None
-    known = {each.name for each in fields(UserConfiguration)}
-    given = {name: value for name, value in values.items() if name in known}
-    return msgspec.convert(given, UserConfiguration)
-
-
-def _grouped(flat: Mapping[str, Any]) -> dict[str, Any]:
+def _grouped(flat: Mapping[str, Any], header: Mapping[str, Any]) -> dict[str, Any]:
     """Settings in groups, of a header whose settings stand beside each other.
 
-    What such a header leaves out has its default; what this program lacks stays, to be refused.
+    What such a header leaves out has its default; what this program lacks stays, to be refused. The
+    devices stand beside the settings there.
     """
     values = encoded(Settings())
+    second = header.get("second")
+    values["device"] = _device(header)
+    values["second_device"] = _device(second) if isinstance(second, Mapping) else None
     for name, value in flat.items():
         new = _RENAMED.get(name, name)
         try:
@@ -91,6 +82,20 @@ def _grouped(flat: Mapping[str, Any]) -> dict[str, Any]:
         else:
             values[new] = value
     return values
+
+
+def _device(beside: Mapping[str, Any]) -> dict[str, Any]:
+    """The device of a header without groups, with the options that it has."""
+    name = str(beside.get("device", "simulated"))
+    options: dict[str, Any] = {}
+    for each in fields(device_options(name)):
+        value = beside.get(each.name)
+        if each.name == "user" and isinstance(value, Mapping):
+            known = {field.name for field in fields(UserConfiguration)}
+            options["user"] = {k: v for k, v in value.items() if k in known}
+        elif value is not None:
+            options[each.name] = value
+    return {"name": name, "options": options}
 
 
 _RENAMED = {

@@ -19,6 +19,7 @@ from sandbox.study.record.stored_sessions import session_path
 from sandbox.study.run.simulate import run_simulated
 from sandbox.trial.headless import run_trial
 from sandbox.trial.open_devices import device_makers
+from sandbox.trial.recorded_settings import recorded_settings
 from sandbox.trial.replay import replay
 from tests.support.study_files import TRIALS, open_study
 
@@ -49,6 +50,25 @@ def test_a_recording_names_the_states_of_its_program_and_plays_again(recorded: P
     assert recording.header["states"] == states_of(recording.header) == STATES
     _, verification = replay(recording)
     assert verification.exact and verification.complete
+
+
+def test_settings_without_groups_are_read_as_they_were_and_play_again(
+    recorded: Path, tmp_path: Path
+) -> None:
+    first, _, rest = recorded.read_text().partition("\n")
+    header = json.loads(first)
+    settings, device = header["settings"], header["settings"].pop("device")
+    del settings["second_device"]
+    surface = settings.pop("surface")
+    flat = {**settings.pop("pipeline"), **settings.pop("physics"), **settings}
+    flat |= {"surface_in": surface["size_in"], "surface_calibrated": surface["calibrated"]}
+    del flat["hover"]
+    header |= {"settings": flat, "device": device["name"], **device["options"]}
+    old = tmp_path / "old.jsonl"
+    old.write_text(f"{json.dumps(header)}\n{rest}")
+    recording = load_recording(old)
+    assert recorded_settings(recording.header) == recorded_settings(load_recording(recorded).header)
+    assert replay(recording)[1].exact
 
 
 @pytest.mark.parametrize(
