@@ -46,8 +46,8 @@ class DeviceSettings:
     def decoded(self) -> DeviceSettings:
         """The same with options of the named device's class, where they are still JSON.
 
-        Missing ones have their defaults: an anonymous copy has no addresses, and no replay depends on
-        them.
+        Missing ones have their defaults: an anonymous copy has no addresses, and no replay depends
+        on them.
 
         Raises:
             RecordingError: The device has no such option, or a value has the wrong type.
