@@ -40,7 +40,7 @@ def play() -> Observed:
         browser = Browser(Path(folder))
         try:
             tab = browser.open(server.url, width=WIDTH, height=HEIGHT, storage=KNOWN)
-            stage = staged(server, surface_in=SURFACE_IN)
+            stage = staged(server, size_in=SURFACE_IN)
             tab.wait(READY)
             assert wait_for(lambda: stage.server.wait_for_player(0.0))
             stage.advance()
