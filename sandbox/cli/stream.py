@@ -31,7 +31,7 @@ from sandbox.options.names import check_device_name
 from sandbox.options.page_options import PageOptions
 from sandbox.options.picked import picked
 from sandbox.options.scene_options import SceneOptions, scene_settings
-from sandbox.options.touch_devices import TuioOptions
+from sandbox.options.touch_devices import LiveTouchOptions
 from sandbox.recording.recording import is_recording
 from sandbox.stream.lines import BLENDER, MAYA, MAYA_MEL, StreamTarget
 from sandbox.stream.player import StreamPace, StreamPlayer
@@ -67,7 +67,7 @@ class _File:
 
 
 @dataclass(frozen=True, kw_only=True)
-class StreamOptions(LeapOptions, PageOptions, TuioOptions, _File):
+class StreamOptions(LeapOptions, PageOptions, LiveTouchOptions, _File):
     """Sends the motion of hands live to Maya or Blender, where the fingers of any rig follow.
 
     In Maya, paste the script into the script editor (Python) and run it. Select the first joints

@@ -17,8 +17,13 @@ EVDEV = Group.create_ordered("Device evdev")
 LEAP = Group.create_ordered("Device leap, and its recordings")
 WEBCAM = Group.create_ordered("Device webcam")
 
-OF_SETTINGS = {"PipelineSettings": RECONSTRUCTION, "PhysicsSettings": PHYSICS}
-"""Class of `sandbox.trial.settings` -> heading of the options that its fields are."""
+OF_SETTINGS = {
+    "PipelineSettings": RECONSTRUCTION,
+    "PhysicsSettings": PHYSICS,
+    "TuioOptions": TUIO,
+    "EvdevOptions": EVDEV,
+}
+"""Class of settings, or of a device's options -> heading of the options that its fields are."""
 COMMON_SETTINGS = ("encoder",)
 """Fields of these classes that most people need."""
 

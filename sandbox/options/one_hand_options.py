@@ -16,7 +16,7 @@ from sandbox.options.headings import (
     RECONSTRUCTION,
     SIMULATED,
 )
-from sandbox.options.touch_devices import TuioOptions
+from sandbox.options.touch_devices import LiveTouchOptions
 from sandbox.options.variations import KINDS, help_with_units
 from sandbox.trial.settings import PhysicsSettings, PipelineSettings
 
@@ -109,7 +109,7 @@ def given_options(options: TrialOptions) -> frozenset[str]:
 
 # `--help` lists the options of the last base first.
 @dataclass(frozen=True, kw_only=True)
-class OneHandOptions(TuioOptions, TrialOptions, SourceOptions):
+class OneHandOptions(LiveTouchOptions, TrialOptions, SourceOptions):
     """Task, device, encoder, physics and recording options for one hand."""
 
     seed: Annotated[int | None, Parameter(group=COMMON, metavar="INT")] = None

@@ -10,14 +10,9 @@ from cyclopts import Parameter
 
 from models.surface import parse_surface
 from sandbox.devices.device_settings import DeviceSettings
-from sandbox.devices.tuio.options import (
-    DEFAULT_PORT,
-    DEFAULT_WEBSOCKET_PORT,
-    LOOPBACK,
-    STALE_AFTER,
-    Transport,
-)
-from sandbox.options.headings import COMMON, EVDEV, TUIO
+from sandbox.devices.evdev.options import EvdevOptions
+from sandbox.devices.tuio.options import STALE_AFTER, TuioOptions
+from sandbox.options.headings import COMMON, TUIO
 from sandbox.options.page_options import PageOptions
 
 if TYPE_CHECKING:
@@ -26,32 +21,12 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, kw_only=True)
-class TuioOptions:
+class LiveTouchOptions(TuioOptions, EvdevOptions):
     """How senders of TUIO, and touch screens of this machine, are reached."""
-
-    bind: Annotated[str, Parameter(group=TUIO, metavar="ADDRESS")] = LOOPBACK
-    """Address on which this program listens for TUIO. 127.0.0.1: reachable from this machine only;
-    0.0.0.0: from the network."""
-
-    port: Annotated[int, Parameter(group=TUIO)] = DEFAULT_PORT
-    """UDP and TCP port for TUIO; 0 takes a free one and prints it."""
-
-    tuio_transport: Annotated[Transport, Parameter(group=TUIO)] = "udp"
-    """Transport of TUIO: udp, tcp, websocket, or all three."""
-
-    websocket_port: Annotated[int, Parameter(group=TUIO)] = DEFAULT_WEBSOCKET_PORT
-    """TCP port for TUIO over WebSockets; 0 takes a free one."""
-
-    tuio_connect: Annotated[str, Parameter(group=TUIO, metavar="URL")] = ""
-    """Connect to a TUIO sender that waits for connections, such as tcp://HOST:3333 or
-    ws://HOST:8080."""
-
-    grab: Annotated[bool, Parameter(group=EVDEV)] = False
-    """Hide the touches from the desktop, so that a trackpad does not move the pointer."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class TouchOptions(PageOptions, TuioOptions):
+class TouchOptions(PageOptions, LiveTouchOptions):
     """Source of touches."""
 
     device: Annotated[str, Parameter(group=COMMON, metavar="DEVICE")] = "tuio"

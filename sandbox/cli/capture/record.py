@@ -49,7 +49,7 @@ from sandbox.devices.webcam.webcam import WebcamDevice
 from sandbox.options.names import check_device_name
 from sandbox.options.page_options import PageOptions
 from sandbox.options.picked import picked
-from sandbox.options.touch_devices import TouchOptions, TuioOptions
+from sandbox.options.touch_devices import LiveTouchOptions, TouchOptions
 from sandbox.options.webcam_devices import webcam_choice
 from sandbox.session.device import Device, HandDevice, LandmarkDevice
 
@@ -63,7 +63,7 @@ SILENT = 10.0
 
 
 @dataclass(frozen=True, kw_only=True)
-class RecordOptions(PageOptions, TuioOptions):
+class RecordOptions(PageOptions, LiveTouchOptions):
     """Records touches and your hand at the same time, to train an encoder of your own.
 
     It guides you: hold the hand open (PAALM measures it), tap three times with all five fingers (to

@@ -80,7 +80,7 @@ def _of_setting(group: type[Any], name: str) -> Parameter:
     heading = COMMON if name in COMMON_SETTINGS else OF_SETTINGS[group.__name__]
     # What is on by default can only be switched off.
     negative = f"--no-{name.replace('_', '-')}" if getattr(group, name) is True else ()
-    metavar = name.upper() if get_type_hints(group)[name] is str else None
+    metavar = name.rpartition("_")[2].upper() if get_type_hints(group)[name] is str else None
     return Parameter(group=heading, negative=negative, metavar=metavar)
 
 

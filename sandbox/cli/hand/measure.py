@@ -30,7 +30,7 @@ from sandbox.devices.simulated.spreads import SimulatedSpreads
 from sandbox.options.picked import picked
 from sandbox.options.profiles import Profile, default_path, save_profile
 from sandbox.options.scene_options import SceneOptions, scene_settings
-from sandbox.options.touch_devices import TuioOptions
+from sandbox.options.touch_devices import LiveTouchOptions
 from sandbox.recording.recording import is_recording
 from sandbox.session.device import Device
 from sandbox.session.own_layouts import Layouts, kept_layouts
@@ -47,7 +47,7 @@ _ASKED = {
 
 @flat
 @dataclass(frozen=True, kw_only=True)
-class MeasureOptions(TuioOptions):
+class MeasureOptions(LiveTouchOptions):
     """Options of `sandbox hand measure`."""
 
     device: Annotated[str, Parameter(metavar="DEVICE")] = "tuio"

@@ -21,7 +21,7 @@ Transport = Literal["udp", "tcp", "websocket", "all"]
 message of a WebSocket."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class TuioOptions:
     """How TUIO senders are reached."""
 
