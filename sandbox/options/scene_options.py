@@ -25,7 +25,7 @@ from sandbox.options.webcam_devices import WebcamOptions, webcam_choice
 from sandbox.recording.recorded_task import recorded_task, task_change
 from sandbox.recording.recording import Recording
 from sandbox.recording.states import other_states
-from sandbox.trial.open_devices import check_device, recording_of
+from sandbox.trial.open_devices import check_openable, recording_of
 from sandbox.trial.recorded_settings import recorded_encoder, recorded_settings, recorded_users
 from sandbox.trial.settings import PAPER_PIPELINE, PhysicsSettings, PipelineSettings, Settings
 from tasks.user import UserConfiguration
@@ -57,7 +57,7 @@ def scene_settings(options: SceneOptions, base: Settings | None = None) -> Setti
     first = _device(options, recording)
     settings = replace(settings, device=first, second_device=_second(options, recording, settings))
     for device in filter(None, (first, settings.second_device)):
-        check_device(device)
+        check_openable(device)
     return settings
 
 

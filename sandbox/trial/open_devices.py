@@ -95,7 +95,7 @@ def recording_of(device: str) -> Recording | None:
     return _loaded(path, state.st_mtime_ns, state.st_size)
 
 
-def check_device(device: DeviceSettings) -> None:
+def check_openable(device: DeviceSettings) -> None:
     """Checks, before anything is built, a device's argument, its engine or its file of touches.
 
     Raises:

@@ -8,7 +8,7 @@ the value that those files stand for: `field(default=..., metadata={BEFORE: valu
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import Field, dataclass, field, fields, is_dataclass, replace
 from difflib import get_close_matches
 from functools import cache
@@ -32,10 +32,13 @@ from tasks.variation import Variation
 BEFORE = "before"
 """Key of a field's metadata: the value that a header without this field stands for."""
 
-LABELS = ("population", "paper", "device")
+_Labels = Literal["population", "paper", "device"]
+_Solid = Literal["fingertips", "hand"]
+
+LABELS = get_args(_Labels)
 """Values of `PipelineSettings.labels`."""
 
-SOLID = ("fingertips", "hand")
+SOLID = get_args(_Solid)
 """Values of `PhysicsSettings.solid`."""
 
 MOST_HANDS = 2
@@ -81,7 +84,7 @@ class PipelineSettings(_Checked):
     model of one person by `sandbox train`, or FILE.py:CLASS or MODULE:CLASS, an
     encoder of your own (docs/write-an-encoder.md)."""
 
-    labels: Literal["population", "paper", "device"] = "population"
+    labels: _Labels = "population"
     """How fingers are labelled. population: by earlier touches and what was trained on hundreds of
     simulated people, for hands that nobody knows; it also learns from five fingers that touch
     together. paper: by the nearest training pose, as in the paper. device: the simulated user
@@ -131,7 +134,7 @@ class PhysicsSettings(_Checked):
     """Contact between hand and objects at the start. soft: the hand yields and pushes with 3 N at
     most. none: it passes through everything. Key c in the window switches."""
 
-    solid: Literal["fingertips", "hand"] = "fingertips"
+    solid: _Solid = "fingertips"
     """What of the hand collides. fingertips: the last links of touching fingers. hand: the palm and
     all links of all fingers, with objects and the other hand; fingers that do not touch keep clear
     of things."""
@@ -401,20 +404,6 @@ def decoded(values: Any) -> Settings:
         device=settings.device.decoded(),
         second_device=second and second.decoded(),
     )
-
-
-def differences(here: Settings, there: Settings) -> Iterator[tuple[str, Any, Any]]:
-    """Settings that differ: name, such as `pipeline.encoder`, and both values as JSON."""
-    yield from _differences("", encoded(here), encoded(there))
-
-
-def _differences(path: str, here: Any, there: Any) -> Iterator[tuple[str, Any, Any]]:
-    if isinstance(here, dict) and isinstance(there, dict):
-        for name in dict.fromkeys((*here, *there)):
-            inner = f"{path}.{name}" if path else name
-            yield from _differences(inner, here.get(name), there.get(name))
-    elif here != there:
-        yield path, here, there
 
 
 def _whole(values: Any, kind: Any, where: str) -> dict[str, Any]:
