@@ -24,7 +24,6 @@ from benchmarks.one_line import run
 from models.errors import InputError
 from sandbox.recording.recording import Recording, load_recording
 from sandbox.recording.versions import versions
-from sandbox.trial.open_devices import device_makers
 from sandbox.trial.recorded_settings import recorded_settings
 from sandbox.trial.replay import Verification, replay
 
@@ -54,7 +53,7 @@ def record(folder: Path, seeds: int) -> None:
         file = folder / f"{task}-{device.replace(':', '-')}-{seed}.jsonl"
         if not file.exists():
             chosen = scene_settings(SceneOptions(task=task, seed=seed, device=device))
-            run_trial(chosen, device_makers(chosen), record=file)
+            run_trial(chosen, record=file)
 
 
 def row(name: str, found: list[Verification]) -> str:

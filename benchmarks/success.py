@@ -40,7 +40,6 @@ from benchmarks.lanes import in_lanes
 from benchmarks.one_line import run
 from models.errors import InputError
 from sandbox.regress.statistics import holm, mcnemar
-from sandbox.trial.open_devices import device_makers
 from tasks.registry import TASKS
 
 ENCODERS: dict[str, dict[str, Any]] = {
@@ -107,7 +106,7 @@ def trial(job: Job) -> dict[str, Any]:
 
     task, row, fingers, seed = job
     chosen = scene_settings(SceneOptions(task=task, seed=seed, fingers=fingers, **ROWS[row]))
-    result = run_trial(chosen, device_makers(chosen)).as_json()
+    result = run_trial(chosen).as_json()
     kept = ("success", "instant", "final", "status", "progress", "time_s", "reason", "state_hash")
     return {
         "task": task,

@@ -44,7 +44,7 @@ BOTH = Surface(15.52, 5.82).centred_at((0.0, 0.0, 0.0))
 
 def carry(seed: int, **options: Any) -> TrialResult:
     chosen = scene_settings(SceneOptions(task=TASK, seed=seed, **options))
-    return run_trial(chosen, device_makers(chosen))
+    return run_trial(chosen)
 
 
 @pytest.fixture(scope="module")
@@ -67,7 +67,7 @@ def test_the_recording_of_two_hands_replays_to_the_bit_and_plays_as_two_devices(
     assert found.exact and found.complete and session.scorer.score.held
     assert len(session.rigs) == 2
     again = scene_settings(SceneOptions(device=str(recording.path)))
-    result = run_trial(again, device_makers(again))
+    result = run_trial(again)
     assert result.state_hash == recording.end["result"]["state_hash"]
 
 

@@ -182,7 +182,7 @@ def test_the_simulated_user_stacks_with_one_hand_and_replay_shows_it_to_the_bit(
     options = SceneOptions(task="stack-vertical", seed=seed, hand=hand, fingers=fingers)
     planned = scene_settings(options)
     file = tmp_path / "trial.jsonl"
-    result = run_trial(planned, device_makers(planned), record=file)
+    result = run_trial(planned, record=file)
     assert result.success, result.reason
     session, verification = replay(load_recording(file))
     assert verification.exact and verification.complete

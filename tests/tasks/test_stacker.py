@@ -15,7 +15,6 @@ from models.objects import Box
 from models.surface import Surface
 from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.trial.headless import run_trial
-from sandbox.trial.open_devices import device_makers
 from sandbox.trial.result import TrialResult
 from tasks.simulated_user.grasp_clearance import Surroundings, roomiest_grasp
 from tasks.simulated_user.hand import Hand
@@ -30,7 +29,7 @@ HAND = Hand.draw(USER, 0)
 
 def trial(**options: Any) -> TrialResult:
     chosen = scene_settings(SceneOptions(**options))
-    return run_trial(chosen, device_makers(chosen))
+    return run_trial(chosen)
 
 
 @pytest.mark.parametrize("fingers", [2, 3, 5])

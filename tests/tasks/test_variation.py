@@ -365,7 +365,7 @@ def test_a_varied_run_replays_to_the_bit_and_is_marked_in_recording_and_result(
     text = "size=0.9,mass=2,friction=0.8,start=10,noise=0.5,dropped=1,ghosts=1,latency=30"
     chosen = scene_settings(SceneOptions(seed=6, vary=text + ",hand-size=1.05"))
     path = tmp_path / "varied.jsonl"
-    result = run_trial(chosen, device_makers(chosen), record=path)
+    result = run_trial(chosen, record=path)
     recording = load_recording(path)
     session, found = replay(recording)
     assert found.exact and found.complete and session.state_hash == result.state_hash

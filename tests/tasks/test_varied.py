@@ -264,7 +264,7 @@ def test_a_design_is_refused_for_any_of_many_seeds_and_a_participant_is_never_st
     with pytest.raises(DesignError, match=r"stack, seed 10, varied.*overlap at the start"):
         design(text)
     chosen = scene_settings(SceneOptions(task="stack", seed=10, vary="size=1.3", user="idle"))
-    with pytest.raises(InputError, match="overlap"), open_trial(chosen, device_makers(chosen)):
+    with pytest.raises(InputError, match="overlap"), open_trial(chosen):
         pass
     request = TrialRequest(
         *(chosen, device_makers(chosen), tmp_path / "t.jsonl", {}),

@@ -19,7 +19,6 @@ from sandbox.devices.simulated.air_user.holds import hold_of, pinch_motion
 from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.recording.recording import load_recording
 from sandbox.trial.headless import run_trial
-from sandbox.trial.open_devices import device_makers
 from sandbox.trial.replay import replay
 from tasks.simulated_user.hand import Hand
 from tasks.simulated_user.handling import handling_of
@@ -226,7 +225,7 @@ def test_the_simulated_user_does_it_with_another_wrench_and_it_replays_to_the_bi
 ) -> None:
     chosen = scene_settings(SceneOptions(task=task, seed=1, vary=f"size={size}", **more))
     path = tmp_path / "varied.jsonl"
-    result = run_trial(chosen, device_makers(chosen), record=path)
+    result = run_trial(chosen, record=path)
     assert result.success, result.reason
     assert result.settings is not None and result.settings["variation"]["size"] == size
     session, found = replay(load_recording(path))

@@ -15,7 +15,6 @@ from models.rotations import exp
 from models.surface import Surface
 from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.trial.headless import run_trial
-from sandbox.trial.open_devices import device_makers
 from sandbox.trial.result import TrialResult
 from tasks import registry
 from tasks.simulated_user.grasp import within_comfort
@@ -159,7 +158,7 @@ def test_from_every_seat_the_jaws_are_where_they_are_drawn(
 
 def play(task: str, seed: int, **options: Any) -> TrialResult:
     chosen = scene_settings(SceneOptions(task=task, seed=seed, **options))
-    return run_trial(chosen, device_makers(chosen))
+    return run_trial(chosen)
 
 
 @pytest.mark.parametrize("task", TASKS)

@@ -22,7 +22,6 @@ from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.recording.recording import load_recording
 from sandbox.session.session import Session
 from sandbox.trial.headless import run_trial
-from sandbox.trial.open_devices import device_makers
 from sandbox.trial.replay import replay, settings_of
 from sandbox.trial.settings import Settings
 from tests.support.scripted import box_xy, run, scripted
@@ -236,7 +235,7 @@ def test_the_two_parts_of_a_last_link_are_the_whole_of_it() -> None:
 def test_a_trial_of_a_solid_hand_replays_to_the_bit(tmp_path: Path) -> None:
     recording = tmp_path / "trial.jsonl"
     chosen = scene_settings(SceneOptions(task="box-to-goal", seed=2, solid="hand"))
-    result = run_trial(chosen, device_makers(chosen), record=recording)
+    result = run_trial(chosen, record=recording)
     assert result.success
     loaded = load_recording(recording)
     assert loaded.header["settings"]["physics"]["solid"] == "hand"

@@ -26,7 +26,6 @@ from sandbox.options.profiles import Profile, default_path, find_profile, load_p
 from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.trial.driver import open_trial
 from sandbox.trial.headless import run_trial
-from sandbox.trial.open_devices import device_makers
 from sandbox.trial.settings import HandSettings, Settings
 
 LAYOUT = np.array([(0.03, 0.09), (0.06, 0.05), (0.08, 0.04), (0.10, 0.05), (0.12, 0.07)])
@@ -330,7 +329,7 @@ def test_a_recording_of_two_hands_or_of_one_in_the_air_is_no_rest_of_five_finger
 ) -> None:
     chosen = scene_settings(SceneOptions(task=task, device=device))
     recorded = tmp_path / "run.jsonl"
-    with open_trial(chosen, device_makers(chosen), record=recorded) as trial:
+    with open_trial(chosen, record=recorded) as trial:
         trial.session.advance()
         trial.end()
     with pytest.raises(InputError):

@@ -337,7 +337,7 @@ def test_a_recording_with_a_line_twice_is_written_up_to_it_and_names_the_line(
 ) -> None:
     path = tmp_path / "run.jsonl"
     chosen = scene_settings(SceneOptions(seed=3))
-    run_trial(chosen, device_makers(chosen), record=path)
+    run_trial(chosen, record=path)
     lines = path.read_bytes().splitlines(keepends=True)
     twice = next(i for i, line in enumerate(lines) if b'"kind":"track"' in line)
     (tmp_path / "twice.jsonl").write_bytes(b"".join([*lines[: twice + 1], *lines[twice:]]))
@@ -351,7 +351,7 @@ def test_steps_that_are_none_are_damage(
 ) -> None:
     path = tmp_path / "run.jsonl"
     chosen = scene_settings(SceneOptions(seed=3))
-    run_trial(chosen, device_makers(chosen), record=path)
+    run_trial(chosen, record=path)
     lines = path.read_bytes().splitlines(keepends=True)
     at = [i for i, line in enumerate(lines) if b'"kind":"track"' in line][1]
     lines[at] = sub(rb'"steps":\[[^\]]*\]', f'"steps":{steps}'.encode(), lines[at])

@@ -21,7 +21,6 @@ from sandbox.recording.recording import load_recording
 from sandbox.recording.task_files import task_files
 from sandbox.trial.driver import trial_header
 from sandbox.trial.headless import run_trial
-from sandbox.trial.open_devices import device_makers
 from sandbox.trial.settings import Settings
 from tasks.registry import find_task
 
@@ -271,7 +270,7 @@ def cut(tmp_path_factory: pytest.TempPathFactory) -> bytes:
     """A recording that breaks off."""
     chosen = scene_settings(SceneOptions(seed=3))
     path = tmp_path_factory.mktemp("whole") / "run.jsonl"
-    run_trial(chosen, device_makers(chosen), record=path)
+    run_trial(chosen, record=path)
     return b"".join(path.read_bytes().splitlines(keepends=True)[:40])
 
 

@@ -135,7 +135,7 @@ def test_a_trial_that_was_left_is_called_broken_off_by_its_replay(
 ) -> None:
     path = recorded[2].with_name("left.jsonl")
     chosen = scene_settings(SceneOptions(seed=11, fingers=3))
-    with open_trial(chosen, device_makers(chosen), record=path) as trial:
+    with open_trial(chosen, record=path) as trial:
         for _ in range(60):
             trial.step()
         trial.end()

@@ -18,7 +18,6 @@ from sandbox.recording.states import STATES, OtherStatesError, made_with, states
 from sandbox.study.record.stored_sessions import session_path
 from sandbox.study.run.simulate import run_simulated
 from sandbox.trial.headless import run_trial
-from sandbox.trial.open_devices import device_makers
 from sandbox.trial.recorded_settings import recorded_settings
 from sandbox.trial.replay import replay
 from tests.support.study_files import TRIALS, open_study
@@ -30,7 +29,7 @@ MADE_WITH = "made with states 1 (hand-sandbox 0.2.0, commit abc1234)"
 def recorded(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("run") / "run.jsonl"
     chosen = scene_settings(SceneOptions(seed=11, fingers=3))
-    run_trial(chosen, device_makers(chosen), record=path)
+    run_trial(chosen, record=path)
     return path
 
 

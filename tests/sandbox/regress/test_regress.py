@@ -32,7 +32,6 @@ from sandbox.regress.plan import (
     registered,
 )
 from sandbox.trial.headless import run_trial
-from sandbox.trial.open_devices import device_makers
 from tasks.registry import TASKS
 from tests.support.regress_tasks import Quick, Raising, Stopping, Worse
 
@@ -69,7 +68,7 @@ def quick_run(*words: str | Path, seeds: str = "0:9") -> int:
 
 def test_a_trial_is_that_of_the_run_command_to_the_bit() -> None:
     chosen = scene_settings(SceneOptions(task="box-to-goal", seed=4, fingers=5))
-    alone = run_trial(chosen, device_makers(chosen))
+    alone = run_trial(chosen)
     trial = run_job(TrialJob(chosen))
     fingerprint, parts = trial.pop("fingerprint"), trial.pop("depends_on")
     assert trial == {name: alone.as_json()[name] for name in trial}

@@ -20,7 +20,6 @@ from sandbox.regress.execute import run_job
 from sandbox.regress.plan import TrialJob
 from sandbox.session.session import Session
 from sandbox.trial.headless import run_trial
-from sandbox.trial.open_devices import device_makers
 from sandbox.trial.replay import replay
 from sandbox.trial.result import TrialResult
 from sandbox.trial.settings import Settings
@@ -31,7 +30,7 @@ ABSURD = f"{Path(__file__).parent / 'absurd_task.py'}:Absurd"
 
 def diverge(record: Path | None = None, dump: Path | None = None) -> TrialResult:
     chosen = scene_settings(SceneOptions(task=ABSURD, seed=7))
-    return run_trial(chosen, device_makers(chosen), record=record, dump=dump)
+    return run_trial(chosen, record=record, dump=dump)
 
 
 @pytest.fixture(scope="module")

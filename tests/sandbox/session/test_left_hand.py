@@ -32,7 +32,6 @@ from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.recording.recording import load_recording
 from sandbox.trial.assembly import build
 from sandbox.trial.headless import run_trial
-from sandbox.trial.open_devices import device_makers
 from sandbox.trial.replay import replay
 from sandbox.trial.result import TrialResult
 from sandbox.trial.settings import HandSettings, Settings
@@ -53,7 +52,7 @@ places = st.tuples(st.floats(0.0, 1.0), st.floats(0.0, 1.0))
 
 def trial(record: Path | None = None, **options: Any) -> TrialResult:
     chosen = scene_settings(SceneOptions(**options))
-    return run_trial(chosen, device_makers(chosen), record=record)
+    return run_trial(chosen, record=record)
 
 
 def grasp(now: float) -> list[Contact]:

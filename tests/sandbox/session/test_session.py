@@ -19,7 +19,6 @@ from sandbox.session.session import STATE, Rig, Session
 from sandbox.trial.assembly import build
 from sandbox.trial.driver import Trial
 from sandbox.trial.headless import run_trial
-from sandbox.trial.open_devices import device_makers
 from sandbox.trial.recorded_settings import recorded_settings
 from sandbox.trial.replay import replay
 from sandbox.trial.result import TrialResult
@@ -29,7 +28,7 @@ from tests.support.scripted import Script
 
 def trial(record: Path | None = None, **options: Any) -> TrialResult:
     chosen = scene_settings(SceneOptions(**options))
-    return run_trial(chosen, device_makers(chosen), record=record)
+    return run_trial(chosen, record=record)
 
 
 @pytest.fixture(scope="module")

@@ -51,7 +51,7 @@ def test_a_trial_ends_soon_after_its_recording_cannot_go_on(tmp_path: Path) -> N
     recording = load_recording(path)
     _, found = replay(recording)
     assert found.exact and recording.end is None
-    whole = run_trial(chosen, device_makers(chosen))
+    whole = run_trial(chosen)
     assert seen[-1] < whole.time_s
 
 
@@ -60,7 +60,7 @@ def test_a_person_who_plays_is_told_while_playing(tmp_path: Path) -> None:
     with (
         full_disk(),
         pytest.raises(RecordingError, match="incomplete"),
-        open_trial(chosen, device_makers(chosen), record=tmp_path / "run.jsonl") as trial,
+        open_trial(chosen, record=tmp_path / "run.jsonl") as trial,
     ):
         live = LiveTrial(trial, speed=1000.0)
         live.start()

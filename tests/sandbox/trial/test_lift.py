@@ -24,7 +24,6 @@ from sandbox.session.device import Device
 from sandbox.trial.assembly import build
 from sandbox.trial.headless import run_trial
 from sandbox.trial.lift import with_lift
-from sandbox.trial.open_devices import device_makers
 from sandbox.trial.replay import replay
 from sandbox.trial.settings import HandSettings, Settings
 from tasks.box_to_goal import BoxToGoal
@@ -222,7 +221,7 @@ def test_a_task_that_needs_a_lift_control_gets_one_or_says_so(keys: bool) -> Non
 def test_a_run_with_lift_replays_to_the_bit(tmp_path: Path) -> None:
     path = tmp_path / "stack.jsonl"
     chosen = scene_settings(SceneOptions(task="stack", seed=3))
-    result = run_trial(chosen, device_makers(chosen), record=path)
+    result = run_trial(chosen, record=path)
     recording = load_recording(path)
     inputs: Any = recording.inputs[0]
     assert max(i.frame.lift for i in inputs) > 0.3

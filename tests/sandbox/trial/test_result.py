@@ -13,7 +13,6 @@ from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.recording.recording import load_recording
 from sandbox.regress.baseline import Kept
 from sandbox.trial.headless import run_trial
-from sandbox.trial.open_devices import device_makers
 from sandbox.trial.result import KeptIn, TrialResult, fields, kept_fields
 from tasks.score import Status
 
@@ -69,7 +68,7 @@ def test_json_that_is_not_a_result_is_refused_with_its_place(
 def test_the_result_of_a_run_is_the_one_that_its_recording_ends_with(tmp_path: Path) -> None:
     chosen = scene_settings(SceneOptions(task="tests/support/regress_tasks.py:Quick", seed=2))
     path = tmp_path / "trial.jsonl"
-    result = run_trial(chosen, device_makers(chosen), record=path)
+    result = run_trial(chosen, record=path)
     recording = load_recording(path)
     assert recording.end["result"] == json.loads(json.dumps(result.as_json()))
     assert result.fingerprint == recording.header["versions"]["fingerprint"]

@@ -15,7 +15,6 @@ import pytest
 from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.recording.recording import load_recording
 from sandbox.trial.headless import run_trial
-from sandbox.trial.open_devices import device_makers
 from sandbox.trial.replay import replay
 from sandbox.trial.result import TrialResult
 from tests.support.processes import program, until
@@ -23,7 +22,7 @@ from tests.support.processes import program, until
 
 def trial(record: Path | None = None, **options: Any) -> TrialResult:
     chosen = scene_settings(SceneOptions(**options))
-    return run_trial(chosen, device_makers(chosen), record=record)
+    return run_trial(chosen, record=record)
 
 
 def command(*arguments: str, cwd: Path) -> subprocess.CompletedProcess:

@@ -165,7 +165,7 @@ def played(
     seed: int, solid: Literal["fingertips", "hand"] = "fingertips", **options: object
 ) -> bool:
     chosen = scene_settings(SceneOptions(task="chords", seed=seed, solid=solid, **options))  # type: ignore[arg-type]
-    return run_trial(chosen, device_makers(chosen)).success
+    return run_trial(chosen).success
 
 
 @pytest.mark.parametrize("solid", ["fingertips", "hand"])
@@ -191,7 +191,7 @@ def test_who_does_nothing_presses_nothing() -> None:
 def test_a_chord_replays_to_the_bit(tmp_path: Path) -> None:
     path = tmp_path / "chord.jsonl"
     chosen = scene_settings(SceneOptions(task="chords", seed=6_002, solid="hand"))
-    run_trial(chosen, device_makers(chosen), record=path)
+    run_trial(chosen, record=path)
     assert replay(load_recording(path))[1].exact
 
 

@@ -17,7 +17,6 @@ from models.surface import Surface
 from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.trial.driver import open_trial
 from sandbox.trial.headless import run_trial
-from sandbox.trial.open_devices import device_makers
 from sandbox.trial.result import TrialResult
 from tasks.mechanisms.case import CAP, CASE, TRAVEL
 from tasks.mechanisms.close_case import BORDER, GRIP, HELD, SEAM, CloseCase
@@ -31,7 +30,7 @@ AWAY = np.concatenate([[0.0, 0.0, 0.30], np.zeros(45)])
 
 def played(seed: int, **options: Any) -> TrialResult:
     chosen = scene_settings(SceneOptions(task="close-case", seed=seed, **options))
-    return run_trial(chosen, device_makers(chosen))
+    return run_trial(chosen)
 
 
 class Trial:
@@ -107,7 +106,7 @@ def test_two_who_have_swapped_hands_close_it_too() -> None:
 def test_one_simulated_user_alone_does_not_in_twice_the_time(alone: dict[str, Any]) -> None:
     two_need = 6.0
     chosen = scene_settings(SceneOptions(task="close-case", seed=6400, **alone))
-    with open_trial(chosen, device_makers(chosen)) as trial:
+    with open_trial(chosen) as trial:
         trial.run(stop=lambda: trial.session.time > 2.0 * two_need)
         score = trial.session.scorer.score
         assert not score.instant and score.progress < 0.2

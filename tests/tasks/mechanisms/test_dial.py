@@ -17,7 +17,6 @@ from models.scene import Scene, SceneSpec
 from models.surface import Surface
 from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.trial.headless import run_trial
-from sandbox.trial.open_devices import device_makers
 from tasks.guarded import draw_task
 from tasks.mechanisms.dial import BORDER, TORQUE, TURN, Dial
 from tasks.mechanisms.dial_user import WRIST, DialUser, KnobHandling
@@ -149,13 +148,13 @@ def test_a_small_surface_is_refused() -> None:
 @pytest.mark.parametrize("options", [{"solid": "fingertips"}, {"solid": "hand"}])
 def test_the_simulated_user_turns_the_dial_with_several_grasps(options: dict[str, Any]) -> None:
     chosen = scene_settings(SceneOptions(task="dial", seed=6_000, **options))
-    done = run_trial(chosen, device_makers(chosen))
+    done = run_trial(chosen)
     assert done.success and done.final
 
 
 def test_who_does_nothing_turns_nothing() -> None:
     chosen = scene_settings(SceneOptions(task="dial", seed=6_000, user="idle"))
-    assert run_trial(chosen, device_makers(chosen)).progress == 0.0
+    assert run_trial(chosen).progress == 0.0
 
 
 def test_a_larger_knob_and_a_stiffer_one_are_harder_trials_of_the_same_seed() -> None:

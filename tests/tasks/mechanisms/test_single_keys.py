@@ -16,7 +16,6 @@ from models.surface import Surface
 from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.recording.recording import load_recording
 from sandbox.trial.headless import run_trial
-from sandbox.trial.open_devices import device_makers
 from sandbox.trial.replay import replay
 from sandbox.trial.result import TrialResult
 from tasks.guarded import draw_task
@@ -33,7 +32,7 @@ def played(
     seed: int, solid: Literal["fingertips", "hand"] = "hand", **options: object
 ) -> TrialResult:
     chosen = scene_settings(SceneOptions(task="single-keys", seed=seed, solid=solid, **options))  # type: ignore[arg-type]
-    return run_trial(chosen, device_makers(chosen))
+    return run_trial(chosen)
 
 
 @settings(max_examples=20, deadline=None)
@@ -89,5 +88,5 @@ def test_who_does_nothing_gets_nothing() -> None:
 def test_a_single_key_replays_to_the_bit(tmp_path: Path) -> None:
     path = tmp_path / "key.jsonl"
     chosen = scene_settings(SceneOptions(task="single-keys", seed=6_003))
-    run_trial(chosen, device_makers(chosen), record=path)
+    run_trial(chosen, record=path)
     assert replay(load_recording(path))[1].exact

@@ -39,7 +39,7 @@ def test_a_trial_in_a_simulated_headset_is_recorded_and_replays_to_the_bit(
 @pytest.mark.parametrize(("task", "hand"), [("box-to-goal", "left"), ("stack", "right")])
 def test_the_simulated_person_succeeds(task: str, hand: Literal["left", "right"]) -> None:
     chosen = scene_settings(SceneOptions(task=task, device="webxr-simulated", hand=hand))
-    result = run_trial(chosen, device_makers(chosen))
+    result = run_trial(chosen)
     assert result.success, result.reason
 
 
