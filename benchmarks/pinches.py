@@ -18,9 +18,9 @@ from rich.console import Console
 from rich.table import Table
 
 from encoders.capture import Capture
+from encoders.labels.belief import builtin_population_model
 from encoders.labels.labelling import true_row
-from encoders.labels.network_evidence import NetworkEvidence
-from encoders.labels.population_belief import builtin_population_model
+from encoders.labels.pair_network import NetworkEvidence
 from models.arithmetic.arrays import Array
 from training.population import simulate_population
 

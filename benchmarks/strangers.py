@@ -25,9 +25,8 @@ from rich.table import Table
 
 from benchmarks.one_line import run
 from encoders.capture import Capture
-from encoders.labels.belief import BeliefLabels
+from encoders.labels.belief import BeliefLabels, PopulationBelief, builtin_population_belief
 from encoders.labels.own_layouts import OwnLayouts
-from encoders.labels.population_belief import PopulationBelief, builtin_population_belief
 from training.names import train_names
 from training.population import Population, load_population, simulate_population
 from training.population.population import PEOPLE

@@ -14,8 +14,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from encoders.labels.belief import load_population_belief
 from encoders.labels.labelling import true_row
-from encoders.labels.population_belief import load_population_belief
 from encoders.regression.trained import TrainedModel, load_model
 from encoders.store import load_capture
 from models.arithmetic.arrays import Array

@@ -16,8 +16,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from encoders.labels.labelling import hypotheses
-from encoders.labels.layout_density import finger_sets
+from encoders.labels.labelling import finger_sets, hypotheses
 from encoders.labels.pair_network import (
     BIASES,
     CONTACT_FEATURES,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 from encoders.capture import Capture
-from encoders.labels.population_belief import PopulationBelief, from_weights
+from encoders.labels.belief import PopulationBelief, from_weights
 from models.errors import EncoderError
 from training.name_network import DEFAULT, LayoutPool, TrainingSettings, train_network
 from training.population.surface_people import surface_person

@@ -14,8 +14,9 @@ from encoders.capture import Capture
 from encoders.encoder import Encoder
 from encoders.evaluation.methods import EncoderMethod, Method
 from encoders.evaluation.person_model import CANDIDATES, PersonEstimate, person_model
-from encoders.labels.labelling import Labeller, PaperLabels
-from encoders.labels.population_belief import builtin_population_belief
+from encoders.labels.belief import builtin_population_belief
+from encoders.labels.labelling import Labeller
+from encoders.labels.paper import PaperLabels
 from encoders.regression.mean import MeanEncoder
 from encoders.regression.registry import (
     ENCODER_PLUGINS,

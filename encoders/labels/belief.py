@@ -7,8 +7,11 @@ left. So the labeller keeps a belief: a probability for every labelling of the c
 - Contacts stay: frames of one grasp repeat the same evidence, so the belief stays until the layout
   has changed. A hand that turns, opens or pinches shows layouts that a wrong labelling explains
   badly. Such a frame counts with a weight below 1, as its layout still depends on earlier ones.
-- Contacts leave: they are remembered at their last place for a while (see
-  `encoders.labels.recent_liftoffs`); then the belief is summed over their labels.
+- Contacts leave: they are remembered at their last place for a while; then the belief is summed
+  over their labels. When one finger leaves and another comes, two contacts that never touched
+  together belong to one posture: the new finger lands near the place of the old one. So the place
+  of a lifted contact is shifted with the contacts that stayed, until these have moved too far for
+  it to be informative.
 - Contacts come: the belief about the old ones is kept, and the new ones are judged given those, by
   p(all | layout) / p(old | layout). A remembered contact counts as an old one with another finger
   than the new ones, unless it has come back. Old contacts that have moved since their last
@@ -18,59 +21,190 @@ So the belief keeps early mistakes as uncertainty, which later frames can correc
 
 Five contacts are named without error, also of people whom nobody knows. Such layouts are kept, and
 are evidence about fewer fingers (see `encoders.labels.own_layouts`).
+
+The evidence of a frame comes from a network that was trained on simulated people
+(`encoders.labels.pair_network`). `PopulationBelief` stores it, with the weights of the belief.
 """
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping, Sequence
-from functools import partial
+from dataclasses import astuple, dataclass, replace
+from functools import cache, cached_property, partial
+from hashlib import blake2b
+from importlib.resources import files
 from math import exp, expm1, fsum, inf, isfinite, log
-from typing import Protocol
+from pathlib import Path
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from encoders.labels.label_sums import bounded, normalised, rows_of, summed
-from encoders.labels.labelling import Labelling, allowed, arranged, hypotheses
-from encoders.labels.network_evidence import FRESH, NetworkEvidence
-from encoders.labels.own_layouts import OwnLayouts
-from encoders.labels.recent_liftoffs import AT_ONCE, LATER, LiftOff, that_fit
+from encoders.labels.labelling import (
+    LEAST,
+    Labelling,
+    allowed,
+    arranged,
+    bounded,
+    hypotheses,
+    normalised,
+    rows_of,
+    summed,
+)
+from encoders.labels.own_layouts import FAR, MOST, NEW, SHAPE, OwnLayouts
+from encoders.labels.pair_network import (
+    FRESH,
+    LONE_FINGER,
+    USUAL_SETS,
+    NetworkEvidence,
+    PairNetwork,
+)
+from encoders.npz import read_npz, write_npz
 from models.arithmetic import functions
 from models.arithmetic.arrays import Array
+from models.errors import EncoderError
 from models.frames import FINGERS
 from models.surface import METRES_PER_INCH
 
-CERTAIN = 0.99
+_CERTAIN = 0.99
 """Least probability at which a layout of five fingers is kept."""
 
-IMPOSSIBLE = -700.0
+_IMPOSSIBLE = -700.0
 """Log weight of names that a hand cannot have; its exponential is still a number."""
 
 _LOOK_AGAIN = 0.5
 """Share of a layout that must be new before contacts that stay are evaluated again."""
 
+_REACH = 0.02
+"""m, root mean square movement of the contacts that stayed, after which a lifted one is forgotten.
+An assumption: about the distance of two neighbouring fingertips. Time does not count, since
+knowledge about a hand at rest stays valid."""
 
-class BeliefModel(Protocol):
-    """A trained model of the belief over labels.
+_AT_ONCE = 0.05
+"""Probability that a contact which comes in the same frame in which another leaves is the same
+finger. An assumption: a finger cannot do so, but devices sometimes give a contact another id."""
+
+_LATER = 0.3
+"""The same probability for a contact that comes later. An assumption: fingers tap, but they also
+take turns."""
+
+SCHEMA = 1
+"""Version of the file's layout."""
+
+SHARPNESS = dict.fromkeys(range(2, len(FINGERS) + 1), 0.8)
+"""Factors on the network's log probabilities. Of 1, 0.8 and 0.65, this one costs people to choose
+on 0.2 points of names, and their probabilities err by 2.7 points, of 3.3 with 1."""
+
+ETA, STAY = 0.5, 0.3
+"""Weights of new evaluations; see `PopulationBelief`. Chosen on people to choose on, where
+probabilities of the truth hardly depend on them."""
+
+_ASSUMED = {
+    "usual": [[*fingers, odds] for fingers, odds in USUAL_SETS.items()],
+    "lone": list(LONE_FINGER),
+    "fresh": FRESH,
+    "lifted": [_REACH, _AT_ONCE, _LATER],
+    "least": LEAST,
+    "own": [_CERTAIN, MOST, NEW, *FAR, *astuple(SHAPE)],
+}
+"""The constants that affect labels in addition to the file, for digests."""
+
+
+@dataclass(frozen=True)
+class PopulationBelief:
+    """All trained parameters of the belief over labels for any person.
 
     Attributes:
         evidence: Evidence of a single frame.
         eta: Weight of a new evaluation of old contacts that have moved, when others join them; 0 to
             1.
         stay: Weight of a new evaluation of contacts that stay and have moved; 0 to 1.
-        digest: Digest of everything that decides a label.
+        population: Digest of the people it was trained on.
     """
 
-    @property
-    def evidence(self) -> NetworkEvidence: ...
+    evidence: NetworkEvidence
+    eta: float
+    stay: float
+    population: str
 
     @property
-    def eta(self) -> float: ...
+    def header(self) -> dict[str, Any]:
+        """The settings as JSON values."""
+        return {
+            "schema": SCHEMA,
+            "simulated": True,
+            "sharpness": {str(k): v for k, v in self.evidence.sharpness.items()},
+            "eta": self.eta,
+            "stay": self.stay,
+            "population": self.population,
+        }
 
-    @property
-    def stay(self) -> float: ...
+    @cached_property
+    def digest(self) -> str:
+        """BLAKE2b, hexadecimal, of everything that decides a label, with the assumed constants."""
+        known = json.dumps({**self.header, **_ASSUMED}, sort_keys=True)
+        hash_ = blake2b(known.encode(), digest_size=16)
+        for name, array in sorted(self.evidence.network.weights.items()):
+            hash_.update(name.encode() + array.tobytes())
+        return hash_.hexdigest()
 
-    @property
-    def digest(self) -> str: ...
+    def save(self, path: Path) -> None:
+        """Writes the model as npz; weights have half precision, which they were rounded to."""
+        weights = self.evidence.network.weights
+        write_npz(path, self.header, {k: v.astype(np.float16) for k, v in weights.items()})
+
+
+def from_weights(weights: Mapping[str, NDArray[Any]], population: str) -> PopulationBelief:
+    """The belief of a network, whose weights are rounded as its file stores them."""
+    rounded = {k: np.asarray(v, np.float16).astype(float) for k, v in weights.items()}
+    return PopulationBelief(NetworkEvidence(PairNetwork(rounded), SHARPNESS), ETA, STAY, population)
+
+
+def load_population_belief(path: Path) -> PopulationBelief:
+    """Reads a belief.
+
+    Raises:
+        EncoderError: The file is missing, damaged, of another version or breaks its contract.
+    """
+    remedy = "`python -m training names --out FILE` in a checkout makes a valid one"
+    header, arrays = read_npz(path, None, EncoderError, "names for any person", remedy)
+    if header.get("schema") != SCHEMA:
+        raise EncoderError(
+            "the names have another version",
+            where=str(path),
+            got=header.get("schema"),
+            expected=f"schema {SCHEMA}",
+            remedy=remedy,
+        )
+    try:
+        sharpness = {k: float(header["sharpness"][str(k)]) for k in range(2, len(FINGERS) + 1)}
+        eta, stay = float(header["eta"]), float(header["stay"])
+        population = str(header["population"])
+    except (KeyError, TypeError, ValueError) as error:
+        raise EncoderError(
+            "not names for any person, or they are damaged",
+            where=str(path),
+            got=f"{type(error).__name__}: {error}",
+            remedy=remedy,
+        ) from error
+    weights = {name: array.astype(float) for name, array in arrays.items()}
+    return PopulationBelief(NetworkEvidence(PairNetwork(weights), sharpness), eta, stay, population)
+
+
+@cache
+def builtin_population_model() -> PopulationBelief:
+    """The model trained on the population."""
+    return load_population_belief(Path(str(files("encoders") / "data" / "names.npz")))
+
+
+def builtin_population_belief(known: OwnLayouts | None = None) -> BeliefLabels:
+    """The belief trained on the population, without contacts.
+
+    Args:
+        known: The person's own layouts of five fingers, where some are known.
+    """
+    return BeliefLabels(builtin_population_model(), known, learns=True)
 
 
 class BeliefLabels:
@@ -93,7 +227,7 @@ class BeliefLabels:
     remembers = True
 
     def __init__(
-        self, trained: BeliefModel, known: OwnLayouts | None = None, learns: bool = False
+        self, trained: PopulationBelief, known: OwnLayouts | None = None, learns: bool = False
     ) -> None:
         self.trained = trained
         self.evidence = trained.evidence
@@ -110,7 +244,7 @@ class BeliefLabels:
     def reset(self) -> None:
         """Forgets all contacts."""
         self._ids: tuple[int, ...] = ()
-        self._lifted: tuple[LiftOff, ...] = ()
+        self._lifted: tuple[_LiftOff, ...] = ()
         # Over labellings of the ids, then of the recent lift-offs.
         self._joint: Array = np.zeros(1)
         self._belief: Array = np.zeros(1)
@@ -157,12 +291,12 @@ class BeliefLabels:
         if not count <= self.fingers < len(FINGERS):
             return self._belief
         lacking = (hypotheses(count) >= self.fingers).any(axis=1)
-        return normalised(np.where(lacking, IMPOSSIBLE, self._belief))
+        return normalised(np.where(lacking, _IMPOSSIBLE, self._belief))
 
     def _learn(self, ids: tuple[int, ...], xy: Array) -> None:
         """Keeps a layout of five fingers whose names are certain, whatever the fixed labels say."""
         best = int(np.argmax(self._belief))
-        if self._belief[best] >= log(CERTAIN):
+        if self._belief[best] >= log(_CERTAIN):
             order = np.argsort(hypotheses(len(ids))[best])
             self.own = self.own.with_new(xy[order])
 
@@ -214,13 +348,13 @@ class BeliefLabels:
             self._carry_on(ids, lifted)
         self._belief = summed(self._joint, len(ids) + len(self._lifted), range(len(ids)))
 
-    def _lifted_now(self, stayed: tuple[int, ...], now: dict[int, Array]) -> dict[int, LiftOff]:
+    def _lifted_now(self, stayed: tuple[int, ...], now: dict[int, Array]) -> dict[int, _LiftOff]:
         """Recent lift-offs by their index in the belief so far."""
         before = self._places
         shift = np.mean([now[i] - before[i] for i in stayed], axis=0)
         since = {i: before[i] for i in stayed}
         lifted = {
-            at: LiftOff(before[i] + shift, self._looked[i], since)
+            at: _LiftOff(before[i] + shift, self._looked[i], since)
             for at, i in enumerate(self._ids)
             if i not in now
         }
@@ -228,12 +362,12 @@ class BeliefLabels:
             lifted[at] = contact.carried(shift)
         return {at: contact for at, contact in lifted.items() if contact.remembered(now)}
 
-    def _believed(self, stayed: tuple[int, ...], lifted: Mapping[int, LiftOff]) -> Array:
+    def _believed(self, stayed: tuple[int, ...], lifted: Mapping[int, _LiftOff]) -> Array:
         """The belief so far about contacts that stayed and some recent lift-offs, in this order."""
         places = (*(self._ids.index(i) for i in stayed), *lifted)
         return summed(self._joint, len(self._ids) + len(self._lifted), places)
 
-    def _carry_on(self, ids: tuple[int, ...], lifted: Mapping[int, LiftOff]) -> None:
+    def _carry_on(self, ids: tuple[int, ...], lifted: Mapping[int, _LiftOff]) -> None:
         joint = bounded(self._believed(ids, lifted)) if self._changed(ids, lifted) else self._joint
         self._ids, self._lifted = ids, tuple(lifted.values())
         if len(ids) < 2 or not self.trained.stay:
@@ -249,7 +383,7 @@ class BeliefLabels:
             self._lifted = tuple(contact.seen() for contact in self._lifted)
         self._joint = joint
 
-    def _changed(self, ids: tuple[int, ...], lifted: Mapping[int, LiftOff]) -> bool:
+    def _changed(self, ids: tuple[int, ...], lifted: Mapping[int, _LiftOff]) -> bool:
         return ids != self._ids or len(lifted) != len(self._lifted)
 
     def _judge_new(
@@ -257,9 +391,9 @@ class BeliefLabels:
         ids: tuple[int, ...],
         stayed: tuple[int, ...],
         came: tuple[int, ...],
-        lifted: Mapping[int, LiftOff],
+        lifted: Mapping[int, _LiftOff],
     ) -> None:
-        others = that_fit(lifted, len(FINGERS) - len(ids))
+        others = _that_fit(lifted, len(FINGERS) - len(ids))
         count = len(ids) + len(others)
         joint = self._grown(stayed, {}, came)
         if others:
@@ -268,14 +402,14 @@ class BeliefLabels:
             apart = summed(apart, count, touching)
             # Both lack the density of their layouts, so that only shares can be compared.
             apart, joint = normalised(apart), normalised(joint)
-            back = AT_ONCE if any(contact.just for contact in others.values()) else LATER
+            back = _AT_ONCE if any(contact.just for contact in others.values()) else _LATER
             joint = functions.log_sum_exp(log(1.0 - back) + apart, log(back) + joint)
         here = (*stayed, *came)
         self._joint = bounded(summed(joint, len(ids), [here.index(i) for i in ids]))
         self._ids, self._lifted, self._looked = ids, (), self._places
 
     def _grown(
-        self, stayed: tuple[int, ...], lifted: Mapping[int, LiftOff], came: tuple[int, ...]
+        self, stayed: tuple[int, ...], lifted: Mapping[int, _LiftOff], came: tuple[int, ...]
     ) -> Array:
         """Log weights of labellings of contacts that stayed, that lifted, and that came.
 
@@ -324,3 +458,45 @@ def _marginals(ids: tuple[int, ...], belief: Array) -> dict[int, Array]:
         contact: np.bincount(labels[:, place], probability, len(FINGERS)).astype(float)
         for place, contact in enumerate(ids)
     }
+
+
+@dataclass(frozen=True)
+class _LiftOff:
+    """A contact that was lifted recently.
+
+    Attributes:
+        place: (2,) m on the surface, its last place, shifted with the contacts that stayed.
+        looked: (2,) m, its place when the layout was last evaluated.
+        since: Positions (2,) m of the contacts that stayed, by id, at the time when it left.
+        just: True if it has left since the last frame.
+    """
+
+    place: Array
+    looked: Array
+    since: Mapping[int, Array]
+    just: bool = True
+
+    def carried(self, shift: Array) -> _LiftOff:
+        """The lift-off, shifted with the others by (2,) m."""
+        return replace(self, place=self.place + shift, just=False)
+
+    def seen(self) -> _LiftOff:
+        """The lift-off after another evaluation of the layout."""
+        return replace(self, looked=self.place)
+
+    def remembered(self, now: Mapping[int, Array]) -> bool:
+        """True if its place is still informative, given the contacts' current positions."""
+        ways = [now[i] - place for i, place in self.since.items() if i in now]
+        return bool(ways) and float(np.mean(np.square(ways).sum(axis=1))) <= _REACH**2
+
+
+def _that_fit(lifted: Mapping[int, _LiftOff], room: int) -> Mapping[int, _LiftOff]:
+    """Chooses the lift-offs that can all be other fingers than those that touch.
+
+    Args:
+        lifted: Recent lift-offs, under any keys.
+        room: Number of fingers that do not touch.
+    """
+    if len(lifted) > room:
+        lifted = {key: contact for key, contact in lifted.items() if contact.just}
+    return lifted if len(lifted) <= room else {}

@@ -1,43 +1,34 @@
-"""Contract of labellers, enumeration of labellings, and the paper's labelling rule.
+"""Contract of labellers, the labellings that they choose from, and log weights over these.
 
 k contacts can be labelled in P(5, k) = 5! / (5 - k)! ways: 5, 20, 60, 120, 120 for 1 to 5 contacts.
-A labeller chooses one of them. `PaperLabels` does it as section 2 of Chung, Kim, Han and Pollard
-(2015) says: reconstruct the hand for every labelling, and take the one whose reconstruction lies
-closest to some pose of the training data.
+A labeller chooses one of them: by a belief over all (`encoders.labels.belief`), or by the paper's
+rule (`encoders.labels.paper`).
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache, cached_property
-from itertools import permutations
+from itertools import combinations, permutations
+from math import fsum, log
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from encoders.input_vector import CONTACT_VECTOR_SIZE, LIFTED, leftmost
-from encoders.labels.nearest_neighbour import NearestNeighbour
-from encoders.regression.trained import TrainedModel
+from models.arithmetic import functions
 from models.arithmetic.arrays import Array
-from models.arithmetic.products import matrix_product
 from models.errors import EncoderError
 from models.frames import FINGERS
-from models.pose import JOINTS
-from models.surface import METRES_PER_INCH
 
 Labels = NDArray[np.int64]
 
-INDEX = 1
-"""The index finger's label."""
+LEAST = 1e-7
+"""Lower bound of a labelling's probability, so that every mistake can be corrected."""
 
-METRICS = ("joints", "pose", "mahalanobis", "touches")
-"""Metrics of `PaperLabels` for the distance between a reconstruction and a training frame."""
-
-_FLAG_SCALE = 20.0
-"""inches, weight of a contact flag in the metric `touches`: more than the length of a hand, so that
-layouts of the same fingers are always closer than layouts of other fingers."""
+_NEVER = 1e-300
+"""Stands for the probability 0 in logarithms."""
 
 
 @dataclass(frozen=True)
@@ -121,6 +112,20 @@ def true_row(fingers: NDArray[np.intp]) -> int:
     return int(np.flatnonzero((hypotheses(len(fingers)) == fingers).all(axis=1))[0])
 
 
+@cache
+def finger_sets(count: int) -> tuple[tuple[int, ...], ...]:
+    """All sets of `count` fingers, in lexicographic order."""
+    return tuple(combinations(range(len(FINGERS)), count))
+
+
+@cache
+def set_of_labelling(count: int) -> NDArray[np.intp]:
+    """Index (P,) in `finger_sets(count)` of the fingers of every labelling of
+    `hypotheses(count)`."""
+    number = {fingers: i for i, fingers in enumerate(finger_sets(count))}
+    return np.array([number[tuple(sorted(row))] for row in hypotheses(count).tolist()], np.intp)
+
+
 def arranged(
     contacts: Mapping[int, tuple[float, float]], fixed: Mapping[int, int]
 ) -> tuple[tuple[int, ...], Array]:
@@ -163,94 +168,44 @@ def allowed(ids: tuple[int, ...], fixed: Mapping[int, int]) -> NDArray[np.bool_]
     return keeps
 
 
-def labelled_contact_vectors(xy: Array, labels: Labels) -> Array:
-    """Contact vectors (P, 15) of the same contacts under many labellings.
+@cache
+def rows_of(count: int, places: tuple[int, ...]) -> NDArray[np.intp]:
+    """Row (P,) in `hypotheses(len(places))` with the same labels of the contacts at these places,
+    for every labelling of `count` contacts."""
+    if not places:
+        return np.zeros(len(hypotheses(count)), np.intp)
+    weights = len(FINGERS) ** np.arange(len(places))
+    row_of = np.full(int(weights[-1]) * len(FINGERS), -1, np.intp)
+    row_of[hypotheses(len(places)) @ weights] = np.arange(
+        len(hypotheses(len(places)))
+    )  # any order: whole numbers
+    return row_of[hypotheses(count)[:, list(places)] @ weights]  # any order: whole numbers
+
+
+def summed(log_weights: Array, count: int, places: Sequence[int]) -> Array:
+    """Sums log weights of labellings over the labels of the contacts that are dropped.
 
     Args:
-        xy: (k, 2) m on the surface.
-        labels: (P, k) finger of every contact in every labelling.
+        log_weights: (P,) log weights of the labellings of `count` contacts.
+        count: Number of contacts.
+        places: Indices of the contacts to keep, in their new order.
     """
-    relative = (xy - xy[leftmost(xy)]) / METRES_PER_INCH
-    U = np.full((len(labels), CONTACT_VECTOR_SIZE), LIFTED)
-    U[:, 2 * len(FINGERS) :] = 0.0
-    rows = np.arange(len(labels))[:, None]
-    U[rows, 2 * labels] = relative[:, 0]
-    U[rows, 2 * labels + 1] = relative[:, 1]
-    U[rows, 2 * len(FINGERS) + labels] = 1.0
-    return U
+    if tuple(places) == tuple(range(count)):
+        return log_weights
+    if not places:
+        return np.zeros(1)
+    highest = log_weights.max()
+    rows = rows_of(count, tuple(places))
+    sums = np.bincount(rows, functions.exp(log_weights - highest), len(hypotheses(len(places))))
+    return np.asarray(highest + functions.log(np.maximum(sums, _NEVER)))
 
 
-class PaperLabels:
-    """The paper's rule: the labelling whose reconstruction has the closest training pose.
-
-    The search is exact and without history. The reported probability is always 1. The paper has no
-    rule for a single contact, which has no layout and does not occur in its data. Here it is
-    labelled as the index finger.
-
-    Args:
-        model: Trained encoder and its training frames.
-        metric: Distance between poses; the paper does not say which. `joints`: Euclidean over the
-            42 ball joint components in degrees. `pose`: all 48, centimetres and degrees.
-            `mahalanobis`: all 48, by the covariance of the training poses. `touches`: not poses,
-            but contact vectors in inches, compared with training frames of the same fingers; the
-            paper's rule for inverse kinematics (its section 3).
-
-    Raises:
-        EncoderError: The metric is unknown.
-    """
-
-    remembers = False
-
-    def __init__(self, model: TrainedModel, metric: str = "joints") -> None:
-        if metric not in METRICS:
-            raise EncoderError("no such metric", got=metric, expected=", ".join(METRICS))
-        self.metric = metric
-        self._poses = model.encoder.for_contacts()
-        if metric == "touches":
-            self._map = np.diag(np.repeat([1.0, _FLAG_SCALE], [2 * len(FINGERS), len(FINGERS)]))
-            frames = np.asarray(model.training_u, float)
-        else:
-            frames = np.asarray(model.training_pose, float)
-            self._map = _pose_map(metric, frames)
-        self._search = NearestNeighbour(matrix_product(frames, self._map))
-
-    def assign(
-        self, contacts: Mapping[int, tuple[float, float]], fixed: Mapping[int, int]
-    ) -> Labelling:
-        """See `Labeller.assign`."""
-        ids, xy = arranged(contacts, fixed)
-        if len(ids) == 1:
-            return Labelling({ids[0]: fixed.get(ids[0], INDEX)}, 1.0)
-        labels = hypotheses(len(ids))
-        if fixed:
-            labels = labels[allowed(ids, fixed)]
-        chosen = labels[self._closest(xy, labels)]
-        return Labelling(dict(zip(ids, chosen.tolist(), strict=True)), 1.0)
-
-    def reset(self) -> None:
-        """Does nothing: the rule has no history."""
-
-    def restart(self) -> None:
-        """Does nothing, likewise."""
-
-    def _closest(self, xy: Array, labels: Labels) -> int:
-        U = labelled_contact_vectors(xy, labels)
-        guesses = U if self.metric == "touches" else self._poses.predict(U)
-        return self._search.closest(matrix_product(guesses, self._map)).query
+def normalised(log_weights: Array) -> Array:
+    """Normalises logarithms of weights (P,) to logarithms of probabilities that sum to 1."""
+    shifted = log_weights - log_weights.max()
+    return shifted - log(fsum(functions.exp(shifted).tolist()))
 
 
-def _pose_map(metric: str, frames: Array) -> Array:
-    """Matrix (48, d) that turns a metric of poses into the Euclidean distance."""
-    width = frames.shape[1]
-    if metric == "mahalanobis":
-        covariance = np.cov(frames, rowvar=False)
-        # A tiny share of the mean variance limits the weight of components that never vary.
-        covariance[np.diag_indices(width)] += 1e-9 * np.trace(covariance) / width
-        lower: Array = np.linalg.cholesky(
-            np.linalg.inv(covariance)
-        )  # any order: an option of evaluations
-        return lower
-    scale = np.full(width, np.rad2deg(1.0))
-    scale[:3] = 100.0
-    identity = np.diag(scale)
-    return identity[:, JOINTS] if metric == "joints" else identity
+def bounded(log_weights: Array) -> Array:
+    """Limits log probabilities to the lower bound, and normalises them."""
+    return normalised(np.maximum(normalised(log_weights), log(LEAST)))

@@ -9,9 +9,8 @@ from dataclasses import replace
 from typing import Any
 
 from encoders.correction import CorrectionSettings
-from encoders.labels.belief import BeliefLabels
-from encoders.labels.labelling import Labeller, PaperLabels
-from encoders.labels.population_belief import builtin_population_belief
+from encoders.labels.belief import BeliefLabels, builtin_population_belief
+from encoders.labels.labelling import Labeller
 from encoders.person.yaw_range import YawMonitor, YawRange
 from encoders.reconstruction.arrival import ArrivalSettings
 from encoders.reconstruction.contact_tracker import TrackerSettings
@@ -134,7 +133,12 @@ def make_labeller(
         model: The encoder's model.
         hand: The hand whose known layouts are used; None uses none.
     """
-    return _belief(settings, hand) or PaperLabels(model)
+    belief = _belief(settings, hand)
+    if belief is not None:
+        return belief
+    from encoders.labels.paper import PaperLabels
+
+    return PaperLabels(model)
 
 
 def _belief(settings: Settings, hand: HandSettings | None = None) -> BeliefLabels | None:

@@ -9,7 +9,7 @@ from hypothesis.extra import numpy as hnp
 
 from encoders.correction import CorrectionSettings, FingertipCorrection
 from encoders.input_vector import contact_vector
-from encoders.labels.population_belief import builtin_population_belief
+from encoders.labels.belief import builtin_population_belief
 from encoders.regression.trained import builtin
 from encoders.smoothing import common_motion, rigid_motion
 from models.arithmetic.arrays import Array

@@ -7,8 +7,7 @@ import pytest
 from numpy.typing import NDArray
 
 from encoders.labels.labelling import hypotheses
-from encoders.labels.network_evidence import NetworkEvidence
-from encoders.labels.pair_network import PairNetwork
+from encoders.labels.pair_network import NetworkEvidence, PairNetwork
 from training.name_network import initial_weights, loss_and_slopes
 
 SIZES = {"g": 7, "context": 5, "f": 9, "h": 6}

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from encoders.labels.population_belief import builtin_population_model, from_weights
+from encoders.labels.belief import builtin_population_model, from_weights
 from encoders.regression.trained import builtin, builtin_capture, save_model, train
 from encoders.store import save_capture
 from training.cli.main import COMMANDS, main

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from encoders.evaluation.person_model import PersonEstimate, estimated
-from encoders.labels.population_belief import builtin_population_belief
+from encoders.labels.belief import builtin_population_belief
 from encoders.regression.trained import builtin
 from training.population import simulate_population
 from training.pose import at_trained_size

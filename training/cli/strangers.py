@@ -16,8 +16,7 @@ from rich.table import Table
 from encoders.capture import Capture
 from encoders.evaluation.report import plain
 from encoders.evaluation.subjects import TRAINING_DAY
-from encoders.labels.belief import BeliefLabels
-from encoders.labels.population_belief import builtin_population_belief
+from encoders.labels.belief import BeliefLabels, builtin_population_belief
 from encoders.person.rest_posture import MOST, Looks, knowing_rest, looks_of
 from encoders.regression.trained import POPULATION, TrainedModel, builtin
 from models.errors import InputError

@@ -13,7 +13,7 @@ from cyclopts import Parameter
 from rich.console import Console
 from rich.markup import escape
 
-from encoders.labels.population_belief import builtin_population_belief
+from encoders.labels.belief import builtin_population_belief
 from encoders.person.hand_size import SPREADS, HandSize, builtin_sizes
 from encoders.person.rest_posture import load_rest, read_rest
 from encoders.person.spreads import SpreadCollector

@@ -23,8 +23,9 @@ from encoders.evaluation.report import plain, report
 from encoders.evaluation.smoothness import smoothness
 from encoders.evaluation.subjects import first_subject
 from encoders.evaluation.training import NAMES, TRAINED, Training, check_names
-from encoders.labels.labelling import Labelling, PaperLabels
-from encoders.labels.population_belief import builtin_population_belief
+from encoders.labels.belief import builtin_population_belief
+from encoders.labels.labelling import Labelling
+from encoders.labels.paper import PaperLabels
 from encoders.regression.polynomial import LinearEncoder
 from encoders.regression.trained import TrainedModel, builtin, builtin_capture, save_model
 from models.arithmetic.arrays import Array

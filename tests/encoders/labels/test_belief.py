@@ -7,9 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from encoders.labels.belief import BeliefLabels, _marginals
+from encoders.labels.belief import BeliefLabels, _marginals, builtin_population_model
 from encoders.labels.labelling import Labelling, hypotheses
-from encoders.labels.population_belief import builtin_population_model
 from encoders.regression.trained import builtin_capture
 
 Contacts = dict[int, tuple[float, float]]

@@ -1,13 +1,26 @@
-"""Layouts of a person's five fingers: what is kept, and what it tells about fewer fingers."""
+"""Layouts of a person's five fingers are evidence about fewer fingers, by their density."""
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.linalg import null_space
+from scipy.special import logsumexp
+from scipy.stats import multivariate_normal
 
-from encoders.labels.labelling import hypotheses, true_row
-from encoders.labels.own_layouts import MOST, OwnLayouts
+from encoders.labels.labelling import finger_sets, hypotheses, true_row
+from encoders.labels.own_layouts import MOST, KernelShape, LayoutDensity, Layouts, OwnLayouts
 from models.arithmetic.arrays import Array
 from models.errors import EncoderError
+from models.surface import METRES_PER_INCH
 
+COUNTS = st.integers(2, 5)
+SHAPES = st.builds(
+    KernelShape,
+    width=st.floats(0.05, 1.0),
+    turn=st.floats(0.0, 0.5),
+    size=st.floats(0.0, 0.5),
+)
 HAND = 1e-3 * np.array([[0, 0], [35, -42], [60, -55], [83, -48], [104, -26]])
 
 
@@ -56,3 +69,76 @@ def test_a_layout_of_the_other_hand_is_not_kept() -> None:
     own = OwnLayouts(HAND[None])
     assert own.with_new(HAND * [-1.2, 1.2]) is own
     assert len(own.with_new(HAND * 1.2)) == 2
+
+
+def some_layouts(count: int, rng: np.random.Generator) -> Layouts:
+    parts = rng.normal(0, 1.5, (2, len(finger_sets(count)), 3, count))
+    z = parts[0] + 1j * parts[1]
+    return z - z.mean(axis=2, keepdims=True)
+
+
+def by_definition(z: np.ndarray, layouts: Layouts, shape: KernelShape, count: int) -> np.ndarray:
+    """Every labelling's density as a sum of normal densities of real vectors without a middle."""
+    middle = np.zeros((2, 2 * count))
+    middle[0, :count] = middle[1, count:] = 1.0
+    basis = null_space(middle)
+    found = []
+    for labels in hypotheses(count):
+        order = np.argsort(labels)
+        number = finger_sets(count).index(tuple(np.sort(labels)))
+        x = np.concatenate([z[order].real, z[order].imag]) @ basis
+        kernels = []
+        for layout in layouts[number]:
+            size = np.concatenate([layout.real, layout.imag]) @ basis
+            turn = np.concatenate([-layout.imag, layout.real]) @ basis
+            covariance = (
+                shape.width**2 * np.eye(len(x))
+                + shape.size**2 * np.outer(size, size)
+                + shape.turn**2 * np.outer(turn, turn)
+            )
+            kernels.append(multivariate_normal.logpdf(x, size, covariance))
+        found.append(logsumexp(kernels) - np.log(len(kernels)))
+    return np.array(found)
+
+
+@given(seed=st.integers(0, 2**32 - 1), count=COUNTS, shape=SHAPES)
+def test_it_is_a_sum_of_normal_densities_stretched_along_turn_and_size(
+    seed: int, count: int, shape: KernelShape
+) -> None:
+    rng = np.random.default_rng(seed)
+    layouts = some_layouts(count, rng)
+    # Near one of them, so that the comparison is about numbers that matter.
+    z = layouts[0, 0] + shape.width * (rng.normal(size=count) + 1j * rng.normal(size=count))
+    xy = np.column_stack([z.real, z.imag]) * METRES_PER_INCH
+    found = LayoutDensity(layouts, shape).log_density(xy)
+    expected = by_definition(z, layouts, shape, count)
+    # Single precision spends its seven digits on the largest of the terms that cancel.
+    largest = np.sum(np.abs(layouts) ** 2, axis=2).max()
+    scale = 1.0 + (np.sum(np.abs(z) ** 2) + largest) / shape.width**2
+    assert found == pytest.approx(expected, rel=1e-4, abs=1e-5 * scale)
+
+
+@given(
+    seed=st.integers(0, 2**32 - 1),
+    count=COUNTS,
+    shift=st.tuples(st.floats(-0.5, 0.5), st.floats(-0.5, 0.5)),
+)
+def test_where_on_the_surface_the_hand_is_does_not_matter(
+    seed: int, count: int, shift: tuple[float, float]
+) -> None:
+    rng = np.random.default_rng(seed)
+    density = LayoutDensity(some_layouts(count, rng), KernelShape())
+    xy = rng.uniform(0, 0.1, (count, 2))
+    here, there = density.log_density(xy), density.log_density(xy + np.array(shift))
+    assert there == pytest.approx(here, rel=1e-4, abs=1e-2)
+
+
+@given(seed=st.integers(0, 2**32 - 1), count=COUNTS)
+def test_contacts_in_another_order_have_their_labels_in_that_order(seed: int, count: int) -> None:
+    rng = np.random.default_rng(seed)
+    density = LayoutDensity(some_layouts(count, rng), KernelShape())
+    xy, order = rng.uniform(0, 0.1, (count, 2)), rng.permutation(count)
+    row_of = {tuple(labels): row for row, labels in enumerate(hypotheses(count).tolist())}
+    moved = [row_of[tuple(labels[order])] for labels in hypotheses(count)]
+    found = density.log_density(xy[order])[moved]
+    assert found == pytest.approx(density.log_density(xy), rel=1e-4, abs=1e-2)

@@ -8,14 +8,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
+from encoders.labels.belief import builtin_population_belief, from_weights, load_population_belief
 from encoders.labels.labelling import allowed, hypotheses
-from encoders.labels.network_evidence import NetworkEvidence, set_prior
-from encoders.labels.pair_network import PairNetwork
-from encoders.labels.population_belief import (
-    builtin_population_belief,
-    from_weights,
-    load_population_belief,
-)
+from encoders.labels.pair_network import NetworkEvidence, PairNetwork, set_prior
 from models.errors import EncoderError
 from training.name_network import initial_weights
 

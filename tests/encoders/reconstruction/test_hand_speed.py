@@ -6,7 +6,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from encoders.labels.population_belief import builtin_population_belief
+from encoders.labels.belief import builtin_population_belief
 from encoders.reconstruction.arrival import Phase
 from encoders.reconstruction.touch_reconstructor import ReconstructorSettings, TouchReconstructor
 from encoders.regression.trained import builtin
