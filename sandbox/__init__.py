@@ -136,12 +136,11 @@ from models import lazy_names  # noqa: E402
 
 if TYPE_CHECKING:
     from sandbox.devices.check_device import check_device
-    from sandbox.devices.touch_device import TouchDevice
+    from sandbox.devices.device import Device, HandDevice, TouchDevice
     from sandbox.library.motion import export_motion
     from sandbox.library.trajectories import Trajectories
     from sandbox.library.trial_run import TrialRun, replay_recording, run_trial
     from sandbox.recording.recording import Recording, load_recording
-    from sandbox.session.device import Device, HandDevice
     from sandbox.session.messages import Snapshot
     from sandbox.session.session import Session
     from sandbox.trial.settings import Settings
@@ -149,13 +148,13 @@ else:
     __getattr__ = lazy_names(
         __name__,
         {
-            "Device": "sandbox.session.device",
-            "HandDevice": "sandbox.session.device",
+            "Device": "sandbox.devices.device",
+            "HandDevice": "sandbox.devices.device",
             "Recording": "sandbox.recording.recording",
             "Settings": "sandbox.trial.settings",
             "Session": "sandbox.session.session",
             "Snapshot": "sandbox.session.messages",
-            "TouchDevice": "sandbox.devices.touch_device",
+            "TouchDevice": "sandbox.devices.device",
             "Trajectories": "sandbox.library.trajectories",
             "TrialRun": "sandbox.library.trial_run",
             "check_device": "sandbox.devices.check_device",

@@ -20,10 +20,10 @@ from sandbox.cli.common.json_out import TERMINAL, check_output, refuse_same, wri
 from sandbox.cli.common.lsl_options import LslOptions, streaming
 from sandbox.cli.common.notices import NoticePrinter, address_line
 from sandbox.cli.common.printing import printing
+from sandbox.devices.device import Device
 from sandbox.options.headings import COMMON, OUTPUT
 from sandbox.options.names import check_names
 from sandbox.options.scene_options import SceneOptions, check_labels, scene_settings
-from sandbox.session.device import Device
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
 from sandbox.system.ending import ending_as_by_ctrl_c

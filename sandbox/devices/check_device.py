@@ -19,10 +19,10 @@ from models.errors import DeviceError
 from models.frames import Frame, HandFrame, LandmarkFrame, TouchFrame
 from models.plugins import failure
 from models.surface import Surface
+from sandbox.devices.device import AnyDevice
 from sandbox.devices.registry import open_by_name
 from sandbox.devices.wrappers.adapted import adapted
 from sandbox.devices.wrappers.guarded import far_off, is_far_off
-from sandbox.session.device import AnyDevice
 
 T = TypeVar("T")
 

@@ -27,7 +27,7 @@ from models.person import Person, PersonFrame
 from models.pose import POSE_SIZE
 from models.skeleton import ADULT
 from models.surface import Surface
-from sandbox.session.device import Device
+from sandbox.devices.device import Device
 
 if TYPE_CHECKING:
     from sandbox.trial.device_makers import DeviceMaker

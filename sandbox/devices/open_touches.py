@@ -10,6 +10,7 @@ from typing import Any
 from models.errors import DeviceError, RecordingError, unknown_name
 from models.json_input import decoded_record
 from models.surface import Surface, parse_surface
+from sandbox.devices.device import Device
 from sandbox.devices.device_settings import DeviceSettings
 from sandbox.devices.evdev.evdev_device import EvdevDevice, evdev_surface, open_node
 from sandbox.devices.files.frame_file import FramesDevice, read_frame_file
@@ -18,7 +19,6 @@ from sandbox.devices.tuio.options import STALE_AFTER
 from sandbox.devices.tuio.touch_capture import CaptureDevice, read_capture
 from sandbox.devices.tuio.tuio import Tap, TuioDevice
 from sandbox.recording import recording_file
-from sandbox.session.device import Device
 
 SERVED = ("web",)
 """Built-in devices that are opened by the page server."""

@@ -23,7 +23,7 @@ from typing import Any
 from models.errors import DeviceError
 from models.plugins import PluginKind, imported
 from models.surface import Surface
-from sandbox.session.device import AnyDevice, Device
+from sandbox.devices.device import AnyDevice, Device
 
 DEVICE_PLUGINS: PluginKind[Any] = PluginKind(
     "device", "hand_sandbox.devices", DeviceError, takes_argument=True, verb="opened"

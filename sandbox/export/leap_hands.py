@@ -17,8 +17,8 @@ from models.limits import RateLimit
 from models.motion.armature import Armature
 from models.person import Person
 from models.skeleton import ADULT
+from sandbox.devices.device import HandDevice
 from sandbox.devices.leap.shared_leap import SharedLeap
-from sandbox.session.device import HandDevice
 
 STRAIGHT = HandReconstructorSettings(
     device=(0.0, 0.0, 0.0), rate=RateLimit(inf, inf), rise=0.0, rise_speed=0.0, floor=-inf

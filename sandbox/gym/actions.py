@@ -17,8 +17,8 @@ from models.pose import JOINTS, POSE_SIZE, ROOT_POSITION, ROOT_ROTATION
 from models.rotations import exp
 from models.skeleton import Skeleton
 from models.surface import Surface
+from sandbox.devices.device import Device
 from sandbox.gym.options import EnvOptions
-from sandbox.session.device import Device
 from sandbox.session.messages import HandView
 
 SLOTS = len(FINGERS)

@@ -18,13 +18,13 @@ from threadpoolctl import threadpool_limits
 from models.errors import InputError
 from models.json_input import checked
 from models.surface import Surface
+from sandbox.devices.device import Device
 from sandbox.devices.device_settings import DeviceSettings
 from sandbox.devices.options import PlayedOptions
 from sandbox.devices.wrappers.adapted import adapted
 from sandbox.library.trajectories import Trajectories, TrajectoryView
 from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.recording.recording import load_recording
-from sandbox.session.device import Device
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
 from sandbox.trial.device_makers import DeviceMaker

@@ -7,8 +7,8 @@ from typing import Any
 
 from models.errors import RecordingError
 from models.scene import CONTROL_PERIOD
+from sandbox.devices.device import Device
 from sandbox.recording.recording import Recording
-from sandbox.session.device import Device
 from sandbox.trial.recorded_settings import recorded_settings
 
 

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING
 
 from models.frames import Contact, TouchFrame
 from models.surface import METRES_PER_INCH, Surface
+from sandbox.devices.device import Device
 from sandbox.server.page_device import PageDevice
 from sandbox.server.protocol.protocol import PageHands, PageScreen, PageTouches
-from sandbox.session.device import Device
 from sandbox.session.latency import LatencyLog
 
 if TYPE_CHECKING:

@@ -9,7 +9,7 @@ from encoders.reconstruction.reconstructor import AirReconstructor
 from models.person import Person
 from models.pose import mirrored
 from models.skeleton import ADULT
-from sandbox.session.device import AnyDevice
+from sandbox.devices.device import AnyDevice
 from sandbox.session.latest_frame import LatestFrame
 
 

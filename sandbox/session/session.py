@@ -27,9 +27,9 @@ from models.message import Message
 from models.scene import StillPoses
 from models.scene_hand import SceneHand
 from models.surface import Surface, enclosing
+from sandbox.devices.device import AnyDevice
 from sandbox.session.collision_gating import CollisionGate, CollisionGatingRules
 from sandbox.session.contact_modes import ContactMode, ContactModes, contact_mode
-from sandbox.session.device import AnyDevice
 from sandbox.session.divergence import command_error, state_error
 from sandbox.session.finger_loads import FingerLoads, HandLoad
 from sandbox.session.fingertip_leading import FingertipLeading

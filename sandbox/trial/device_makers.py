@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 from models.errors import InputError
 from models.surface import Surface
-from sandbox.session.device import Device
+from sandbox.devices.device import Device
 from sandbox.trial.settings import Settings
 from sandbox.trial.surfaces import homes
 from tasks.task import Task

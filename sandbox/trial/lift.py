@@ -6,8 +6,8 @@ from functools import partial
 
 from models.errors import InputError
 from models.surface import Surface
+from sandbox.devices.device import Device
 from sandbox.devices.wrappers.lift_keys import LiftKeys
-from sandbox.session.device import Device
 from sandbox.trial.device_makers import DeviceMaker, DeviceMakers
 from sandbox.trial.settings import Settings
 from tasks.registry import find_task

@@ -9,12 +9,12 @@ from pathlib import Path
 from models.errors import unknown_name
 from models.plugins import imported
 from models.surface import Surface
+from sandbox.devices.device import Device
 from sandbox.devices.device_settings import DeviceSettings
 from sandbox.devices.kinds import DeviceKind, is_in_air, kind_of
 from sandbox.devices.registry import DEVICES, OWN_DEVICE, built_in, find_device, offered_devices
 from sandbox.devices.simulated.options import NEXT_PERSON
 from sandbox.recording.recording import Recording, is_recording, load_recording
-from sandbox.session.device import Device
 from sandbox.trial.device_makers import DeviceMaker, DeviceMakers, merging, sharing
 from sandbox.trial.settings import Settings
 from tasks.task import Task

@@ -12,8 +12,8 @@ from collections import deque
 from collections.abc import Sequence
 
 from models.frames import TouchFrame
+from sandbox.devices.device import Device
 from sandbox.devices.wrappers.device_wrapper import DeviceWrapper
-from sandbox.session.device import Device
 from sandbox.session.latency import LatencyLog
 from sandbox.session.messages import Snapshot
 from sandbox.trial.device_makers import DeviceMaker

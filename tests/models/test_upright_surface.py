@@ -20,7 +20,7 @@ from models.rotations import exp
 from models.scene import CONTROL_PERIOD, TABLE, Scene, SceneSpec
 from models.skeleton import ADULT
 from models.surface import Surface
-from sandbox.session.device import Device
+from sandbox.devices.device import Device
 from sandbox.trial.assembly import UPRIGHT_END, build
 from sandbox.trial.settings import HandSettings, Settings
 from tasks.box_to_goal import BoxToGoal

@@ -20,8 +20,8 @@ from encoders.webcam.camera import Camera
 from models.arithmetic.arrays import Array
 from models.frames import LandmarkFrame, SeenHand
 from models.surface import Surface
+from sandbox.devices.device import LandmarkDevice
 from sandbox.devices.simulated.leap_user import SimulatedLeap
-from sandbox.session.device import LandmarkDevice
 from sandbox.session.messages import Snapshot
 from sandbox.trial.hand_input import HandInput
 from sandbox.trial.headless import run_trial

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from models.frames import Contact, TouchFrame
-from sandbox.session.device import Device, HandDevice
+from sandbox.devices.device import Device, HandDevice
 from sandbox.session.session import Recorder, Session
 from sandbox.trial.assembly import build
 from sandbox.trial.settings import Settings

@@ -19,8 +19,8 @@ from models.errors import DivergenceError
 from models.frames import Contact, TouchFrame
 from models.scene import CONTROL_PERIOD
 from models.surface import Surface
+from sandbox.devices.device import Device
 from sandbox.session.collision_gating import FINGERTIP
-from sandbox.session.device import Device
 from sandbox.session.messages import Snapshot
 from sandbox.session.respawn import AWAY, FLOOR
 from sandbox.session.session import Session

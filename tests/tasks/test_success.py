@@ -13,7 +13,7 @@ from benchmarks.success import Job, against, failures, table, trial, wilson
 from models.arithmetic.arrays import Array
 from models.errors import InputError
 from models.frames import Contact, TouchFrame
-from sandbox.session.device import Device
+from sandbox.devices.device import Device
 from sandbox.trial.assembly import build
 from sandbox.trial.settings import Settings
 from tasks.score import Scorer

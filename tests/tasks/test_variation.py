@@ -18,6 +18,7 @@ from models.hand import Hand
 from models.objects import Wrench
 from models.scene import CONTROL_PERIOD, Scene, SceneSpec
 from models.surface import Surface
+from sandbox.devices.device import Device
 from sandbox.devices.wrappers.degraded import (
     FIRST_GHOST,
     FIRST_RETURNED,
@@ -28,7 +29,6 @@ from sandbox.devices.wrappers.drop_outs import LENGTH
 from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.options.variations import KINDS, parse_variation
 from sandbox.recording.recording import load_recording
-from sandbox.session.device import Device
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
 from sandbox.trial.assembly import build

@@ -26,13 +26,13 @@ from numpy.typing import ArrayLike
 
 from models.surface import Surface
 from sandbox import run_trial
+from sandbox.devices.device import Device, HandDevice
 from sandbox.devices.evdev.evdev_device import EvdevDevice
 from sandbox.devices.evdev.evdev_touch import Axis, Slots
 from sandbox.devices.webxr.webxr import HeadsetDevice
 from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.server.protocol.protocol import PageHands, PageScreen, PageTouches, decode
 from sandbox.server.web import WebDevice
-from sandbox.session.device import Device, HandDevice
 from sandbox.trial.headless import run_trial as play_settings
 from tasks.task import Task
 from tools.gate.rows import Observed, outcome

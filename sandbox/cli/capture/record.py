@@ -22,6 +22,7 @@ from models.frames import HandFrame, TouchFrame
 from sandbox.cli.capture.live_naming import LiveNaming
 from sandbox.cli.common.command_line import parse
 from sandbox.cli.common.touch_opening import open_touches_or_page
+from sandbox.devices.device import Device, HandDevice, LandmarkDevice
 from sandbox.devices.files.paired_capture import (
     ABOUT,
     PairedCaptureWriter,
@@ -51,7 +52,6 @@ from sandbox.options.page_options import PageOptions
 from sandbox.options.picked import picked
 from sandbox.options.touch_devices import LiveTouchOptions, TouchOptions
 from sandbox.options.webcam_devices import webcam_choice
-from sandbox.session.device import Device, HandDevice, LandmarkDevice
 
 Hands = HandDevice | LandmarkDevice
 """What sees the hand."""

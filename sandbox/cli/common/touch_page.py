@@ -12,13 +12,13 @@ from models.frames import TouchFrame
 from models.surface import Surface, parse_surface
 from sandbox.cli.common.open_page import open_page
 from sandbox.cli.common.page_view import show_address
+from sandbox.devices.device import Device
 from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.options.touch_devices import TouchOptions
 from sandbox.server.page_server import PageServer
 from sandbox.server.protocol.describe import describe_scene
 from sandbox.server.protocol.rectangle import rectangle
 from sandbox.server.web import WebDevice
-from sandbox.session.device import Device
 from sandbox.trial.assembly import build
 from sandbox.trial.events import EventLog
 from sandbox.trial.open_devices import device_makers

@@ -24,6 +24,7 @@ from models.scene import CONTROL_PERIOD
 from models.surface import Surface
 from sandbox.cli.common.command_line import flat
 from sandbox.cli.common.json_out import check_output, refuse_replacing
+from sandbox.devices.device import Device
 from sandbox.devices.kinds import is_in_air
 from sandbox.devices.open_touches import first_line
 from sandbox.devices.simulated.spreads import SimulatedSpreads
@@ -32,7 +33,6 @@ from sandbox.options.profiles import Profile, default_path, save_profile
 from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.options.touch_devices import LiveTouchOptions
 from sandbox.recording.recording import is_recording
-from sandbox.session.device import Device
 from sandbox.session.own_layouts import Layouts, kept_layouts
 from sandbox.trial.open_devices import device_makers, is_live
 from sandbox.trial.settings import Settings

@@ -17,13 +17,13 @@ from models.limits import RateLimit
 from models.scene import CONTROL_PERIOD
 from sandbox.cli.common.command_line import flat
 from sandbox.cli.common.json_out import check_output, refuse_replacing
+from sandbox.devices.device import AnyDevice
 from sandbox.devices.kinds import LIVE_HEADSET as HEADSET
 from sandbox.devices.registry import built_in
 from sandbox.options.leap_devices import LeapOptions
 from sandbox.options.picked import picked
 from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.options.webcam_devices import WebcamOptions
-from sandbox.session.device import AnyDevice
 from sandbox.session.rest_watch import RestWatch
 from sandbox.trial.open_devices import device_makers, is_live
 from sandbox.trial.pacing import RealTime

@@ -26,6 +26,7 @@ from sandbox.cli.common.page_view import (
 from sandbox.cli.play.own_profile import Learner
 from sandbox.cli.play.page import PlayerRequests, numbered, print_refusals
 from sandbox.cli.run import report_end
+from sandbox.devices.device import Device
 from sandbox.devices.wrappers.first_touch import FirstTouch
 from sandbox.devices.wrappers.merged import MergedDevice
 from sandbox.options.page_options import PageOptions
@@ -35,7 +36,6 @@ from sandbox.server.page_server import PageServer
 from sandbox.server.protocol.describe import summary
 from sandbox.server.screen_too_small import CANNOT_BEGIN
 from sandbox.server.web import WebDevice
-from sandbox.session.device import Device
 from sandbox.session.latency import LatencyLog
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session

@@ -15,11 +15,11 @@ from rich.text import Text
 
 from models.frames import TouchFrame
 from models.surface import Surface
+from sandbox.devices.device import Device
 from sandbox.devices.files.frame_file import frame_record
 from sandbox.devices.tuio.touch_capture import CaptureDevice
 from sandbox.devices.tuio.tuio import TuioDevice
 from sandbox.devices.tuio.tuio_senders import Statistics
-from sandbox.session.device import Device
 
 
 class View(Protocol):

@@ -13,6 +13,7 @@ from typing import Any, Protocol
 from models.errors import DeviceError
 from models.frames import TouchFrame
 from models.surface import METRES_PER_INCH, Surface
+from sandbox.devices.device import Device
 from sandbox.devices.evdev.evdev_touch import (
     ABS_MT_POSITION_X,
     ABS_MT_POSITION_Y,
@@ -25,7 +26,6 @@ from sandbox.devices.evdev.evdev_touch import (
     MultiTouch,
     Slots,
 )
-from sandbox.session.device import Device
 
 _INPUT_PROP_DIRECT = 0x01
 """Property of touch screens, as opposed to trackpads."""

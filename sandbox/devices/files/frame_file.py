@@ -21,7 +21,7 @@ from models.errors import FrameError, InputError, RecordingError
 from models.frames import FINGERS, Contact, TouchFrame
 from models.json_input import decoded, numbered_lines
 from models.surface import METRES_PER_INCH, Surface
-from sandbox.session.device import Device
+from sandbox.devices.device import Device
 
 LONGEST_LINE = 1_000_000
 """Largest number of bytes in a line; a frame of ten contacts has about a thousand."""

@@ -19,10 +19,10 @@ from websockets.sync.client import connect
 
 from models.errors import DeviceError
 from models.frames import HandFrame
+from sandbox.devices.device import HandDevice
 from sandbox.devices.leap.leap_file import LeapRecording
 from sandbox.devices.leap.leap_json import LeapDecoder
 from sandbox.devices.leap.options import DEFAULT_ADDRESS
-from sandbox.session.device import HandDevice
 
 KEPT = 600
 """Largest number of frames that wait to be fetched: two seconds at the device's highest rate."""

@@ -10,13 +10,13 @@ from rich.console import Console
 from rich.text import Text
 
 from models.surface import Surface
+from sandbox.devices.device import Device
 from sandbox.devices.kinds import LIVE_LEAP
 from sandbox.devices.leap.leap import LeapDevice, LeapFileDevice
 from sandbox.devices.leap.leap_file import read_leap
 from sandbox.devices.leap.options import DEFAULT_ADDRESS
 from sandbox.devices.leap.shared_leap import MergedLeap, SharedLeap
 from sandbox.devices.registry import built_in, open_built_in
-from sandbox.session.device import Device
 from sandbox.trial.device_makers import DeviceMaker, DeviceMakers
 from sandbox.trial.settings import Settings
 from tasks.task import Task

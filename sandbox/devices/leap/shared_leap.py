@@ -12,7 +12,7 @@ from encoders.paalm.palm import stacked
 from encoders.paalm.sides import HandSides
 from models.frames import HandFrame
 from models.message import Message
-from sandbox.session.device import HandDevice
+from sandbox.devices.device import HandDevice
 from sandbox.session.messages import Snapshot
 
 KEPT = 600

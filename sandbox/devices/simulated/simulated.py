@@ -15,9 +15,9 @@ from models.objects import Box, SceneObject, Tray
 from models.person import Person
 from models.plugins import Registry
 from models.surface import Surface
+from sandbox.devices.device import Device
 from sandbox.devices.simulated.options import NEXT_PERSON
 from sandbox.devices.wrappers.drop_outs import DropOuts
-from sandbox.session.device import Device
 from sandbox.session.messages import Snapshot
 from tasks.registry import hands_of
 from tasks.simulated_user.front_view import FrontUser, FrontView

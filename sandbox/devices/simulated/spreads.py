@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from models.frames import TouchFrame
 from models.person import Person
 from models.surface import Surface
-from sandbox.session.device import Device
+from sandbox.devices.device import Device
 from tasks.simulated_user.spreads import SpreadingPerson
 
 

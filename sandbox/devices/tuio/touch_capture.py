@@ -19,10 +19,10 @@ from models.errors import RecordingError
 from models.frames import TouchFrame
 from models.json_input import decoded, numbered_lines
 from models.surface import Surface
+from sandbox.devices.device import Device
 from sandbox.devices.tuio.osc import MAX_PACKET_BYTES
 from sandbox.devices.tuio.tuio import touch_frame
 from sandbox.devices.tuio.tuio_senders import Commit, Statistics, Tuio
-from sandbox.session.device import Device
 
 _MAX_LINE = 2 * MAX_PACKET_BYTES + 4096
 """Largest number of bytes in a line: the largest packet in hex, and room for other keys."""

@@ -19,8 +19,8 @@ from encoders.webcam.camera import Camera
 from models.errors import InputError, RecordingError
 from models.frames import LandmarkFrame
 from models.json_input import decoded, numbered_lines
+from sandbox.devices.device import LandmarkDevice
 from sandbox.devices.webcam.landmarks_json import frame_of, picture_message
-from sandbox.session.device import LandmarkDevice
 
 VERSION = 1
 LONGEST_LINE = 1 << 16

@@ -6,7 +6,7 @@ from collections import deque
 from collections.abc import Sequence
 
 from models.frames import LandmarkFrame
-from sandbox.session.device import LandmarkDevice
+from sandbox.devices.device import LandmarkDevice
 
 KEPT = 600
 """Largest number of frames that wait for a hand, as in `sandbox.devices.webcam.webcam`."""

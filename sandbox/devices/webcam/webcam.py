@@ -10,10 +10,10 @@ from pathlib import Path
 
 from models.errors import FrameError
 from models.frames import LandmarkFrame
+from sandbox.devices.device import LandmarkDevice
 from sandbox.devices.webcam.landmark_server import LandmarkServer
 from sandbox.devices.webcam.landmarks_json import PictureMessage, frame_of
 from sandbox.devices.webcam.page_clock import PageClock
-from sandbox.session.device import LandmarkDevice
 
 KEPT = 600
 """Largest number of frames that wait to be fetched: 20 s of pictures."""

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any, cast
 
 from models.surface import Surface
+from sandbox.devices.device import Device
 from sandbox.devices.kinds import LIVE_WEBCAM
 from sandbox.devices.webcam.installed import installed_engine
 from sandbox.devices.webcam.landmark_file import (
@@ -15,7 +16,6 @@ from sandbox.devices.webcam.landmark_file import (
 )
 from sandbox.devices.webcam.shared_camera import SharedCamera
 from sandbox.devices.webcam.webcam import WebcamDevice
-from sandbox.session.device import Device
 from sandbox.trial.device_makers import DeviceMaker, DeviceMakers
 from sandbox.trial.settings import Settings
 from tasks.task import Task

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import cast
 
 from models.surface import Surface
+from sandbox.devices.device import Device
 from sandbox.devices.webxr.webxr import HeadsetDevice
-from sandbox.session.device import Device
 from sandbox.trial.device_makers import DeviceMaker, DeviceMakers
 from sandbox.trial.settings import Settings
 from tasks.task import Task

@@ -11,6 +11,7 @@ from encoders.headset.joint_points import seen_size
 from models.errors import FrameError
 from models.frames import FINGERS, HandFrame, TrackedHand
 from models.skeleton import ADULT
+from sandbox.devices.device import HandDevice
 from sandbox.devices.webxr.joints import held_hand, seen_hand
 from sandbox.server.page_device import PageDevice
 from sandbox.server.protocol.protocol import (
@@ -20,7 +21,6 @@ from sandbox.server.protocol.protocol import (
     PageTouches,
     SeenJoints,
 )
-from sandbox.session.device import HandDevice
 from sandbox.session.latency import LatencyLog
 
 KEPT = 1024

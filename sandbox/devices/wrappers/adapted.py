@@ -8,7 +8,7 @@ from typing import Any
 
 from models.errors import DeviceError
 from models.frames import TouchFrame
-from sandbox.session.device import Device
+from sandbox.devices.device import Device
 
 _METHODS = ("poll", "close")
 _COPIED = (
@@ -22,7 +22,7 @@ _COPIED = (
     "plays_file",
     "latency",
 )
-"""Members whose values are copied when a device is adapted; see `sandbox.session.device`. The other
+"""Members whose values are copied when a device is adapted; see `sandbox.devices.device`. The other
 members are read on every access, because they may change."""
 
 

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from models.frames import TouchFrame
-from sandbox.session.device import AnyDevice, Device
+from sandbox.devices.device import AnyDevice, Device
 from sandbox.session.messages import Snapshot
 
 if TYPE_CHECKING:

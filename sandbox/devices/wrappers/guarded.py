@@ -9,8 +9,8 @@ from models.errors import DeviceError
 from models.frames import Contact, TouchFrame
 from models.plugins import failure
 from models.surface import Surface
+from sandbox.devices.device import Device
 from sandbox.devices.wrappers.device_wrapper import DeviceWrapper
-from sandbox.session.device import Device
 
 
 class GuardedDevice(DeviceWrapper):

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from models.frames import Contact, TouchFrame
+from sandbox.devices.device import Device
 from sandbox.devices.wrappers.lift_keys import LiftKeys
-from sandbox.session.device import Device
 
 FAR = 2**30
 """First new id beside a device whose ids stay; no page counts so far."""

@@ -9,8 +9,8 @@ from numpy.typing import ArrayLike
 
 from encoders.labels.hand_split import HandSplitter
 from models.frames import TouchFrame
+from sandbox.devices.device import Device
 from sandbox.devices.wrappers.device_wrapper import DeviceWrapper
-from sandbox.session.device import Device
 from sandbox.session.messages import Snapshot
 
 

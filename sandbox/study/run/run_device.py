@@ -7,6 +7,7 @@ from typing import Any, cast
 
 from models.errors import StudyError
 from models.surface import Surface
+from sandbox.devices.device import Device
 from sandbox.devices.leap.leap_maker import open_leap, split_by_side
 from sandbox.devices.leap.options import DEFAULT_ADDRESS
 from sandbox.devices.open_touches import has_unknown_size, is_evdev, live_maker, native_surface
@@ -15,7 +16,6 @@ from sandbox.devices.webcam.webcam_maker import sharing_camera
 from sandbox.devices.wrappers.degraded import DegradedDevice
 from sandbox.options.touch_devices import TouchOptions
 from sandbox.options.webcam_devices import webcam_choice
-from sandbox.session.device import Device
 from sandbox.study.design.conditions import PARTNER
 from sandbox.study.design.plan import TrialStep
 from sandbox.study.record.folder import Participant

@@ -12,12 +12,12 @@ import numpy as np
 
 from models.errors import OtherPlanError, StudyError
 from models.surface import Surface
+from sandbox.devices.device import Device
 from sandbox.devices.leap.leap_maker import split_by_side
 from sandbox.devices.simulated.leap_user import SimulatedLeap
 from sandbox.devices.simulated.options import NEXT_PERSON
 from sandbox.devices.simulated.simulated import SimulatedDevice
 from sandbox.devices.wrappers.degraded import DegradedDevice
-from sandbox.session.device import Device
 from sandbox.study.design.conditions import uses_camera
 from sandbox.study.design.design import Design
 from sandbox.study.design.plan import TrialStep

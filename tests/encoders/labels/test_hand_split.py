@@ -14,8 +14,8 @@ from hypothesis import strategies as st
 from encoders.labels.hand_split import HandSplitter, SplitSettings, all_shares
 from models.frames import Contact, TouchFrame
 from models.scene import CONTROL_PERIOD
+from sandbox.devices.device import Device
 from sandbox.devices.wrappers.shared import SharedSurface
-from sandbox.session.device import Device
 from tests.support.hand_pairs import measure
 
 HOMES = np.array([(0.30, 0.10), (0.10, 0.10)])

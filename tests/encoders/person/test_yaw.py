@@ -22,7 +22,7 @@ from models.person import Person, PersonFrame
 from models.skeleton import ADULT
 from models.surface import METRES_PER_INCH, Surface
 from sandbox.cli import run
-from sandbox.session.device import Device
+from sandbox.devices.device import Device
 from sandbox.session.messages import Snapshot
 from sandbox.trial.assembly import build
 from sandbox.trial.headless import run_trial

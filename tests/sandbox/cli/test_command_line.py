@@ -28,7 +28,7 @@ EVERY = [
 
 
 DEVICE_THAT_ENDS_THE_PROGRAM = """
-from sandbox.session.device import Device
+from sandbox.devices.device import Device
 
 class Ends(Device):
     name = "ends"

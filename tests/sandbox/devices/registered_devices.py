@@ -6,8 +6,7 @@ from collections.abc import Sequence
 
 from models.frames import Contact, HandFrame, TouchFrame
 from models.surface import Surface
-from sandbox.devices.touch_device import TouchDevice
-from sandbox.session.device import HandDevice
+from sandbox.devices.device import HandDevice, TouchDevice
 
 
 class Pad(TouchDevice):

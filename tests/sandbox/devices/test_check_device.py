@@ -19,6 +19,7 @@ from models.person import Person
 from models.surface import Surface
 from sandbox import check_device as public_check_device
 from sandbox.devices.check_device import check_device, check_frames
+from sandbox.devices.device import TouchDevice
 from sandbox.devices.evdev.evdev_device import EvdevDevice
 from sandbox.devices.files.frame_file import FramesDevice
 from sandbox.devices.leap.leap import LeapDevice, LeapFileDevice
@@ -32,7 +33,6 @@ from sandbox.devices.simulated.headset_user import SimulatedHeadset
 from sandbox.devices.simulated.leap_user import SimulatedLeap
 from sandbox.devices.simulated.simulated import SimulatedDevice
 from sandbox.devices.simulated.spreads import SimulatedSpreads
-from sandbox.devices.touch_device import TouchDevice
 from sandbox.devices.tuio.touch_capture import CaptureDevice, CapturedPacket, TouchCapture
 from sandbox.devices.tuio.tuio import TuioDevice
 from sandbox.devices.webcam.landmark_file import (

@@ -13,14 +13,13 @@ from models.errors import DeviceError
 from models.frames import Contact, TouchFrame
 from models.surface import Surface
 from sandbox.cli.main import main
+from sandbox.devices.device import AnyDevice, Device, TouchDevice
 from sandbox.devices.mouse import MouseDevice
 from sandbox.devices.registry import find_device
-from sandbox.devices.touch_device import TouchDevice
 from sandbox.devices.wrappers.adapted import AdaptedDevice, adapted
 from sandbox.devices.wrappers.device_wrapper import DeviceWrapper
 from sandbox.devices.wrappers.lift_keys import LiftKeys
 from sandbox.devices.wrappers.merged import MergedDevice
-from sandbox.session.device import AnyDevice, Device
 
 OPTIONAL = {
     "name",
@@ -149,7 +148,7 @@ def test_what_is_missing_of_the_required_members_is_said() -> None:
 def test_our_base_class_is_opened_as_it_is(tmp_path: Path) -> None:
     file = tmp_path / "pad.py"
     file.write_text(
-        "from sandbox.devices.touch_device import TouchDevice\n"
+        "from sandbox.devices.device import TouchDevice\n"
         "class Pad(TouchDevice):\n"
         "    def poll(self, now):\n"
         "        return []\n"

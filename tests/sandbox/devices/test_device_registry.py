@@ -13,10 +13,10 @@ from models.surface import Surface
 from sandbox import run_trial
 from sandbox.cli.main import main
 from sandbox.cli.overview import devices, overview
+from sandbox.devices.device import AnyDevice
 from sandbox.devices.open_touches import touch_devices
 from sandbox.devices.registry import DEVICES, DeviceEntry, built_in, open_built_in, open_by_name
 from sandbox.recording.recording import load_recording
-from sandbox.session.device import AnyDevice
 from tests.sandbox.devices.registered_devices import Pad
 
 HERE = "tests.sandbox.devices.registered_devices"

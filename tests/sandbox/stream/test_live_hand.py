@@ -10,7 +10,7 @@ import pytest
 from models.errors import DeviceError
 from models.frames import Contact, TouchFrame
 from models.surface import Surface
-from sandbox.session.device import Device
+from sandbox.devices.device import Device
 from sandbox.stream.live_hand import LiveHand
 from sandbox.trial.assembly import build
 from sandbox.trial.settings import Settings

@@ -17,10 +17,10 @@ from encoders.reconstruction.touch_reconstructor import Reconstruction
 from models.errors import InputError
 from models.frames import Contact, TouchFrame
 from models.kinematics import Kinematics
+from sandbox.devices.device import Device
 from sandbox.devices.wrappers.lift_keys import SPEED, LiftKeys
 from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.recording.recording import RecordingWriter, load_recording
-from sandbox.session.device import Device
 from sandbox.trial.assembly import build
 from sandbox.trial.headless import run_trial
 from sandbox.trial.lift import with_lift

@@ -10,8 +10,8 @@ import pytest
 from models.errors import DeviceError
 from models.frames import TouchFrame
 from models.surface import Surface
+from sandbox.devices.device import Device
 from sandbox.server.web import WebDevice
-from sandbox.session.device import Device
 from sandbox.trial.assembly import build
 from sandbox.trial.driver import Trial
 from sandbox.trial.live import LiveTrial

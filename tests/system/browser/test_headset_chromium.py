@@ -22,12 +22,12 @@ from models.frames import HandFrame
 from models.surface import Surface
 from sandbox.cli.common.page_view import show_session
 from sandbox.cli.main import main
+from sandbox.devices.device import Device, HandDevice
 from sandbox.devices.simulated.headset_user import SimulatedHeadset
 from sandbox.devices.webxr.webxr import HeadsetDevice
 from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.server.page_server import PageServer
 from sandbox.server.static import HEADSET, StaticFiles
-from sandbox.session.device import Device, HandDevice
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
 from sandbox.trial.assembly import build

@@ -367,7 +367,7 @@ def test_the_result_of_a_trial_that_is_over_is_kept_while_its_last_picture_is_sh
 BROKEN = """
 from models.errors import DeviceError
 from models.frames import Contact, TouchFrame
-from sandbox.session.device import Device
+from sandbox.devices.device import Device
 
 
 class Broken(Device):
