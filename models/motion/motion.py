@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
 
 from models.arithmetic.arrays import Array
 from models.errors import MotionError
+from models.reader_report import ReaderReport
 
 
 class PlacedJoints(NamedTuple):
@@ -35,6 +36,7 @@ class Motion:
         frame_time: s, duration of one frame.
         numbers: (T,) number of each frame from 0, increasing, where the recorder left frames out;
             None if it left out none.
+        report: What the reader of the file left out and assumed.
     """
 
     names: tuple[str, ...]
@@ -44,6 +46,7 @@ class Motion:
     ends: Array
     frame_time: float
     numbers: Array | None = None
+    report: ReaderReport = field(default_factory=ReaderReport)
 
     def __len__(self) -> int:
         return len(self.shifts)

@@ -127,5 +127,5 @@ def _takes(time: Array, rules: ConversionRules) -> NDArray[np.int64]:
 
 
 def _dropped_text(report: ConversionReport) -> str:
-    counts = {**report.contacts, **report.frames}
+    counts = {**report.contacts, **report.frames, **report.parts}
     return "; ".join(f"{count} {reason}" for reason, count in counts.items()) or "nothing"

@@ -31,6 +31,7 @@ from models.motion.read.vicon_v import motion_of, read_v
 from models.motion.read.vsk import MILLIMETRE as VSK_MILLIMETRE
 from models.motion.read.vsk import read_vsk
 from models.pose import mirrored
+from models.reader_report import ReaderReport
 from models.skeleton import ADULT
 
 SKELETONS = {"amc": ".asf", "v": ".vsk"}
@@ -127,22 +128,24 @@ def read_hand(
     Raises:
         InputError: The file is unusable.
     """
+    reading = ReaderReport()
     suffix = path.name.lower().removesuffix(".gz").rpartition(".")[2]
     if suffix == "csv":
-        time, q = read_pose_table(path)
+        time, q = read_pose_table(path, reading)
+        report.add_reading(reading)
         skeleton = ADULT.scaled(scale) if scale != 1.0 else ADULT
         return JointTrack(time, mirrored(q) if left else q, skeleton)
     if suffix == "bvh":
         unit = unit or CENTIMETRE
         motion = read_bvh(path, unit)
-        time, points = motion.time, _points_of(motion)
+        reading, time, points = motion.report, motion.time, _points_of(motion)
     elif suffix in SKELETONS:
         motion, unit = _with_skeleton(path, suffix, skeleton_file, unit, rate)
-        time, points = motion.time, _points_of(motion)
+        reading, time, points = motion.report, motion.time, _points_of(motion)
     elif suffix == "tsv":
         unit = unit or MILLIMETRE
         tracks = read_markers(path, unit)
-        time = tracks.time
+        reading, time = tracks.report, tracks.time
         points = {name: tracks.places[:, m] for m, name in enumerate(tracks.names)}
     else:
         raise InputError(
@@ -153,6 +156,7 @@ def read_hand(
             if f".{suffix}" in SKELETONS.values()
             else None,
         )
+    report.add_reading(reading)
     if mapping.points:
         sites = mapped(mapping.points, list(points), ADULT)
     else:

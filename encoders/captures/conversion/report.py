@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
+from models.reader_report import ReaderReport
+
 
 @dataclass(frozen=True)
 class ConversionRules:
@@ -61,6 +63,13 @@ class ConversionReport:
     def drop_parts(self, reason: str, count: int = 1) -> None:
         """Counts dropped pieces."""
         _add(self.parts, reason, count)
+
+    def add_reading(self, reading: ReaderReport) -> None:
+        """Adds what the reader of a file left out and assumed."""
+        for reason, count in reading.left_out.items():
+            self.drop_parts(reason, count)
+        if reading.assumed:
+            self.notes["file"] = "; ".join(reading.assumed)
 
     def as_json(self) -> dict[str, Any]:
         """JSON values for a capture's `meta`."""

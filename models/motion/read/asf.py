@@ -7,7 +7,7 @@ its degrees of freedom rotate it about that frame's fixed axes, in the order the
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +16,7 @@ from models.arithmetic.arrays import Array
 from models.errors import MotionError
 from models.motion.motion import Motion, rotations_of_angles
 from models.motion.read.text import numbers, read_lines
+from models.reader_report import ReaderReport
 
 INCH = 0.0254
 """m; a file's lengths divided by its `length` unit are interpreted as inches, as is usual for CMU
@@ -26,6 +27,9 @@ CMU_RATE = 120.0
 
 RATE_REMARK = "#!keys a second:"
 """Prefix of the rate in the comment that our own files contain."""
+
+RATE_KEY = ":SAMPLES-PER-SECOND"
+"""Key of the rate in files of some exporters."""
 
 _TURNS = {"rx": "x", "ry": "y", "rz": "z"}
 _SHIFTS = {"tx": 0, "ty": 1, "tz": 2}
@@ -49,6 +53,7 @@ class AcclaimSkeleton:
         origin: (3,) m, position of the root at rest.
         degrees: True if the file's angles are degrees, False for radians.
         unit: m, the file's unit of length.
+        report: What the reader of the file left out and assumed.
     """
 
     bones: tuple[_Bone, ...]
@@ -56,6 +61,7 @@ class AcclaimSkeleton:
     origin: Array
     degrees: bool
     unit: float
+    report: ReaderReport = field(default_factory=ReaderReport)
 
 
 def read_asf(path: Path, unit: float | None = None) -> AcclaimSkeleton:
@@ -68,7 +74,8 @@ def read_asf(path: Path, unit: float | None = None) -> AcclaimSkeleton:
     Raises:
         MotionError: It is not an ASF file, is cut short, or a bone is incomplete.
     """
-    sections = _sections(path)
+    report = ReaderReport()
+    sections = _sections(path, report)
     for name in ("units", "root", "bonedata", "hierarchy"):
         if name not in sections:
             raise MotionError(
@@ -94,6 +101,7 @@ def read_asf(path: Path, unit: float | None = None) -> AcclaimSkeleton:
         origin,
         degrees,
         unit,
+        report,
     )
 
 
@@ -103,37 +111,47 @@ def read_amc(path: Path, skeleton: AcclaimSkeleton, rate: float | None = None) -
     Args:
         path: The file.
         skeleton: From `read_asf`.
-        rate: Hz, which the format does not contain. None uses the comment in our own files, and
-            otherwise CMU's 120.
+        rate: Hz; None uses the rate in the file, where it states one, or CMU's 120.
 
     Raises:
         MotionError: It is not an AMC file, a frame is incomplete or out of order, or a bone
             unknown.
     """
-    lines = read_lines(path, "an AMC file")
+    report = ReaderReport()
+    report.add(skeleton.report)
+    lines = read_lines(path, "an AMC file", report)
     if rate is None:
-        rate = _rate_in_comment(lines, str(path))
+        rate = _stated_rate(lines, str(path))
     if not 0 < rate < np.inf:
-        raise MotionError("not a frame rate", got=rate, expected="a positive number of Hz")
+        raise MotionError(
+            "not a frame rate", where=str(path), got=rate, expected="a positive number of Hz"
+        )
     degrees = skeleton.degrees
     wanted = {bone.name: len(bone.freedoms) for bone in skeleton.bones if bone.freedoms}
     frames: list[dict[str, list[float]]] = []
+    first = 1
     for n, line in enumerate(lines, start=1):
         words = line.split()
         where = f"{path}, line {n}"
         if not words or words[0].startswith("#"):
             continue
         if words[0].startswith(":"):
-            if words[0].upper() in (":DEGREES", ":RADIANS"):
-                degrees = words[0].upper() == ":DEGREES"
+            key = words[0].upper()
+            if key in (":DEGREES", ":RADIANS"):
+                degrees = key == ":DEGREES"
+            elif key not in (":FULLY-SPECIFIED", RATE_KEY):
+                report.leave_out(f"line {words[0][:40]}, an unknown key")
         elif len(words) == 1 and words[0].isdecimal():
             _check_whole(frames, wanted, where)
-            if int(words[0]) != len(frames) + 1:
+            if not frames:
+                # A clip that was cut out of a longer take begins at any number.
+                first = int(words[0])
+            elif int(words[0]) != first + len(frames):
                 raise MotionError(
                     "frames are out of order",
                     where=where,
                     got=words[0],
-                    expected=str(len(frames) + 1),
+                    expected=str(first + len(frames)),
                 )
             frames.append({})
         elif words[0] not in wanted or not frames:
@@ -150,14 +168,19 @@ def read_amc(path: Path, skeleton: AcclaimSkeleton, rate: float | None = None) -
         raise MotionError("the file contains no frame", where=str(path), expected="an AMC file")
     _check_whole(frames, wanted, str(path))
     columns = {name: np.array([frame[name] for frame in frames]) for name in wanted}
-    return _motion(skeleton, columns, len(frames), degrees, 1.0 / rate)
+    return _motion(skeleton, columns, len(frames), degrees, 1.0 / rate, report)
 
 
-def _rate_in_comment(lines: list[str], where: str) -> float:
-    """Rate in Hz from a comment before the first frame."""
-    for line in lines[:20]:
+def _stated_rate(lines: list[str], where: str) -> float:
+    """Rate in Hz that the lines before the first frame state; CMU's where they state none."""
+    for n, line in enumerate(lines, start=1):
+        words = line.split()
         if line.startswith(RATE_REMARK):
-            return numbers(line.removeprefix(RATE_REMARK).split(), 1, where)[0]
+            return numbers(line.removeprefix(RATE_REMARK).split(), 1, f"{where}, line {n}")[0]
+        if words and words[0].upper() == RATE_KEY:
+            return numbers(words[1:], 1, f"{where}, line {n}")[0]
+        if words and words[0].isdecimal():
+            break
     return CMU_RATE
 
 
@@ -167,6 +190,7 @@ def _motion(
     frames: int,
     degrees: bool,
     frame_time: float,
+    report: ReaderReport,
 ) -> Motion:
     bones = skeleton.bones
     shifts = np.zeros((frames, len(bones), 3))
@@ -188,14 +212,14 @@ def _motion(
     ends = np.array([bone.end for bone in bones])
     ends[0] = np.nan
     names = tuple(bone.name for bone in bones)
-    return Motion(names, skeleton.parents, shifts, rotations, ends, frame_time)
+    return Motion(names, skeleton.parents, shifts, rotations, ends, frame_time, report=report)
 
 
-def _sections(path: Path) -> dict[str, list[tuple[str, list[str]]]]:
+def _sections(path: Path, report: ReaderReport) -> dict[str, list[tuple[str, list[str]]]]:
     """Lines of every section by its name, each line as its place in the file and its words."""
     sections: dict[str, list[tuple[str, list[str]]]] = {}
     current: list[tuple[str, list[str]]] = []
-    for n, line in enumerate(read_lines(path, "an ASF file"), start=1):
+    for n, line in enumerate(read_lines(path, "an ASF file", report), start=1):
         words = line.split()
         if not words or words[0].startswith("#"):
             continue

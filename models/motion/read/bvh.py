@@ -7,6 +7,7 @@ its parent. Files do not state their unit, which is mostly centimetres.
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -16,9 +17,16 @@ from models.arithmetic.arrays import Array
 from models.errors import MotionError
 from models.motion.motion import Motion, rotations_of_angles
 from models.motion.read.text import numbers, read_lines
+from models.reader_report import ReaderReport
 
 CENTIMETRE = 0.01
 """m, the most common unit of length."""
+
+_BRACE = re.compile(r"(?<![^\s{}])[{}]|[{}](?=[{}]*(?!\S))")
+"""A brace at the beginning or the end of a word; a name may have one inside."""
+
+_LONGEST_NAME = 20
+"""Most words in a name; a file without the brace after it is not searched further."""
 
 _CHANNELS = {f"{axis}{kind}" for axis in "xyz" for kind in ("position", "rotation")}
 
@@ -43,6 +51,9 @@ class _Hierarchy:
 def read_bvh(path: Path, unit: float = CENTIMETRE) -> Motion:
     """Reads a BVH file.
 
+    The format consists of words: a brace may stand behind a name, and a frame may be several lines.
+    Rows beyond the number that the file states are read, and reported.
+
     Args:
         path: The file.
         unit: m, the file's unit of length.
@@ -50,92 +61,153 @@ def read_bvh(path: Path, unit: float = CENTIMETRE) -> Motion:
     Raises:
         MotionError: It is not a BVH file, is cut short, or contains a number that is not finite.
     """
-    lines = read_lines(path, "a BVH file")
+    report = ReaderReport()
+    lines = read_lines(path, "a BVH file", report)
     hierarchy, at = _read_hierarchy(path, lines)
     count, frame_time, at = _read_head(path, lines, at)
-    rows = [(n, line) for n, line in enumerate(lines[at:], start=at + 1) if line.strip()]
-    if len(rows) != count:
+    values = _read_rows(path, lines[at:], at, count, hierarchy.channels, report)
+    return _motion(hierarchy.joints, values, frame_time, unit, report)
+
+
+def _read_rows(
+    path: Path, lines: list[str], before: int, count: int, channels: int, report: ReaderReport
+) -> Array:
+    """Numbers (T, channels) of all frames.
+
+    Args:
+        path: The file, for messages.
+        lines: Lines after the motion's head.
+        before: Number of lines before them.
+        count: Number of frames that the file states.
+        channels: Numbers in a frame.
+        report: Receives what differs from the stated number.
+    """
+    rows = [(n, line.split()) for n, line in enumerate(lines, start=before + 1) if line.strip()]
+    if rows and all(len(words) != channels for _, words in rows):
+        # No line is a frame: frames run over several lines.
+        every = [word for _, words in rows for word in words]
+        if len(every) == count * channels:
+            return np.array(numbers(every, len(every), str(path))).reshape(count, channels)
+    if len(rows) < count:
         raise MotionError(
-            "the number of frames differs from the one that the file states",
+            "the file has fewer frames than it states",
             where=str(path),
             got=len(rows),
             expected=str(count),
             remedy="The file was probably cut short",
         )
-    values = np.array(
-        [numbers(line.split(), hierarchy.channels, f"{path}, line {n}") for n, line in rows]
-    )
-    return _motion(hierarchy.joints, values, frame_time, unit)
+    values = [numbers(words, channels, f"{path}, line {n}") for n, words in rows[:count]]
+    for n, words in rows[count:]:
+        try:
+            values.append(numbers(words, channels, f"{path}, line {n}"))
+        except MotionError:
+            report.leave_out("lines after the last frame that are not frames")
+    if len(values) > count:
+        report.assume(f"the file states {count} frames and has {len(values)}; all were read")
+    return np.array(values)
 
 
 def _read_hierarchy(path: Path, lines: list[str]) -> tuple[_Hierarchy, int]:
     """Reads the joints, and the index of the line after MOTION."""
+    words = _Words(path, lines)
     out = _Hierarchy()
     open_: list[_Joint | None] = []  # None: an end site
-    declared: _Joint | None = None
-    waiting = False
-    begun = False
-    for n, line in enumerate(lines, start=1):
-        words = line.split()
-        if not words:
-            continue
-        where, word = f"{path}, line {n}", words[0].upper()
-        if not begun:
-            if word != "HIERARCHY":
-                raise MotionError("this is not a BVH file", where=where, expected="HIERARCHY")
-            begun = True
-        elif waiting and word != "{":
-            raise MotionError("a joint needs a brace", where=where, got=line[:40], expected="{")
-        elif word in ("ROOT", "JOINT"):
+    if words.next().upper() != "HIERARCHY":
+        raise MotionError("this is not a BVH file", where=words.where, expected="HIERARCHY")
+    while True:
+        word = words.next()
+        key = word.upper()
+        if key in ("ROOT", "JOINT"):
             # The enclosing joint of a JOINT, none for a ROOT.
-            if (word == "ROOT") != (not open_) or None in open_:
-                raise MotionError("unexpected joint", where=where, got=line.strip()[:40])
-            name = " ".join(words[1:]) or f"joint {len(out.joints)}"
+            if (key == "ROOT") != (not open_) or None in open_:
+                raise MotionError("unexpected joint", where=words.where, got=word)
+            where = words.where
+            name = words.name() or f"joint {len(out.joints)}"
             if any(joint.name == name for joint in out.joints):
-                raise MotionError("two joints share a name", where=where, got=name)
+                raise MotionError("two joints share a name", where=where, got=name[:40])
             parent = out.joints.index(open_[-1]) if open_ and open_[-1] else -1
-            declared, waiting = _Joint(name, parent), True
-            out.joints.append(declared)
-        elif word == "END":
+            out.joints.append(_Joint(name, parent))
+            open_.append(out.joints[-1])
+        elif key == "END":
             if not open_ or open_[-1] is None:
-                raise MotionError("unexpected end site", where=where)
-            declared, waiting = None, True
-        elif word == "{":
-            if not waiting:
-                raise MotionError("unexpected brace", where=where)
-            open_.append(declared)
-            waiting = False
-        elif word == "}":
+                raise MotionError("unexpected end site", where=words.where)
+            words.name()
+            open_.append(None)
+        elif key == "}":
             if not open_:
-                raise MotionError("closing brace without an opening one", where=where)
-            _check(open_.pop(), where)
-        elif word == "OFFSET" and open_:
-            offset = numbers(words[1:], 3, where)
+                raise MotionError("closing brace without an opening one", where=words.where)
+            _check(open_.pop(), words.where)
+        elif key == "OFFSET" and open_:
+            offset = words.numbers(3)
             if open_[-1] is not None:
                 open_[-1].offset = offset
             elif open_[-2] is not None:
                 open_[-2].end = offset
-        elif word == "CHANNELS" and open_ and open_[-1] is not None:
-            _take_channels(open_[-1], words[1:], out, where)
-        elif word == "MOTION" and not open_ and out.joints:
-            return out, n
+        elif key == "CHANNELS" and open_ and open_[-1] is not None:
+            _take_channels(open_[-1], words, out)
+        elif key == "MOTION" and not open_ and out.joints:
+            return out, words.lines_read
         else:
-            raise MotionError("this line does not belong here", where=where, got=line.strip()[:40])
-    raise MotionError("the file ends before MOTION", where=str(path), expected="MOTION")
+            raise MotionError("this word does not belong here", where=words.where, got=word[:40])
 
 
-def _take_channels(joint: _Joint, words: list[str], hierarchy: _Hierarchy, where: str) -> None:
-    channels = [word.lower() for word in words[1:]]
-    count = words[0] if words else ""
-    if count != str(len(channels)) or not set(channels) <= _CHANNELS or joint.channels is not None:
+class _Words:
+    """The words of a hierarchy, one after the other; a brace is a word of its own."""
+
+    def __init__(self, path: Path, lines: list[str]) -> None:
+        self._path, self._lines = path, lines
+        self._waiting: list[str] = []
+        self.lines_read = 0
+
+    @property
+    def where(self) -> str:
+        """File and line of the last word."""
+        return f"{self._path}, line {self.lines_read}"
+
+    def next(self) -> str:
+        """The next word.
+
+        Raises:
+            MotionError: The file has ended.
+        """
+        while not self._waiting:
+            if self.lines_read == len(self._lines):
+                raise MotionError(
+                    "the file ends before MOTION", where=str(self._path), expected="MOTION"
+                )
+            line = self._lines[self.lines_read]
+            self._waiting = _BRACE.sub(r" \g<0> ", line).split()
+            self.lines_read += 1
+        return self._waiting.pop(0)
+
+    def name(self) -> str:
+        """All words before the next opening brace."""
+        name: list[str] = []
+        while (word := self.next()) != "{":
+            if word == "}" or len(name) == _LONGEST_NAME:
+                raise MotionError("a joint needs a brace", where=self.where, got=word, expected="{")
+            name.append(word)
+        return " ".join(name)
+
+    def numbers(self, count: int) -> list[float]:
+        """The next `count` words as numbers."""
+        return numbers([self.next() for _ in range(count)], count, self.where)
+
+
+def _take_channels(joint: _Joint, words: _Words, hierarchy: _Hierarchy) -> None:
+    count = words.next()
+    known = count.isdecimal() and int(count) <= len(_CHANNELS)
+    channels = [words.next() for _ in range(int(count))] if known else [count]
+    lower = [channel.lower() for channel in channels]
+    if not known or not set(lower) <= _CHANNELS or joint.channels is not None:
         raise MotionError(
             "invalid channels",
-            where=where,
-            got=" ".join(words)[:60],
+            where=words.where,
+            got=" ".join(channels)[:60],
             expected="their number, then as many of Xposition .. Zrotation",
         )
-    joint.channels, joint.first = channels, hierarchy.channels
-    hierarchy.channels += len(channels)
+    joint.channels, joint.first = lower, hierarchy.channels
+    hierarchy.channels += len(lower)
 
 
 def _check(joint: _Joint | None, where: str) -> None:
@@ -146,33 +218,39 @@ def _check(joint: _Joint | None, where: str) -> None:
 
 
 def _read_head(path: Path, lines: list[str], at: int) -> tuple[int, float, int]:
-    """Number of frames, seconds per frame, and the index of the first frame's line."""
+    """Number of frames, seconds per frame, and the index of the first frame's line.
+
+    Both may stand in one line.
+    """
     values: list[float] = []
+    rest = ""
     for key in ("frames:", "frame time:"):
-        while at < len(lines) and not lines[at].strip():
+        while at < len(lines) and not rest.strip():
+            rest = " ".join(lines[at].split())
             at += 1
-        line = " ".join(lines[at].split()) if at < len(lines) else ""
-        if not line.lower().startswith(key):
+        if not rest.lower().startswith(key):
             raise MotionError(
                 "the motion's head is damaged",
-                where=f"{path}, line {at + 1}",
-                got=line[:40],
+                where=f"{path}, line {at}",
+                got=rest[:40],
                 expected=key,
             )
-        values += numbers(line[len(key) :].split(), 1, f"{path}, line {at + 1}")
-        at += 1
+        number, _, rest = rest[len(key) :].strip().partition(" ")
+        values += numbers([number], 1, f"{path}, line {at}")
     count, frame_time = values
-    if count < 1 or count != int(count) or frame_time <= 0:
+    if rest or count < 1 or count != int(count) or frame_time <= 0:
         raise MotionError(
             "invalid number or duration of frames",
             where=str(path),
-            got=f"{count:g} of {frame_time:g} s",
+            got=f"{count:g} of {frame_time:g} s {rest}".strip()[:60],
             expected="at least one, and a positive time",
         )
     return int(count), frame_time, at
 
 
-def _motion(joints: list[_Joint], values: Array, frame_time: float, unit: float) -> Motion:
+def _motion(
+    joints: list[_Joint], values: Array, frame_time: float, unit: float, report: ReaderReport
+) -> Motion:
     frames = len(values)
     shifts = np.empty((frames, len(joints), 3))
     rotations = np.empty((frames, len(joints), 3, 3))
@@ -199,4 +277,5 @@ def _motion(joints: list[_Joint], values: Array, frame_time: float, unit: float)
         rotations,
         ends,
         frame_time,
+        report=report,
     )

@@ -6,7 +6,7 @@ the three numbers are empty, `nan` or all zero.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +14,7 @@ import numpy as np
 from models.arithmetic.arrays import Array
 from models.errors import MotionError
 from models.motion.read.text import numbers, read_lines
+from models.reader_report import ReaderReport
 
 MILLIMETRE = 0.001
 """m, the unit of Qualisys exports."""
@@ -30,11 +31,13 @@ class MarkerTracks:
         names: Unique names of the markers.
         time: (T,) s, increasing.
         places: (T, M, 3) m, positions in the recorder's frame, NaN where a marker was not seen.
+        report: What the reader of the file left out and assumed.
     """
 
     names: tuple[str, ...]
     time: Array
     places: Array
+    report: ReaderReport = field(default_factory=ReaderReport)
 
     def __len__(self) -> int:
         return len(self.time)
@@ -50,7 +53,8 @@ def read_markers(path: Path, unit: float = MILLIMETRE) -> MarkerTracks:
     Raises:
         MotionError: It is not such a file, is cut short, or contains a number that is not finite.
     """
-    lines = read_lines(path, "a Qualisys TSV file")
+    report = ReaderReport()
+    lines = read_lines(path, "a Qualisys TSV file", report)
     head: dict[str, list[str]] = {}
     at = 0
     # Keys are capitals; the first line that does not begin with one belongs to the table.
@@ -78,19 +82,21 @@ def read_markers(path: Path, unit: float = MILLIMETRE) -> MarkerTracks:
         for n, line in enumerate(lines[at:], start=at + 1)
         if line.strip() or line.count("\t") >= width - 1
     ]
-    if len(rows) != frames:
+    if len(rows) < frames:
         raise MotionError(
-            "the number of frames differs from the one that the file states",
+            "the file has fewer frames than it states",
             where=str(path),
             got=len(rows),
             expected=str(frames),
             remedy="The file was probably cut short",
         )
+    if len(rows) > frames:
+        report.assume(f"the file states {frames} frames and has {len(rows)}; all were read")
     places = np.array([_row(line, width, f"{path}, line {n}")[lead:] for n, line in rows])
-    places = places.reshape(frames, len(names), 3)
+    places = places.reshape(len(rows), len(names), 3)
     unseen = (np.nan_to_num(places) == 0).all(axis=2) | np.isnan(places).any(axis=2)
     places[unseen] = np.nan
-    return MarkerTracks(names, np.arange(frames) / rate, places * unit)
+    return MarkerTracks(names, np.arange(len(rows)) / rate, places * unit, report)
 
 
 def _row(line: str, width: int, where: str) -> list[float]:

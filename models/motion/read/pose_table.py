@@ -16,6 +16,7 @@ from models.arithmetic.arrays import Array
 from models.errors import MotionError
 from models.motion.read.text import numbers, read_lines
 from models.pose import POSE_SIZE
+from models.reader_report import ReaderReport
 from models.skeleton import ADULT
 
 COLUMNS: tuple[str, ...] = (
@@ -25,8 +26,12 @@ COLUMNS: tuple[str, ...] = (
 """Names of the pose's 48 columns, in its order."""
 
 
-def read_pose_table(path: Path) -> tuple[Array, Array]:
+def read_pose_table(path: Path, report: ReaderReport) -> tuple[Array, Array]:
     """Reads times (T,) s, increasing, and poses (T, 48) of a table.
+
+    Args:
+        path: The file.
+        report: Receives the number of columns with other names.
 
     Raises:
         MotionError: A column is missing, a value is not a finite number, or the time runs
@@ -34,7 +39,7 @@ def read_pose_table(path: Path) -> tuple[Array, Array]:
     """
     rows = [
         (n, [cell.strip() for cell in line.split(",")])
-        for n, line in enumerate(read_lines(path, "a table of poses"), start=1)
+        for n, line in enumerate(read_lines(path, "a table of poses", report), start=1)
         if line.strip() and not line.lstrip().startswith("#")
     ]
     head = [cell.lower() for cell in rows[0][1]] if rows else []
@@ -49,6 +54,7 @@ def read_pose_table(path: Path) -> tuple[Array, Array]:
         )
     if len(rows) < 2:
         raise MotionError("the table contains no pose", where=str(path))
+    report.leave_out("columns with other names", len(head) - len(wanted))
     order = [head.index(name) for name in wanted]
     values = np.array([numbers(cells, len(head), f"{path}, line {n}") for n, cells in rows[1:]])
     values = values[:, order]

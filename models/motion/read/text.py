@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from models.errors import MotionError
+from models.reader_report import ReaderReport
 
 LARGEST = 512 * 2**20
 """Largest size in bytes: a day of motion capture is smaller, a decompression bomb is larger."""
@@ -16,12 +17,16 @@ MOST = 1e15
 """Greatest length or angle in any unit; squares and sines of larger ones are not finite."""
 
 
-def read_lines(path: Path, what: str) -> list[str]:
+def read_lines(path: Path, what: str, report: ReaderReport) -> list[str]:
     """Reads the lines of a text file, plain or packed with gzip (recognised by content).
+
+    Numbers and key words are ASCII in all formats; only names can have other bytes. A file that is
+    not UTF-8 is read as Shift-JIS or Latin-1.
 
     Args:
         path: The file.
         what: The expected kind of file, for messages: "a BVH file".
+        report: Receives the encoding of the text if it is not UTF-8.
 
     Raises:
         MotionError: The file is missing, damaged, too large, or not text.
@@ -42,12 +47,29 @@ def read_lines(path: Path, what: str) -> list[str]:
         raise MotionError("the file is too large", where=where, expected=f"{LARGEST:,} bytes")
     if not data.strip():
         raise MotionError("the file is empty", where=where, expected=what)
+    if b"\0" in data:
+        raise MotionError("this is not text", where=where, expected=what)
+    text = decoded(data, report)
+    return text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
+
+
+def decoded(data: bytes, report: ReaderReport) -> str:
+    """The text of a file; reports its encoding if it is not UTF-8."""
     try:
-        if b"\0" in data:
-            raise ValueError
-        return data.decode("utf-8-sig").splitlines()
-    except ValueError:
-        raise MotionError("this is not text", where=where, expected=what) from None
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        pass
+    # Latin-1 has no letters at 0x80 to 0x9F, where most characters of Shift-JIS begin.
+    if any(0x80 <= byte < 0xA0 for byte in set(data)):
+        try:
+            text = data.decode("cp932")
+        except UnicodeDecodeError:
+            pass
+        else:
+            report.assume("the text is not UTF-8; names are read as Shift-JIS")
+            return text
+    report.assume("the text is not UTF-8; names are read as Latin-1")
+    return data.decode("latin-1")
 
 
 def numbers(tokens: Sequence[str], count: int, where: str) -> list[float]:

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import re
 import struct
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -21,8 +21,9 @@ import numpy as np
 from models.arithmetic.arrays import Array
 from models.errors import MotionError
 from models.motion.motion import Motion
-from models.motion.read.text import LARGEST, MOST
+from models.motion.read.text import LARGEST, MOST, decoded
 from models.motion.read.vsk import MILLIMETRE, ViconSkeleton
+from models.reader_report import ReaderReport
 from models.rotations import exp
 
 MAGIC, VERSION = b"V#", 1
@@ -46,12 +47,14 @@ class ViconMotion:
         rate: Hz.
         values: (T, columns), mm and rad.
         numbers: (T,) number of each frame from 0; a recorder may leave frames out.
+        report: What the reader of the file left out and assumed.
     """
 
     labels: tuple[str, ...]
     rate: float
     values: Array
     numbers: Array
+    report: ReaderReport = field(default_factory=ReaderReport)
 
 
 def read_v(path: Path) -> ViconMotion:
@@ -71,8 +74,9 @@ def read_v(path: Path) -> ViconMotion:
     if data[:2] != MAGIC:
         raise MotionError("this is not a V file", where=str(path), expected="a file that begins V#")
     try:
-        group, at = _groups(data)
-        return _values(path, data, group, at)
+        report = ReaderReport()
+        group, at = _groups(data, report)
+        return _values(path, data, group, at, report)
     except (struct.error, IndexError, ValueError):
         raise MotionError(
             "the V file is damaged", where=str(path), remedy="It was probably cut short"
@@ -93,10 +97,14 @@ def motion_of(
     Raises:
         MotionError: The file moves none of the skeleton's segments, or another subject's.
     """
+    report = ReaderReport()
+    report.add(skeleton.report)
+    report.add(motion.report)
     columns: dict[tuple[str, str, str], int] = {}
     for i, label in enumerate(motion.labels):
         match = _LABEL.fullmatch(label.strip())
         if not match or match["segment"] not in skeleton.names:
+            report.leave_out("columns of no segment of the skeleton")
             continue
         key = (match["segment"], match["kind"].lower(), match["axis"])
         if key in columns:
@@ -142,7 +150,9 @@ def motion_of(
         still = np.tile(np.eye(3), (count, len(marks), 1, 1))
         rotations = np.concatenate([rotations, still], axis=1)
         ends = np.concatenate([ends, np.full((len(marks), 3), np.nan)])
-    return Motion(names, parents, shifts, rotations, ends, 1.0 / motion.rate, motion.numbers)
+    return Motion(
+        names, parents, shifts, rotations, ends, 1.0 / motion.rate, motion.numbers, report
+    )
 
 
 @dataclass(frozen=True)
@@ -153,7 +163,7 @@ class _Group:
     labels: tuple[str, ...]
 
 
-def _groups(data: bytes) -> tuple[_Group, int]:
+def _groups(data: bytes, report: ReaderReport) -> tuple[_Group, int]:
     """Finds the group of numbers, and the offset of the first record."""
     (version,) = struct.unpack_from("<h", data, 2)
     if version != VERSION:
@@ -165,14 +175,14 @@ def _groups(data: bytes) -> tuple[_Group, int]:
         if not length and not name.strip(b"\0"):
             break
         if name.rstrip(b"\0").split(b"\0")[0] == b"DATAGROUP" and group is None:
-            group = _group(data, at)
+            group = _group(data, at, report)
         at += length
     if group is None:
         raise ValueError
     return group, at
 
 
-def _group(data: bytes, at: int) -> _Group:
+def _group(data: bytes, at: int, report: ReaderReport) -> _Group:
     _, number, described = struct.unpack_from("<HHB", data, at)
     at += 5 + described
     kind, width, rate, count = struct.unpack_from("<BBdH", data, at)
@@ -180,15 +190,17 @@ def _group(data: bytes, at: int) -> _Group:
     labels = []
     for _ in range(count):
         end = at + 1 + data[at]
-        labels.append(data[at + 1 : end].rstrip(b"\0").decode("latin-1"))
+        labels.append(data[at + 1 : end].rstrip(b"\0").replace(b"\n", b" "))
         at = end
     dtype = TYPES.get(kind, "<i1")
     if not (0 < rate < 1e6) or np.dtype(dtype).itemsize != width or not labels:
         raise ValueError
-    return _Group(number, dtype, rate, tuple(labels))
+    # One encoding for all labels, and the same choice as in the skeleton's file.
+    text = decoded(b"\n".join(labels), report)
+    return _Group(number, dtype, rate, tuple(text.split("\n")))
 
 
-def _values(path: Path, data: bytes, group: _Group, at: int) -> ViconMotion:
+def _values(path: Path, data: bytes, group: _Group, at: int, report: ReaderReport) -> ViconMotion:
     size = np.dtype(group.kind).itemsize * len(group.labels)
     rows = []
     frames: list[int] = []
@@ -215,4 +227,9 @@ def _values(path: Path, data: bytes, group: _Group, at: int) -> ViconMotion:
             where=str(path),
             expected=f"up to {MOST:g}",
         )
-    return ViconMotion(group.labels, group.rate, values, np.array(frames, float) - frames[0])
+    missing = frames[-1] - frames[0] + 1 - len(frames)
+    if missing:
+        report.assume(f"the recorder left out {missing} frames")
+    return ViconMotion(
+        group.labels, group.rate, values, np.array(frames, float) - frames[0], report
+    )

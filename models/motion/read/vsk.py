@@ -16,6 +16,7 @@ import numpy as np
 from models.arithmetic.arrays import Array
 from models.errors import MotionError
 from models.motion.read.text import numbers, read_lines
+from models.reader_report import ReaderReport
 from models.rotations import exp
 
 MILLIMETRE = 0.001
@@ -44,6 +45,7 @@ class ViconSkeleton:
         frames: (3, 3) of each segment, parent from segment at rest.
         joints: Kind of each segment's joint, a key of `JOINTS`.
         markers: Name -> segment and position (3,) m in it.
+        report: What the reader of the file left out and assumed.
     """
 
     names: list[str] = field(default_factory=list)
@@ -52,6 +54,7 @@ class ViconSkeleton:
     frames: list[Array] = field(default_factory=list)
     joints: list[str] = field(default_factory=list)
     markers: dict[str, tuple[int, Array]] = field(default_factory=dict)
+    report: ReaderReport = field(default_factory=ReaderReport)
 
     @property
     def freedoms(self) -> int:
@@ -69,7 +72,8 @@ def read_vsk(path: Path, unit: float = MILLIMETRE) -> ViconSkeleton:
     Raises:
         MotionError: It is not a VSK file, is damaged, or two of its segments share a name.
     """
-    text = "\n".join(read_lines(path, "a VSK file"))
+    report = ReaderReport()
+    text = "\n".join(read_lines(path, "a VSK file", report))
     if "<!DOCTYPE" in text or "<!ENTITY" in text:
         raise MotionError("XML entities are not allowed in a skeleton", where=str(path))
     try:
@@ -86,7 +90,7 @@ def read_vsk(path: Path, unit: float = MILLIMETRE) -> ViconSkeleton:
             got=f"<{root.tag}>"[:40],
             expected="<KinematicModel> with a <Skeleton>",
         )
-    reader = _Reader(path, unit, _parameters(path, root))
+    reader = _Reader(path, unit, _parameters(path, root), report)
     for segment in skeleton.findall("Segment"):
         reader.segment(segment, -1, 1)
     if not reader.skeleton.names:
@@ -105,9 +109,11 @@ def _parameters(path: Path, root: ElementTree.Element) -> dict[str, float]:
 
 
 class _Reader:
-    def __init__(self, path: Path, unit: float, parameters: dict[str, float]) -> None:
+    def __init__(
+        self, path: Path, unit: float, parameters: dict[str, float], report: ReaderReport
+    ) -> None:
         self._path, self._unit, self._parameters = path, unit, parameters
-        self.skeleton = ViconSkeleton()
+        self.skeleton = ViconSkeleton(report=report)
 
     def segment(self, element: ElementTree.Element, parent: int, depth: int) -> None:
         """Reads a segment and the segments inside it."""

@@ -96,8 +96,7 @@ class CaptureOptions:
     """Skeleton of an .amc or .v file. Default: the file of the same name in its folder."""
 
     joints_rate: Annotated[float | None, Parameter(metavar="HZ")] = None
-    """Frames per second of an .amc file, which does not store them. Default: 120, or the true rate
-    of a file by this program."""
+    """Frames per second of an .amc file. Default: the rate that the file states, or 120."""
 
     markers: Annotated[Path | None, Parameter(metavar="FILE.tsv")] = None
     """Recording of markers on the hand, in place of --joints."""

@@ -15,6 +15,7 @@ from models.errors import InputError, MotionError
 from models.frames import Contact, TouchFrame
 from models.motion.read.pose_table import COLUMNS, read_pose_table
 from models.pose import joint_vectors
+from models.reader_report import ReaderReport
 from models.rotations import geodesic_angle
 from models.skeleton import ADULT
 from models.surface import Surface
@@ -401,16 +402,16 @@ def test_a_table_of_poses_comes_back_to_the_bit_in_any_order_of_columns(tmp_path
     time, q = np.array([0.0, 0.01, 0.3]), rng.normal(size=(3, 48))
     path = tmp_path / "poses.csv"
     write_pose_table(path, time, q)
-    for name, got in zip(("time", "q"), read_pose_table(path), strict=True):
+    for name, got in zip(("time", "q"), read_pose_table(path, ReaderReport()), strict=True):
         np.testing.assert_array_equal(got, {"time": time, "q": q}[name])
     rows = [line.split(",") for line in path.read_text().splitlines()]
     order = rng.permutation(49)
     path.write_text("\n".join(",".join(row[i] for i in order) for row in rows))
-    np.testing.assert_array_equal(read_pose_table(path)[1], q)
+    np.testing.assert_array_equal(read_pose_table(path, ReaderReport())[1], q)
     numbered = {name: f"q{i}" for i, name in enumerate(COLUMNS)}
     head = ",".join(numbered.get(rows[0][i], "time") for i in order)
     path.write_text("\n".join([head, *path.read_text().splitlines()[1:]]))
-    np.testing.assert_array_equal(read_pose_table(path)[1], q)
+    np.testing.assert_array_equal(read_pose_table(path, ReaderReport())[1], q)
 
 
 def test_columns_are_named_after_the_skeleton_in_the_order_of_the_pose() -> None:
@@ -438,10 +439,10 @@ def test_a_table_with_a_wrong_part_is_refused_and_named(tmp_path: Path, old: str
     assert old in text
     path.write_text(text.replace(old, new, 1))
     with pytest.raises(MotionError, match=r"poses\.csv"):
-        read_pose_table(path)
+        read_pose_table(path, ReaderReport())
     path.write_text(text.splitlines()[0])
     with pytest.raises(MotionError, match="no pose"):
-        read_pose_table(path)
+        read_pose_table(path, ReaderReport())
 
 
 def test_touches_at_a_guessed_size_are_stretched_to_the_measured_one(tmp_path: Path) -> None:
