@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from models.errors import InputError
-from sandbox.clearing import clearing, hand_distances, solid_links
+from sandbox.session import collision_avoidance
 from sandbox.trial.assembly import digests, reconstructor_settings
 from sandbox.trial.settings import SOLID, Settings, decoded, encoded
 from tasks.registry import TASKS
@@ -42,12 +42,11 @@ JUDGED = FIRST + LATER
 """Tasks of the frozen configuration."""
 
 CLEARING = (
-    (clearing, ("MARGIN", "BESIDE", "NOTICED", "BEND", "SWAY", "MOVE", "TILT", "TIP_SIGMA")),
-    (clearing, ("STEADY", "CLEAR_SIGMA", "AHEAD", "FAR", "SLOW", "TAU", "SPEED")),
-    (hand_distances, ("REACH",)),
-    (solid_links, ("CLEARANCE", "INSIDE")),
+    *("MARGIN", "BESIDE", "NOTICED", "BEND", "SWAY", "MOVE", "TILT", "TIP_SIGMA"),
+    *("STEADY", "CLEAR_SIGMA", "AHEAD", "FAR", "SLOW", "TAU", "SPEED"),
+    *("REACH", "CLEARANCE", "INSIDE"),
 )
-"""Modules and the constants in them by which a hand keeps clear and turns solid."""
+"""Constants of `collision_avoidance` by which a hand keeps clear and turns solid."""
 
 
 def configuration() -> dict[str, Any]:
@@ -58,9 +57,7 @@ def configuration() -> dict[str, Any]:
         "reconstructor": asdict(reconstructor_settings(settings)),
         "user": UserConfiguration().as_json(),
         "digests": digests(settings),
-        "keeps_clear": {
-            name.lower(): vars(module)[name] for module, names in CLEARING for name in names
-        },
+        "keeps_clear": {name.lower(): vars(collision_avoidance)[name] for name in CLEARING},
         "tasks": {name: TASKS[name].version for name in JUDGED},
     }
 

@@ -34,9 +34,9 @@ from sandbox.server.web import WebDevice
 from sandbox.session.messages import Snapshot
 from sandbox.trial.assembly import build
 from sandbox.trial.driver import Trial
+from sandbox.trial.latency import TimedDevice, Timing
 from sandbox.trial.live import LiveTrial
 from sandbox.trial.settings import SOLID, Settings
-from sandbox.trial.timing import TimedDevice, Timing
 from tasks.task import Task
 
 

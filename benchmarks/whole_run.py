@@ -159,9 +159,9 @@ def parts_of_trial(seed: int, fingers: int, solid: Solid) -> dict[str, float]:
         (box, "state", "what a diverged trial keeps"),
         (box, "input", "what a diverged trial keeps"),
     ]
-    clearing = session._clearing[0]
-    if clearing is not None:
-        places.append((clearing, "step", "free fingers led clear"))
+    avoidance = session._avoidance[0]
+    if avoidance is not None:
+        places.append((avoidance, "step", "free fingers led clear"))
     with timed(clock, places):
         Trial(session, []).run()
     steps = session.step / session.scene.substeps

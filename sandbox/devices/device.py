@@ -12,8 +12,9 @@ import threading
 import time
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, TypeVar
+from dataclasses import replace
+from types import MappingProxyType, TracebackType
+from typing import TYPE_CHECKING, Any, Self, TypeVar
 
 from models.frames import Frame, HandFrame, LandmarkFrame, TouchFrame
 from models.surface import Surface
@@ -21,8 +22,8 @@ from models.surface import Surface
 if TYPE_CHECKING:
     from builtins import property as default
 
-    from sandbox.session.latency import LatencyLog
     from sandbox.session.messages import Snapshot
+    from sandbox.trial.latency import LatencyLog
 else:
 
     class default:  # noqa: N801  (used as a decorator, as `property` is)
@@ -217,3 +218,79 @@ class TouchDevice(Device):
         super().close()
         if not isinstance(getattr(type(self), "finished", None), property):
             self.finished = True
+
+
+SILENCE = 0.5
+"""s without a frame after which a 3-D device or a camera is taken to see no hand. A working one
+sends many frames a second, also without a hand in view; touch devices send only changes."""
+
+
+class LatestFrame:
+    """Keeps the latest frame of a device.
+
+    Args:
+        empty: Frame that stands in until the first one.
+
+    Attributes:
+        frame: The latest frame, with session time.
+    """
+
+    def __init__(self, empty: Frame) -> None:
+        self.frame = empty
+        self._heard = 0.0
+
+    def take(self, frames: Sequence[Frame], time: float) -> bool:
+        """Takes in the frames since the last control period; True if there were any.
+
+        Of several frames the last one counts; touches that were cancelled in any of them stay
+        cancelled.
+
+        Args:
+            frames: Oldest first, of one kind.
+            time: s, session time.
+        """
+        last = frames[-1] if frames else self.frame
+        if frames:
+            self._heard = time
+        if isinstance(last, TouchFrame):
+            self.frame = (
+                _stamped([f for f in frames if isinstance(f, TouchFrame)], time)
+                if frames
+                else replace(last, time=time, cancelled=frozenset())
+            )
+        elif time - self._heard > SILENCE and isinstance(last, LandmarkFrame):
+            self.frame = replace(last, time=time, hands=())
+        elif time - self._heard > SILENCE:
+            self.frame = HandFrame(time, (), last.source)
+        else:
+            self.frame = last if last.time == time else replace(last, time=time)
+        return bool(frames)
+
+
+def _stamped(frames: Sequence[TouchFrame], time: float) -> TouchFrame:
+    """The last frame, stamped with a time, with the touches that were cancelled in any frame."""
+    last = frames[-1]
+    if len(frames) == 1 and last.time == time and not last.cancelled:
+        return last
+    cancelled = frozenset().union(*(f.cancelled for f in frames))
+    present = {c.id for c in last.contacts}
+    return replace(last, time=time, cancelled=frozenset(cancelled - present))
+
+
+class Closeable(ABC):
+    """Calls its `close` at the end of a `with` block, also after an exception."""
+
+    @abstractmethod
+    def close(self) -> None:
+        """Releases all resources; may be called twice."""
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from sandbox.session.closeable import Closeable
+from sandbox.devices.device import Closeable
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
 from sandbox.views.overlay import OverlayTexts

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from types import FrameType
 
-from sandbox.session.closeable import Closeable
+from sandbox.devices.device import Closeable
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM)
 """What a person sends with Ctrl-C, and what CI systems and schedulers send."""

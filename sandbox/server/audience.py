@@ -44,7 +44,7 @@ from sandbox.server.protocol.protocol import (
     Welcome,
     encode,
 )
-from sandbox.session.latency import LatencyLog
+from sandbox.trial.latency import LatencyLog
 
 MOST_CLIENTS = 8
 SILENCE = 1.0

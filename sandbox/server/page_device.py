@@ -6,7 +6,7 @@ import threading
 from abc import ABC, abstractmethod
 
 from sandbox.server.protocol.protocol import PageHands, PageScreen, PageTouches
-from sandbox.session.latency import LatencyLog
+from sandbox.trial.latency import LatencyLog
 
 
 class PageDevice(ABC):

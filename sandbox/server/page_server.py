@@ -45,9 +45,9 @@ from sandbox.server.protocol.protocol import (
     encode,
 )
 from sandbox.server.static import StaticFiles, plain
-from sandbox.session.latency import LatencyLog
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
+from sandbox.trial.latency import LatencyLog
 from sandbox.words.words import preferred, words_in
 
 _T = TypeVar("_T")

@@ -14,7 +14,7 @@ from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from PIL import Image
 
 from models.errors import DeviceError
-from sandbox.session.closeable import Closeable
+from sandbox.devices.device import Closeable
 
 _BOUNDARY = "picture"
 _HOSTS = ("127.0.0.1", "localhost")

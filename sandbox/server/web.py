@@ -13,7 +13,7 @@ from models.surface import METRES_PER_INCH, Surface
 from sandbox.devices.device import Device
 from sandbox.server.page_device import PageDevice
 from sandbox.server.protocol.protocol import PageHands, PageScreen, PageTouches
-from sandbox.session.latency import LatencyLog
+from sandbox.trial.latency import LatencyLog
 
 if TYPE_CHECKING:
     from sandbox.trial.device_makers import DeviceMaker

@@ -25,7 +25,7 @@ from sandbox.session.messages import MOVE_APART
 from sandbox.session.pose_track import bits
 
 if TYPE_CHECKING:
-    from sandbox.clearing.solid_links import SolidLinks
+    from sandbox.session.collision_avoidance import SolidLinks
 
 CLEARANCE = 0.0005
 """m, least distance of a fingertip's surface from an object when it becomes solid."""

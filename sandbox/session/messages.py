@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 from models.arithmetic.arrays import Array
 from models.lazy_fields import LazyFields
-from sandbox.session.finger_loads import HandLoad, KeptLoads
+from sandbox.session.contact_forces import HandLoad, KeptLoads
 from tasks.score import Score
 from tasks.task import Goal
 

@@ -11,6 +11,7 @@ from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from hashlib import blake2b
+from math import isfinite
 from typing import TYPE_CHECKING, Any, Protocol
 
 import mujoco
@@ -21,21 +22,20 @@ from encoders.reconstruction.arrival import Phase
 from encoders.reconstruction.reconstructor import AirReconstructor, Reconstructor
 from encoders.reconstruction.touch_reconstructor import Reconstruction
 from models.arithmetic.arrays import Array
+from models.arithmetic.products import squared_lengths
 from models.errors import DivergenceError
 from models.frames import Frame, TouchFrame
 from models.message import Message
-from models.scene import StillPoses
+from models.scene import Scene, StillPoses
 from models.scene_hand import SceneHand
 from models.surface import Surface, enclosing
-from sandbox.devices.device import AnyDevice
+from sandbox.devices.device import AnyDevice, LatestFrame
 from sandbox.session.collision_gating import CollisionGate, CollisionGatingRules
+from sandbox.session.contact_forces import FingerLoads, HandLoad
 from sandbox.session.contact_modes import ContactMode, ContactModes, contact_mode
-from sandbox.session.divergence import command_error, state_error
-from sandbox.session.finger_loads import FingerLoads, HandLoad
-from sandbox.session.fingertip_leading import FingertipLeading
-from sandbox.session.latest_frame import LatestFrame
 from sandbox.session.messages import ContactView, HandView, ObjectView, Snapshot
 from sandbox.session.respawn import Respawn
+from sandbox.session.tip_offsets import TipOffsets
 from tasks.goals import place
 from tasks.guarded import build_scene, measure
 from tasks.score import Scorer, Status
@@ -43,8 +43,7 @@ from tasks.sensing import Sensing
 from tasks.task import Task
 
 if TYPE_CHECKING:
-    from sandbox.clearing.clearing import Clearing
-    from sandbox.clearing.solid_links import SolidLinks
+    from sandbox.session.collision_avoidance import CollisionAvoidance, SolidLinks
 
 NOTICE_TIME = 2.0
 """s for which the notice about an object that was put back is shown."""
@@ -139,13 +138,13 @@ class Session:
         self.scene.model.geom_friction[:, 0] *= friction
         self.data = mujoco.MjData(self.scene.model)
         surfaces = [rig.reconstructor.surface for rig in rigs]
-        parts, self._clearing = self._whole_hands(all_over, surfaces)
+        parts, self._avoidance = self._whole_hands(all_over, surfaces)
         self._gates = [
             CollisionGate(self.scene, i, own, part)
             for i, (own, part) in enumerate(zip(gating, parts, strict=True))
         ]
-        self._leading = [
-            FingertipLeading(self.scene, i, surface, gate) if rig.lead and own.lead else None
+        self._tip_offsets = [
+            TipOffsets(self.scene, i, surface, gate) if rig.lead and own.lead else None
             for i, (rig, own, surface, gate) in enumerate(
                 zip(rigs, gating, surfaces, self._gates, strict=True)
             )
@@ -227,16 +226,18 @@ class Session:
 
     def _whole_hands(
         self, all_over: Sequence[bool], surfaces: Sequence[Surface]
-    ) -> tuple[list[SolidLinks | None], list[Clearing | None]]:
+    ) -> tuple[list[SolidLinks | None], list[CollisionAvoidance | None]]:
         """Links of hands that are solid all over, and what keeps these hands clear of objects."""
         parts: list[SolidLinks | None] = [None] * len(self.rigs)
-        clearing: list[Clearing | None] = [None] * len(self.rigs)
+        avoidance: list[CollisionAvoidance | None] = [None] * len(self.rigs)
         if not any(all_over):
-            return parts, clearing
+            return parts, avoidance
         # Of most hands only fingertips are solid.
-        from sandbox.clearing.clearing import Clearing
-        from sandbox.clearing.hand_distances import HandDistances
-        from sandbox.clearing.solid_links import SolidLinks
+        from sandbox.session.collision_avoidance import (
+            CollisionAvoidance,
+            HandDistances,
+            SolidLinks,
+        )
 
         for i, (rig, surface) in enumerate(zip(self.rigs, surfaces, strict=True)):
             if all_over[i]:
@@ -245,16 +246,16 @@ class Session:
                 skeleton = rig.hand.skeleton
                 # A hand in the air is where it is seen; only touches leave open where the rest is.
                 if rig.lead and skeleton:
-                    clearing[i] = Clearing(self.scene, i, skeleton, surface, distances)
-        return parts, clearing
+                    avoidance[i] = CollisionAvoidance(self.scene, i, skeleton, surface, distances)
+        return parts, avoidance
 
     def correction(self, hand: int) -> Array | None:
         """(48,) m and rad, what is added to a hand's pose to keep it clear of things; None where
         nothing is."""
-        clearing = self._clearing[hand]
-        return None if clearing is None else clearing.offset
+        avoidance = self._avoidance[hand]
+        return None if avoidance is None else avoidance.offset
 
-    def heard(self, hand: int) -> Frame:
+    def latest_frame(self, hand: int) -> Frame:
         """The latest frame of a hand's device, stamped with session time."""
         return self._latest_frames[hand].frame
 
@@ -421,9 +422,9 @@ class Session:
         rig = self.rigs[i]
         frame = self._latest(i)
         reconstruction = rig.reconstructor.step(frame)
-        clearing = self._clearing[i]
-        if clearing:
-            reconstruction = clearing.step(self.data, reconstruction, self._contact.ghost)
+        avoidance = self._avoidance[i]
+        if avoidance:
+            reconstruction = avoidance.step(self.data, reconstruction, self._contact.ghost)
         if rig.yaw:
             rig.yaw.step(self.time, reconstruction.u)
         follower = self._followers[i]
@@ -432,12 +433,12 @@ class Session:
         if follower.missed is not None and reconstruction.fingers:
             self._followed += 1
             self._missed += bool(follower.missed)
-        leading = self._leading[i]
+        tip_offsets = self._tip_offsets[i]
         ghost = self._contact.ghost
-        lets_go = leading.lets_go(self.data, reconstruction, ghost) if leading else False
-        self._gates[i].update(self.data, reconstruction, ghost or lets_go)
-        if leading and rig.lead:
-            rig.lead(leading.step(self.data, reconstruction))
+        releases = tip_offsets.releases(self.data, reconstruction, ghost) if tip_offsets else False
+        self._gates[i].update(self.data, reconstruction, ghost or releases)
+        if tip_offsets and rig.lead:
+            rig.lead(tip_offsets.step(self.data, reconstruction))
         return reconstruction
 
     def _latest(self, i: int) -> Any:
@@ -490,3 +491,54 @@ def _hand_view(
     )
     phase = reconstruction.phase.value
     return HandView(reconstruction.q, tips, solid, phase, contacts, inside)
+
+
+FASTEST = 50.0
+"""m/s, highest speed of an object. At this speed it moves 10 cm in a step of 2 ms, more than its
+own width, and passes through other objects without a detected contact."""
+FASTEST_TURN = 5000.0
+"""rad/s, highest angular speed of a hand's joint or an object: more than a turn in 2 ms."""
+
+_SLOW = 40.0
+"""m/s and rad/s, norm of all joint velocities below which no object can be as fast as `FASTEST`."""
+
+_WARNINGS = {
+    mujoco.mjtWarning.mjWARN_BADQPOS: "positions are not finite",
+    mujoco.mjtWarning.mjWARN_BADQVEL: "velocities are not finite",
+    mujoco.mjtWarning.mjWARN_BADQACC: "accelerations are not finite",
+    mujoco.mjtWarning.mjWARN_BADCTRL: "the commanded pose is not finite",
+}
+"""Warnings of MuJoCo that mean divergence; it also calls numbers beyond 1e10 not finite."""
+
+
+def command_error(data: mujoco.MjData) -> str:
+    """Description of an error in the commanded pose; empty if it is valid."""
+    ctrl = data.ctrl
+    if isfinite(ctrl.dot(ctrl)) or np.all(np.isfinite(ctrl)):  # any order: is it finite
+        return ""
+    return "the commanded pose is not finite"
+
+
+def state_error(scene: Scene, data: mujoco.MjData) -> str:
+    """Description of an error in the state of a simulation; empty if it is valid."""
+    # Fast path for the usual, valid state: a number that is not finite makes a dot product not
+    # finite, and no object is fast while all joint velocities are small.
+    qpos, qvel = data.qpos, data.qvel
+    slow = isfinite(qpos.dot(qpos)) and qvel.dot(qvel) < _SLOW**2  # any order: a rough first look
+    if slow and not any(data.warning.number.tolist()):
+        return ""
+    for kind, words in _WARNINGS.items():
+        if data.warning[kind].number:
+            return words
+    if not (np.all(np.isfinite(data.qpos)) and np.all(np.isfinite(data.qvel))):
+        return "the state is not finite"
+    for name, body in scene.object_bodies.items():
+        # Spatial velocity about the subtree's centre of mass: turn, then straight motion.
+        turn, speed = np.sqrt(squared_lengths(data.cvel[body].reshape(2, 3)))
+        if speed > FASTEST:
+            return f"{name} moves at {speed:.0f} m/s"
+        if turn > FASTEST_TURN:
+            return f"{name} turns at {turn:.0f} rad/s"
+    if np.max(np.abs(data.qvel), initial=0.0) > FASTEST_TURN:
+        return f"a joint of a hand turns at {np.max(np.abs(data.qvel)):.0f} rad/s"
+    return ""

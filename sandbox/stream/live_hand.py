@@ -6,7 +6,7 @@ import threading
 
 from models.arithmetic.arrays import Array
 from models.errors import DeviceError
-from sandbox.session.closeable import Closeable
+from sandbox.devices.device import Closeable
 from sandbox.session.session import Session
 from sandbox.stream.motion import follow
 from sandbox.trial.driver import Trial

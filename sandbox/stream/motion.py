@@ -17,7 +17,7 @@ from models.arithmetic.arrays import Array
 from models.motion.armature import Armature
 from models.motion.sampling import Poses
 from models.scene import CONTROL_PERIOD
-from sandbox.devices.device import AnyDevice, HandDevice
+from sandbox.devices.device import AnyDevice, HandDevice, LatestFrame
 from sandbox.export.leap_hands import (
     described,
     devices_by_side,
@@ -27,7 +27,6 @@ from sandbox.export.leap_hands import (
 from sandbox.export.motion_source import MotionSource, PoseCallback, poses_of, together
 from sandbox.export.sources import commanded_poses
 from sandbox.export.view import simulated_poses
-from sandbox.session.latest_frame import LatestFrame
 from sandbox.session.session import Session
 from sandbox.trial.driver import Trial
 from sandbox.trial.pacing import Pace, RealTime

@@ -12,7 +12,7 @@ from PIL import Image
 from models.errors import HandSandboxError, InputError
 from models.scene import Scene
 from models.surface import Surface
-from sandbox.session.closeable import Closeable
+from sandbox.devices.device import Closeable
 from sandbox.session.messages import Snapshot
 from sandbox.views.errors import FilmError
 from sandbox.views.film_files import FilmFile, open_film

@@ -11,7 +11,7 @@ from PIL import Image
 from models.errors import InputError
 from models.scene import Scene
 from models.surface import Surface
-from sandbox.session.closeable import Closeable
+from sandbox.devices.device import Closeable
 from sandbox.session.messages import Snapshot
 from sandbox.views.cameras import film_camera
 from sandbox.views.drawing import Drawing, Hidden

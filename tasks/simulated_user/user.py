@@ -233,7 +233,7 @@ class SkilledUser(FingersKnown):
     def _drawn_offset_of_each(self, sight: Sight) -> Array:
         """Offsets (n, 2) m for each finger, so that every drawn fingertip presses on its face.
 
-        Fingers beside a thing are led off their touches (`sandbox.session.fingertip_leading`). Who
+        Fingers beside a thing are led off their touches (`sandbox.session.tip_offsets`). Who
         closes them sees when each one is at its face.
         """
         common = self._drawn_offset(sight)

@@ -7,7 +7,7 @@ import numpy as np
 from models.arithmetic.arrays import Array
 from models.pose import ROOT_POSITION
 from models.scene import CONTROL_PERIOD
-from sandbox.clearing import clearing
+from sandbox.session.collision_avoidance import SPEED
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
 
@@ -41,6 +41,6 @@ class Changes:
                     change[ROOT_POSITION] *= 10.0
                 del before[0]
                 self.steps += 1
-                self.full += bool(np.abs(now).max() > 0.98 * clearing.SPEED * CONTROL_PERIOD)
+                self.full += bool(np.abs(now).max() > 0.98 * SPEED * CONTROL_PERIOD)
                 turned = last * now < 0.0
                 self.back += float(np.minimum(np.abs(last), np.abs(now))[turned].sum())

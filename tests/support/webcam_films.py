@@ -32,9 +32,9 @@ from models.frames import LandmarkFrame
 from models.hand import Hand
 from models.scene import Scene, SceneSpec
 from models.skeleton import ADULT
+from sandbox.devices.device import Closeable
 from sandbox.devices.webcam.landmark_server import LandmarkServer
 from sandbox.devices.webcam.landmarks_json import PictureMessage, frame_of, picture_message
-from sandbox.session.closeable import Closeable
 from sandbox.views.graphics import offscreen_context, render_context
 from sandbox.views.hand_look import HIDDEN_GROUP, skinned_model
 from tests.support.chromium import Browser

@@ -16,9 +16,9 @@ from encoders.correction import FingertipCorrection
 from encoders.labels.belief import BeliefLabels
 from models.frames import Frame
 from models.scene import Scene
+from sandbox.devices.device import LatestFrame
 from sandbox.server.protocol.protocol import PageTouches
 from sandbox.server.web import WebDevice
-from sandbox.session.latest_frame import LatestFrame
 from tools.gate import devices, trials
 from tools.gate.__main__ import FILE
 from tools.gate.rows import Rows, differences, fingerprint

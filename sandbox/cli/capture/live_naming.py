@@ -26,7 +26,7 @@ from encoders.captures.overhead.tablet_plane import (
 from models.errors import CaptureError, InputError
 from models.frames import FINGERS, LandmarkFrame, TouchFrame
 from models.surface import Surface
-from sandbox.session.closeable import Closeable
+from sandbox.devices.device import Closeable
 
 USUAL_DELAY = 0.05
 """s by which pictures are usually later than touches, until a recording is complete."""

@@ -6,7 +6,7 @@ from rich.console import Console
 from rich.table import Table
 
 from models.errors import InputError
-from sandbox.session.latency import LatencyLog, Percentiles
+from sandbox.trial.latency import LatencyLog, Percentiles
 
 KINDS = {
     "waited": "touch received to step",

@@ -36,12 +36,12 @@ from sandbox.system.ending import ending_as_by_ctrl_c
 from sandbox.trial.device_makers import with_first
 from sandbox.trial.driver import Trial, View, open_trial
 from sandbox.trial.events import EventLog, NoticeEvents
+from sandbox.trial.latency import Timing, timed
 from sandbox.trial.lift import lifts
 from sandbox.trial.live import LiveTrial
 from sandbox.trial.open_devices import device_makers, is_live
 from sandbox.trial.result import TrialResult
 from sandbox.trial.settings import Settings
-from sandbox.trial.timing import Timing, timed
 from tasks.registry import TASKS
 
 TICK = 0.02

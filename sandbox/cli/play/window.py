@@ -36,19 +36,18 @@ from sandbox.server.page_server import PageServer
 from sandbox.server.protocol.describe import summary
 from sandbox.server.screen_too_small import CANNOT_BEGIN
 from sandbox.server.web import WebDevice
-from sandbox.session.latency import LatencyLog
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
 from sandbox.system.ending import ending_as_by_ctrl_c
 from sandbox.trial.device_makers import DeviceMaker, DeviceMakers, with_first
 from sandbox.trial.driver import View, open_trial
 from sandbox.trial.events import EventLog, NoticeEvents
+from sandbox.trial.latency import LatencyLog, Timing, timed
 from sandbox.trial.lift import with_lift
 from sandbox.trial.live import LiveTrial
 from sandbox.trial.open_devices import device_makers, is_live
 from sandbox.trial.result import TrialResult
 from sandbox.trial.settings import Settings
-from sandbox.trial.timing import Timing, timed
 from sandbox.views.window.window import SIZE, Window
 from tasks.score import Status
 from tasks.task import Task

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from models.errors import RecordingError
-from sandbox.session.closeable import Closeable
+from sandbox.devices.device import Closeable
 
 
 class LineFile(Closeable):

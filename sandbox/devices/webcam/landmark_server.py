@@ -19,6 +19,7 @@ from websockets.exceptions import ConnectionClosed
 from websockets.http11 import Request, Response
 
 from models.errors import DeviceError, InputError
+from sandbox.devices.device import Closeable
 from sandbox.devices.webcam.landmarks_json import PictureMessage, picture_message
 from sandbox.server.connections.access import Access
 from sandbox.server.connections.address import LOOPBACK
@@ -26,7 +27,6 @@ from sandbox.server.connections.connection_limits import ConnectionLimits, limit
 from sandbox.server.connections.counters import Counters
 from sandbox.server.page_server import silent_logger
 from sandbox.server.static import TOKEN_PLACE, answered, plain
-from sandbox.session.closeable import Closeable
 
 STATIC = Path(__file__).resolve().parent / "static"
 ENGINE = "/engine/"

@@ -21,7 +21,7 @@ from sandbox.server.protocol.protocol import (
     PageTouches,
     SeenJoints,
 )
-from sandbox.session.latency import LatencyLog
+from sandbox.trial.latency import LatencyLog
 
 KEPT = 1024
 """Largest number of frames that wait for the session, 11 s at 90 Hz; beyond it the oldest are

@@ -11,7 +11,7 @@ from sandbox.devices.device import AnyDevice, Device
 from sandbox.session.messages import Snapshot
 
 if TYPE_CHECKING:
-    from sandbox.session.latency import LatencyLog
+    from sandbox.trial.latency import LatencyLog
 
 
 class DeviceWrapper(Device):

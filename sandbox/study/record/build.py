@@ -32,7 +32,6 @@ COMPUTES = (
     "tasks/clutter",
     "tasks/mechanisms",
     "tasks/simulated_user",
-    "sandbox/clearing",
     "sandbox/devices",
     "sandbox/devices/evdev",
     "sandbox/devices/files",

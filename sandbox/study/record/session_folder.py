@@ -9,10 +9,10 @@ from pathlib import Path
 from typing import Any
 
 from models.errors import OtherPlanError, StudyError
+from sandbox.devices.device import Closeable
 from sandbox.lsl.lsl_listening import tell
 from sandbox.recording.recording_file import stored
 from sandbox.recording.versions import versions
-from sandbox.session.closeable import Closeable
 from sandbox.study.design.plan import Step, TrialStep, session_plan, trials_of
 from sandbox.study.record.chain import DIGEST, Record
 from sandbox.study.record.file_digests import (

@@ -8,9 +8,8 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from models.frames import LandmarkFrame
-from sandbox.devices.device import LandmarkDevice
+from sandbox.devices.device import Closeable, LandmarkDevice
 from sandbox.devices.webcam.webcam import WebcamDevice
-from sandbox.session.closeable import Closeable
 from sandbox.study.run.forms import Poll
 
 TICK = 0.05

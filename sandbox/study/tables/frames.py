@@ -82,7 +82,7 @@ class FrameTable:
         # Rows are computed after the trial, so that the session's loop is not delayed.
         self._snapshots.append(snapshot)
         if self._session is not None and self._reader is not None:
-            self._inputs.append([self._session.heard(k) for k in range(len(snapshot.hands))])
+            self._inputs.append([self._session.latest_frame(k) for k in range(len(snapshot.hands))])
             self._contacts.append(self._reader.copy())
 
     def forget_contacts(self) -> None:

@@ -18,7 +18,7 @@ from models.person import Person
 from models.scene import Scene, SceneSpec
 from models.skeleton import ADULT
 from models.surface import Surface
-from sandbox.session.closeable import Closeable
+from sandbox.devices.device import Closeable
 from sandbox.session.messages import HandView, Snapshot
 from sandbox.views import palette
 from sandbox.views.graphics import GLContext

@@ -11,7 +11,7 @@ from PIL import Image
 
 from encoders.paalm.paalm import PaalmFrame
 from models.frames import HandFrame
-from sandbox.session.closeable import Closeable
+from sandbox.devices.device import Closeable
 from sandbox.views.paalm.picture import SIZE, PaalmPicture
 from sandbox.views.renderer import LARGEST
 from sandbox.views.window.context import WindowContext

@@ -19,10 +19,9 @@ from models.arithmetic.arrays import Array
 from models.errors import HandSandboxError
 from models.scene import Scene
 from models.surface import Surface
-from sandbox.devices.device import AnyDevice
+from sandbox.devices.device import AnyDevice, Closeable
 from sandbox.devices.mouse import MouseDevice
 from sandbox.devices.wrappers.lift_keys import LiftKeys
-from sandbox.session.closeable import Closeable
 from sandbox.session.messages import Snapshot
 from sandbox.views import palette
 from sandbox.views.cameras import camera_above, window_camera

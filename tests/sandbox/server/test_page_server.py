@@ -527,7 +527,7 @@ def test_fingers_that_rest_through_a_lost_connection_are_the_same_contacts_after
         page.touch((1, 2.0, 2.1), (2, 3.0, 2.1))
         assert wait_for(lambda: stage.device.touched)
         stage.advance()
-        heard = stage.session.heard(0)
+        heard = stage.session.latest_frame(0)
         assert isinstance(heard, TouchFrame)
         assert [c.id for c in heard.contacts] == [1, 2]
         assert heard.cancelled == frozenset()

@@ -16,8 +16,8 @@ from models.frames import Contact
 from models.objects import Box
 from models.scene import CONTROL_PERIOD
 from models.surface import Surface
-from sandbox.clearing.hand_distances import HandDistances
 from sandbox.recording.recording import load_recording
+from sandbox.session.collision_avoidance import HandDistances
 from sandbox.session.messages import Snapshot
 from sandbox.session.respawn import AWAY, BESIDE_GOAL, Respawn
 from sandbox.session.session import Session

@@ -23,10 +23,9 @@ from sandbox.devices.wrappers.lift_keys import LiftKeys
 from sandbox.devices.wrappers.merged import MergedDevice
 from sandbox.recording.recording import load_recording
 from sandbox.server.web import WebDevice
-from sandbox.session.latency import LatencyLog
 from sandbox.trial.assembly import build
+from sandbox.trial.latency import LatencyLog, TimedDevice, Timing
 from sandbox.trial.settings import Settings
-from sandbox.trial.timing import TimedDevice, Timing
 from sandbox.views.window import drawing_quality
 from sandbox.views.window.window import SPEEDS
 from tests.support.page_client import Page

@@ -30,13 +30,12 @@ from models.pose import ROOT_POSITION
 from models.scene import Scene, SceneSpec
 from models.skeleton import ADULT
 from models.surface import Surface
-from sandbox.devices.device import Device
+from sandbox.devices.device import SILENCE, Device, LatestFrame
 from sandbox.devices.simulated.leap_user import SimulatedLeap
 from sandbox.recording.recorded_device import RecordedDevice
 from sandbox.recording.recorded_frames import frame_from_json, frame_to_json
 from sandbox.recording.recording import load_recording
 from sandbox.session.collision_gating import CollisionGate, CollisionGatingRules
-from sandbox.session.latest_frame import SILENCE, LatestFrame
 from sandbox.session.messages import Snapshot
 from sandbox.trial.assembly import build
 from sandbox.trial.device_makers import DeviceMaker

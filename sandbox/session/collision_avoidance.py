@@ -1,17 +1,25 @@
-"""Clearing: the parts of a hand that do not touch keep clear of things.
+"""Collision avoidance of a hand that is solid all over: how it keeps clear of objects.
 
 The touches decide where the touching fingertips are; all else of a hand may be anywhere plausible.
 The encoder's pose is taken as a guess, and of the poses that keep the fingertips and are clear of
-things the likeliest is commanded. Without a thing near, that is the encoder's.
+objects `CollisionAvoidance` commands the likeliest. Without an object near, that is the encoder's.
 
 Likely is what is near the encoder's pose, and near the pose before: where no pose is clear, what
 leads the hand changes from step to step, and without the second the hand would tremble. As the
 correction may go on from where it is, it ends where it would without.
+
+`HandDistances` measures how far the parts of the hand are from objects, by MuJoCo's collision
+detection in a copy of the scene, in which the hand is always there and never pushes anything.
+
+`SolidLinks` makes every part solid by itself, once the touching fingertips are solid and the part
+is clear of objects: a part that became solid inside an object would throw it.
 """
 
 from __future__ import annotations
 
+import copy
 from math import expm1
+from typing import NamedTuple
 
 import mujoco
 import numpy as np
@@ -26,12 +34,12 @@ from models.arithmetic.products import (
     times_transposed,
     vector_matrix,
 )
+from models.hand import CONTACT_HAND
 from models.one_pose import OnePose
 from models.pose import JOINTS, POSE_SIZE, ROOT_POSITION, ROOT_ROTATION
 from models.scene import CONTROL_PERIOD, Scene
 from models.skeleton import Skeleton
 from models.surface import Surface
-from sandbox.clearing.hand_distances import HandDistances, Near
 
 MARGIN = 0.005
 """m that parts of a hand without a touch keep from things: as far as a hand moves in a control
@@ -77,7 +85,7 @@ _STILL = 1e-5
 """rad (and m), below which a correction that is not needed has gone."""
 
 
-class Clearing:
+class CollisionAvoidance:
     """Corrects the commanded poses of one hand.
 
     Args:
@@ -357,3 +365,262 @@ def _variance() -> Array:
     # The first component of a joint's turn is its flexion, the axis across the finger.
     sigma[JOINTS.start :: 3] = BEND
     return sigma * sigma
+
+
+REACH = 0.02
+"""m, farthest distance that is measured."""
+
+_IDLE = (
+    mujoco.mjtDisableBit.mjDSBL_LIMIT
+    | mujoco.mjtDisableBit.mjDSBL_FRICTIONLOSS
+    | mujoco.mjtDisableBit.mjDSBL_EQUALITY
+)
+"""Constraints that are no contacts."""
+
+
+class Near(NamedTuple):
+    """Parts of a hand that are near things.
+
+    Attributes:
+        parts: Indices (n,) of geoms; a part may come twice, as for two ends of a capsule.
+        distances: (n,) m between surfaces, negative inside.
+        things: Indices (n,) of the geoms that they are near.
+    """
+
+    parts: list[int]
+    distances: list[float]
+    things: list[int]
+
+
+class HandDistances:
+    """Measures how near the parts of one hand are to objects and to other hands.
+
+    The inner part of a last link, which its fingertip does not need, is a part of its own under the
+    link's geom; the fingertip is one under the link's `tip_geom`.
+
+    Args:
+        scene: The scene, as it was compiled: before any part of it was made a ghost.
+        hand: Index of the hand.
+
+    Attributes:
+        dofs: Slice of the hand's degrees of freedom.
+    """
+
+    def __init__(self, scene: Scene, hand: int) -> None:
+        self._hand = scene.qpos_slice(hand)
+        own = scene.spec.hands[hand]
+        self._model = model = copy.copy(scene.model)
+        parts = scene.parts(hand)
+        self._parts = frozenset(parts)
+        # What hands meet at all, and the other hands.
+        things = (model.geom_conaffinity & CONTACT_HAND) > 0
+        for other in range(len(scene.spec.hands)):
+            things[scene.parts(other)] = scene.spec.hands_collide
+        things[parts] = False
+        model.geom_contype[:] = model.geom_conaffinity[:] = 0
+        model.geom_contype[parts] = CONTACT_HAND
+        model.geom_conaffinity[things] = CONTACT_HAND
+        for body in range(model.nbody):
+            of_body = model.geom_bodyid == body
+            model.body_contype[body] = np.bitwise_or.reduce(model.geom_contype[of_body])
+            model.body_conaffinity[body] = np.bitwise_or.reduce(model.geom_conaffinity[of_body])
+        for link in own.links:
+            if link.tip_geom != link.geom:
+                _shorten(model, model.geom(link.geom).id, link.solid_from)
+        model.geom_margin[parts] = REACH
+        # Within a gap a contact has no row.
+        model.geom_gap[:] = 0.0
+        # MuJoCo looks at the parts of a body only where the body's own margin lets it.
+        model.body_margin[model.geom_bodyid[parts]] = REACH
+        # One row for each contact: how its distance changes.
+        model.geom_condim[:] = 1
+        model.opt.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
+        model.opt.disableflags |= int(_IDLE)
+        self._data = mujoco.MjData(model)
+        start = int(model.joint(own.first_joint).dofadr[0])
+        inside = [j for j in range(model.njnt) if model.jnt_qposadr[j] in _range(self._hand)]
+        last = inside[-1]
+        ends = model.jnt_dofadr[last + 1] if last + 1 < model.njnt else model.nv
+        self.dofs = slice(start, int(ends))
+
+    def near(self, data: mujoco.MjData, qpos: Array | None = None, ahead: float = 0.0) -> Near:
+        """Parts of the hand that are near things, and how near.
+
+        Args:
+            data: State of the simulation, where all things are.
+            qpos: Joint positions (m,) of the hand; None takes those of the state.
+            ahead: s for which things go on as they move now.
+        """
+        own = self._data
+        own.qpos[:] = data.qpos
+        if ahead:
+            mujoco.mj_integratePos(self._model, own.qpos, data.qvel, ahead)
+        if qpos is not None:
+            own.qpos[self._hand] = qpos
+        mujoco.mj_kinematics(self._model, own)
+        mujoco.mj_collision(self._model, own)
+        if not own.ncon:
+            return _NOTHING
+        contact = own.contact
+        pairs = contact.geom.tolist()
+        mine = self._parts
+        # MuJoCo orders two geoms by their kind.
+        first = [a in mine for a, _ in pairs]
+        parts = [a if f else b for (a, b), f in zip(pairs, first, strict=True)]
+        things = [b if f else a for (a, b), f in zip(pairs, first, strict=True)]
+        return Near(parts, contact.dist.tolist(), things)
+
+    def gradients(self, rows: list[int]) -> Array:
+        """Derivatives (k, dofs) of some of the distances that `near` returned last, by the hand's
+        velocities.
+
+        Args:
+            rows: Indices (k,) into them.
+        """
+        model, own = self._model, self._data
+        mujoco.mj_comPos(model, own)
+        mujoco.mj_makeConstraint(model, own)
+        every = own.efc_J.reshape(own.nefc, model.nv)
+        at = own.contact.efc_address.take(rows)
+        gradients: Array = every.take(at, 0)[:, self.dofs]
+        return gradients
+
+
+_NOTHING = Near([], [], [])
+
+
+def _range(part: slice) -> range:
+    return range(part.start, part.stop)
+
+
+def _shorten(model: mujoco.MjModel, geom: int, share: float) -> None:
+    """Makes a link's capsule end before its fingertip begins."""
+    # The capsule's axis is its own z, and its body's y.
+    half: float = model.geom_size[geom, 1]
+    middle: NDArray[np.float64] = model.geom_pos[geom]
+    model.geom_pos[geom] = share * middle
+    # MuJoCo takes a geom with the frame of its body's inertia to be there, wherever its own place.
+    model.geom_sameframe[geom] = mujoco.mjtSameFrame.mjSAMEFRAME_NONE
+    model.geom_size[geom, 1] = max(share * half, 1e-6)
+
+
+CLEARANCE = 0.0005
+"""m, least distance of a part from things when it becomes solid."""
+
+INSIDE = 0.0015
+"""m, depth in a thing, by the thing's own distances, at which a part does not become solid."""
+
+_ALONG = np.linspace(-1.0, 1.0, 9)
+"""Shares of half a capsule's length, from its middle, at which a ball covers it."""
+
+
+class SolidLinks:
+    """Decides step by step which parts of one hand are solid.
+
+    Args:
+        scene: The scene.
+        hand: Index of the hand.
+        distances: Distances of its parts.
+
+    Attributes:
+        fingers: Labels of the fingers whose last link is solid, whether they touch or not.
+    """
+
+    def __init__(self, scene: Scene, hand: int, distances: HandDistances) -> None:
+        self._scene, self._hand, self._distances = scene, hand, distances
+        links, geom = scene.spec.hands[hand].links, scene.model.geom
+        self._parts = tuple(scene.parts(hand))
+        # Of each finger: its links from the palm outwards, and the solid end of the last.
+        self._links: dict[int, list[int]] = {}
+        for link in links:
+            self._links.setdefault(link.finger, []).append(geom(link.geom).id)
+        self._ends = {link.finger: geom(link.tip_geom).id for link in links}
+        of_fingers = {g for own in self._links.values() for g in own} | set(self._ends.values())
+        self._palm = [g for g in self._parts if g not in of_fingers]
+        sizes = scene.model.geom_size[list(self._parts)]
+        self._radii, self._halves = sizes[:, 0], sizes[:, 1]
+        self.fingers: frozenset[int] = frozenset()
+        self._touching: frozenset[int] = frozenset()
+        self._solid: frozenset[int] = frozenset()
+
+    @property
+    def signature(self) -> bytes:
+        """Which parts are solid: state outside MuJoCo's that affects the next step."""
+        mask = sum(1 << i for i, part in enumerate(self._parts) if part in self._solid)
+        return mask.to_bytes((len(self._parts) + 7) // 8, "little")
+
+    def balls(self, data: mujoco.MjData) -> tuple[Array, Array]:
+        """Middles (n, 3) and radii (n,), m, of balls along all parts, which are capsules."""
+        parts = list(self._parts)
+        axes = data.geom_xmat[parts].reshape(-1, 3, 3)[:, :, 2]
+        along = _ALONG[:, None] * self._halves
+        middles = data.geom_xpos[parts] + along[:, :, None] * axes
+        return middles.reshape(-1, 3), np.tile(self._radii, len(_ALONG))
+
+    def update(
+        self, data: mujoco.MjData, pressing: frozenset[int], touching: frozenset[int]
+    ) -> None:
+        """Chooses the solid parts for the next step.
+
+        Args:
+            data: Current state of the simulation.
+            pressing: Fingers whose tips are solid and touch; none makes the hand a ghost.
+            touching: Fingers that touch.
+        """
+        before = self._solid
+        solid = self._joined(data, pressing, touching) if pressing else frozenset()
+        self._touching = touching
+        if solid != before:
+            self._solid = solid
+            self._scene.set_solid_geoms(self._hand, solid)
+            self.fingers = frozenset(
+                f for f in self._links if self._links[f][-1] in solid or self._ends[f] in solid
+            )
+
+    def _joined(
+        self, data: mujoco.MjData, pressing: frozenset[int], touching: frozenset[int]
+    ) -> frozenset[int]:
+        """The parts that are solid next."""
+        # A finger that begins to touch or is lifted begins anew: it may be inside of what it
+        # held, or on its way into something.
+        anew = touching ^ self._touching
+        solid = {
+            part
+            for f in self._links
+            if f not in anew and (f in pressing or f not in touching)
+            for part in (*self._links[f], self._ends[f])
+            if part in self._solid
+        }
+        solid.update(part for part in self._palm if part in self._solid)
+        missing = {part for part in self._palm if part not in solid}
+        for f in self._links:
+            if f in pressing or f not in touching:
+                missing.update(part for part in self._links[f] if part not in solid)
+            if f in pressing and self._links[f][-1] not in solid:
+                solid.add(self._ends[f])
+        if not missing:
+            return frozenset(solid)
+        parts, distances, _ = self._distances.near(data)
+        blocked = {p for p, far in zip(parts, distances, strict=True) if far < CLEARANCE}
+        for f in self._links:
+            last, end = self._links[f][-1], self._ends[f]
+            if f not in pressing and end in blocked:
+                # The whole last link of a finger that does not touch must be out.
+                blocked.add(last)
+        joining = missing - blocked
+        if joining:
+            solid |= joining - self._inside(data)
+        for f in self._links:
+            if self._links[f][-1] in solid and self._ends[f] != self._links[f][-1]:
+                # The whole link takes the place of its end.
+                solid.discard(self._ends[f])
+        return frozenset(solid)
+
+    def _inside(self, data: mujoco.MjData) -> frozenset[int]:
+        """Parts that are inside of things, whatever MuJoCo says.
+
+        It takes a capsule for clear of a box that its axis goes right through.
+        """
+        middles, radii = self.balls(data)
+        far = (self._scene.clearance(data, middles) - radii).reshape(len(_ALONG), -1).min(axis=0)
+        return frozenset(part for part, d in zip(self._parts, far, strict=True) if d < -INSIDE)

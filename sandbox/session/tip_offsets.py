@@ -1,29 +1,116 @@
-"""Fingertip leading: beside a thing, a fingertip is led off its touch until it is out of the thing.
+"""Offsets from touches to fingertips: beside objects, and while fingers hold or release one.
 
 People put their fingers against what they want to hold. A touch is where the middle of a fingertip
 belongs, and the tip is a ball of 8 mm: a finger at a face would have to become solid inside of the
-thing. So the tip is led out along the surface, by little more than its radius at most, while it is
+object. So the tip is led out along the surface, by little more than its radius at most, while it is
 still a ghost. It keeps this distance from its touch, turned as the touches turn, for as long as it
-is solid near things: fingers that close then press from the face on.
+is solid near objects: fingers that close then press from the face on.
+
+A grip stores force in the servos of every finger, also along the faces of the object. Fingers that
+open little by little give it back to the object, which turns and follows them. Fingers that are
+lifted are ghosts in one step, and leave the object where it is. So are fingers that spread: while
+they open by a few millimetres their tips stay where they press, and then the hand is a ghost.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from math import cos, sin, sqrt
+from math import cos, expm1, sin, sqrt
 
 import numpy as np
 
 from encoders.reconstruction.touch_reconstructor import Reconstruction
 from encoders.smoothing import common_motion
 from models.arithmetic.arrays import Array
-from models.arithmetic.products import total
+from models.arithmetic.products import length, squared_lengths, total
 from models.frames import FINGERS
 from models.objects import SceneObject
 from models.scene import CONTROL_PERIOD, BodyPoses, Scene
 from models.surface import Surface
 from sandbox.session.collision_gating import GHOST, CollisionGate
-from sandbox.session.letting_go import Grip
+
+OPENED = 0.004
+"""m that the fingers have spread, each from the middle of all, when they let go. Resting touches
+tremble by a millimetre."""
+SURE = 0.001
+"""m that the fingers have spread, from which on they are expected to spread further."""
+RELEASED_FADING = 0.07
+"""m/s at which tips return to their touches once they need not be kept."""
+MEMORY = 1.0
+"""s, time constant with which a narrower grip is forgotten, so that fingers which open slowly
+loosen it."""
+
+_Touches = Mapping[int, tuple[float, float]]
+"""(x, y) m on the surface by finger."""
+
+
+class Grip:
+    """The width that the solid fingers of a hand keep.
+
+    Attributes:
+        offsets: (5, 2) m along the surface, y down, from touches to where the tips are kept; None
+            if all are 0.
+    """
+
+    def __init__(self) -> None:
+        self.offsets: Array | None = None
+        self._narrow: dict[int, float] = {}
+        self._kept: dict[int, float] = {}
+
+    def step(self, touches: _Touches, solid: frozenset[int]) -> bool:
+        """True in the step in which the fingers let go.
+
+        Args:
+            touches: Touches of all fingers.
+            solid: Fingers that are solid now.
+        """
+        self.offsets = _faded(self.offsets)
+        holding = sorted(solid & touches.keys())
+        if len(holding) < 2:
+            self._narrow = {}
+            return False
+        n = len(holding)
+        x = total(touches[f][0] for f in holding) / n
+        y = total(touches[f][1] for f in holding) / n
+        ways = {f: (touches[f][0] - x, touches[f][1] - y) for f in holding}
+        far = {f: sqrt(right * right + down * down) for f, (right, down) in ways.items()}
+        if self._narrow.keys() != far.keys():
+            self._narrow, self._kept = far, {}
+            return False
+        before, kept = self._kept, {}
+        for finger, now in far.items():
+            wider = now - self._narrow[finger]
+            self._narrow[finger] += wider if wider < 0.0 else _FORGOTTEN * wider
+            kept[finger] = now - self._narrow[finger]
+        self._kept = kept
+        opened = total(kept.values()) / n
+        if opened > OPENED:
+            self._narrow = {}
+            return True
+        fading = self.offsets
+        self.offsets = np.zeros((len(FINGERS), 2)) if fading is None else fading
+        for finger, way in kept.items():
+            # The tips get this offset in the next step, when the touches have opened further.
+            further = way - before.get(finger, way) if opened > SURE else 0.0
+            share = (way + max(further, 0.0)) / far[finger] if way > 0.0 else 0.0
+            right, down = ways[finger]
+            wanted = np.array([-share * right, -share * down])
+            if fading is None or length(wanted) >= length(fading[finger]):
+                self.offsets[finger] = wanted
+        return False
+
+
+def _faded(offsets: Array | None) -> Array | None:
+    """Offsets (5, 2) m after a control period without a grip; None if all are 0."""
+    if offsets is None:
+        return None
+    far = np.sqrt(squared_lengths(offsets))
+    left = np.maximum(far - RELEASED_FADING * CONTROL_PERIOD, 0.0)
+    return offsets * (left / np.maximum(far, 1e-12))[:, None] if left.any() else None
+
+
+_FORGOTTEN = -expm1(-CONTROL_PERIOD / MEMORY)
+
 
 MARGIN = 0.0012
 """m that a led fingertip is clear of things. A touch trembles, and the simulated finger follows its
@@ -56,7 +143,7 @@ _Clearance = Callable[[Array], Array]
 """Function from points (n, 3) m of a finger to the clearances (n,) m of its flesh."""
 
 
-class FingertipLeading:
+class TipOffsets:
     """Leads the fingertips of one hand out of things, and keeps the width of its grip.
 
     Args:
@@ -92,7 +179,9 @@ class FingertipLeading:
         self._touches: Mapping[int, tuple[float, float]] = {}
         self._near: dict[int, list[SceneObject]] = {}
 
-    def lets_go(self, data: BodyPoses, reconstruction: Reconstruction, ghost: bool = False) -> bool:
+    def releases(
+        self, data: BodyPoses, reconstruction: Reconstruction, ghost: bool = False
+    ) -> bool:
         """True in the step in which the fingers spread, so that the hand becomes a ghost.
 
         Args:
@@ -112,7 +201,7 @@ class FingertipLeading:
 
         Args:
             data: Current state of the simulation.
-            reconstruction: Current reconstruction from touches, of which `lets_go` knows already.
+            reconstruction: Current reconstruction from touches, of which `releases` knows already.
         """
         solid = self._gate.fingers
         if self._out is not None or (self._near and not self._touches.keys() <= solid):

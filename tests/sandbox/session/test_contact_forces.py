@@ -9,7 +9,7 @@ import pytest
 from models.frames import Contact
 from models.hand import SERVOS, Hand
 from models.scene import Scene, SceneSpec
-from sandbox.session.finger_loads import FingerLoad, FingerLoads, HandLoad
+from sandbox.session.contact_forces import FingerLoad, FingerLoads, HandLoad
 from tests.sandbox.session.test_collision_gating import BESIDE_IT, grip
 from tests.support.scripted import box_xy, run, scripted
 from tests.support.simulation import pinched, put, random_pose

@@ -9,8 +9,8 @@ import pytest
 
 from models.pose import JOINTS
 from models.skeleton import ADULT
-from sandbox.clearing import clearing
 from sandbox.options.scene_options import SceneOptions, scene_settings
+from sandbox.session import collision_avoidance
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
 from sandbox.trial.headless import run_trial
@@ -44,7 +44,7 @@ def test_without_a_share_of_the_correction_before_a_hand_between_books_trembles_
     seed: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     steady = back(seed)
-    monkeypatch.setattr(clearing, "STEADY", 1e3)
+    monkeypatch.setattr(collision_avoidance, "STEADY", 1e3)
     assert back(seed) > 2.0 * steady
 
 

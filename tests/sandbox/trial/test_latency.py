@@ -19,14 +19,13 @@ from sandbox.devices.mouse import MouseDevice
 from sandbox.devices.tuio.tuio import TuioDevice
 from sandbox.devices.wrappers.lift_keys import LiftKeys
 from sandbox.devices.wrappers.merged import MergedDevice
-from sandbox.session.latency import LatencyLog
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
 from sandbox.trial.assembly import build
 from sandbox.trial.driver import Trial
+from sandbox.trial.latency import LatencyLog, TimedDevice, Timing, timed
 from sandbox.trial.live import LiveTrial
 from sandbox.trial.settings import Settings
-from sandbox.trial.timing import TimedDevice, Timing, timed
 from tests.support.processes import PATIENCE, Sender
 from tests.support.tuio_packets import frame
 from tests.support.viewed import advance, mouse_session, viewed

@@ -17,9 +17,9 @@ from models.objects import Box
 from models.one_pose import OnePose
 from models.scene import Scene, SceneSpec
 from models.skeleton import ADULT
-from sandbox.clearing.hand_distances import REACH, HandDistances
 from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.recording.recording import load_recording
+from sandbox.session.collision_avoidance import REACH, HandDistances
 from sandbox.session.session import Session
 from sandbox.trial.headless import run_trial
 from sandbox.trial.replay import replay, settings_of
@@ -65,7 +65,7 @@ def free_parts(near: dict[str, float], free: str) -> list[float]:
     return [far for name, far in near.items() if free in name]
 
 
-def test_without_clearing_a_free_finger_is_inside_the_box() -> None:
+def test_without_avoidance_a_free_finger_is_inside_the_box() -> None:
     """The scene of the next tests asks something of them."""
     session = beside_box("fingertips")
     run(session, 1.0)
@@ -164,8 +164,8 @@ def test_the_derivatives_of_distances_are_finite_differences(seed: int) -> None:
 def test_the_likeliest_correction_keeps_every_margin_however_many_there_are(seed: int) -> None:
     """Margins that can be kept are, and the fingertips stay."""
     session = beside_box("hand")
-    clearing = session._clearing[0]
-    assert clearing is not None
+    avoidance = session._avoidance[0]
+    assert avoidance is not None
     rng = np.random.default_rng(seed)
     tips, margins = rng.normal(size=(9, 48)), rng.normal(size=(24, 48))
     # All margins can be kept by one correction, which does not move the tips.
@@ -175,7 +175,7 @@ def test_the_likeliest_correction_keeps_every_margin_however_many_there_are(seed
     A = np.concatenate([tips, margins])
     r = np.concatenate([np.zeros(9), lacking])
     q0 = np.concatenate([np.zeros(6), 0.5 * (ADULT.lower + ADULT.upper)])
-    offset, led = clearing._likeliest(A, r, 9, q0)
+    offset, led = avoidance._likeliest(A, r, 9, q0)
     assert np.abs(tips @ offset).max() < 0.001
     assert (margins @ offset - lacking).min() > -0.002
     assert 0 < len(led) < 24

@@ -1,4 +1,4 @@
-"""Fingers that are put against a thing are led out of it, become solid there and hold it."""
+"""Fingers at an object are led out of it, keep their grip while they tremble, and release."""
 
 from __future__ import annotations
 
@@ -8,6 +8,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from models.arithmetic.arrays import Array
 from models.frames import Contact
@@ -16,14 +18,132 @@ from models.objects import Box
 from models.scene import CONTROL_PERIOD
 from sandbox.recording.recording import load_recording
 from sandbox.session.collision_gating import CLEARANCE, STUCK
-from sandbox.session.fingertip_leading import REACH
 from sandbox.session.messages import MOVE_APART
 from sandbox.session.session import Session
+from sandbox.session.tip_offsets import OPENED, REACH, RELEASED_FADING, Grip
 from sandbox.trial.headless import run_trial
 from sandbox.trial.replay import replay
 from sandbox.trial.settings import HandSettings, Settings
 from tests.support.one_thing import MugOnTable, OneThing
-from tests.support.scripted import Played, run, scripted
+from tests.support.scripted import Played, box_xy, pinch, run, scripted
+
+HAND = np.array([[-0.03, 0.01], [0.03, -0.01], [0.025, 0.012]])
+"""m, touches of thumb, index and middle finger."""
+SOLID = frozenset({0, 1, 2})
+
+
+def held(grip: Grip, places: Array) -> tuple[bool, Array]:
+    """Whether fingers let go in a step, and where their tips (3, 2) m are kept."""
+    touches = {finger: (float(x), float(y)) for finger, (x, y) in enumerate(places)}
+    releases = grip.step(touches, SOLID)
+    return releases, places if grip.offsets is None else places + grip.offsets[:3]
+
+
+def opened(by: float) -> Array:
+    """Touches (3, 2) m, each farther from the middle of all."""
+    away = HAND - HAND.mean(axis=0)
+    return HAND + by * away / np.linalg.norm(away, axis=1)[:, None]
+
+
+def widths(places: Array) -> Array:
+    """(3, 3) m from each finger to the others."""
+    return np.linalg.norm(places[:, None] - places[None], axis=-1)
+
+
+def test_fingers_that_open_a_little_keep_the_width_of_their_grip() -> None:
+    grip = Grip()
+    for by in np.linspace(0.0, 0.003, 31):
+        releases, tips = held(grip, opened(by))
+        assert not releases
+        # Within half a second little of it is forgotten.
+        touched, kept = widths(opened(by)) - widths(HAND), widths(tips) - widths(HAND)
+        assert np.abs(kept).max() <= 0.2 * np.abs(touched).max()
+
+
+def test_fingers_that_spread_let_go_once() -> None:
+    grip, times = Grip(), []
+    for step in range(40):
+        releases, _ = held(grip, opened(min(0.0005 * step, 0.010)))
+        if releases:
+            times.append(step)
+    assert times[0] <= 2 * OPENED / 0.0005 and len(times) <= 2
+
+
+def test_tips_return_to_their_touches_in_small_steps_once_the_grip_is_gone() -> None:
+    grip, steps = Grip(), []
+    for by in (0.0, 0.001, 0.002, 0.003):
+        _, before = held(grip, opened(by))
+    open_now = opened(0.003)
+    for _ in range(10):
+        grip.step(dict.fromkeys((0, 1, 2), (0.0, 0.0)), frozenset())
+        tips = open_now if grip.offsets is None else open_now + grip.offsets[:3]
+        steps.append(np.linalg.norm(tips - before, axis=1).max())
+        before = tips
+    np.testing.assert_array_equal(before, open_now)
+    assert max(steps) <= RELEASED_FADING * CONTROL_PERIOD + 1e-9
+
+
+def test_fingers_that_close_are_followed_at_once() -> None:
+    grip = Grip()
+    for by in (0.0, -0.002, -0.004, -0.01):
+        _, tips = held(grip, opened(by))
+        np.testing.assert_array_equal(tips, opened(by))
+
+
+@given(
+    turn=st.floats(-0.02, 0.02),
+    right=st.floats(-0.005, 0.005),
+    down=st.floats(-0.005, 0.005),
+)
+def test_fingers_that_drag_and_turn_a_thing_are_followed(
+    turn: float, right: float, down: float
+) -> None:
+    grip, places = Grip(), HAND
+    c, s = np.cos(turn), np.sin(turn)
+    for _ in range(50):
+        releases, tips = held(grip, places)
+        assert not releases
+        np.testing.assert_allclose(tips, places, atol=1e-9)
+        places = places @ np.array([[c, s], [-s, c]]) + [right, down]
+
+
+def test_trembling_fingers_hold_on() -> None:
+    rng, grip, off = np.random.default_rng(5), Grip(), np.zeros((3, 2))
+    # Slow tremor, as of the simulated user, for a minute.
+    keep = np.exp(-CONTROL_PERIOD / 0.15)
+    for _ in range(round(60 / CONTROL_PERIOD)):
+        off = keep * off + np.sqrt(1 - keep**2) * rng.normal(0.0, 0.00095, (3, 2))
+        assert not held(grip, HAND + off)[0]
+
+
+def test_a_single_finger_holds_nothing() -> None:
+    grip = Grip()
+    for x in (0.0, 0.1, 0.2):
+        assert not grip.step({1: (x, 0.0)}, SOLID)
+        assert grip.offsets is None
+
+
+@pytest.mark.parametrize("lift", [True, False])
+def test_a_box_stays_where_it_was_let_go_of_by_lifting_or_spreading(lift: bool) -> None:
+    empty = scripted(lambda now: (), seed=1)
+    at = box_xy(empty)
+    empty.close()
+
+    def gap(now: float) -> float:
+        if now < 1.0:
+            return 0.074
+        return 0.056 if now < 2.0 or lift else min(0.056 + 0.3 * (now - 2.0), 0.09)
+
+    touch = pinch(at, gap, yaw=0.7117)
+    session = scripted(lambda now: () if now > 2.5 and lift else touch(now), seed=1)
+    run(session, 2.0)
+    assert len(session.solid(0)) == 2 and session.loads()[0].fingers[0].pressing > 1.0
+    held_at, _ = session.scene.object_pose(session.data, "box")
+    run(session, 1.0)
+    left_at, _ = session.scene.object_pose(session.data, "box")
+    assert session.loads()[0].fingers[0].force == 0.0
+    assert np.linalg.norm(left_at - held_at) < 0.002
+
 
 SETTLED = 0.8
 """s after which a hand that can become solid is."""
@@ -140,9 +260,9 @@ def test_a_solid_finger_that_leaves_the_thing_comes_back_to_its_touch() -> None:
 
     session = pinched(0.002, away)
     run(session, 1.0)
-    assert np.abs(session._leading[0]._out).max() > 0.003
+    assert np.abs(session._tip_offsets[0]._out).max() > 0.003
     run(session, 1.8)
-    assert session._leading[0]._out is None
+    assert session._tip_offsets[0]._out is None
     hand = session.snapshot().hands[0]
     touches = np.array([c.position[:2] for c in hand.contacts])
     assert np.linalg.norm(hand.tips[:2, :2] - touches, axis=1).max() < 0.001
@@ -206,7 +326,7 @@ def test_away_from_things_no_finger_is_led() -> None:
     session = scripted(far, seed=1, labels="device")
     run(session, SETTLED)
     assert session.solid(0) == {0, 1}
-    assert session._leading[0]._out is None
+    assert session._tip_offsets[0]._out is None
 
 
 CORNERS = [(0.028 * x, 0.030 * y, 0.025 * z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]
