@@ -63,7 +63,7 @@ def served(server: PageServer, solid: str) -> tuple[Trial, LiveTrial]:
         server.publish_step(session, snapshot)
 
     trial = Trial(session, [on_step])
-    return trial, LiveTrial(trial, news=device[0].news)
+    return trial, LiveTrial(trial, frame_ready=device[0].frame_ready)
 
 
 def main() -> None:

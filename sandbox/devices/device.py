@@ -51,12 +51,12 @@ class AnyDevice(ABC):
     is called from the session's loop and must return at once.
 
     Attributes:
-        news: Event that the device sets when a frame has arrived and that `poll` clears, so that a
-            session need not wait for its next tick; None where the device has no such event.
+        frame_ready: Event that the device sets when a frame has arrived and that `poll` clears, so
+            that a session need not wait for its next tick; None where the device has no such event.
             Several devices may share one event.
     """
 
-    news: threading.Event | None = None
+    frame_ready: threading.Event | None = None
     _closed = False
 
     @default
@@ -83,24 +83,24 @@ class AnyDevice(ABC):
         self._closed = True
 
     @default
-    def has_lift(self) -> bool:
+    def lift(self) -> bool:
         """True if its frames carry a lift control."""
         return False
 
     @default
-    def looks(self) -> bool:
+    def wants_snapshots(self) -> bool:
         """True if it needs snapshots of the scene, passed to `show`."""
         return False
 
     def show(self, snapshot: Snapshot) -> None:  # noqa: B027  (most devices ignore the scene)
-        """Receives every snapshot of the session if `looks` is true; does nothing by default."""
+        """Receives every snapshot of the session if `wants_snapshots`; does nothing by default."""
 
     @default
-    def notice(self) -> str:
-        """A message for the person, such as why nothing moves; empty without a problem."""
-        return ""
+    def notices(self) -> Sequence[str]:
+        """Messages for the person now, such as why nothing moves; empty without a problem."""
+        return ()
 
-    def switches(self, now: float) -> Sequence[str]:
+    def mode_requests(self, now: float) -> Sequence[str]:
         """Contact modes requested since the last call, up to session time `now`, s.
 
         `sandbox.session.contact_modes` lists the modes.
@@ -149,7 +149,7 @@ class AnyDevice(ABC):
         return None
 
     @default
-    def truth(self) -> Mapping[int, int]:
+    def true_labels(self) -> Mapping[int, int]:
         """True finger (thumb 0 .. little 4) of each contact, by id; empty if unknown.
 
         Only results and tables use it.

@@ -72,11 +72,11 @@ class MouseDevice(Device):
 
     Attributes:
         surface: As given.
-        news: Event that is set when a frame has arrived.
+        frame_ready: Event that is set when a frame has arrived.
     """
 
     name = "mouse"
-    news: threading.Event
+    frame_ready: threading.Event
 
     def __init__(self, surface: Surface, person: Person | None = None) -> None:
         self.surface = surface
@@ -89,7 +89,7 @@ class MouseDevice(Device):
         self._held: tuple[int, ...] = ()
         self._last = np.zeros(2)
         self._is_hand = False
-        self.news = threading.Event()
+        self.frame_ready = threading.Event()
 
     @property
     def pins(self) -> int:
@@ -100,14 +100,14 @@ class MouseDevice(Device):
     def poll(self, now: float) -> Sequence[TouchFrame]:
         """One frame for every change since the last call, with the machine's monotonic time."""
         with self._lock:
-            self.news.clear()
+            self.frame_ready.clear()
             frames = list(self._frames)
             self._frames.clear()
             return frames
 
     def close(self) -> None:
         """Lifts all fingers; may be called twice."""
-        self.lift()
+        self.lift_fingers()
         super().close()
 
     def press(self, xy: ArrayLike, pin: bool = False, together: bool = False) -> None:
@@ -225,7 +225,7 @@ class MouseDevice(Device):
                 self._is_hand = True
             self._emit()
 
-    def lift(self) -> None:
+    def lift_fingers(self) -> None:
         """Lifts all fingers."""
         with self._lock:
             self._held = ()
@@ -265,7 +265,7 @@ class MouseDevice(Device):
             for i, f in self._fingers.items()
         )
         self._frames.append(TouchFrame(time.monotonic(), contacts, source=self.name))
-        self.news.set()
+        self.frame_ready.set()
 
 
 def mouse_maker(settings: Settings, hand: int) -> DeviceMaker:

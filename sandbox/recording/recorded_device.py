@@ -21,7 +21,7 @@ class RecordedDevice(Device):
     """
 
     name: str
-    has_lift = True
+    lift = True
     plays_file = True
     damage: RecordingError | None
 
@@ -50,7 +50,7 @@ class RecordedDevice(Device):
             self._next += 1
         return frames
 
-    def switches(self, now: float) -> Sequence[str]:
+    def mode_requests(self, now: float) -> Sequence[str]:
         """Contact modes that were requested since the last call, up to now."""
         step = round(now / self._timestep)
         modes = []

@@ -14,12 +14,12 @@ class PageDevice(ABC):
 
     Attributes:
         latency: Log of the time that messages waited for the session; a server sets its own.
-        news: Event that is set when a message has arrived.
+        frame_ready: Event that is set when a message has arrived.
         applied: Sequence number of the newest message that the session has processed.
     """
 
     latency: LatencyLog
-    news: threading.Event
+    frame_ready: threading.Event
     applied: int
 
     @property

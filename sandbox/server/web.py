@@ -38,13 +38,13 @@ class WebDevice(Device, PageDevice):
 
     Attributes:
         latency: The log as given; a server replaces it with its own.
-        news: Event that is set when a message has arrived.
+        frame_ready: Event that is set when a message has arrived.
         applied: Sequence number of the newest message that the session has processed.
     """
 
     name = "web"
-    has_lift = True
-    news: threading.Event
+    lift = True
+    frame_ready: threading.Event
     latency: LatencyLog
 
     def __init__(self, surface: Surface, latency: LatencyLog | None = None) -> None:
@@ -55,7 +55,7 @@ class WebDevice(Device, PageDevice):
         self._inside: set[int] = set()
         self._present: frozenset[int] = frozenset()
         self._lift: float | None = None
-        self.news = threading.Event()
+        self.frame_ready = threading.Event()
         self.applied = 0
 
     @property
@@ -114,7 +114,7 @@ class WebDevice(Device, PageDevice):
     def poll(self, now: float = 0.0) -> Sequence[TouchFrame]:
         """Every frame since the last call, oldest first; `now` is ignored."""
         with self._lock:
-            self.news.clear()
+            self.frame_ready.clear()
             waiting = list(self._frames)
             self._frames.clear()
         at = time.monotonic()
@@ -128,7 +128,7 @@ class WebDevice(Device, PageDevice):
         frame = TouchFrame(now, contacts, self._lift, gone, "page")
         self._present = frozenset(c.id for c in contacts)
         self._frames.append((frame, seq, now))
-        self.news.set()
+        self.frame_ready.set()
 
 
 def web_maker(settings: Settings, hand: int) -> DeviceMaker:

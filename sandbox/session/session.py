@@ -366,7 +366,11 @@ class Session:
         notices = [rig.yaw.notice for rig in self.rigs if rig.yaw and rig.yaw.notice]
         notices += [OUT_OF_REACH for follower in self._followers if follower.missed]
         notices += sorted({gate.notice for gate in self._gates if gate.notice})
-        inputs = (part.notice for rig in self.rigs for part in (rig.device, rig.reconstructor))
+        inputs = [
+            notice
+            for rig in self.rigs
+            for notice in (*rig.device.notices, rig.reconstructor.notice)
+        ]
         notices += dict.fromkeys(notice for notice in inputs if notice)
         since, respawned = self._respawn_notice
         return [*notices, respawned] if self.time - since < NOTICE_TIME else notices
@@ -382,7 +386,7 @@ class Session:
         asked, self._asked = self._asked, None
         for rig in self.rigs:
             # A device that plays a recording also plays its changes of mode.
-            for mode in rig.device.switches(self.time):
+            for mode in rig.device.mode_requests(self.time):
                 asked = contact_mode(mode)
         if asked is not None and asked is not self._contact.mode:
             self._contact.mode = asked

@@ -58,7 +58,7 @@ class LiveHand(Closeable):
 
     def _run(self) -> None:
         try:
-            if any(rig.device.looks for rig in self._session.rigs):
+            if any(rig.device.wants_snapshots for rig in self._session.rigs):
                 views = [lambda snapshot: self._take(snapshot.hands[0].target)]
                 Trial(self._session, views).run(Pace(), stop=self._stop.is_set)
             else:

@@ -72,7 +72,10 @@ class Trial:
         self.session = session
         self.newest: Snapshot | None = None
         self._trial_recorder = trial_recorder
-        self._views = [*views, *(rig.device.show for rig in session.rigs if rig.device.looks)]
+        self._views = [
+            *views,
+            *(rig.device.show for rig in session.rigs if rig.device.wants_snapshots),
+        ]
 
     def step(self) -> bool:
         """Runs one control period and shows it; False if the simulation diverged.

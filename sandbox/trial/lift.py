@@ -33,7 +33,7 @@ def with_lift(makers: DeviceMakers, keys: bool) -> DeviceMakers:
 
     def lifted(maker: DeviceMaker, task: Task, surface: Surface) -> Device:
         device = maker(task, surface)
-        if task.lift_range <= 0 or device.has_lift:
+        if task.lift_range <= 0 or device.lift:
             return device
         if keys:
             controls.append(LiftKeys(device, controls[0] if controls else None))

@@ -15,8 +15,8 @@ class LiveTrial:
     Args:
         trial: A trial that is ready for its first step. Its views are called in its thread.
         speed: Simulated seconds per second.
-        news: Event that a device sets when a frame has arrived. The step that takes the frame in is
-            then made at once, up to one control period ahead of the clock.
+        frame_ready: Event that a device sets when a frame has arrived. The step that takes the
+            frame in is then made at once, up to one control period ahead of the clock.
 
     Attributes:
         failure: The error that ended the thread early; None without one. The caller must raise it,
@@ -24,10 +24,10 @@ class LiveTrial:
     """
 
     def __init__(
-        self, trial: Trial, speed: float = 1.0, news: threading.Event | None = None
+        self, trial: Trial, speed: float = 1.0, frame_ready: threading.Event | None = None
     ) -> None:
         self._trial = trial
-        self._pace = Pace(speed, news)
+        self._pace = Pace(speed, frame_ready)
         self._stop = threading.Event()
         self._running = threading.Event()
         self._running.set()

@@ -35,23 +35,24 @@ class RealTime:
         self._heard = self._expected = float("-inf")
 
     def wait(
-        self, simulated: float, news: threading.Event | None = None, lead: float = 0.0
+        self, simulated: float, frame_ready: threading.Event | None = None, lead: float = 0.0
     ) -> None:
         """Returns when a simulated time is due, or earlier when a frame has arrived.
 
         Args:
             simulated: s, simulated time.
-            news: Event of an arrived frame: while it is set, simulated time may run ahead of the
-                clock, so that a touch between two steps need not wait. None waits for the clock.
+            frame_ready: Event of an arrived frame: while it is set, simulated time may run ahead of
+                the clock, so that a touch between two steps need not wait. None waits for the
+                clock.
             lead: s of real time by which simulated time may run ahead.
         """
         due = self._origin + simulated / self.speed
         ahead = due - time.monotonic()
-        if news is not None and ahead > 0:
+        if frame_ready is not None and ahead > 0:
             # Wakes up early enough for a frame that comes earlier than expected.
             if ahead > lead + JITTER:
                 time.sleep(ahead - lead - JITTER)
-            if news.wait(max(clear_of(due, self._expected) - time.monotonic(), 0.0)):
+            if frame_ready.wait(max(clear_of(due, self._expected) - time.monotonic(), 0.0)):
                 now = time.monotonic()
                 # The next frame is expected after the same interval as this one.
                 self._expected, self._heard = 2.0 * now - self._heard, now
@@ -67,15 +68,16 @@ class Pace:
 
     Args:
         speed: Simulated seconds per second.
-        news: See `RealTime.wait`; the step that takes a frame in may be one control period early.
+        frame_ready: See `RealTime.wait`; the step that takes a frame in may be one control period
+            early.
 
     Attributes:
         speed: As given; may be changed at any time, from any thread.
     """
 
-    def __init__(self, speed: float = 1.0, news: threading.Event | None = None) -> None:
+    def __init__(self, speed: float = 1.0, frame_ready: threading.Event | None = None) -> None:
         self.speed = speed
-        self._news = news
+        self._frame_ready = frame_ready
         self._clock: RealTime | None = None
         self._given_up = 0.0
 
@@ -96,7 +98,7 @@ class Pace:
             # The step that was just made began at the old speed; the new one starts here.
             self.begin(simulated)
             return
-        clock.wait(simulated, self._news, CONTROL_PERIOD / clock.speed)
+        clock.wait(simulated, self._frame_ready, CONTROL_PERIOD / clock.speed)
 
 
 def clear_of(due: float, expected: float) -> float:

@@ -55,8 +55,8 @@ class DrawnPerson(LandmarkDevice):
     """
 
     name = "drawn person"
-    has_lift = True
-    looks = True
+    lift = True
+    wants_snapshots = True
     finished = False
 
     def __init__(

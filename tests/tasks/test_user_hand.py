@@ -124,7 +124,7 @@ class Watched(DeviceWrapper):
 
     def hands(self) -> list[Array]:
         """Touches (n, 2) m of every frame, thumb first."""
-        truth = self.truth
+        truth = self.true_labels
         found = []
         for frame in self.frames:
             own = sorted(frame.contacts, key=lambda c: truth[c.id])

@@ -342,7 +342,7 @@ def test_a_touch_that_came_back_has_its_true_finger_and_an_id_that_nobody_else_h
     def views(session: Session) -> list[View]:
         def look(snapshot: Snapshot) -> None:
             seen.update(c.id for hand in snapshot.hands for c in hand.contacts)
-            truth.update(session.first_rig.device.truth)
+            truth.update(session.first_rig.device.true_labels)
 
         return [look]
 

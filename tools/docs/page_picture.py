@@ -81,7 +81,7 @@ def play(server: PageServer, tab: Tab) -> bytes:
         others = [i for i, _, _ in wanted] != [i for i, _, _ in last]
         if others or session.step % (3 * session.scene.substeps) == 0:
             tab.touch(wanted)
-            device.news.wait(5.0)
+            device.frame_ready.wait(5.0)
             last = wanted
         if snapshot.score.progress > NEARLY and len(wanted) == FINGERS and snapshot.hands[0].solid:
             tab.wait(f"document.querySelector('.clock').textContent === '{snapshot.time:.1f} s'")

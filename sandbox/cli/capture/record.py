@@ -242,7 +242,8 @@ def _follow(
         now_doing = progress.add_task("recording; Ctrl-C ends", total=1.0 if guide else None)
         session = progress.add_task("the whole session", total=1.0, visible=guide is not None)
         named = progress.add_task("", total=None, visible=naming is not None)
-        shown, quiet, told = -1.0, set[str](), ""
+        shown, quiet = -1.0, set[str]()
+        told: Sequence[str] = ()
         asked: tuple[int, ...] | None = None
         marked: Sequence[tuple[float, float]] = ()
         while True:
@@ -274,9 +275,10 @@ def _follow(
                     writer.tell(corners=marked)
                     if naming is not None:
                         naming.corners(marked, _WIDTH)
-                if hands.notice != told:
-                    told = hands.notice
-                    progress.console.print(told or "the camera sees", markup=False)
+                if hands.notices != told:
+                    told = hands.notices
+                    text = ", ".join(told) or "the camera sees"
+                    progress.console.print(text, markup=False)
             if guide is not None and last is not None:
                 guide.pass_time(now, len(last.contacts))
             if now - shown > 0.1:

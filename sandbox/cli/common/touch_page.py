@@ -37,7 +37,7 @@ class PageTouches(Device):
     """
 
     name = "web"
-    has_lift = True
+    lift = True
     address: str
 
     def __init__(self, server: PageServer, surface: Surface | None) -> None:

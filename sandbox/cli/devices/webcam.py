@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import time
 import webbrowser
+from collections.abc import Sequence
 from contextlib import closing, suppress
 from pathlib import Path
 from typing import Annotated
@@ -81,7 +82,8 @@ def record(
         console.print(Text(f"the camera's page: {device.address}  (Ctrl-C ends)"))
         if not choice.quiet:
             webbrowser.open(device.address)
-        pictures, told = 0, ""
+        pictures = 0
+        told: Sequence[str] = ()
         # Ctrl-C is the usual way to end.
         with suppress(KeyboardInterrupt), closing(device):
             end = time.monotonic() + seconds
@@ -90,9 +92,9 @@ def record(
                 for frame in device.poll(0.0):
                     file.write(message_of(frame))
                     pictures += 1
-                if device.notice != told:
-                    told = device.notice
-                    console.print(Text(told or "hands are looked for"))
+                if device.notices != told:
+                    told = device.notices
+                    console.print(Text(", ".join(told) or "hands are looked for"))
     console.print(Text(f"{pictures} pictures: {out}"))
     return 0
 

@@ -211,7 +211,8 @@ class RestWatch:
     @property
     def notice(self) -> str:
         """Why no look is taken; empty if the hand only has to be held still."""
-        return self._device.notice or self._reconstructor.notice or self._seen.trouble
+        first = next(iter(self._device.notices), "")
+        return first or self._reconstructor.notice or self._seen.trouble
 
     def step(self, now: float) -> None:
         """A control period.

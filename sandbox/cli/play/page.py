@@ -212,10 +212,10 @@ class PagePlay:
         touched = [device for _, device in touched_pages(session)]
         for device in touched:
             # A touch on any page triggers the next step at once.
-            device.news = touched[0].news
+            device.frame_ready = touched[0].frame_ready
         # Touches elsewhere, as over TUIO, are shown on the page without additional delay.
         hears = touched[0] if touched else session.first_rig.device
-        live = LiveTrial(trial, news=hears.news)
+        live = LiveTrial(trial, frame_ready=hears.frame_ready)
         wishes.hands = self._show(session, chosen)
         absences = Absences(list(zip(self.servers, touched, strict=False)))
         live.pause(bool(touched))

@@ -183,7 +183,7 @@ class WindowPlay:
 
             try:
                 window = self._open_window(session, chosen)
-                live = LiveTrial(trial, window.speed, session.first_rig.device.news)
+                live = LiveTrial(trial, window.speed, session.first_rig.device.frame_ready)
                 try:
                     wishes.hands = (self._show_on_page(session, chosen),)
                     live.pause(_waiting(session))

@@ -86,14 +86,14 @@ class FramesDevice(Device):
     name = "frames"
     plays_file = True
     damage: RecordingError | None
-    has_lift: bool
+    lift: bool
 
     def __init__(self, frames: Sequence[TouchFrame], damage: RecordingError | None = None) -> None:
         start = frames[0].time if frames else 0.0
         self._frames = [replace(frame, time=frame.time - start) for frame in frames]
         self._next = 0
         self.damage = damage
-        self.has_lift = any(frame.lift is not None for frame in frames)
+        self.lift = any(frame.lift is not None for frame in frames)
 
     @property
     def finished(self) -> bool:

@@ -58,7 +58,7 @@ class LeapFileDevice(HandDevice):
     """
 
     name = "leap recording"
-    has_lift = True
+    lift = True
     plays_file = True
     damage: Exception | None
 
@@ -100,7 +100,7 @@ class LeapDevice(HandDevice):
     """
 
     name = "leap"
-    has_lift = True
+    lift = True
 
     def __init__(self, address: str = DEFAULT_ADDRESS) -> None:
         if not address.startswith(("ws://", "wss://")):
@@ -110,7 +110,7 @@ class LeapDevice(HandDevice):
         self.url = address
         self._decoder = LeapDecoder("leap")
         self._frames: deque[HandFrame] = deque()
-        self._news = threading.Condition()
+        self._new_frame = threading.Condition()
         self._stop = threading.Event()
         self.connected = threading.Event()
         self.trouble: str | None = None
@@ -121,7 +121,7 @@ class LeapDevice(HandDevice):
     @property
     def counts(self) -> Counter[str]:
         """Numbers of messages used, refused and dropped, and of connections, by kind."""
-        with self._news:
+        with self._new_frame:
             return Counter(self._decoder.counts)
 
     @property
@@ -130,20 +130,20 @@ class LeapDevice(HandDevice):
         return self._decoder.version
 
     @property
-    def notice(self) -> str:
-        """What a person is told while the service is silent; empty while it sends frames."""
-        with self._news:
+    def notices(self) -> Sequence[str]:
+        """A message while the service is silent; empty while it sends frames."""
+        with self._new_frame:
             silent = time.monotonic() - self._heard
-        return SILENT if silent > GONE else ""
+        return (SILENT,) if silent > GONE else ()
 
     def wait(self, seconds: float) -> bool:
         """Waits until a frame can be fetched; False if none came in time."""
-        with self._news:
-            return self._news.wait_for(lambda: bool(self._frames), seconds)
+        with self._new_frame:
+            return self._new_frame.wait_for(lambda: bool(self._frames), seconds)
 
     def poll(self, now: float) -> Sequence[HandFrame]:
         """All frames since the last call."""
-        with self._news:
+        with self._new_frame:
             frames = tuple(self._frames)
             self._frames.clear()
         return frames
@@ -190,7 +190,7 @@ class LeapDevice(HandDevice):
                 self.trouble = f"{type(error).__name__}: {error}"[:200]
             finally:
                 if self.connected.is_set() and not self._stop.is_set():
-                    with self._news:
+                    with self._new_frame:
                         self._decoder.counts["connections lost"] += 1
                 self.connected.clear()
             if self._decoder.counts["frames"] > heard:
@@ -208,7 +208,7 @@ class LeapDevice(HandDevice):
             proxy=None,
         ) as channel:
             channel.send(BACKGROUND)
-            with self._news:
+            with self._new_frame:
                 self._decoder.counts["connections"] += 1
             self.connected.set()
             self.trouble = None
@@ -223,10 +223,10 @@ class LeapDevice(HandDevice):
         try:
             decoded = msgspec.json.decode(message)
         except (msgspec.DecodeError, UnicodeDecodeError, RecursionError):
-            with self._news:
+            with self._new_frame:
                 self._decoder.counts["messages that are not JSON"] += 1
             return
-        with self._news:
+        with self._new_frame:
             frame = self._decoder.feed(decoded)
             if frame is None:
                 return
@@ -235,4 +235,4 @@ class LeapDevice(HandDevice):
                 self._frames.popleft()
                 self._decoder.counts["frames nobody fetched"] += 1
             self._frames.append(frame)
-            self._news.notify_all()
+            self._new_frame.notify_all()

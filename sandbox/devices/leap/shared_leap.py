@@ -66,7 +66,7 @@ class LeapPart(HandDevice):
     """
 
     name: str
-    has_lift = True
+    lift = True
 
     def __init__(self, shared: SharedLeap, index: int, side: str) -> None:
         self._shared, self.side = shared, side
@@ -81,9 +81,9 @@ class LeapPart(HandDevice):
         return self._shared.device.finished and not self.waiting
 
     @property
-    def looks(self) -> bool:
+    def wants_snapshots(self) -> bool:
         """The device's for the first hand, else False, so that the device sees snapshots once."""
-        return self._first and self._shared.device.looks
+        return self._first and self._shared.device.wants_snapshots
 
     def show(self, snapshot: Snapshot) -> None:
         """Passes the snapshot to the device, through the first hand only."""
@@ -91,11 +91,13 @@ class LeapPart(HandDevice):
             self._shared.device.show(snapshot)
 
     @property
-    def notice(self) -> str:
-        """Message while one hand is above the other; otherwise the device's, once for all hands."""
+    def notices(self) -> Sequence[str]:
+        """A message while one hand is above the other; otherwise the device's, once for all
+        hands.
+        """
         if self._now - self._shared.hidden >= NOTICE_LASTS:
-            return self._shared.device.notice if self._first else ""
-        return Message("hand_above", "one hand is above the other: hold them apart")
+            return self._shared.device.notices if self._first else ()
+        return (Message("hand_above", "one hand is above the other: hold them apart"),)
 
     def poll(self, now: float) -> Sequence[HandFrame]:
         """This hand's frames."""
@@ -118,8 +120,8 @@ class MergedLeap(HandDevice):
     """
 
     name = "simulated leap"
-    has_lift = True
-    looks = True
+    lift = True
+    wants_snapshots = True
     parts: tuple[HandDevice, ...]
 
     def __init__(self, devices: Sequence[HandDevice]) -> None:

@@ -55,8 +55,8 @@ class SimulatedLeap(HandDevice):
     """
 
     name = "simulated leap"
-    has_lift = True
-    looks = True
+    lift = True
+    wants_snapshots = True
 
     def __init__(
         self,

@@ -56,14 +56,14 @@ class SimulatedDevice(Device):
             screen.
 
     Attributes:
-        truth: True finger of each touch, thumb 0 .. little 4, by the id that the screen reported;
-            empty for users who press at random. Neither user nor encoder sees it.
+        true_labels: True finger of each touch, thumb 0 .. little 4, by the id that the screen
+            reported; empty for users who press at random. Neither user nor encoder sees it.
     """
 
     name = "simulated"
-    has_lift = True
-    looks = True
-    truth: dict[int, int]
+    lift = True
+    wants_snapshots = True
+    true_labels: dict[int, int]
 
     def __init__(
         self,
@@ -77,7 +77,7 @@ class SimulatedDevice(Device):
         hand: int = 0,
         home: NDArray[np.float64] | None = None,
     ) -> None:
-        self.truth = {}
+        self.true_labels = {}
         self._hand = hand
         # Two people need independent random numbers.
         seed += hand * NEXT_PERSON
@@ -170,10 +170,10 @@ class SimulatedDevice(Device):
             frame = replace(frame, contacts=contacts)
         frame = self._screen.degrade(frame)
         for contact in frame.contacts:
-            if contact.id not in self.truth:
+            if contact.id not in self.true_labels:
                 finger = finger_of(self._screen.own_id(contact.id))
                 if finger is not None:
-                    self.truth[contact.id] = finger
+                    self.true_labels[contact.id] = finger
         return [frame]
 
 

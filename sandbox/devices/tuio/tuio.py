@@ -78,11 +78,11 @@ class TuioDevice(Device, Closeable):
 
     Attributes:
         clock_origin: s on the machine's monotonic clock at which the time of its frames is 0.
-        news: Event that is set while a frame can be fetched.
+        frame_ready: Event that is set while a frame can be fetched.
     """
 
     name = "tuio"
-    news: threading.Event
+    frame_ready: threading.Event
     clock_origin: float
 
     def __init__(
@@ -120,7 +120,7 @@ class TuioDevice(Device, Closeable):
         self._told = False
         self._closing = threading.Event()
         self._news = threading.Condition()
-        self.news = threading.Event()
+        self.frame_ready = threading.Event()
         self._tap = tap
         self.clock_origin = time.monotonic()
         self._next_look = 0.0
@@ -206,7 +206,7 @@ class TuioDevice(Device, Closeable):
         with self._news:
             frames = list(self._queue)
             self._queue.clear()
-            self.news.clear()
+            self.frame_ready.clear()
             if not frames and self._failure is not None:
                 self._told = True
                 raise self._failure
@@ -311,7 +311,7 @@ class TuioDevice(Device, Closeable):
             self._dropped += len(self._queue) == self._queue.maxlen
             self._queue.append(touch_frame(commit, self._surface, now))
         if commits:
-            self.news.set()
+            self.frame_ready.set()
             self._news.notify_all()
 
 

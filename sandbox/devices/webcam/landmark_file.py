@@ -140,7 +140,7 @@ class LandmarkFileDevice(LandmarkDevice):
     """
 
     name = "landmark recording"
-    has_lift = True
+    lift = True
     plays_file = True
     damage: Exception | None
 

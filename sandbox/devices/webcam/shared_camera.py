@@ -43,7 +43,7 @@ class CameraPart(LandmarkDevice):
     """
 
     name: str
-    has_lift = True
+    lift = True
 
     def __init__(self, shared: SharedCamera, index: int) -> None:
         self._shared, self._first = shared, index == 0
@@ -66,9 +66,9 @@ class CameraPart(LandmarkDevice):
         return self._shared.device.damage
 
     @property
-    def notice(self) -> str:
+    def notices(self) -> Sequence[str]:
         """The camera's, once for all hands."""
-        return self._shared.device.notice if self._first else ""
+        return self._shared.device.notices if self._first else ()
 
     def poll(self, now: float) -> Sequence[LandmarkFrame]:
         """The pictures since the last call."""

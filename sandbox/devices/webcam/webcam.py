@@ -53,7 +53,7 @@ class WebcamDevice(LandmarkDevice):
     """
 
     name = "webcam"
-    has_lift = True
+    lift = True
 
     def __init__(
         self,
@@ -90,10 +90,10 @@ class WebcamDevice(LandmarkDevice):
         return f"{self.name} at {self.address}"
 
     @property
-    def notice(self) -> str:
+    def notices(self) -> Sequence[str]:
         """Why there is no picture; empty while there is."""
         with self._lock:
-            return self._notice
+            return (self._notice,) if self._notice else ()
 
     def wait(self, seconds: float) -> bool:
         """Waits until a frame can be fetched; False if none came in time."""

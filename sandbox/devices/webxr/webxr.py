@@ -45,12 +45,12 @@ class HeadsetDevice(HandDevice, PageDevice):
 
     name = "webxr"
     latency: LatencyLog
-    news: threading.Event
+    frame_ready: threading.Event
 
     def __init__(self, latency: LatencyLog | None = None) -> None:
         self.latency = latency or LatencyLog()
         self.counts: Counter[str] = Counter()
-        self.news = threading.Event()
+        self.frame_ready = threading.Event()
         self.applied = 0
         self.second = SecondHand(self)
         self._lock = threading.Lock()
@@ -110,7 +110,7 @@ class HeadsetDevice(HandDevice, PageDevice):
     def poll(self, now: float = 0.0) -> Sequence[HandFrame]:
         """Every frame since the last call, oldest first; `now` is ignored."""
         with self._lock:
-            self.news.clear()
+            self.frame_ready.clear()
             waiting = list(self._frames)
             self._frames.clear()
         at = time.monotonic()
@@ -125,7 +125,7 @@ class HeadsetDevice(HandDevice, PageDevice):
         with self._lock:
             self._seen = bool(hands)
             self._frames.append((HandFrame(now, hands, self.name), seq, now))
-        self.news.set()
+        self.frame_ready.set()
 
 
 class SecondHand(HandDevice):

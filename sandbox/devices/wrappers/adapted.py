@@ -13,9 +13,9 @@ from sandbox.devices.device import Device
 _METHODS = ("poll", "close")
 _COPIED = (
     "name",
-    "has_lift",
+    "lift",
     "show",
-    "switches",
+    "mode_requests",
     "wait",
     "address",
     "title",
@@ -58,12 +58,12 @@ class AdaptedDevice(Device):
         self._device.close()
 
     @property
-    def notice(self) -> str:
+    def notices(self) -> Sequence[str]:
         """The device's; empty if it has none."""
-        return str(getattr(self._device, "notice", ""))
+        return tuple(getattr(self._device, "notices", ()))
 
     @property
-    def looks(self) -> bool:
+    def wants_snapshots(self) -> bool:
         """True if the device has `show`."""
         return hasattr(self._device, "show")
 
@@ -80,20 +80,20 @@ class AdaptedDevice(Device):
         return origin
 
     @property
-    def truth(self) -> Mapping[int, int]:
+    def true_labels(self) -> Mapping[int, int]:
         """The device's, which may come to know it with the touches; empty if it has none."""
-        truth: Mapping[int, int] = getattr(self._device, "truth", {})
-        return truth
+        true_labels: Mapping[int, int] = getattr(self._device, "true_labels", {})
+        return true_labels
 
     @property
-    def news(self) -> threading.Event | None:
+    def frame_ready(self) -> threading.Event | None:
         """The device's; setting it gives the device another event."""
-        news: threading.Event | None = getattr(self._device, "news", None)
-        return news
+        frame_ready: threading.Event | None = getattr(self._device, "frame_ready", None)
+        return frame_ready
 
-    @news.setter
-    def news(self, news: threading.Event | None) -> None:
-        self._device.news = news
+    @frame_ready.setter
+    def frame_ready(self, frame_ready: threading.Event | None) -> None:
+        self._device.frame_ready = frame_ready
 
 
 def adapted(device: Any, where: str) -> Device:

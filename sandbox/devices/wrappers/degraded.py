@@ -127,15 +127,15 @@ class DegradedDevice(DeviceWrapper):
         return None
 
     @property
-    def truth(self) -> Mapping[int, int]:
+    def true_labels(self) -> Mapping[int, int]:
         """The wrapped device's, and the same fingers by the ids that drop-outs gave them."""
-        own = self.device.truth
+        own = self.device.true_labels
         again = {new: own[i] for new, i in self._drop_outs.given.items() if i in own}
         return {**own, **again}
 
     def show(self, snapshot: Snapshot) -> None:
         """Passes the snapshot to a device that needs it, with its own ids of its touches."""
-        if not self.device.looks:
+        if not self.device.wants_snapshots:
             return
         hands = tuple(
             replace(

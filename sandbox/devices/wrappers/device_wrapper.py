@@ -48,36 +48,36 @@ class DeviceWrapper(Device):
         self.device.close()
 
     @property
-    def has_lift(self) -> bool:
+    def lift(self) -> bool:
         """The wrapped device's."""
-        return self.device.has_lift
+        return self.device.lift
 
     @property
-    def looks(self) -> bool:
+    def wants_snapshots(self) -> bool:
         """The wrapped device's."""
-        return self.device.looks
+        return self.device.wants_snapshots
 
     def show(self, snapshot: Snapshot) -> None:
         """Passes the snapshot to the wrapped device."""
         self.device.show(snapshot)
 
     @property
-    def notice(self) -> str:
+    def notices(self) -> Sequence[str]:
         """The wrapped device's."""
-        return self.device.notice
+        return self.device.notices
 
-    def switches(self, now: float) -> Sequence[str]:
+    def mode_requests(self, now: float) -> Sequence[str]:
         """The wrapped device's."""
-        return self.device.switches(now)
+        return self.device.mode_requests(now)
 
     @property
-    def news(self) -> threading.Event | None:
+    def frame_ready(self) -> threading.Event | None:
         """The wrapped device's; setting it gives the wrapped device another event."""
-        return self.device.news
+        return self.device.frame_ready
 
-    @news.setter
-    def news(self, news: threading.Event | None) -> None:
-        self.device.news = news
+    @frame_ready.setter
+    def frame_ready(self, frame_ready: threading.Event | None) -> None:
+        self.device.frame_ready = frame_ready
 
     def wait(self, seconds: float) -> bool:
         """Waits for the wrapped device."""
@@ -114,9 +114,9 @@ class DeviceWrapper(Device):
         return self.device.latency
 
     @property
-    def truth(self) -> Mapping[int, int]:
+    def true_labels(self) -> Mapping[int, int]:
         """The wrapped device's."""
-        return self.device.truth
+        return self.device.true_labels
 
     @property
     def parts(self) -> tuple[AnyDevice, ...]:

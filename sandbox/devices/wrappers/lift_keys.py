@@ -23,7 +23,7 @@ class LiftKeys(DeviceWrapper):
             first hand.
     """
 
-    has_lift = True
+    lift = True
 
     def __init__(self, device: Device, leader: LiftKeys | None = None) -> None:
         super().__init__(device)

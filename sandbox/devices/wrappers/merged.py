@@ -24,25 +24,25 @@ class MergedDevice(Device):
 
     Attributes:
         parts: The devices.
-        has_lift: True if any of them has a lift control; of several, the one moved last counts.
-        news: Event that is set when a device with such an event has a frame.
-        lift: Lift of the last frame; None before a control was moved.
+        lift: True if any of them has a lift control; of several, the one moved last counts.
+        frame_ready: Event that is set when a device with such an event has a frame.
+        lifted: Lift of the last frame; None before a control was moved.
     """
 
     name: str
-    has_lift: bool
+    lift: bool
     parts: tuple[Device, ...]
 
     def __init__(self, devices: Sequence[Device], kept: int | None = None) -> None:
         self.parts = tuple(devices)
         self._kept = kept
         self.name = "+".join(device.name for device in devices)
-        self.has_lift = any(device.has_lift for device in devices)
-        self.news = threading.Event()
+        self.lift = any(device.lift for device in devices)
+        self.frame_ready = threading.Event()
         for device in devices:
-            if device.news is not None:
-                device.news = self.news
-        self.lift: float | None = None
+            if device.frame_ready is not None:
+                device.frame_ready = self.frame_ready
+        self.lifted: float | None = None
         self._lifts: list[float | None] = [None] * len(devices)
         self._contacts: list[tuple[Contact, ...]] = [()] * len(devices)
         self._ids: list[dict[int, int]] = [{} for _ in devices]
@@ -85,16 +85,16 @@ class MergedDevice(Device):
         return replace(
             frame,
             contacts=tuple(contact for contacts in self._contacts for contact in contacts),
-            lift=self.lift,
+            lift=self.lifted,
             cancelled=frozenset(known[c] for c in frame.cancelled if c in known and c not in ids),
         )
 
     def _move_lift(self, i: int, lift: float) -> None:
         first, self._lifts[i] = self._lifts[i] is None, lift
-        if first and self.lift is not None and lift == 0.0:
+        if first and self.lifted is not None and lift == 0.0:
             # The first value of a control does not mean that it was moved.
             return
-        self.lift = lift
+        self.lifted = lift
         for k, other in enumerate(self.parts):
             if k != i and isinstance(other, LiftKeys):
                 other.follow(lift)

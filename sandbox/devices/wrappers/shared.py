@@ -91,7 +91,7 @@ class MergedTouches(Device):
     """
 
     name: str
-    has_lift = True
+    lift = True
     parts: tuple[Device, ...]
 
     def __init__(self, devices: tuple[Device, Device]) -> None:
@@ -121,14 +121,14 @@ class MergedTouches(Device):
         return None
 
     @property
-    def looks(self) -> bool:
+    def wants_snapshots(self) -> bool:
         """True if either device needs snapshots."""
-        return any(device.looks for device in self.parts)
+        return any(device.wants_snapshots for device in self.parts)
 
     def show(self, snapshot: Snapshot) -> None:
         """Passes the snapshot to each device, with the device's own ids of its touches."""
         for k, device in enumerate(self.parts):
-            if not device.looks:
+            if not device.wants_snapshots:
                 continue
             hands = tuple(
                 replace(

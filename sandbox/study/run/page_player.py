@@ -54,8 +54,8 @@ class PagePlayer:
                 devices = [page.device for page in pages if page.device]
                 for device in devices:
                     # A touch on any page triggers the next step at once.
-                    device.news = devices[0].news
-                live = LiveTrial(trial, news=devices[0].news if devices else None)
+                    device.frame_ready = devices[0].frame_ready
+                live = LiveTrial(trial, frame_ready=devices[0].frame_ready if devices else None)
                 clock = _PageClock(pages, self._options)
                 live.pause(True)
                 self._show(session, request)

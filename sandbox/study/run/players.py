@@ -127,7 +127,7 @@ class WindowPlayer:
                 in_air=request.settings.in_air,
             )
             self._window.attach(*(rig.device for rig in session.rigs))
-            live = LiveTrial(trial, news=session.first_rig.device.news)
+            live = LiveTrial(trial, frame_ready=session.first_rig.device.frame_ready)
             live.start()
             try:
                 while not live.over and not attempt.broken:
@@ -227,7 +227,7 @@ class RunningAttempt:
             fields["measures"] |= {
                 f"latency_{p}_ms": waited.get(f"{p}_ms") for p in ("p50", "p95", "p99")
             }
-        truths = [dict(rig.device.truth or {}) for rig in session.rigs]
+        truths = [dict(rig.device.true_labels or {}) for rig in session.rigs]
         if any(truths):
             self.table.truths, self.table.truth_by = truths, SIMULATED_USER
             names = ("fingers", "second_fingers")

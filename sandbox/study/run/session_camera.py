@@ -55,12 +55,12 @@ class SessionCamera(Closeable):
         device = self._opened()
         # Pictures of before do not tell that the camera is still on.
         device.poll(0.0)
-        told = ""
+        told: Sequence[str] = ()
         while not device.wait(TICK):
             poll()
-            if device.notice not in ("", told):
-                told = device.notice
-                self._say(told)
+            if device.notices not in ((), told):
+                told = device.notices
+                self._say(", ".join(told))
 
     def of_trial(self) -> LandmarkDevice:
         """The camera as a device of one trial, whose end does not switch it off."""
@@ -85,7 +85,7 @@ class SessionCamera(Closeable):
 class _KeptOn(LandmarkDevice):
     """A camera that stays on when a trial ends."""
 
-    has_lift = True
+    lift = True
 
     def __init__(self, camera: WebcamDevice) -> None:
         self._camera = camera
@@ -101,9 +101,9 @@ class _KeptOn(LandmarkDevice):
         return self._camera.address
 
     @property
-    def notice(self) -> str:
+    def notices(self) -> Sequence[str]:
         """The camera's."""
-        return self._camera.notice
+        return self._camera.notices
 
     def poll(self, now: float) -> Sequence[LandmarkFrame]:
         """The pictures since the last call."""

@@ -344,7 +344,7 @@ class Window(Closeable):
             place = self._pick(*glfw.get_cursor_pos(self._context.handle))
             self._mouse.hand(key - glfw.KEY_0, self._touched.size / 2 if place is None else place)
         elif self._mouse is not None and key == glfw.KEY_SPACE:
-            self._mouse.lift()
+            self._mouse.lift_fingers()
         elif key == glfw.KEY_H:
             self._help = not self._help
         elif key == glfw.KEY_P:

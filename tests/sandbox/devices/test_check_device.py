@@ -97,7 +97,7 @@ def move_mouse(device: MouseDevice, step: int) -> None:
         case 8:
             device.wheel(3.0)
         case 11:
-            device.lift()
+            device.lift_fingers()
         case _:
             device.move((step / 12 * size[0], 2.0 * size[1]))
 

@@ -25,12 +25,12 @@ OPTIONAL = {
     "name",
     "finished",
     "close",
-    "has_lift",
-    "looks",
+    "lift",
+    "wants_snapshots",
     "show",
-    "notice",
-    "switches",
-    "news",
+    "notices",
+    "mode_requests",
+    "frame_ready",
     "wait",
     "address",
     "title",
@@ -38,7 +38,7 @@ OPTIONAL = {
     "damage",
     "clock_origin",
     "latency",
-    "truth",
+    "true_labels",
     "parts",
 }
 
@@ -70,10 +70,14 @@ def test_the_contract_is_the_documented_one() -> None:
 
 def test_a_device_that_only_polls_has_a_default_for_everything_else() -> None:
     device = Bare()
-    assert (device.name, device.title, device.address, device.notice) == ("Bare", "Bare", "", "")
-    assert not (device.finished or device.has_lift or device.looks or device.plays_file)
-    assert device.news is device.damage is device.latency is None
-    assert (device.clock_origin, dict(device.truth), device.switches(0.0)) == (0.0, {}, ())
+    assert (device.name, device.title, device.address, device.notices) == ("Bare", "Bare", "", ())
+    assert not (device.finished or device.lift or device.wants_snapshots or device.plays_file)
+    assert device.frame_ready is device.damage is device.latency is None
+    assert (device.clock_origin, dict(device.true_labels), device.mode_requests(0.0)) == (
+        0.0,
+        {},
+        (),
+    )
     assert device.wait(0.0) and list(device.within()) == [device]
     device.close()
     assert device.finished
@@ -81,7 +85,7 @@ def test_a_device_that_only_polls_has_a_default_for_everything_else() -> None:
 
 def test_a_member_is_overridden_by_the_class_or_by_the_object() -> None:
     class Pad(TouchDevice):
-        has_lift = True
+        lift = True
 
         def poll(self, now: float) -> Sequence[TouchFrame]:
             return []
@@ -90,7 +94,7 @@ def test_a_member_is_overridden_by_the_class_or_by_the_object() -> None:
     assert (pad.name, pad.argument) == ("Pad", "argument")
     pad.name, pad.address = "my pad", "somewhere:1"
     assert pad.name == pad.title == "my pad"
-    assert pad.address == "somewhere:1" and pad.has_lift
+    assert pad.address == "somewhere:1" and pad.lift
 
 
 def test_a_wrapper_forwards_every_member_of_the_contract() -> None:
@@ -103,14 +107,17 @@ def test_a_device_is_found_inside_wrappers_and_merged_devices() -> None:
     assert both.find(MouseDevice) is mouse
     assert isinstance(both.find(LiftKeys), LiftKeys)
     assert both.find(Minimal) is None
-    assert mouse.news is both.news
+    assert mouse.frame_ready is both.frame_ready
 
 
 def test_a_device_with_the_four_required_members_is_completed() -> None:
     device = adapted(Minimal(), "test")
     assert isinstance(device, AdaptedDevice) and device.name == device.title == "minimal"
     assert device.poll(0.5)[0].contacts[0].id == 1
-    assert not (device.finished or device.has_lift or device.looks) and device.news is None
+    assert (
+        not (device.finished or device.lift or device.wants_snapshots)
+        and device.frame_ready is None
+    )
     device.close()
     assert device.finished
 
@@ -118,26 +125,30 @@ def test_a_device_with_the_four_required_members_is_completed() -> None:
 def test_optional_members_of_an_adapted_device_are_used() -> None:
     outside: Any = Minimal()
     seen: list[Any] = []
-    outside.address, outside.has_lift, outside.news = "host:1", True, threading.Event()
+    outside.address, outside.lift, outside.frame_ready = "host:1", True, threading.Event()
     outside.show, outside.wait = seen.append, lambda seconds: False
     device: Any = adapted(outside, "test")
-    assert (device.address, device.has_lift, device.looks) == ("host:1", True, True)
-    assert device.news is outside.news and not device.wait(9.0)
+    assert (device.address, device.lift, device.wants_snapshots) == ("host:1", True, True)
+    assert device.frame_ready is outside.frame_ready and not device.wait(9.0)
     device.show("snapshot")
     assert seen == ["snapshot"]
-    MergedDevice([device]).news.set()
-    assert outside.news.is_set()
-    outside.notice = "nothing moves"
-    assert device.notice == "nothing moves"
+    MergedDevice([device]).frame_ready.set()
+    assert outside.frame_ready.is_set()
+    outside.notices = ["nothing moves"]
+    assert device.notices == ("nothing moves",)
 
 
 def test_what_an_adapted_device_comes_to_know_as_it_plays_is_heard() -> None:
     outside: Any = Minimal()
     device = adapted(outside, "test")
-    assert (device.damage, dict(device.truth), device.clock_origin) == (None, {}, 0.0)
-    outside.damage, outside.truth, outside.clock_origin = DeviceError("cut short"), {7: 1}, 12.5
+    assert (device.damage, dict(device.true_labels), device.clock_origin) == (None, {}, 0.0)
+    outside.damage, outside.true_labels, outside.clock_origin = (
+        DeviceError("cut short"),
+        {7: 1},
+        12.5,
+    )
     assert device.damage is outside.damage
-    assert (device.truth, device.clock_origin) == ({7: 1}, 12.5)
+    assert (device.true_labels, device.clock_origin) == ({7: 1}, 12.5)
 
 
 def test_what_is_missing_of_the_required_members_is_said() -> None:

@@ -100,13 +100,13 @@ def test_fingers_on_the_page_and_pins_of_the_mouse_are_one_hand() -> None:
     mouse, web = MouseDevice(surface), WebDevice(surface)
     both = MergedDevice([mouse, web])
     mouse.press([0.05, 0.05], pin=True)
-    assert both.news.is_set()
+    assert both.frame_ready.is_set()
     touch(web, 1, (0, 3.0, 2.0))
     frame = both.poll(0.0)[-1]
-    assert not both.news.is_set()
+    assert not both.frame_ready.is_set()
     assert np.allclose([[c.x, c.y] for c in frame.contacts], [[0.05, 0.05], [0.0762, 0.0508]])
     assert len({c.id for c in frame.contacts}) == 2
-    mouse.lift()
+    mouse.lift_fingers()
     (left,) = both.poll(0.0)[-1].contacts
     assert left.id == frame.contacts[1].id
     web.cancel_all()
@@ -118,13 +118,13 @@ def test_of_two_lift_controls_the_one_that_was_moved_last_counts() -> None:
     surface = Surface()
     keys, web = LiftKeys(MouseDevice(surface)), WebDevice(surface)
     both = MergedDevice([keys, web])
-    assert both.has_lift and both.lift is None
+    assert both.lift and both.lifted is None
     keys.hold(1.0)
     both.poll(0.0)
     both.poll(1.0)
     keys.hold(0.0)
     both.poll(1.0)
-    assert both.lift == pytest.approx(SPEED)
+    assert both.lifted == pytest.approx(SPEED)
     touch(web, 1, lift=0.0)
     assert both.poll(1.0)[-1].lift == pytest.approx(SPEED)
     touch(web, 2, lift=0.8)

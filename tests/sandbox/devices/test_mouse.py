@@ -240,7 +240,7 @@ _GESTURES = st.one_of(
     st.tuples(st.just("release")),
     st.tuples(st.just("wheel"), st.floats(-50, 50), st.booleans()),
     st.tuples(st.just("hand"), st.integers(1, 5), _POINTS),
-    st.tuples(st.just("lift")),
+    st.tuples(st.just("lift_fingers")),
 )
 
 
@@ -322,6 +322,6 @@ def test_a_box_is_dragged_to_its_goal_and_let_go_by_mouse_gestures_alone() -> No
     for _ in range(12):
         mouse.wheel(0.5)
         advance(session, 0.03)
-    mouse.lift()
+    mouse.lift_fingers()
     score = advance(session, 2.5).score
     assert score.success, score.reason

@@ -149,7 +149,7 @@ def play_through(stage: Stage, glass: Glass, corner: tuple[float, float], finger
         other = [i for i, _, _ in wanted] != [i for i, _, _ in last]
         if other or (wanted != last and session.step % (3 * session.scene.substeps) == 0):
             glass.touch(wanted)
-            assert wait_for(stage.device.news.is_set)
+            assert wait_for(stage.device.frame_ready.is_set)
             last, most = wanted, max(most, len(wanted))
     stage.server.publish(session.snapshot())
     return most

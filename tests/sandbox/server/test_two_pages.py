@@ -145,7 +145,7 @@ def test_two_tablets_carry_a_tray_together(servers: tuple[PageServer, PageServer
             last[k] = frame.contacts, frame.lift
             places = [(c.id, c.x / METRES_PER_INCH, c.y / METRES_PER_INCH) for c in frame.contacts]
             page.touch(*places, lift=frame.lift or 0.0)
-            assert wait_for(device.news.is_set)
+            assert wait_for(device.frame_ready.is_set)
     for page in pages:
         page.close()
     assert session.scorer.score.success, session.scorer.score

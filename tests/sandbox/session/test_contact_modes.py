@@ -151,7 +151,7 @@ class Switching(Script):
         super().__init__(touch)
         self.times = dict(times)
 
-    def switches(self, now: float) -> list[str]:
+    def mode_requests(self, now: float) -> list[str]:
         due = [t for t in self.times if t <= now + 1e-9]
         return [self.times.pop(t) for t in due]
 

@@ -230,7 +230,7 @@ def played(task: str, seed: int, look: Callable[[Session], object]) -> tuple[Ses
         frames.show(snapshot)
         look(session)
         user.show(snapshot)
-    frames.truths = [dict(user.truth)]
+    frames.truths = [dict(user.true_labels)]
     return session, frames
 
 
@@ -314,7 +314,7 @@ def test_no_label_that_a_device_tells_is_wrong_and_those_of_a_simulated_user_are
         frames.show(snapshot)
         user.show(snapshot)
         labels |= {c.id: c.label for c in snapshot.hands[0].contacts if c.label is not None}
-    assert labels and labels == {contact: user.truth[contact] for contact in labels}
+    assert labels and labels == {contact: user.true_labels[contact] for contact in labels}
     frames.write(tmp_path, "T001", TrialResult.of(session))
     told = json.loads((tmp_path / "measures_T001.json").read_bytes())
     assert (told["label_truth"], told["label_accuracy"], told["label_errors"]) == ("device", 1.0, 0)

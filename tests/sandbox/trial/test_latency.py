@@ -96,8 +96,11 @@ def test_a_wrapper_has_the_members_of_the_wrapped_device() -> None:
     mouse = MouseDevice(viewed().surface)
     device = timed(lambda task, surface: mouse, Timing(LatencyLog()))(None, None)
     assert isinstance(device, TimedDevice) and device.name == "mouse" and not device.finished
-    assert device.news is LiftKeys(mouse).news is mouse.news and device.find(MouseDevice) is mouse
-    assert not device.has_lift and LiftKeys(device).has_lift and copy.copy(device).name == "mouse"
+    assert (
+        device.frame_ready is LiftKeys(mouse).frame_ready is mouse.frame_ready
+        and device.find(MouseDevice) is mouse
+    )
+    assert not device.lift and LiftKeys(device).lift and copy.copy(device).name == "mouse"
     device.close()
     assert mouse.finished
 
@@ -123,8 +126,8 @@ def test_a_packet_of_a_tablet_is_timed_from_its_arrival() -> None:
         send(frame(1, {0: (0.5, 0.5)}))
         assert tuio.wait(PATIENCE)
         time.sleep(0.02)
-        assert device.news.is_set(), "the step that takes it in is made at once"
-        assert len(device.poll(0.0)) == 1 and not device.news.is_set()
+        assert device.frame_ready.is_set(), "the step that takes it in is made at once"
+        assert len(device.poll(0.0)) == 1 and not device.frame_ready.is_set()
         # It cannot have come before it was sent, nor after `wait` knew of it.
         assert 20.0 <= log.percentiles()["waited"].p50 <= 1000.0 * (time.monotonic() - sent)
 

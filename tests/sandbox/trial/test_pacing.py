@@ -1,4 +1,4 @@
-"""A step that nobody asked for is made out of the way of news that is expected."""
+"""A step that nobody asked for is made out of the way of frame_ready that is expected."""
 
 from __future__ import annotations
 

@@ -54,7 +54,7 @@ def test_with_labels_of_the_device_the_simulated_user_s_touches_have_their_true_
             device.show(snapshot)
             contacts = snapshot.hands[0].contacts
             labels = {c.id: c.label for c in contacts if c.label is not None}
-            assert labels.items() <= device.truth.items()
+            assert labels.items() <= device.true_labels.items()
     finally:
         session.close()
-    assert len(device.truth) >= 3
+    assert len(device.true_labels) >= 3

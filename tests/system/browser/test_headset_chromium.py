@@ -104,7 +104,7 @@ class Room:
                         off = np.array(hand.fingers[1].tip) - (places + self.shift)[9]
                         if not self.shift.any() or float(np.abs(off).max()) < 5e-5:
                             return frame
-            self.device.news.wait(0.05)
+            self.device.frame_ready.wait(0.05)
         raise AssertionError("the hand was never seen")
 
 
@@ -112,7 +112,7 @@ class PersonInVr(HandDevice):
     """The simulated person, whose hand comes by the page."""
 
     name = "person in an emulated headset"
-    looks = True
+    wants_snapshots = True
     finished = False
 
     def __init__(self, person: SimulatedHeadset, room: Room) -> None:

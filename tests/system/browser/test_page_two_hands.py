@@ -87,7 +87,8 @@ def carried(
             touch(wanted, frame.lift or 0.0)
             # What only the lift control does may be too little for a pixel of it.
             assert (
-                wait_for(device.news.is_set, PATIENCE if wanted != down else 0.2) or wanted == down
+                wait_for(device.frame_ready.is_set, PATIENCE if wanted != down else 0.2)
+                or wanted == down
             )
             down, lift = wanted, frame.lift
         if session.scorer.score.final:

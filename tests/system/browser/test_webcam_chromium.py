@@ -180,14 +180,14 @@ def test_a_second_page_takes_over_and_the_first_says_so(
     tab.wait(f"{LINE} === {REPLACED!r}")
     second.wait(f"{LINE}.startsWith('No hand')")
     second.close()
-    soon(lambda: device.notice == CLOSED)
+    soon(lambda: device.notices == (CLOSED,))
 
 
 def test_a_page_that_is_loaded_again_goes_on(tab: Tab, device: WebcamDevice) -> None:
     tab.call("Page.reload")
     soon(lambda: device.counts["pages closed"] == 1)
     tab.wait(f"{LINE}.startsWith('No hand')")
-    soon(lambda: device.notice == "")
+    soon(lambda: device.notices == ())
 
 
 def test_an_engine_that_does_not_start_is_told(browser: Browser, device: WebcamDevice) -> None:
@@ -195,7 +195,7 @@ def test_an_engine_that_does_not_start_is_told(browser: Browser, device: WebcamD
     tab.call("Page.addScriptToEvaluateOnNewDocument", source="globalThis.broken = true")
     tab.go(device.address)
     assert "no WebAssembly here" in tab.wait(f"{LINE}.includes('does not start') && {LINE}")
-    soon(lambda: device.notice == NOTICES["engine"])
+    soon(lambda: device.notices == (NOTICES["engine"],))
     tab.close()
 
 
@@ -215,10 +215,10 @@ def test_a_camera_in_use_is_told_and_tried_again_when_it_is_free(
     )
     tab.go(device.address)
     tab.wait(f"{LINE}.startsWith('Another program uses the camera')")
-    soon(lambda: device.notice == NOTICES["in use"])
+    soon(lambda: device.notices == (NOTICES["in use"],))
     tab.evaluate("globalThis.taken = false; document.getElementById('again').click(); true")
     tab.wait(f"{LINE}.startsWith('No hand')")
-    soon(lambda: device.notice == "")
+    soon(lambda: device.notices == ())
     tab.close()
 
 
@@ -228,10 +228,10 @@ def test_a_camera_that_is_pulled_out_is_told_and_taken_again(
     track = "document.getElementById('video').srcObject.getTracks()[0]"
     tab.evaluate(f"{track}.stop(); {track}.dispatchEvent(new Event('ended')); true")
     tab.wait(f"{LINE}.startsWith('The camera has gone')")
-    soon(lambda: device.notice == NOTICES["absent"])
+    soon(lambda: device.notices == (NOTICES["absent"],))
     tab.evaluate("document.getElementById('again').click(); true")
     tab.wait(f"{LINE}.startsWith('No hand')")
-    soon(lambda: device.notice == "")
+    soon(lambda: device.notices == ())
 
 
 def test_no_other_host_is_asked_for_anything(
@@ -267,7 +267,7 @@ def test_why_there_is_no_picture_is_told(
     try:
         tab = browser.open(device.address)
         tab.wait(f"{LINE}.includes({said!r})")
-        soon(lambda: device.notice == NOTICES[notice])
+        soon(lambda: device.notices == (NOTICES[notice],))
         assert tab.evaluate("!document.getElementById('again').hidden")
     finally:
         browser.close()

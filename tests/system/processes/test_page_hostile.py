@@ -58,7 +58,9 @@ def live(stage: Stage) -> Iterator[LiveTrial]:
     # It must outlast the test, whatever the time limit of its task.
     scorer = stage.session.scorer
     scorer.update = lambda *_: scorer.score  # type: ignore[method-assign]
-    live = LiveTrial(Trial(stage.session, [stage.server.publish]), news=stage.device.news)
+    live = LiveTrial(
+        Trial(stage.session, [stage.server.publish]), frame_ready=stage.device.frame_ready
+    )
     live.start()
     yield live
     live.stop()

@@ -96,11 +96,11 @@ def test_a_person_is_told_while_the_service_is_gone(monkeypatch: pytest.MonkeyPa
     hands = SharedLeap(device, ("right", "left")).parts
     try:
         assert until(lambda: device.counts["frames"] > 0)
-        assert device.notice == ""
+        assert device.notices == ()
         server.close()
-        assert until(lambda: "the Leap service is silent" in device.notice)
+        assert until(lambda: "the Leap service is silent" in "".join(device.notices))
         # Two hands over one device say it once.
-        assert [part.notice for part in hands] == [device.notice, ""]
+        assert [part.notices for part in hands] == [device.notices, ()]
         assert until(lambda: device.counts["connections lost"] == 1)
     finally:
         device.close()

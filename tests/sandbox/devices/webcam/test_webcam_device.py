@@ -59,7 +59,7 @@ def soon(condition: Callable[[], object]) -> None:
 
 
 def test_a_page_is_told_what_is_wanted_and_its_pictures_come(device: WebcamDevice) -> None:
-    assert device.notice == WAITING
+    assert device.notices == (WAITING,)
     with page(device) as socket:
         wanted = json.loads(socket.recv(timeout=5))
         assert wanted == {
@@ -74,7 +74,7 @@ def test_a_page_is_told_what_is_wanted_and_its_pictures_come(device: WebcamDevic
         assert device.wait(5.0)
         (frame,) = device.poll(0.0)
         assert message_of(frame) == picture()
-        assert device.poll(0.0) == () and device.notice == ""
+        assert device.poll(0.0) == () and device.notices == ()
 
 
 def test_corners_that_are_marked_in_the_page_are_kept(engine: Path) -> None:
@@ -95,18 +95,18 @@ def test_corners_that_are_marked_in_the_page_are_kept(engine: Path) -> None:
 def test_a_trouble_of_the_page_is_told_at_the_session(device: WebcamDevice, trouble: str) -> None:
     with page(device) as socket:
         socket.send(json.dumps({"trouble": trouble}))
-        soon(lambda: device.notice == NOTICES[trouble])
+        soon(lambda: device.notices == (NOTICES[trouble],))
         socket.send(json.dumps(picture()))
-        soon(lambda: device.notice == "")
+        soon(lambda: device.notices == ())
 
 
 def test_a_page_that_is_closed_is_told_and_may_come_back(device: WebcamDevice) -> None:
     with page(device):
         pass
-    soon(lambda: device.notice == CLOSED)
+    soon(lambda: device.notices == (CLOSED,))
     with page(device) as socket:
         socket.send(json.dumps(picture()))
-        soon(lambda: device.notice == "")
+        soon(lambda: device.notices == ())
     assert not device.finished
 
 
@@ -117,7 +117,7 @@ def test_times_go_on_when_the_page_is_opened_again(device: WebcamDevice) -> None
             for time_, taken in ((ended, ended - 0.1), (ended + 0.03, ended - 0.07)):
                 socket.send(json.dumps({**picture(), "time": time_, "taken": taken}))
             soon(lambda n=device.counts["pages closed"]: device.counts["pictures"] == 2 * n + 2)  # type: ignore[misc]
-        soon(lambda: device.notice == CLOSED)
+        soon(lambda: device.notices == (CLOSED,))
     frames = device.poll(0.0)
     assert (frames[0].time, frames[0].taken) == (50.0, 49.9)
     assert all(a.time < b.time and a.taken <= b.taken for a, b in pairwise(frames))
