@@ -46,8 +46,7 @@ from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.regress.plan import parse_seeds
 from sandbox.regress.statistics import holm
 from sandbox.session.session import Session
-from sandbox.trial.driver import ViewMaker
-from sandbox.trial.headless import run_trial
+from sandbox.trial.driver import ViewMaker, run_trial
 from sandbox.trial.open_devices import device_makers
 from sandbox.trial.result import TrialResult
 from tasks.registry import TASKS, find_task

@@ -24,8 +24,8 @@ from benchmarks.one_line import run
 from models.errors import InputError
 from sandbox.recording.recording import Recording, load_recording
 from sandbox.recording.versions import versions
-from sandbox.trial.recorded_settings import recorded_settings
 from sandbox.trial.replay import Verification, replay
+from sandbox.trial.settings import recorded_settings
 
 DEVICES = ("simulated", "leap-simulated", "leap-simulated:v1")
 COLUMNS = (
@@ -45,7 +45,7 @@ def record(folder: Path, seeds: int) -> None:
     """Records trials of the simulated user; those that lie there already stay as they are."""
     from benchmarks.judged import FIRST
     from sandbox.options.scene_options import SceneOptions, scene_settings
-    from sandbox.trial.headless import run_trial
+    from sandbox.trial.driver import run_trial
 
     folder.mkdir(parents=True, exist_ok=True)
     jobs = [(task, device, seed) for task in FIRST for device in DEVICES for seed in range(seeds)]

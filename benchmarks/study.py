@@ -18,8 +18,7 @@ import numpy as np
 from benchmarks.machine import describe_machine
 from sandbox.devices.simulated.simulated import SimulatedDevice
 from sandbox.recording.recorded_device import RecordedDevice
-from sandbox.recording.recording import load_recording
-from sandbox.recording.recording_file import packed
+from sandbox.recording.recording import load_recording, packed
 from sandbox.session.session import Session
 from sandbox.study.design.design import Design
 from sandbox.study.design.design_file import load_design
@@ -32,14 +31,13 @@ from sandbox.study.record.session_folder import SessionFolder
 from sandbox.study.run.simulate import simulated_person
 from sandbox.study.tables.frames import FrameTable
 from sandbox.study.tables.tables import rebuild_session, rebuild_study
-from sandbox.system.durable_files import sync_file
+from sandbox.system.files import sync_file
 from sandbox.trial.assembly import build
 from sandbox.trial.device_makers import DeviceMaker
-from sandbox.trial.driver import trial_header, undisturbed
-from sandbox.trial.pacing import RealTime
+from sandbox.trial.driver import TrialRecorder, trial_header, undisturbed
+from sandbox.trial.live import RealTime
 from sandbox.trial.replay import replay, settings_of
 from sandbox.trial.settings import Settings
-from sandbox.trial.trial_recorder import TrialRecorder
 from tasks.user import UserConfiguration
 
 DESIGN = Path(__file__).resolve().parent.parent / "examples" / "study" / "design.toml"

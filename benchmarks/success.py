@@ -102,7 +102,7 @@ Job = tuple[str, str, int, int]
 def trial(job: Job) -> dict[str, Any]:
     """Runs one trial: (task, row, fingers, seed)."""
     from sandbox.options.scene_options import SceneOptions, scene_settings
-    from sandbox.trial.headless import run_trial
+    from sandbox.trial.driver import run_trial
 
     task, row, fingers, seed = job
     chosen = scene_settings(SceneOptions(task=task, seed=seed, fingers=fingers, **ROWS[row]))

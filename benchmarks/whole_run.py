@@ -109,7 +109,7 @@ def whole_trial(seed: int, fingers: int, solid: Solid) -> tuple[float, float, fl
     """Simulated s, processor s and wall s of a trial, from settings to result."""
     from sandbox.options.scene_options import SceneOptions, scene_settings
     from sandbox.session.session import Session
-    from sandbox.trial.headless import run_trial
+    from sandbox.trial.driver import run_trial
 
     sessions: list[Session] = []
 
@@ -131,9 +131,8 @@ def whole_trial(seed: int, fingers: int, solid: Solid) -> tuple[float, float, fl
 def parts_of_trial(seed: int, fingers: int, solid: Solid) -> dict[str, float]:
     """Processor s of every part in one control step, on average over a trial."""
     from sandbox.options.scene_options import SceneOptions, scene_settings
-    from sandbox.recording.dump import DivergenceRecorder
     from sandbox.trial.assembly import build
-    from sandbox.trial.driver import Trial
+    from sandbox.trial.driver import DivergenceRecorder, Trial
 
     chosen = scene_settings(SceneOptions(seed=seed, fingers=fingers, solid=solid))
     box = DivergenceRecorder({})

@@ -5,12 +5,19 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from functools import cache
 from operator import index
 
 from models.errors import FrameError
 
 FINGERS = ("thumb", "index", "middle", "ring", "little")
 """Finger names by label; a label is an index into this tuple."""
+
+
+@cache
+def finger_bits(fingers: frozenset[int]) -> int:
+    """Labels of fingers as a bit mask."""
+    return sum(1 << f for f in fingers)
 
 
 @dataclass(frozen=True, slots=True)

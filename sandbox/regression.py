@@ -25,7 +25,7 @@ from sandbox.regress.baseline import Baseline, load_baseline, replaceable, updat
 from sandbox.regress.execute import CRASHED, Processes, Serial
 from sandbox.regress.plan import RegressionPlan, find_tasks, parse_seeds
 from sandbox.regress.report import Report, make_report, without_baseline
-from sandbox.system.whole_files import check_whole
+from sandbox.system.files import check_whole
 from tasks.task import Task
 
 UPDATE = "--sandbox-update-baseline"

@@ -21,7 +21,7 @@ from sandbox.session.session import Session
 from sandbox.trial.assembly import build
 from sandbox.trial.driver import Trial
 from sandbox.trial.live import LiveTrial
-from sandbox.trial.recorded_settings import recorded_settings
+from sandbox.trial.settings import recorded_settings
 from sandbox.views.display import has_display
 from sandbox.views.errors import GraphicsError
 from tasks.score import ending

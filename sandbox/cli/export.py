@@ -22,14 +22,13 @@ from sandbox.datasets.kind import NAMED, is_data_set
 from sandbox.export.leap_source import Hand
 from sandbox.export.sources import Of, open_source
 from sandbox.export.targets import FORMATS, Exporter, ExportSettings, format_of
-from sandbox.recording.recording import is_dump, is_recording
-from sandbox.recording.recording_file import stored
+from sandbox.recording.recording import is_dump, is_recording, stored
 from sandbox.study.record.folder import STUDY_FILE
 from sandbox.study.record.journal import read_journal
 from sandbox.study.record.state import SessionState
 from sandbox.study.record.stored_sessions import JOURNAL
 from sandbox.study.record.trial_files import find_recordings
-from sandbox.system.whole_files import resolved
+from sandbox.system.files import resolved
 
 Finger = Literal["thumb", "index", "middle", "ring", "little"]
 Order = Literal["XYZ", "XZY", "YXZ", "YZX", "ZXY", "ZYX"]

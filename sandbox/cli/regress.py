@@ -133,7 +133,7 @@ def main(argv: list[str]) -> int:
     from sandbox.regress.plan import RegressionPlan, find_tasks, parse_seeds
     from sandbox.regress.report import make_report
     from sandbox.regress.show import show
-    from sandbox.system.whole_files import write_whole
+    from sandbox.system.files import write_whole
 
     plan = RegressionPlan(
         find_tasks(options.tasks),
@@ -469,7 +469,7 @@ def run_vary(
     from sandbox.regress.show import show_crashes
     from sandbox.regress.show_sweep import show_sweep
     from sandbox.regress.sweep import parse_wanted, sweep
-    from sandbox.system.whole_files import write_whole
+    from sandbox.system.files import write_whole
 
     began = perf_counter()
     result = sweep(plan, parse_wanted(options.vary or ()), run)

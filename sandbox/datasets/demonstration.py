@@ -20,10 +20,9 @@ from sandbox.gym.environment import HandSandboxEnv
 from sandbox.gym.options import TRUE_LABELS
 from sandbox.recording.recorded_task import task_change
 from sandbox.recording.recording import Recording, load_recording
-from sandbox.recording.states import check_states
-from sandbox.trial.recorded_settings import recorded_settings, recorded_users
+from sandbox.recording.versions import check_states
 from sandbox.trial.replay import settings_of, versions_of
-from sandbox.trial.settings import encoded
+from sandbox.trial.settings import encoded, recorded_settings, recorded_users
 from tasks.registry import TASK_PLUGINS, find_task
 from tasks.variation import TOUCHES
 

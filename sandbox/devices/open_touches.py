@@ -18,7 +18,7 @@ from sandbox.devices.registry import DEVICES, OWN_DEVICE, built_in, offered_devi
 from sandbox.devices.tuio.options import STALE_AFTER
 from sandbox.devices.tuio.touch_capture import CaptureDevice, read_capture
 from sandbox.devices.tuio.tuio import Tap, TuioDevice
-from sandbox.recording import recording_file
+from sandbox.recording import recording as recording_file
 
 SERVED = ("web",)
 """Built-in devices that are opened by the page server."""

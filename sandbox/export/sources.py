@@ -28,12 +28,18 @@ from sandbox.devices.webcam.landmark_file import is_landmark_file
 from sandbox.export.landmark_source import open_landmarks
 from sandbox.export.leap_source import Hand, open_leap
 from sandbox.export.motion_source import MotionSource, PoseCallback, poses_of, together
-from sandbox.recording.recording import is_recording, load_recording, read_header
-from sandbox.recording.recording_file import GZIP, first_line, stored
-from sandbox.recording.states import check_states, other_states
-from sandbox.session.pose_track import PoseTrack, read_track_line
-from sandbox.trial.recorded_settings import recorded_settings
-from sandbox.trial.settings import Settings
+from sandbox.recording.recording import (
+    GZIP,
+    PoseTrack,
+    first_line,
+    is_recording,
+    load_recording,
+    read_header,
+    read_track_line,
+    stored,
+)
+from sandbox.recording.versions import check_states, other_states
+from sandbox.trial.settings import Settings, recorded_settings
 
 if TYPE_CHECKING:
     from sandbox.session.messages import Snapshot

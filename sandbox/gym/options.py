@@ -9,10 +9,9 @@ from typing import Any
 import numpy as np
 
 from models.errors import InputError
-from sandbox.recording.states import STATES
-from sandbox.trial.recorded_settings import recorded_settings
+from sandbox.recording.versions import STATES
 from sandbox.trial.settings import LABELS as RUN_LABELS
-from sandbox.trial.settings import Settings, encoded, setting_names
+from sandbox.trial.settings import Settings, encoded, recorded_settings, setting_names
 from tasks.registry import find_task, hands_of
 from tasks.variation import TOUCHES, Variation
 

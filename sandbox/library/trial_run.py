@@ -29,12 +29,12 @@ from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
 from sandbox.trial.device_makers import DeviceMaker
 from sandbox.trial.driver import View
-from sandbox.trial.headless import run_trial as play_trial
+from sandbox.trial.driver import run_trial as play_trial
 from sandbox.trial.lift import with_lift
+from sandbox.trial.live import RealTime
 from sandbox.trial.open_devices import device_makers, is_live
-from sandbox.trial.pacing import RealTime
-from sandbox.trial.recorded_settings import recorded_users
 from sandbox.trial.replay import Verification, replay
+from sandbox.trial.settings import recorded_users
 from tasks.registry import TASKS
 from tasks.score import Score
 from tasks.task import Task

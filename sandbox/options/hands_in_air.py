@@ -11,8 +11,7 @@ from sandbox.options.leap_devices import hand_over_leap
 from sandbox.options.webcam_devices import hand_before_camera
 from sandbox.recording.recording import Recording
 from sandbox.trial.hand_input import HandInput
-from sandbox.trial.recorded_settings import recorded_settings
-from sandbox.trial.settings import Settings
+from sandbox.trial.settings import Settings, recorded_settings
 
 _TOGETHER = {
     DeviceKind.LEAP: "over one Leap",

@@ -22,7 +22,7 @@ from models.errors import EncoderError, InputError
 from models.json_input import check_layout, decoded, read_bytes
 from models.person import Person
 from sandbox.session.own_layouts import Layouts, known_layouts
-from sandbox.system.home import home
+from sandbox.system.files import home
 from sandbox.trial.settings import HandSettings
 
 SCHEMA = 1

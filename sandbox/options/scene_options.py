@@ -24,10 +24,17 @@ from sandbox.options.variations import parse_variation
 from sandbox.options.webcam_devices import WebcamOptions, webcam_choice
 from sandbox.recording.recorded_task import recorded_task, task_change
 from sandbox.recording.recording import Recording
-from sandbox.recording.states import other_states
+from sandbox.recording.versions import other_states
 from sandbox.trial.open_devices import check_openable, recording_of
-from sandbox.trial.recorded_settings import recorded_encoder, recorded_settings, recorded_users
-from sandbox.trial.settings import PAPER_PIPELINE, PhysicsSettings, PipelineSettings, Settings
+from sandbox.trial.settings import (
+    PAPER_PIPELINE,
+    PhysicsSettings,
+    PipelineSettings,
+    Settings,
+    recorded_encoder,
+    recorded_settings,
+    recorded_users,
+)
 from tasks.user import UserConfiguration
 
 

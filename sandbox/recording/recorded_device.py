@@ -9,7 +9,7 @@ from models.errors import RecordingError
 from models.scene import CONTROL_PERIOD
 from sandbox.devices.device import Device
 from sandbox.recording.recording import Recording
-from sandbox.trial.recorded_settings import recorded_settings
+from sandbox.trial.settings import recorded_settings
 
 
 class RecordedDevice(Device):

@@ -1,14 +1,35 @@
-"""Finds the task that a recording was made with, built in or from elsewhere."""
+"""Tasks that are not built in: where they came from, digests of their files, and what has changed.
+
+A task of one's own changes without any version of ours. What it consists of is its file and the
+modules that this imports from the same folder, or its whole package, and the descriptions and
+meshes that it reads, which become part of the scene.
+
+The header of a recording has a digest of each file, so that a replay can say which one has changed.
+What the program makes of a description, which differs between versions and machines, has no part
+in these digests.
+"""
 
 from __future__ import annotations
 
+import os
+import sys
+from collections.abc import Iterable
+from contextlib import suppress
+from functools import cache
+from hashlib import blake2b
+from pathlib import Path
 from typing import Any
 
 from models.errors import InputError, RecordingError
-from models.plugins import how_to_get, place_of
+from models.mjcf_object import MjcfObject, described_files
+from models.objects import MechanismPart
+from models.plugins import files_of, how_to_get, loaded_from, place_file, place_of
+from models.scene import SceneSpec, scene_xml
 from models.surface import Surface
-from sandbox.recording.task_files import task_files
-from tasks.registry import find_task, origin
+from sandbox.recording.versions import bytes_digest, package_digest, source_digest
+from tasks.guarded import draw_task
+from tasks.registry import TASK_PLUGINS, find_task, is_built_in, origin
+from tasks.task import Task
 
 _MOST_NAMED = 4
 """Number of files that a message names at most."""
@@ -94,3 +115,106 @@ def task_change(header: dict[str, Any], name: str, seed: int, surface: Surface) 
     return (
         f"the task {find_task(name).name} has changed since it was recorded, in {files}. {remedy}"
     )
+
+
+def task_files(name: str, seed: int, surface: Surface) -> dict[str, str]:
+    """Digests of the files that a trial of a task consists of; empty for a built-in task.
+
+    Args:
+        name: Name of the task, or its place.
+        seed: Seed of the trial: the things that a task places may differ between seeds.
+        surface: The touch rectangle, which need not be placed.
+
+    Returns:
+        Name relative to the folder of the task's file -> digest: of that file, of the modules that
+        it has imported from beside itself, of MJCF files and their meshes. All modules of a package
+        are one entry, with the package's name.
+    """
+    kind = find_task(name)
+    if is_built_in(kind):
+        return {}
+    code, folder = _code(kind, code_file(name, kind))
+    return {**code, **_named(_descriptions(kind, seed, surface), folder)}
+
+
+def code_file(name: str, kind: type[Task]) -> Path | None:
+    """The file that a task was loaded from; None for a task of a package.
+
+    A file may also have a task that it imports from beside itself: both files take part.
+
+    Args:
+        name: Name of the task, or its place.
+        kind: The task.
+    """
+    return place_file(name) or loaded_from(kind.__module__)
+
+
+@cache
+def _code(kind: type[Task], file: Path | None) -> tuple[dict[str, str], Path]:
+    """Digests of a task's code, and the folder that names are relative to.
+
+    They are taken once: a file that is edited later is not loaded again.
+    """
+    if file is not None:
+        return _named(files_of(file), file.parent), file.parent
+    module = sys.modules[kind.__module__]
+    top = kind.__module__.partition(".")[0]
+    return {top: package_digest(kind.__module__)}, Path(module.__file__ or "").absolute().parent
+
+
+def _descriptions(kind: type[Task], seed: int, surface: Surface) -> list[Path]:
+    """Files of the things of a trial; none where it cannot be drawn, which its start will tell."""
+    found: list[Path] = []
+    with suppress(InputError), TASK_PLUGINS.guarded(kind.name):
+        for thing in kind.draw(seed, surface).objects:
+            if isinstance(thing, MjcfObject | MechanismPart):
+                found += described_files(thing.mjcf)
+    return found
+
+
+def _named(files: Iterable[Path], folder: Path) -> dict[str, str]:
+    digests: dict[str, list[str]] = {}
+    for file in sorted(set(files)):
+        with suppress(ValueError):
+            # On another drive of Windows there is no way from the folder to the file.
+            name = Path(os.path.relpath(file, folder)).as_posix()
+            # Folders outside the task's own may tell whose they are, so that two files there may
+            # have one name.
+            name = file.name if name.startswith("../") else name
+            digests.setdefault(name, []).append(bytes_digest(file))
+    return {name: "+".join(sorted(some)) for name, some in digests.items()}
+
+
+def own_tasks(names: Iterable[str]) -> dict[str, str]:
+    """A digest of every task that is not built in, by the task's own name.
+
+    Args:
+        names: Names of tasks, or `FILE.py:CLASS`.
+
+    Raises:
+        InputError: No task has this name, or it cannot be used.
+    """
+    kinds = {name: find_task(name) for name in names}
+    return {
+        kind.name: _task_digest(kind, code_file(name, kind))
+        for name, kind in kinds.items()
+        if not is_built_in(kind)
+    }
+
+
+def _task_digest(kind: type[Task], file: Path | None) -> str:
+    if file is None:
+        code = package_digest(kind.__module__)
+    else:
+        code = source_digest(files_of(file), file.parent)
+    return blake2b(f"{code}\n{_trial_xml(kind)}".encode(), digest_size=8).hexdigest()
+
+
+def _trial_xml(kind: type[Task]) -> str:
+    """MJCF of the things of a trial; empty where the usual surface has no room for them."""
+    try:
+        with TASK_PLUGINS.guarded(kind.name):
+            task = draw_task(kind, 0, Surface())
+            return scene_xml(SceneSpec((), task.objects, task.table_friction))
+    except InputError:
+        return ""

@@ -3,13 +3,20 @@
 JSON lines: a header, then `input` lines (a touch frame or hand frame, the physics step at which it
 took effect, the state's hash just before), `event` lines (other inputs and events, such as a change
 of contact mode), `keyframe` lines (MuJoCo's integration state, once a second), `track` lines (the
-poses of a second, for viewing), and an `end` line with the result. If the program crashes, at most
-the lines of the last 10 ms and a second of the track are lost.
+poses of a second), and an `end` line with the result. If the program crashes, at most the lines of
+the last 10 ms and a second of the track are lost.
+
+A track shows a trial on machines that cannot reproduce it. It is for viewing only, as all joint
+positions are rounded; a simulation continues from a keyframe.
+
+A recording is written uncompressed, line by line, and may be compressed once it is complete. The
+compressed file has the same name with `.gz` appended; readers need not distinguish.
 """
 
 from __future__ import annotations
 
 import base64
+import gzip
 import json
 import threading
 import zlib
@@ -17,18 +24,28 @@ from abc import ABC, abstractmethod
 from collections import deque
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from models.arithmetic.arrays import Array
 from models.errors import InputError, RecordingError
-from models.frames import Frame, TouchFrame
+from models.frames import (
+    Contact,
+    Frame,
+    HandFrame,
+    LandmarkFrame,
+    SeenHand,
+    TouchFrame,
+    TrackedFinger,
+    TrackedHand,
+    Vector,
+    finger_bits,
+)
 from models.scene import CONTROL_PERIOD
-from sandbox.recording.recorded_frames import frame_from_json, frame_to_json
-from sandbox.recording.recording_file import first_line, read_stored
-from sandbox.session.pose_track import PoseTrack, PoseTrackWriter, read_track_line
 
 SCHEMA = 2
 """Version of the file's layout."""
@@ -41,6 +58,327 @@ LOOK = 0.01
 """s between two checks of the writing thread for new lines."""
 
 Line = dict[str, Any]
+
+
+GRAIN = 2e-5
+"""Rounding of joint positions, in m, rad or quaternion units: 0.02 mm, 0.002 degrees."""
+TRACK_LEVEL = 6
+"""Compression level of zlib. Level 6 takes 0.1 ms for the poses of a second; level 9 takes 0.5 to
+1 ms and saves 2 percent."""
+ROOM = 64
+"""Initial capacity, poses: slightly more than a second."""
+LONGEST = 3600 * 1000
+"""Largest number of poses in one line of an undamaged file."""
+
+
+@dataclass(frozen=True)
+class PoseTrack:
+    """Poses by physics step.
+
+    Attributes:
+        qpos: Joint positions of the scene's model (nq,) by step.
+        solid: Labels of the solid fingers of every hand by step.
+    """
+
+    qpos: dict[int, Array] = field(default_factory=dict)
+    solid: dict[int, tuple[frozenset[int], ...]] = field(default_factory=dict)
+
+
+class PoseTrackWriter:
+    """Collects poses and turns them into lines of a recording.
+
+    Poses are copied into memory that was allocated beforehand: in a loop that has just slept,
+    allocation takes longer than copying.
+    """
+
+    def __init__(self) -> None:
+        self._entries: list[tuple[int, Sequence[frozenset[int]]]] = []
+        self._poses = np.empty((0, 0))
+
+    def add(self, step: int, qpos: Array, solid: Sequence[frozenset[int]]) -> None:
+        """Adds a pose (nq,) and the solid fingers of every hand at a physics step."""
+        row = len(self._entries)
+        if row == len(self._poses):
+            self._make_room(len(qpos))
+        self._poses[row] = qpos
+        self._entries.append((step, solid))
+
+    def take(self) -> Callable[[], dict[str, Any]] | None:
+        """A function that makes a line of all poses since the last call; None without poses.
+
+        The function takes a millisecond, and may be called at any time and from any thread.
+        """
+        if not self._entries:
+            return None
+        make = partial(_line_of, self._entries, self._poses)
+        self._entries, self._poses = [], np.empty_like(self._poses)
+        return make
+
+    def line(self) -> dict[str, Any] | None:
+        """A line of all poses since the last one; None without poses."""
+        make = self.take()
+        return make() if make else None
+
+    def _make_room(self, joints: int) -> None:
+        room = np.empty((max(ROOM, 2 * len(self._poses)), joints))
+        if len(self._poses):
+            room[: len(self._poses)] = self._poses
+        self._poses = room
+
+
+def _line_of(
+    entries: Sequence[tuple[int, Sequence[frozenset[int]]]], poses: Array
+) -> dict[str, Any]:
+    steps, solid = zip(*entries, strict=True)
+    return track_line(list(steps), poses[: len(entries)], solid)
+
+
+def track_line(
+    steps: list[int], poses: Array | Sequence[Array], solid: Sequence[Sequence[frozenset[int]]]
+) -> dict[str, Any]:
+    """The line of a recording with poses (nq,) and the solid fingers of every hand, by step."""
+    with np.errstate(invalid="ignore"):
+        places = np.clip(np.nan_to_num(np.array(poses)), -1e4, 1e4) / GRAIN
+    masks = [[finger_bits(labels) for labels in hands] for hands in solid]
+    fingers = np.array(masks, np.int64).reshape(len(steps), -1)
+    rows = np.hstack([np.rint(places).astype(np.int64), fingers])
+    changes = np.diff(rows, axis=0, prepend=0 * rows[:1])
+    # Zigzag encoding: small changes of either sign become small numbers, whose upper bytes are 0.
+    folded = ((changes << 1) ^ (changes >> 63)).astype("<u4")
+    planes = np.ascontiguousarray(folded.T).view(np.uint8).reshape(-1, 4).T
+    data = base64.b64encode(zlib.compress(planes.tobytes(), TRACK_LEVEL)).decode()
+    return {
+        "kind": "track",
+        "steps": _runs(steps),
+        "hands": fingers.shape[1],
+        "joints": places.shape[1],
+        "poses": data,
+    }
+
+
+def read_track_line(line: dict[str, Any], track: PoseTrack) -> None:
+    """Adds the poses of a recorded line to a track.
+
+    Raises:
+        ValueError: The line is damaged.
+    """
+    first, stride, count = (int(n) for n in line["steps"])
+    joints, hands = int(line["joints"]), int(line["hands"])
+    if not (0 < count <= LONGEST and 0 <= joints <= 10_000 and 0 <= hands <= 8):
+        raise ValueError("a track of this size")
+    size = 4 * count * (joints + hands)
+    packed = zlib.decompressobj()
+    data = packed.decompress(base64.b64decode(line["poses"], validate=True), size + 1)
+    if len(data) != size:
+        raise ValueError("a track of another length than it says")
+    planes = np.frombuffer(data, np.uint8).reshape(4, -1).T
+    folded = np.ascontiguousarray(planes).view("<u4").reshape(joints + hands, count).T
+    folded = folded.astype(np.int64)
+    rows = np.cumsum((folded >> 1) ^ -(folded & 1), axis=0)
+    for i, row in enumerate(rows):
+        step = first + i * stride
+        track.qpos[step] = row[:joints] * GRAIN
+        track.solid[step] = tuple(
+            frozenset(f for f in range(5) if mask >> f & 1) for mask in row[joints:].tolist()
+        )
+
+
+def _runs(steps: list[int]) -> list[int]:
+    """First step, stride and count of evenly spaced steps."""
+    stride = steps[1] - steps[0] if len(steps) > 1 else 1
+    return [steps[0], stride, len(steps)]
+
+
+def frame_to_json(frame: Frame) -> dict[str, Any]:
+    """Converts a frame to JSON values; Python writes floats so that they are read back exactly."""
+    if isinstance(frame, HandFrame):
+        line: dict[str, Any] = {"time": frame.time, "hands": [_hand(h) for h in frame.hands]}
+        told = {"source": frame.source, "dialect": frame.dialect}
+        return line | {name: value for name, value in told.items() if value}
+    if isinstance(frame, LandmarkFrame):
+        return {
+            "time": frame.time,
+            "taken": frame.taken,
+            "size": frame.size,
+            "seen": [[h.side, h.score, h.image, h.world] for h in frame.hands],
+            **({"source": frame.source} if frame.source else {}),
+        }
+    contacts = [[c.id, c.x, c.y, c.size, c.label, *(c.extent or ())] for c in frame.contacts]
+    line = {"time": frame.time, "contacts": contacts}
+    if frame.lift is not None:
+        line["lift"] = frame.lift
+    if frame.cancelled:
+        line["cancelled"] = sorted(frame.cancelled)
+    return line
+
+
+def frame_from_json(line: dict[str, Any]) -> Frame:
+    """Reads a frame from JSON values.
+
+    Raises:
+        FrameError: Its numbers are not valid for a frame.
+        KeyError, TypeError, ValueError: The values are damaged.
+    """
+    if "hands" in line:
+        hands = tuple(map(_read_hand, line["hands"]))
+        dialect = line.get("dialect")
+        return HandFrame(
+            float(line["time"]),
+            hands,
+            str(line.get("source", "")),
+            None if dialect is None else str(dialect),
+        )
+    if "seen" in line:
+        width, height = line["size"]
+        return LandmarkFrame(
+            float(line["time"]),
+            tuple(_read_seen(*hand) for hand in line["seen"]),
+            (int(width), int(height)),
+            float(line["taken"]),
+            str(line.get("source", "")),
+        )
+    contacts = tuple(
+        Contact(int(i), x, y, size, label, _extent(extent))
+        for i, x, y, size, label, *extent in line["contacts"]
+    )
+    return TouchFrame(
+        float(line["time"]), contacts, line.get("lift"), frozenset(line.get("cancelled", ()))
+    )
+
+
+def _extent(values: list[Any]) -> tuple[float, float] | None:
+    """Width and height of a contact; contacts without them end with the label."""
+    if not values:
+        return None
+    width, height = values
+    return float(width), float(height)
+
+
+def _hand(hand: TrackedHand) -> dict[str, Any]:
+    values: dict[str, Any] = {
+        "id": hand.id,
+        "palm": hand.palm,
+        "normal": hand.normal,
+        "direction": hand.direction,
+        "fingers": [
+            [f.id, f.tip, f.direction, f.length, f.finger, f.joints, f.extended]
+            for f in hand.fingers
+        ],
+    }
+    if hand.confidence != 1.0:
+        values["confidence"] = hand.confidence
+    for name in ("side", "sphere_radius", "wrist"):
+        if getattr(hand, name) is not None:
+            values[name] = getattr(hand, name)
+    return values
+
+
+def _read_hand(values: dict[str, Any]) -> TrackedHand:
+    fingers = []
+    for id_, tip, direction, length, finger, joints, extended in values["fingers"]:
+        if joints is not None:
+            mcp, pip, dip, end = map(_vector, joints)
+            joints = (mcp, pip, dip, end)
+        fingers.append(
+            TrackedFinger(
+                int(id_), _vector(tip), _vector(direction), float(length), finger, joints, extended
+            )
+        )
+    wrist, radius = values.get("wrist"), values.get("sphere_radius")
+    return TrackedHand(
+        int(values["id"]),
+        _vector(values["palm"]),
+        _vector(values["normal"]),
+        _vector(values["direction"]),
+        tuple(fingers),
+        values.get("side"),
+        float(values.get("confidence", 1.0)),
+        None if radius is None else float(radius),
+        None if wrist is None else _vector(wrist),
+    )
+
+
+def _read_seen(side: Any, score: Any, image: Any, world: Any) -> SeenHand:
+    points = tuple((float(x), float(y)) for x, y in image)
+    return SeenHand(str(side), float(score), points, tuple(map(_vector, world)))
+
+
+def _vector(values: Any) -> Vector:
+    x, y, z = values
+    return float(x), float(y), float(z)
+
+
+GZIP = b"\x1f\x8b"
+"""First bytes of a compressed file."""
+SUFFIX = ".gz"
+GZIP_LEVEL = 6
+"""Compression level; level 9 takes three times as long, and saves one percent."""
+
+_PIECE = 1 << 16
+
+
+def stored(path: Path) -> Path:
+    """The file that holds a recording: the plain one, or the compressed one if only it exists."""
+    packed = Path(f"{path}{SUFFIX}")
+    return packed if not path.exists() and packed.exists() else path
+
+
+class Stored(NamedTuple):
+    """Contents of a recording's file.
+
+    Attributes:
+        data: Uncompressed bytes; of a damaged compressed file, those before the damage.
+        whole: True unless the compressed data is damaged.
+    """
+
+    data: bytes
+    whole: bool
+
+
+def read_stored(path: Path) -> Stored:
+    """Reads a recording's bytes, plain or compressed.
+
+    Raises:
+        OSError: The file does not exist or cannot be read.
+    """
+    data = stored(path).read_bytes()
+    return _unpacked(data) if data.startswith(GZIP) else Stored(data, True)
+
+
+def first_line(path: Path, most: int = 1_000_000) -> bytes:
+    """Reads a recording's first line, up to `most` bytes.
+
+    Raises:
+        OSError: The file does not exist or cannot be read.
+    """
+    with stored(path).open("rb") as file:
+        head = file.read(2)
+        file.seek(0)
+        if head != GZIP:
+            return file.readline(most)
+        try:
+            with gzip.open(file) as text:
+                return text.readline(most)
+        except (EOFError, zlib.error):
+            return b""
+
+
+def packed(data: bytes) -> bytes:
+    """The data compressed; equal data gives equal bytes."""
+    return gzip.compress(data, compresslevel=GZIP_LEVEL, mtime=0)
+
+
+def _unpacked(data: bytes) -> Stored:
+    """Decompresses data up to its end or the damage."""
+    reader, pieces = zlib.decompressobj(wbits=31), []
+    try:
+        # In pieces, so that those before a damaged one are kept.
+        while data and not reader.eof:
+            pieces.append(reader.decompress(data, _PIECE))
+            data = reader.unconsumed_tail
+    except zlib.error:
+        return Stored(b"".join(pieces), False)
+    return Stored(b"".join(pieces), reader.eof)
 
 
 class DeferredLine:

@@ -1,14 +1,19 @@
-"""Versions of what computes, and what two machines must share for equal states.
+"""Which program made a recording: versions, the fingerprint of a machine, states, and source code.
 
 A state depends on the recording, on MuJoCo's version, on the architecture and on the system's libm,
 and on nothing else (`models/arithmetic`). These three are the fingerprint, each with a digest of
 what it computes. All other versions are noted for people.
+
+With equal `STATES` and models a recording replays to the bit where the fingerprint is equal. With
+other `STATES` it cannot be played again, only read: its recorded poses, its score, its header.
 """
 
 from __future__ import annotations
 
 import platform
-from collections.abc import Mapping
+import subprocess
+import sys
+from collections.abc import Iterable, Mapping
 from functools import cache
 from hashlib import blake2b
 from importlib.metadata import PackageNotFoundError, version
@@ -16,8 +21,8 @@ from pathlib import Path
 from typing import Any
 
 from models.arithmetic.probe import arithmetic_digest, libm_digest
-from sandbox.recording.source_digest import program_root
-from sandbox.system.checkout import commit
+from models.errors import RecordingError
+from sandbox.recording.recording import Recording
 
 DECISIVE = {
     "mujoco": "MuJoCo's version",
@@ -93,3 +98,142 @@ def _processor() -> str:
             if line.startswith("model name"):
                 return line.split(":", 1)[1].strip()
     return platform.processor() or "unknown"
+
+
+SUFFIXES = (".py", ".xml")
+"""Suffixes of files that count: modules, and the hand's model. Digests of encoders cover arrays."""
+
+
+def program_root() -> Path:
+    """Folder of the packages of the program."""
+    return Path(__file__).resolve().parents[2]
+
+
+def source_files(folder: Path, below: bool = False) -> list[Path]:
+    """Source files of a folder, in order.
+
+    Args:
+        folder: The folder.
+        below: True also takes those of all folders below it.
+    """
+    paths = folder.rglob("*") if below else folder.iterdir()
+    return sorted(path for path in paths if path.suffix in SUFFIXES)
+
+
+def source_digest(files: Iterable[Path], root: Path) -> str:
+    """Digest of files, with their names relative to a folder."""
+    digest = blake2b(digest_size=8)
+    for path in files:
+        name, data = path.relative_to(root).as_posix().encode(), path.read_bytes()
+        digest.update(b"%s\0%d\0%s" % (name, len(data), data))
+    return digest.hexdigest()
+
+
+def bytes_digest(file: Path) -> str:
+    """Digest of what is in a file, whatever its name."""
+    return blake2b(file.read_bytes(), digest_size=8).hexdigest()
+
+
+@cache
+def package_digest(module: str) -> str:
+    """Digest of the outermost package of a loaded module, or of the module alone; empty without a
+    file."""
+    top = sys.modules.get(module.partition(".")[0])
+    spec = top.__spec__ if top else None
+    if spec is None or spec.origin is None or not spec.has_location:
+        return ""
+    file = Path(spec.origin)
+    if file.stem != "__init__":
+        return source_digest([file], file.parent)
+    return source_digest(source_files(file.parent, below=True), file.parent)
+
+
+STATES = 2
+"""Generation of simulated states. Every commit that changes state hashes raises it, and updates
+`tools/gate.json`. A header without it has the first."""
+
+
+class OtherStatesError(RecordingError):
+    """A recording was made with other `STATES`, so it cannot be played again."""
+
+
+def states_of(header: Mapping[str, Any]) -> int:
+    """The generation of states that a recording's header names.
+
+    Args:
+        header: Header of the recording, checked (see `sandbox.recording.recording.read_header`).
+    """
+    return int(header.get("states", 1))
+
+
+def made_with(header: Mapping[str, Any]) -> str:
+    """States, version and commit of the program that made a recording, in words."""
+    there = header.get("versions")
+    return _program(states_of(header), there if isinstance(there, dict) else {})
+
+
+def this_program() -> str:
+    """States, version and commit of this program, in words."""
+    return _program(STATES, versions())
+
+
+def other_states(header: Mapping[str, Any]) -> str:
+    """A line on a recording of other `STATES`; empty for one of these."""
+    if states_of(header) == STATES:
+        return ""
+    return f"made with {made_with(header)}; this program has states {STATES}"
+
+
+def check_states(recording: Recording) -> None:
+    """Refuses to play a recording of other `STATES` again.
+
+    Raises:
+        OtherStatesError: It was made with other states.
+    """
+    if states_of(recording.header) != STATES:
+        raise OtherStatesError(
+            "it cannot be played again",
+            where=str(recording.path),
+            got=f"made with {made_with(recording.header)}",
+            expected=f"states {STATES}, which this program has",
+            remedy="Play it with that version; `sandbox export` writes its recorded poses here, "
+            "too, and its result can be read",
+        )
+
+
+def _program(states: int, known: Mapping[str, Any]) -> str:
+    """A generation of states, with the version and the commit that had it."""
+    commit = f", commit {known['commit']}" if known.get("commit") else ""
+    return f"states {states} (hand-sandbox {known.get('hand-sandbox', 'unknown')}{commit})"
+
+
+PATIENCE = 5.0
+"""s that git may take."""
+
+
+def commit(root: Path) -> str:
+    """Short name of the commit of a folder's files, `with changes` where files differ from it.
+
+    Empty where the folder is not the root of a checkout, or git cannot tell.
+
+    Args:
+        root: Folder of the packages.
+    """
+    if not (root / ".git").exists():
+        return ""
+    name = _git(root, "rev-parse", "--short", "HEAD")
+    if name and _git(root, "status", "--porcelain", "--untracked-files=no"):
+        return f"{name} with changes"
+    return name
+
+
+def _git(root: Path, *words: str) -> str:
+    """What git says, empty if it fails or is not there."""
+    command = ["git", "-C", str(root), *words]
+    try:
+        said = subprocess.run(
+            command, capture_output=True, text=True, check=False, timeout=PATIENCE
+        )
+    except (OSError, subprocess.TimeoutExpired):
+        return ""
+    return said.stdout.strip() if said.returncode == 0 else ""

@@ -16,8 +16,7 @@ from models.errors import InputError
 from models.json_input import check_layout, decoded, read_bytes
 from sandbox.regress.execute import CRASHED, Trial
 from sandbox.regress.origin import ENCODER, Origin, flat
-from sandbox.system.durable_files import OPEN, Release, lock
-from sandbox.system.whole_files import resolved, write_whole
+from sandbox.system.files import OPEN, Release, lock, resolved, write_whole
 from sandbox.trial.result import KeptIn, kept_fields
 
 SCHEMA = 2

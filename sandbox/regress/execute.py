@@ -23,7 +23,7 @@ from sandbox.recording.versions import decisive_parts
 from sandbox.regress.breaking_off import SIGNALS
 from sandbox.regress.plan import TrialJob, registered
 from sandbox.trial.assembly import load_encoder
-from sandbox.trial.headless import run_trial
+from sandbox.trial.driver import run_trial
 from sandbox.trial.result import KeptIn, kept_fields
 from tasks.guarded import build_scene, draw_task, measure
 from tasks.registry import find_task, is_built_in

@@ -8,7 +8,7 @@ from xml.etree import ElementTree
 
 from models.message import counted
 from sandbox.regress.report import Report, TaskResult
-from sandbox.system.whole_files import write_whole
+from sandbox.system.files import write_whole
 
 _ILLEGAL = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 """Characters that XML 1.0 cannot hold, not even escaped."""

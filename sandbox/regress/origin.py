@@ -18,8 +18,8 @@ class Origin:
     Attributes:
         given: Options of `sandbox run` that the user gave; an encoder of one's own is named by its
             digest. Results compare only where these are equal.
-        program: The program that ran: `states` (see `sandbox.recording.states`), `version`, from a
-            checkout `commit`, and `models`, the digests of encoder and labels.
+        program: The program that ran: `states` (see `sandbox.recording.versions`), `version`,
+            from a checkout `commit`, and `models`, the digests of encoder and labels.
         settings: All settings of a trial, but for task, seed and what follows from the task, so
             that a changed default is named; empty in a baseline that does not have them.
     """

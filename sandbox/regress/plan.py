@@ -16,8 +16,7 @@ from models.errors import InputError
 from models.plugins import failure
 from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.options.second_hand import SecondOptions
-from sandbox.recording.states import STATES
-from sandbox.recording.versions import versions
+from sandbox.recording.versions import STATES, versions
 from sandbox.regress.origin import ENCODER, Origin
 from sandbox.trial.assembly import digests, drawn
 from sandbox.trial.settings import Settings, encoded

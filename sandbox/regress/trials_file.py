@@ -20,12 +20,17 @@ from models.errors import InputError
 from models.json_input import check_layout, checked, decoded, decoded_record
 from models.plugins import place_file
 from sandbox.devices.device import Closeable
-from sandbox.recording.source_digest import program_root, source_digest, source_files
-from sandbox.recording.versions import decisive_parts, versions
+from sandbox.recording.versions import (
+    decisive_parts,
+    program_root,
+    source_digest,
+    source_files,
+    versions,
+)
 from sandbox.regress.execute import CRASHED, Trial
 from sandbox.regress.origin import flat
 from sandbox.regress.plan import RegressionPlan
-from sandbox.system.durable_files import OPEN, Release, lock
+from sandbox.system.files import OPEN, Release, lock
 
 KIND = "trials of sandbox regress"
 SCHEMA = 1

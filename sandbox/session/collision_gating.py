@@ -17,12 +17,11 @@ from encoders.reconstruction.arrival import Phase
 from encoders.reconstruction.touch_reconstructor import Reconstruction
 from models.arithmetic.arrays import Array
 from models.arithmetic.products import squared_lengths
-from models.frames import FINGERS
+from models.frames import FINGERS, finger_bits
 from models.message import Message
 from models.scene import CONTROL_PERIOD, BodyPoses, Scene
 from models.scene_hand import Link
 from sandbox.session.messages import MOVE_APART
-from sandbox.session.pose_track import bits
 
 if TYPE_CHECKING:
     from sandbox.session.collision_avoidance import SolidLinks
@@ -136,7 +135,7 @@ class CollisionGate:
     @property
     def signature(self) -> bytes:
         """Solid parts: state outside MuJoCo's that affects the next step."""
-        mine = bytes([bits(self.fingers)])
+        mine = bytes([finger_bits(self.fingers)])
         return mine if self._parts is None else mine + self._parts.signature
 
     def tips(self, data: BodyPoses) -> Array:

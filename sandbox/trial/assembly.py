@@ -27,7 +27,6 @@ from models.limits import GENTLE, RateLimit
 from models.scene_hand import SceneHand
 from models.skeleton import ADULT
 from models.surface import Surface
-from sandbox.lsl.lsl_listening import ForwardingRecorder
 from sandbox.session.collision_gating import CollisionGatingRules
 from sandbox.session.session import Recorder, Rig, Session
 from sandbox.trial.device_makers import DeviceMakers, check_count
@@ -292,8 +291,6 @@ def build(
             for rig in rigs:
                 closing.callback(rig.device.close)
             raise
-    if isinstance(recorder, ForwardingRecorder):
-        recorder.watch(session)
     return session
 
 

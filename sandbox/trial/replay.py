@@ -1,26 +1,44 @@
-"""Replays a recording and compares the states, hash by hash."""
+"""Replays: a recording is simulated again, compared hash by hash, and shown.
+
+Where states are not equal to the bit, as another libm or another version of MuJoCo rounds another
+way and contacts make small differences grow, two questions remain: is the outcome the same, and how
+far did objects and hands ever stand from where they were recorded? `Agreement` answers them. There,
+labels, contacts and the commanded pose are reconstructed from the recorded touches, and the poses
+of hand and objects come from the recording's track (`RecordedPoses`).
+
+A replay is many times faster than the trial was. It is simulated to its end first; `Playback` then
+shows its snapshots at any speed, paused, or step by step, so that going back needs no simulation.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import time
+from bisect import bisect_right
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from math import asin, degrees
 from pathlib import Path
 from typing import Any
 
+import mujoco
+import numpy as np
+
+from models.arithmetic.arrays import Array
 from models.errors import InputError, RecordingError
-from sandbox.recording.agreement import Agreement, PoseComparison
+from models.scene import CONTROL_PERIOD
 from sandbox.recording.recorded_device import RecordedDevice
 from sandbox.recording.recorded_task import recorded_task, task_change
 from sandbox.recording.recording import Recording
-from sandbox.recording.states import check_states
-from sandbox.recording.versions import decisive_differences
-from sandbox.session.messages import Snapshot
+from sandbox.recording.versions import check_states, decisive_differences
+from sandbox.session.messages import ObjectView, Snapshot
 from sandbox.session.session import Session
 from sandbox.trial.assembly import build, digests
 from sandbox.trial.device_makers import DeviceMaker, DeviceMakers
 from sandbox.trial.driver import Trial, ViewMaker, no_views
-from sandbox.trial.recorded_poses import RecordedPoses
-from sandbox.trial.recorded_settings import recorded_encoder, recorded_settings
-from sandbox.trial.settings import Settings
+from sandbox.trial.result import TrialResult
+from sandbox.trial.settings import Settings, recorded_encoder, recorded_settings
+from tasks.goals import place
+from tasks.score import Score, Status
 
 
 @dataclass(frozen=True)
@@ -180,3 +198,270 @@ def replay(recording: Recording, make_views: ViewMaker = no_views) -> tuple[Sess
         comparison.agreement() if comparison and difference is not None else None,
         changed,
     )
+
+
+class RecordedPoses:
+    """Puts recorded poses into the snapshots of a session.
+
+    Args:
+        session: Session that plays the recording; it is only read.
+        recording: A recording with a track.
+
+    Raises:
+        RecordingError: The recorded poses are of another scene.
+    """
+
+    def __init__(self, session: Session, recording: Recording) -> None:
+        self._session, self._recording = session, recording
+        self._track = recording.track
+        self._steps = sorted(self._track.qpos)
+        model = session.scene.model
+        widths = {len(qpos) for qpos in self._track.qpos.values()}
+        hands = {len(solid) for solid in self._track.solid.values()}
+        if widths != {model.nq} or hands != {len(session.rigs)}:
+            raise RecordingError(
+                "its poses are of another scene",
+                where=str(recording.path),
+                got=f"{sorted(widths)} joint positions",
+                expected=str(model.nq),
+                remedy="Use the version of the sandbox that its header names",
+            )
+        self._data = mujoco.MjData(model)
+
+    @property
+    def last(self) -> int:
+        """Physics step of the last pose."""
+        return self._steps[-1]
+
+    def show(self, snapshot: Snapshot, scored: bool) -> Snapshot:
+        """The snapshot with the recorded poses of its moment.
+
+        Args:
+            snapshot: Snapshot that was simulated here.
+            scored: Its score still equals the recorded one, as no state has differed so far.
+        """
+        at = self._steps[max(bisect_right(self._steps, snapshot.step) - 1, 0)]
+        scene, data = self._session.scene, self._data
+        data.qpos[:] = self._track.qpos[at]
+        mujoco.mj_normalizeQuat(scene.model, data.qpos)
+        mujoco.mj_kinematics(scene.model, data)
+        objects = {name: ObjectView(*scene.object_pose(data, name)) for name in snapshot.objects}
+        hands = tuple(
+            replace(hand, tips=self._session.tips(i, data), solid=self._track.solid[at][i])
+            for i, hand in enumerate(snapshot.hands)
+        )
+        return replace(
+            snapshot,
+            qpos=data.qpos.copy(),
+            hands=hands,
+            objects=objects,
+            goals=place(self._session.task.goals, objects),
+            score=snapshot.score if scored else self._score(snapshot.step),
+        )
+
+    def _score(self, step: int) -> Score:
+        """The recorded score at the end, and an empty one before."""
+        end = self._recording.end
+        if end is None or step < end["step"]:
+            return Score()
+        return TrialResult.from_json(end["result"], str(self._recording.path)).score
+
+
+BOUND_MM = 1.0
+"""mm that objects or fingertips may be apart at most: 3.5 times the largest of 87 recordings,
+docs/results.md. Rounding in the recording alone makes up to 0.02 mm."""
+BOUND_DEGREES = 2.0
+"""Degrees that objects or links of a hand may be apart at most: 4 times the largest, likewise."""
+
+
+@dataclass(frozen=True)
+class Agreement:
+    """Agreement of a replay's trial with the recorded one, until the recorded end.
+
+    Attributes:
+        same_outcome: Status and success are those that were recorded; None where the recording has
+            no end. See `is_same_outcome`.
+        objects_mm: mm, largest distance of an object from its recorded place.
+        objects_degrees: Degrees, largest turn of an object from its recorded one.
+        hands_mm: mm, largest distance of a fingertip from its recorded place.
+        hands_degrees: Degrees, largest turn of a link of a hand from its recorded one.
+        compared: Number of poses that were compared.
+    """
+
+    same_outcome: bool | None
+    objects_mm: float
+    objects_degrees: float
+    hands_mm: float
+    hands_degrees: float
+    compared: int
+
+    @property
+    def holds(self) -> bool:
+        """True if the outcome is the same and all differences are within the measured bounds."""
+        return (
+            self.same_outcome is not False
+            and self.compared > 0
+            and max(self.objects_mm, self.hands_mm) <= BOUND_MM
+            and max(self.objects_degrees, self.hands_degrees) <= BOUND_DEGREES
+        )
+
+
+class PoseComparison:
+    """Compares a session's poses with those that a recording has kept.
+
+    Args:
+        session: Session that plays the recording; it is only read.
+        recording: A recording; without kept poses there is nothing to compare.
+    """
+
+    def __init__(self, session: Session, recording: Recording) -> None:
+        self._session, self._recording = session, recording
+        self._track = recording.track.qpos
+        self._data = mujoco.MjData(session.scene.model)
+        self._here = mujoco.MjData(session.scene.model)
+        objects = set(session.scene.object_bodies.values())
+        self._objects = np.array(sorted(objects), np.int64)
+        bodies = range(1, session.scene.model.nbody)
+        self._links = np.array([b for b in bodies if b not in objects], np.int64)
+        self._largest = [0.0, 0.0, 0.0, 0.0]
+        self._compared = 0
+
+    def look(self) -> None:
+        """Compares the poses of this moment, if the recording has one of it."""
+        recorded = self._track.get(self._session.step)
+        if recorded is None or len(recorded) != len(self._data.qpos):
+            return
+        model, there, here = self._session.scene.model, self._data, self._here
+        for data, qpos in ((there, recorded), (here, self._session.data.qpos)):
+            data.qpos[:] = qpos
+            mujoco.mj_normalizeQuat(model, data.qpos)
+            mujoco.mj_kinematics(model, data)
+        self._compared += 1
+        hands = range(len(self._session.rigs))
+        tips = [self._session.tips(i, here) - self._session.tips(i, there) for i in hands]
+        places = here.xpos[self._objects] - there.xpos[self._objects]
+        differences = (
+            1000.0 * _longest(places),
+            _largest_turn(here.xmat[self._objects], there.xmat[self._objects]),
+            1000.0 * max(map(_longest, tips), default=0.0),
+            _largest_turn(here.xmat[self._links], there.xmat[self._links]),
+        )
+        self._largest = [max(a, b) for a, b in zip(self._largest, differences, strict=True)]
+
+    def agreement(self) -> Agreement:
+        """The verdict on everything that was compared."""
+        end, same = self._recording.end, None
+        if end is not None:
+            score, ended_with_input = self._session.scorer.score, self._session.step == end["step"]
+            same = is_same_outcome(score, end["result"], ended_with_input)
+        objects_mm, objects_degrees, hands_mm, hands_degrees = self._largest
+        return Agreement(same, objects_mm, objects_degrees, hands_mm, hands_degrees, self._compared)
+
+
+def is_same_outcome(score: Score, recorded: Mapping[str, Any], ended_with_input: bool) -> bool:
+    """True if a replay ended as the recorded trial did.
+
+    A person who goes on to another trial, or a study's own limit, ends a trial from outside. Its
+    replay sees nothing but the end of the input. Then success decides.
+
+    Args:
+        score: The replay's.
+        recorded: The recorded result.
+        ended_with_input: The replay ended at the step at which the recording ends.
+    """
+    if score.success != recorded["success"]:
+        return False
+    from_outside = (
+        ended_with_input
+        and score.status in (Status.INPUT_ENDED, Status.HELD)
+        and recorded["status"] in (Status.RUNNING, Status.TIMEOUT)
+    )
+    return from_outside or score.status == recorded["status"]
+
+
+def _longest(vectors: Array) -> float:
+    """Length of the longest of vectors (n, 3); 0 without any."""
+    return float(np.sqrt(np.sum(vectors * vectors, axis=1)).max(initial=0.0))
+
+
+def _largest_turn(a: Array, b: Array) -> float:
+    """Degrees of the largest turn between rotation matrices (n, 9) and (n, 9)."""
+    # |A - B|^2 = 8 sin^2(angle / 2), accurate for small angles.
+    chord = np.sqrt(np.sum((a - b) ** 2, axis=1) / 8.0)
+    return degrees(2.0 * asin(min(float(chord.max(initial=0.0)), 1.0)))
+
+
+class Playback:
+    """Position in a sequence of snapshots that moves with the clock.
+
+    Args:
+        snapshots: One for every control period; at least one.
+        speed: Simulated seconds per second.
+        clock: Returns the time, s.
+    """
+
+    def __init__(
+        self,
+        snapshots: Sequence[Snapshot],
+        speed: float = 1.0,
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
+        self._snapshots, self._clock = snapshots, clock
+        self._speed, self._paused = speed, False
+        self._place, self._since = 0.0, clock()
+
+    @property
+    def speed(self) -> float:
+        """Simulated seconds per second."""
+        return self._speed
+
+    @speed.setter
+    def speed(self, speed: float) -> None:
+        self._go()
+        self._speed = speed
+
+    @property
+    def paused(self) -> bool:
+        """True while playback is paused."""
+        return self._paused
+
+    @paused.setter
+    def paused(self, paused: bool) -> None:
+        self._go()
+        self._paused = paused
+
+    @property
+    def now(self) -> Snapshot:
+        """The snapshot to show now."""
+        self._go()
+        return self._snapshots[int(self._place)]
+
+    @property
+    def at_end(self) -> bool:
+        """True if the last snapshot is reached."""
+        self._go()
+        return int(self._place) == len(self._snapshots) - 1
+
+    def move(self, steps: int) -> None:
+        """Moves by a number of control periods, negative backwards; stops at either end.
+
+        The place is then the beginning of a period; 0 leaves it where it is.
+        """
+        if not steps:
+            return
+        self._go()
+        self._place = float(min(max(int(self._place) + steps, 0), len(self._snapshots) - 1))
+
+    def restart(self) -> None:
+        """Plays again from the beginning."""
+        self.move(-len(self._snapshots))
+        self.paused = False
+
+    def _go(self) -> None:
+        now = self._clock()
+        passed, self._since = now - self._since, now
+        if not self._paused:
+            last = len(self._snapshots) - 1
+            # Rounded, so that a whole number of periods is not slightly less.
+            place = self._place + passed * self._speed / CONTROL_PERIOD
+            self._place = min(round(place, 9), float(last))

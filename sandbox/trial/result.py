@@ -172,7 +172,7 @@ class TrialResult(msgspec.Struct, frozen=True, kw_only=True):
         dict[str, str] | None, _field("", "digests of the encoder and of the labels", JOURNAL)
     ] = None
     states: Annotated[
-        int | None, _field("", "generation of simulated states (sandbox.recording.states)")
+        int | None, _field("", "generation of simulated states (sandbox.recording.versions)")
     ] = None
     versions: Annotated[
         dict[str, str] | None, _field("", "versions, processor and their fingerprint")

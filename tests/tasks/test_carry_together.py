@@ -24,8 +24,8 @@ from sandbox.recording.recording import Recording, load_recording
 from sandbox.regress.plan import RegressionPlan
 from sandbox.session.session import Session
 from sandbox.trial.assembly import build
+from sandbox.trial.driver import run_trial
 from sandbox.trial.hand_input import HandInput
-from sandbox.trial.headless import run_trial
 from sandbox.trial.open_devices import device_makers
 from sandbox.trial.replay import replay
 from sandbox.trial.result import TrialResult

@@ -24,7 +24,7 @@ from models.surface import Surface
 from sandbox.cli.main import main
 from sandbox.library.trial_run import run_trial
 from sandbox.recording.recording import load_recording
-from sandbox.recording.states import STATES
+from sandbox.recording.versions import STATES
 from sandbox.regression import Regression
 from sandbox.trial.assembly import build
 from sandbox.trial.replay import settings_of

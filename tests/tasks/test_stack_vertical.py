@@ -20,7 +20,7 @@ from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.recording.recording import load_recording
 from sandbox.session.respawn import AWAY
 from sandbox.trial.assembly import build
-from sandbox.trial.headless import run_trial
+from sandbox.trial.driver import run_trial
 from sandbox.trial.open_devices import device_makers
 from sandbox.trial.replay import replay
 from tasks.sensing import Sensing

@@ -14,7 +14,7 @@ from models.arithmetic.arrays import Array
 from models.objects import Box
 from models.surface import Surface
 from sandbox.options.scene_options import SceneOptions, scene_settings
-from sandbox.trial.headless import run_trial
+from sandbox.trial.driver import run_trial
 from sandbox.trial.result import TrialResult
 from tasks.simulated_user.grasp_clearance import Surroundings, roomiest_grasp
 from tasks.simulated_user.hand import Hand

@@ -32,12 +32,10 @@ from sandbox.recording.recording import load_recording
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
 from sandbox.trial.assembly import build
-from sandbox.trial.driver import View
-from sandbox.trial.headless import run_trial
+from sandbox.trial.driver import View, run_trial
 from sandbox.trial.open_devices import device_makers
-from sandbox.trial.recorded_settings import recorded_settings
 from sandbox.trial.replay import replay
-from sandbox.trial.settings import Settings, decoded, encoded
+from sandbox.trial.settings import Settings, decoded, encoded, recorded_settings
 from tasks.box_to_goal import BoxToGoal
 from tasks.goals import place
 from tasks.stack import Stack, StackThree

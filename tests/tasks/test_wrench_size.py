@@ -18,7 +18,7 @@ from models.rotations import exp
 from sandbox.devices.simulated.air_user.holds import hold_of, pinch_motion
 from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.recording.recording import load_recording
-from sandbox.trial.headless import run_trial
+from sandbox.trial.driver import run_trial
 from sandbox.trial.replay import replay
 from tasks.simulated_user.hand import Hand
 from tasks.simulated_user.handling import handling_of

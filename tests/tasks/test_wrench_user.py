@@ -14,7 +14,7 @@ from models.person import Person
 from models.rotations import exp
 from models.surface import Surface
 from sandbox.options.scene_options import SceneOptions, scene_settings
-from sandbox.trial.headless import run_trial
+from sandbox.trial.driver import run_trial
 from sandbox.trial.result import TrialResult
 from tasks import registry
 from tasks.simulated_user.grasp import within_comfort

@@ -33,7 +33,7 @@ from sandbox.devices.webxr.webxr import HeadsetDevice
 from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.server.protocol.protocol import PageHands, PageScreen, PageTouches, decode
 from sandbox.server.web import WebDevice
-from sandbox.trial.headless import run_trial as play_settings
+from sandbox.trial.driver import run_trial as play_settings
 from tasks.task import Task
 from tools.gate.rows import Observed, outcome
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from models.errors import InputError
-from sandbox.system.whole_files import check_whole, resolved, why, write_whole
+from sandbox.system.files import check_whole, resolved, why, write_whole
 
 TERMINAL = Path("-")
 

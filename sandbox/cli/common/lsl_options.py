@@ -34,8 +34,7 @@ def streaming(wanted: bool, console: Console) -> Iterator[dict[str, Any]]:
     if not wanted:
         yield {}
         return
-    from sandbox.lsl.lsl import NAMES, LslOutlets
-    from sandbox.lsl.lsl_listening import forwarding_to
+    from sandbox.lsl import NAMES, LslOutlets, forwarding_to
 
     outlets = LslOutlets()
     console.print(f"[dim]LSL: {', '.join(NAMES)}[/]", highlight=False)

@@ -18,15 +18,14 @@ from sandbox.cli.common.command_line import FLAT, parse
 from sandbox.cli.common.films import open_film
 from sandbox.cli.replay.study import elsewhere, study_folder, verdict, verified, verify_study
 from sandbox.options.page_options import PageOptions
-from sandbox.recording.agreement import BOUND_DEGREES, BOUND_MM, Agreement
 from sandbox.recording.recording import Recording, load_recording
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
 from sandbox.study.record.trial_files import find_recordings, finished_only
 from sandbox.trial.driver import View, undisturbed
-from sandbox.trial.recorded_settings import recorded_users
-from sandbox.trial.replay import Verification, replay
+from sandbox.trial.replay import BOUND_DEGREES, BOUND_MM, Agreement, Verification, replay
 from sandbox.trial.result import TrialResult
+from sandbox.trial.settings import recorded_users
 from tasks.score import Status, ending
 
 SELDOM = 64

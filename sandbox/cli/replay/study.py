@@ -10,7 +10,7 @@ from rich.markup import escape
 
 from models.message import counted
 from sandbox.recording.recording import load_recording
-from sandbox.recording.states import other_states
+from sandbox.recording.versions import other_states
 from sandbox.study.audit.audit import audit, is_study
 from sandbox.study.audit.witness import read_witnesses
 from sandbox.trial.driver import undisturbed

@@ -13,7 +13,7 @@ from sandbox.options.page_options import PageOptions
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
 from sandbox.trial.events import EventLog
-from sandbox.trial.playback import Playback
+from sandbox.trial.replay import Playback
 
 RATE = 60.0
 """Snapshots per second that are sent to the page."""

@@ -14,7 +14,7 @@ from hashlib import sha256
 from pathlib import Path
 
 from models.errors import DeviceError
-from sandbox.system.home import home
+from sandbox.system.files import home
 
 ENGINE_VERSION, MODEL_VERSION = "0.10.35", "0.10.21"
 """Versions of npm's @mediapipe/tasks-vision, and of PyPI's mediapipe, whose model is used."""

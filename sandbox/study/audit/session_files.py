@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path, PureWindowsPath
 from typing import Any
 
-from sandbox.recording.recording_file import GZIP, SUFFIX, read_stored
+from sandbox.recording.recording import GZIP, SUFFIX, read_stored
 from sandbox.study.audit.findings import Findings, Kind
 from sandbox.study.audit.journals import ReadJournal, numbered
 from sandbox.study.record.chain import Record, digest_of

@@ -7,9 +7,15 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from sandbox.recording.own_tasks import own_tasks
-from sandbox.recording.source_digest import program_root, source_digest, source_files
-from sandbox.recording.versions import DECISIVE, decisive_part, versions
+from sandbox.recording.recorded_task import own_tasks
+from sandbox.recording.versions import (
+    DECISIVE,
+    decisive_part,
+    program_root,
+    source_digest,
+    source_files,
+    versions,
+)
 from sandbox.study.design.conditions import combinations, run_settings, values_of
 from sandbox.study.design.design import Design
 from sandbox.study.record.measure_definitions import external_definitions
@@ -56,7 +62,7 @@ COMPUTES = (
 LEFT_OUT = {
     "encoders/captures/conversion": "it makes captures of recordings, which no trial does",
     "models/skin": "it is drawn, and no state depends on it",
-    "sandbox/lsl": "it sends copies of what happens to other instruments",
+    "sandbox": "lsl.py sends copies of what happens to other instruments",
     "sandbox/server": "it carries the page; the touches that come of it are recorded",
     "sandbox/server/connections": "it carries the page",
     "sandbox/server/protocol": "it carries the page",

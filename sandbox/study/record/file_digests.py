@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-from sandbox.recording.recording_file import GZIP, read_stored, stored
+from sandbox.recording.recording import GZIP, read_stored, stored
 from sandbox.study.record.chain import digest_of
 
 DATA, PACKED = "data", "packed"

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from models.errors import StudyError
-from sandbox.system.durable_files import (
+from sandbox.system.files import (
     BESIDE,
     OPEN,
     lock,

@@ -21,7 +21,7 @@ from models.json_input import checked, decoded_record
 from sandbox.study.record.chain import DIGEST, Chain, Record, chained, chained_bytes
 from sandbox.study.record.files import study_error
 from sandbox.study.record.record_forms import FORMS, RecordHead
-from sandbox.system.durable_files import OPEN, flush, sync_folder
+from sandbox.system.files import OPEN, flush, sync_folder
 
 SYNC = 0.5
 """s between two flushes of written data to the disk."""

@@ -7,8 +7,7 @@ import json
 from pathlib import Path
 
 from models.errors import RecordingError
-from sandbox.recording.recording import load_recording
-from sandbox.recording.recording_file import stored
+from sandbox.recording.recording import load_recording, stored
 from sandbox.study.record.recorded_result import finished_result
 from sandbox.study.record.state import SessionState
 from sandbox.study.record.trial_files import TRIALS, attempt_files

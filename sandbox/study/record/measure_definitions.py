@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import fields
 from hashlib import blake2b
 
-from sandbox.recording.source_digest import package_digest
+from sandbox.recording.versions import package_digest
 from sandbox.study.measures.measure import TrialMeasure
 from sandbox.study.measures.registry import external_measures
 

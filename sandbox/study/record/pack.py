@@ -5,9 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 
 from models.errors import StudyError
-from sandbox.recording.recording_file import SUFFIX, packed, read_stored
+from sandbox.recording.recording import SUFFIX, packed, read_stored
 from sandbox.study.record.files import study_error, write_atomically
-from sandbox.system.durable_files import sync_folder
+from sandbox.system.files import sync_folder
 
 
 def pack(recording: Path) -> Path:

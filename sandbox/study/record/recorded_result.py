@@ -9,8 +9,7 @@ from msgspec import Struct
 
 from models.errors import RecordingError
 from models.json_input import decoded
-from sandbox.recording.recording import load_recording
-from sandbox.recording.recording_file import stored
+from sandbox.recording.recording import load_recording, stored
 from sandbox.trial.result import TrialResult
 
 

@@ -10,8 +10,8 @@ from typing import Any
 
 from models.errors import OtherPlanError, StudyError
 from sandbox.devices.device import Closeable
-from sandbox.lsl.lsl_listening import tell
-from sandbox.recording.recording_file import stored
+from sandbox.lsl import tell
+from sandbox.recording.recording import stored
 from sandbox.recording.versions import versions
 from sandbox.study.design.plan import Step, TrialStep, session_plan, trials_of
 from sandbox.study.record.chain import DIGEST, Record
@@ -40,7 +40,7 @@ from sandbox.study.record.stored_sessions import (
     session_path,
     sessions_of,
 )
-from sandbox.system.durable_files import sync_file, sync_folder
+from sandbox.system.files import sync_file, sync_folder
 from sandbox.trial.result import KeptIn, TrialResult
 
 SENT = ("n", "step", "trial", "attempt", "practice", "form", "block", "levels")

@@ -6,7 +6,7 @@ import re
 from pathlib import Path
 
 from models.errors import RecordingError
-from sandbox.recording.recording_file import SUFFIX, stored
+from sandbox.recording.recording import SUFFIX, stored
 from sandbox.study.record.journal import read_journal
 from sandbox.study.record.state import SessionState
 from sandbox.study.record.stored_sessions import JOURNAL, SESSIONS, session_folders

@@ -16,8 +16,7 @@ from sandbox.study.measures.measure import SIMULATED_USER
 from sandbox.study.tables.frames import FrameTable
 from sandbox.trial.device_makers import DeviceMakers
 from sandbox.trial.driver import Trial, View, ViewMaker, open_trial
-from sandbox.trial.live import LiveTrial
-from sandbox.trial.pacing import Pace
+from sandbox.trial.live import LiveTrial, Pace
 from sandbox.trial.result import TrialResult
 from sandbox.trial.settings import Settings
 from tasks.score import Status

@@ -21,7 +21,7 @@ from hashlib import sha256
 from pathlib import Path, PurePosixPath
 
 from models.errors import StudyError
-from sandbox.recording.recording_file import SUFFIX, stored
+from sandbox.recording.recording import SUFFIX, stored
 from sandbox.study.record.files import LOCK_FILES, TEMPORARY, make_folder, study_error
 from sandbox.study.record.folder import StudyFolder
 from sandbox.study.record.journal import parse_records
@@ -29,7 +29,7 @@ from sandbox.study.record.leftovers import LOG, lost_records
 from sandbox.study.record.stored_sessions import JOURNAL, SESSIONS
 from sandbox.study.record.trial_files import TRIALS
 from sandbox.study.share.export_folder import refuse_existing
-from sandbox.system.durable_files import sync_file, sync_folder
+from sandbox.system.files import sync_file, sync_folder
 
 SUMS = "SHA256SUMS"
 """Name of the list of digests in an archive, in the format of `sha256sum --check`."""

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from models.errors import StudyError
 from sandbox.study.record.files import TEMPORARY, make_folder, study_error
-from sandbox.system.durable_files import sync_folder
+from sandbox.system.files import sync_folder
 
 
 @contextmanager

@@ -20,7 +20,7 @@ from uuid import uuid4
 
 from models.errors import StudyError
 from models.json_input import checked, decoded_record
-from sandbox.recording.recording_file import SUFFIX, packed, read_stored
+from sandbox.recording.recording import SUFFIX, packed, read_stored
 from sandbox.study.record.build import changes
 from sandbox.study.record.chain import (
     DIGEST,

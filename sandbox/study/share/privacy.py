@@ -18,7 +18,7 @@ from typing import Any
 from uuid import uuid4
 
 from models.errors import StudyError
-from sandbox.recording.recording_file import read_stored, stored
+from sandbox.recording.recording import read_stored, stored
 from sandbox.study.design.design import DEMOGRAPHICS, FILLED, Design
 from sandbox.study.design.plan import in_the_air
 from sandbox.study.record.chain import DIGEST, Record

@@ -30,7 +30,7 @@ from sandbox.study.record.journal import now, read_journal
 from sandbox.study.record.stored_sessions import session_folders
 from sandbox.study.share.export_log import COPIES, Copy, copies
 from sandbox.study.tables.tables import rebuild_study
-from sandbox.system.durable_files import sync_folder
+from sandbox.system.files import sync_folder
 
 REMOVED = "removed"
 """Kind of the record that takes the place of every other one of the participant."""

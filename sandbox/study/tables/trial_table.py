@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
-from sandbox.recording.recording_file import stored
+from sandbox.recording.recording import stored
 from sandbox.study.design.design import Design
 from sandbox.study.measures.compute import measure_result, measure_trials
 from sandbox.study.measures.kept import DIFFERS

@@ -25,7 +25,7 @@ from sandbox.cli import run
 from sandbox.devices.device import Device
 from sandbox.session.messages import Snapshot
 from sandbox.trial.assembly import build
-from sandbox.trial.headless import run_trial
+from sandbox.trial.driver import run_trial
 from sandbox.trial.settings import HandSettings, Settings
 from tasks.simulated_user.spreads import spread_layout
 

@@ -24,8 +24,7 @@ from sandbox.devices.files.frame_file import frame_record, header_record
 from sandbox.devices.simulated.spreads import SimulatedSpreads
 from sandbox.options.profiles import Profile, default_path, find_profile, load_profile, save_profile
 from sandbox.options.scene_options import SceneOptions, scene_settings
-from sandbox.trial.driver import open_trial
-from sandbox.trial.headless import run_trial
+from sandbox.trial.driver import open_trial, run_trial
 from sandbox.trial.settings import HandSettings, Settings
 
 LAYOUT = np.array([(0.03, 0.09), (0.06, 0.05), (0.08, 0.04), (0.10, 0.05), (0.12, 0.07)])

@@ -29,8 +29,7 @@ from sandbox.devices.device_settings import DeviceSettings
 from sandbox.gym import register_task
 from sandbox.recording.recording import load_recording
 from sandbox.study.record.journal import Journal
-from sandbox.trial.recorded_settings import recorded_settings
-from sandbox.trial.settings import encoded
+from sandbox.trial.settings import encoded, recorded_settings
 from tests.support.needs import require
 from tests.support.processes import ROOT
 

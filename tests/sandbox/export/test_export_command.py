@@ -31,8 +31,7 @@ from sandbox.recording.recording import RecordingWriter
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
 from sandbox.trial.assembly import build
-from sandbox.trial.driver import View
-from sandbox.trial.headless import run_trial
+from sandbox.trial.driver import View, run_trial
 from sandbox.trial.open_devices import device_makers
 from sandbox.trial.settings import encoded
 from tests.support.motion_poses import moving

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from sandbox.recording.own_tasks import own_tasks
+from sandbox.recording.recorded_task import own_tasks
 
 TASK = """
 from pathlib import Path
@@ -45,7 +45,7 @@ def lab(tmp_path: Path) -> Path:
 def known(lab: Path) -> str:
     """What a fresh program says of the task: it loads a file once."""
     line = (
-        "import sys; from sandbox.recording.own_tasks import own_tasks;"
+        "import sys; from sandbox.recording.recorded_task import own_tasks;"
         "print(own_tasks(sys.argv[1:]))"
     )
     command = [sys.executable, "-c", line, str(lab / "push.py"), "box-to-goal"]

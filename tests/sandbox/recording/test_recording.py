@@ -15,12 +15,13 @@ from models.arithmetic.arrays import Array
 from models.errors import FrameError, RecordingError
 from models.frames import Contact, TouchFrame
 from sandbox.recording.recorded_device import RecordedDevice
-from sandbox.recording.recorded_frames import frame_from_json, frame_to_json
 from sandbox.recording.recording import (
     DeferredLine,
     Line,
     RecordingLines,
     RecordingWriter,
+    frame_from_json,
+    frame_to_json,
     is_recording,
     load_recording,
 )

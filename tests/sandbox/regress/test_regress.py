@@ -31,7 +31,7 @@ from sandbox.regress.plan import (
     parse_seeds,
     registered,
 )
-from sandbox.trial.headless import run_trial
+from sandbox.trial.driver import run_trial
 from tasks.registry import TASKS
 from tests.support.regress_tasks import Quick, Raising, Stopping, Worse
 

@@ -31,7 +31,7 @@ from sandbox.regress.junit import junit
 from sandbox.regress.plan import RegressionPlan, registered
 from sandbox.regress.report import Report, make_report
 from sandbox.regression import Regression
-from sandbox.system.whole_files import write_whole
+from sandbox.system.files import write_whole
 from sandbox.trial.result import KeptIn, kept_fields
 from tasks.registry import TASKS
 from tasks.sensing import Sensing

@@ -21,7 +21,7 @@ from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.recording.recording import load_recording
 from sandbox.session.collision_avoidance import REACH, HandDistances
 from sandbox.session.session import Session
-from sandbox.trial.headless import run_trial
+from sandbox.trial.driver import run_trial
 from sandbox.trial.replay import replay, settings_of
 from sandbox.trial.settings import Settings
 from tests.support.scripted import box_xy, run, scripted

@@ -16,8 +16,7 @@ from sandbox.recording.recording import load_recording
 from sandbox.session.contact_modes import SOFT_IMPULSE, SOFT_SOLREF
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
-from sandbox.trial.driver import View
-from sandbox.trial.headless import run_trial
+from sandbox.trial.driver import View, run_trial
 from sandbox.trial.replay import replay
 from sandbox.trial.result import TrialResult
 from sandbox.trial.settings import Settings

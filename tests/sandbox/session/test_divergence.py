@@ -14,12 +14,11 @@ from models.errors import DivergenceError
 from sandbox.cli import run as run_command
 from sandbox.cli.replay import command as replay_command
 from sandbox.options.scene_options import SceneOptions, scene_settings
-from sandbox.recording.dump import LAST
 from sandbox.recording.recording import load_recording
 from sandbox.regress.execute import run_job
 from sandbox.regress.plan import TrialJob
 from sandbox.session.session import Session
-from sandbox.trial.headless import run_trial
+from sandbox.trial.driver import DUMPED_STATES, run_trial
 from sandbox.trial.replay import replay
 from sandbox.trial.result import TrialResult
 from sandbox.trial.settings import Settings
@@ -67,8 +66,8 @@ def test_a_dump_holds_the_last_hundred_control_states_the_broken_one_included(
     result, _ = recorded
     recording = load_recording(Path(result.dump))
     end = recording.end["step"]
-    assert recording.header["dump"]["states"] == LAST == 100
-    dense = [end - 8 * i for i in range(LAST)]
+    assert recording.header["dump"]["states"] == DUMPED_STATES == 100
+    dense = [end - 8 * i for i in range(DUMPED_STATES)]
     assert set(dense) <= set(recording.keyframes)
     assert dense[-1] > 0
     turning = [abs(recording.keyframes[step]).max() for step in reversed(dense)]

@@ -31,7 +31,7 @@ from sandbox.devices.mouse import MouseDevice
 from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.recording.recording import load_recording
 from sandbox.trial.assembly import build
-from sandbox.trial.headless import run_trial
+from sandbox.trial.driver import run_trial
 from sandbox.trial.replay import replay
 from sandbox.trial.result import TrialResult
 from sandbox.trial.settings import HandSettings, Settings

@@ -15,8 +15,7 @@ import pytest
 
 from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.session.session import Session
-from sandbox.trial.driver import View
-from sandbox.trial.headless import run_trial
+from sandbox.trial.driver import View, run_trial
 from sandbox.trial.open_devices import device_makers
 from tasks.registry import find_task, task_names
 

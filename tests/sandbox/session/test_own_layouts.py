@@ -15,9 +15,8 @@ from models.surface import Surface
 from sandbox.recording.recording import load_recording
 from sandbox.session.own_layouts import Layouts, known_layouts, learned_layouts
 from sandbox.trial.driver import open_trial
-from sandbox.trial.recorded_settings import recorded_settings
 from sandbox.trial.replay import replay
-from sandbox.trial.settings import HandSettings, Settings
+from sandbox.trial.settings import HandSettings, Settings, recorded_settings
 from tests.support.scripted import Script
 
 FIVE = 1e-3 * np.array([[70, 100], [105, 58], [130, 45], [153, 52], [174, 74]])

@@ -21,8 +21,7 @@ from sandbox.session.collision_avoidance import HandDistances
 from sandbox.session.messages import Snapshot
 from sandbox.session.respawn import AWAY, BESIDE_GOAL, Respawn
 from sandbox.session.session import Session
-from sandbox.trial.driver import View
-from sandbox.trial.headless import run_trial
+from sandbox.trial.driver import View, run_trial
 from sandbox.trial.replay import replay
 from sandbox.trial.result import TrialResult
 from sandbox.trial.settings import Settings

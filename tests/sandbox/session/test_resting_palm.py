@@ -10,7 +10,7 @@ import numpy as np
 from models.frames import Contact, TouchFrame
 from sandbox.recording.recording import load_recording
 from sandbox.session.session import Session
-from sandbox.trial.headless import run_trial
+from sandbox.trial.driver import run_trial
 from sandbox.trial.replay import replay
 from sandbox.trial.settings import Settings
 from tests.support.scripted import Script, scripted

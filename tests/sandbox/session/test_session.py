@@ -17,12 +17,10 @@ from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.recording.recording import load_recording
 from sandbox.session.session import STATE, Rig, Session
 from sandbox.trial.assembly import build
-from sandbox.trial.driver import Trial
-from sandbox.trial.headless import run_trial
-from sandbox.trial.recorded_settings import recorded_settings
+from sandbox.trial.driver import Trial, run_trial
 from sandbox.trial.replay import replay
 from sandbox.trial.result import TrialResult
-from sandbox.trial.settings import Settings
+from sandbox.trial.settings import Settings, recorded_settings
 from tests.support.scripted import Script
 
 

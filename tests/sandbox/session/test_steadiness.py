@@ -13,7 +13,7 @@ from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.session import collision_avoidance
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
-from sandbox.trial.headless import run_trial
+from sandbox.trial.driver import run_trial
 from sandbox.trial.open_devices import device_makers
 from tests.support.corrections import Changes
 

@@ -21,7 +21,7 @@ from sandbox.session.collision_gating import CLEARANCE, STUCK
 from sandbox.session.messages import MOVE_APART
 from sandbox.session.session import Session
 from sandbox.session.tip_offsets import OPENED, REACH, RELEASED_FADING, Grip
-from sandbox.trial.headless import run_trial
+from sandbox.trial.driver import run_trial
 from sandbox.trial.replay import replay
 from sandbox.trial.settings import HandSettings, Settings
 from tests.support.one_thing import MugOnTable, OneThing

@@ -12,15 +12,20 @@ from hypothesis import strategies as st
 
 from models.errors import RecordingError
 from sandbox.cli.main import main
-from sandbox.recording.recording import is_recording, load_recording
-from sandbox.recording.recording_file import first_line, packed, read_stored, stored
+from sandbox.recording.recording import (
+    first_line,
+    is_recording,
+    load_recording,
+    packed,
+    read_stored,
+    stored,
+)
 from sandbox.session.messages import Snapshot
 from sandbox.study.record.folder import StudyFolder
 from sandbox.study.record.stored_sessions import session_path
 from sandbox.study.record.trial_files import find_recordings
 from sandbox.study.run.simulate import run_simulated
-from sandbox.trial.playback import Playback
-from sandbox.trial.replay import replay
+from sandbox.trial.replay import Playback, replay
 from tests.support.study_files import TRIALS, open_study
 
 PERIOD = 0.016

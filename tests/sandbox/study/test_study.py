@@ -15,8 +15,7 @@ from pyarrow import parquet
 
 from models.errors import StudyError
 from sandbox.cli.main import main
-from sandbox.recording.recording import load_recording
-from sandbox.recording.recording_file import read_stored
+from sandbox.recording.recording import load_recording, read_stored
 from sandbox.study.record import build as build_module
 from sandbox.study.record.folder import PILOT, REAL, SIMULATED, StudyFolder
 from sandbox.study.record.journal import Journal, journal_bytes, now, parse_records, read_journal

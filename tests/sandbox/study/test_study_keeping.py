@@ -12,8 +12,7 @@ from pathlib import Path
 import pytest
 
 from models.errors import StudyError
-from sandbox.recording.recording import load_recording
-from sandbox.recording.recording_file import packed, read_stored
+from sandbox.recording.recording import load_recording, packed, read_stored
 from sandbox.study.audit.audit import audit
 from sandbox.study.record.folder import PILOT, SIMULATED, StudyFolder
 from sandbox.study.record.journal import journal_bytes, read_journal

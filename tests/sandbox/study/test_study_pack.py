@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from models.errors import StudyError
-from sandbox.recording.recording_file import packed, read_stored
+from sandbox.recording.recording import packed, read_stored
 from sandbox.study.record.pack import pack
 from sandbox.study.record.stored_sessions import session_path
 from sandbox.study.run.simulate import run_simulated

@@ -32,8 +32,7 @@ from sandbox.study.run.simulate import run_simulated
 from sandbox.study.share.bids import motion, touch_events
 from sandbox.study.tables.frames import rebuild_tables
 from sandbox.study.tables.tables import rebuild_study
-from sandbox.trial.recorded_settings import recorded_settings
-from sandbox.trial.settings import HandSettings, Settings
+from sandbox.trial.settings import HandSettings, Settings, recorded_settings
 from tasks.user import UserConfiguration
 from tests.support.study_files import design, open_study
 

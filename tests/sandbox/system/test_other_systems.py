@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from sandbox.system import durable_files
-from sandbox.system.durable_files import lock
+from sandbox.system import files as durable_files
+from sandbox.system.files import lock
 from tests.support.study_files import DESIGN, in_child, killed_after
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -63,7 +63,7 @@ def test_the_program_names_them_in_one_module_and_in_the_devices_of_one_system()
     }
     assert named == {
         "sandbox/devices/evdev/evdev_device.py",
-        "sandbox/system/durable_files.py",
+        "sandbox/system/files.py",
     }
 
 

@@ -16,8 +16,7 @@ from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.recording.recording import load_recording
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
-from sandbox.trial.driver import View, open_trial
-from sandbox.trial.headless import run_trial
+from sandbox.trial.driver import View, open_trial, run_trial
 from sandbox.trial.live import LiveTrial
 from sandbox.trial.open_devices import device_makers
 from sandbox.trial.replay import replay

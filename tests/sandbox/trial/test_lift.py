@@ -22,7 +22,7 @@ from sandbox.devices.wrappers.lift_keys import SPEED, LiftKeys
 from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.recording.recording import RecordingWriter, load_recording
 from sandbox.trial.assembly import build
-from sandbox.trial.headless import run_trial
+from sandbox.trial.driver import run_trial
 from sandbox.trial.lift import with_lift
 from sandbox.trial.replay import replay
 from sandbox.trial.settings import HandSettings, Settings

@@ -1,4 +1,4 @@
-"""A session with a person: what breaks in its own thread is heard of by who waits for it."""
+"""A trial with a person keeps real time, and reports what breaks in its own thread."""
 
 from __future__ import annotations
 
@@ -6,6 +6,8 @@ import time
 from collections.abc import Sequence
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from models.errors import DeviceError
 from models.frames import TouchFrame
@@ -14,7 +16,7 @@ from sandbox.devices.device import Device
 from sandbox.server.web import WebDevice
 from sandbox.trial.assembly import build
 from sandbox.trial.driver import Trial
-from sandbox.trial.live import LiveTrial
+from sandbox.trial.live import JITTER, ROOM, LiveTrial, clear_of
 from sandbox.trial.settings import Settings
 from tests.support.processes import until
 
@@ -71,3 +73,25 @@ def test_a_touch_from_before_time_went_on_is_none_that_waited_for_a_step() -> No
     live.stop()
     latency.take_in(before, before + 60.0)
     assert latency.percentiles() == {}
+
+
+moments = st.floats(0.0, 100.0)
+near = st.floats(-0.1, 0.1)
+
+
+@given(moments, near)
+def test_a_tick_is_never_later_than_due_and_never_much_earlier(due: float, before: float) -> None:
+    assert due - ROOM <= clear_of(due, due + before) <= due
+
+
+@given(moments, near)
+def test_no_tick_is_made_just_before_expected_news(due: float, before: float) -> None:
+    expected = due + before
+    free = expected - clear_of(due, expected)
+    # The tiny part is what numbers of this size are rounded to.
+    assert not 1e-9 < free < ROOM - JITTER - 1e-9
+
+
+@given(moments)
+def test_without_expectations_a_tick_comes_when_it_is_due(due: float) -> None:
+    assert clear_of(due, float("inf")) == clear_of(due, float("-inf")) == due

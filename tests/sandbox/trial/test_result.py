@@ -12,7 +12,7 @@ from models.errors import RecordingError
 from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.recording.recording import load_recording
 from sandbox.regress.baseline import Kept
-from sandbox.trial.headless import run_trial
+from sandbox.trial.driver import run_trial
 from sandbox.trial.result import KeptIn, TrialResult, fields, kept_fields
 from tasks.score import Status
 

@@ -17,22 +17,23 @@ from hypothesis import strategies as st
 
 from models.errors import DeviceError
 from models.frames import Contact, TouchFrame
+from sandbox import lsl
 from sandbox.cli.main import main
-from sandbox.lsl import lsl
-from sandbox.lsl.lsl import (
+from sandbox.lsl import (
     CONTACTS,
     HAND_CHANNELS,
     TOUCH_CHANNELS,
     LslOutlets,
+    forwarding_to,
     hand_sample,
+    tell,
     touch_sample,
 )
-from sandbox.lsl.lsl_listening import forwarding_to, tell
 from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.recording.recording import Recording, load_recording
 from sandbox.session.messages import Snapshot
 from sandbox.study.run.simulate import run_simulated
-from sandbox.trial.headless import run_trial
+from sandbox.trial.driver import run_trial
 from sandbox.trial.replay import replay
 from tests.support.study_files import TRIALS, open_study
 

@@ -14,7 +14,7 @@ import pytest
 
 from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.recording.recording import load_recording
-from sandbox.trial.headless import run_trial
+from sandbox.trial.driver import run_trial
 from sandbox.trial.replay import replay
 from sandbox.trial.result import TrialResult
 from tests.support.processes import program, until

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from models.errors import StudyError
-from sandbox.recording.recording_file import read_stored, stored
+from sandbox.recording.recording import read_stored, stored
 from sandbox.study.record.files import remove_unfinished
 from sandbox.study.record.folder import SIMULATED, StudyFolder
 from sandbox.study.record.pack import pack

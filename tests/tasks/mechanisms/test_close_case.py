@@ -15,8 +15,7 @@ from models.hand import Hand
 from models.scene import Scene, SceneSpec
 from models.surface import Surface
 from sandbox.options.scene_options import SceneOptions, scene_settings
-from sandbox.trial.driver import open_trial
-from sandbox.trial.headless import run_trial
+from sandbox.trial.driver import open_trial, run_trial
 from sandbox.trial.result import TrialResult
 from tasks.mechanisms.case import CAP, CASE, TRAVEL
 from tasks.mechanisms.close_case import BORDER, GRIP, HELD, SEAM, CloseCase

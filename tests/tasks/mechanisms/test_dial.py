@@ -16,7 +16,7 @@ from models.hand import Hand as SceneHand
 from models.scene import Scene, SceneSpec
 from models.surface import Surface
 from sandbox.options.scene_options import SceneOptions, scene_settings
-from sandbox.trial.headless import run_trial
+from sandbox.trial.driver import run_trial
 from tasks.guarded import draw_task
 from tasks.mechanisms.dial import BORDER, TORQUE, TURN, Dial
 from tasks.mechanisms.dial_user import WRIST, DialUser, KnobHandling

@@ -15,7 +15,7 @@ from models.scene import Scene, SceneSpec
 from models.surface import Surface
 from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.recording.recording import load_recording
-from sandbox.trial.headless import run_trial
+from sandbox.trial.driver import run_trial
 from sandbox.trial.replay import replay
 from sandbox.trial.result import TrialResult
 from tasks.guarded import draw_task

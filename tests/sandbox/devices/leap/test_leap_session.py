@@ -33,14 +33,13 @@ from models.surface import Surface
 from sandbox.devices.device import SILENCE, Device, LatestFrame
 from sandbox.devices.simulated.leap_user import SimulatedLeap
 from sandbox.recording.recorded_device import RecordedDevice
-from sandbox.recording.recorded_frames import frame_from_json, frame_to_json
-from sandbox.recording.recording import load_recording
+from sandbox.recording.recording import frame_from_json, frame_to_json, load_recording
 from sandbox.session.collision_gating import CollisionGate, CollisionGatingRules
 from sandbox.session.messages import Snapshot
 from sandbox.trial.assembly import build
 from sandbox.trial.device_makers import DeviceMaker
+from sandbox.trial.driver import run_trial
 from sandbox.trial.hand_input import UNDER, HandInput
-from sandbox.trial.headless import run_trial
 from sandbox.trial.replay import replay
 from sandbox.trial.settings import HandSettings, Settings, decoded, encoded
 from tasks.task import Task

@@ -29,7 +29,7 @@ from sandbox.study.design.plan import TrialStep
 from sandbox.study.record.folder import Participant
 from sandbox.study.run.simulate import simulated_devices
 from sandbox.trial.assembly import build
-from sandbox.trial.headless import run_trial
+from sandbox.trial.driver import run_trial
 from sandbox.trial.open_devices import device_makers
 from sandbox.trial.replay import replay
 from sandbox.trial.settings import Settings

@@ -25,7 +25,7 @@ from sandbox.devices.webcam.landmark_file import (
 )
 from sandbox.devices.webcam.landmarks_json import frame_of, message_of, picture_message
 from sandbox.export.landmark_source import open_landmarks
-from sandbox.recording.recorded_frames import frame_from_json, frame_to_json
+from sandbox.recording.recording import frame_from_json, frame_to_json
 from tests.encoders.webcam.seen_hands import film, held_up
 
 CAMERA = Camera(70.0, (0.0, 0.5, 0.2), 10.0)

@@ -20,7 +20,7 @@ from sandbox.export.sources import open_source
 from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.options.webcam_devices import webcam_choice
 from sandbox.recording.recording import load_recording
-from sandbox.trial.recorded_settings import recorded_settings
+from sandbox.trial.settings import recorded_settings
 from tests.encoders.webcam.seen_hands import film, held_up, mirror, seen
 
 CAMERA = Camera(70.0, (0.0, 0.45, 0.12))

@@ -14,9 +14,9 @@ from sandbox.devices.webxr.webxr import HeadsetDevice, SecondHand
 from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.recording.recording import load_recording
 from sandbox.trial.assembly import build
-from sandbox.trial.headless import run_trial
+from sandbox.trial.driver import run_trial
 from sandbox.trial.open_devices import device_makers
-from sandbox.trial.recorded_settings import recorded_settings
+from sandbox.trial.settings import recorded_settings
 
 
 def test_a_trial_in_a_simulated_headset_is_recorded_and_replays_to_the_bit(

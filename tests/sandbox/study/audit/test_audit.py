@@ -13,7 +13,7 @@ import pytest
 
 from models.errors import StudyError
 from sandbox.cli.main import main
-from sandbox.recording.recording_file import read_stored
+from sandbox.recording.recording import read_stored
 from sandbox.study.audit.audit import Audit, audit
 from sandbox.study.audit.findings import Kind
 from sandbox.study.audit.witness import read_witnesses

@@ -9,7 +9,7 @@ import pytest
 
 from models.errors import StudyError
 from sandbox.cli.main import main
-from sandbox.recording.recording_file import read_stored
+from sandbox.recording.recording import read_stored
 from sandbox.study.audit.audit import audit
 from sandbox.study.record.folder import SIMULATED, StudyFolder
 from sandbox.study.record.journal import read_journal

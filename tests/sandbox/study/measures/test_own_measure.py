@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from models.errors import InputError, StudyError
-from sandbox.recording.source_digest import package_digest
+from sandbox.recording.versions import package_digest
 from sandbox.study.measures.columns import Columns
 from sandbox.study.measures.measure import TrialMeasure
 from sandbox.study.measures.registry import find_measure, register, rule_measures, unregister

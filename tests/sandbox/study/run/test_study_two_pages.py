@@ -17,8 +17,8 @@ from sandbox.recording.recording import load_recording
 from sandbox.study.record.journal import read_journal
 from sandbox.study.record.state import SessionState
 from sandbox.study.run.runner import SessionOutcome
-from sandbox.trial.recorded_settings import recorded_settings
 from sandbox.trial.replay import replay
+from sandbox.trial.settings import recorded_settings
 from sandbox.words.words import words_in
 from tests.sandbox.study.study_on_page import OnPage, on_page, study_in
 from tests.support.page_client import SCREEN, Page

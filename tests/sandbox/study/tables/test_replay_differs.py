@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from sandbox.cli.main import main
-from sandbox.recording.recording_file import read_stored, stored
+from sandbox.recording.recording import read_stored, stored
 from sandbox.study.measures.measure import TrialMeasure
 from sandbox.study.measures.registry import register, unregister
 from sandbox.study.record.folder import StudyFolder

@@ -16,14 +16,17 @@ from models.arithmetic.arrays import Array
 from models.errors import RecordingError
 from sandbox.cli.replay import command
 from sandbox.options.scene_options import SceneOptions, scene_settings
-from sandbox.recording.agreement import is_same_outcome
-from sandbox.recording.recording import load_recording
+from sandbox.recording.recording import (
+    GRAIN,
+    PoseTrack,
+    PoseTrackWriter,
+    load_recording,
+    read_track_line,
+)
 from sandbox.session.messages import Snapshot
-from sandbox.session.pose_track import GRAIN, PoseTrack, PoseTrackWriter, read_track_line
-from sandbox.trial.driver import open_trial
-from sandbox.trial.headless import run_trial
+from sandbox.trial.driver import open_trial, run_trial
 from sandbox.trial.open_devices import device_makers
-from sandbox.trial.replay import Verification, replay
+from sandbox.trial.replay import Verification, is_same_outcome, replay
 from sandbox.trial.result import TrialResult
 from tasks.score import Score, Status
 

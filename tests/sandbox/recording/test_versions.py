@@ -1,8 +1,10 @@
-"""A recording of other states is read, and never played again as if it were one of these."""
+"""A recording names its program, and one of other states is read but never played again."""
 
 from __future__ import annotations
 
 import json
+import shutil
+import subprocess
 from pathlib import Path
 from typing import Any
 
@@ -14,12 +16,12 @@ from sandbox.cli.main import main
 from sandbox.export.sources import open_source
 from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.recording.recording import load_recording
-from sandbox.recording.states import STATES, OtherStatesError, made_with, states_of
+from sandbox.recording.versions import STATES, OtherStatesError, commit, made_with, states_of
 from sandbox.study.record.stored_sessions import session_path
 from sandbox.study.run.simulate import run_simulated
-from sandbox.trial.headless import run_trial
-from sandbox.trial.recorded_settings import recorded_settings
+from sandbox.trial.driver import run_trial
 from sandbox.trial.replay import replay
+from sandbox.trial.settings import recorded_settings
 from tests.support.study_files import TRIALS, open_study
 
 MADE_WITH = "made with states 1 (hand-sandbox 0.2.0, commit abc1234)"
@@ -141,9 +143,42 @@ def test_a_study_of_other_states_is_verified_but_for_its_replays(
     tables = session_path(study.path, study.participants()[0].ppid)
     frames = sorted(path.name for path in tables.rglob("frames_*"))
     assert frames
-    monkeypatch.setattr("sandbox.recording.states.STATES", STATES + 1)
+    monkeypatch.setattr("sandbox.recording.versions.STATES", STATES + 1)
     capsys.readouterr()
     assert main(["replay", str(study.path), "--verify"]) == 0
     said = " ".join(capsys.readouterr().out.split())
     assert f"{TRIALS} recordings not replayed: made with states {STATES}" in said
     assert sorted(path.name for path in tables.rglob("frames_*")) == frames
+
+
+def git(folder: Path, *words: str) -> str:
+    names = ["-c", "user.name=A", "-c", "user.email=a@example.org"]
+    command = ["git", *names, "-C", str(folder), *words]
+    return subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()
+
+
+@pytest.mark.skipif(shutil.which("git") is None, reason="git is not installed")
+def test_a_checkout_tells_its_commit_and_whether_files_differ_from_it(tmp_path: Path) -> None:
+    git(tmp_path, "init", "-q")
+    assert commit(tmp_path) == "", "there is no commit yet"
+    (tmp_path / "a.py").write_text("1\n")
+    git(tmp_path, "add", "a.py")
+    git(tmp_path, "commit", "-q", "-m", "One")
+    name = git(tmp_path, "rev-parse", "--short", "HEAD")
+    (tmp_path / "note.txt").write_text("of nobody\n")
+    assert commit(tmp_path) == name
+    (tmp_path / "a.py").write_text("2\n")
+    assert commit(tmp_path) == f"{name} with changes"
+
+
+@pytest.mark.skipif(shutil.which("git") is None, reason="git is not installed")
+def test_a_folder_inside_of_somebody_elses_checkout_has_no_commit(tmp_path: Path) -> None:
+    git(tmp_path, "init", "-q")
+    (tmp_path / "site-packages").mkdir()
+    assert commit(tmp_path / "site-packages") == ""
+
+
+def test_without_git_no_commit_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / ".git").mkdir()
+    monkeypatch.setenv("PATH", str(tmp_path))
+    assert commit(tmp_path) == ""

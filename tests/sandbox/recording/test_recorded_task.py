@@ -16,11 +16,9 @@ from models.surface import Surface
 from sandbox import replay_recording
 from sandbox.cli.main import main
 from sandbox.options.scene_options import SceneOptions, scene_settings
-from sandbox.recording.recorded_task import task_change, task_origin
+from sandbox.recording.recorded_task import task_change, task_files, task_origin
 from sandbox.recording.recording import load_recording
-from sandbox.recording.task_files import task_files
-from sandbox.trial.driver import trial_header
-from sandbox.trial.headless import run_trial
+from sandbox.trial.driver import run_trial, trial_header
 from sandbox.trial.settings import Settings
 from tasks.registry import find_task
 

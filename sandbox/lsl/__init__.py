@@ -1,1 +1,0 @@
-"""Streams of a session over Lab Streaming Layer."""
