@@ -13,7 +13,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from encoders.capture import Capture
-from encoders.reconstruction.palm_place import place_inputs
+from encoders.reconstruction.palms import place_inputs
 from models.arithmetic.arrays import Array
 from models.errors import InputError
 from models.rotations import exp
@@ -50,7 +50,7 @@ Weights = dict[str, list[list[float]] | list[float]]
 def train_palm_places(
     progress: Callable[[float], None] = lambda share: None, contacts: int = CONTACTS
 ) -> Weights:
-    """Trains the network of `encoders.reconstruction.palm_place`.
+    """Trains the network of `encoders.reconstruction.palms`.
 
     Args:
         progress: Called with the share done, 0 to 1.

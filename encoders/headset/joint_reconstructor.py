@@ -14,7 +14,7 @@ import numpy as np
 from encoders.headset.joint_fit import JointFit, JointFitSettings
 from encoders.headset.joint_points import seen_points
 from encoders.reconstruction.followed_hand import FollowedHand, FollowingSettings
-from encoders.reconstruction.touch_reconstructor import Reconstruction
+from encoders.reconstruction.reconstructor import Reconstruction
 from models.arithmetic.arrays import Array
 from models.frames import HandFrame, TrackedHand
 from models.limits import RateLimit

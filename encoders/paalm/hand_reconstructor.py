@@ -1,6 +1,6 @@
 """PAALM as a reconstructor: it turns hand frames, one after another, into poses of the whole hand.
 
-It has the interface of `encoders.reconstruction.touch_reconstructor`, so that whatever drives a
+It has the interface of `encoders.reconstruction.reconstructor`, so that whatever drives a
 hand by touches can drive one by a Leap: `step(frame)`, `reset()`, `commanded`, and a
 `Reconstruction`.
 """
@@ -16,7 +16,7 @@ from encoders.paalm.hand_pose import hand_pose
 from encoders.paalm.paalm import Paalm, PaalmHand
 from encoders.paalm.palm import Palm
 from encoders.reconstruction.followed_hand import FollowedHand, FollowingSettings
-from encoders.reconstruction.touch_reconstructor import Reconstruction
+from encoders.reconstruction.reconstructor import Reconstruction
 from models.arithmetic.arrays import Array
 from models.errors import EncoderError
 from models.frames import FINGERS, HandFrame, Vector

@@ -12,7 +12,7 @@ from math import expm1, inf
 
 import numpy as np
 
-from encoders.reconstruction.palm_judge import Kind, PalmJudge
+from encoders.reconstruction.palms import Kind, PalmJudge
 from models.arithmetic.arrays import Array
 from models.arithmetic.products import distance, length
 from models.frames import FINGERS, Contact, TouchFrame

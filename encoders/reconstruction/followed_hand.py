@@ -9,7 +9,7 @@ from math import exp, inf
 import numpy as np
 
 from encoders.reconstruction.arrival import Phase
-from encoders.reconstruction.touch_reconstructor import Reconstruction
+from encoders.reconstruction.reconstructor import Reconstruction
 from models.arithmetic.arrays import Array
 from models.arithmetic.products import length
 from models.frames import FINGERS

@@ -1,13 +1,84 @@
-"""The contract of reconstructors: from one frame after another to the pose of the whole hand."""
+"""The contract of reconstructors: from one frame after another to the pose of the whole hand.
+
+`PersonalReconstructor` reconstructs any person's hand, on the reconstructor of the trained right
+hand. `PersonFrame` transforms touches to what the trained hand would have touched, and the pose
+back: mirrored for a left hand, scaled for a larger one. A uniform scale does not change angles, and
+mirror and rotation do not change distances either, so that fingertips which meet the scaled touches
+of the trained hand meet the real touches of the person's hand.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
 from typing import Protocol, TypeVar
 
-from encoders.reconstruction.touch_reconstructor import Reconstruction
+from encoders.reconstruction.arrival import Phase
 from models.arithmetic.arrays import Array
-from models.frames import Frame, HandFrame, LandmarkFrame, TouchFrame
+from models.frames import Contact, Frame, HandFrame, LandmarkFrame, TouchFrame
+from models.lazy_fields import LazyFields
+from models.person import Person, PersonFrame
+from models.pose import surface_to_world
 from models.surface import Surface
+
+
+@dataclass(frozen=True)
+class ReconstructedContact:
+    """A contact with its label and state.
+
+    Attributes:
+        id: The device's id.
+        xy: (2,) m on the surface, smoothed.
+        label: Its finger; None while unlabelled or ignored.
+        state: `active`, `lost` (living on for a moment), `palm` or `ignored`.
+        probability: Probability of the label, 0 to 1; 1 without one, and for the device's own.
+    """
+
+    id: int
+    xy: Array
+    label: int | None
+    state: str
+    probability: float = 1.0
+
+
+@dataclass(frozen=True)
+class Reconstruction(LazyFields):
+    """The reconstructed hand at one moment.
+
+    Attributes:
+        q: (48,) commanded pose in the world.
+        phase: Phase of arrival or departure.
+        fingers: Labels of the fingers that touch.
+        u: (15,) contact vector, or None without a labelled contact.
+        probability: Probability of the labels, 0 to 1.
+        tip_error: m, largest distance between a corrected fingertip and its touch, or the place
+            beside it that it was led to.
+        contacts: All contacts on the surface.
+        touches: (x, y) m on the surface, smoothed, by the label of the touching finger.
+        tip_height: m over the surface, where touching fingertips are once the hand is down.
+    """
+
+    q: Array
+    phase: Phase
+    fingers: frozenset[int]
+    u: Array | None
+    probability: float
+    tip_error: float
+    contacts: tuple[ReconstructedContact, ...]
+    touches: Mapping[int, tuple[float, float]] = field(default_factory=dict)
+    tip_height: float = 0.0
+
+    @property
+    def down(self) -> bool:
+        """True if the hand is at its place, so that its fingers may touch objects."""
+        return self.phase is Phase.DOWN
+
+    def with_pose(self, q: Array) -> Reconstruction:
+        """The same with another commanded pose (48,); fields that nobody asked for stay so."""
+        other = Reconstruction.__new__(Reconstruction)
+        other.__dict__.update(self.__dict__, q=q)
+        return other
+
 
 Frame_contra = TypeVar("Frame_contra", TouchFrame, HandFrame, LandmarkFrame, contravariant=True)
 
@@ -69,3 +140,114 @@ LandmarkFrameReconstructor = FrameReconstructor[LandmarkFrame]
 
 AirReconstructor = HandFrameReconstructor | LandmarkFrameReconstructor
 """Reconstructs a hand in the air."""
+
+
+ReconstructorMaker = Callable[[Surface], Reconstructor]
+"""Creates a reconstructor for a surface."""
+
+
+class PersonalReconstructor:
+    """Reconstructs a person's hand with a reconstructor of the trained right hand.
+
+    Args:
+        trained: Reconstructor on `frame.surface`, with the skeleton that the model was trained on.
+        frame: Transform between the person's screen and that surface.
+        surface: The person's screen, in the world.
+    """
+
+    def __init__(self, trained: Reconstructor, frame: PersonFrame, surface: Surface) -> None:
+        self.trained, self.frame = trained, frame
+        self._surface = surface
+
+    @property
+    def surface(self) -> Surface:
+        """The person's screen in the world."""
+        return self._surface
+
+    @property
+    def empty(self) -> Frame:
+        """A frame without touches."""
+        return self.trained.empty
+
+    @property
+    def notice(self) -> str:
+        """See the trained hand's reconstructor."""
+        return self.trained.notice
+
+    @property
+    def commanded(self) -> Array:
+        """The pose last commanded (48,), of the person's hand in the world."""
+        return self._outward(self.trained.commanded)
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """Number of ignored or repaired contacts, by reason."""
+        return self.trained.counts
+
+    def lead(self, offsets: Array | None) -> None:
+        """Sets how far fingertips are led off their touches on the person's screen."""
+        self.trained.lead(None if offsets is None else self.frame.inward_steps(offsets))
+
+    def reset(self) -> None:
+        """Returns to the initial state: a hand without contacts that hovers over the middle of the
+        surface."""
+        self.trained.reset()
+
+    def step(self, frame: TouchFrame) -> Reconstruction:
+        """Processes a touch frame of the person's screen.
+
+        Returns:
+            The reconstruction of the person's hand. Only `u` stays that of the trained hand, as the
+            encoder got it.
+        """
+        reconstruction = self.trained.step(self._inward(frame))
+        contacts = tuple(replace(c, xy=self.frame.outwards(c.xy)) for c in reconstruction.contacts)
+        size = self.frame.person.hand_size
+        return replace(
+            reconstruction,
+            q=self._outward(reconstruction.q),
+            tip_error=reconstruction.tip_error * size,
+            contacts=contacts,
+            touches={f: self._place_outward(xy) for f, xy in reconstruction.touches.items()},
+            tip_height=reconstruction.tip_height * size,
+        )
+
+    def _inward(self, frame: TouchFrame) -> TouchFrame:
+        if not frame.contacts:
+            return frame
+        xy = self.frame.inwards([(c.x, c.y) for c in frame.contacts])
+        size = self.frame.person.hand_size
+        contacts = tuple(
+            Contact(
+                c.id,
+                float(x),
+                float(y),
+                c.size and c.size / size,
+                c.label,
+                c.extent and (c.extent[0] / size, c.extent[1] / size),
+            )
+            for c, (x, y) in zip(frame.contacts, xy, strict=True)
+        )
+        return replace(frame, contacts=contacts)
+
+    def _place_outward(self, xy: tuple[float, float]) -> tuple[float, float]:
+        x, y = self.frame.outwards(xy).tolist()
+        return x, y
+
+    def _outward(self, q: Array) -> Array:
+        return surface_to_world(self.frame.outward_pose(q), self._surface)
+
+
+def personal(person: Person, surface: Surface, make: ReconstructorMaker) -> Reconstructor:
+    """Creates a reconstructor for a person.
+
+    Args:
+        person: The person whose hand it is.
+        surface: Their screen, in the world.
+        make: Creates the trained right hand's reconstructor for a surface. Its result is returned
+            unchanged if the person's hand equals the trained one.
+    """
+    frame = PersonFrame(person, surface)
+    if frame.trivial:
+        return make(surface)
+    return PersonalReconstructor(make(frame.surface), frame, surface)

@@ -16,17 +16,22 @@ import numpy as np
 from encoders.correction import PAD_HEIGHT, CorrectionSettings, FingertipCorrection
 from encoders.input_vector import contact_vector
 from encoders.labels.labelling import Labeller, Labelling
-from encoders.reconstruction.arrival import Arrival, ArrivalSettings, Phase
+from encoders.reconstruction.arrival import (
+    Arrival,
+    ArrivalSettings,
+    Lift,
+    LiftSettings,
+    Phase,
+    RecentPlaces,
+)
 from encoders.reconstruction.contact_tracker import ContactTracker, TrackerSettings
-from encoders.reconstruction.lift import Lift, LiftSettings
-from encoders.reconstruction.recent_places import RecentPlaces
+from encoders.reconstruction.reconstructor import ReconstructedContact, Reconstruction
 from encoders.regression.trained import TrainedModel
 from encoders.smoothing import Motion, PoseFilter, common_motion
 from models.arithmetic.arrays import Array
 from models.arithmetic.products import distance
 from models.errors import EncoderError
 from models.frames import TouchFrame
-from models.lazy_fields import LazyFields
 from models.limits import RateLimit, within_limits
 from models.one_pose import OnePose
 from models.pose import ROOT_POSITION, absolute_pose, surface_to_world
@@ -74,64 +79,6 @@ class ReconstructorSettings:
     encode: bool = True
     rate: RateLimit = field(default_factory=RateLimit)
     device_labels: bool = True
-
-
-@dataclass(frozen=True)
-class ReconstructedContact:
-    """A contact with its label and state.
-
-    Attributes:
-        id: The device's id.
-        xy: (2,) m on the surface, smoothed.
-        label: Its finger; None while unlabelled or ignored.
-        state: `active`, `lost` (living on for a moment), `palm` or `ignored`.
-        probability: Probability of the label, 0 to 1; 1 without one, and for the device's own.
-    """
-
-    id: int
-    xy: Array
-    label: int | None
-    state: str
-    probability: float = 1.0
-
-
-@dataclass(frozen=True)
-class Reconstruction(LazyFields):
-    """The reconstructed hand at one moment.
-
-    Attributes:
-        q: (48,) commanded pose in the world.
-        phase: Phase of arrival or departure.
-        fingers: Labels of the fingers that touch.
-        u: (15,) contact vector, or None without a labelled contact.
-        probability: Probability of the labels, 0 to 1.
-        tip_error: m, largest distance between a corrected fingertip and its touch, or the place
-            beside it that it was led to.
-        contacts: All contacts on the surface.
-        touches: (x, y) m on the surface, smoothed, by the label of the touching finger.
-        tip_height: m over the surface, where touching fingertips are once the hand is down.
-    """
-
-    q: Array
-    phase: Phase
-    fingers: frozenset[int]
-    u: Array | None
-    probability: float
-    tip_error: float
-    contacts: tuple[ReconstructedContact, ...]
-    touches: Mapping[int, tuple[float, float]] = field(default_factory=dict)
-    tip_height: float = 0.0
-
-    @property
-    def down(self) -> bool:
-        """True if the hand is at its place, so that its fingers may touch objects."""
-        return self.phase is Phase.DOWN
-
-    def with_pose(self, q: Array) -> Reconstruction:
-        """The same with another commanded pose (48,); fields that nobody asked for stay so."""
-        other = Reconstruction.__new__(Reconstruction)
-        other.__dict__.update(self.__dict__, q=q)
-        return other
 
 
 class TouchReconstructor:

@@ -11,7 +11,7 @@ from collections import Counter
 import numpy as np
 
 from encoders.reconstruction.followed_hand import FollowedHand, FollowingSettings
-from encoders.reconstruction.touch_reconstructor import Reconstruction
+from encoders.reconstruction.reconstructor import Reconstruction
 from encoders.webcam.camera import Camera
 from encoders.webcam.landmark_fit import FitSettings, LandmarkFit
 from models.arithmetic.arrays import Array

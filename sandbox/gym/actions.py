@@ -8,8 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from encoders.reconstruction.arrival import Phase
-from encoders.reconstruction.reconstructor import Reconstructor
-from encoders.reconstruction.touch_reconstructor import Reconstruction
+from encoders.reconstruction.reconstructor import Reconstruction, Reconstructor
 from models.arithmetic.arrays import Array
 from models.frames import FINGERS, Contact, TouchFrame
 from models.limits import RateLimit, within_limits

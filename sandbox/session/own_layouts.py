@@ -13,7 +13,7 @@ import numpy as np
 
 from encoders.labels.belief import BeliefLabels
 from encoders.labels.own_layouts import MOST, OwnLayouts
-from encoders.reconstruction.personal import PersonalReconstructor
+from encoders.reconstruction.reconstructor import PersonalReconstructor
 from encoders.reconstruction.touch_reconstructor import TouchReconstructor
 from models.errors import EncoderError
 from models.frames import FINGERS

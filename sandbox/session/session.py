@@ -19,8 +19,7 @@ import numpy as np
 
 from encoders.person.yaw_range import YawMonitor
 from encoders.reconstruction.arrival import Phase
-from encoders.reconstruction.reconstructor import AirReconstructor, Reconstructor
-from encoders.reconstruction.touch_reconstructor import Reconstruction
+from encoders.reconstruction.reconstructor import AirReconstructor, Reconstruction, Reconstructor
 from models.arithmetic.arrays import Array
 from models.arithmetic.products import squared_lengths
 from models.errors import DivergenceError

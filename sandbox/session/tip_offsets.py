@@ -19,7 +19,7 @@ from math import cos, expm1, sin, sqrt
 
 import numpy as np
 
-from encoders.reconstruction.touch_reconstructor import Reconstruction
+from encoders.reconstruction.reconstructor import Reconstruction
 from encoders.smoothing import common_motion
 from models.arithmetic.arrays import Array
 from models.arithmetic.products import length, squared_lengths, total

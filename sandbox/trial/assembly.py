@@ -12,11 +12,9 @@ from encoders.correction import CorrectionSettings
 from encoders.labels.belief import BeliefLabels, builtin_population_belief
 from encoders.labels.labelling import Labeller
 from encoders.person.yaw_range import YawMonitor, YawRange
-from encoders.reconstruction.arrival import ArrivalSettings
+from encoders.reconstruction.arrival import ArrivalSettings, LiftSettings
 from encoders.reconstruction.contact_tracker import TrackerSettings
-from encoders.reconstruction.lift import LiftSettings
-from encoders.reconstruction.personal import personal
-from encoders.reconstruction.reconstructor import AirReconstructor, Reconstructor
+from encoders.reconstruction.reconstructor import AirReconstructor, Reconstructor, personal
 from encoders.reconstruction.touch_reconstructor import ReconstructorSettings, TouchReconstructor
 from encoders.regression.model_registry import find_model
 from encoders.regression.trained import TrainedModel

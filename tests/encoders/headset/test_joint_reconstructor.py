@@ -10,7 +10,7 @@ from encoders.headset.joint_points import TIPS
 from encoders.headset.joint_reconstructor import JointReconstructor
 from encoders.reconstruction.arrival import Phase
 from encoders.reconstruction.followed_hand import UNSEEN_NOTICE
-from encoders.reconstruction.touch_reconstructor import Reconstruction
+from encoders.reconstruction.reconstructor import Reconstruction
 from models.frames import HandFrame, TrackedHand
 from models.kinematics import Kinematics
 from models.pose import JOINTS, ROOT_POSITION

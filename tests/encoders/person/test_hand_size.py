@@ -17,7 +17,7 @@ from encoders.captures.subject import FROZEN, SEED, simulate
 from encoders.input_vector import contact_vectors
 from encoders.person.hand_size import SPREADS, HandSizes, builtin_sizes
 from encoders.person.natural_layout import of_capture
-from encoders.reconstruction.touch_reconstructor import Reconstruction
+from encoders.reconstruction.reconstructor import Reconstruction
 from encoders.regression.trained import builtin, builtin_capture
 from models.arithmetic.arrays import Array
 from models.errors import CaptureError, InputError

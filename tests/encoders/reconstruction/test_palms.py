@@ -11,10 +11,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from encoders.reconstruction.arrival import Phase
-from encoders.reconstruction.contact_courses import SizeCourse
 from encoders.reconstruction.contact_tracker import ContactTracker
-from encoders.reconstruction.palm_judge import Kind, PalmJudge
-from encoders.reconstruction.palm_place import LARGEST, place_odds
+from encoders.reconstruction.palms import LARGEST, Kind, PalmJudge, SizeCourse, place_odds
 from encoders.reconstruction.touch_reconstructor import TouchReconstructor
 from models.frames import Contact, TouchFrame
 from models.skeleton import ADULT

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from encoders.reconstruction.arrival import Phase
-from encoders.reconstruction.touch_reconstructor import Reconstruction
+from encoders.reconstruction.reconstructor import Reconstruction
 from encoders.webcam.camera import Camera
 from encoders.webcam.landmark_reconstructor import LandmarkReconstructor
 from models.frames import LandmarkFrame, SeenHand

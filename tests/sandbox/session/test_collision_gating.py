@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from encoders.reconstruction.arrival import Phase
-from encoders.reconstruction.touch_reconstructor import Reconstruction
+from encoders.reconstruction.reconstructor import Reconstruction
 from models.hand import Hand
 from models.kinematics import Kinematics
 from models.objects import Box

@@ -12,8 +12,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from encoders.reconstruction.lift import Lift, LiftSettings
-from encoders.reconstruction.touch_reconstructor import Reconstruction
+from encoders.reconstruction.arrival import Lift, LiftSettings
+from encoders.reconstruction.reconstructor import Reconstruction
 from models.errors import InputError
 from models.frames import Contact, TouchFrame
 from models.kinematics import Kinematics

@@ -18,7 +18,7 @@ from encoders.paalm.paalm import Paalm
 from encoders.paalm.simulated.forward import ForwardLeap
 from encoders.paalm.simulated.leap_configuration import FROZEN_LEAP
 from encoders.reconstruction.arrival import Phase
-from encoders.reconstruction.touch_reconstructor import Reconstruction
+from encoders.reconstruction.reconstructor import Reconstruction
 from models.errors import InputError, RecordingError
 from models.frames import HandFrame, TouchFrame, TrackedFinger, TrackedHand
 from models.hand import Hand
