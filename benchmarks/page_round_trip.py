@@ -35,12 +35,12 @@ from sandbox.session.messages import Snapshot
 from sandbox.trial.assembly import build
 from sandbox.trial.driver import Trial
 from sandbox.trial.latency import TimedDevice, Timing
-from sandbox.trial.live import LiveTrial
+from sandbox.trial.live_run import LiveRun
 from sandbox.trial.settings import SOLID, Settings
 from tasks.task import Task
 
 
-def served(server: PageServer, solid: str) -> tuple[Trial, LiveTrial]:
+def served(server: PageServer, solid: str) -> tuple[Trial, LiveRun]:
     """A session whose touches come from the server's page; not yet started."""
     size = 1024 / PX_PER_IN, 768 / PX_PER_IN
     settings = Settings().changed(solid=solid, size_in=size)
@@ -63,7 +63,7 @@ def served(server: PageServer, solid: str) -> tuple[Trial, LiveTrial]:
         server.publish_step(session, snapshot)
 
     trial = Trial(session, [on_step])
-    return trial, LiveTrial(trial, frame_ready=device[0].frame_ready)
+    return trial, LiveRun(trial)
 
 
 def main() -> None:

@@ -35,7 +35,7 @@ from sandbox.system.files import sync_file
 from sandbox.trial.assembly import build
 from sandbox.trial.device_makers import DeviceMaker
 from sandbox.trial.driver import TrialRecorder, trial_header, undisturbed
-from sandbox.trial.live import RealTime
+from sandbox.trial.live_run import RealTime
 from sandbox.trial.replay import replay, settings_of
 from sandbox.trial.settings import Settings
 from tasks.user import UserConfiguration

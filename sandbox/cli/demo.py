@@ -20,7 +20,7 @@ from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
 from sandbox.trial.assembly import build
 from sandbox.trial.driver import Trial
-from sandbox.trial.live import LiveTrial
+from sandbox.trial.live_run import LiveRun
 from sandbox.trial.settings import recorded_settings
 from sandbox.views.display import has_display
 from sandbox.views.errors import GraphicsError
@@ -103,14 +103,9 @@ def _live(session: Session, kept: list[Snapshot], console: Console) -> bool:
     except GraphicsError as error:
         console.print(f"[yellow]no window: {error}[/]")
         return False
-    live = LiveTrial(Trial(session, [lambda snapshot: _keep(kept, snapshot)]))
-    live.start()
-    try:
-        while window.pump(live.newest) and not live.over:
-            pass
-    finally:
-        live.stop()
-        window.close()
+    live = LiveRun(Trial(session, [lambda snapshot: _keep(kept, snapshot)]))
+    with window:
+        live.play(lambda: "" if window.pump(live.newest) else None, tick=0.0)
     return True
 
 

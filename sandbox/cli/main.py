@@ -38,7 +38,6 @@ IN_FOLDERS = {
     "evaluate",
     "hand",
     "paalm",
-    "play",
     "replay",
     "study",
     "touches",

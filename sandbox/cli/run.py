@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shlex
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
@@ -18,12 +17,12 @@ from sandbox.cli.common.command_line import parse
 from sandbox.cli.common.films import open_film
 from sandbox.cli.common.json_out import TERMINAL, check_output, refuse_same, write_json
 from sandbox.cli.common.lsl_options import LslOptions, streaming
-from sandbox.cli.common.notices import NoticePrinter, address_line
 from sandbox.cli.common.printing import printing
 from sandbox.devices.device import Device
 from sandbox.options.headings import COMMON, OUTPUT
 from sandbox.options.names import check_names
 from sandbox.options.scene_options import SceneOptions, check_labels, scene_settings
+from sandbox.play.reports import NoticePrinter, address_line, report_end
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
 from sandbox.system.ending import ending_as_by_ctrl_c
@@ -31,11 +30,10 @@ from sandbox.trial.device_makers import DeviceMaker
 from sandbox.trial.driver import View, run_trial
 from sandbox.trial.events import EventLog, NoticeEvents
 from sandbox.trial.lift import with_lift
-from sandbox.trial.live import RealTime
+from sandbox.trial.live_run import RealTime
 from sandbox.trial.open_devices import device_makers, is_live
 from sandbox.trial.result import TrialResult
 from sandbox.trial.settings import Settings
-from tasks.score import ending
 from tasks.task import Task
 
 
@@ -175,26 +173,6 @@ def _run(options: RunOptions, chosen: Settings, events: EventLog, console: Conso
         console.print(f"[yellow]{what}[/]")
         events.tell("warning", what=what)
     return result
-
-
-def report_end(result: TrialResult, console: Console) -> None:
-    """Prints how a trial ended, and the recording of the last states of a diverged simulation."""
-    if result.diverged:
-        console.print(f"[red]the simulation diverged: {result.diverged}[/]")
-    if result.dump:
-        line = shlex.join(["sandbox", "replay", result.dump])
-        console.print(f"its last states: {escape(line)}", soft_wrap=True)
-    elif result.dump_error:
-        console.print(f"[yellow]{escape(result.dump_error)}[/]", soft_wrap=True)
-    colour = "green" if result.success else "red"
-    what = ending(result.status, result.success)
-    line = f"[bold {colour}]{result.task}: {what}[/] after {result.time_s:.1f} s"
-    if result.scored is False:
-        line += ", not scored: the table was scaled"
-    if result.reason:
-        # After success a trial goes on, and what was done may be undone.
-        line += f"{'; afterwards, ' if result.success else ', '}{escape(result.reason)}"
-    console.print(line)
 
 
 def _report(result: TrialResult, console: Console) -> None:

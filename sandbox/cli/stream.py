@@ -323,8 +323,8 @@ def _session(options: StreamOptions, console: Console) -> tuple[Settings, Device
     chosen = scene_settings(scene)
     if options.device != "web":
         return chosen, device_makers(chosen)
-    from sandbox.cli.common.touch_page import open_page_touches
     from sandbox.options.touch_devices import TouchOptions
+    from sandbox.play.page_touches import open_page_touches
 
     page = open_page_touches(picked(TouchOptions, options), console, PAGE_PATIENCE)
     if page is None:

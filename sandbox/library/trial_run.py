@@ -31,7 +31,7 @@ from sandbox.trial.device_makers import DeviceMaker
 from sandbox.trial.driver import View
 from sandbox.trial.driver import run_trial as play_trial
 from sandbox.trial.lift import with_lift
-from sandbox.trial.live import RealTime
+from sandbox.trial.live_run import RealTime
 from sandbox.trial.open_devices import device_makers, is_live
 from sandbox.trial.replay import Verification, replay
 from sandbox.trial.settings import recorded_users

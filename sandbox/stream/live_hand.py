@@ -10,7 +10,7 @@ from sandbox.devices.device import Closeable
 from sandbox.session.session import Session
 from sandbox.stream.motion import follow
 from sandbox.trial.driver import Trial
-from sandbox.trial.live import Pace
+from sandbox.trial.live_run import Pace
 
 
 class LiveHand(Closeable):

@@ -29,7 +29,7 @@ from sandbox.export.sources import commanded_poses
 from sandbox.export.view import simulated_poses
 from sandbox.session.session import Session
 from sandbox.trial.driver import Trial
-from sandbox.trial.live import Pace, RealTime
+from sandbox.trial.live_run import Pace, RealTime
 
 
 def source_of_session(

@@ -40,7 +40,7 @@ from sandbox.trial.settings import Settings, encoded
 
 if TYPE_CHECKING:
     from sandbox.lsl import ForwardingRecorder, SessionListener
-    from sandbox.trial.live import Pace
+    from sandbox.trial.live_run import Pace
 
 View = Callable[[Snapshot], None]
 """Receives every snapshot of a trial, in order."""

@@ -23,7 +23,7 @@ from typing import Any
 from PIL import Image
 
 from models.surface import Surface
-from sandbox.cli.play.page import OTHER_PAGE
+from sandbox.play.page import OTHER_PAGE
 from sandbox.server.page_server import PageServer
 from sandbox.server.protocol.contact_forces import HandFeedback
 from sandbox.server.protocol.describe import describe_scene

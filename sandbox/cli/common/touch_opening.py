@@ -15,7 +15,7 @@ def open_touches_or_page(options: TouchOptions, seconds: float, tap: Any = None)
     if not options.is_page:
         return open_touches(options, tap)
     # This import loads the whole program, which only the page needs.
-    from sandbox.cli.common.touch_page import open_page_touches
+    from sandbox.play.page_touches import open_page_touches
 
     page = open_page_touches(options, Console(stderr=True), seconds)
     return None if page is None else Opened(page, page.surface)

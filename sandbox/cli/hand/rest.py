@@ -30,7 +30,7 @@ from sandbox.options.leap_devices import LeapOptions
 from sandbox.options.picked import picked
 from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.options.webcam_devices import WebcamOptions
-from sandbox.trial.live import RealTime
+from sandbox.trial.live_run import RealTime
 from sandbox.trial.open_devices import device_makers, is_live
 from sandbox.trial.settings import Settings
 from tasks.registry import find_task

@@ -173,9 +173,7 @@ def _serve_page(
 ) -> StudyPage:
     """Serves one page, and prints how to open it."""
     from models.surface import parse_surface
-    from sandbox.cli.common.open_page import open_page
-    from sandbox.cli.common.page_view import show_address
-    from sandbox.cli.play.page import print_refusals
+    from sandbox.play.pages import open_page, print_refusals, show_address
     from sandbox.study.design.conditions import any_lifts
     from sandbox.study.run.study_page import StudyPage, study_view
     from sandbox.trial.events import EventLog

@@ -302,7 +302,7 @@ def check_second_device(options: StudyRunOptions, design: Design) -> None:
 def check_page(options: StudyRunOptions) -> None:
     """Checks address and certificate of the page by serving it for a moment."""
     if options.has_page:
-        from sandbox.cli.common.open_page import open_page
+        from sandbox.play.pages import open_page
 
         open_page(options).close()
 

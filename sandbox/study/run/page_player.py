@@ -4,25 +4,23 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
-
-import msgspec
+from functools import partial
 
 from models.errors import StudyError
 from models.surface import Surface
-from sandbox.server.protocol.describe import describe_scene
+from sandbox.play.pages import show_session
 from sandbox.server.protocol.protocol import PageScreen, Pause
 from sandbox.server.protocol.rectangle import common, rectangle
-from sandbox.server.protocol.skins import pack_skin
 from sandbox.server.web import WebDevice
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
 from sandbox.study.design.page_settings import PageSettings
 from sandbox.study.run.players import PlayedAttempt, RunningAttempt, TrialRequest
-from sandbox.study.run.study_page import TICK, StudyPage, beside_lift, inches, is_too_small
+from sandbox.study.run.study_page import StudyPage, beside_lift, inches, is_too_small
 from sandbox.study.run.task_texts import task_texts
 from sandbox.trial.driver import View
 from sandbox.trial.lift import lifts
-from sandbox.trial.live import LiveTrial
+from sandbox.trial.live_run import LiveRun
 from sandbox.trial.settings import Settings
 
 AFTER = 1.2
@@ -50,30 +48,17 @@ class PagePlayer:
         attempt = RunningAttempt(request)
         try:
             with attempt.open(self._views) as trial:
-                session, pages = trial.session, self._shown
-                devices = [page.device for page in pages if page.device]
-                for device in devices:
-                    # A touch on any page triggers the next step at once.
-                    device.frame_ready = devices[0].frame_ready
-                live = LiveTrial(trial, frame_ready=devices[0].frame_ready if devices else None)
-                clock = _PageClock(pages, self._options)
-                live.pause(True)
+                session = trial.session
+                clock = _PageClock(self._shown, self._options)
                 self._show(session, request)
-                live.start()
-                try:
-                    while not live.over and not attempt.broken:
-                        pause = clock.pause(attempt, session.scorer.score.held)
-                        live.pause(bool(pause))
-                        if pause:
-                            # The thread may still be in its last step.
-                            self._publish(live.newest or session.snapshot(), pause)
-                        time.sleep(TICK)
-                finally:
-                    live.stop()
-                if live.failure:
-                    raise live.failure
+                live = LiveRun(trial, [page.server for page in self._shown])
+
+                def turn() -> Pause | None:
+                    pause = clock.pause(attempt, session.scorer.score.held)
+                    return None if attempt.broken else pause
+
+                live.play(turn)
                 played = attempt.end(trial, live.lost, clock.measures())
-            self._publish(session.snapshot())
             if not played.broken:
                 time.sleep(AFTER)
             return played
@@ -89,30 +74,21 @@ class PagePlayer:
         """The pages that show this trial: the participant's, and another one that is touched."""
         return [page for page in self._page.pages if page is self._page or page.device]
 
-    def _publish(self, snapshot: Snapshot, pause: Pause = "") -> None:
-        for page in self._shown:
-            page.server.publish(snapshot, pause)
-
     def _show(self, session: Session, request: TrialRequest) -> None:
-        for hand, page in enumerate(self._shown):
-            self._show_on(page, session, request, hand)
-
-    def _show_on(self, page: StudyPage, session: Session, request: TrialRequest, hand: int) -> None:
-        """Shows the trial on the page of a hand."""
-        server, scene = page.server, session.scene
-        # A page has the surface of its hand, or of both hands if they share it.
-        surface = session.rigs[hand].reconstructor.surface
-        side = request.settings.hands[hand].side
-        message = describe_scene(server.next_scene(), scene, session.task, surface, side, "")
-        options, name = self._options, request.settings.task
-        title, goal = task_texts(
-            options, name, message.task, message.goal, self._language, page.texts
-        )
-        message = msgspec.structs.replace(message, task=title, goal=goal)
         apart = len(session.rigs) > 1 and not request.settings.surface.shared
-        skins = [pack_skin(hand) for hand in scene.spec.hands]
-        server.show_scene(message, scene, page.device, skins, hand if apart else None)
-        page.hide_sheet()
+        for hand, page in enumerate(self._shown):
+            show_session(
+                page.server,
+                session,
+                request.settings.hands[hand].side,
+                device=page.device,
+                own=hand if apart else None,
+                texts=partial(self._texts, page, request.settings.task),
+            )
+            page.hide_sheet()
+
+    def _texts(self, page: StudyPage, key: str, name: str, goal: str) -> tuple[str, str]:
+        return task_texts(self._options, key, name, goal, self._language, page.texts)
 
     def _views(self, session: Session) -> list[View]:
         def on_pages(snapshot: Snapshot) -> None:

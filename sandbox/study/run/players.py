@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Protocol
 
+from sandbox.server.protocol.protocol import Pause
 from sandbox.session.messages import Snapshot
 from sandbox.session.own_layouts import learned_layouts
 from sandbox.session.session import Session
@@ -16,13 +17,10 @@ from sandbox.study.measures.measure import SIMULATED_USER
 from sandbox.study.tables.frames import FrameTable
 from sandbox.trial.device_makers import DeviceMakers
 from sandbox.trial.driver import Trial, View, ViewMaker, open_trial
-from sandbox.trial.live import LiveTrial, Pace
+from sandbox.trial.live_run import TICK, LiveRun, Pace
 from sandbox.trial.result import TrialResult
 from sandbox.trial.settings import Settings
 from tasks.score import Status
-
-TICK = 0.02
-"""s between two checks of the experimenter's commands while simulated time stands still."""
 
 Watch = Callable[[], str]
 """Executes the experimenter's commands; returns the reason to break the attempt off, or empty."""
@@ -126,17 +124,17 @@ class WindowPlayer:
                 in_air=request.settings.in_air,
             )
             self._window.attach(*(rig.device for rig in session.rigs))
-            live = LiveTrial(trial, frame_ready=session.first_rig.device.frame_ready)
-            live.start()
-            try:
-                while not live.over and not attempt.broken:
-                    live.pause(attempt.check_pause())
-                    if not self._window.pump(live.newest):
-                        attempt.broken = "the window was closed"
-            finally:
-                live.stop()
-            if live.failure:
-                raise live.failure
+            live = LiveRun(trial)
+
+            def turn() -> Pause | None:
+                paused = attempt.check_pause()
+                if not self._window.pump(live.newest):
+                    attempt.broken = "the window was closed"
+                if attempt.broken:
+                    return None
+                return "menu" if paused else ""
+
+            live.play(turn, tick=0.0)
             return attempt.end(trial, live.lost)
 
     def close(self) -> None:

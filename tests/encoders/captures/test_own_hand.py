@@ -8,7 +8,7 @@ from rich.console import Console
 
 from encoders.paalm.calibration_file import is_calibration, read_calibration
 from models.errors import DeviceError
-from sandbox.cli.play.command import PlayOptions
+from sandbox.cli.play import PlayOptions
 from sandbox.devices.leap.leap_fake import FakeLeapd
 from sandbox.devices.leap.leap_write import leap_message
 from sandbox.options.leap_calibration import (

@@ -20,7 +20,7 @@ from sandbox.cli import doctor
 from sandbox.cli.common.command_line import parse
 from sandbox.cli.main import COMMANDS, main
 from sandbox.cli.overview import devices, first_steps, overview
-from sandbox.cli.play.command import PlayOptions
+from sandbox.cli.play import PlayOptions
 from sandbox.cli.run import RunOptions
 from sandbox.doctor.check import Check, run_probe
 from sandbox.doctor.devices import port_check

@@ -19,7 +19,7 @@ from models.frames import Contact, TouchFrame
 from models.person import HANDS, TURNS, Person
 from models.surface import Surface
 from sandbox.cli.hand.command import main
-from sandbox.cli.play.command import PlayOptions
+from sandbox.cli.play import PlayOptions
 from sandbox.devices.files.frame_file import frame_record, header_record
 from sandbox.devices.simulated.spreads import SimulatedSpreads
 from sandbox.options.profiles import Profile, default_path, find_profile, load_profile, save_profile

@@ -9,12 +9,12 @@ import pytest
 
 from models.frames import Contact, TouchFrame
 from models.surface import Surface
-from sandbox.cli.play.window import _from_first_touch, _waiting
 from sandbox.devices.check_device import check_device
 from sandbox.devices.mouse import MouseDevice
 from sandbox.devices.tuio.tuio import TuioDevice
 from sandbox.devices.wrappers.first_touch import FirstTouch
 from sandbox.options.scene_options import SceneOptions, scene_settings
+from sandbox.play.window import _from_first_touch, _waiting
 from sandbox.trial.assembly import build
 from sandbox.trial.open_devices import device_makers
 from tests.support.processes import PATIENCE, Sender
@@ -32,7 +32,7 @@ def test_nothing_has_come_before_a_finger_is_down_and_then_all_of_it_is_there() 
     mouse.move((0.06, 0.05))
     assert device.came() and device.came()
     mouse.release()
-    mouse.lift()
+    mouse.lift_fingers()
     frames = device.poll(0.0)
     assert [len(frame.contacts) for frame in frames] == [1, 1, 0]
     np.testing.assert_allclose([frames[0].contacts[0].x, frames[1].contacts[0].x], [0.05, 0.06])

@@ -17,7 +17,7 @@ from sandbox.recording.recording import load_recording
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
 from sandbox.trial.driver import View, open_trial, run_trial
-from sandbox.trial.live import LiveTrial
+from sandbox.trial.live_run import LiveRun
 from sandbox.trial.open_devices import device_makers
 from sandbox.trial.replay import replay
 from sandbox.views.errors import FilmError
@@ -61,7 +61,7 @@ def test_a_person_who_plays_is_told_while_playing(tmp_path: Path) -> None:
         pytest.raises(RecordingError, match="incomplete"),
         open_trial(chosen, record=tmp_path / "run.jsonl") as trial,
     ):
-        live = LiveTrial(trial, speed=1000.0)
+        live = LiveRun(trial, speed=1000.0)
         live.start()
         until(lambda: live.over)
         live.stop()

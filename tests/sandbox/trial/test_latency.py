@@ -13,18 +13,18 @@ from rich.console import Console
 
 from models.errors import InputError
 from models.frames import TouchFrame
-from sandbox.cli.common.latency import KINDS, checked_limit, judge_latency, print_latency
 from sandbox.cli.main import main
 from sandbox.devices.mouse import MouseDevice
 from sandbox.devices.tuio.tuio import TuioDevice
 from sandbox.devices.wrappers.lift_keys import LiftKeys
 from sandbox.devices.wrappers.merged import MergedDevice
+from sandbox.play.reports import KINDS, checked_limit, judge_latency, print_latency
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
 from sandbox.trial.assembly import build
 from sandbox.trial.driver import Trial
 from sandbox.trial.latency import LatencyLog, TimedDevice, Timing, timed
-from sandbox.trial.live import LiveTrial
+from sandbox.trial.live_run import LiveRun
 from sandbox.trial.settings import Settings
 from tests.support.processes import PATIENCE, Sender
 from tests.support.tuio_packets import frame
@@ -182,7 +182,7 @@ def test_slower_time_changes_no_state() -> None:
         mouse.hand(3, surface.to_surface(session.task.objects[0].position))
         snapshots: list[str] = []
         note = partial(_note_hash, snapshots, session)
-        live = LiveTrial(Trial(session, [note]))
+        live = LiveRun(Trial(session, [note]))
         live.start()
         for speed in speeds:
             live.set_speed(speed)

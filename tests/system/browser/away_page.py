@@ -13,15 +13,15 @@ from typing import Any
 from rich.console import Console
 
 from models.frames import TouchFrame
-from sandbox.cli.common.open_page import open_page
-from sandbox.cli.play.page import PagePlay
 from sandbox.options.page_options import PageOptions
 from sandbox.options.scene_options import SceneOptions
+from sandbox.play.page import PagePlay
+from sandbox.play.pages import open_page
 from sandbox.recording.recording import load_recording
 from sandbox.server.page_server import PageServer
 from sandbox.trial.events import EventLog
 from sandbox.trial.replay import replay
-from tests.sandbox.server.played_page import played
+from tests.sandbox.play.played_page import played
 from tests.sandbox.server.test_page_server import wait_for
 from tests.support.chromium import Browser, Tab
 from tests.system.browser.network import ADDRESS, Network

@@ -20,12 +20,12 @@ import pytest
 from models.arithmetic.arrays import Array
 from models.frames import HandFrame
 from models.surface import Surface
-from sandbox.cli.common.page_view import show_session
 from sandbox.cli.main import main
 from sandbox.devices.device import Device, HandDevice
 from sandbox.devices.simulated.headset_user import SimulatedHeadset
 from sandbox.devices.webxr.webxr import HeadsetDevice
 from sandbox.options.scene_options import SceneOptions, scene_settings
+from sandbox.play.pages import show_session
 from sandbox.server.page_server import PageServer
 from sandbox.server.static import HEADSET, StaticFiles
 from sandbox.session.messages import Snapshot

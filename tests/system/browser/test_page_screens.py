@@ -12,15 +12,15 @@ from pathlib import Path
 import pytest
 from rich.console import Console
 
-from sandbox.cli.common.open_page import open_page
-from sandbox.cli.play.page import PagePlay
 from sandbox.options.page_options import PageOptions
 from sandbox.options.scene_options import SceneOptions
+from sandbox.play.page import PagePlay
+from sandbox.play.pages import open_page
 from sandbox.server.page_server import PageServer
 from sandbox.server.protocol.protocol import StudyView
 from sandbox.trial.events import EventLog
 from sandbox.words.words import words_in
-from tests.sandbox.server.played_page import played
+from tests.sandbox.play.played_page import played
 from tests.sandbox.server.staged_page import READY
 from tests.sandbox.server.test_page_server import wait_for
 from tests.support.chromium import BINARY, Browser, Tab

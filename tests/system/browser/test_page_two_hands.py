@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 from models.surface import METRES_PER_INCH
-from sandbox.cli.common.page_view import show_session, touched_pages
 from sandbox.options.scene_options import SceneOptions, scene_settings
+from sandbox.play.pages import show_session, touched_pages
 from sandbox.server.page_server import PageServer
 from sandbox.server.protocol.protocol import PageScreen
 from sandbox.server.protocol.rectangle import rectangle

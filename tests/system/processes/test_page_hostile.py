@@ -32,7 +32,7 @@ from sandbox.server.connections.counters import Counters
 from sandbox.server.page_server import PageServer
 from sandbox.server.protocol.protocol import CREDIT
 from sandbox.trial.driver import Trial
-from sandbox.trial.live import LiveTrial
+from sandbox.trial.live_run import LiveRun
 from tests.sandbox.server.test_page_server import Stage, opened, wait_for
 from tests.support.page_client import Page
 from tests.support.processes import PATIENCE
@@ -53,14 +53,12 @@ def stage() -> Iterator[Stage]:
 
 
 @pytest.fixture
-def live(stage: Stage) -> Iterator[LiveTrial]:
+def live(stage: Stage) -> Iterator[LiveRun]:
     """The stage's session, running in real time."""
     # It must outlast the test, whatever the time limit of its task.
     scorer = stage.session.scorer
     scorer.update = lambda *_: scorer.score  # type: ignore[method-assign]
-    live = LiveTrial(
-        Trial(stage.session, [stage.server.publish]), frame_ready=stage.device.frame_ready
-    )
+    live = LiveRun(Trial(stage.session, [stage.server.publish]))
     live.start()
     yield live
     live.stop()
@@ -126,7 +124,7 @@ class Weathered(NamedTuple):
     memory: int
 
 
-def weathered(stage: Stage, live: LiveTrial, count: int) -> Weathered:
+def weathered(stage: Stage, live: LiveRun, count: int) -> Weathered:
     """A page plays while so many strangers come."""
     url, counters = stage.server.url, stage.server.counters
 
@@ -162,7 +160,7 @@ def weathered(stage: Stage, live: LiveTrial, count: int) -> Weathered:
 @needs_proc
 @pytest.mark.parametrize("count", [1_000, pytest.param(10_000, marks=pytest.mark.full)])
 def test_a_thousand_strangers_a_second_are_counted_and_the_session_goes_on(
-    stage: Stage, live: LiveTrial, count: int
+    stage: Stage, live: LiveRun, count: int
 ) -> None:
     left = weathered(stage, live, count)
     assert left.counted == count, "each of them once"
@@ -184,7 +182,7 @@ def asks_and_never_listens(url: str) -> socket.socket:
     return link
 
 
-def test_pages_that_do_not_read_cost_the_others_nothing(stage: Stage, live: LiveTrial) -> None:
+def test_pages_that_do_not_read_cost_the_others_nothing(stage: Stage, live: LiveRun) -> None:
     """They say hello, take no frame, and ask for echoes that they do not read."""
     sluggards = [Page(stage.server.url, f"slow {n}", role="spectator") for n in range(4)]
     with Page(stage.server.url, "quick") as page:
@@ -245,7 +243,7 @@ def test_a_skin_that_a_page_has_is_not_sent_again() -> None:
 
 
 def test_files_that_are_fetched_and_not_read_take_no_more_than_their_place(
-    stage: Stage, live: LiveTrial
+    stage: Stage, live: LiveRun
 ) -> None:
     links = [asks_and_never_listens(stage.server.url) for _ in range(4 * MOST_AUTHENTICATED)]
     assert wait_for(lambda: stage.server.counters["too many clients"] > 0)

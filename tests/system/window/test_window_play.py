@@ -17,10 +17,10 @@ import numpy as np
 import pytest
 import segno
 
-from sandbox.cli.play.window import Footer
 from sandbox.devices.mouse import MouseDevice
 from sandbox.devices.wrappers.lift_keys import LiftKeys
 from sandbox.devices.wrappers.merged import MergedDevice
+from sandbox.play.window import Footer
 from sandbox.recording.recording import load_recording
 from sandbox.server.web import WebDevice
 from sandbox.trial.assembly import build

@@ -7,9 +7,9 @@ from lerobot.utils.errors import DeviceAlreadyConnectedError, DeviceNotConnected
 from rich.console import Console
 
 from models.errors import InputError
-from sandbox.cli.common.touch_page import open_page_touches
 from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.options.touch_devices import TouchOptions
+from sandbox.play.page_touches import open_page_touches
 from sandbox.stream.live_hand import LiveHand
 from sandbox.trial.assembly import build
 from sandbox.trial.open_devices import device_makers

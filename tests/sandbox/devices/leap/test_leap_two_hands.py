@@ -11,7 +11,6 @@ import pytest
 from encoders.evaluation.paalm_pair import side_by_side
 from encoders.paalm.simulated.leap_configuration import FROZEN_LEAP
 from models.errors import InputError
-from sandbox.cli.common.page_view import show_session
 from sandbox.cli.main import main as command
 from sandbox.cli.run import main
 from sandbox.devices.kinds import is_leap
@@ -21,6 +20,7 @@ from sandbox.devices.simulated.leap_disturbance import LeapDisturbance, parse_si
 from sandbox.devices.simulated.leap_user import SimulatedLeap
 from sandbox.options.leap_devices import hand_over_leap
 from sandbox.options.scene_options import SceneOptions, scene_settings
+from sandbox.play.pages import show_session
 from sandbox.recording.recorded_device import RecordedDevice
 from sandbox.recording.recording import load_recording
 from sandbox.server.page_server import PageServer

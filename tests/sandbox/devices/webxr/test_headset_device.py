@@ -16,10 +16,10 @@ from websockets.sync.client import ClientConnection, connect
 
 from models.errors import FrameError
 from models.frames import HandFrame
-from sandbox.cli.common.page_view import show_session, touched_pages
 from sandbox.devices.webxr.joints import held_hand, seen_hand
 from sandbox.devices.webxr.webxr import HeadsetDevice
 from sandbox.options.scene_options import SceneOptions, scene_settings
+from sandbox.play.pages import show_session, touched_pages
 from sandbox.server.page_server import PageServer
 from sandbox.server.protocol.protocol import (
     PROTOCOL,

@@ -12,10 +12,10 @@ from rich.console import Console
 
 from models.errors import InputError, StudyError
 from models.surface import METRES_PER_INCH, Surface
-from sandbox.cli.common.open_page import open_page
-from sandbox.cli.play.page import PagePlay
 from sandbox.options.page_options import PageOptions
 from sandbox.options.scene_options import SceneOptions
+from sandbox.play.page import PagePlay
+from sandbox.play.pages import open_page
 from sandbox.recording.recording import load_recording
 from sandbox.server.protocol.protocol import LIFT_STRIP_PX, PageScreen, PageTouches
 from sandbox.server.protocol.rectangle import LARGEST, LEAST, rectangle, scaled
@@ -26,7 +26,7 @@ from sandbox.study.run.study_page import StudyPage
 from sandbox.trial.events import EventLog
 from sandbox.trial.settings import Settings, decoded, encoded
 from tasks.registry import TASKS, hands_of
-from tests.sandbox.server.played_page import played
+from tests.sandbox.play.played_page import played
 from tests.support.page_client import Page
 
 SCREENS = [

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cached_property
 from pathlib import Path
 
 from rich.console import Console
@@ -13,38 +11,37 @@ from rich.markup import escape
 
 from models.errors import InputError
 from models.surface import Surface
-from sandbox.cli.common.latency import judge_latency, print_latency
-from sandbox.cli.common.notices import NoticePrinter, address_line
-from sandbox.cli.common.page_view import (
-    SIMULATED_USER,
-    in_air,
-    open_page_beside_window,
-    short_address,
-    show_session,
-    touched_pages,
-)
-from sandbox.cli.play.own_profile import Learner
-from sandbox.cli.play.page import PlayerRequests, numbered, print_refusals
-from sandbox.cli.run import report_end
 from sandbox.devices.device import Device
 from sandbox.devices.wrappers.first_touch import FirstTouch
 from sandbox.devices.wrappers.merged import MergedDevice
 from sandbox.options.page_options import PageOptions
 from sandbox.options.scene_options import SceneOptions, scene_settings
+from sandbox.play.own_profile import Learner
+from sandbox.play.pages import (
+    SIMULATED_USER,
+    in_air,
+    open_page_beside_window,
+    print_refusals,
+    short_address,
+    show_session,
+    touched_pages,
+)
+from sandbox.play.play import Play
+from sandbox.play.reports import address_line, judge_latency, print_latency, report_end
 from sandbox.server.page_device import PageDevice
-from sandbox.server.page_server import PageServer
 from sandbox.server.protocol.describe import summary
+from sandbox.server.protocol.protocol import Pause
 from sandbox.server.screen_too_small import CANNOT_BEGIN
 from sandbox.server.web import WebDevice
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
 from sandbox.system.ending import ending_as_by_ctrl_c
 from sandbox.trial.device_makers import DeviceMaker, DeviceMakers, with_first
-from sandbox.trial.driver import View, open_trial
-from sandbox.trial.events import EventLog, NoticeEvents
+from sandbox.trial.driver import open_trial
+from sandbox.trial.events import EventLog
 from sandbox.trial.latency import LatencyLog, Timing, timed
 from sandbox.trial.lift import with_lift
-from sandbox.trial.live import LiveTrial
+from sandbox.trial.live_run import LiveRun
 from sandbox.trial.open_devices import device_makers, is_live
 from sandbox.trial.result import TrialResult
 from sandbox.trial.settings import Settings
@@ -98,168 +95,91 @@ class Footer:
 
 
 @dataclass
-class WindowPlay:
-    """Play in a window, and on a page beside it if there is one.
+class WindowPlay(Play):
+    """Play in a window, and on a page beside it if there is one; see `Play`.
 
     Attributes:
-        options: Options of the scene.
-        server: Server of the page; None without a page.
         share: True if touches on the page also move the hand.
         lan: True if the page is for a tablet, whose QR code is shown until it connects.
-        events: Log of events.
-        console: Console for messages.
-        latency: Latency log of all trials.
-        learner: Keeps layouts of five fingers in the player's profile; None keeps none.
+        latency: Latency log of all trials, which the page's server shares.
         window: The window; None until it is open.
     """
 
-    options: SceneOptions
-    server: PageServer | None
-    share: bool
-    lan: bool
-    events: EventLog
-    console: Console
-    latency: LatencyLog
-    learner: Learner | None = None
+    share: bool = False
+    lan: bool = False
     window: Window | None = None
 
-    @cached_property
-    def _notices(self) -> NoticePrinter:
-        return NoticePrinter(self.console)
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self.latency = self.servers[0].latency if self.servers else LatencyLog()
 
     def run(self) -> None:
         """Runs trials until the window is closed."""
-        first = scene_settings(replace(self.options, record=None))
-        wishes = PlayerRequests.of(first)
-        done = wishes.task, wishes.sides
+        requests = self.requests
+        done = requests.task, requests.sides
         try:
             while True:
-                # The trial hears what the next one shall be.
-                playing = wishes.task, wishes.sides
+                # The trial takes in what the next one shall be.
+                playing = requests.task, requests.sides
                 try:
-                    go_on = self._trial(wishes)
+                    go_on = self._trial()
                     done = playing
                 except InputError as error:
                     if self.window is None or playing == done:
                         raise
                     # The page's request cannot be met: show why there, and continue.
-                    self._tell(str(error))
-                    wishes.task, wishes.sides = done
+                    self._refuse(str(error))
+                    requests.task, requests.sides = done
                     go_on = True
                 if not go_on:
                     return
-                wishes.trial += 1
-                wishes.again = wishes.paused = False
+                requests.next_trial()
         finally:
             if self.window is not None:
                 self.window.close()
 
-    def _trial(self, wishes: PlayerRequests) -> bool:
+    def _trial(self) -> bool:
         """Plays one trial; returns True if another one is requested."""
-        chosen = self._chosen(wishes)
-        record = self.options.record
-        # A second trial gets another file, so that no recording is overwritten.
-        kept = numbered(record, wishes.trial) if record else None
+        chosen = self.requests.applied_to(self.first_settings)
         timing = Timing(self.latency)
         self.latency.begin_trial()
         with open_trial(
             chosen,
             self._device_makers(chosen, timing),
-            lambda session: self._views(session, timing),
-            kept,
+            lambda session: self.make_views(session, timing),
+            self.record,
             dump=self.options.dump,
         ) as trial:
             session = trial.session
             ended: list[TrialResult] = []
 
             def end() -> None:
-                if not ended:
-                    ended.append(trial.end(latency=self.latency.as_json()))
-                    # Whoever hears of the end may read the recording.
-                    trial.settle()
-                    self.events.tell("trial_end", **ended[0].as_json())
-                    if self.learner is not None:
-                        self.learner.after(session)
+                if ended:
+                    return
+                ended.append(trial.end(latency=self.latency.as_json()))
+                # Whoever reads of the end may read the recording.
+                trial.settle()
+                self.events.tell("trial_end", **ended[0].as_json())
+                if self.learner is not None:
+                    self.learner.after(session)
 
             try:
                 window = self._open_window(session, chosen)
-                live = LiveTrial(trial, window.speed, session.first_rig.device.frame_ready)
-                try:
-                    wishes.hands = (self._show_on_page(session, chosen),)
-                    live.pause(_waiting(session))
-                    live.start()
-                    again = self._watch(session, live, wishes, timing, end)
-                finally:
-                    live.stop()
+                live = LiveRun(trial, self.servers, window.speed)
+                turns = _Turns(self, window, session, live, timing)
+                self.requests.hands = (self._show_on_page(session, chosen),)
+                live.play(turns.turn, end, tick=0.0, lingers=True)
             finally:
                 end()
-        if live.failure:
-            raise live.failure
-        self._notices.wait()
+        self.notices.wait()
         report_end(ended[0], self.console)
-        return again
+        return turns.again
 
-    def _watch(
-        self,
-        session: Session,
-        live: LiveTrial,
-        wishes: PlayerRequests,
-        timing: Timing,
-        end: Callable[[], None],
-    ) -> bool:
-        """Draws until the window is closed (False) or another trial is requested (True).
-
-        `end` keeps the trial's result once the trial is over: its last picture may stay for long.
-        """
-        window = self.window
-        assert window is not None
-        footer = Footer(short_address(self.server) if self.server else "")
-        seen: Snapshot | None = None
-        waiting = _waiting(session)
-        # The snapshot to show before the first step.
-        first = self._before(session) if waiting else session.snapshot()
-        while window.pump(live.newest or first):
-            if live.over and live.failure:
-                # A picture that stands still would not tell the person.
-                return False
-            if live.over:
-                end()
-            waiting = waiting and _waiting(session)
-            if window.seen is not None and window.seen is not seen:
-                seen = window.seen
-                timing.drawn(seen)
-                self.latency.add("picture", 1000.0 * window.picture_time)
-            if self.server:
-                wishes.paused = window.paused
-                wishes.hear(self.server.asked(), wishes.hands[0])
-                window.paused = wishes.paused
-                if (window.paused or waiting) and seen is not None:
-                    self.server.publish(
-                        session.snapshot() if waiting else seen, "start" if waiting else "menu"
-                    )
-            window.link = self.server.url if self.server and self._inviting() else ""
-            window.footer = footer.lines(window, live.lost, session)
-            live.pause(window.paused or waiting)
-            live.set_speed(window.speed)
-            if window.take_contact() and not live.over:
-                session.set_contact(session.contact.next)
-            if window.take_reset() or wishes.again:
-                return True
-        return False
-
-    def _before(self, session: Session) -> Snapshot:
-        """Snapshot before the first touch: the scene, the goal and instructions."""
-        snapshot = session.snapshot()
-        score = replace(snapshot.score, reason=summary(type(session.task)))
-        how = WITH_MOUSE if self.options.device == "mouse" else ""
-        return replace(snapshot, score=score, notices=(how + WAITING,))
-
-    def _inviting(self) -> bool:
-        """True while the program waits for a tablet."""
-        return self.lan and self.server is not None and not self.server.wait_for_player(0.0)
-
-    def _chosen(self, wishes: PlayerRequests) -> Settings:
-        return wishes.wanted(scene_settings(replace(self.options, record=None)))
+    @property
+    def invitation(self) -> str:
+        """The page's link while the program waits for a tablet; empty otherwise."""
+        waiting = [s.url for s in self.servers if self.lan and not s.wait_for_player(0.0)]
+        return waiting[0] if waiting else ""
 
     def _device_makers(self, chosen: Settings, timing: Timing) -> DeviceMakers:
         """Returns device makers; the first adds the page's touches and measures latency."""
@@ -305,28 +225,72 @@ class WindowPlay:
 
     def _show_on_page(self, session: Session, chosen: Settings) -> int:
         """Returns the index of the hand that the page is for."""
-        if self.server is None:
+        if not self.servers:
             return 0
         caption = SIMULATED_USER if chosen.device.user is not None else ""
         # The page is for the second hand, or for touches beside the mouse.
         beside = session.first_rig.device.find(WebDevice)
         own, web = next(iter(touched_pages(session)), (0, beside))
         side = chosen.hands[own or 0].side
-        show_session(self.server, session, side, caption, web, own)
+        show_session(self.servers[0], session, side, caption, web, own)
         return own or 0
 
-    def _views(self, session: Session, timing: Timing) -> list[View]:
-        notices = NoticeEvents(self.events, self._notices.say)
-        views: list[View] = [timing.stepped, notices.show]
-        if server := self.server:
-            views.append(lambda snapshot: server.publish_step(session, snapshot))
-        return views
-
-    def _tell(self, text: str) -> None:
-        if self.server:
-            self.server.show_problem(CANNOT_BEGIN)
+    def _refuse(self, text: str) -> None:
+        for server in self.servers:
+            server.show_problem(CANNOT_BEGIN)
         self.events.tell("warning", what=text)
         self.console.print(f"[yellow]{escape(text)}[/]")
+
+
+class _Turns:
+    """Turns of a live run in the window: each draws a picture and follows keys and requests.
+
+    Attributes:
+        again: True if another trial is requested.
+    """
+
+    def __init__(
+        self, play: WindowPlay, window: Window, session: Session, live: LiveRun, timing: Timing
+    ) -> None:
+        self._play, self._window, self._session = play, window, session
+        self._live, self._timing = live, timing
+        self._footer = Footer(short_address(play.servers[0]) if play.servers else "")
+        self._seen: Snapshot | None = None
+        self._waiting = _waiting(session)
+        self._first = session.snapshot()
+        """The snapshot to show before the first step."""
+        if self._waiting:
+            score = replace(self._first.score, reason=summary(type(session.task)))
+            how = WITH_MOUSE if play.options.device == "mouse" else ""
+            self._first = replace(self._first, score=score, notices=(how + WAITING,))
+        self.again = False
+
+    def turn(self) -> Pause | None:
+        """Draws until the window is closed or another trial is requested; see `LiveRun.play`."""
+        window, session, live = self._window, self._session, self._live
+        requests = self._play.requests
+        if not window.pump(live.newest or self._first):
+            return None
+        self._waiting = self._waiting and _waiting(session)
+        if window.seen is not None and window.seen is not self._seen:
+            self._seen = window.seen
+            self._timing.drawn(self._seen)
+            self._play.latency.add("picture", 1000.0 * window.picture_time)
+        for server in self._play.servers:
+            requests.paused = window.paused
+            requests.take(server.asked(), requests.hands[0])
+            window.paused = requests.paused
+        window.link = self._play.invitation
+        window.footer = self._footer.lines(window, live.lost, session)
+        live.set_speed(window.speed)
+        if window.take_contact() and not live.over:
+            session.set_contact(session.contact.next)
+        if window.take_reset() or requests.again:
+            self.again = True
+            return None
+        if self._waiting:
+            return "start"
+        return "menu" if window.paused else ""
 
 
 def play_in_window(
@@ -344,16 +308,17 @@ def play_in_window(
         page: Options of the page's server.
         limit: ms, see `judge_latency`; None sets no limit.
         console: Console for messages.
-        learner: See `WindowPlay`.
+        learner: See `Play`.
     """
     events = EventLog(options.events)
     try:
         mouse, second = options.device == "mouse", options.second_device == "web"
-        server = open_page_beside_window(page, mouse or second, events, console)
-        latency = server.latency if server else LatencyLog()
+        task = scene_settings(options).task
+        server = open_page_beside_window(page, mouse or second, events, console, task)
         share = server is not None and mouse and not second
         lan = page.tablet or page.lan is not None
-        play = WindowPlay(options, server, share, lan, events, console, latency, learner)
+        servers = () if server is None else (server,)
+        play = WindowPlay(options, servers, events, console, learner, share, lan)
         try:
             with ending_as_by_ctrl_c():
                 play.run()
@@ -361,10 +326,10 @@ def play_in_window(
             if server:
                 server.close()
                 print_refusals(server, console)
-            print_latency(latency, console)
+            print_latency(play.latency, console)
     finally:
         events.close()
-    return judge_latency(latency, limit, console)
+    return judge_latency(play.latency, limit, console)
 
 
 def _from_first_touch(maker: DeviceMaker) -> DeviceMaker:

@@ -13,16 +13,16 @@ from rich.console import Console
 
 from models.errors import InputError
 from models.person import Person
-from sandbox.cli.common.open_page import open_page
-from sandbox.cli.play.command import PlayOptions
-from sandbox.cli.play.command import main as play
-from sandbox.cli.play.own_profile import Learner, with_usable_profile
-from sandbox.cli.play.page import PagePlay
+from sandbox.cli.play import PlayOptions
+from sandbox.cli.play import main as play
 from sandbox.options.page_options import PageOptions
 from sandbox.options.profiles import Profile, load_profile, save_profile
 from sandbox.options.scene_options import scene_settings
+from sandbox.play.own_profile import Learner, with_usable_profile
+from sandbox.play.page import PagePlay
+from sandbox.play.pages import open_page
 from sandbox.trial.events import EventLog
-from tests.sandbox.server.played_page import played
+from tests.sandbox.play.played_page import played
 from tests.support.page_client import Page
 
 LAYOUT = ((0.0, 0.0), (0.035, -0.042), (0.06, -0.055), (0.083, -0.048), (0.104, -0.026))

@@ -11,10 +11,7 @@ from rich.console import Console
 
 from models.errors import InputError
 from sandbox.cli.common.command_line import parse
-from sandbox.cli.common.latency import checked_limit
 from sandbox.cli.common.lsl_options import LslOptions, streaming
-from sandbox.cli.play.own_profile import Learner, with_usable_profile
-from sandbox.cli.play.page import play_on_page
 from sandbox.cli.run import RunOptions, perform
 from sandbox.devices.kinds import LIVE_HEADSET as LIVE
 from sandbox.devices.kinds import is_in_air
@@ -25,6 +22,9 @@ from sandbox.options.page_options import PageOptions
 from sandbox.options.picked import picked
 from sandbox.options.profiles import DEFAULT, default_path, find_profile
 from sandbox.options.scene_options import SceneOptions, check_labels, scene_settings
+from sandbox.play.own_profile import Learner, with_usable_profile
+from sandbox.play.page import play_on_page
+from sandbox.play.reports import checked_limit
 from sandbox.views.display import has_display
 from tasks.registry import find_task
 
@@ -113,7 +113,7 @@ def main(argv: list[str]) -> int:
         )
     if uses_touch_profile(options, is_in_air(options.device)):
         console.print(f"profile: {find_profile(str(options.profile)).line}")
-    from sandbox.cli.play.window import play_in_window
+    from sandbox.play.window import play_in_window
 
     with streaming(options.lsl, console):
         return play_in_window(options, options, limit, console, learner)

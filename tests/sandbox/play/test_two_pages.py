@@ -10,18 +10,17 @@ import pytest
 from rich.console import Console
 
 from models.surface import METRES_PER_INCH
-from sandbox.cli.common.open_page import open_page
-from sandbox.cli.common.page_view import show_session, touched_pages
-from sandbox.cli.play.page import PagePlay
 from sandbox.options.page_options import PageOptions
 from sandbox.options.scene_options import SceneOptions, scene_settings
+from sandbox.play.page import PagePlay
+from sandbox.play.pages import open_page, show_session, touched_pages
 from sandbox.server.page_server import PageServer
 from sandbox.server.protocol.protocol import LIFT_STRIP_PX, PageScreen, PageTouches
 from sandbox.server.protocol.rectangle import common, rectangle
 from sandbox.trial.assembly import build
 from sandbox.trial.events import EventLog
 from sandbox.trial.open_devices import device_makers
-from tests.sandbox.server.played_page import played
+from tests.sandbox.play.played_page import played
 from tests.sandbox.server.test_page_server import wait_for
 from tests.support.page_client import SCREEN, Page
 
@@ -152,7 +151,7 @@ def test_two_tablets_carry_a_tray_together(servers: tuple[PageServer, PageServer
 
 
 def test_time_begins_with_whichever_hand_touches_first() -> None:
-    from sandbox.cli.play.window import _from_first_touch, _waiting
+    from sandbox.play.window import _from_first_touch, _waiting
 
     chosen = scene_settings(replace(OPTIONS, device="mouse"))
     session = build(chosen, device_makers(chosen, _from_first_touch))

@@ -9,10 +9,10 @@ from rich.console import Console
 
 from models.errors import InputError
 from models.surface import PRESETS
-from sandbox.cli.common.open_page import open_page
-from sandbox.cli.play.page import PagePlay
 from sandbox.options.page_options import PageOptions
 from sandbox.options.scene_options import SceneOptions
+from sandbox.play.page import PagePlay
+from sandbox.play.pages import open_page
 from sandbox.server import audience
 from sandbox.server.page_server import PageServer
 from sandbox.server.screen_too_small import explain_refusal, fitting
@@ -21,7 +21,7 @@ from sandbox.trial.assembly import build
 from sandbox.trial.events import EventLog
 from sandbox.trial.settings import Settings
 from tasks.registry import TASKS, hands_of
-from tests.sandbox.server.played_page import played
+from tests.sandbox.play.played_page import played
 from tests.support.page_client import SCREEN, Page
 
 PHONE = {"px_per_in": 155.0, "width_px": 844.0, "height_px": 390.0, "calibrated": True}

@@ -1,4 +1,7 @@
-"""A trial with a person: physics in its own thread at real time, the window in the main one.
+"""The live run of a trial: physics in its own thread at real time, the picture in the caller's.
+
+Play and studies, in a window and on pages, all run a trial by `LiveRun.play`. Only what one turn
+of the caller's thread does differs: a window draws a picture, a page's server looks at requests.
 
 `Pace` and `RealTime` wait for the wall clock. When a trial is behind real time it slows down and
 says so; it never skips steps.
@@ -8,36 +11,88 @@ from __future__ import annotations
 
 import threading
 import time
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING
 
 from models.scene import CONTROL_PERIOD
 from sandbox.session.messages import Snapshot
 from sandbox.trial.driver import Trial
 
+if TYPE_CHECKING:
+    from sandbox.server.page_server import PageServer
+    from sandbox.server.protocol.protocol import Pause
+    from sandbox.session.session import Rig
 
-class LiveTrial:
+TICK = 0.02
+"""s between two turns of a run that draws no picture."""
+
+
+class LiveRun:
     """Runs a trial in its own thread; a window or a page takes the newest snapshot.
+
+    A frame of any device wakes the thread: the step that takes the frame in is made at once, up to
+    one control period ahead of the clock.
 
     Args:
         trial: A trial that is ready for its first step. Its views are called in its thread.
+        pages: Servers of the pages that show the trial. They show why time stands still, and the
+            last snapshot.
         speed: Simulated seconds per second.
-        frame_ready: Event that a device sets when a frame has arrived. The step that takes the
-            frame in is then made at once, up to one control period ahead of the clock.
 
     Attributes:
-        failure: The error that ended the thread early; None without one. The caller must raise it,
-            so that the trial does not count as played.
+        failure: The error that ended the thread early; None without one.
     """
 
-    def __init__(
-        self, trial: Trial, speed: float = 1.0, frame_ready: threading.Event | None = None
-    ) -> None:
-        self._trial = trial
-        self._pace = Pace(speed, frame_ready)
+    def __init__(self, trial: Trial, pages: Sequence[PageServer] = (), speed: float = 1.0) -> None:
+        self._trial, self._pages = trial, tuple(pages)
+        self._pace = Pace(speed, _shared_event(trial.session.rigs))
         self._stop = threading.Event()
         self._running = threading.Event()
         self._running.set()
         self._thread = threading.Thread(target=self._run, name="session", daemon=True)
         self.failure: BaseException | None = None
+
+    def play(
+        self,
+        turn: Callable[[], Pause | None],
+        end: Callable[[], None] | None = None,
+        tick: float = TICK,
+        lingers: bool = False,
+    ) -> None:
+        """Plays the trial until it is over, or until `turn` ends it.
+
+        Args:
+            turn: Called again and again in this thread, first before the first step. Returns why
+                simulated time must stand still, empty if it may run, and None to end the run.
+            end: Called once: as soon as the trial is over, or when it is left before, also by an
+                exception.
+            tick: s to sleep after a turn; 0 where a turn waits for the screen.
+            lingers: True goes on after the trial is over, with its last picture, until `turn`
+                returns None.
+
+        Raises:
+            BaseException: The error that ended the trial's thread: the trial was not played.
+        """
+        ending = [end] if end else []
+        try:
+            while not self.over or (lingers and not self.failure):
+                pause = turn()
+                if pause is None:
+                    break
+                self.pause(bool(pause))
+                self.start()
+                if pause:
+                    self._publish(pause)
+                if self.over and ending:
+                    ending.pop()()
+                time.sleep(tick)
+        finally:
+            self.stop()
+            if ending:
+                ending.pop()()
+        self._publish()
+        if self.failure:
+            raise self.failure
 
     @property
     def over(self) -> bool:
@@ -55,8 +110,9 @@ class LiveTrial:
         return self._pace.lost
 
     def start(self) -> None:
-        """Starts the thread."""
-        self._thread.start()
+        """Starts the thread; does nothing if it was started."""
+        if self._thread.ident is None:
+            self._thread.start()
 
     def pause(self, paused: bool) -> None:
         """Pauses simulated time, or resumes it."""
@@ -76,6 +132,14 @@ class LiveTrial:
         if self._thread.ident is not None:
             self._thread.join()
 
+    def _publish(self, pause: Pause = "") -> None:
+        """Sends the pages the newest snapshot and why time stands still."""
+        if self._pages:
+            # While time begins to stand still, the thread may be in its last step.
+            snapshot = self.newest if pause else None
+            for page in self._pages:
+                page.publish(snapshot or self._trial.session.snapshot(), pause)
+
     def _run(self) -> None:
         try:
             self._trial.run(self._pace, self._wait_while_paused, self._stop.is_set)
@@ -91,6 +155,16 @@ class LiveTrial:
             if rig.device.latency is not None:
                 rig.device.latency.resume()
         return True
+
+
+def _shared_event(rigs: Sequence[Rig]) -> threading.Event | None:
+    """The event that all devices set when a frame has arrived; None if none has such an event."""
+    devices = [
+        device for rig in rigs for device in rig.device.within() if device.frame_ready is not None
+    ]
+    for device in devices:
+        device.frame_ready = devices[0].frame_ready
+    return devices[0].frame_ready if devices else None
 
 
 LEEWAY = 0.10

@@ -6,7 +6,7 @@ import contextlib
 import threading
 from collections.abc import Iterator
 
-from sandbox.cli.play.page import PagePlay
+from sandbox.play.page import PagePlay
 from sandbox.server.page_server import PageServer
 from sandbox.server.protocol.protocol import PlayerRequest
 

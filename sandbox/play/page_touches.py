@@ -10,11 +10,10 @@ from rich.console import Console
 from models.errors import InputError, SurfaceTooSmallError
 from models.frames import TouchFrame
 from models.surface import Surface, parse_surface
-from sandbox.cli.common.open_page import open_page
-from sandbox.cli.common.page_view import show_address
 from sandbox.devices.device import Device
 from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.options.touch_devices import TouchOptions
+from sandbox.play.pages import open_page, show_address
 from sandbox.server.page_server import PageServer
 from sandbox.server.protocol.describe import describe_scene
 from sandbox.server.protocol.rectangle import rectangle

@@ -1,0 +1,203 @@
+"""Pages of a session: their servers by options, their addresses, and the session that they show."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import msgspec
+from rich.console import Console
+
+from encoders.headset.joint_reconstructor import JointReconstructor
+from encoders.paalm.hand_reconstructor import HandReconstructor
+from encoders.webcam.landmark_reconstructor import LandmarkReconstructor
+from models.errors import DeviceError, InputError
+from models.message import Message
+from sandbox.devices.wrappers.device_wrapper import DeviceWrapper
+from sandbox.options.page_options import PageOptions
+from sandbox.options.profiles import default_path
+from sandbox.recording.versions import versions
+from sandbox.server.connections.address import LOOPBACK
+from sandbox.server.connections.invitation import code, hints
+from sandbox.server.connections.kept_token import kept_token
+from sandbox.server.page_device import PageDevice
+from sandbox.server.page_server import PageServer, tls_context
+from sandbox.server.protocol.describe import describe_scene, summary
+from sandbox.server.protocol.protocol import StudyView, TaskName
+from sandbox.server.protocol.skins import pack_skin
+from sandbox.server.static import HEADSET, StaticFiles
+from sandbox.session.session import Session
+from sandbox.trial.events import EventLog
+from tasks.registry import TASKS, find_task, hands_of
+
+SIMULATED_USER = Message("simulated_user", "simulated user")
+"""Caption of pictures in which no person plays."""
+
+
+def open_page(
+    options: PageOptions,
+    study: StudyView | None = None,
+    touch: bool = True,
+    headset: bool = False,
+    task: str = "",
+) -> PageServer:
+    """Starts the server of the page.
+
+    Args:
+        options: Address, port and certificate.
+        study: View of a study, which has no menus; None for play.
+        touch: True if the player's page moves the hand.
+        headset: True for the page of a headset, False for that of fingers on a screen.
+        task: Name or place of the task that play begins with, which the page's menu then offers
+            beside the built-in ones.
+
+    Raises:
+        DeviceError: The address or port is not available.
+        InputError: The certificate or its key is missing or wrong.
+    """
+    if not 0 <= options.page_port <= 65535:
+        raise InputError(
+            "no such port",
+            where="--page-port",
+            got=options.page_port,
+            expected="0 to 65535; 0 takes a free one",
+        )
+    if (options.tls_cert is None) != (options.tls_key is None):
+        raise InputError(
+            "a certificate needs its key, and a key its certificate",
+            where="--tls-cert, --tls-key",
+        )
+    tls = None
+    if options.tls_cert and options.tls_key:
+        tls = tls_context(options.tls_cert, options.tls_key)
+    offered = [kind for kind in TASKS.values() if hands_of(kind) == 1]
+    own = find_task(task) if task else None
+    if own is not None and own not in offered:
+        offered.insert(0, own)
+    tasks = [TaskName(kind.name, summary(kind), kind.lift_range > 0) for kind in offered]
+    program = str(versions()["hand-sandbox"])
+    token = kept_token(default_path().with_name("page-token")) if options.page_port else ""
+    return PageServer(
+        options.page_host,
+        options.page_port,
+        tasks,
+        program,
+        tls,
+        files=StaticFiles(index=HEADSET) if headset else None,
+        token=token,
+        study=study,
+        touch=touch,
+    )
+
+
+def open_page_beside_window(
+    page: PageOptions, touch: bool, events: EventLog, console: Console, task: str = ""
+) -> PageServer | None:
+    """Starts the page beside the window; returns None if it cannot be served, with a warning.
+
+    For `task` see `open_page`.
+
+    Raises:
+        DeviceError: An option asks for the page, and it cannot be served.
+    """
+    try:
+        server = open_page(page, touch=touch, task=task)
+    except DeviceError as error:
+        if page.tablet or page.lan or page.page_port:
+            raise
+        console.print(f"[yellow]no page beside the window: {error}[/]")
+        events.tell("warning", what=f"no page beside the window: {error}")
+        return None
+    if page.page_host == LOOPBACK:
+        console.print(
+            f"also in a browser on this machine: [bold]{server.url}[/]",
+            soft_wrap=True,
+            highlight=False,
+        )
+        events.tell("listening", address=server.url)
+    else:
+        show_address(server, page, events, console)
+    return server
+
+
+def show_address(server: PageServer, page: PageOptions, events: EventLog, console: Console) -> None:
+    """Prints the page's address, for tablets with a QR code, and hints."""
+    host = page.page_host
+    if page.tablet or page.lan:
+        console.print(code(server.url), highlight=False, soft_wrap=True)
+    console.print(f"open [bold]{server.url}[/]", soft_wrap=True, highlight=False)
+    for hint in hints(host):
+        console.print(f"[dim]{hint}[/]")
+    events.tell("listening", address=server.url)
+
+
+def short_address(server: PageServer) -> str:
+    """Returns the page's host and port; the terminal shows the whole link."""
+    return server.url.split("://", 1)[1].split("/", 1)[0].split("?", 1)[0]
+
+
+def print_refusals(server: PageServer, console: Console) -> None:
+    """Prints what the server refused or lost, by reason, if there was anything."""
+    refused = server.counters.as_dict()
+    if refused:
+        console.print(
+            "connections refused or lost: "
+            + ", ".join(f"{n} {reason}" for reason, n in refused.items())
+        )
+
+
+def show_session(
+    server: PageServer,
+    session: Session,
+    hand: str,
+    caption: str = "",
+    device: PageDevice | None = None,
+    own: int | None = None,
+    scored: bool = True,
+    texts: Callable[[str, str], tuple[str, str]] | None = None,
+) -> None:
+    """Shows a session that is about to begin on the page.
+
+    Args:
+        server: Server of the page.
+        session: Session to show.
+        hand: `right` or `left`.
+        caption: Name of the player if it is not a person.
+        device: Device for the page's touches; None: the page only shows.
+        own: Index of the hand that touches this page, if the other one touches elsewhere.
+        scored: False if the result does not count.
+        texts: Title and goal that the page shows, from the task's name and its own summary; None
+            shows those of the task.
+    """
+    message = describe_scene(
+        server.next_scene(),
+        session.scene,
+        session.task,
+        session.rigs[own or 0].reconstructor.surface,
+        hand,
+        caption,
+        in_air(session),
+        scored,
+    )
+    if texts is not None:
+        title, goal = texts(message.task, message.goal)
+        message = msgspec.structs.replace(message, task=title, goal=goal)
+    skins = [pack_skin(hand) for hand in session.scene.spec.hands]
+    server.show_scene(message, session.scene, device, skins, own)
+
+
+def touched_pages(session: Session) -> list[tuple[int | None, PageDevice]]:
+    """Returns the device of each page, with the index of its hand; None for both hands."""
+    devices: dict[int, tuple[int | None, PageDevice]] = {}
+    for hand, rig in enumerate(session.rigs):
+        device = rig.device
+        while isinstance(device, DeviceWrapper):
+            device = device.device
+        if isinstance(device, PageDevice):
+            devices[id(device)] = (None if id(device) in devices else hand, device)
+    return list(devices.values())
+
+
+def in_air(session: Session) -> bool:
+    """True if all hands are in the air, without touches."""
+    kinds = (HandReconstructor, JointReconstructor, LandmarkReconstructor)
+    return all(isinstance(rig.reconstructor, kinds) for rig in session.rigs)
