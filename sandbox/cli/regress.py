@@ -25,12 +25,10 @@ from sandbox.options.one_hand_options import TrialOptions, given_options
 from sandbox.options.picked import picked
 from sandbox.options.second_hand import SecondOptions
 from sandbox.options.variations import KINDS, help_with_names
-from sandbox.regress.breaking_off import BreakOff
-from sandbox.regress.progress import progress_shown
 
 if TYPE_CHECKING:
     from sandbox.regress.baseline import Baseline
-    from sandbox.regress.execute import Executor, Trial
+    from sandbox.regress.execute import Executor, Interrupt, Trial
     from sandbox.regress.plan import RegressionPlan
     from sandbox.regress.report import Report
     from sandbox.regress.sweep import Runner
@@ -130,8 +128,9 @@ def main(argv: list[str]) -> int:
     """Runs `sandbox regress ...`."""
     options = _parsed(argv)
     _check(options)
+    from sandbox.regress.execute import Interrupt
     from sandbox.regress.plan import RegressionPlan, find_tasks, parse_seeds
-    from sandbox.regress.report import make_report
+    from sandbox.regress.report import make_report, save_junit
     from sandbox.regress.show import show
     from sandbox.system.files import write_whole
 
@@ -154,10 +153,10 @@ def main(argv: list[str]) -> int:
     old = _compared_with(options, plan, console)
     if options.record is not None and not options.resume:
         _empty_folder(options.record)
-    with _kept(options, plan, console) as kept, BreakOff() as wish:
+    with _kept(options, plan, console) as kept, Interrupt() as interrupt:
         began = perf_counter()
         sweeps = bool(options.vary)
-        run = partial(_run, executor=executor, wish=wish, kept=kept, sweeps=sweeps)
+        run = partial(_run, executor=executor, interrupt=interrupt, kept=kept, sweeps=sweeps)
         if options.vary:
             passed = run_vary(options, plan, executor, run, console)
         else:
@@ -177,14 +176,12 @@ def main(argv: list[str]) -> int:
                 else:
                     write_whole(options.json, text + "\n", "--json")
             if options.junit is not None:
-                from sandbox.regress.junit import save_junit
-
                 save_junit(report, options.junit)
             passed = report.passed if report.complete else None
             if options.update_baseline:
                 passed = _update(options, plan, report, console)
         if passed is None:
-            return wish.status
+            return interrupt.status
         if not passed and kept is not None and kept.has_crashes:
             console.print("the same command with --resume runs the crashed trials again")
         if kept is not None:
@@ -344,7 +341,7 @@ def _what(plan: RegressionPlan) -> str:
 def _run(
     plan: RegressionPlan,
     executor: Executor,
-    wish: BreakOff,
+    interrupt: Interrupt,
     kept: TrialsFile | None,
     sweeps: bool = False,
 ) -> list[Trial]:
@@ -353,10 +350,12 @@ def _run(
     Args:
         plan: The trials to run.
         executor: Where they run.
-        wish: Tells whether somebody wants to break off.
+        interrupt: Says whether somebody wants to break off.
         kept: The file that they are written to, if there is one.
         sweeps: They are a part of a run, with one variation of one task.
     """
+    from sandbox.regress.show import progress_shown
+
     trials = kept.ended(plan) if kept is not None else []
     ended = {(t["task"], t["seed"]) for t in trials}
     jobs = plan.jobs()
@@ -365,8 +364,8 @@ def _run(
     with (
         suppress(KeyboardInterrupt),
         progress_shown(what, len(jobs), len(trials)) as tell,
-        wish.while_running(),
-        closing(executor.run(missing, lambda: wish.asked)) as running,
+        interrupt.while_running(),
+        closing(executor.run(missing, lambda: interrupt.requested)) as running,
     ):
         for trial in running if missing else ():
             if kept is not None:
@@ -374,7 +373,7 @@ def _run(
             trials.append(trial)
             tell(len(trials), sum(t["success"] for t in trials))
     if len(trials) < len(jobs):
-        by = f" by {wish.name}" if wish.name else ""
+        by = f" by {interrupt.name}" if interrupt.name else ""
         rest = "; the same command with --resume runs the rest" if kept is not None else ""
         where = f"{escape(what)}: " if what else ""
         done = f"{len(trials)} of {counted(len(jobs), 'trial')}"
@@ -466,8 +465,7 @@ def run_vary(
         run: Runs a plan's trials.
         console: For people.
     """
-    from sandbox.regress.show import show_crashes
-    from sandbox.regress.show_sweep import show_sweep
+    from sandbox.regress.show import show_crashes, show_sweep
     from sandbox.regress.sweep import parse_wanted, sweep
     from sandbox.system.files import write_whole
 

@@ -15,7 +15,7 @@ from msgspec import Struct
 from models.errors import InputError
 from models.json_input import check_layout, decoded, read_bytes
 from sandbox.regress.execute import CRASHED, Trial
-from sandbox.regress.origin import ENCODER, Origin, flat
+from sandbox.regress.plan import ENCODER, Origin, flat
 from sandbox.system.files import OPEN, Release, lock, resolved, write_whole
 from sandbox.trial.result import KeptIn, kept_fields
 

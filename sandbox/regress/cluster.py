@@ -8,13 +8,22 @@ import socket
 import threading
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from itertools import chain, islice
 from time import monotonic
 from typing import Any
 
 from models.errors import HandSandboxError, InputError
-from sandbox.regress.breaking_off import SIGNALS
-from sandbox.regress.execute import HEARD_WITHIN, Stopped, Trial, Trials, attempt, crashed, never
+from sandbox.regress.execute import (
+    SIGNALS,
+    STOPS_WITHIN,
+    Stopped,
+    Trial,
+    Trials,
+    attempt,
+    crashed,
+)
 from sandbox.regress.plan import TrialJob
+from sandbox.trial.driver import never
 
 CONNECT_TIMEOUT = 5.0
 """s to wait for a cluster's answer."""
@@ -22,7 +31,10 @@ LOST_AFTER = 300.0
 """s without any core in the cluster after which its trials are given up; a cluster that replaces a
 lost machine by itself does so within minutes."""
 LOOK_EVERY = 1.0
-"""s between two looks at the cluster's cores, while no trial ends."""
+"""s between two looks at the cluster's cores."""
+JOBS_PER_CORE = 4
+"""Number of jobs given to the cluster at a time, for each of its cores. The answer of Ray takes
+longer the more jobs it is asked about."""
 
 
 def need_ray() -> Any:
@@ -73,14 +85,18 @@ class Cluster:
         self._connect()
         try:
             remote = ray.remote(num_cpus=1, max_retries=0)(attempt)
-            pending = {remote.remote(job): job for job in jobs}
+            waiting, pending = iter(jobs), dict[Any, TrialJob]()
             cores = _Cores(ray)
-            while pending and not stopped():
-                done, _ = ray.wait(list(pending), num_returns=1, timeout=HEARD_WITHIN)
+            while not stopped():
+                room = max(JOBS_PER_CORE * cores.count(), 1) - len(pending)
+                pending |= {remote.remote(job): job for job in islice(waiting, max(room, 0))}
+                if not pending:
+                    return
+                done, _ = ray.wait(list(pending), num_returns=1, timeout=STOPS_WITHIN)
                 for ready in done:
                     yield self._trial(ready, pending.pop(ready))
                 if not done and cores.lost():
-                    for job in pending.values():
+                    for job in chain(pending.values(), waiting):
                         yield crashed(job, "no machine of the cluster is left to run it")
                     return
         except ConnectionError as error:
@@ -143,24 +159,38 @@ def _blocked_below() -> Iterator[None]:
 
 
 class _Cores:
-    """Notices that a cluster has had no core for long, after it had some."""
+    """The cores of a cluster, looked at every `LOOK_EVERY` seconds at most.
+
+    It notices that a cluster has had no core for long, after it had some.
+    """
 
     def __init__(self, ray: Any) -> None:
         self._ray = ray
-        self._looked = 0.0
+        self._looked = float("-inf")
+        self._count = 0
         self._since: float | None = None
         self._seen = False
 
+    def count(self) -> int:
+        """The number of cores when it was last looked at."""
+        self._look()
+        return self._count
+
     def lost(self) -> bool:
-        now = monotonic()
-        if now - self._looked < LOOK_EVERY:
-            return False
-        self._looked = now
-        if self._ray.cluster_resources().get("CPU", 0.0) >= 1.0:
-            self._seen, self._since = True, None
-        elif self._seen and self._since is None:
-            self._since = now
+        """True once there has been no core for `LOST_AFTER` seconds."""
+        now = self._look()
         return self._since is not None and now - self._since > LOST_AFTER
+
+    def _look(self) -> float:
+        now = monotonic()
+        if now - self._looked >= LOOK_EVERY:
+            self._looked = now
+            self._count = int(self._ray.cluster_resources().get("CPU", 0.0))
+            if self._count:
+                self._seen, self._since = True, None
+            elif self._seen and self._since is None:
+                self._since = now
+        return now
 
 
 def _first_line(error: Exception) -> str:

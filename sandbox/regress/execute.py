@@ -1,29 +1,32 @@
 """Runs trials: one after another here, in processes of their own, or on a cluster with Ray.
 
 All give the same results to the bit: every trial is made anew from its settings, and BLAS gets one
-thread, so that nothing depends on who else was run where.
+thread, so that nothing depends on who else was run where. Ctrl-C and SIGTERM take effect between
+two results, so that none is lost.
 """
 
 from __future__ import annotations
 
 import multiprocessing
 import signal
+import threading
 import traceback
-from collections.abc import Callable, Generator, Sequence
-from contextlib import suppress
+from collections.abc import Callable, Generator, Iterator, Sequence
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
 from pathlib import Path
 from tempfile import gettempdir
+from types import FrameType
 from typing import Any, Protocol
 
 from models.errors import HandSandboxError, InputError
+from sandbox.devices.device import Closeable
 from sandbox.recording.versions import decisive_parts
-from sandbox.regress.breaking_off import SIGNALS
 from sandbox.regress.plan import TrialJob, registered
 from sandbox.trial.assembly import load_encoder
-from sandbox.trial.driver import run_trial
+from sandbox.trial.driver import never, run_trial
 from sandbox.trial.result import KeptIn, kept_fields
 from tasks.guarded import build_scene, draw_task, measure
 from tasks.registry import find_task, is_built_in
@@ -41,13 +44,8 @@ Trials = Generator[Trial, None, None]
 
 Stopped = Callable[[], bool]
 
-HEARD_WITHIN = 0.1
-"""s after which a wish to stop is heard at the latest, where trials run elsewhere."""
-
-
-def never() -> bool:
-    """Nobody stops a run."""
-    return False
+STOPS_WITHIN = 0.1
+"""s within which a request to stop takes effect, where trials run elsewhere."""
 
 
 class Executor(Protocol):
@@ -170,7 +168,7 @@ class Processes:
                 _give(worker, waiting)
             while not stopped() and (busy := [w for w in workers if w.job is not None]):
                 # A process that ends closes its line, so that waiting for lines is enough.
-                ready = wait([w.line for w in busy], HEARD_WITHIN)
+                ready = wait([w.line for w in busy], STOPS_WITHIN)
                 for worker in [w for w in busy if w.line in ready]:
                     job = worker.job
                     assert job is not None
@@ -256,3 +254,60 @@ def _death(code: int | None) -> str:
 def _last_line(error: BaseException) -> str:
     place = traceback.extract_tb(error.__traceback__)[-1]
     return f"{type(error).__name__}: {error} ({place.filename}:{place.lineno})"
+
+
+SIGNALS = (signal.SIGINT, signal.SIGTERM)
+"""What a person sends with Ctrl-C, and what CI systems and schedulers send."""
+
+
+class Interrupt(Closeable):
+    """In its `with` block the first signal only sets a flag that workers check; a second one
+    interrupts trials that are running.
+
+    Outside of a program's main thread, and for signals that are ignored, it changes nothing.
+    """
+
+    def __init__(self) -> None:
+        self._running = False
+        self._signal: int | None = None
+        self._before = {}
+        if threading.current_thread() is threading.main_thread():
+            before = {number: signal.getsignal(number) for number in SIGNALS}
+            self._before = {n: how for n, how in before.items() if how is not signal.SIG_IGN}
+        for number in self._before:
+            signal.signal(number, self._receive)
+
+    @property
+    def requested(self) -> bool:
+        """True once a signal has come."""
+        return self._signal is not None
+
+    @property
+    def name(self) -> str:
+        """Name of the first signal; empty if none has come."""
+        return "" if self._signal is None else signal.Signals(self._signal).name
+
+    @property
+    def status(self) -> int:
+        """Exit status of a program that the signal ended, as shells have it: 130 or 143."""
+        return 128 + (self._signal or signal.SIGINT)
+
+    @contextmanager
+    def while_running(self) -> Iterator[None]:
+        """While trials run, which a second signal interrupts; what is written then is not."""
+        self._running = True
+        try:
+            yield
+        finally:
+            self._running = False
+
+    def close(self) -> None:
+        """The signals do what they did before."""
+        for number, how in self._before.items():
+            signal.signal(number, how)
+        self._before = {}
+
+    def _receive(self, number: int, frame: FrameType | None) -> None:
+        if self.requested and self._running:
+            raise KeyboardInterrupt
+        self._signal = self._signal or number

@@ -1,4 +1,7 @@
-"""Plan of a regression run: tasks, seeds, and one configuration for all trials."""
+"""Plan of a regression run: tasks, seeds, and one configuration for all trials.
+
+`Origin` is what the results of a run follow from: the settings that the user gave, and the program.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +20,6 @@ from models.plugins import failure
 from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.options.second_hand import SecondOptions
 from sandbox.recording.versions import STATES, versions
-from sandbox.regress.origin import ENCODER, Origin
 from sandbox.trial.assembly import digests, drawn
 from sandbox.trial.settings import Settings, encoded
 from tasks.registry import TASKS, claim_name, find_task, is_built_in, task_names
@@ -312,3 +314,49 @@ def registered(own_task: type[Task] | None) -> Iterator[None]:
         yield
     finally:
         del TASKS[own_task.name]
+
+
+ENCODER = "encoder"
+"""Option of a trial that names the encoder."""
+
+
+@dataclass(frozen=True)
+class Origin:
+    """What the trials of a run follow from, beside tasks and seeds; JSON values.
+
+    Attributes:
+        given: Options of `sandbox run` that the user gave; an encoder of one's own is named by its
+            digest. Results compare only where these are equal.
+        program: The program that ran: `states` (see `sandbox.recording.versions`), `version`,
+            from a checkout `commit`, and `models`, the digests of encoder and labels.
+        settings: All settings of a trial, but for task, seed and what follows from the task, so
+            that a changed default is named; empty in a baseline that does not have them.
+    """
+
+    given: Mapping[str, Any]
+    program: Mapping[str, Any]
+    settings: Mapping[str, Any] = field(default_factory=dict)
+
+    @property
+    def decides_states(self) -> tuple[Any, Any]:
+        """The parts of the program that states follow from."""
+        return self.program.get("states"), self.program.get("models")
+
+    def __str__(self) -> str:
+        """The program in words, as `states 2 (hand-sandbox 0.2.0, commit abc1234)`."""
+        at = self.program.get("commit")
+        version = self.program.get("version", "unknown") + (f", commit {at}" if at else "")
+        return f"states {self.program.get('states')} (hand-sandbox {version})"
+
+
+def flat(values: Mapping[str, Any]) -> dict[str, Any]:
+    """Nested values by dotted name, as JSON reads them back."""
+
+    def walk(prefix: str, value: Any) -> Iterator[tuple[str, Any]]:
+        if isinstance(value, dict):
+            for name, inner in value.items():
+                yield from walk(f"{prefix}.{name}" if prefix else name, inner)
+        else:
+            yield prefix, value
+
+    return dict(walk("", json.loads(json.dumps(values))))

@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+import re
 import shlex
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 from statistics import fmean, median
 from typing import TYPE_CHECKING, Any
+from xml.etree import ElementTree
 
 from models.message import counted
 from sandbox.recording.versions import differing_parts
 from sandbox.regress import statistics
 from sandbox.regress.execute import CRASHED, Trial
 from sandbox.regress.plan import RegressionPlan
+from sandbox.system.files import write_whole
 
 if TYPE_CHECKING:
     from sandbox.regress.baseline import Baseline, KeptTask
@@ -427,3 +431,80 @@ def _exact(comparisons: dict[str, Comparison]) -> tuple[list[str], list[str]]:
                 f"on is not the baseline's, so only their success is compared. Other is {what}"
             )
     return reasons, notes
+
+
+_ILLEGAL = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+"""Characters that XML 1.0 cannot hold, not even escaped."""
+
+
+def junit(report: Report) -> str:
+    """XML with a test for every task.
+
+    A loss beyond chance is a failure, and trials that crashed are an error; both together are an
+    error that names both. Crashes that are allowed are only told of. The output names failed seeds
+    and how to see them again. Tests have no `time`: a trial knows simulated time alone.
+    """
+    suite = ElementTree.Element("testsuite", name="sandbox regress")
+    outcomes = [_add_test(suite, report, task) for task in report.tasks]
+    for attribute, outcome in (
+        ("tests", None),
+        ("failures", "failure"),
+        ("errors", "error"),
+        ("skipped", "skipped"),
+    ):
+        suite.set(attribute, str(len(outcomes) if outcome is None else outcomes.count(outcome)))
+    suites = ElementTree.Element("testsuites")
+    suites.append(suite)
+    ElementTree.indent(suites)
+    return (
+        '<?xml version="1.0" encoding="UTF-8"?>\n' + ElementTree.tostring(suites, "unicode") + "\n"
+    )
+
+
+def save_junit(report: Report, path: Path) -> None:
+    """Writes the file.
+
+    Raises:
+        InputError: It cannot be written.
+    """
+    write_whole(path, junit(report), "--junit")
+
+
+def _add_test(suite: ElementTree.Element, report: Report, task: TaskResult) -> str | None:
+    """Adds a task's test; returns the tag of its outcome, None if it passed."""
+    case = ElementTree.SubElement(
+        suite, "testcase", classname="sandbox.regress", name=_legal(task.name)
+    )
+    properties = ElementTree.SubElement(case, "properties")
+    for name, value in task.as_json().items():
+        if isinstance(value, list):
+            value = ",".join(map(str, value))
+        if value not in (None, ""):
+            ElementTree.SubElement(properties, "property", name=name, value=_legal(str(value)))
+    broken = [r for r in report.reasons if r.startswith(f"{task.name}: ")]
+    crashed = task.crashed if report.crashes.too_many else []
+    outcome = None
+    if not report.complete:
+        outcome = "skipped"
+        ElementTree.SubElement(case, outcome, message="the run broke off: nothing is judged")
+    elif broken or crashed:
+        outcome = "error" if crashed else "failure"
+        said = [f"seed {t['seed']} crashed: {t['reason']}" for t in crashed] + broken
+        wrong = ElementTree.SubElement(case, outcome, message=_legal("; ".join(said)))
+        again = [report.command(t) for t in crashed]
+        wrong.text = _legal("\n".join([*said, *again]))
+    ElementTree.SubElement(case, "system-out").text = _legal(_failed_text(report, task))
+    return outcome
+
+
+def _failed_text(report: Report, task: TaskResult) -> str:
+    lines = [f"{task.successes} of {counted(task.n, 'trial')} succeeded"]
+    lines += [
+        f"seed {t['seed']}: {t['status']}, {t['reason']}\n  {report.command(t)}"
+        for t in task.failed
+    ]
+    return "\n".join(lines)
+
+
+def _legal(text: str) -> str:
+    return _ILLEGAL.sub("�", text)

@@ -1,15 +1,112 @@
-"""The report as tables for a terminal."""
+"""What a person sees of a regression run: its progress, and its report as tables for a terminal.
+
+Progress is a bar on a terminal, and now and then a plain line where there is none, as in the log of
+a CI server.
+"""
 
 from __future__ import annotations
 
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from math import ceil
+from time import perf_counter
+from typing import TYPE_CHECKING
+
 from rich.console import Console
 from rich.markup import escape
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
 from models.message import counted
 from sandbox.regress import statistics
 from sandbox.regress.execute import CRASHED
 from sandbox.regress.report import Comparison, Crashes, Report
+
+if TYPE_CHECKING:
+    from sandbox.regress.sweep import Curve, Point, Sweep
+
+FIRST, EVERY = 10.0, 30.0
+"""s after which the first plain line is due, and each further one."""
+
+Tell = Callable[[int, int], None]
+"""Takes how many trials have ended, and how many of them succeeded."""
+
+
+class PlainLines:
+    """Lines of plain text: one where so much time has passed, and one when all trials have ended.
+
+    Args:
+        what: What is run, before every line; empty for a whole run.
+        total: Number of trials.
+        ended: How many of them had ended before.
+        write: Takes each line.
+        clock: Time in s.
+    """
+
+    def __init__(
+        self,
+        what: str,
+        total: int,
+        ended: int = 0,
+        write: Callable[[str], None] = lambda line: print(line, file=sys.stderr, flush=True),
+        clock: Callable[[], float] = perf_counter,
+    ) -> None:
+        self._what = f"{what}: " if what else ""
+        self._total, self._before = total, ended
+        self._write, self._clock = write, clock
+        self._began = clock()
+        self._due = self._began + FIRST
+
+    def tell(self, ended: int, succeeded: int) -> None:
+        """Writes a line if one is due.
+
+        Args:
+            ended: How many trials have ended.
+            succeeded: How many of them succeeded.
+        """
+        now = self._clock()
+        if now < self._due and ended < self._total:
+            return
+        self._due = now + EVERY
+        line = f"{self._what}{ended} of {counted(self._total, 'trial')}, {succeeded} succeeded"
+        here = ended - self._before
+        if here and ended < self._total:
+            left = (now - self._began) / here * (self._total - ended)
+            line += f", about {ceil(left / 60.0)} min left"
+        self._write(line)
+
+
+@contextmanager
+def progress_shown(what: str, total: int, ended: int) -> Iterator[Tell]:
+    """Shows the progress on standard error while trials run.
+
+    Args:
+        what: What is run, in words; empty for a whole run.
+        total: Number of trials.
+        ended: How many of them had ended before.
+    """
+    screen = Console(stderr=True)
+    if not (sys.stderr.isatty() and screen.is_terminal) or screen.is_dumb_terminal:
+        yield PlainLines(what, total, ended).tell
+        return
+    progress = Progress(
+        TextColumn("{task.description}", markup=False),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TimeRemainingColumn(),
+        console=screen,
+        transient=True,
+    )
+    with progress:
+        bar = progress.add_task(what or "running", total=total, completed=ended)
+
+        def tell(ended: int, succeeded: int) -> None:
+            text = f"{succeeded} of {ended} succeeded"
+            progress.update(bar, completed=ended, description=f"{what}: {text}" if what else text)
+
+        yield tell
+
 
 MOST_FAILED = 20
 """Lines of failed trials; the JSON has all of them."""
@@ -130,3 +227,86 @@ def show_crashes(crashes: Crashes, console: Console) -> None:
     for trial in crashes.trials:
         name = escape(f"{trial['task']} seed {trial['seed']}")
         console.print(f"[red]crashed[/] {name}: {escape(trial['reason'])}", soft_wrap=True)
+
+
+def show_sweep(found: Sweep, console: Console) -> None:
+    """Prints everything a person has to know."""
+    for curve in found.curves:
+        console.print(_curve_table(found, curve))
+        for line in said(curve):
+            console.print(escape(line), soft_wrap=True)
+        broken = next((p for p in curve.points if p.breaks and p.lost), None)
+        if broken:
+            again = found.command(curve, broken, broken.lost[0])
+            console.print(f"  [dim]{escape(again)}[/]", soft_wrap=True)
+        console.print()
+    seeds = len(found.plan.seeds)
+    floor = statistics.noticeable_drop(seeds)
+    least = statistics.fewest_losses()
+    text = (
+        f"{least} seeds lost and none won would be a loss beyond chance; {counted(seeds, 'seed')}: "
+    )
+    text += (
+        "too few to notice any drop"
+        if floor is None
+        else f"enough to notice a drop of {100 * floor:.1f} points"
+    )
+    power = f"{statistics.POWER:.0%}"
+    console.print(f"[dim]{text} with {power} power, every value on its own[/]", soft_wrap=True)
+    if not found.complete:
+        missing = "; ".join(each.text(seeds) for each in found.unfinished)
+        console.print(f"[yellow]not finished: {escape(missing)}[/]", soft_wrap=True)
+
+
+def said(curve: Curve) -> list[str]:
+    """Text of the values at which a task breaks."""
+    kind = curve.kind
+    lines = [f"{kind.text(p.value)}: {p.refused}" for p in curve.points if p.refused]
+    below, above = curve.breaks_below, curve.breaks_above
+    if below is not None:
+        lines.append(f"{curve.task} breaks at {kind.name} {kind.text(below)}")
+    if above is not None:
+        lines.append(f"{curve.task} breaks at {kind.name} {kind.text(above)}")
+    judged = [point for point in curve.run if not point.partial]
+    if below is None and above is None and len(judged) > 1:
+        lowest, highest = kind.text(judged[0].value), kind.text(judged[-1].value)
+        lines.append(f"{curve.task}: no break found from {kind.name} {lowest} to {highest}")
+    return lines
+
+
+def _curve_table(found: Sweep, curve: Curve) -> Table:
+    kind = curve.kind
+    encoder = found.plan.settings[0].pipeline.encoder
+    table = Table(title=f"{escape(curve.task)}: {kind.about} (simulated user, {escape(encoder)})")
+    table.add_column(f"{kind.name}, {kind.unit or 'factor'}", justify="right")
+    for name in ("success", "95 % interval", "lost", "won", "p", "median time", ""):
+        table.add_column(name, justify="right")
+    for point in curve.run:
+        table.add_row(*_row(curve, point, len(found.plan.seeds)))
+    return table
+
+
+def _row(curve: Curve, point: Point, seeds: int) -> tuple[str, ...]:
+    result = point.result
+    low, high = statistics.wilson(result.successes, result.n)
+    neutral = point.value == curve.kind.neutral
+    notes = [text for text, holds in _notes(point, neutral, seeds) if holds]
+    return (
+        f"{point.value:g}",
+        f"{result.successes}/{result.n}",
+        f"{low:.1%} to {high:.1%}",
+        "" if neutral else str(len(point.lost)),
+        "" if neutral else str(len(point.won)),
+        "" if neutral or point.partial else f"{point.p:.3g}",
+        "" if result.time_s is None else f"{result.time_s:.2f} s",
+        ", ".join(notes),
+    )
+
+
+def _notes(point: Point, neutral: bool, seeds: int) -> tuple[tuple[str, bool], ...]:
+    """Texts beside a value, each with whether it holds."""
+    return (
+        ("nothing varied", neutral),
+        ("[red]breaks[/]", not neutral and point.breaks),
+        (f"[yellow]{point.result.n} of {seeds} trials[/]", point.partial),
+    )

@@ -23,7 +23,7 @@ from sandbox.devices.open_touches import open_file
 from sandbox.devices.tuio.touch_capture import read_capture
 from sandbox.options.profiles import load_profile
 from sandbox.regress.baseline import Baseline, Kept, KeptTask, load_baseline
-from sandbox.regress.origin import Origin
+from sandbox.regress.plan import Origin
 from sandbox.study.record.chain import chained
 from sandbox.study.record.folder import participants_of, read_study_json
 from sandbox.study.record.journal import read_journal

@@ -27,9 +27,8 @@ from models.errors import InputError
 from sandbox.cli.main import main
 from sandbox.regress.baseline import Baseline, load_baseline, update
 from sandbox.regress.execute import Serial
-from sandbox.regress.junit import junit
 from sandbox.regress.plan import RegressionPlan, registered
-from sandbox.regress.report import Report, make_report
+from sandbox.regress.report import Report, junit, make_report
 from sandbox.regression import Regression
 from sandbox.system.files import write_whole
 from sandbox.trial.result import KeptIn, kept_fields

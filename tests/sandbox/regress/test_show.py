@@ -6,7 +6,7 @@ import pytest
 
 from sandbox.cli.main import main
 from sandbox.regress.plan import registered
-from sandbox.regress.progress import EVERY, FIRST, PlainLines
+from sandbox.regress.show import EVERY, FIRST, PlainLines
 from tests.support.regress_tasks import Quick
 
 
