@@ -33,9 +33,9 @@ from sandbox.study.tables.frames import FrameTable
 from sandbox.study.tables.tables import rebuild_session, rebuild_study
 from sandbox.system.files import sync_file
 from sandbox.trial.assembly import build
-from sandbox.trial.device_makers import DeviceMaker
 from sandbox.trial.driver import TrialRecorder, trial_header, undisturbed
 from sandbox.trial.live_run import RealTime
+from sandbox.trial.open_devices import DeviceMaker
 from sandbox.trial.replay import replay, settings_of
 from sandbox.trial.settings import Settings
 from tasks.user import UserConfiguration

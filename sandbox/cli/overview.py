@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import ast
-import importlib.util
 from collections.abc import Mapping
-from pathlib import Path
 
 from models.plugins import package
-from sandbox.devices.registry import DEVICE_PLUGINS, DEVICES
+from sandbox.devices.own_device import DEVICE_PLUGINS
+from sandbox.devices.registry import DEVICES
 from sandbox.views.display import has_display
 
 
@@ -31,10 +29,9 @@ def overview(commands: Mapping[str, str]) -> str:
 
 
 def devices() -> dict[str, str]:
-    """Returns device -> first sentence of its class, read from the source without an import."""
-    places = {name: entry.place for name, entry in DEVICES.items()}
-    places["FILE"] = "sandbox.recording.recorded_device:RecordedDevice"
-    return {name: _sentence_of(place) for name, place in places.items()}
+    """Returns device -> what it is."""
+    known = {name: entry.help for name, entry in DEVICES.items()}
+    return {**known, "FILE": "a file that plays as a device: `sandbox touches formats` lists them"}
 
 
 def first_steps() -> list[str]:
@@ -73,16 +70,6 @@ def _installed_devices() -> list[str]:
         f"  {name}  offered by {', '.join(map(package, entries))}"
         for name, entries in DEVICE_PLUGINS.offered().items()
     ]
-
-
-def _sentence_of(place: str) -> str:
-    """Returns the first sentence of the docstring of `MODULE:CLASS`, read from the source."""
-    module, _, name = place.partition(":")
-    spec = importlib.util.find_spec(module)
-    assert spec is not None and spec.origin is not None
-    tree = ast.parse(Path(spec.origin).read_text(encoding="utf-8"))
-    definition = next(n for n in tree.body if isinstance(n, ast.ClassDef) and n.name == name)
-    return _first_sentence(ast.get_docstring(definition) or "")
 
 
 def _first_sentence(text: str) -> str:

@@ -13,8 +13,8 @@ from models.errors import InputError
 from sandbox.cli.common.command_line import parse
 from sandbox.cli.common.lsl_options import LslOptions, streaming
 from sandbox.cli.run import RunOptions, perform
-from sandbox.devices.kinds import LIVE_HEADSET as LIVE
-from sandbox.devices.kinds import is_in_air
+from sandbox.devices.registry import LIVE_HEADSET as LIVE
+from sandbox.devices.registry import is_in_air
 from sandbox.options.headings import COMMON, OUTPUT, PERSON
 from sandbox.options.leap_calibration import uses_touch_profile, with_measured_hand
 from sandbox.options.names import check_names

@@ -26,12 +26,11 @@ from sandbox.play.reports import NoticePrinter, address_line, report_end
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
 from sandbox.system.ending import ending_as_by_ctrl_c
-from sandbox.trial.device_makers import DeviceMaker
 from sandbox.trial.driver import View, run_trial
 from sandbox.trial.events import EventLog, NoticeEvents
 from sandbox.trial.lift import with_lift
 from sandbox.trial.live_run import RealTime
-from sandbox.trial.open_devices import device_makers, is_live
+from sandbox.trial.open_devices import DeviceMaker, device_makers, is_live
 from sandbox.trial.result import TrialResult
 from sandbox.trial.settings import Settings
 from tasks.task import Task

@@ -19,14 +19,14 @@ from models.errors import InputError
 from models.frames import SIDES
 from sandbox.cli.common.command_line import parse
 from sandbox.cli.common.json_out import check_output, write_json
-from sandbox.devices.kinds import LIVE_LEAP as LEAP
-from sandbox.devices.kinds import is_leap
-from sandbox.devices.leap.leap_maker import open_leap
-from sandbox.devices.registry import DEVICES
+from sandbox.devices.device import Sees
+from sandbox.devices.leap import LeapCommandOptions, OverLeapOptions
+from sandbox.devices.leap.leap import open_leap
+from sandbox.devices.registry import DEVICES, kind_of
+from sandbox.devices.registry import LIVE_LEAP as LEAP
 from sandbox.export.leap_source import Hand
 from sandbox.export.motion_source import MotionSource
 from sandbox.export.sources import open_source
-from sandbox.options.leap_devices import LeapOptions
 from sandbox.options.names import check_device_name
 from sandbox.options.page_options import PageOptions
 from sandbox.options.picked import picked
@@ -43,7 +43,7 @@ from sandbox.trial.open_devices import device_makers
 from tasks.registry import find_task
 
 if TYPE_CHECKING:
-    from sandbox.trial.device_makers import DeviceMakers
+    from sandbox.trial.open_devices import DeviceMakers
     from sandbox.trial.settings import Settings
 
 TASK = "box-to-goal"
@@ -67,7 +67,7 @@ class _File:
 
 
 @dataclass(frozen=True, kw_only=True)
-class StreamOptions(LeapOptions, PageOptions, LiveTouchOptions, _File):
+class StreamOptions(LeapCommandOptions, PageOptions, LiveTouchOptions, _File):
     """Sends the motion of hands live to Maya or Blender, where the fingers of any rig follow.
 
     In Maya, paste the script into the script editor (Python) and run it. Select the first joints
@@ -242,7 +242,11 @@ def _open(
     straight = options.task is None and options.of != "simulated"
     if options.device and Path(options.device).is_file():
         given = Path(options.device)
-        whole = straight if is_leap(options.device) else is_recording(given) or _is_capture(given)
+        whole = (
+            straight
+            if kind_of(options.device).sees is Sees.LEAP
+            else is_recording(given) or _is_capture(given)
+        )
         path = given if whole else None
     if path is not None:
         yield _recorded(options, path), False
@@ -300,7 +304,7 @@ def _leap_hands(options: StreamOptions) -> tuple[tuple[str, ...], dict[str, Hand
 
 def _no_table(options: StreamOptions) -> None:
     """Refuses a place for the Leap where there is no scene."""
-    if options.leap_at != LeapOptions.leap_at:
+    if options.leap_at != OverLeapOptions.leap_at:
         raise InputError(
             "without a task the hand is in the frame of the Leap",
             where="--leap-at",

@@ -19,10 +19,9 @@ from models.errors import DeviceError
 from models.frames import Frame, HandFrame, LandmarkFrame, TouchFrame
 from models.plugins import failure
 from models.surface import Surface
-from sandbox.devices.device import AnyDevice
-from sandbox.devices.registry import open_by_name
-from sandbox.devices.wrappers.adapted import adapted
-from sandbox.devices.wrappers.guarded import far_off, is_far_off
+from sandbox.devices.device import AnyDevice, DeviceEntry, Place
+from sandbox.devices.own_device import adapted, far_off, is_far_off
+from sandbox.devices.registry import DeviceSettings, find_device
 
 T = TypeVar("T")
 
@@ -48,7 +47,7 @@ _FRAMES = (TouchFrame, HandFrame, LandmarkFrame)
 
 
 def check_device(
-    open_device: Callable[[Surface], Any] | type[Any] | str,
+    open_device: Callable[[Surface], Any] | type[Any] | DeviceEntry[Any] | str,
     make_touches: Callable[[Any, int], None] | None = None,
     surface: Surface = SIZE,
 ) -> None:
@@ -59,7 +58,8 @@ def check_device(
 
     Args:
         open_device: A class, which is called with the surface and an empty argument; or a function
-            that opens the device on a surface; or how it is named on the command line.
+            that opens the device on a surface; or an entry, which opens it with the defaults of its
+            options; or how it is named on the command line.
         make_touches: Called with the device and the number of the poll, 0 to 59, before each; it
             makes fingers do something. None lets the device act by itself.
         surface: The touch surface.
@@ -308,17 +308,18 @@ def _poll(device: AnyDevice, where: str, now: float) -> list[Frame]:
 
 
 def _open(
-    open_device: Callable[[Surface], Any] | type[Any] | str, surface: Surface
+    open_device: Callable[[Surface], Any] | type[Any] | DeviceEntry[Any] | str, surface: Surface
 ) -> tuple[AnyDevice, str]:
     """A device that was opened now, and its place for messages."""
     where = open_device if isinstance(open_device, str) else "the device"
 
     def opened() -> Any:
+        if isinstance(open_device, DeviceEntry):
+            return open_device.open(open_device.options(), Place(surface))
         if isinstance(open_device, str):
-            named = open_by_name(open_device)
-            if named is None:
+            if find_device(open_device) is None:
                 raise DeviceError("no such device", got=open_device)
-            return named(surface)
+            return DeviceSettings.of(open_device).open(Place(surface))
         return open_device(surface, "") if isinstance(open_device, type) else open_device(surface)
 
     device = _call(opened, where, "opening")

@@ -1,9 +1,13 @@
-"""The contract of devices: the interface between a session and a source of touches or hand frames.
+"""The contract of devices: sources of touch frames and hand frames, and how they are opened.
+
+A device of this program is a folder in `sandbox/devices` with a `DeviceEntry`, and a line in
+`sandbox.devices.registry`. The entry says what the device is (`DeviceKind`), which options it has
+and how it is opened: `open(options, place) -> AnyDevice`, where `Place` says where and for whom.
 
 A device overrides `poll` and the members that it supports; every other member has a default.
-Wrappers keep the same contract (`sandbox.devices.wrappers.device_wrapper`). A device that was
-written elsewhere without these base classes gets the defaults when it is opened
-(`sandbox.devices.wrappers.adapted`). Callers therefore never need `hasattr`.
+Wrappers forward the members by `DeviceWrapper`. A device that was written elsewhere without these
+base classes gets the defaults when it is opened (`sandbox.devices.own_device`). Callers therefore
+never need `hasattr`.
 """
 
 from __future__ import annotations
@@ -12,18 +16,24 @@ import threading
 import time
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
+from enum import StrEnum
 from types import MappingProxyType, TracebackType
-from typing import TYPE_CHECKING, Any, Self, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, Self, TypeVar
 
 from models.frames import Frame, HandFrame, LandmarkFrame, TouchFrame
+from models.person import Person
 from models.surface import Surface
+from tasks.user import UserConfiguration
 
 if TYPE_CHECKING:
     from builtins import property as default
 
+    from models.arithmetic.arrays import Array
+    from sandbox.devices.hand_input import HandInput
     from sandbox.session.messages import Snapshot
     from sandbox.trial.latency import LatencyLog
+    from tasks.task import Task
 else:
 
     class default:  # noqa: N801  (used as a decorator, as `property` is)
@@ -42,6 +52,160 @@ PAUSE = 0.002
 _NO_TRUTH: Mapping[int, int] = MappingProxyType({})
 
 D = TypeVar("D")
+O = TypeVar("O")  # noqa: E741  (options of a device)
+
+
+class Sees(StrEnum):
+    """What a device sees of a hand: its touches, or the hand in the air."""
+
+    TOUCHES = "touches"
+    LEAP = "leap"
+    CAMERA = "camera"
+    HEADSET = "headset"
+
+
+class Source(StrEnum):
+    """Where the frames of a device come from."""
+
+    LIVE = "live"
+    SIMULATED = "simulated"
+    FILE = "file"
+
+
+@dataclass(frozen=True)
+class DeviceKind:
+    """What a device is; known without opening it.
+
+    Attributes:
+        sees: Touches, or hands over a Leap, before a camera or in a headset.
+        source: A person or another program (`LIVE`), which plays at the clock's speed; a simulated
+            user; or a file. The last two are played as fast as the machine can.
+        labels: It can say which finger each contact is; otherwise fingers are always labelled by
+            the program.
+        in_scene: It needs a scene: a window, objects to see, or a hand. Otherwise `sandbox touches`
+            takes it, too.
+        one_hand: It serves one hand; a task for two hands needs a second device.
+        guessed_size: It does not report the size of its surface, which is a guess without
+            --surface.
+    """
+
+    sees: Sees = Sees.TOUCHES
+    source: Source = Source.LIVE
+    labels: bool = False
+    in_scene: bool = False
+    one_hand: bool = False
+    guessed_size: bool = False
+
+    @property
+    def in_air(self) -> bool:
+        """True if it sees hands in the air."""
+        return self.sees is not Sees.TOUCHES
+
+    @property
+    def live(self) -> bool:
+        """True if a person or another program drives it."""
+        return self.source is Source.LIVE
+
+    @property
+    def simulated(self) -> bool:
+        """True if a simulated user drives it."""
+        return self.source is Source.SIMULATED
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where, and for whom, a device is opened.
+
+    Attributes:
+        surface: The touch surface, placed in the world.
+        argument: What follows the colon of the device's name; the path of a file; empty without.
+        hand: Index of the hand in the scene; the first one if the device serves both.
+        sides: Sides of all hands that the device serves, `right` or `left`.
+        person: The person whose hand it is.
+        task: The drawn task, for simulated users; None where no task is played.
+        seed: Seed of everything random about a simulated user.
+        labels: A device that can label contacts does so.
+        home: (2,) m in the world, centre of the hand's part of the surface; None for the whole.
+        at: (3,) m in the world, place of a simulated device that sees hands in the air.
+    """
+
+    surface: Surface
+    argument: str = ""
+    hand: int = 0
+    sides: tuple[str, ...] = ("right",)
+    person: Person = field(default_factory=Person)
+    task: Task | None = None
+    seed: int = 0
+    labels: bool = False
+    home: Array | None = None
+    at: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+    @property
+    def drawn_task(self) -> Task:
+        """The drawn task, which a simulated user needs."""
+        assert self.task is not None, "simulated users are opened for a task"
+        return self.task
+
+
+@dataclass(frozen=True)
+class NoOptions:
+    """Options of a device without any."""
+
+
+@dataclass(frozen=True)
+class PlayedOptions:
+    """Options of a file that is played, and of somebody's own device."""
+
+    user: UserConfiguration | None = None
+    """The simulated user who made the recording; None for a person, and where it is unknown."""
+
+    own: Mapping[str, Any] = field(default_factory=dict)
+    """Options that somebody's own device declares, by name."""
+
+
+def _anything(options: Any, argument: str) -> None:
+    """Checks nothing."""
+
+
+def _no_surface(argument: str) -> Surface | None:
+    """None: the device reports no surface."""
+    return None
+
+
+@dataclass(frozen=True)
+class DeviceEntry(Generic[O]):
+    """A device by its name: what it is, its options, and how it is opened.
+
+    Attributes:
+        help: A phrase that says what it is, for lists.
+        open: Opens it; called with an object of `options` and the place.
+        options: Dataclass of its options, all with defaults. `--help` shows their docstrings; the
+            key `metavar` of a field's metadata names its value there. A header stores the values.
+        kind: What it is.
+        argument: What may follow its name and a colon, such as NODE; empty if nothing may.
+        check: Checks options and argument before anything is built.
+        surface: The surface that it reports, by its argument; None if it reports none.
+        command_options: Dataclass of its options on the command line, where they are not `options`:
+            they say also how a hand in the air is seen. Members of the same name give the values
+            of `options`.
+        hand_input: For a device that sees hands in the air: how it sees a hand, by its options on
+            the command line, its argument and the hand's side.
+    """
+
+    help: str
+    open: Callable[[O, Place], AnyDevice]
+    options: type[O]
+    kind: DeviceKind = DeviceKind()
+    argument: str = ""
+    check: Callable[[O, str], None] = _anything
+    surface: Callable[[str], Surface | None] = _no_surface
+    command_options: type[Any] | None = None
+    hand_input: Callable[[Any, str, str], HandInput] | None = None
+
+    @property
+    def on_command_line(self) -> type[Any]:
+        """Dataclass of its options on the command line."""
+        return self.command_options or self.options
 
 
 class AnyDevice(ABC):
@@ -218,6 +382,116 @@ class TouchDevice(Device):
         super().close()
         if not isinstance(getattr(type(self), "finished", None), property):
             self.finished = True
+
+
+class DeviceWrapper(Device):
+    """Base class of devices that wrap another one and pass every member through.
+
+    A subclass overrides the members that it changes.
+
+    Args:
+        device: The wrapped device.
+
+    Attributes:
+        device: As given.
+    """
+
+    def __init__(self, device: AnyDevice) -> None:
+        self.device = device
+
+    @property
+    def name(self) -> str:
+        """The wrapped device's."""
+        return self.device.name
+
+    def poll(self, now: float) -> Sequence[Any]:
+        """The wrapped device's frames."""
+        return self.device.poll(now)
+
+    @property
+    def finished(self) -> bool:
+        """The wrapped device's."""
+        return self.device.finished
+
+    def close(self) -> None:
+        """Closes the wrapped device."""
+        self.device.close()
+
+    @property
+    def lift(self) -> bool:
+        """The wrapped device's."""
+        return self.device.lift
+
+    @property
+    def wants_snapshots(self) -> bool:
+        """The wrapped device's."""
+        return self.device.wants_snapshots
+
+    def show(self, snapshot: Snapshot) -> None:
+        """Passes the snapshot to the wrapped device."""
+        self.device.show(snapshot)
+
+    @property
+    def notices(self) -> Sequence[str]:
+        """The wrapped device's."""
+        return self.device.notices
+
+    def mode_requests(self, now: float) -> Sequence[str]:
+        """The wrapped device's."""
+        return self.device.mode_requests(now)
+
+    @property
+    def frame_ready(self) -> threading.Event | None:
+        """The wrapped device's; setting it gives the wrapped device another event."""
+        return self.device.frame_ready
+
+    @frame_ready.setter
+    def frame_ready(self, frame_ready: threading.Event | None) -> None:
+        self.device.frame_ready = frame_ready
+
+    def wait(self, seconds: float) -> bool:
+        """Waits for the wrapped device."""
+        return self.device.wait(seconds)
+
+    @property
+    def address(self) -> str:
+        """The wrapped device's."""
+        return self.device.address
+
+    @property
+    def title(self) -> str:
+        """The wrapped device's."""
+        return self.device.title
+
+    @property
+    def plays_file(self) -> bool:
+        """The wrapped device's."""
+        return self.device.plays_file
+
+    @property
+    def damage(self) -> Exception | None:
+        """The wrapped device's."""
+        return self.device.damage
+
+    @property
+    def clock_origin(self) -> float | None:
+        """The wrapped device's."""
+        return self.device.clock_origin
+
+    @property
+    def latency(self) -> LatencyLog | None:
+        """The wrapped device's."""
+        return self.device.latency
+
+    @property
+    def true_labels(self) -> Mapping[int, int]:
+        """The wrapped device's."""
+        return self.device.true_labels
+
+    @property
+    def parts(self) -> tuple[AnyDevice, ...]:
+        """The wrapped device."""
+        return (self.device,)
 
 
 SILENCE = 0.5

@@ -1,251 +1,316 @@
-"""Devices by name: built-in ones, those of installed packages, and those in a file.
+"""Devices by name: built-in ones, files that are played, and those of somebody else.
 
-A class is imported when its device is opened, and is called with the touch surface and the argument
-(docs/write-a-device.md). Devices with their own command-line options are opened by
-`sandbox.options` instead.
-
-A package offers its devices under a name:
-
-    [project.entry-points."hand_sandbox.devices"]
-    my-lab-pad = "my_lab.pad:Pad"
-
-and `--device my-lab-pad` or `--device my-lab-pad:ARGUMENT` opens it. An error in it is reported
-only then.
+To add a device, write its folder with a `DeviceEntry` and add a line to `DEVICES`. A module is
+imported when its device is named, and not before.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
-from inspect import signature
-from typing import Any
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields, replace
+from functools import lru_cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-from models.errors import DeviceError
-from models.plugins import PluginKind, imported
+import msgspec
+
+from models.errors import InputError, RecordingError, unknown_name
+from models.plugins import Registry, imported
 from models.surface import Surface
-from sandbox.devices.device import AnyDevice, Device
-
-DEVICE_PLUGINS: PluginKind[Any] = PluginKind(
-    "device", "hand_sandbox.devices", DeviceError, takes_argument=True, verb="opened"
+from sandbox.devices.device import (
+    AnyDevice,
+    DeviceEntry,
+    DeviceKind,
+    Place,
+    PlayedOptions,
+    Sees,
 )
+from sandbox.devices.simulated import SimulatedOptions
+from tasks.user import UserConfiguration
+
+if TYPE_CHECKING:
+    from sandbox.devices.hand_input import HandInput
+
+DEVICES: Registry[DeviceEntry[Any]] = Registry(
+    {
+        "mouse": "sandbox.devices.mouse:DEVICE",
+        "web": "sandbox.devices.web:DEVICE",
+        "tuio": "sandbox.devices.tuio:DEVICE",
+        "evdev": "sandbox.devices.evdev:DEVICE",
+        "leap": "sandbox.devices.leap:DEVICE",
+        "webcam": "sandbox.devices.webcam:DEVICE",
+        "webxr": "sandbox.devices.webxr:DEVICE",
+        "simulated": "sandbox.devices.simulated:DEVICE",
+        "webxr-simulated": "sandbox.devices.webxr:SIMULATED",
+        "leap-simulated": "sandbox.devices.leap:SIMULATED",
+    }
+)
+"""Built-in devices: name -> `MODULE:ENTRY`."""
+
+_FILES = {
+    Sees.TOUCHES: "sandbox.devices.files:FILE",
+    Sees.LEAP: "sandbox.devices.leap:FILE",
+    Sees.CAMERA: "sandbox.devices.webcam:FILE",
+}
+"""What a file recorded -> `MODULE:ENTRY` of the device that plays it."""
+
+LIVE_LEAP, LIVE_WEBCAM, LIVE_HEADSET = "leap", "webcam", "webxr"
+"""Devices of persons whose hands are in the air."""
+
+LEAP_SUFFIXES = (".json", ".lz")
+"""Suffixes of Leap recordings, which no recording of touches has; others are recognised by
+content."""
 
 OWN_DEVICE = "FILE.py:CLASS[:ARGUMENT]"
 """Form of a device in a file, for error messages."""
 
-OpenDevice = Callable[[Surface], Device]
 
-
-@dataclass(frozen=True)
-class DeviceEntry:
-    """A built-in device.
+class NamedDevice(NamedTuple):
+    """A device that a text names.
 
     Attributes:
-        place: `MODULE:CLASS`; `sandbox` alone prints the first sentence of the class's docstring.
-        live: A person or another program drives it, so that a session runs at real time.
-        in_air: It produces hand frames or landmark frames; otherwise touch frames.
-        camera: It produces landmark frames.
-        headset: It is a headset, which sees hands and shows the scene.
-        simulated: A simulated user drives it.
-        in_scene: It needs a scene: a window, objects to see, or a hand. Otherwise `sandbox touches`
-            accepts it too.
-        one_hand: It serves one hand; a task for two hands needs a second device.
-        guessed_size: It does not report the size of its surface, which is a guess without
-            --surface.
-        argument: It can also be opened as `NAME:ARGUMENT`.
-        options: `MODULE:CLASS` of its options.
-        maker: `MODULE:FUNCTION` that returns a maker (`sandbox.trial.device_makers`) for settings
-            and the index of a hand; empty for a device that its surface suffices for.
+        entry: How it is opened.
+        argument: What follows the colon of its name; of a file its path, which is the whole text;
+            empty without.
     """
 
-    place: str
-    live: bool = True
-    in_air: bool = False
-    camera: bool = False
-    headset: bool = False
-    simulated: bool = False
-    in_scene: bool = False
-    one_hand: bool = False
-    guessed_size: bool = False
-    argument: bool = True
-    options: str = "sandbox.devices.options:NoOptions"
-    maker: str = ""
+    entry: DeviceEntry[Any]
+    argument: str
+
+    def surface(self) -> Surface | None:
+        """The surface that the device reports; None if it reports none."""
+        return self.entry.surface(self.argument)
 
 
-DEVICES: dict[str, DeviceEntry] = {
-    "mouse": DeviceEntry(
-        "sandbox.devices.mouse:MouseDevice",
-        in_scene=True,
-        one_hand=True,
-        argument=False,
-        maker="sandbox.devices.mouse:mouse_maker",
-    ),
-    "web": DeviceEntry(
-        "sandbox.server.web:WebDevice",
-        one_hand=True,
-        argument=False,
-        maker="sandbox.server.web:web_maker",
-    ),
-    "tuio": DeviceEntry(
-        "sandbox.devices.tuio.tuio:TuioDevice",
-        guessed_size=True,
-        argument=False,
-        options="sandbox.devices.tuio.options:TuioOptions",
-    ),
-    "evdev": DeviceEntry(
-        "sandbox.devices.evdev.evdev_device:EvdevDevice",
-        guessed_size=True,
-        options="sandbox.devices.evdev.options:EvdevOptions",
-    ),
-    "leap": DeviceEntry(
-        "sandbox.devices.leap.leap:LeapDevice",
-        in_air=True,
-        in_scene=True,
-        argument=False,
-        options="sandbox.devices.leap.options:LeapOptions",
-        maker="sandbox.devices.leap.leap_maker:leap_maker",
-    ),
-    "webcam": DeviceEntry(
-        "sandbox.devices.webcam.webcam:WebcamDevice",
-        in_air=True,
-        camera=True,
-        in_scene=True,
-        argument=False,
-        options="sandbox.devices.webcam.options:WebcamOptions",
-        maker="sandbox.devices.webcam.webcam_maker:webcam_maker",
-    ),
-    "webxr": DeviceEntry(
-        "sandbox.devices.webxr.webxr:HeadsetDevice",
-        in_air=True,
-        headset=True,
-        in_scene=True,
-        argument=False,
-        maker="sandbox.devices.webxr.headset_maker:headset_maker",
-    ),
-    "simulated": DeviceEntry(
-        "sandbox.devices.simulated.simulated:SimulatedDevice",
-        live=False,
-        simulated=True,
-        in_scene=True,
-        one_hand=True,
-        argument=False,
-        options="sandbox.devices.simulated.options:SimulatedOptions",
-        maker="sandbox.devices.simulated.maker:simulated_maker",
-    ),
-    "webxr-simulated": DeviceEntry(
-        "sandbox.devices.simulated.headset_user:SimulatedHeadset",
-        live=False,
-        in_air=True,
-        headset=True,
-        simulated=True,
-        in_scene=True,
-        argument=False,
-        options="sandbox.devices.simulated.options:InAirOptions",
-        maker="sandbox.devices.webxr.headset_maker:simulated_headset_maker",
-    ),
-    "leap-simulated": DeviceEntry(
-        "sandbox.devices.simulated.leap_user:SimulatedLeap",
-        live=False,
-        in_air=True,
-        simulated=True,
-        in_scene=True,
-        options="sandbox.devices.simulated.options:InAirOptions",
-        maker="sandbox.devices.leap.leap_maker:leap_maker",
-    ),
-}
-"""Built-in devices by name. To add one, write its module and add an entry here."""
+def find_device(device: str) -> NamedDevice | None:
+    """The device that a text names; None if there is none.
+
+    Args:
+        device: `NAME[:ARGUMENT]`, built in or offered by an installed package; a file; or
+            `FILE.py:CLASS[:ARGUMENT]` or `MODULE:CLASS[:ARGUMENT]`.
+
+    Raises:
+        DeviceError: It is somebody's own device, and its code cannot be used.
+    """
+    entry = built_in(device)
+    if entry is not None:
+        return NamedDevice(entry, device.partition(":")[2])
+    path = Path(device)
+    if path.exists():
+        return NamedDevice(imported(_FILES[_seen_in(path)]), device)
+    # Most runs have no device of one's own.
+    from sandbox.devices.own_device import own_entry
+
+    own = own_entry(device)
+    return None if own is None else NamedDevice(*own)
 
 
-_PLAYED = "sandbox.devices.options:PlayedOptions"
-"""Options of files and of somebody's own devices."""
+def named_device(device: str, option: str = "--device") -> NamedDevice:
+    """The device that a text names; see `find_device`.
+
+    Args:
+        device: Its name.
+        option: Where the name was given, for the error.
+
+    Raises:
+        InputError: There is no such device and no such file; the error names the nearest one.
+    """
+    named = find_device(device)
+    if named is None:
+        raise unknown_device(device, option)
+    return named
 
 
-def built_in(device: str) -> DeviceEntry | None:
+def options_among(entry: DeviceEntry[Any], given: Mapping[str, Any]) -> Any:
+    """The options of a device on the command line, of which some are given.
+
+    Args:
+        entry: The device.
+        given: Values by name; those of other devices are left out.
+    """
+    shown = entry.on_command_line
+    names = {each.name for each in fields(shown)}
+    return shown(**{name: value for name, value in given.items() if name in names})
+
+
+def seen_hand(device: str, given: Mapping[str, Any], side: str) -> HandInput:
+    """How a device that sees hands in the air sees a hand.
+
+    Args:
+        device: Its name.
+        given: Values of its options on the command line, by name.
+        side: `right` or `left`.
+
+    Raises:
+        InputError: There is no such device, it sees no hands in the air, or an option is unusable.
+    """
+    entry, argument = named_device(device)
+    if entry.hand_input is None:
+        raise InputError("this device sees no hands in the air", where="--device", got=device)
+    return entry.hand_input(options_among(entry, given), argument, side)
+
+
+def unknown_device(device: str, option: str = "--device") -> InputError:
+    """The error for a text that names no device and no file; it names the nearest device."""
+    return unknown_name(
+        "no such device or file",
+        device,
+        [*DEVICES, *offered_devices()],
+        where=option,
+        others=f"{OWN_DEVICE}, or a file",
+        remedy="`sandbox touches formats` lists the files that play as devices",
+    )
+
+
+def built_in(device: str) -> DeviceEntry[Any] | None:
     """The entry of `NAME` or `NAME:ARGUMENT`; None if that is not a built-in device."""
     name, colon, _ = device.partition(":")
     entry = DEVICES.get(name)
     return entry if entry and (entry.argument or not colon) else None
 
 
+def offered_devices() -> tuple[str, ...]:
+    """Names of the devices that installed packages offer; loads none of them."""
+    from sandbox.devices.own_device import DEVICE_PLUGINS
+
+    return tuple(DEVICE_PLUGINS.offered())
+
+
+def touch_devices() -> list[str]:
+    """Names of built-in devices that need no scene, as `sandbox touches` takes them."""
+    return [name for name, entry in DEVICES.items() if not entry.kind.in_scene]
+
+
+def kind_of(device: str) -> DeviceKind:
+    """What a device is, by its name or by the content of its file; the default if unknown."""
+    named = find_device(device)
+    return DeviceKind() if named is None else named.entry.kind
+
+
+def is_in_air(device: str) -> bool:
+    """True if a device sees hands in the air: a Leap, a camera, a headset, or a file of these."""
+    return kind_of(device).in_air
+
+
+def _seen_in(path: Path) -> Sees:
+    """What was recorded in a file, by its content."""
+    if not path.is_file():
+        return Sees.TOUCHES
+    state = path.stat()
+    return _sees(path, state.st_mtime_ns, state.st_size)
+
+
+@lru_cache(maxsize=16)
+def _sees(path: Path, changed: int, size: int) -> Sees:
+    # Readers of files are not needed for devices.
+    from sandbox.devices.leap.leap_file import is_leap_recording
+    from sandbox.devices.webcam.landmark_file import is_landmark_file
+
+    if is_landmark_file(path):
+        return Sees.CAMERA
+    leap = path.suffix in LEAP_SUFFIXES or is_leap_recording(path)
+    return Sees.LEAP if leap else Sees.TOUCHES
+
+
+@dataclass(frozen=True)
+class DeviceSettings:
+    """A device and how it is opened."""
+
+    name: str = "simulated"
+    """Built-in device (`DEVICES`), the name or place of somebody's own, or a file that is
+    played."""
+
+    options: Any = field(default_factory=SimulatedOptions)
+    """Options of the device, of the class that its entry names."""
+
+    @classmethod
+    def of(cls, name: str, given: Mapping[str, Any] | None = None) -> DeviceSettings:
+        """Settings of a device by its name.
+
+        Args:
+            name: As in `name`.
+            given: Values of options by name, as on the command line; those of other devices are
+                left out.
+        """
+        values = dict(given or {})
+        kind = _options_of(name)
+        named = find_device(name)
+        if named is not None:
+            options = options_among(named.entry, values)
+            if kind is named.entry.options:
+                for each in fields(kind):
+                    if hasattr(options, each.name):
+                        values[each.name] = getattr(options, each.name)
+            else:
+                values["own"] = msgspec.to_builtins(options)
+        known = {each.name for each in fields(kind)}
+        return cls(name, kind(**{k: v for k, v in values.items() if k in known}))
+
+    @property
+    def user(self) -> UserConfiguration | None:
+        """The simulated user who drives the device, or drove the recording; None for a person."""
+        user: UserConfiguration | None = getattr(self.options, "user", None)
+        return user
+
+    def open(self, place: Place) -> AnyDevice:
+        """Opens the device.
+
+        Args:
+            place: Where and for whom; the argument of the name is added.
+
+        Raises:
+            InputError: There is no such device, or it cannot be opened.
+        """
+        entry, argument = named_device(self.name)
+        return entry.open(self.options, replace(place, argument=argument))
+
+    def check(self) -> None:
+        """Checks what can be checked before anything is built, such as the file.
+
+        Raises:
+            InputError: The device cannot be opened.
+        """
+        entry, argument = named_device(self.name)
+        entry.check(self.options, argument)
+
+    def decoded(self) -> DeviceSettings:
+        """The same with options of the named device's class, where they are still JSON.
+
+        Missing ones have their defaults: an anonymous copy has no addresses, and no replay depends
+        on them.
+
+        Raises:
+            RecordingError: The device has no such option, or a value has the wrong type.
+        """
+        kind = _options_of(self.name)
+        if isinstance(self.options, kind):
+            return self
+        where = f"settings.device {self.name}"
+        values = self.options if isinstance(self.options, Mapping) else {}
+        known = [each.name for each in fields(kind)]
+        for option in values:
+            if option not in known:
+                what = "this device has no such option"
+                raise unknown_name(what, option, known, where=where, kind=RecordingError)
+        try:
+            return replace(self, options=msgspec.convert(values, kind))
+        except (msgspec.ValidationError, InputError) as error:
+            raise RecordingError(
+                "an option of the device cannot be read", where=where, got=str(error)
+            ) from None
+
+
 def device_options(device: str) -> type[Any]:
-    """The class of a device's options; it alone is imported, and not the device.
+    """The class of a device's options in settings; nothing of the device itself is imported.
 
     Args:
         device: `NAME[:ARGUMENT]`, built in; or a file, or the place of somebody's own device.
     """
+    return _options_of(device)
+
+
+def _options_of(device: str) -> type[Any]:
     entry = built_in(device)
-    options: type[Any] = imported(entry.options if entry else _PLAYED)
+    # Neither a file nor somebody's code is needed to read a recording that names it.
+    options: type[Any] = PlayedOptions if entry is None else entry.options
     return options
-
-
-def open_built_in(device: str, surface: Surface) -> AnyDevice:
-    """Opens the built-in device `NAME[:ARGUMENT]` with a surface and the argument."""
-    name, _, argument = device.partition(":")
-    opened: AnyDevice = imported(DEVICES[name].place)(surface, argument)
-    return opened
-
-
-def open_by_name(device: str) -> OpenDevice | None:
-    """A function that opens a touch device by name or place; None if there is none.
-
-    Args:
-        device: `NAME[:ARGUMENT]`, built in or offered by an installed package, or
-            `FILE.py:CLASS[:ARGUMENT]` or `MODULE:CLASS[:ARGUMENT]`.
-
-    Raises:
-        DeviceError: The device exists, but cannot be used.
-    """
-    if built_in(device) is None:
-        return find_device(device)
-    from sandbox.devices.wrappers.adapted import adapted
-
-    return lambda surface: adapted(open_built_in(device, surface), device)
-
-
-def offered_devices() -> tuple[str, ...]:
-    """Names of the devices that installed packages offer; loads none of them."""
-    return tuple(DEVICE_PLUGINS.offered())
-
-
-def find_device(text: str) -> OpenDevice | None:
-    """A function that opens an external device; None if the text does not name one.
-
-    Args:
-        text: `NAME[:ARGUMENT]` of an installed package, `FILE.py:CLASS[:ARGUMENT]` or
-            `MODULE:CLASS[:ARGUMENT]`.
-
-    Raises:
-        DeviceError: The device exists, but cannot be used.
-    """
-    plugin = DEVICE_PLUGINS.find(text)
-    if plugin is None:
-        return None
-    device_class, where, argument = plugin
-    if not callable(device_class):
-        raise DeviceError("this is not a device", where=where, got=repr(device_class)[:80])
-    from sandbox.devices.wrappers.adapted import adapted
-    from sandbox.devices.wrappers.guarded import GuardedDevice
-
-    def open_it(surface: Surface) -> Device:
-        if mismatch := _mismatch(device_class, surface, argument):
-            raise DeviceError(
-                "this device cannot be opened with a surface and a text",
-                where=where,
-                got=mismatch,
-                expected="`__init__(self, surface, argument)`",
-            )
-        with DEVICE_PLUGINS.guarded(where):
-            device = device_class(surface, argument)
-        return GuardedDevice(adapted(device, where), surface, where)
-
-    return open_it
-
-
-def _mismatch(device_class: Any, *given: object) -> str:
-    """Why a class does not take some arguments; empty if it does, or has no signature."""
-    try:
-        signature(device_class).bind(*given)
-    except TypeError as error:
-        return str(error)
-    except ValueError:
-        return ""
-    return ""

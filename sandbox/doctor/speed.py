@@ -10,7 +10,7 @@ ENOUGH = 1.5
 _PROBE = """
 import time
 from sandbox.trial.assembly import build
-from sandbox.devices.mouse import MouseDevice
+from sandbox.devices.mouse.mouse import MouseDevice
 from sandbox.trial.settings import Settings
 session = build(Settings(), (lambda task, surface: MouseDevice(surface),))
 surface = session.rigs[0].reconstructor.surface

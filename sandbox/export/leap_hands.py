@@ -17,8 +17,9 @@ from models.limits import RateLimit
 from models.motion.armature import Armature
 from models.person import Person
 from models.skeleton import ADULT
-from sandbox.devices.device import HandDevice
-from sandbox.devices.leap.shared_leap import SharedLeap
+from sandbox.devices.device import AnyDevice
+from sandbox.devices.leap.two_hands import SplitBySide
+from sandbox.devices.wrappers.shared import SharedDevice
 
 STRAIGHT = HandReconstructorSettings(
     device=(0.0, 0.0, 0.0), rate=RateLimit(inf, inf), rise=0.0, rise_speed=0.0, floor=-inf
@@ -58,11 +59,11 @@ def described(sides: Sequence[str]) -> str:
     return f"the {' and '.join(sides)} {hands} over a Leap, by PAALM, in the frame of the device"
 
 
-def devices_by_side(device: HandDevice, sides: Sequence[str]) -> tuple[HandDevice, ...]:
+def devices_by_side(device: AnyDevice, sides: Sequence[str]) -> tuple[AnyDevice, ...]:
     """A device for each hand over one live device."""
     if len(sides) == 1:
         return (device,)
-    return SharedLeap(device, (sides[0], sides[1])).parts
+    return SharedDevice(device, SplitBySide(sides)).parts
 
 
 class HandSplitter:
@@ -75,25 +76,12 @@ class HandSplitter:
     """
 
     def __init__(self, sides: Sequence[str], pairs: bool) -> None:
-        self._feed = _Feed()
-        self._shared = SharedLeap(self._feed, SIDES) if pairs or len(sides) == 2 else None
+        self._split = SplitBySide(SIDES) if pairs or len(sides) == 2 else None
         self._wanted = [SIDES.index(side) for side in sides]
 
     def __call__(self, frame: HandFrame) -> tuple[HandFrame, ...]:
         """A frame for each side."""
-        if self._shared is None:
+        if self._split is None:
             return (frame,)
-        self._feed.frame = frame
-        self._shared.fetch(frame.time)
-        split = [part.waiting.popleft() for part in self._shared.parts]
-        return tuple(split[i] for i in self._wanted)
-
-
-class _Feed(HandDevice):
-    """A device that returns the frame that it was given."""
-
-    def __init__(self) -> None:
-        self.frame = HandFrame(0.0)
-
-    def poll(self, now: float) -> Sequence[HandFrame]:
-        return (self.frame,)
+        both = self._split.divide(frame, frame.time)
+        return tuple(both[i] for i in self._wanted)

@@ -35,8 +35,8 @@ from sandbox.gym.rewards import Reward
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
 from sandbox.trial.assembly import build
-from sandbox.trial.device_makers import DeviceMaker
 from sandbox.trial.driver import Trial
+from sandbox.trial.open_devices import DeviceMaker
 from sandbox.trial.result import TrialResult
 from sandbox.trial.surfaces import place_all
 from tasks.guarded import measure

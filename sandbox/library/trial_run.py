@@ -18,21 +18,19 @@ from threadpoolctl import threadpool_limits
 from models.errors import InputError
 from models.json_input import checked
 from models.surface import Surface
-from sandbox.devices.device import Device
-from sandbox.devices.device_settings import DeviceSettings
-from sandbox.devices.options import PlayedOptions
-from sandbox.devices.wrappers.adapted import adapted
+from sandbox.devices.device import Device, PlayedOptions
+from sandbox.devices.own_device import adapted
+from sandbox.devices.registry import DeviceSettings
 from sandbox.library.trajectories import Trajectories, TrajectoryView
 from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.recording.recording import load_recording
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
-from sandbox.trial.device_makers import DeviceMaker
 from sandbox.trial.driver import View
 from sandbox.trial.driver import run_trial as play_trial
 from sandbox.trial.lift import with_lift
 from sandbox.trial.live_run import RealTime
-from sandbox.trial.open_devices import device_makers, is_live
+from sandbox.trial.open_devices import DeviceMaker, device_makers, is_live
 from sandbox.trial.replay import Verification, replay
 from sandbox.trial.settings import recorded_users
 from tasks.registry import TASKS

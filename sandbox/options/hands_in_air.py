@@ -2,21 +2,21 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import fields, replace
 from typing import Any
 
 from models.errors import InputError
-from sandbox.devices.kinds import LIVE_HEADSET, DeviceKind, is_in_air, kind_of
-from sandbox.options.leap_devices import hand_over_leap
-from sandbox.options.webcam_devices import hand_before_camera
+from sandbox.devices.device import Sees
+from sandbox.devices.hand_input import HandInput
+from sandbox.devices.registry import LIVE_HEADSET, is_in_air, kind_of, seen_hand
+from sandbox.options.leap_calibration import chosen_calibration
 from sandbox.recording.recording import Recording
-from sandbox.trial.hand_input import HandInput
 from sandbox.trial.settings import Settings, recorded_settings
 
 _TOGETHER = {
-    DeviceKind.LEAP: "over one Leap",
-    DeviceKind.CAMERA: "before one camera",
-    DeviceKind.HEADSET: "in one headset",
+    Sees.LEAP: "over one Leap",
+    Sees.CAMERA: "before one camera",
+    Sees.HEADSET: "in one headset",
 }
 """What a device sees -> where two hands are that it sees both."""
 
@@ -24,10 +24,10 @@ _TOGETHER = {
 def share_device_in_air(options: Any) -> bool:
     """True if two hands, should there be two, are in the air and seen by the same device."""
     kind = kind_of(options.device)
-    if kind is DeviceKind.TOUCHES or options.second_device not in (None, options.device):
+    if not kind.in_air or options.second_device not in (None, options.device):
         return False
     # A simulated headset sees one hand.
-    return kind is not DeviceKind.HEADSET or options.device == LIVE_HEADSET
+    return kind.sees is not Sees.HEADSET or kind.live
 
 
 def with_hands_in_air(
@@ -62,7 +62,7 @@ def with_hands_in_air(
     second = others[0]
     if share_device_in_air(options) and first.side == second.side:
         raise InputError(
-            f"two hands {_TOGETHER[kind_of(options.device)]} must be a right and a left hand",
+            f"two hands {_TOGETHER[kind_of(options.device).sees]} must be a right and a left hand",
             where="--hand",
             got=f"two {second.side} hands",
         )
@@ -79,10 +79,7 @@ def with_hands_in_air(
 
 def _seen(options: Any, device: str, side: str) -> HandInput:
     """How a device sees a hand in the air."""
-    match kind_of(device):
-        case DeviceKind.LEAP:
-            return hand_over_leap(options, device, side)
-        case DeviceKind.CAMERA:
-            return hand_before_camera(options, device)
-        case _:
-            return HandInput(at=(0.0, 0.0, 0.0), joints=True)
+    given = {each.name: getattr(options, each.name) for each in fields(options)}
+    if kind_of(device).sees is Sees.LEAP:
+        given["calibration"] = chosen_calibration(options)
+    return seen_hand(device, given, side)

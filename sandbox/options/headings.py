@@ -22,6 +22,9 @@ OF_SETTINGS = {
     "PhysicsSettings": PHYSICS,
     "TuioOptions": TUIO,
     "EvdevOptions": EVDEV,
+    "LeapOptions": LEAP,
+    "OverLeapOptions": LEAP,
+    "BeforeCameraOptions": WEBCAM,
 }
 """Class of settings, or of a device's options -> heading of the options that its fields are."""
 COMMON_SETTINGS = ("encoder",)

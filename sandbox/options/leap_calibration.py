@@ -12,7 +12,7 @@ from rich.console import Console
 from rich.text import Text
 
 from models.errors import EncoderError, InputError
-from sandbox.devices.kinds import LIVE_LEAP as LIVE
+from sandbox.devices.registry import LIVE_LEAP as LIVE
 from sandbox.options.profiles import DEFAULT, default_path
 
 if TYPE_CHECKING:

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Protocol
 
 from encoders.regression.model_registry import check_model_name
-from models.errors import unknown_name
-from sandbox.devices.registry import DEVICES, OWN_DEVICE, built_in, find_device, offered_devices
+from sandbox.devices.registry import named_device
 from tasks.registry import find_task
 
 
@@ -54,12 +52,4 @@ def check_device_name(name: str, option: str = "--device") -> None:
     Raises:
         InputError: There is neither.
     """
-    if built_in(name) is None and not Path(name).exists() and find_device(name) is None:
-        raise unknown_name(
-            "no such device or file",
-            name,
-            [*DEVICES, *offered_devices()],
-            where=option,
-            others=f"{OWN_DEVICE}, or a file",
-            remedy="`sandbox touches formats` lists the files that play as devices",
-        )
+    named_device(name, option)

@@ -10,22 +10,20 @@ from rich.text import Text
 
 from encoders.regression.trained import POPULATION
 from models.errors import InputError
-from models.surface import Surface, parse_surface
-from sandbox.devices.device_settings import DeviceSettings
-from sandbox.devices.kinds import is_in_air, is_webcam
-from sandbox.devices.options import PlayedOptions
-from sandbox.devices.registry import built_in
+from models.surface import parse_surface
+from sandbox.devices.device import PlayedOptions
+from sandbox.devices.leap import LeapCommandOptions
+from sandbox.devices.registry import DeviceSettings, is_in_air, kind_of, named_device
+from sandbox.devices.webcam import BeforeCameraOptions
 from sandbox.options.hands_in_air import share_device_in_air, with_hands_in_air
 from sandbox.options.impulse import impulse_limit
-from sandbox.options.leap_devices import LeapOptions
 from sandbox.options.one_hand_options import OneHandOptions, given_options
 from sandbox.options.second_hand import SecondOptions, with_second_hand
 from sandbox.options.variations import parse_variation
-from sandbox.options.webcam_devices import WebcamOptions, webcam_choice
 from sandbox.recording.recorded_task import recorded_task, task_change
 from sandbox.recording.recording import Recording
 from sandbox.recording.versions import other_states
-from sandbox.trial.open_devices import check_openable, recording_of
+from sandbox.trial.open_devices import recording_of
 from sandbox.trial.settings import (
     PAPER_PIPELINE,
     PhysicsSettings,
@@ -40,7 +38,7 @@ from tasks.user import UserConfiguration
 
 # `--help` lists the options of the last base first: those that most people need.
 @dataclass(frozen=True, kw_only=True)
-class SceneOptions(WebcamOptions, LeapOptions, SecondOptions, OneHandOptions):
+class SceneOptions(BeforeCameraOptions, LeapCommandOptions, SecondOptions, OneHandOptions):
     """Options of a scene with one or two hands."""
 
 
@@ -64,7 +62,7 @@ def scene_settings(options: SceneOptions, base: Settings | None = None) -> Setti
     first = _device(options, recording)
     settings = replace(settings, device=first, second_device=_second(options, recording, settings))
     for device in filter(None, (first, settings.second_device)):
-        check_openable(device)
+        device.check()
     return settings
 
 
@@ -75,11 +73,7 @@ def _device(
     if recording is not None:
         return DeviceSettings(options.device, PlayedOptions(recorded_users(recording.header)[hand]))
     given = {each.name: getattr(options, each.name) for each in fields(SceneOptions)}
-    if is_webcam(options.device):
-        choice = webcam_choice(options.webcam)
-        given |= {"mirrored": choice.mirrored, "quiet": choice.quiet}
-    entry = built_in(options.device)
-    given["user"] = _user(options) if entry is not None and entry.simulated else None
+    given["user"] = _user(options) if kind_of(options.device).simulated else None
     return DeviceSettings.of(options.device, given)
 
 
@@ -91,8 +85,7 @@ def _second(
         return None
     other = options.second_device or ("simulated" if recording is None else options.device)
     if share_device_in_air(options):
-        entry = built_in(options.device)
-        if entry is None or not entry.simulated:
+        if not kind_of(options.device).simulated:
             return None
         other = options.device
     elif settings.surface.shared and recording is None and options.device != "simulated":
@@ -182,22 +175,13 @@ def _settings(options: SceneOptions, recording: Recording | None, base: Settings
     if options.surface:
         surface = parse_surface(options.surface)
         values["size_in"] = (surface.width_in, surface.height_in)
-    elif (native := _own_surface(options.device)) is not None:
+    elif (native := named_device(options.device).surface()) is not None:
         values["size_in"] = (native.width_in, native.height_in)
         values["calibrated"] = native.calibrated
-    elif (entry := built_in(options.device)) is not None and entry.guessed_size:
+    elif kind_of(options.device).guessed_size:
         # TUIO does not transmit a size: without --surface, inches are a guess, and views say so.
         values["calibrated"] = False
     return base.changed(**values)
-
-
-def _own_surface(device: str) -> Surface | None:
-    """The surface that a device or a file reports; None if it reports none."""
-    if (entry := built_in(device)) is not None and not entry.guessed_size:
-        return None
-    from sandbox.devices.open_touches import native_surface
-
-    return native_surface(device)
 
 
 def _user(options: SceneOptions) -> UserConfiguration:

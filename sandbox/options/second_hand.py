@@ -9,7 +9,7 @@ from typing import Annotated, Any, Literal
 from cyclopts import Parameter
 
 from models.errors import InputError
-from sandbox.devices.registry import DEVICES
+from sandbox.devices.registry import kind_of
 from sandbox.options.headings import SECOND
 from sandbox.recording.recording import Recording
 from sandbox.trial.settings import Settings
@@ -17,9 +17,6 @@ from tasks.registry import find_task, hands_of
 
 TWICE = ("--device", "--hand", "--hand-size", "--turn", "--user")
 """Options whose second occurrence is for the second hand."""
-
-ONE_HAND_EACH = tuple(name for name, entry in DEVICES.items() if entry.one_hand)
-"""Devices for a single hand: in a task for two hands, a simulated user moves the other one."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -118,7 +115,7 @@ def with_second_hand(
         )
     if options.one_surface and device == "mouse":
         raise InputError("this device takes only one hand", where="--one-surface", got=device)
-    alone = options.second_device is None and device not in ONE_HAND_EACH
+    alone = options.second_device is None and not kind_of(device).one_hand
     first = settings.hands[0]
     return settings.changed(
         hands=(first, replace(first.other, **given)), shared=options.one_surface or alone

@@ -9,14 +9,15 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import Parameter
 
 from models.surface import parse_surface
-from sandbox.devices.device_settings import DeviceSettings
-from sandbox.devices.evdev.options import EvdevOptions
-from sandbox.devices.tuio.options import STALE_AFTER, TuioOptions
+from sandbox.devices.device import Place
+from sandbox.devices.evdev import EvdevOptions
+from sandbox.devices.registry import DeviceSettings, find_device, unknown_device
+from sandbox.devices.tuio import STALE_AFTER, TuioOptions, open_tuio
 from sandbox.options.headings import COMMON, TUIO
 from sandbox.options.page_options import PageOptions
 
 if TYPE_CHECKING:
-    from sandbox.devices.open_touches import Opened
+    from sandbox.devices.files.touch_files import Opened
     from sandbox.devices.tuio.tuio import Tap
 
 
@@ -62,17 +63,16 @@ def open_touches(options: TouchOptions, tap: Tap | None = None) -> Opened:
         InputError: The device or file is missing or cannot be opened.
     """
     # Commands without touches have these options, too.
-    from sandbox.devices.open_touches import (
-        Opened,
-        guessed_surface,
-        live_maker,
-        native_surface,
-        open_file,
-    )
+    from sandbox.devices.files.touch_files import Opened, guessed_surface, open_file
 
     given = parse_surface(options.surface) if options.surface else None
-    maker = live_maker(options.settings, tap, options.stale_after)
-    if maker is not None:
-        size = given or native_surface(options.device) or guessed_surface()
-        return Opened(maker(size), size)
-    return open_file(Path(options.device), given, options.stale_after)
+    named, settings = find_device(options.device), options.settings
+    if named is None or named.argument == options.device:
+        return open_file(Path(options.device), given, options.stale_after)
+    if named.entry.kind.in_scene:
+        raise unknown_device(options.device)
+    size = given or named.surface() or guessed_surface()
+    if options.device == "tuio":
+        place = Place(size)
+        return Opened(open_tuio(settings.options, place, tap, options.stale_after), size)
+    return Opened(settings.open(Place(size)), size)

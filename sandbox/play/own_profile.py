@@ -10,7 +10,7 @@ from rich.console import Console
 from rich.text import Text
 
 from models.errors import InputError
-from sandbox.devices.kinds import is_in_air
+from sandbox.devices.registry import is_in_air
 from sandbox.options.leap_calibration import uses_touch_profile
 from sandbox.options.profiles import (
     find_profile,

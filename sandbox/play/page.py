@@ -13,7 +13,7 @@ from rich.markup import escape
 
 from models.errors import InputError
 from models.message import Message
-from sandbox.devices.kinds import LIVE_HEADSET as LIVE
+from sandbox.devices.registry import LIVE_HEADSET as LIVE
 from sandbox.devices.webxr.webxr import HeadsetDevice
 from sandbox.options.page_options import PageOptions
 from sandbox.options.scene_options import SceneOptions, scene_settings
@@ -34,13 +34,12 @@ from sandbox.server.protocol.rectangle import common, rectangle, scaled
 from sandbox.server.screen_too_small import explain_refusal
 from sandbox.session.session import Session
 from sandbox.system.ending import ending_as_by_ctrl_c
-from sandbox.trial.device_makers import with_first
 from sandbox.trial.driver import Trial, open_trial
 from sandbox.trial.events import EventLog
 from sandbox.trial.latency import Timing, timed
 from sandbox.trial.lift import lifts
 from sandbox.trial.live_run import TICK, LiveRun
-from sandbox.trial.open_devices import device_makers, is_live
+from sandbox.trial.open_devices import device_makers, is_live, with_first
 from sandbox.trial.result import TrialResult
 from sandbox.trial.settings import Settings
 

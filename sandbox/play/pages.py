@@ -12,7 +12,7 @@ from encoders.paalm.hand_reconstructor import HandReconstructor
 from encoders.webcam.landmark_reconstructor import LandmarkReconstructor
 from models.errors import DeviceError, InputError
 from models.message import Message
-from sandbox.devices.wrappers.device_wrapper import DeviceWrapper
+from sandbox.devices.device import DeviceWrapper
 from sandbox.options.page_options import PageOptions
 from sandbox.options.profiles import default_path
 from sandbox.recording.versions import versions

@@ -36,13 +36,12 @@ from sandbox.server.web import WebDevice
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Session
 from sandbox.system.ending import ending_as_by_ctrl_c
-from sandbox.trial.device_makers import DeviceMaker, DeviceMakers, with_first
 from sandbox.trial.driver import open_trial
 from sandbox.trial.events import EventLog
 from sandbox.trial.latency import LatencyLog, Timing, timed
 from sandbox.trial.lift import with_lift
 from sandbox.trial.live_run import LiveRun
-from sandbox.trial.open_devices import device_makers, is_live
+from sandbox.trial.open_devices import DeviceMaker, DeviceMakers, device_makers, is_live, with_first
 from sandbox.trial.result import TrialResult
 from sandbox.trial.settings import Settings
 from sandbox.views.window.window import SIZE, Window

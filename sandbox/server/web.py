@@ -6,7 +6,6 @@ import threading
 import time
 from collections import deque
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 from models.frames import Contact, TouchFrame
 from models.surface import METRES_PER_INCH, Surface
@@ -14,10 +13,6 @@ from sandbox.devices.device import Device
 from sandbox.server.page_device import PageDevice
 from sandbox.server.protocol.protocol import PageHands, PageScreen, PageTouches
 from sandbox.trial.latency import LatencyLog
-
-if TYPE_CHECKING:
-    from sandbox.trial.device_makers import DeviceMaker
-    from sandbox.trial.settings import Settings
 
 QUEUE_FRAMES = 1024
 """Largest number of frames that wait for the session, 8 s at 120 Hz; beyond it the oldest are
@@ -129,13 +124,3 @@ class WebDevice(Device, PageDevice):
         self._present = frozenset(c.id for c in contacts)
         self._frames.append((frame, seq, now))
         self.frame_ready.set()
-
-
-def web_maker(settings: Settings, hand: int) -> DeviceMaker:
-    """A maker of the device for touches on the page.
-
-    Args:
-        settings: Settings of the run.
-        hand: Index of the hand in `settings.hands`.
-    """
-    return lambda task, surface: WebDevice(surface)

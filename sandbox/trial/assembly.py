@@ -27,7 +27,7 @@ from models.skeleton import ADULT
 from models.surface import Surface
 from sandbox.session.collision_gating import CollisionGatingRules
 from sandbox.session.session import Recorder, Rig, Session
-from sandbox.trial.device_makers import DeviceMakers, check_count
+from sandbox.trial.open_devices import DeviceMakers, check_count
 from sandbox.trial.settings import SOLID, HandSettings, Settings
 from sandbox.trial.surfaces import place_all
 from tasks.guarded import draw_task

@@ -33,8 +33,7 @@ from sandbox.recording.versions import STATES, versions
 from sandbox.session.messages import Snapshot
 from sandbox.session.session import Recorder, Session
 from sandbox.trial.assembly import build, digests
-from sandbox.trial.device_makers import DeviceMakers
-from sandbox.trial.open_devices import device_makers
+from sandbox.trial.open_devices import DeviceMakers, device_makers
 from sandbox.trial.result import SCHEMA, TrialResult
 from sandbox.trial.settings import Settings, encoded
 

@@ -17,10 +17,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from models.frames import TouchFrame
-from sandbox.devices.device import Device
-from sandbox.devices.wrappers.device_wrapper import DeviceWrapper
+from sandbox.devices.device import Device, DeviceWrapper
 from sandbox.session.messages import Snapshot
-from sandbox.trial.device_makers import DeviceMaker
+from sandbox.trial.open_devices import DeviceMaker
 
 KEPT = 100_000
 """Number of newest values kept of each kind: half an hour at 60 Hz."""

@@ -8,7 +8,7 @@ from models.errors import InputError
 from models.surface import Surface
 from sandbox.devices.device import Device
 from sandbox.devices.wrappers.lift_keys import LiftKeys
-from sandbox.trial.device_makers import DeviceMaker, DeviceMakers
+from sandbox.trial.open_devices import DeviceMaker, DeviceMakers
 from sandbox.trial.settings import Settings
 from tasks.registry import find_task
 from tasks.task import Task

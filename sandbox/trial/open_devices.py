@@ -1,23 +1,30 @@
-"""Opens the devices that settings name."""
+"""Opens the devices that settings name, for a drawn task on placed surfaces.
+
+A device maker opens the device of one hand. Settings name one device for each hand, or one device
+that both hands share.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import lru_cache
 from pathlib import Path
+from typing import cast
 
-from models.errors import unknown_name
-from models.plugins import imported
+from models.errors import InputError
 from models.surface import Surface
-from sandbox.devices.device import Device
-from sandbox.devices.device_settings import DeviceSettings
-from sandbox.devices.kinds import DeviceKind, is_in_air, kind_of
-from sandbox.devices.registry import DEVICES, OWN_DEVICE, built_in, find_device, offered_devices
-from sandbox.devices.simulated.options import NEXT_PERSON
+from sandbox.devices.device import AnyDevice, Device, Place, Sees
+from sandbox.devices.registry import kind_of, named_device
+from sandbox.devices.simulated import NEXT_PERSON
 from sandbox.recording.recording import Recording, is_recording, load_recording
-from sandbox.trial.device_makers import DeviceMaker, DeviceMakers, merging, sharing
 from sandbox.trial.settings import Settings
+from sandbox.trial.surfaces import home, homes
 from tasks.task import Task
+
+DeviceMaker = Callable[[Task, Surface], Device]
+"""Function that opens a device for a drawn task on a placed surface."""
+
+DeviceMakers = tuple[DeviceMaker, ...]
+"""One maker per hand, in the order of `Settings.hands`."""
 
 Around = Callable[[DeviceMaker], DeviceMaker]
 """Function that puts something around the device that a maker opens."""
@@ -37,36 +44,108 @@ def device_makers(settings: Settings, around: Around = lambda make: make) -> Dev
     first = _degraded(around(_maker(settings, 0)), settings, 0)
     if len(settings.hands) == 1:
         return (first,)
-    kind = kind_of(name)
-    if second is not None:
-        other = _degraded(_maker(settings, 1), settings, 1)
-        if kind is DeviceKind.LEAP and second.name == name:
-            from sandbox.devices.leap.leap_maker import split_by_side
+    sees = kind_of(name).sees
+    if second is None:
+        return shared_makers(first, settings, sees)
+    other = _degraded(_maker(settings, 1), settings, 1)
+    one_leap = sees is Sees.LEAP and second.name == name
+    one_screen = name == "simulated" and settings.surface.shared
+    if one_leap or one_screen:
+        return shared_by_users((first, other), settings, sees)
+    return first, other
 
-            return split_by_side((first, other), first, settings)
-        if name == "simulated" and settings.surface.shared:
-            return sharing(merging((first, other)), settings)
-        return first, other
-    match kind:
-        case DeviceKind.LEAP:
-            from sandbox.devices.leap.leap_maker import split_by_side
 
-            return split_by_side(None, first, settings)
-        case DeviceKind.HEADSET:
-            from sandbox.devices.webxr.headset_maker import headset_makers
+def place_of(settings: Settings, hand: int, task: Task, surface: Surface) -> Place:
+    """Where, and for whom, the device of a hand is opened.
 
-            return headset_makers(len(settings.hands))
-        case DeviceKind.CAMERA:
-            from sandbox.devices.webcam.webcam_maker import sharing_camera
+    Args:
+        settings: Settings of the run.
+        hand: Index of the hand.
+        task: The drawn task.
+        surface: Surface of the device, placed in the world.
+    """
+    whose, kind = settings.hands[hand], kind_of(settings.device_of(hand).name)
+    served = settings.hands if settings.one_device else (whose,)
+    return Place(
+        surface,
+        hand=hand,
+        sides=tuple(each.side for each in served),
+        person=whose.person,
+        task=task,
+        seed=settings.seed,
+        labels=kind.labels and settings.pipeline.labels == "device",
+        home=home(hand, settings, surface),
+        at=(0.0, 0.0, 0.0) if whose.in_air is None else whose.in_air.at,
+    )
 
-            return sharing_camera(first)
-    return sharing(first, settings)
+
+def shared_makers(make: DeviceMaker, settings: Settings, sees: Sees) -> DeviceMakers:
+    """Makers for two hands that open one device and share it.
+
+    Args:
+        make: Opens the device.
+        settings: Settings of the run.
+        sees: What the device sees, which decides how its frames are divided.
+    """
+    # Most trials have one hand.
+    from sandbox.devices.wrappers.shared import SharedDevice, Split, SplitByPlace
+
+    def split(surface: Surface) -> Split:
+        if sees is Sees.TOUCHES:
+            return SplitByPlace(homes(settings, surface))
+        if sees is Sees.LEAP:
+            from sandbox.devices.leap.two_hands import SplitBySide
+
+            return SplitBySide([hand.side for hand in settings.hands])
+        return Split()
+
+    parts: list[Device] = []
+
+    def first(task: Task, surface: Surface) -> Device:
+        parts[:] = SharedDevice(make(task, surface), split(surface)).parts
+        return parts[0]
+
+    def second(task: Task, surface: Surface) -> Device:
+        return parts[1]
+
+    return first, second
+
+
+def shared_by_users(makers: DeviceMakers, settings: Settings, sees: Sees) -> DeviceMakers:
+    """Makers for two simulated users who share one device.
+
+    Args:
+        makers: Open the device of each user.
+        settings: Settings of the run.
+        sees: What the device sees.
+    """
+    return shared_makers(_merged(makers, sees), settings, sees)
+
+
+def with_first(makers: DeviceMakers, change: Around) -> DeviceMakers:
+    """The makers, with a change to that of the first hand, which is the person at the screen."""
+    first, *others = makers
+    return (change(first), *others)
+
+
+def check_count(makers: DeviceMakers, settings: Settings) -> None:
+    """Checks that there is one maker per hand.
+
+    Raises:
+        InputError: The numbers of makers and hands differ.
+    """
+    if len(makers) != len(settings.hands):
+        raise InputError(
+            "every hand needs its own device, or a share of one",
+            where=settings.task,
+            got=f"{len(makers)} for {len(settings.hands)} hands",
+        )
 
 
 def is_live(settings: Settings) -> bool:
     """True if a person or another program drives the run, which is then in real time."""
     devices = filter(None, (settings.device, settings.second_device))
-    return any(_is_live(device.name) for device in devices)
+    return any(kind_of(device.name).live for device in devices)
 
 
 def recording_of(device: str) -> Recording | None:
@@ -75,93 +154,38 @@ def recording_of(device: str) -> Recording | None:
     Raises:
         InputError: There is no such device and no such file, or the file cannot be read.
     """
-    path = Path(device)
-    if built_in(device) is not None or is_in_air(device):
+    named, path = named_device(device), Path(device)
+    if named.argument != device or named.entry.kind.in_air or not is_recording(path):
         return None
-    if not path.exists():
-        if find_device(device) is not None:
-            return None
-        raise unknown_name(
-            "no such device or file",
-            device,
-            [*DEVICES, *offered_devices()],
-            where="--device",
-            others=f"{OWN_DEVICE}, or a file",
-            remedy="`sandbox touches formats` lists the files that play as devices",
-        )
-    if not is_recording(path):
-        return None
-    state = path.stat()
-    return _loaded(path, state.st_mtime_ns, state.st_size)
+    from sandbox.devices.files import read_once
 
-
-def check_openable(device: DeviceSettings) -> None:
-    """Checks, before anything is built, a device's argument, its engine or its file of touches.
-
-    Raises:
-        InputError: The device cannot be opened like that.
-    """
-    path, argument = Path(device.name), device.name.partition(":")[2]
-    entry = built_in(device.name)
-    if device.name == "webcam":
-        from sandbox.devices.webcam.installed import installed_engine
-
-        installed_engine()
-    elif entry is not None and entry.simulated and argument:
-        from sandbox.devices.simulated.leap_disturbance import parse_simulated
-
-        parse_simulated(argument)
-    elif entry is not None or is_in_air(device.name) or not path.exists():
-        return
-    elif not is_recording(path):
-        from sandbox.devices.open_touches import open_file
-
-        open_file(path, None).device.close()
-
-
-@lru_cache(maxsize=2)
-def _loaded(path: Path, changed: int, size: int) -> Recording:
-    """A recording, read once for settings and devices of both hands."""
-    return load_recording(path)
-
-
-def _is_live(device: str) -> bool:
-    entry = built_in(device)
-    if entry is not None:
-        return entry.live
-    return not Path(device).exists()
+    return read_once(load_recording, path)
 
 
 def _maker(settings: Settings, hand: int) -> DeviceMaker:
     """The maker of the device of one hand."""
     device = settings.device_of(hand)
-    entry = built_in(device.name)
-    if entry is not None and entry.maker:
-        maker: DeviceMaker = imported(entry.maker)(settings, hand)
-        return maker
-    kind = kind_of(device.name)
-    if kind in _FILES:
-        maker = imported(_FILES[kind])(settings, hand)
-        return maker
-    from sandbox.devices.open_touches import live_maker, open_file
 
-    if (make := live_maker(device)) is not None:
-        return _on_surface(make)
-    recording = recording_of(device.name)
-    if recording is not None:
-        from sandbox.recording.recorded_device import RecordedDevice
+    def make(task: Task, surface: Surface) -> Device:
+        return cast(Device, device.open(place_of(settings, hand, task, surface)))
 
-        recorded_hand = hand if hand in recording.inputs else 0
-        return lambda task, surface: RecordedDevice(recording, recorded_hand)
-    path = Path(device.name)
-    return _on_surface(lambda surface: open_file(path, surface).device)
+    return make
 
 
-_FILES = {
-    DeviceKind.LEAP: "sandbox.devices.leap.leap_maker:leap_maker",
-    DeviceKind.CAMERA: "sandbox.devices.webcam.webcam_maker:webcam_maker",
-}
-"""Makers of devices that play files of hands in the air."""
+def _merged(makers: DeviceMakers, sees: Sees) -> DeviceMaker:
+    """A maker of one device of two simulated users."""
+
+    def make(task: Task, surface: Surface) -> Device:
+        devices: list[AnyDevice] = [maker(task, surface) for maker in makers]
+        if sees is Sees.LEAP:
+            from sandbox.devices.leap.two_hands import MergedLeaps
+
+            return MergedLeaps(devices)
+        from sandbox.devices.wrappers.shared import MergedTouches
+
+        return MergedTouches(devices)
+
+    return make
 
 
 def _degraded(make: DeviceMaker, settings: Settings, hand: int) -> DeviceMaker:
@@ -173,7 +197,8 @@ def _degraded(make: DeviceMaker, settings: Settings, hand: int) -> DeviceMaker:
     from sandbox.recording.recorded_device import RecordedDevice
 
     # Only simulated users and 3-D devices have random numbers that differ between hands.
-    person = hand if is_in_air(name) or name == "simulated" else 0
+    kind = kind_of(name)
+    person = hand if kind.in_air or kind.simulated else 0
 
     def open_device(task: Task, surface: Surface) -> Device:
         device = make(task, surface)
@@ -183,8 +208,3 @@ def _degraded(make: DeviceMaker, settings: Settings, hand: int) -> DeviceMaker:
         return DegradedDevice(device, variation, surface, settings.seed + person * NEXT_PERSON)
 
     return open_device
-
-
-def _on_surface(make: Callable[[Surface], Device]) -> DeviceMaker:
-    """A maker of a device that does not depend on the task."""
-    return lambda task, surface: make(surface)

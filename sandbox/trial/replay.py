@@ -33,8 +33,8 @@ from sandbox.recording.versions import check_states, decisive_differences
 from sandbox.session.messages import ObjectView, Snapshot
 from sandbox.session.session import Session
 from sandbox.trial.assembly import build, digests
-from sandbox.trial.device_makers import DeviceMaker, DeviceMakers
 from sandbox.trial.driver import Trial, ViewMaker, no_views
+from sandbox.trial.open_devices import DeviceMaker, DeviceMakers
 from sandbox.trial.result import TrialResult
 from sandbox.trial.settings import Settings, recorded_encoder, recorded_settings
 from tasks.goals import place

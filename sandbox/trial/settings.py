@@ -26,11 +26,10 @@ from models.json_input import in_plain_words
 from models.person import HANDS, Person
 from models.plugins import how_to_get, place_of
 from models.surface import PRESETS, Surface
-from sandbox.devices.device_settings import DeviceSettings
-from sandbox.devices.registry import device_options
+from sandbox.devices.hand_input import HandInput
+from sandbox.devices.registry import DeviceSettings, device_options
 from sandbox.recording.versions import STATES, states_of
 from sandbox.session.own_layouts import Layouts
-from sandbox.trial.hand_input import HandInput
 from tasks.user import UserConfiguration
 from tasks.variation import Variation
 

@@ -18,8 +18,8 @@ from encoders.paalm.calibration_file import calibration_to_json, is_calibration,
 from models.errors import EncoderError, InputError, RecordingError, StudyError
 from sandbox.devices.files.frame_file import read_frame_file
 from sandbox.devices.files.paired_capture import arrivals, first_line_with_host, read_about
+from sandbox.devices.files.touch_files import open_file
 from sandbox.devices.files.touch_log_file import read_touch_log
-from sandbox.devices.open_touches import open_file
 from sandbox.devices.tuio.touch_capture import read_capture
 from sandbox.options.profiles import load_profile
 from sandbox.regress.baseline import Baseline, Kept, KeptTask, load_baseline

@@ -21,10 +21,10 @@ from models.arithmetic.arrays import Array
 from models.frames import LandmarkFrame, SeenHand
 from models.surface import Surface
 from sandbox.devices.device import LandmarkDevice
+from sandbox.devices.hand_input import HandInput
 from sandbox.devices.simulated.leap_user import SimulatedLeap
 from sandbox.session.messages import Snapshot
 from sandbox.trial.driver import run_trial
-from sandbox.trial.hand_input import HandInput
 from sandbox.trial.result import TrialResult
 from sandbox.trial.settings import HandSettings, Settings
 from tasks.task import Task

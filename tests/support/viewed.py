@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from models.scene import Scene
 from models.surface import Surface
-from sandbox.devices.mouse import MouseDevice
+from sandbox.devices.mouse.mouse import MouseDevice
 from sandbox.session.messages import ContactView, Snapshot
 from sandbox.session.session import Session
 from sandbox.trial.assembly import build

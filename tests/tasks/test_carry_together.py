@@ -17,6 +17,7 @@ from models.objects import TRAY_GRIP, TRAY_HANDLE, Box
 from models.rotations import exp, matrix_to_quaternion
 from models.surface import Surface, enclosing
 from sandbox.cli.main import main
+from sandbox.devices.hand_input import HandInput
 from sandbox.devices.simulated.simulated import SimulatedDevice
 from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.options.second_hand import with_second_names
@@ -25,7 +26,6 @@ from sandbox.regress.plan import RegressionPlan
 from sandbox.session.session import Session
 from sandbox.trial.assembly import build
 from sandbox.trial.driver import run_trial
-from sandbox.trial.hand_input import HandInput
 from sandbox.trial.open_devices import device_makers
 from sandbox.trial.replay import replay
 from sandbox.trial.result import TrialResult

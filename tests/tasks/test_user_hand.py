@@ -15,12 +15,10 @@ from hypothesis import strategies as st
 from models.arithmetic.arrays import Array
 from models.frames import TouchFrame
 from models.surface import Surface
-from sandbox.devices.device import Device
-from sandbox.devices.wrappers.device_wrapper import DeviceWrapper
+from sandbox.devices.device import Device, DeviceWrapper
 from sandbox.options.scene_options import SceneOptions, scene_settings
-from sandbox.trial.device_makers import DeviceMaker
 from sandbox.trial.driver import open_trial
-from sandbox.trial.open_devices import device_makers
+from sandbox.trial.open_devices import DeviceMaker, device_makers
 from sandbox.trial.settings import Settings
 from tasks.registry import TASKS
 from tasks.simulated_user.grasp import grasp_across

@@ -22,7 +22,7 @@ from models.frames import HandFrame, TouchFrame
 from sandbox.cli.capture.live_naming import LiveNaming
 from sandbox.cli.common.command_line import parse
 from sandbox.cli.common.touch_opening import open_touches_or_page
-from sandbox.devices.device import Device, HandDevice, LandmarkDevice
+from sandbox.devices.device import Device, HandDevice, LandmarkDevice, Sees
 from sandbox.devices.files.paired_capture import (
     ABOUT,
     PairedCaptureWriter,
@@ -30,15 +30,15 @@ from sandbox.devices.files.paired_capture import (
     first_line_with_host,
     read_about,
 )
-from sandbox.devices.kinds import LIVE_LEAP as LIVE
-from sandbox.devices.kinds import LIVE_WEBCAM as CAMERA
-from sandbox.devices.kinds import is_webcam
-from sandbox.devices.leap.leap import LeapDevice, LeapFileDevice
+from sandbox.devices.files.touch_files import Opened
+from sandbox.devices.leap import DEFAULT_ADDRESS
+from sandbox.devices.leap.leap import LeapDevice, LeapFileDevice, open_leap
 from sandbox.devices.leap.leap_fake import FAKE
 from sandbox.devices.leap.leap_file import read_leap
-from sandbox.devices.leap.leap_maker import open_leap
-from sandbox.devices.leap.options import DEFAULT_ADDRESS
-from sandbox.devices.open_touches import Opened
+from sandbox.devices.registry import LIVE_LEAP as LIVE
+from sandbox.devices.registry import LIVE_WEBCAM as CAMERA
+from sandbox.devices.registry import kind_of
+from sandbox.devices.webcam import webcam_choice
 from sandbox.devices.webcam.installed import installed_engine
 from sandbox.devices.webcam.landmark_file import (
     LandmarkFileDevice,
@@ -51,7 +51,6 @@ from sandbox.options.names import check_device_name
 from sandbox.options.page_options import PageOptions
 from sandbox.options.picked import picked
 from sandbox.options.touch_devices import LiveTouchOptions, TouchOptions
-from sandbox.options.webcam_devices import webcam_choice
 
 Hands = HandDevice | LandmarkDevice
 """What sees the hand."""
@@ -352,7 +351,7 @@ def parsed_corners(text: str) -> list[tuple[float, float]]:
 
 
 def _hands(options: RecordOptions) -> Hands:
-    camera = is_webcam(options.hands)
+    camera = kind_of(options.hands).sees is Sees.CAMERA
     for name, given in (("--webcam", options.webcam), ("--corners", options.corners)):
         if given and not camera:
             raise InputError(f"{name} needs a camera", where=name, expected="--hands webcam")

@@ -80,8 +80,16 @@ def _of_setting(group: type[Any], name: str) -> Parameter:
     heading = COMMON if name in COMMON_SETTINGS else OF_SETTINGS[group.__name__]
     # What is on by default can only be switched off.
     negative = f"--no-{name.replace('_', '-')}" if getattr(group, name) is True else ()
-    metavar = name.rpartition("_")[2].upper() if get_type_hints(group)[name] is str else None
-    return Parameter(group=heading, negative=negative, metavar=metavar)
+    is_text = get_type_hints(group)[name] is str
+    metavar = name.rpartition("_")[2].upper() if is_text else None
+    field = next(each for each in fields(group) if each.name == name)
+    return Parameter(
+        group=heading,
+        negative=negative,
+        metavar=field.metadata.get("metavar", metavar),
+        # A text may begin with a hyphen, as a place with a negative number does.
+        allow_leading_hyphen=field.metadata.get("metavar") == "X,Y,Z",
+    )
 
 
 def parse(options: type[T], prog: str, argv: Sequence[str]) -> T:

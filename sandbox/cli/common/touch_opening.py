@@ -6,7 +6,7 @@ from typing import Any
 
 from rich.console import Console
 
-from sandbox.devices.open_touches import Opened
+from sandbox.devices.files.touch_files import Opened
 from sandbox.options.touch_devices import TouchOptions, open_touches
 
 

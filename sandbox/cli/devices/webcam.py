@@ -17,6 +17,7 @@ from rich.text import Text
 from sandbox.cli.common.command_line import application
 from sandbox.devices.files.line_file import LineFile
 from sandbox.devices.webcam import install as fetch
+from sandbox.devices.webcam import webcam_choice
 from sandbox.devices.webcam.installed import (
     ENGINE_VERSION,
     INSTALL,
@@ -29,7 +30,6 @@ from sandbox.devices.webcam.installed import (
 from sandbox.devices.webcam.landmark_file import header_record
 from sandbox.devices.webcam.landmarks_json import message_of
 from sandbox.devices.webcam.webcam import WebcamDevice
-from sandbox.options.webcam_devices import webcam_choice
 
 _LOOK = 0.2
 """s between two looks at the clock."""

@@ -25,8 +25,8 @@ from models.surface import Surface
 from sandbox.cli.common.command_line import flat
 from sandbox.cli.common.json_out import check_output, refuse_replacing
 from sandbox.devices.device import Device
-from sandbox.devices.kinds import is_in_air
-from sandbox.devices.open_touches import first_line
+from sandbox.devices.files.touch_files import first_line
+from sandbox.devices.registry import is_in_air
 from sandbox.devices.simulated.spreads import SimulatedSpreads
 from sandbox.options.picked import picked
 from sandbox.options.profiles import Profile, default_path, save_profile

@@ -24,12 +24,12 @@ from models.skeleton import ADULT
 from sandbox.cli.common.command_line import flat
 from sandbox.cli.common.json_out import check_output, refuse_replacing
 from sandbox.devices.device import AnyDevice, LatestFrame
-from sandbox.devices.kinds import LIVE_HEADSET as HEADSET
+from sandbox.devices.leap import LeapCommandOptions
+from sandbox.devices.registry import LIVE_HEADSET as HEADSET
 from sandbox.devices.registry import built_in
-from sandbox.options.leap_devices import LeapOptions
+from sandbox.devices.webcam import BeforeCameraOptions
 from sandbox.options.picked import picked
 from sandbox.options.scene_options import SceneOptions, scene_settings
-from sandbox.options.webcam_devices import WebcamOptions
 from sandbox.trial.live_run import RealTime
 from sandbox.trial.open_devices import device_makers, is_live
 from sandbox.trial.settings import Settings
@@ -38,7 +38,7 @@ from tasks.registry import find_task
 
 @flat
 @dataclass(frozen=True, kw_only=True)
-class RestOptions(WebcamOptions, LeapOptions):
+class RestOptions(BeforeCameraOptions, LeapCommandOptions):
     """Options of `sandbox hand rest`."""
 
     device: Annotated[str, Parameter(metavar="leap|webcam|FILE")]
@@ -127,7 +127,7 @@ def _plan(options: RestOptions) -> Settings:
             remedy=f"sandbox play box-to-goal --device {HEADSET} --record FILE, then --device FILE",
         )
     entry = built_in(options.device)
-    if entry is not None and (entry.simulated or not entry.in_air):
+    if entry is not None and (entry.kind.simulated or not entry.kind.in_air):
         raise InputError(
             "this device does not see a person's hand",
             where=f"--device {options.device}",

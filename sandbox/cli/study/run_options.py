@@ -128,7 +128,7 @@ class StudyRunOptions(PageOptions, _Design):
     @property
     def leap_address(self) -> str:
         """Address of the Leap service."""
-        from sandbox.devices.leap.options import DEFAULT_ADDRESS
+        from sandbox.devices.leap import DEFAULT_ADDRESS
 
         return self.leap or DEFAULT_ADDRESS
 
@@ -154,12 +154,13 @@ def again(options: StudyRunOptions, ppid: str) -> str:
 
 def check_options(options: StudyRunOptions) -> None:
     """Checks that options fit together, before anything is written."""
-    from sandbox.devices.open_touches import guessed_surface, live_maker
+    from sandbox.devices.device import Place
+    from sandbox.devices.files.touch_files import guessed_surface
     from sandbox.devices.registry import DEVICES, built_in
 
     entry = built_in(options.device)
-    if entry is None or entry.in_air:
-        names = [name for name, known in DEVICES.items() if not known.in_air]
+    if entry is None or entry.kind.in_air:
+        names = [name for name, known in DEVICES.items() if not known.kind.in_air]
         raise unknown_name("no such device for a study", options.device, names, where="--device")
     if options.device == "simulated" and not options.pilot:
         raise StudyError(
@@ -193,19 +194,14 @@ def check_options(options: StudyRunOptions) -> None:
             where="--device mouse",
             remedy="Use --device web or --device tuio",
         )
-    maker = (
-        live_maker(touch_options(options).settings)
-        if options.device not in ("mouse", "simulated")
-        else None
-    )
-    if maker is not None:
+    if options.device not in ("mouse", "simulated"):
         # Errors of a device are reported now, and not after the forms.
-        maker(guessed_surface()).close()
+        touch_options(options).settings.open(Place(guessed_surface())).close()
 
 
 def check_leap(options: StudyRunOptions, design: Design) -> None:
     """Checks the Leap, too, if the design has trials over it."""
-    from sandbox.devices.leap.leap_maker import open_leap
+    from sandbox.devices.leap.leap import open_leap
     from sandbox.study.design.conditions import combinations, values_of
     from sandbox.study.design.plan import over_a_leap
 
@@ -240,7 +236,8 @@ def check_second_device(options: StudyRunOptions, design: Design) -> None:
     Raises:
         InputError: The device is missing, not needed, or cannot be used beside the first one.
     """
-    from sandbox.devices.open_touches import guessed_surface, is_evdev, live_maker
+    from sandbox.devices.device import Place
+    from sandbox.devices.files.touch_files import guessed_surface
     from sandbox.study.design.conditions import PARTNER, combinations, run_settings, values_of
     from sandbox.study.run.run_device import needs_second_device
 
@@ -273,7 +270,7 @@ def check_second_device(options: StudyRunOptions, design: Design) -> None:
                 remedy="Use --tablet or --device web for the first hand",
             )
         return
-    if name not in ("mouse", "tuio", PARTNER) and not is_evdev(name):
+    if name not in ("mouse", "tuio", PARTNER) and name.partition(":")[0] != "evdev":
         raise InputError(
             "this device cannot be the second one in a study",
             where="--second-device",
@@ -294,9 +291,8 @@ def check_second_device(options: StudyRunOptions, design: Design) -> None:
             remedy="Use web, tuio, evdev or simulated",
         )
     asked = second_touch_options(options)
-    maker = live_maker(asked.settings) if asked and name not in ("mouse", PARTNER) else None
-    if maker is not None:
-        maker(guessed_surface()).close()
+    if asked and name not in ("mouse", PARTNER):
+        asked.settings.open(Place(guessed_surface())).close()
 
 
 def check_page(options: StudyRunOptions) -> None:

@@ -21,7 +21,7 @@ from sandbox.cli.touches.send import send
 from sandbox.cli.touches.views import JsonView, TextView, View, what_to_check
 from sandbox.devices.files.frame_file import frame_record, header_record
 from sandbox.devices.files.line_file import LineFile
-from sandbox.devices.open_touches import Opened
+from sandbox.devices.files.touch_files import Opened
 from sandbox.devices.registry import offered_devices
 from sandbox.devices.tuio.touch_capture import CapturedPacket, packet_record
 from sandbox.options.touch_devices import TouchOptions

@@ -1,1 +1,46 @@
-"""Linux touch screens and trackpads."""
+"""Touch screens and trackpads of this Linux machine."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from models.surface import Surface
+from sandbox.devices.device import DeviceEntry, DeviceKind, Place
+
+if TYPE_CHECKING:
+    from sandbox.devices.evdev.evdev_device import EvdevDevice
+
+
+@dataclass(frozen=True, kw_only=True)
+class EvdevOptions:
+    """How a touch screen or trackpad of this Linux machine is opened."""
+
+    grab: bool = False
+    """The touches are hidden from the desktop, so that a trackpad does not move the pointer."""
+
+
+def _open(options: EvdevOptions, place: Place) -> EvdevDevice:
+    from sandbox.devices.evdev.evdev_device import EvdevDevice, open_node
+
+    return EvdevDevice(open_node(place.argument, options.grab), place.surface)
+
+
+def _surface(argument: str) -> Surface | None:
+    from sandbox.devices.evdev.evdev_device import evdev_surface, open_node
+
+    node = open_node(argument)
+    try:
+        return evdev_surface(node)
+    finally:
+        node.close()
+
+
+DEVICE = DeviceEntry(
+    "a touch screen or trackpad of this Linux machine",
+    _open,
+    EvdevOptions,
+    DeviceKind(guessed_size=True),
+    argument="NODE",
+    surface=_surface,
+)

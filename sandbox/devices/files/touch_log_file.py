@@ -15,7 +15,7 @@ from models.frames import TouchFrame
 from models.json_input import numbered_lines
 from models.surface import METRES_PER_INCH, Surface
 from sandbox.devices.files.frame_file import LONGEST_LINE, decoded_frame, frame_surface
-from sandbox.devices.open_touches import first_line, recorded_surface
+from sandbox.devices.files.touch_files import first_line, recorded_surface
 from sandbox.devices.tuio.touch_capture import CaptureDevice, read_capture
 from sandbox.recording.recording import is_recording, load_recording
 

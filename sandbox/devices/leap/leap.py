@@ -15,14 +15,16 @@ from collections import Counter, deque
 from collections.abc import Callable, Iterator, Sequence
 
 import msgspec
+from rich.console import Console
+from rich.text import Text
 from websockets.sync.client import connect
 
 from models.errors import DeviceError
 from models.frames import HandFrame
 from sandbox.devices.device import HandDevice
+from sandbox.devices.leap import DEFAULT_ADDRESS
 from sandbox.devices.leap.leap_file import LeapRecording
 from sandbox.devices.leap.leap_json import LeapDecoder
-from sandbox.devices.leap.options import DEFAULT_ADDRESS
 
 KEPT = 600
 """Largest number of frames that wait to be fetched: two seconds at the device's highest rate."""
@@ -40,6 +42,12 @@ BACKGROUND = '{"background":true}'
 
 GONE = 1.0
 """s without a frame after which a session tells the person that the service is silent."""
+
+PATIENCE = 3.0
+"""s within which a live device must send its first frame."""
+
+_NORMAL_COUNTS = ("frames", "handshakes", "connections")
+"""Counts of a device that do not report a problem."""
 
 _LOOK = 0.05
 """s between two checks for new frames."""
@@ -236,3 +244,45 @@ class LeapDevice(HandDevice):
                 self._decoder.counts["frames nobody fetched"] += 1
             self._frames.append(frame)
             self._new_frame.notify_all()
+
+
+class ReportingLeapDevice(LeapDevice):
+    """A live device that prints, when closed, its unusable frames and repeated connections."""
+
+    def close(self) -> None:
+        """Ends the connection, once."""
+        closed = self._stop.is_set()
+        super().close()
+        if not closed:
+            report_left_out(self.counts)
+
+
+def open_leap(address: str = DEFAULT_ADDRESS, tell: bool = False) -> LeapDevice:
+    """Connects to a running Leap service and waits for its first message.
+
+    Args:
+        address: WebSocket URL.
+        tell: Print unusable frames and repeated connections when the device is closed.
+
+    Raises:
+        DeviceError: The service sends nothing.
+    """
+    device = ReportingLeapDevice(address) if tell else LeapDevice(address)
+    if not device.wait(PATIENCE):
+        device.close()
+        raise device.silent(PATIENCE)
+    return device
+
+
+def report_left_out(counts: Counter[str]) -> None:
+    """Prints counts of frames that could not be used, if there were any."""
+    left = {what: n for what, n in counts.items() if n and what not in _NORMAL_COUNTS}
+    # The first connection is the normal start.
+    if counts["connections"] > 1:
+        left["new connections"] = counts["connections"] - 1
+    if left:
+        _warn("left out: " + ", ".join(f"{n} {what}" for what, n in left.items()))
+
+
+def _warn(text: str) -> None:
+    Console(stderr=True).print(Text(text, style="yellow"))

@@ -11,8 +11,8 @@ from models.arithmetic.arrays import Array
 from models.arithmetic.products import small_product
 from models.frames import HandFrame
 from models.person import Person
+from sandbox.devices.simulated import NEXT_PERSON
 from sandbox.devices.simulated.leap_user import SimulatedLeap
-from sandbox.devices.simulated.options import NEXT_PERSON
 from sandbox.devices.webxr.joints import FINGER_JOINTS, seen_hand
 from sandbox.server.protocol.protocol import JOINTS_OF_A_HAND, SeenJoints
 from tasks.task import Task

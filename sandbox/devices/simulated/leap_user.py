@@ -14,12 +14,12 @@ from models.frames import HandFrame
 from models.person import Person
 from models.skeleton import ADULT
 from sandbox.devices.device import HandDevice
+from sandbox.devices.simulated import NEXT_PERSON
 from sandbox.devices.simulated.air_user.carrier import AirCarrier
 from sandbox.devices.simulated.air_user.holds import check_holdable
 from sandbox.devices.simulated.air_user.patient import PATIENT, PatientPerson
 from sandbox.devices.simulated.air_user.person import AirHabits, AirPerson
 from sandbox.devices.simulated.leap_disturbance import LeapDisturbance
-from sandbox.devices.simulated.options import NEXT_PERSON
 from sandbox.session.messages import Snapshot
 from tasks.registry import hands_of
 from tasks.task import Goal, Task

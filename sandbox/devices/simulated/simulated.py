@@ -16,7 +16,7 @@ from models.person import Person
 from models.plugins import Registry
 from models.surface import Surface
 from sandbox.devices.device import Device
-from sandbox.devices.simulated.options import NEXT_PERSON
+from sandbox.devices.simulated import NEXT_PERSON
 from sandbox.devices.wrappers.drop_outs import DropOuts
 from sandbox.session.messages import Snapshot
 from tasks.registry import hands_of

@@ -23,7 +23,7 @@ from models.errors import DeviceError, InputError
 from models.frames import Contact, TouchFrame
 from models.surface import Surface
 from sandbox.devices.device import Closeable, Device
-from sandbox.devices.tuio.options import DEFAULT_PORT, DEFAULT_WEBSOCKET_PORT, LOOPBACK, Transport
+from sandbox.devices.tuio import DEFAULT_PORT, DEFAULT_WEBSOCKET_PORT, LOOPBACK, Transport
 from sandbox.devices.tuio.tuio_senders import Commit, SourceStatus, Statistics, Tuio
 from sandbox.devices.tuio.tuio_streams import Streams, parse_target
 

@@ -27,7 +27,7 @@ from websockets.frames import CloseCode
 from websockets.http11 import Request, Response
 
 from models.errors import DeviceError
-from sandbox.devices.tuio.options import DEFAULT_WEBSOCKET_PORT
+from sandbox.devices.tuio import DEFAULT_WEBSOCKET_PORT
 from sandbox.devices.tuio.osc import MAX_PACKET_BYTES
 
 MAX_CONNECTIONS = 32

@@ -1,1 +1,188 @@
-"""A webcam whose pictures a page in the browser turns into landmarks of hands."""
+"""A camera that sees hands: a page in a browser of this machine finds them in its pictures."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from math import atan, degrees
+from pathlib import Path
+from typing import Any
+
+from encoders.webcam.camera import Camera
+from models.errors import InputError
+from sandbox.devices.device import (
+    AnyDevice,
+    DeviceEntry,
+    DeviceKind,
+    Place,
+    PlayedOptions,
+    Sees,
+    Source,
+)
+from sandbox.devices.hand_input import HandInput
+
+_NUMBERS = {"fov": "view", "tilt": "tilt", "roll": "roll", "pan": "pan"}
+"""Key of an option -> field of the camera."""
+_WORDS = ("mirrored", "quiet")
+_FORM = "fov=60 or sees=0.58/0.5,at=0/0.45/0.1,tilt=0,roll=0,pan=0,mirrored,quiet"
+
+
+@dataclass(frozen=True)
+class WebcamOptions:
+    """How a camera's page is opened; where the camera stands is a setting of the hand."""
+
+    mirrored: bool = False
+    """The picture is a mirror's."""
+
+    quiet: bool = False
+    """The page's address is printed, and no browser is opened."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class BeforeCameraOptions:
+    """The camera before which a hand is, live or in a recording."""
+
+    webcam: str = field(default="", metadata={"metavar": "KEY=VALUE,..."})
+    """The camera of --device webcam, by any of: fov=DEGREES across its picture, which with your
+    hand's size gives its distance (default 60), or sees=ACROSS/AWAY, how many m of a ruler it sees
+    from edge to edge, and how far away the ruler is held; at=X/Y/Z, where the camera is, m from the
+    centre of the table top: right, away, up (default 0/0.45/0.1, facing you); tilt=DEGREES down;
+    pan=DEGREES and roll=DEGREES; mirrored, if its picture is a mirror's; quiet, to open no
+    browser."""
+
+    @cached_property
+    def _choice(self) -> WebcamChoice:
+        return webcam_choice(self.webcam)
+
+    @property
+    def mirrored(self) -> bool:
+        """The picture is a mirror's."""
+        return self._choice.mirrored
+
+    @property
+    def quiet(self) -> bool:
+        """No browser is opened."""
+        return self._choice.quiet
+
+
+@dataclass(frozen=True)
+class WebcamChoice:
+    """Value of `--webcam`.
+
+    Attributes:
+        camera: The camera.
+        mirrored: Its picture is a mirror's.
+        quiet: The page's address is printed, and no browser is opened.
+    """
+
+    camera: Camera
+    mirrored: bool = False
+    quiet: bool = False
+
+
+def webcam_choice(text: str, camera: Camera | None = None) -> WebcamChoice:
+    """Reads `--webcam`.
+
+    Args:
+        text: The option's value.
+        camera: Camera whose values hold where the text says nothing; None is the default one.
+
+    Raises:
+        InputError: A part of it is unknown or impossible.
+    """
+    values: dict[str, Any] = {}
+    words: dict[str, bool] = {}
+    for part in filter(None, text.split(",")):
+        key, equals, value = part.partition("=")
+        if key in _WORDS and not equals:
+            words[key] = True
+            continue
+        try:
+            if key == "at":
+                x, y, z = map(float, value.split("/"))
+                values["at"] = (x, y, z)
+            elif key == "sees":
+                across, away = map(float, value.split("/"))
+                values["view"] = degrees(2.0 * atan(0.5 * across / away))
+            else:
+                values[_NUMBERS[key]] = float(value)
+        except (KeyError, ValueError, ZeroDivisionError):
+            raise InputError(
+                "not a setting of the camera", where="--webcam", got=part, expected=_FORM
+            ) from None
+    return WebcamChoice(replace(camera or Camera(), **values), **words)
+
+
+def before_camera(options: BeforeCameraOptions, argument: str, side: str) -> HandInput:
+    """How a live camera sees a hand.
+
+    Raises:
+        InputError: The camera is impossible.
+    """
+    return HandInput(camera=webcam_choice(options.webcam).camera)
+
+
+def in_landmark_file(options: BeforeCameraOptions, file: str, side: str) -> HandInput:
+    """How the camera of a recording saw a hand.
+
+    Raises:
+        InputError: The camera is impossible, or the recording cannot be read.
+    """
+    from sandbox.devices.files import read_once
+    from sandbox.devices.webcam.landmark_file import read_landmarks
+
+    recorded = read_once(read_landmarks, Path(file)).camera
+    return HandInput(camera=webcam_choice(options.webcam, recorded).camera)
+
+
+def _open(options: WebcamOptions, place: Place) -> AnyDevice:
+    import webbrowser
+
+    from sandbox.devices.webcam.installed import installed_engine
+    from sandbox.devices.webcam.webcam import WebcamDevice
+
+    device = WebcamDevice(installed_engine(), place.sides, options.mirrored)
+    if not options.quiet:
+        webbrowser.open(device.address)
+    return device
+
+
+def _open_file(options: PlayedOptions, place: Place) -> AnyDevice:
+    from sandbox.devices.files import read_once
+    from sandbox.devices.webcam.landmark_file import LandmarkFileDevice, read_landmarks
+
+    return LandmarkFileDevice(read_once(read_landmarks, Path(place.argument)))
+
+
+def _check(options: WebcamOptions, argument: str) -> None:
+    from sandbox.devices.webcam.installed import installed_engine
+
+    installed_engine()
+
+
+def _check_file(options: PlayedOptions, argument: str) -> None:
+    from sandbox.devices.files import read_once
+    from sandbox.devices.webcam.landmark_file import read_landmarks
+
+    read_once(read_landmarks, Path(argument))
+
+
+DEVICE: DeviceEntry[Any] = DeviceEntry(
+    "a hand before a camera, by a page that opens in a browser of this machine",
+    _open,
+    WebcamOptions,
+    DeviceKind(Sees.CAMERA, labels=True, in_scene=True),
+    check=_check,
+    command_options=BeforeCameraOptions,
+    hand_input=before_camera,
+)
+
+FILE: DeviceEntry[Any] = DeviceEntry(
+    "a recording of landmarks in a camera's pictures",
+    _open_file,
+    PlayedOptions,
+    DeviceKind(Sees.CAMERA, Source.FILE, labels=True, in_scene=True),
+    check=_check_file,
+    command_options=BeforeCameraOptions,
+    hand_input=in_landmark_file,
+)

@@ -40,7 +40,6 @@ class HeadsetDevice(HandDevice, PageDevice):
     Attributes:
         latency: The log as given; a server replaces it with its own.
         counts: Number of hands that could not be used, by reason.
-        second: The same frames for a second hand of the scene.
     """
 
     name = "webxr"
@@ -52,7 +51,6 @@ class HeadsetDevice(HandDevice, PageDevice):
         self.counts: Counter[str] = Counter()
         self.frame_ready = threading.Event()
         self.applied = 0
-        self.second = SecondHand(self)
         self._lock = threading.Lock()
         self._frames: deque[tuple[HandFrame, int, float]] = deque(maxlen=KEPT)
         self._seen = False
@@ -114,10 +112,9 @@ class HeadsetDevice(HandDevice, PageDevice):
             waiting = list(self._frames)
             self._frames.clear()
         at = time.monotonic()
-        for frame, seq, arrived in waiting:
+        for _, seq, arrived in waiting:
             self.applied = max(self.applied, seq)
             self.latency.take_in(arrived, at)
-            self.second.waiting.append(frame)
         return [frame for frame, _, _ in waiting]
 
     def _put(self, hands: tuple[TrackedHand, ...], seq: int) -> None:
@@ -126,24 +123,3 @@ class HeadsetDevice(HandDevice, PageDevice):
             self._seen = bool(hands)
             self._frames.append((HandFrame(now, hands, self.name), seq, now))
         self.frame_ready.set()
-
-
-class SecondHand(HandDevice):
-    """A headset's frames for a second hand of the scene: both see every frame, and each takes the
-    hand of its side.
-
-    Args:
-        headset: The headset, which the first hand polls.
-    """
-
-    name: str
-
-    def __init__(self, headset: HeadsetDevice) -> None:
-        self.name = f"{headset.name}, second hand"
-        self.waiting: deque[HandFrame] = deque(maxlen=KEPT)
-
-    def poll(self, now: float) -> Sequence[HandFrame]:
-        """The frames that the first hand has got since the last call."""
-        frames = tuple(self.waiting)
-        self.waiting.clear()
-        return frames

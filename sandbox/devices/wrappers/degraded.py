@@ -11,8 +11,7 @@ import numpy as np
 from models.arithmetic.arrays import Array
 from models.frames import Contact, TouchFrame
 from models.surface import Surface
-from sandbox.devices.device import Device
-from sandbox.devices.wrappers.device_wrapper import DeviceWrapper
+from sandbox.devices.device import Device, DeviceWrapper
 from sandbox.devices.wrappers.drop_outs import DropOuts
 from sandbox.session.messages import Snapshot
 from tasks.variation import Variation

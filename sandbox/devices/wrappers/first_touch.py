@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from models.frames import TouchFrame
-from sandbox.devices.device import Device
-from sandbox.devices.wrappers.device_wrapper import DeviceWrapper
+from sandbox.devices.device import Device, DeviceWrapper
 
 
 class FirstTouch(DeviceWrapper):

@@ -7,8 +7,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from models.frames import TouchFrame
-from sandbox.devices.device import Device
-from sandbox.devices.wrappers.device_wrapper import DeviceWrapper
+from sandbox.devices.device import Device, DeviceWrapper
 
 SPEED = 0.45
 """1/s, share of the whole lift while a key is held."""

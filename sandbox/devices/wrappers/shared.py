@@ -1,88 +1,200 @@
-"""A surface shared by two hands: its contacts are split, and each hand becomes a device."""
+"""One device for two hands: its frames are divided, and each hand becomes a device.
+
+`Split` says how frames are divided: a screen by the places of the hands (`SplitByPlace`), a Leap by
+their sides (`sandbox.devices.leap.two_hands`); a camera and a headset give every frame to both
+hands, which look for their own sides. `MergedUsers` is the opposite: two simulated users with one
+device.
+"""
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 from numpy.typing import ArrayLike
 
 from encoders.labels.hand_split import HandSplitter
 from models.frames import TouchFrame
-from sandbox.devices.device import Device
-from sandbox.devices.wrappers.device_wrapper import DeviceWrapper
+from sandbox.devices.device import AnyDevice, Device, DeviceWrapper
 from sandbox.session.messages import Snapshot
 
+MOST_WAITING = 600
+"""Largest number of frames that wait for a hand."""
 
-class SharedSurface:
-    """Splits a device whose contacts belong to two hands.
+
+class Split:
+    """How the frames of a device are divided between two hands: both get every frame.
+
+    Attributes:
+        at_every_poll: The device is polled for each hand; otherwise once at a time.
+    """
+
+    at_every_poll = False
+
+    def divide(self, frame: Any, now: float) -> tuple[Any, Any]:
+        """The parts of a frame for the two hands.
+
+        Args:
+            frame: A frame of the device.
+            now: s, session time.
+        """
+        return frame, frame
+
+    def resting(self) -> Sequence[Any]:
+        """Frames that stand in where the device has none; none by default."""
+        return ()
+
+    def notices(self, now: float) -> Sequence[str] | None:
+        """Messages for the person in place of the device's; None for those of the device."""
+        return None
+
+
+class SplitByPlace(Split):
+    """Contacts on one surface are assigned to two hands.
 
     Args:
-        device: Device of the whole surface.
         homes: (2, 2) m on the surface, initial expected position of each hand.
 
     Attributes:
-        device: As given.
-        parts: A device for each hand, both with the lift control. Poll them at the same times.
         splitter: Assigns contacts to hands.
     """
 
-    def __init__(self, device: Device, homes: ArrayLike) -> None:
-        self.device = device
+    def __init__(self, homes: ArrayLike) -> None:
         self.splitter = HandSplitter(homes)
-        self.parts = (OneHand(self, 0), OneHand(self, 1))
-        self._waiting: tuple[list[TouchFrame], list[TouchFrame]] = ([], [])
         self._last: TouchFrame | None = None
-        self._now = -1.0
 
-    def take(self, hand: int, now: float) -> list[TouchFrame]:
-        """Frames of a hand since its last call; `now` is session time, s."""
-        if now > self._now:
-            self._now = now
-            frames = self.device.poll(now)
-            if not frames and self._last is not None:
-                # A resting finger sends no frames, but must still be assigned to its hand.
-                frames = [replace(self._last, cancelled=frozenset())]
-            for frame in frames:
-                self._last = frame
-                for waiting, part in zip(
-                    self._waiting, self.splitter.step(replace(frame, time=now)), strict=True
-                ):
-                    waiting.append(part)
-        taken = list(self._waiting[hand])
-        self._waiting[hand].clear()
-        return taken
+    def divide(self, frame: TouchFrame, now: float) -> tuple[TouchFrame, TouchFrame]:
+        """The contacts of each hand, with session time."""
+        self._last = frame
+        first, second = self.splitter.step(replace(frame, time=now))
+        return first, second
+
+    def resting(self) -> Sequence[TouchFrame]:
+        """The last frame: a resting finger sends none, but is still assigned to its hand."""
+        return () if self._last is None else (replace(self._last, cancelled=frozenset()),)
 
 
-class OneHand(DeviceWrapper):
-    """The contacts of one hand on a shared surface.
+class SharedDevice:
+    """A device whose frames are for two hands.
 
     Args:
-        surface: The shared surface.
+        device: The device.
+        split: How its frames are divided.
+
+    Attributes:
+        device: As given.
+        split: As given.
+        parts: A device for each hand. Poll them at the same times.
+    """
+
+    def __init__(self, device: AnyDevice, split: Split) -> None:
+        self.device, self.split = device, split
+        self.parts = (SharedPart(self, 0), SharedPart(self, 1))
+        self._now = -1.0
+
+    def fetch(self, now: float) -> None:
+        """Polls the device, and divides its frames."""
+        if now <= self._now and not self.split.at_every_poll:
+            return
+        self._now = now
+        frames = self.device.poll(now)
+        if not frames and not self.device.finished:
+            frames = self.split.resting()
+        for frame in frames:
+            for part, own in zip(self.parts, self.split.divide(frame, now), strict=True):
+                part.waiting.append(own)
+
+
+class SharedPart(DeviceWrapper):
+    """One hand's part of a shared device.
+
+    What the device needs and says once for both hands goes through the first one.
+
+    Args:
+        shared: The shared device.
         hand: Index of the hand, 0 or 1.
     """
 
-    def __init__(self, surface: SharedSurface, hand: int) -> None:
-        super().__init__(surface.device)
-        self._surface, self._hand = surface, hand
+    def __init__(self, shared: SharedDevice, hand: int) -> None:
+        super().__init__(shared.device)
+        self._shared, self._first = shared, hand == 0
+        self.waiting: deque[Any] = deque(maxlen=MOST_WAITING)
+        self._now = 0.0
 
-    def poll(self, now: float) -> Sequence[TouchFrame]:
+    def poll(self, now: float) -> Sequence[Any]:
         """This hand's frames since the last call."""
-        return self._surface.take(self._hand, now)
+        self._now = now
+        self._shared.fetch(now)
+        frames = tuple(self.waiting)
+        self.waiting.clear()
+        return frames
 
     @property
-    def clock_origin(self) -> None:
-        """Frames carry session time."""
-        return None
+    def finished(self) -> bool:
+        """True when no further frame can arrive for this hand."""
+        return self.device.finished and not self.waiting
+
+    @property
+    def wants_snapshots(self) -> bool:
+        """The device's for the first hand, so that it sees every snapshot once."""
+        return self._first and self.device.wants_snapshots
+
+    @property
+    def notices(self) -> Sequence[str]:
+        """Those of the division, or the device's, once for both hands."""
+        own = self._shared.split.notices(self._now)
+        if own is not None:
+            return own
+        return self.device.notices if self._first else ()
+
+    @property
+    def address(self) -> str:
+        """The device's, once for both hands."""
+        return self.device.address if self._first else ""
+
+    @property
+    def damage(self) -> Exception | None:
+        """The device's, once for both hands."""
+        return self.device.damage if self._first else None
+
+
+class MergedUsers(Device):
+    """Two simulated users with one device, such as a screen that both touch.
+
+    Args:
+        devices: A device for each user.
+    """
+
+    name: str
+    lift = True
+    wants_snapshots = True
+    clock_origin = None
+    parts: tuple[AnyDevice, ...]
+
+    def __init__(self, devices: Sequence[AnyDevice]) -> None:
+        self.parts = tuple(devices)
+        self.name = devices[0].name
+
+    @property
+    def finished(self) -> bool:
+        """True when no further frame can arrive from either device."""
+        return all(device.finished for device in self.parts)
 
     def show(self, snapshot: Snapshot) -> None:
-        """Passes the snapshot to the device once, through the first hand."""
-        if self._hand == 0:
-            self.device.show(snapshot)
+        """Passes the snapshot to each device."""
+        for device in self.parts:
+            device.show(snapshot)
+
+    def close(self) -> None:
+        """Closes both."""
+        for device in self.parts:
+            device.close()
 
 
-class MergedTouches(Device):
-    """Merges two devices on the same surface into one: two simulated users at one screen.
+class MergedTouches(MergedUsers):
+    """Two simulated users at one screen.
 
     Both control the same lift, which takes the lower of their two values.
 
@@ -90,20 +202,16 @@ class MergedTouches(Device):
         devices: Two devices of one hand each.
     """
 
-    name: str
-    lift = True
-    parts: tuple[Device, ...]
-
-    def __init__(self, devices: tuple[Device, Device]) -> None:
-        self.parts = devices
+    def __init__(self, devices: Sequence[AnyDevice]) -> None:
+        super().__init__(devices)
         self._latest = [TouchFrame(0.0), TouchFrame(0.0)]
-        self.name = devices[0].name
 
     def poll(self, now: float) -> Sequence[TouchFrame]:
         """All contacts, with interleaved ids, whose order does not reveal the hand."""
         cancelled: set[int] = set()
         for k, device in enumerate(self.parts):
             for frame in device.poll(now):
+                assert isinstance(frame, TouchFrame)
                 self._latest[k] = frame
                 cancelled |= {_id(i, k) for i in frame.cancelled}
         contacts = tuple(
@@ -115,21 +223,9 @@ class MergedTouches(Device):
         gone = frozenset(cancelled - {c.id for c in contacts})
         return [TouchFrame(now, contacts, min(lifts, default=None), gone, "merged")]
 
-    @property
-    def clock_origin(self) -> None:
-        """Frames carry session time."""
-        return None
-
-    @property
-    def wants_snapshots(self) -> bool:
-        """True if either device needs snapshots."""
-        return any(device.wants_snapshots for device in self.parts)
-
     def show(self, snapshot: Snapshot) -> None:
         """Passes the snapshot to each device, with the device's own ids of its touches."""
         for k, device in enumerate(self.parts):
-            if not device.wants_snapshots:
-                continue
             hands = tuple(
                 replace(
                     hand,
@@ -140,16 +236,6 @@ class MergedTouches(Device):
                 for hand in snapshot.hands
             )
             device.show(replace(snapshot, hands=hands))
-
-    @property
-    def finished(self) -> bool:
-        """True when no further frame can arrive from either device."""
-        return all(device.finished for device in self.parts)
-
-    def close(self) -> None:
-        """Closes both."""
-        for device in self.parts:
-            device.close()
 
 
 def _id(own: int, device: int) -> int:

@@ -83,9 +83,9 @@ def run_settings(
     Raises:
         InputError: A value is not allowed.
     """
+    from sandbox.devices.hand_input import HandInput
+    from sandbox.devices.webcam import webcam_choice
     from sandbox.options.scene_options import SceneOptions, scene_settings
-    from sandbox.options.webcam_devices import webcam_choice
-    from sandbox.trial.hand_input import HandInput
 
     given = dict(values)
     if "impulse" in given:

@@ -10,7 +10,7 @@ from encoders.paalm import Paalm
 from encoders.paalm.calibration import PAPER_FRAMES
 from encoders.paalm.calibration_file import calibration_to_json
 from models.errors import EncoderError
-from sandbox.devices.leap.leap_maker import open_leap
+from sandbox.devices.leap.leap import open_leap
 from sandbox.study.record.folder import Participant
 from sandbox.study.run.forms import Forms, Poll
 from sandbox.words.words import words_in

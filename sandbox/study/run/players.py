@@ -15,9 +15,9 @@ from sandbox.session.own_layouts import learned_layouts
 from sandbox.session.session import Session
 from sandbox.study.measures.measure import SIMULATED_USER
 from sandbox.study.tables.frames import FrameTable
-from sandbox.trial.device_makers import DeviceMakers
 from sandbox.trial.driver import Trial, View, ViewMaker, open_trial
 from sandbox.trial.live_run import TICK, LiveRun, Pace
+from sandbox.trial.open_devices import DeviceMakers
 from sandbox.trial.result import TrialResult
 from sandbox.trial.settings import Settings
 from tasks.score import Status

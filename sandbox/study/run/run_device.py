@@ -7,15 +7,14 @@ from typing import Any, cast
 
 from models.errors import StudyError
 from models.surface import Surface
-from sandbox.devices.device import Device
-from sandbox.devices.leap.leap_maker import open_leap, split_by_side
-from sandbox.devices.leap.options import DEFAULT_ADDRESS
-from sandbox.devices.open_touches import has_unknown_size, is_evdev, live_maker, native_surface
-from sandbox.devices.simulated.options import NEXT_PERSON
-from sandbox.devices.webcam.webcam_maker import sharing_camera
+from sandbox.devices.device import Device, Place, Sees
+from sandbox.devices.leap import DEFAULT_ADDRESS
+from sandbox.devices.leap.leap import open_leap
+from sandbox.devices.registry import kind_of, named_device
+from sandbox.devices.simulated import NEXT_PERSON
+from sandbox.devices.webcam import webcam_choice
 from sandbox.devices.wrappers.degraded import DegradedDevice
 from sandbox.options.touch_devices import TouchOptions
-from sandbox.options.webcam_devices import webcam_choice
 from sandbox.study.design.conditions import PARTNER
 from sandbox.study.design.plan import TrialStep
 from sandbox.study.record.folder import Participant
@@ -25,8 +24,8 @@ from sandbox.study.run.runner import FitSettings, OpenDevices
 from sandbox.study.run.session_camera import SessionCamera
 from sandbox.study.run.simulate import simulated_devices, simulated_hand
 from sandbox.study.run.study_page import StudyPage
-from sandbox.trial.device_makers import DeviceMaker, DeviceMakers, sharing
 from sandbox.trial.lift import with_lift
+from sandbox.trial.open_devices import DeviceMaker, DeviceMakers, shared_makers
 from sandbox.trial.settings import Settings
 from tasks.task import Task
 from tasks.user import UserConfiguration
@@ -74,14 +73,9 @@ def person_devices(
                 return cast(Device, open_leap(leap))
             if page is not None and name == "web":
                 device = page_device(page.pages[hand], surface)
-            elif name == "mouse":
-                from sandbox.devices.mouse import MouseDevice
-
-                device = MouseDevice(surface, settings.hands[hand].person)
             else:
-                maker = live_maker(asked.settings)
-                assert maker is not None, name
-                device = maker(surface)
+                place = Place(surface, person=settings.hands[hand].person)
+                device = cast(Device, asked.settings.open(place))
             if settings.variation.degrades_touches:
                 noise = trial.seed + hand * NEXT_PERSON
                 return DegradedDevice(device, settings.variation, surface, noise)
@@ -96,13 +90,13 @@ def person_devices(
         if len(settings.hands) == 1:
             return with_lift((first,), keys)
         if settings.surface.shared:
-            return with_lift(sharing(first, settings), keys)
+            return with_lift(shared_makers(first, settings, Sees.TOUCHES), keys)
         if trial.values.get("second_device") == PARTNER:
             asked = TouchOptions(device=PARTNER)
         elif before_cameras(settings) == (True, True):
-            return sharing_camera(first)
+            return shared_makers(first, settings, Sees.CAMERA)
         elif settings.in_air and not any(before_cameras(settings)):
-            return split_by_side(None, first, settings)
+            return shared_makers(first, settings, Sees.LEAP)
         elif second is not None or settings.hands[1].in_air is not None:
             asked = second or options
         else:
@@ -168,7 +162,7 @@ def settings_fitter(
         return fitted
 
     def check_size(device: str, settings: Settings, what: str) -> None:
-        native = native_surface(device) if is_evdev(device) else None
+        native = named_device(device).surface() if device else None
         own = (native.width_in, native.height_in) if native else settings.surface.size_in
         pairs = zip(own, settings.surface.size_in, strict=True)
         if any(abs(a / b - 1.0) > SLACK for a, b in pairs):
@@ -187,13 +181,13 @@ def settings_fitter(
         if page is not None and name == "web":
             page.wait_until_open(poll)
             return settings_for_screen(page, settings, designed)
-        if is_evdev(name) and (native := native_surface(name)) is not None:
+        if (native := named_device(name).surface()) is not None:
             if designed:
                 check_size(
                     name, settings, "the touch device has another size than the design's surface"
                 )
             return settings.changed(size_in=(native.width_in, native.height_in))
-        if has_unknown_size(name):
+        if kind_of(name).guessed_size:
             # The device reports no size. Without one in the design it is a guess, which the
             # recording notes.
             return settings if designed else settings.changed(calibrated=False)

@@ -12,8 +12,8 @@ from typing import Any
 
 from models.errors import InputError, StudyError
 from models.message import counted
-from sandbox.devices.device_settings import DeviceSettings
-from sandbox.devices.simulated.options import SimulatedOptions
+from sandbox.devices.registry import DeviceSettings
+from sandbox.devices.simulated import SimulatedOptions
 from sandbox.study.design.conditions import PARTNER, consent_text, run_settings
 from sandbox.study.design.plan import (
     BreakStep,
@@ -32,7 +32,7 @@ from sandbox.study.run.forms import Forms, Poll
 from sandbox.study.run.players import TICK, PlayedAttempt, TrialPlayer, TrialRequest
 from sandbox.study.run.simulated_user import simulated_user
 from sandbox.study.tables.tables import StudyTables, rebuild_session
-from sandbox.trial.device_makers import DeviceMakers
+from sandbox.trial.open_devices import DeviceMakers
 from sandbox.trial.result import TrialResult
 from sandbox.trial.settings import Settings
 

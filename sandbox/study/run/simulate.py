@@ -12,10 +12,9 @@ import numpy as np
 
 from models.errors import OtherPlanError, StudyError
 from models.surface import Surface
-from sandbox.devices.device import Device
-from sandbox.devices.leap.leap_maker import split_by_side
+from sandbox.devices.device import Device, Sees
+from sandbox.devices.simulated import NEXT_PERSON
 from sandbox.devices.simulated.leap_user import SimulatedLeap
-from sandbox.devices.simulated.options import NEXT_PERSON
 from sandbox.devices.simulated.simulated import SimulatedDevice
 from sandbox.devices.wrappers.degraded import DegradedDevice
 from sandbox.study.design.conditions import uses_camera
@@ -31,7 +30,7 @@ from sandbox.study.run.players import HeadlessPlayer
 from sandbox.study.run.runner import OpenDevices, SessionOutcome, SessionRunner
 from sandbox.study.run.simulated_user import simulated_user
 from sandbox.study.tables.tables import StudyTables
-from sandbox.trial.device_makers import DeviceMaker, DeviceMakers
+from sandbox.trial.open_devices import DeviceMaker, DeviceMakers, shared_by_users
 from sandbox.trial.settings import Settings
 from sandbox.trial.surfaces import home
 from tasks.task import Task
@@ -92,7 +91,7 @@ def simulated_devices(person: Participant) -> OpenDevices:
             simulated_hand(user, settings, hand, seed) for hand in range(len(settings.hands))
         )
         both_in_air = len(makers) > 1 and settings.in_air
-        return split_by_side(makers, makers[0], settings) if both_in_air else makers
+        return shared_by_users(makers, settings, Sees.LEAP) if both_in_air else makers
 
     return of_trial
 

@@ -20,7 +20,7 @@ from models.errors import HandSandboxError
 from models.scene import Scene
 from models.surface import Surface
 from sandbox.devices.device import AnyDevice, Closeable
-from sandbox.devices.mouse import MouseDevice
+from sandbox.devices.mouse.mouse import MouseDevice
 from sandbox.devices.wrappers.lift_keys import LiftKeys
 from sandbox.session.messages import Snapshot
 from sandbox.views import palette

@@ -15,7 +15,7 @@ from encoders.labels.hand_split import HandSplitter, SplitSettings, all_shares
 from models.frames import Contact, TouchFrame
 from models.scene import CONTROL_PERIOD
 from sandbox.devices.device import Device
-from sandbox.devices.wrappers.shared import SharedSurface
+from sandbox.devices.wrappers.shared import SharedDevice, SplitByPlace
 from tests.support.hand_pairs import measure
 
 HOMES = np.array([(0.30, 0.10), (0.10, 0.10)])
@@ -161,7 +161,7 @@ class Once(Device):
 
 
 def test_a_finger_that_rests_gets_its_hand_though_the_device_is_silent() -> None:
-    shared = SharedSurface(Once([frame(0, {1: (0.3, 0.1), 2: (0.1, 0.1)})]), HOMES)
+    shared = SharedDevice(Once([frame(0, {1: (0.3, 0.1), 2: (0.1, 0.1)})]), SplitByPlace(HOMES))
     found: list[set[Any]] = [set(), set()]
     for step in range(6):
         for hand, part in enumerate(shared.parts):

@@ -25,7 +25,7 @@ from sandbox.datasets.minari_file import check_name
 from sandbox.datasets.npz_file import read_npz
 from sandbox.datasets.playback import first_difference
 from sandbox.datasets.slots import actions_of, slots_of, touches_of
-from sandbox.devices.device_settings import DeviceSettings
+from sandbox.devices.registry import DeviceSettings
 from sandbox.gym import register_task
 from sandbox.recording.recording import load_recording
 from sandbox.study.record.journal import Journal

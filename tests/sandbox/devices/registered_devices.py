@@ -6,7 +6,16 @@ from collections.abc import Sequence
 
 from models.frames import Contact, HandFrame, TouchFrame
 from models.surface import Surface
-from sandbox.devices.device import HandDevice, TouchDevice
+from sandbox.devices.device import (
+    DeviceEntry,
+    DeviceKind,
+    HandDevice,
+    NoOptions,
+    Sees,
+    Source,
+    TouchDevice,
+)
+from sandbox.devices.hand_input import HandInput
 
 
 class Pad(TouchDevice):
@@ -29,3 +38,21 @@ class Camera(HandDevice):
     def poll(self, now: float) -> Sequence[HandFrame]:
         self.finished = now > 0.2
         return [HandFrame(now)]
+
+
+PAD = DeviceEntry(
+    "a pad with a finger on its middle, which is read for 0.2 s",
+    lambda options, place: Pad(place.surface, place.argument),
+    NoOptions,
+    DeviceKind(source=Source.FILE),
+    argument="FINGERS",
+)
+
+CAMERA = DeviceEntry(
+    "a camera that sees no hand for 0.2 s",
+    lambda options, place: Camera(place.surface, place.argument),
+    NoOptions,
+    DeviceKind(Sees.LEAP, Source.FILE, in_scene=True),
+    argument="SIDE",
+    hand_input=lambda options, argument, side: HandInput(),
+)

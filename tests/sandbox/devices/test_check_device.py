@@ -19,16 +19,17 @@ from models.person import Person
 from models.surface import Surface
 from sandbox import check_device as public_check_device
 from sandbox.devices.check_device import check_device, check_frames
-from sandbox.devices.device import TouchDevice
+from sandbox.devices.device import Place, TouchDevice
 from sandbox.devices.evdev.evdev_device import EvdevDevice
 from sandbox.devices.files.frame_file import FramesDevice
 from sandbox.devices.leap.leap import LeapDevice, LeapFileDevice
 from sandbox.devices.leap.leap_fake import FakeLeapd
 from sandbox.devices.leap.leap_file import LeapRecording
 from sandbox.devices.leap.leap_write import leap_message
-from sandbox.devices.leap.shared_leap import MergedLeap, SharedLeap
-from sandbox.devices.mouse import MouseDevice
-from sandbox.devices.registry import find_device
+from sandbox.devices.leap.two_hands import MergedLeaps as MergedLeap
+from sandbox.devices.leap.two_hands import SplitBySide
+from sandbox.devices.mouse.mouse import MouseDevice
+from sandbox.devices.registry import DeviceSettings, find_device
 from sandbox.devices.simulated.headset_user import SimulatedHeadset
 from sandbox.devices.simulated.leap_user import SimulatedLeap
 from sandbox.devices.simulated.simulated import SimulatedDevice
@@ -39,12 +40,12 @@ from sandbox.devices.webcam.landmark_file import (
     LandmarkFileDevice,
     LandmarkRecording,
 )
-from sandbox.devices.webcam.shared_camera import SharedCamera
 from sandbox.devices.webcam.webcam import WebcamDevice
 from sandbox.devices.webxr.webxr import HeadsetDevice
 from sandbox.devices.wrappers.degraded import DegradedDevice
 from sandbox.devices.wrappers.lift_keys import LiftKeys
 from sandbox.devices.wrappers.merged import MergedDevice
+from sandbox.devices.wrappers.shared import SharedDevice, Split, SplitByPlace
 from sandbox.options.variations import parse_variation
 from sandbox.recording.recorded_device import RecordedDevice
 from sandbox.recording.recording import load_recording
@@ -162,6 +163,10 @@ OF_TOUCHES: dict[str, tuple[Callable[[Surface], Any], Callable[[Any, int], None]
     "simulated, spreading": (lambda s: SimulatedSpreads(Person(), s, 3), None),
     "degraded": (degraded, None),
     "lift keys": (lambda s: LiftKeys(touches(s)), hold_keys),
+    "screen of two hands": (
+        lambda s: SharedDevice(touches(s), SplitByPlace([[0.06, 0.06], [0.19, 0.06]])).parts[0],
+        None,
+    ),
     "merged": (lambda s: MergedDevice([touches(s), MouseDevice(s)]), None),
     "recorded": (
         lambda s: RecordedDevice(load_recording(ROOT / "sandbox" / "data" / "demo.jsonl")),
@@ -199,7 +204,7 @@ IN_THE_AIR: dict[str, tuple[Callable[[], Any], Callable[[Any, int], None] | None
     "recorded leap": (recorded_leap, None),
     "simulated leap": (simulated_leap, None),
     "leap of two hands": (
-        lambda: SharedLeap(recorded_leap(), ("right", "left")).parts[0],
+        lambda: SharedDevice(recorded_leap(), SplitBySide(("right", "left"))).parts[0],
         None,
     ),
     "two people over one leap": (
@@ -207,13 +212,13 @@ IN_THE_AIR: dict[str, tuple[Callable[[], Any], Callable[[Any, int], None] | None
         None,
     ),
     "headset": (HeadsetDevice, send_hands),
-    "second hand of a headset": (lambda: HeadsetDevice().second, None),
+    "second hand of a headset": (lambda: SharedDevice(HeadsetDevice(), Split()).parts[1], None),
     "simulated headset": (
         lambda: SimulatedHeadset(draw_task(BOX, 3, TABLE), UserConfiguration(), 3),
         None,
     ),
     "recorded camera": (camera, None),
-    "camera of two hands": (lambda: SharedCamera(camera()).parts[0], None),
+    "camera of two hands": (lambda: SharedDevice(camera(), Split()).parts[0], None),
 }
 
 
@@ -401,7 +406,7 @@ def test_a_place_that_holds_no_device_is_refused(tmp_path: Path) -> None:
     file.write_text(
         "class Odd:\n    def __init__(self, surface, argument):\n        1 / len(argument)\n"
     )
-    assert find_device("tuio") is None
+    assert find_device("tuio:1") is None
     assert find_device("run.jsonl") is None
     for text, said in (
         (f"{file}:Missing", "Missing"),
@@ -411,9 +416,7 @@ def test_a_place_that_holds_no_device_is_refused(tmp_path: Path) -> None:
         ("no.such.module:Odd", "cannot be opened"),
     ):
         with pytest.raises(DeviceError, match=said):
-            maker = find_device(text)
-            assert maker is not None
-            maker(SURFACE)
+            DeviceSettings.of(text).open(Place(SURFACE))
 
 
 def test_a_device_of_an_installed_package_is_found_by_its_name(
@@ -428,9 +431,8 @@ def test_a_device_of_an_installed_package_is_found_by_its_name(
         "[hand_sandbox.devices]\nlab-pad = lab_pads:CirclingFinger\nlab-odd = lab_pads:Missing\n"
     )
     monkeypatch.syspath_prepend(tmp_path)
-    maker = find_device("lab-pad:4")
-    assert maker is not None
-    (frame_, *_) = maker(SURFACE).poll(0.1)
+    (frame_, *_) = DeviceSettings.of("lab-pad:4").open(Place(SURFACE)).poll(0.1)
+    assert isinstance(frame_, TouchFrame)
     assert len(frame_.contacts) == 4
     with pytest.raises(DeviceError, match=r"lab-pads 1\.0"):
         find_device("lab-odd")

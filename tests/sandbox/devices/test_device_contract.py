@@ -13,11 +13,10 @@ from models.errors import DeviceError
 from models.frames import Contact, TouchFrame
 from models.surface import Surface
 from sandbox.cli.main import main
-from sandbox.devices.device import AnyDevice, Device, TouchDevice
-from sandbox.devices.mouse import MouseDevice
-from sandbox.devices.registry import find_device
-from sandbox.devices.wrappers.adapted import AdaptedDevice, adapted
-from sandbox.devices.wrappers.device_wrapper import DeviceWrapper
+from sandbox.devices.device import AnyDevice, Device, DeviceWrapper, Place, TouchDevice
+from sandbox.devices.mouse.mouse import MouseDevice
+from sandbox.devices.own_device import AdaptedDevice, adapted
+from sandbox.devices.registry import DeviceSettings
 from sandbox.devices.wrappers.lift_keys import LiftKeys
 from sandbox.devices.wrappers.merged import MergedDevice
 
@@ -135,7 +134,7 @@ def test_optional_members_of_an_adapted_device_are_used() -> None:
     MergedDevice([device]).frame_ready.set()
     assert outside.frame_ready.is_set()
     outside.notices = ["nothing moves"]
-    assert device.notices == ("nothing moves",)
+    assert device.notices == ["nothing moves"]
 
 
 def test_what_an_adapted_device_comes_to_know_as_it_plays_is_heard() -> None:
@@ -164,10 +163,8 @@ def test_our_base_class_is_opened_as_it_is(tmp_path: Path) -> None:
         "    def poll(self, now):\n"
         "        return []\n"
     )
-    make = find_device(f"{file}:Pad:three")
-    assert make is not None
     # No adapter, only the guard.
-    (pad,) = make(Surface()).parts
+    (pad,) = DeviceSettings.of(f"{file}:Pad:three").open(Place(Surface())).parts
     assert isinstance(pad, TouchDevice) and pad.argument == "three"
 
 

@@ -3,29 +3,26 @@
 from __future__ import annotations
 
 import json
+from dataclasses import is_dataclass
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from models.plugins import imported
 from models.surface import Surface
 from sandbox import run_trial
 from sandbox.cli.main import main
 from sandbox.cli.overview import devices, overview
-from sandbox.devices.device import AnyDevice
-from sandbox.devices.open_touches import touch_devices
-from sandbox.devices.registry import DEVICES, DeviceEntry, built_in, open_built_in, open_by_name
+from sandbox.devices.device import DeviceEntry, Place
+from sandbox.devices.registry import DEVICES, DeviceSettings, built_in, touch_devices
 from sandbox.recording.recording import load_recording
-from tests.sandbox.devices.registered_devices import Pad
-
-HERE = "tests.sandbox.devices.registered_devices"
+from tests.sandbox.devices.registered_devices import CAMERA, PAD, Pad
 
 
-def test_every_entry_names_a_device_class_with_a_sentence() -> None:
+def test_every_line_names_an_entry_with_a_phrase_and_options_that_all_have_defaults() -> None:
     for name, entry in DEVICES.items():
-        assert issubclass(imported(entry.place), AnyDevice), name
-        assert devices()[name]
+        assert isinstance(entry, DeviceEntry) and devices()[name] == entry.help != "", name
+        assert entry.options() == entry.options() and is_dataclass(entry.on_command_line())
 
 
 def test_a_device_is_named_with_an_argument_only_where_it_takes_one() -> None:
@@ -37,11 +34,9 @@ def test_a_device_is_named_with_an_argument_only_where_it_takes_one() -> None:
 def test_a_line_in_the_registry_adds_a_touch_device(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setitem(DEVICES, "pad", DeviceEntry(f"{HERE}:Pad", live=False))
+    monkeypatch.setitem(DEVICES, "pad", PAD)
     assert "pad" in touch_devices() and "a pad with a finger on its middle" in overview({"a": "b"})
-    make = open_by_name("pad:3")
-    assert make is not None
-    device = make(Surface())
+    device = DeviceSettings.of("pad:3").open(Place(Surface()))
     assert isinstance(device, Pad) and len(device.poll(0.0)[0].contacts) == 3
     out, record = tmp_path / "out.json", tmp_path / "run.jsonl"
     arguments = ["--device", "pad:2", "--json", str(out), "--record", str(record)]
@@ -56,9 +51,8 @@ def test_a_line_in_the_registry_adds_a_touch_device(
 def test_a_line_in_the_registry_adds_a_device_of_hands_in_the_air(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    entry = DeviceEntry(f"{HERE}:Camera", live=False, in_air=True, in_scene=True)
-    monkeypatch.setitem(DEVICES, "camera", entry)
-    assert open_built_in("camera:left", Surface()).name == "Camera"
+    monkeypatch.setitem(DEVICES, "camera", CAMERA)
+    assert DeviceSettings.of("camera:left").open(Place(Surface())).name == "Camera"
     out = tmp_path / "out.json"
     assert main(["run", "box-to-goal", "--device", "camera", "--json", str(out)]) == 0
     assert json.loads(out.read_text())["status"] == "input_ended"

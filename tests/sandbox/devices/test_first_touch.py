@@ -10,7 +10,7 @@ import pytest
 from models.frames import Contact, TouchFrame
 from models.surface import Surface
 from sandbox.devices.check_device import check_device
-from sandbox.devices.mouse import MouseDevice
+from sandbox.devices.mouse.mouse import MouseDevice
 from sandbox.devices.tuio.tuio import TuioDevice
 from sandbox.devices.wrappers.first_touch import FirstTouch
 from sandbox.options.scene_options import SceneOptions, scene_settings

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from models.frames import Contact, TouchFrame
 from models.surface import Surface
-from sandbox.devices.mouse import MouseDevice
+from sandbox.devices.mouse.mouse import MouseDevice
 from sandbox.devices.wrappers.lift_keys import SPEED, LiftKeys
 from sandbox.devices.wrappers.merged import MergedDevice
 from sandbox.server.protocol.protocol import PageScreen, PageTouches

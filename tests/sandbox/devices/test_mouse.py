@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from models.errors import InputError
 from models.frames import TouchFrame
 from models.surface import Surface
-from sandbox.devices.mouse import NARROWEST, OPENING, WIDEST, MouseDevice, default_hand
+from sandbox.devices.mouse.mouse import NARROWEST, OPENING, WIDEST, MouseDevice, default_hand
 from tests.support.viewed import advance, mouse_session
 
 SURFACE = Surface()

@@ -19,7 +19,7 @@ import pytest
 from models.frames import TouchFrame
 from models.surface import METRES_PER_INCH, Surface
 from sandbox.devices.check_device import check_frames
-from sandbox.devices.mouse import GRAB_RADIUS, MouseDevice, default_hand
+from sandbox.devices.mouse.mouse import GRAB_RADIUS, MouseDevice, default_hand
 from sandbox.devices.tuio.tuio import touch_frame
 from sandbox.devices.tuio.tuio_senders import Commit, Tuio
 from sandbox.server.protocol.protocol import PageScreen, PageTouches, decode
@@ -218,7 +218,7 @@ def through_the_mouse(events: int) -> tuple[list[TouchFrame], list[tuple[Points,
                 tell()
         elif fate < 0.08 and down:
             done += len(down)
-            device.lift()
+            device.lift_fingers()
             down.clear()
             tell()
     device.close()

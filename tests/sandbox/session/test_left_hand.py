@@ -27,7 +27,7 @@ from models.rotations import exp
 from models.scene import Scene, SceneSpec
 from models.skeleton import ADULT
 from models.surface import Surface
-from sandbox.devices.mouse import MouseDevice
+from sandbox.devices.mouse.mouse import MouseDevice
 from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.recording.recording import load_recording
 from sandbox.trial.assembly import build

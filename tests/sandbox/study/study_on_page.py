@@ -11,7 +11,7 @@ from queue import Empty, SimpleQueue
 from typing import Any
 
 from models.surface import METRES_PER_INCH
-from sandbox.devices.device_settings import DeviceSettings
+from sandbox.devices.registry import DeviceSettings
 from sandbox.devices.simulated.simulated import SimulatedDevice
 from sandbox.options.touch_devices import TouchOptions
 from sandbox.server.page_server import PageServer

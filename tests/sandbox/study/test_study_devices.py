@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from sandbox.cli.main import main
-from sandbox.devices.device_settings import DeviceSettings
+from sandbox.devices.registry import DeviceSettings
 from sandbox.options.touch_devices import TouchOptions
 from sandbox.recording.recording import load_recording
 from sandbox.study.record.folder import PILOT, StudyFolder

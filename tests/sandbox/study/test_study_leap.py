@@ -10,9 +10,9 @@ from typing import Any
 import pytest
 
 from models.errors import DeviceError
-from sandbox.devices.device_settings import DeviceSettings
 from sandbox.devices.leap.leap_fake import FakeLeapd
 from sandbox.devices.leap.leap_write import leap_message
+from sandbox.devices.registry import DeviceSettings
 from sandbox.options.touch_devices import TouchOptions
 from sandbox.recording.recording import load_recording
 from sandbox.study.design.plan import CalibrationStep, TrialStep, session_plan

@@ -13,7 +13,7 @@ import pytest
 from models.errors import InputError, StudyError
 from sandbox.cli.main import main
 from sandbox.cli.study.run_options import StudyRunOptions, check_second_device
-from sandbox.devices.device_settings import DeviceSettings
+from sandbox.devices.registry import DeviceSettings
 from sandbox.options.touch_devices import TouchOptions
 from sandbox.recording.recording import load_recording
 from sandbox.study.design.conditions import run_settings

@@ -14,7 +14,7 @@ from rich.console import Console
 from models.errors import InputError
 from models.frames import TouchFrame
 from sandbox.cli.main import main
-from sandbox.devices.mouse import MouseDevice
+from sandbox.devices.mouse.mouse import MouseDevice
 from sandbox.devices.tuio.tuio import TuioDevice
 from sandbox.devices.wrappers.lift_keys import LiftKeys
 from sandbox.devices.wrappers.merged import MergedDevice

@@ -13,7 +13,7 @@ import pytest
 
 from models.surface import Surface
 from sandbox.devices.files.frame_file import read_frame_file
-from sandbox.devices.open_touches import open_file
+from sandbox.devices.files.touch_files import open_file
 from sandbox.devices.tuio.touch_capture import read_capture
 from sandbox.devices.tuio.tuio import TuioDevice
 from tests.sandbox.devices.tuio.test_tuio_streams import framed

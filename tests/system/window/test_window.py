@@ -15,7 +15,7 @@ import pytest
 from numpy.typing import NDArray
 
 from models.errors import HandSandboxError
-from sandbox.devices.mouse import MouseDevice
+from sandbox.devices.mouse.mouse import MouseDevice
 from sandbox.devices.wrappers.lift_keys import SPEED, LiftKeys
 from sandbox.session.messages import ContactView, Snapshot
 from sandbox.trial.assembly import build

@@ -17,7 +17,7 @@ import numpy as np
 import pytest
 import segno
 
-from sandbox.devices.mouse import MouseDevice
+from sandbox.devices.mouse.mouse import MouseDevice
 from sandbox.devices.wrappers.lift_keys import LiftKeys
 from sandbox.devices.wrappers.merged import MergedDevice
 from sandbox.play.window import Footer

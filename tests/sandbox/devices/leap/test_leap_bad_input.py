@@ -9,8 +9,7 @@ import pytest
 
 from sandbox.cli.main import main
 from sandbox.devices.leap.leap_truth import write_take
-from sandbox.options.leap_devices import hand_over_leap
-from sandbox.options.scene_options import SceneOptions
+from sandbox.options.scene_options import SceneOptions, scene_settings
 from tests.support.leap_hands import take
 
 Frames = list[dict[str, Any]]
@@ -168,10 +167,10 @@ def test_a_profile_may_be_a_measured_hand_and_is_refused_for_touches(
     paalm = ["paalm", "calibrate", str(path), "--hands", "right", "--frames", "40"]
     assert main([*paalm, "--out", str(hand)]) == 0
     named, as_profile = (
-        hand_over_leap(SceneOptions(device="leap", **{how: value}), "leap", "right")  # type: ignore[arg-type]
+        scene_settings(SceneOptions(device="leap", **{how: value})).hands[0].in_air  # type: ignore[arg-type]
         for how, value in (("calibration", hand), ("profile", str(hand)))
     )
-    assert named == as_profile and named.calibration is not None
+    assert named is not None and named == as_profile and named.calibration is not None
     assert named.calibration["frames"] == 40
     capsys.readouterr()
     for wrong in (

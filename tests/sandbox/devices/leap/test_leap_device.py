@@ -18,7 +18,8 @@ from models.errors import DeviceError
 from sandbox.devices.leap.leap import KEPT, LeapDevice
 from sandbox.devices.leap.leap_fake import FakeLeapd
 from sandbox.devices.leap.leap_write import leap_message
-from sandbox.devices.leap.shared_leap import SharedLeap
+from sandbox.devices.leap.two_hands import SplitBySide
+from sandbox.devices.wrappers.shared import SharedDevice
 from tests.support.leap_hands import take
 from tests.support.processes import PATIENCE
 
@@ -93,7 +94,7 @@ def test_a_person_is_told_while_the_service_is_gone(monkeypatch: pytest.MonkeyPa
     monkeypatch.setattr("sandbox.devices.leap.leap.GONE", 0.3)
     server = FakeLeapd(messages(), port=0, rate=400.0, loop=True)
     device = LeapDevice(server.address)
-    hands = SharedLeap(device, ("right", "left")).parts
+    hands = SharedDevice(device, SplitBySide(("right", "left"))).parts
     try:
         assert until(lambda: device.counts["frames"] > 0)
         assert device.notices == ()

@@ -16,13 +16,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from models.errors import RecordingError
+from sandbox.devices.device import Sees
 from sandbox.devices.files.paired_capture import read_hands
-from sandbox.devices.kinds import is_leap
 from sandbox.devices.leap.leap import LeapFileDevice
 from sandbox.devices.leap.leap_file import read_leap
 from sandbox.devices.leap.leap_lz import decompress_base64
 from sandbox.devices.leap.leap_truth import take_with_truth, write_take
 from sandbox.devices.leap.leap_write import leap_message
+from sandbox.devices.registry import kind_of
 from sandbox.export.leap_frames import LeapFrames
 from tests.support.leap_hands import take
 
@@ -114,7 +115,7 @@ def test_frames_without_times_have_the_rate_of_the_file_also_beside_touches(tmp_
 def test_a_byte_order_mark_changes_nothing(form: str, tmp_path: Path) -> None:
     path = tmp_path / "edited.json"
     path.write_text("\ufeff" + FORMS[form](), encoding="utf-8")
-    assert is_leap(str(path))
+    assert kind_of(str(path)).sees is Sees.LEAP
     assert len(read_leap(path).frames) == len(list(LeapFrames(path))) == len(messages())
 
 
@@ -161,7 +162,7 @@ def test_a_recording_is_a_device_in_every_form_whatever_its_name(
 ) -> None:
     path = tmp_path / name
     path.write_text(FORMS[form]())
-    assert is_leap(str(path))
+    assert kind_of(str(path)).sees is Sees.LEAP
 
 
 def test_compressed_recordings_are_recognised_and_files_of_other_programs_are_not(
@@ -170,16 +171,16 @@ def test_compressed_recordings_are_recognised_and_files_of_other_programs_are_no
     for path in (shared_data / "leap").iterdir():
         bare = tmp_path / path.name.partition(".")[0]
         bare.write_bytes(path.read_bytes())
-        assert is_leap(str(bare)), path.name
+        assert kind_of(str(bare)).sees is Sees.LEAP, path.name
     for content in (b"", b"HIERARCHY\nROOT Hips\n", b'{"u": 1}', b"[1, 2]", b"\x89PNG"):
         other = tmp_path / "other"
         other.write_bytes(content)
-        assert not is_leap(str(other))
+        assert kind_of(str(other)).sees is not Sees.LEAP
     run = tmp_path / "run.jsonl"
     header = {"kind": "header", "schema": 2, "version": "1", "settings": {"hands": []}}
     hands = {"kind": "input", "time": 0.0, "hands": []}
     run.write_text(json.dumps(header) + "\n" + json.dumps(hands) + "\n")
-    assert not is_leap(str(run))
+    assert kind_of(str(run)).sees is not Sees.LEAP
 
 
 def test_two_lists_of_frames_in_one_file_are_refused(tmp_path: Path) -> None:

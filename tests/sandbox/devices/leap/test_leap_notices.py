@@ -10,10 +10,11 @@ from encoders.evaluation.paalm_pair import moved, side_by_side
 from encoders.paalm.hand_reconstructor import NOTICE_LASTS
 from models.frames import HandFrame
 from sandbox.cli.run import main
+from sandbox.devices.hand_input import HandInput
 from sandbox.devices.leap.leap_truth import write_take
-from sandbox.devices.leap.shared_leap import SharedLeap
+from sandbox.devices.leap.two_hands import SplitBySide
+from sandbox.devices.wrappers.shared import SharedDevice
 from sandbox.trial.assembly import build
-from sandbox.trial.hand_input import HandInput
 from sandbox.trial.settings import HandSettings, Settings
 from tests.support.leap_hands import take
 from tests.support.scripted import Played, PlayedHands
@@ -52,7 +53,7 @@ def test_hands_above_each_other_are_said_to_be_until_a_moment_after_they_are_not
     sides = ("right", "left") if two else ("right",)
     hands = tuple(HandSettings(side, in_air=HandInput()) for side in sides)
     settings = Settings(task=task, hands=hands)
-    shared = SharedLeap(PlayedHands(frames), ("right", "left"))
+    shared = SharedDevice(PlayedHands(frames), SplitBySide(("right", "left")))
     parts: Any = tuple(lambda drawn, surface, i=i: shared.parts[i] for i in (0, 1))
     makers: Any = parts if two else (lambda drawn, surface: Played(frames),)
     told = said(settings, makers, 2.5)

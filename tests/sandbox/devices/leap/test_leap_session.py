@@ -31,15 +31,15 @@ from models.scene import Scene, SceneSpec
 from models.skeleton import ADULT
 from models.surface import Surface
 from sandbox.devices.device import SILENCE, Device, LatestFrame
+from sandbox.devices.hand_input import UNDER, HandInput
 from sandbox.devices.simulated.leap_user import SimulatedLeap
 from sandbox.recording.recorded_device import RecordedDevice
 from sandbox.recording.recording import frame_from_json, frame_to_json, load_recording
 from sandbox.session.collision_gating import CollisionGate, CollisionGatingRules
 from sandbox.session.messages import Snapshot
 from sandbox.trial.assembly import build
-from sandbox.trial.device_makers import DeviceMaker
 from sandbox.trial.driver import run_trial
-from sandbox.trial.hand_input import UNDER, HandInput
+from sandbox.trial.open_devices import DeviceMaker
 from sandbox.trial.replay import replay
 from sandbox.trial.settings import HandSettings, Settings, decoded, encoded
 from tasks.task import Task

@@ -13,12 +13,14 @@ from encoders.paalm.simulated.leap_configuration import FROZEN_LEAP
 from models.errors import InputError
 from sandbox.cli.main import main as command
 from sandbox.cli.run import main
-from sandbox.devices.kinds import is_leap
+from sandbox.devices.device import Sees
+from sandbox.devices.leap import OverLeapOptions, over_leap
 from sandbox.devices.leap.leap_truth import write_take
-from sandbox.devices.leap.shared_leap import SharedLeap
+from sandbox.devices.leap.two_hands import SplitBySide
+from sandbox.devices.registry import kind_of
 from sandbox.devices.simulated.leap_disturbance import LeapDisturbance, parse_simulated
 from sandbox.devices.simulated.leap_user import SimulatedLeap
-from sandbox.options.leap_devices import hand_over_leap
+from sandbox.devices.wrappers.shared import SharedDevice
 from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.play.pages import show_session
 from sandbox.recording.recorded_device import RecordedDevice
@@ -41,7 +43,7 @@ from tests.support.scripted import PlayedHands
 
 def test_each_hand_gets_the_frames_of_its_own_side_and_no_other() -> None:
     both = side_by_side(take(1), take(2, side="left"))[:50]
-    right, left = SharedLeap(PlayedHands(both), ("right", "left")).parts
+    right, left = SharedDevice(PlayedHands(both), SplitBySide(("right", "left"))).parts
     for now in (0.1, 0.2, 0.5):
         # Who asks first fetches for both, and nothing is lost for the other.
         mine, other = right.poll(now), left.poll(now)
@@ -59,10 +61,10 @@ def test_a_hand_over_the_other_hides_both() -> None:
         left, right = frame.hands
         x, y, z = right.palm
         both.append(replace(frame, hands=(replace(left, palm=(x + 0.05, y, z - 0.1)), right)))
-    shared = SharedLeap(PlayedHands(both), ("right", "left"))
+    shared = SharedDevice(PlayedHands(both), split := SplitBySide(("right", "left")))
     frames = shared.parts[0].poll(1.0)
     assert len(frames) == 5 and not any(f.hands for f in frames)
-    assert shared.counts["one hand above the other"] == 5
+    assert split.counts["one hand above the other"] == 5
 
 
 def chosen(task: str, **options: Any) -> Settings:
@@ -104,7 +106,7 @@ def test_what_spoils_touches_does_not_spoil_hands_in_the_air() -> None:
 @pytest.mark.parametrize("at", ["", "1,2", "a,b,c", "0,0,9", "nan,0,0"])
 def test_a_device_that_is_nowhere_is_refused(at: str) -> None:
     with pytest.raises(InputError, match="--leap-at"):
-        hand_over_leap(SceneOptions(leap_at=at), "leap", "right")
+        over_leap(OverLeapOptions(leap_at=at), "right")
 
 
 def test_a_leap_recording_drives_the_hand_with_its_own_calibration(
@@ -112,7 +114,8 @@ def test_a_leap_recording_drives_the_hand_with_its_own_calibration(
 ) -> None:
     path = tmp_path / "hand.json"
     write_take(take(1), path, {})
-    assert is_leap(str(path)) and not is_leap(str(tmp_path / "missing.json"))
+    assert kind_of(str(path)).sees is Sees.LEAP
+    assert kind_of(str(tmp_path / "missing.json")).sees is Sees.TOUCHES
     made = chosen("box-to-goal", device=str(path))
     (hand,) = made.hands
     assert hand.in_air is not None

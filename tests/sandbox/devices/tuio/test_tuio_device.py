@@ -14,7 +14,7 @@ from models.errors import DeviceError
 from models.frames import TouchFrame
 from models.surface import METRES_PER_INCH, Surface
 from sandbox.cli.touches.views import what_to_check
-from sandbox.devices.tuio.options import Transport
+from sandbox.devices.tuio import Transport
 from sandbox.devices.tuio.tuio import TuioDevice
 from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.trial.open_devices import device_makers

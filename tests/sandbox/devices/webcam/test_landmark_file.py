@@ -16,7 +16,8 @@ from encoders.webcam.camera import Camera
 from models.errors import DeviceError, FrameError, InputError, RecordingError
 from models.frames import LandmarkFrame
 from models.motion.sampling import Poses
-from sandbox.devices.kinds import is_leap, is_webcam
+from sandbox.devices.device import Sees
+from sandbox.devices.registry import kind_of
 from sandbox.devices.webcam.landmark_file import (
     LandmarkFileDevice,
     header_record,
@@ -88,7 +89,7 @@ def test_another_version_is_refused(tmp_path: Path) -> None:
 @pytest.mark.parametrize("suffix", [".jsonl", ".json", ""])
 def test_a_file_is_a_camera_s_by_its_content_and_no_leap_s(tmp_path: Path, suffix: str) -> None:
     path = written(tmp_path / f"hands{suffix}", pictures())
-    assert is_landmark_file(path) and is_webcam(str(path)) and not is_leap(str(path))
+    assert is_landmark_file(path) and kind_of(str(path)).sees is Sees.CAMERA
 
 
 @pytest.mark.parametrize("content", [b"", b"\xff\xfe", b"[1]\n", b'{"hands": []}\n', b"1e9"])

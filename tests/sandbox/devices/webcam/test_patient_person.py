@@ -8,7 +8,7 @@ from models.rotations import exp
 from sandbox.devices.simulated.air_user.body import AXIS, Pinch
 from sandbox.devices.simulated.air_user.patient import PatientPerson
 from sandbox.devices.simulated.air_user.person import Stage
-from sandbox.options.webcam_devices import webcam_choice
+from sandbox.devices.webcam import webcam_choice
 from tasks.task import Goal
 from tasks.user import SeenObject, Sight, UserConfiguration
 from tests.support.drawn_person import Wandering, perfect, play

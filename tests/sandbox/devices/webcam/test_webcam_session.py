@@ -14,11 +14,11 @@ from models.frames import LandmarkFrame
 from models.motion.sampling import Poses
 from sandbox.cli.main import main
 from sandbox.devices.device import SILENCE, LatestFrame
+from sandbox.devices.webcam import webcam_choice
 from sandbox.devices.webcam.landmark_file import header_record
 from sandbox.devices.webcam.landmarks_json import message_of
 from sandbox.export.sources import open_source
 from sandbox.options.scene_options import SceneOptions, scene_settings
-from sandbox.options.webcam_devices import webcam_choice
 from sandbox.recording.recording import load_recording
 from sandbox.trial.settings import recorded_settings
 from tests.encoders.webcam.seen_hands import film, held_up, mirror, seen

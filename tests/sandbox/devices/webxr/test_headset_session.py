@@ -10,9 +10,10 @@ import pytest
 from models.errors import InputError
 from models.frames import HandFrame
 from sandbox.cli.main import main
-from sandbox.devices.webxr.webxr import HeadsetDevice, SecondHand
+from sandbox.devices.webxr.webxr import HeadsetDevice
 from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.recording.recording import load_recording
+from sandbox.server.protocol.protocol import PageHands, PageScreen
 from sandbox.trial.assembly import build
 from sandbox.trial.driver import run_trial
 from sandbox.trial.open_devices import device_makers
@@ -48,9 +49,12 @@ def test_two_hands_in_one_headset_see_the_same_frames() -> None:
     assert [hand.side for hand in chosen.hands] == ["right", "left"]
     assert all(hand.in_air and hand.in_air.joints for hand in chosen.hands)
     session = build(chosen, device_makers(chosen))
-    first, second = (rig.device.within() for rig in session.rigs)
-    headset = next(d for d in first if isinstance(d, HeadsetDevice))
-    assert headset.second in [d for d in second if isinstance(d, SecondHand)]
+    first, second = (rig.device for rig in session.rigs)
+    headset = first.find(HeadsetDevice)
+    assert headset is not None and second.find(HeadsetDevice) is headset
+    headset.hear(PageHands(1, 0.0, []), PageScreen(100.0, 1000.0, 500.0, True))
+    (mine,), (other,) = first.poll(0.1), second.poll(0.1)
+    assert mine is other and not first.poll(0.2) and not second.poll(0.2)
 
 
 def test_two_right_hands_in_one_headset_are_refused() -> None:

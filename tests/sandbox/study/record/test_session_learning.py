@@ -27,7 +27,7 @@ from sandbox.study.run.players import HeadlessPlayer
 from sandbox.study.run.runner import SessionOutcome, SessionRunner
 from sandbox.study.run.simulate import simulated_person
 from sandbox.study.share.privacy import Masking, anonymise
-from sandbox.trial.device_makers import DeviceMakers
+from sandbox.trial.open_devices import DeviceMakers
 from sandbox.trial.replay import replay
 from sandbox.trial.settings import Settings
 from tests.support.scripted import Script

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from sandbox.devices.device_settings import DeviceSettings
+from sandbox.devices.registry import DeviceSettings
 from sandbox.options.touch_devices import TouchOptions
 from sandbox.study.record.folder import PILOT, StudyFolder
 from sandbox.study.record.session_folder import SessionFolder

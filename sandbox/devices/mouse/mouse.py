@@ -13,7 +13,6 @@ from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import cos, sin
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -28,10 +27,6 @@ from models.pose import POSE_SIZE
 from models.skeleton import ADULT
 from models.surface import Surface
 from sandbox.devices.device import Device
-
-if TYPE_CHECKING:
-    from sandbox.trial.device_makers import DeviceMaker
-    from sandbox.trial.settings import Settings
 
 GRAB_RADIUS = 0.010
 """m, radius around a pinned finger in which a click grabs it."""
@@ -266,16 +261,6 @@ class MouseDevice(Device):
         )
         self._frames.append(TouchFrame(time.monotonic(), contacts, source=self.name))
         self.frame_ready.set()
-
-
-def mouse_maker(settings: Settings, hand: int) -> DeviceMaker:
-    """A maker of the mouse in the window.
-
-    Args:
-        settings: Settings of the run.
-        hand: Index of the hand in `settings.hands`.
-    """
-    return lambda task, surface: MouseDevice(surface, settings.hands[hand].person)
 
 
 def default_hand(fingers: int) -> dict[int, Array]:

@@ -1,0 +1,249 @@
+"""Devices of one's own: opened by name or place, completed with defaults, and guarded.
+
+A package offers its devices under a name:
+
+    [project.entry-points."hand_sandbox.devices"]
+    my-lab-pad = "my_lab.pad:Pad"
+
+and `--device my-lab-pad[:ARGUMENT]` opens it, as `FILE.py:CLASS[:ARGUMENT]` and
+`MODULE:CLASS[:ARGUMENT]` do. In the place of a class, which is called with the touch surface and
+the argument, there may be a `DeviceEntry`, whose options are then options of the command line. An
+error in the code is reported when the device is opened.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from inspect import getdoc, signature
+from typing import Any
+
+import msgspec
+
+from models.arithmetic.products import length
+from models.errors import DeviceError, InputError
+from models.frames import Contact, HandFrame, LandmarkFrame, TouchFrame
+from models.plugins import PluginKind, failure
+from models.surface import Surface
+from sandbox.devices.device import (
+    AnyDevice,
+    Device,
+    DeviceEntry,
+    DeviceWrapper,
+    NoOptions,
+    Place,
+    PlayedOptions,
+    Sees,
+)
+
+DEVICE_PLUGINS: PluginKind[Any] = PluginKind(
+    "device", "hand_sandbox.devices", DeviceError, takes_argument=True, verb="opened"
+)
+
+_REQUIRED_METHODS = ("poll", "close")
+_FRAMES: dict[Sees, type[Any]] = {
+    Sees.TOUCHES: TouchFrame,
+    Sees.LEAP: HandFrame,
+    Sees.HEADSET: HandFrame,
+    Sees.CAMERA: LandmarkFrame,
+}
+"""What a device sees -> class of its frames."""
+
+
+def own_entry(text: str) -> tuple[DeviceEntry[PlayedOptions], str] | None:
+    """The entry of somebody's own device and its argument; None if the text does not name one.
+
+    Args:
+        text: `NAME[:ARGUMENT]` of an installed package, `FILE.py:CLASS[:ARGUMENT]` or
+            `MODULE:CLASS[:ARGUMENT]`.
+
+    Raises:
+        DeviceError: The device exists, but cannot be used.
+    """
+    plugin = DEVICE_PLUGINS.find(text)
+    if plugin is None:
+        return None
+    found, where, argument = plugin
+    if isinstance(found, DeviceEntry):
+        return _declared(found, where), argument
+    if not callable(found):
+        raise DeviceError("this is not a device", where=where, got=repr(found)[:80])
+
+    def open_class(options: PlayedOptions, place: Place) -> AnyDevice:
+        if mismatch := _mismatch(found, place.surface, place.argument):
+            raise DeviceError(
+                "this device cannot be opened with a surface and a text",
+                where=where,
+                got=mismatch,
+                expected="`__init__(self, surface, argument)`",
+            )
+        with DEVICE_PLUGINS.guarded(where):
+            device = found(place.surface, place.argument)
+        return GuardedDevice(adapted(device, where), place.surface, where)
+
+    about = (getdoc(found) or "").partition("\n")[0]
+    entry = DeviceEntry(
+        about, open_class, PlayedOptions, argument="ARGUMENT", command_options=NoOptions
+    )
+    return entry, argument
+
+
+def _declared(entry: DeviceEntry[Any], where: str) -> DeviceEntry[PlayedOptions]:
+    """An entry that somebody declares: its options are decoded and its device is guarded."""
+
+    def decoded(options: PlayedOptions) -> Any:
+        try:
+            return msgspec.convert(dict(options.own), entry.options, strict=False)
+        except (msgspec.ValidationError, InputError) as error:
+            raise DeviceError(
+                "an option of the device cannot be used", where=where, got=str(error)
+            ) from None
+
+    def open_declared(options: PlayedOptions, place: Place) -> AnyDevice:
+        given = decoded(options)
+        with DEVICE_PLUGINS.guarded(where):
+            device = entry.open(given, place)
+        frames = _FRAMES[entry.kind.sees]
+        return GuardedDevice(adapted(device, where), place.surface, where, frames)
+
+    def check(options: PlayedOptions, argument: str) -> None:
+        given = decoded(options)
+        with DEVICE_PLUGINS.guarded(where):
+            entry.check(given, argument)
+
+    return replace(entry, open=open_declared, check=check)
+
+
+def _mismatch(device_class: Any, *given: object) -> str:
+    """Why a class does not take some arguments; empty if it does, or has no signature."""
+    try:
+        signature(device_class).bind(*given)
+    except TypeError as error:
+        return str(error)
+    except ValueError:
+        return ""
+    return ""
+
+
+class AdaptedDevice(Device):
+    """A device that was written without our base class, completed with the defaults.
+
+    The device needs `name`, `poll`, `finished` and `close`. A member that it has is its own, now
+    and whenever it changes; a missing one has the default of `AnyDevice`.
+
+    Args:
+        device: The external device.
+    """
+
+    def __init__(self, device: Any) -> None:
+        self.__dict__["_device"] = device
+
+    def __getattribute__(self, member: str) -> Any:
+        if not member.startswith("_"):
+            device = object.__getattribute__(self, "_device")
+            if hasattr(device, member):
+                return getattr(device, member)
+            if member == "wants_snapshots":
+                return hasattr(device, "show")
+        return super().__getattribute__(member)
+
+    def __setattr__(self, member: str, value: Any) -> None:
+        setattr(self._device, member, value)
+
+    def poll(self, now: float) -> Sequence[TouchFrame]:
+        """The device's frames."""
+        frames: Sequence[TouchFrame] = self._device.poll(now)
+        return frames
+
+
+def adapted(device: Any, where: str) -> AnyDevice:
+    """The device with all members of the contract, in an adapter if necessary.
+
+    Args:
+        device: Object that external code returned as a device.
+        where: Place of that code, for error messages.
+
+    Raises:
+        DeviceError: A required member is missing.
+    """
+    if isinstance(device, AnyDevice):
+        return device
+    missing = [part for part in _REQUIRED_METHODS if not callable(getattr(device, part, None))]
+    missing += [part for part in ("name", "finished") if not hasattr(device, part)]
+    if missing:
+        raise DeviceError(
+            "the object is not a device",
+            where=where,
+            got=f"without {', '.join(missing)}",
+            expected="name, poll, finished and close",
+            remedy="docs/write-a-device.md shows a device of 30 lines",
+        )
+    return AdaptedDevice(device)
+
+
+class GuardedDevice(DeviceWrapper):
+    """Converts whatever goes wrong in the `poll` of somebody's device to one clear error.
+
+    What frames may hold, they check themselves when they are made (`models.frames`). Contacts in
+    another unit than metres are refused here, since a session would show nothing. All other rules
+    for devices are those of `check_device`, which its author runs.
+
+    Args:
+        device: The device.
+        surface: The touch surface.
+        where: Place of its code.
+        frames: Class of its frames.
+    """
+
+    def __init__(
+        self, device: AnyDevice, surface: Surface, where: str, frames: type[Any] = TouchFrame
+    ) -> None:
+        super().__init__(device)
+        self._surface, self._where, self._frames = surface, where, frames
+
+    def poll(self, now: float) -> Sequence[Any]:
+        """The wrapped device's frames.
+
+        Raises:
+            DeviceError: The device fails, returns something else than frames of its kind, or a
+                contact is far off the surface.
+        """
+        try:
+            frames = self.device.poll(now)
+            sound = all(isinstance(frame, self._frames) for frame in frames)
+        except DeviceError:
+            raise
+        except (Exception, SystemExit) as error:
+            raise DeviceError(
+                "`poll` of this device fails", where=self._where, got=failure(error)
+            ) from error
+        if not sound:
+            raise DeviceError(
+                "`poll` returned something else than frames",
+                where=self._where,
+                got=repr(frames)[:60],
+                expected=f"a list of {self._frames.__name__}, empty if there is nothing new",
+            )
+        for frame in frames:
+            for contact in frame.contacts if isinstance(frame, TouchFrame) else ():
+                if is_far_off(contact, self._surface):
+                    raise far_off(contact, self._surface, self._where)
+        return frames
+
+
+def is_far_off(contact: Contact, surface: Surface) -> bool:
+    """True for a contact further beyond the border than the surface's diagonal."""
+    width, height = surface.size
+    x, y = contact.x, contact.y
+    return bool(max(-x, x - width, -y, y - height) > length(surface.size))
+
+
+def far_off(contact: Contact, surface: Surface, where: str) -> DeviceError:
+    """The error for a contact that must be in another unit than metres."""
+    width, height = surface.size
+    return DeviceError(
+        "a contact is far off the surface",
+        where=where,
+        got=f"({contact.x:g}, {contact.y:g}) m",
+        expected=f"metres, on a surface of {width:g} x {height:g} m",
+    )
