@@ -9,9 +9,12 @@ than their sides do.
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from models.arithmetic.arrays import Array
+from models.arithmetic.products import length
 from models.frames import FINGERS
 from models.one_pose import OnePose
 from models.pose import JOINTS, POSE_SIZE
@@ -20,10 +23,12 @@ from models.skeleton import Skeleton
 
 STRAIGHT, BENT = 0.1, 0.7
 """Shares of the range of flexion."""
+LEAST_WAY = 1e-6
+"""m, below which a direction has none."""
 
 
 def volume(knuckles: Array, straight: Array, bent: Array) -> float:
-    """The volume with its sign, -1 to 1.
+    """The volume with its sign, -1 to 1; NaN for fingers that do not bend, as without ranges.
 
     Args:
         knuckles: (n, 3) m, where the fingers begin, from the index finger on.
@@ -34,6 +39,8 @@ def volume(knuckles: Array, straight: Array, bent: Array) -> float:
     along = np.mean(straight - knuckles, axis=0)
     closing = np.mean(bent - straight, axis=0)
     sides = (across, along, closing)
+    if min(length(side) for side in sides) < LEAST_WAY:
+        return math.nan
     (a, b, c), (d, e, f), (g, h, i) = (side / np.sqrt(np.sum(side * side)) for side in sides)
     return float(a * (e * i - f * h) + b * (f * g - d * i) + c * (d * h - e * g))
 

@@ -11,6 +11,10 @@
 
     [coupled]
     ff_dip = ["ff_pip", 1.0]
+    mf_dip = ["mf_pip", [0.3, 0.9, 0.1]]
+
+A coupled joint follows another one: by the ratio of their angles, or by a polynomial in the other's
+angle, rad, whose coefficients begin with the constant one.
 
 `sandbox devices robot fit` writes one.
 """
@@ -65,7 +69,8 @@ class RobotMapping:
         scales: (n,) length of each finger relative to that of a person's.
         offset: (3,) m, origin of the robot's palm in the frame of a person's hand of trained size.
         turn: (4,) quaternion (w, x, y, z): a person's hand from the robot's palm.
-        coupled: Joints that follow others: name -> name of the other, and the ratio of angles.
+        coupled: Joints that follow others: name -> name of the other, and the ratio of angles, or
+            the coefficients of a polynomial in the other's angle, rad, from the constant one on.
         places: (n,) of (3,) m, the middle of the fingertips in the frames of the bodies that `tips`
             names; empty where `tips` are sites, or bodies that begin there.
         file: Where it was read from.
@@ -79,7 +84,7 @@ class RobotMapping:
     scales: tuple[float, ...]
     offset: tuple[float, float, float]
     turn: tuple[float, float, float, float]
-    coupled: dict[str, tuple[str, float]] = field(default_factory=dict)
+    coupled: dict[str, tuple[str, float | tuple[float, ...]]] = field(default_factory=dict)
     places: tuple[tuple[float, float, float], ...] = ()
     file: str = ""
 
@@ -104,7 +109,10 @@ class RobotMapping:
             ("offset", self.offset),
             ("places", [number for place in self.places for number in place]),
             ("turn", self.turn),
-            ("ratios of [coupled]", [ratio for _, ratio in self.coupled.values()]),
+            (
+                "ratios of [coupled]",
+                [c for _, law in self.coupled.values() for c in coefficients(law)],
+            ),
         ):
             if not all(map(isfinite, some)):
                 raise InputError(
@@ -112,7 +120,8 @@ class RobotMapping:
                     where=self.file or "mapping",
                     got=str(list(some)),
                 )
-        if still := [joint for joint, (_, ratio) in self.coupled.items() if ratio == 0.0]:
+        laws = {joint: coefficients(law) for joint, (_, law) in self.coupled.items()}
+        if still := [joint for joint, law in laws.items() if not any(law[1:])]:
             raise InputError(
                 "a joint with ratio 0 follows no other",
                 where=f"{self.file or 'mapping'}, [coupled]",
@@ -164,14 +173,19 @@ class RobotMapping:
         if self.coupled:
             lines += ["", "[coupled]"]
             lines += [
-                f"{_quoted(joint)} = [{_quoted(other)}, {ratio:.9g}]"
-                for joint, (other, ratio) in self.coupled.items()
+                f"{_quoted(joint)} = [{_quoted(other)}, {_law(law)}]"
+                for joint, (other, law) in self.coupled.items()
             ]
         return "\n".join(lines) + "\n"
 
 
+def coefficients(law: float | tuple[float, ...]) -> tuple[float, ...]:
+    """Coefficients of a coupling's polynomial, from the constant one on; a ratio has two."""
+    return law if isinstance(law, tuple) else (0.0, law)
+
+
 def check_tips(tips: Sequence[str], where: str) -> None:
-    """Refuses names of fingertips that are too few or too many for a hand.
+    """Refuses names of fingertips that are too few or too many for a hand, or the same twice.
 
     Raises:
         InputError: They are.
@@ -183,6 +197,12 @@ def check_tips(tips: Sequence[str], where: str) -> None:
             where=where,
             got=len(tips),
             expected=f"{LEAST_FINGERS} to {len(FINGERS)}",
+        )
+    if twice := [tip for tip in dict.fromkeys(tips) if tips.count(tip) > 1]:
+        raise InputError(
+            "every finger needs a fingertip of its own",
+            where=where,
+            got=", ".join(twice) + " twice",
         )
 
 
@@ -262,6 +282,10 @@ def digest(*parts: bytes) -> str:
 
 def _quoted(text: str) -> str:
     return '"' + text.replace("\\", "\\\\").replace('"', '\\"') + '"'
+
+
+def _law(law: float | tuple[float, ...]) -> str:
+    return _numbers(law) if isinstance(law, tuple) else f"{law:.9g}"
 
 
 def _numbers(values: tuple[float, ...]) -> str:

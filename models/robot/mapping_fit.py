@@ -14,11 +14,13 @@ from typing import Any, NamedTuple
 
 import mujoco
 import numpy as np
+from numpy.polynomial import Polynomial
 
 from models.arithmetic.arrays import Array
 from models.errors import InputError
 from models.one_pose import OnePose
 from models.pose import JOINTS, POSE_SIZE
+from models.robot.constraints import Law, coupling_laws, not_followed
 from models.robot.handedness import flexed, person_volume, robot_volume
 from models.robot.mapping import RobotMapping, check_tips
 from models.robot.retargeting import Retargeter
@@ -41,8 +43,10 @@ READY = 1e-2, 1e-1
 """m2 and rad2, how readily the palm moves while it is looked for."""
 HELD = 1e-9, 1e-8
 """m2 and rad2, of a palm that is held while errors are measured."""
-_NARROW = 0.01
-"""m or rad, width of a tendon's range below which its two joints are coupled."""
+LEAST_SIZE, GREATEST_SIZE = 0.2, 5.0
+"""Lengths of fingers that a robot's hand can have, relative to a person's."""
+UNITS = {"millimetres": 1e-3, "centimetres": 1e-2, "inches": 0.0254}
+"""m, units in which models are drawn by mistake."""
 _BENT = (0.1, 0.4, 0.7)
 """Shares of the range of flexion at which hands are laid over each other."""
 _MOST_LINKS = 3
@@ -59,8 +63,10 @@ class MappingFit:
         shape: m, root mean square distance of knuckles and fingertips of the hands, laid over each
             other and bent alike.
         mirrored: m, the same for the person's other hand.
-        side: Difference between the volumes of both hands (`models.robot.handedness`).
+        side: Difference between the volumes of both hands (`models.robot.handedness`); NaN without
+            ranges of joints.
         other_side: The same for the person's other hand.
+        not_followed: Parts of the model that the hand in a scene does not have or has otherwise.
     """
 
     mapping: RobotMapping
@@ -69,10 +75,16 @@ class MappingFit:
     mirrored: float
     side: float
     other_side: float
+    not_followed: tuple[str, ...]
 
 
 def fit_mapping(
-    path: Path, tips: Sequence[str], palm: str = "", model: str = "", ends: bool = False
+    path: Path,
+    tips: Sequence[str],
+    palm: str = "",
+    model: str = "",
+    ends: bool = False,
+    hand: str = "",
 ) -> MappingFit:
     """Fits a mapping to a model.
 
@@ -83,6 +95,7 @@ def fit_mapping(
         palm: Name of the body that carries all fingers; empty finds it.
         model: The model's place as the mapping will have it; empty takes the file's name.
         ends: Whether `tips` are the bodies of last links, whose meshes end with the fingertips.
+        hand: `right` or `left`; empty finds the side, which needs the ranges of joints.
 
     Raises:
         InputError: The model cannot be used.
@@ -93,10 +106,18 @@ def fit_mapping(
     places = tuple(end.place for end in rounded)
     robot = RobotModel(path, palm, tips, places)
     people = {"right": ADULT, "left": ADULT.mirrored()}
+    _check_size(robot, ADULT)
     own = robot_volume(robot)
     volumes = {side: person_volume(person, len(tips)) for side, person in people.items()}
     apart = {side: abs(own - volume) for side, volume in volumes.items()}
-    side, other = sorted(apart, key=lambda name: apart[name])
+    if not hand and not np.isfinite(own):
+        raise InputError(
+            "the side of this hand cannot be found without ranges of its joints",
+            where=str(path),
+            remedy="Give it: --hand right or --hand left",
+        )
+    side = hand or min(apart, key=lambda name: apart[name])
+    other = "left" if side == "right" else "right"
     laid = {name: _laid_over(robot, person) for name, person in people.items()}
     start = RobotMapping(
         model or path.name,
@@ -113,7 +134,13 @@ def fit_mapping(
     )
     mapping, errors = _moved(start, people[side])
     return MappingFit(
-        mapping, errors, laid[side].error, laid[other].error, apart[side], apart[other]
+        mapping,
+        errors,
+        laid[side].error,
+        laid[other].error,
+        apart[side],
+        apart[other],
+        tuple(not_followed(RobotHand("fit", mapping, people[side]))),
     )
 
 
@@ -215,60 +242,78 @@ def _carrier(path: Path, tips: Sequence[str]) -> str:
                 expected=f"one of {sites[:400]}" if sites else "names of bodies",
                 remedy=None if sites else "With --ends, give the fingers' last bodies",
             )
-        way = []
+        way = [body]
         while body > 0:
-            way.append(body)
             body = int(model.body_parentid[body])
+            way.append(body)
         above = way if above is None else [b for b in above if b in way]
-    if not above:
+    carrier = above[0] if above else 0
+    if carrier == 0 and _whole_hands(model):
         raise InputError(
             "these fingertips are not on one hand", where="--tips", got=", ".join(tips)
         )
-    return str(model.body(above[0]).name)
+    return str(model.body(carrier).name)
 
 
-def _coupled(robot: RobotModel) -> dict[str, tuple[str, float]]:
-    """Joints that equalities or narrow tendons couple to others."""
+def _whole_hands(model: Any) -> bool:
+    """True if bodies of the world branch again: the world is then no palm but carries hands."""
+    parents = [int(model.body_parentid[b]) for b in range(1, model.nbody)]
+    return any(parents.count(b) > 1 for b in range(1, model.nbody))
+
+
+def _check_size(robot: RobotModel, person: Skeleton) -> None:
+    """Refuses a hand that is many times as large or small as a person's: its unit is not m."""
+    sizes = _scales(robot, person)
+    size = float(np.median(sizes))
+    if LEAST_SIZE < size < GREATEST_SIZE:
+        return
+    units = [name for name, unit in UNITS.items() if LEAST_SIZE < size * unit < GREATEST_SIZE]
+    raise InputError(
+        "the fingers of this hand have lengths that no hand has",
+        where=str(robot.path),
+        got=f"{size:.3g} times those of a person's",
+        expected=f"{LEAST_SIZE:g} to {GREATEST_SIZE:g} times",
+        remedy=f"Is the model in {' or '.join(units)}? MuJoCo's unit is the metre"
+        if units
+        else None,
+    )
+
+
+def _coupled(robot: RobotModel) -> dict[str, tuple[str, float | tuple[float, ...]]]:
+    """Joints that equalities or narrow tendons couple to others, with polynomials."""
     model, names = robot.model, set(robot.joint_names())
     driven = {
         model.joint(int(model.actuator_trnid[a, 0])).name
         for a in range(model.nu)
         if int(model.actuator_trntype[a]) == int(mujoco.mjtTrn.mjTRN_JOINT)
     }
-    pairs: list[tuple[str, str, float]] = []
-    for e in range(model.neq):
-        if int(model.eq_type[e]) == int(mujoco.mjtEq.mjEQ_JOINT) and model.eq_obj2id[e] >= 0:
-            both = [model.joint(int(j[e])).name for j in (model.eq_obj1id, model.eq_obj2id)]
-            pairs.append((both[0], both[1], float(model.eq_data[e, 1])))
-    for t in range(model.ntendon):
-        start, count = int(model.tendon_adr[t]), int(model.tendon_num[t])
-        kinds = model.wrap_type[start : start + count]
-        narrow = float(np.ptp(model.tendon_range[t])) < _NARROW and model.tendon_limited[t]
-        if count == 2 and narrow and all(int(k) == int(mujoco.mjtWrap.mjWRAP_JOINT) for k in kinds):
-            first, second = (model.joint(int(j)).name for j in model.wrap_objid[start : start + 2])
-            one, two = (float(c) for c in model.wrap_prm[start : start + 2])
-            if one and two:
-                pairs.append((first, second, -two / one))
-    out: dict[str, tuple[str, float]] = {}
-    for first, second, ratio in pairs:
-        if not ratio:
+    out: dict[str, tuple[str, Law]] = {}
+    for first, second, law in coupling_laws(robot):
+        if not any(law[1:]):
             continue
-        if first in driven and second not in driven:
-            first, second, ratio = second, first, 1.0 / ratio
+        straight = not any(law[2:])
+        if straight and first in driven and second not in driven:
+            first, second, law = second, first, (-law[0] / law[1], 1.0 / law[1])
         circle = second == first or (second in out and _free_joint(second, out)[0] == first)
         if {first, second} <= names and not circle:
-            out[first] = second, ratio
-    return {name: _free_joint(name, out) for name in out}
+            out[first] = second, law
+    return {name: _rounded(*_free_joint(name, out)) for name in out}
 
 
-def _free_joint(name: str, coupled: Mapping[str, tuple[str, float]]) -> tuple[str, float]:
-    """The joint at the end of a joint's chain of couplings, which follows no other, and the ratio
-    to it."""
-    joint, ratio = coupled[name]
+def _rounded(joint: str, law: Law) -> tuple[str, float | Law]:
+    """A coupling as its mapping has it: a ratio where it is one."""
+    return joint, law[1] if not law[0] and not any(law[2:]) else law
+
+
+def _free_joint(name: str, coupled: Mapping[str, tuple[str, Law]]) -> tuple[str, Law]:
+    """The joint at the end of a joint's chain of couplings, which follows no other, and the
+    polynomial in its angle."""
+    joint, law = coupled[name]
     while joint in coupled:
         joint, step = coupled[joint]
-        ratio *= step
-    return joint, ratio
+        whole = Polynomial(law)(Polynomial(step))
+        law = tuple(float(c) for c in whole.coef)
+    return joint, law
 
 
 def _radii(robot: RobotModel) -> tuple[float, ...]:

@@ -11,7 +11,7 @@ depends on MuJoCo's version and the system's libm alone.
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from typing import Any
 
 import mujoco
@@ -28,6 +28,7 @@ from models.arithmetic.products import (
     times_transposed,
     vector_matrix,
 )
+from models.errors import InputError
 from models.frames import FINGERS
 from models.one_pose import OnePose
 from models.pose import ROOT_POSITION, ROOT_ROTATION
@@ -55,6 +56,10 @@ CLOSE = 5e-5
 """m, distance of fingertips that touch from their places at which no more steps are needed."""
 REACHED = 0.005
 """m from its touch, within which a fingertip counts as there."""
+_GRID = 2000
+"""Parts into which a joint's range is divided to find where a curve is within another range."""
+_ROUNDING = 1e-6
+"""rad, by which a follower may leave its range: models round their numbers."""
 _PASSES = 3
 """Times that joints at their limits are left out and the step is solved again."""
 
@@ -72,7 +77,8 @@ class Retargeter:
         scales: (n,) length of each finger relative to that of the person.
         offset: (3,) m, origin of the robot's palm in the frame of the person's hand.
         turn: (4,) quaternion, person's hand from robot's palm.
-        followers: Joints that follow others: (n,) number of the other, or its own; and the ratio.
+        followers: Joints that follow others: (n,) number of the other, or its own; and n
+            polynomials in the other's angle, each by its coefficients from the constant one on.
         palm: m2 and rad2, how readily the palm leaves its place.
 
     Attributes:
@@ -86,19 +92,26 @@ class Retargeter:
         scales: Array,
         offset: Array,
         turn: Array,
-        followers: tuple[NDArray[np.int64], Array],
+        followers: tuple[NDArray[np.int64], Sequence[tuple[float, ...]]],
         palm: tuple[float, float] = (PALM_MOVES, PALM_TURNS),
     ) -> None:
         self._model, self._data = model, mujoco.MjData(model)
         self._tips = OnePose(skeleton).tips
         self._scales, self._offset, self._turn = scales, offset, turn
         count = model.nv
-        self._master, self._ratio = followers
+        self._master, laws = followers
+        self._ratio = np.array([law[1] for law in laws])
+        # Joints whose law is more than a ratio.
+        self._curved = [
+            (joint, int(self._master[joint]), law)
+            for joint, law in enumerate(laws)
+            if law[0] or any(law[2:])
+        ]
         low, high = model.jnt_range[4:].T.copy()
         # A joint that is followed stays where its followers are within their ranges too.
-        for joint, (master, ratio) in enumerate(zip(*followers, strict=True)):
+        for joint, (master, law) in enumerate(zip(self._master, laws, strict=True)):
             if master != joint:
-                ends = np.sort([low[joint] / ratio, high[joint] / ratio])
+                ends = _within(law, (low[joint], high[joint]), (low[master], high[master]))
                 low[master], high[master] = max(low[master], ends[0]), min(high[master], ends[1])
         self._low, self._high = low, high
         self._middle = 0.5 * (low + high)
@@ -106,7 +119,7 @@ class Retargeter:
         self._free = np.array([m == j for j, m in enumerate(self._master)])
         self._spread = np.zeros((count, count))
         self._spread[:ROOT, :ROOT] = np.eye(ROOT)
-        for joint, (master, ratio) in enumerate(zip(*followers, strict=True)):
+        for joint, (master, ratio) in enumerate(zip(self._master, self._ratio, strict=True)):
             self._spread[ROOT + joint, ROOT + master] = ratio
         self._coupled = not self._free.all()
         self._weights = np.concatenate(
@@ -197,6 +210,9 @@ class Retargeter:
         mujoco.mj_comPos(model, data)
         for rows, site in self._rows:
             mujoco.mj_jacSite(model, data, rows, None, site)
+        for joint, master, law in self._curved:
+            slope = _polynomial(_derivative(law), float(data.qpos[ROOT_PLACE + master]))
+            self._spread[ROOT + joint, ROOT + master] = slope
         jacobian = matrix_product(self._raw, self._spread) if self._coupled else self._raw
         home = np.empty(model.nv)
         home[:3] = place - data.qpos[:3]
@@ -230,4 +246,53 @@ class Retargeter:
 
     def _all(self, angles: Array) -> Array:
         """Angles (n,) of all joints: followers take theirs from the others."""
-        return angles[self._master] * self._ratio
+        out = angles[self._master] * self._ratio
+        for joint, master, law in self._curved:
+            out[joint] = _polynomial(law, float(angles[master]))
+        return out
+
+
+def _polynomial(law: Sequence[float], x: float) -> float:
+    """Value of a polynomial by its coefficients, from the constant one on."""
+    value = 0.0
+    for c in reversed(law):
+        value = value * x + c
+    return value
+
+
+def _derivative(law: Sequence[float]) -> list[float]:
+    return [power * c for power, c in enumerate(law)][1:]
+
+
+def _within(
+    law: tuple[float, ...], own: tuple[float, float], other: tuple[float, float]
+) -> tuple[float, float]:
+    """Range of a joint in which its follower is within the follower's own range.
+
+    Of a curve that leaves the range and comes back, it is the longest part.
+
+    Args:
+        law: The follower's polynomial.
+        own: Least and greatest angle of the follower.
+        other: The same of the joint that it follows.
+
+    Raises:
+        InputError: There is no such range.
+    """
+    if not any(law[2:]):
+        ends = sorted(((own[0] - law[0]) / law[1], (own[1] - law[0]) / law[1]))
+        return ends[0], ends[1]
+    places = [other[0] + i / _GRID * (other[1] - other[0]) for i in range(_GRID + 1)]
+    good = [own[0] - _ROUNDING <= _polynomial(law, x) <= own[1] + _ROUNDING for x in places]
+    best, start = (0, -1), 0
+    for i, fits in enumerate([*good, False]):
+        if not fits:
+            best = max(best, (start, i - 1), key=lambda part: part[1] - part[0])
+            start = i + 1
+    if best[1] < best[0]:
+        raise InputError(
+            "a coupled joint is outside of its range wherever the joint is that it follows",
+            where="[coupled]",
+            got=str(list(law)),
+        )
+    return places[best[0]], places[best[1]]

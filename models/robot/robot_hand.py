@@ -26,7 +26,7 @@ from models.hand import (
 )
 from models.objects import mjcf_text
 from models.one_pose import OnePose
-from models.robot.mapping import RobotMapping, digest
+from models.robot.mapping import RobotMapping, coefficients, digest
 from models.robot.retargeting import PALM_MOVES, PALM_TURNS, ROOT_PLACE, Retargeter
 from models.robot.robot_model import RobotModel, link_turn, of_mapping
 from models.rotations import quaternion_log
@@ -178,7 +178,7 @@ class RobotHand:
                 },
             )
         )
-        for joint, force in zip(self._joints, self._forces(limit), strict=True):
+        for joint, force in zip(self.joint_names, self._forces(limit), strict=True):
             servos.append(
                 Element(
                     "position",
@@ -222,8 +222,9 @@ class RobotHand:
             palm: m2 and rad2, how readily the palm leaves its place.
         """
         names = self.robot.joint_names()
-        master, ratio = np.arange(len(names), dtype=np.int64), np.ones(len(names))
-        for joint, (other, factor) in self.mapping.coupled.items():
+        master = np.arange(len(names), dtype=np.int64)
+        laws = [coefficients(1.0)] * len(names)
+        for joint, (other, law) in self.mapping.coupled.items():
             for name in (joint, other):
                 if name not in names:
                     raise InputError(
@@ -232,14 +233,15 @@ class RobotHand:
                         got=name,
                         expected=", ".join(names),
                     )
-            master[names.index(joint)], ratio[names.index(joint)] = names.index(other), factor
+            master[names.index(joint)] = names.index(other)
+            laws[names.index(joint)] = coefficients(law)
         return Retargeter(
-            self._kinematic,
+            self.kinematic,
             self.person,
             np.array(self.mapping.scales) / self.size,
             self.size * np.array(self.mapping.offset),
             np.array(self.mapping.turn),
-            (master, ratio),
+            (master, laws),
             palm,
         )
 
@@ -252,12 +254,16 @@ class RobotHand:
         return self.retargeter()
 
     @cached_property
-    def _joints(self) -> list[str]:
+    def joint_names(self) -> list[str]:
         """Names in the scene of the joints below the palm."""
         return [self._prefix + name for name in self.robot.scene_names()]
 
+    def body_name(self, body: int) -> str:
+        """Name in the scene of a body below the palm, by its number in the robot's model."""
+        return self._prefix + self.robot.scene_body(body)
+
     @cached_property
-    def _kinematic(self) -> Any:
+    def kinematic(self) -> Any:
         """MuJoCo's model of this hand alone, with sites at the fingertips."""
         palm = self.body()
         for body in list(palm.iter("body")):

@@ -41,6 +41,8 @@ _SEEN_GROUPS = 3
 """MuJoCo's viewer shows the geoms of groups 0 to 2."""
 _OURS = re.compile(rf"palm|root(_[xyz])?|({'|'.join(FINGERS)})_link\d+")
 """Names that bodies and joints of a hand in a scene have already; a robot's own get others."""
+WORLD_PALM_MASS, WORLD_PALM_INERTIA = 0.3, 3e-4
+"""kg and kg m2, of a palm that is a part of the world: about those of a person's palm."""
 LEAST_LINK = 0.004
 """m, shortest link of a finger: shorter ones are the parts of one joint."""
 
@@ -65,12 +67,14 @@ class RobotModel:
 
     Args:
         path: Its MJCF file.
-        palm: Name of the body that carries all fingers.
+        palm: Name of the body that carries all fingers; `world` where the model has none: MuJoCo
+            makes the first link of a URDF a part of the world.
         tips: Names of the sites or bodies at the middle of the fingertips, thumb first.
         places: (3,) m each, the middle of the fingertips in the frames of these bodies; without
             them, their origins.
 
     Attributes:
+        path: Its MJCF file.
         model: MuJoCo's model of the whole description.
         joints: Numbers of the hinges below the palm, in MuJoCo's order.
         links: Links with a length of their own, finger by finger, from the palm outwards.
@@ -86,8 +90,14 @@ class RobotModel:
         tips: Sequence[str],
         places: Sequence[tuple[float, float, float]] = (),
     ) -> None:
-        self._where = str(path)
+        self.path, self._where = path, str(path)
         self.model = model = compiled(path)
+        if not palm:
+            raise InputError(
+                "the palm's body has no name",
+                where=self._where,
+                remedy="Name it in the model: the body that carries all fingers",
+            )
         self.palm = self._named(mujoco.mjtObj.mjOBJ_BODY, palm, "palm")
         self.bodies = [b for b in range(model.nbody) if self._below(b)]
         inside = set(self.bodies) - {self.palm}
@@ -128,20 +138,57 @@ class RobotModel:
         return np.where(limited, model.jnt_range[self.joints], [[-np.pi, np.pi]])
 
     def force_limits(self) -> Array:
-        """(n,) N m, greatest torque of the actuators of every joint, in its stronger direction;
-        infinite where none says."""
+        """(n,) N m, greatest torque of the actuators of every joint, in its stronger direction.
+
+        Actuators of fixed tendons count for all joints of the tendon. Infinite where no limit is
+        given.
+        """
         model = self.model
         actuators: dict[int, float] = {}
         for a in range(model.nu):
-            if int(model.actuator_trntype[a]) == int(mujoco.mjtTrn.mjTRN_JOINT):
-                joint = int(model.actuator_trnid[a, 0])
-                limited = bool(model.actuator_forcelimited[a])
-                force = float(np.abs(model.actuator_forcerange[a]).max()) if limited else np.inf
-                torque = abs(float(model.actuator_gear[a, 0])) * force
-                actuators[joint] = actuators.get(joint, 0.0) + torque
+            force = self._actuator_force(a)
+            for joint, arm in self._arms(a):
+                actuators[joint] = actuators.get(joint, 0.0) + abs(arm) * force
         own = np.abs(model.jnt_actfrcrange).max(axis=1)
         own[~model.jnt_actfrclimited.astype(bool)] = np.inf
         return np.array([min(actuators.get(j, np.inf), own[j]) for j in self.joints])
+
+    def _actuator_force(self, actuator: int) -> float:
+        """Greatest force of an actuator, before its gear; infinite where the model has no limit."""
+        model = self.model
+        limits = [np.inf]
+        if model.actuator_forcelimited[actuator]:
+            limits.append(float(np.abs(model.actuator_forcerange[actuator]).max()))
+        direct = (
+            int(model.actuator_gaintype[actuator]) == int(mujoco.mjtGain.mjGAIN_FIXED)
+            and int(model.actuator_biastype[actuator]) == int(mujoco.mjtBias.mjBIAS_NONE)
+            and int(model.actuator_dyntype[actuator]) == int(mujoco.mjtDyn.mjDYN_NONE)
+        )
+        if direct and model.actuator_ctrllimited[actuator]:
+            most = float(np.abs(model.actuator_ctrlrange[actuator]).max())
+            limits.append(abs(float(model.actuator_gainprm[actuator, 0])) * most)
+        return min(limits)
+
+    def _arms(self, actuator: int) -> list[tuple[int, float]]:
+        """Joints that an actuator moves, each with its torque per force; empty for others."""
+        model = self.model
+        kind, target = int(model.actuator_trntype[actuator]), int(model.actuator_trnid[actuator, 0])
+        gear = float(model.actuator_gear[actuator, 0])
+        if kind in (int(mujoco.mjtTrn.mjTRN_JOINT), int(mujoco.mjtTrn.mjTRN_JOINTINPARENT)):
+            return [(target, gear)]
+        if kind == int(mujoco.mjtTrn.mjTRN_TENDON):
+            return [(joint, gear * arm) for joint, arm in self.fixed_tendon(target)]
+        return []
+
+    def fixed_tendon(self, tendon: int) -> list[tuple[int, float]]:
+        """Joints of a fixed tendon with their coefficients; empty for a tendon in space."""
+        model = self.model
+        start, count = int(model.tendon_adr[tendon]), int(model.tendon_num[tendon])
+        part = slice(start, start + count)
+        if any(int(k) != int(mujoco.mjtWrap.mjWRAP_JOINT) for k in model.wrap_type[part]):
+            return []
+        pairs = zip(model.wrap_objid[part], model.wrap_prm[part], strict=True)
+        return [(int(joint), float(arm)) for joint, arm in pairs]
 
     def bent(self, share: float) -> tuple[Array, Array]:
         """Where fingers begin, and fingertips, (n, 3) m each in the palm's frame.
@@ -187,15 +234,19 @@ class RobotModel:
         for joint in range(model.njnt):
             if int(model.jnt_bodyid[joint]) == body and joint in self.joints:
                 parent.append(self._joint(joint, prefix))
-        if model.body_mass[body] > 0.0:
+        mass, inertia = float(model.body_mass[body]), model.body_inertia[body]
+        if body == 0:
+            # The world has no mass.
+            mass, inertia = WORLD_PALM_MASS, np.full(3, WORLD_PALM_INERTIA)
+        if mass > 0.0:
             SubElement(
                 parent,
                 "inertial",
                 {
                     "pos": mjcf_text(model.body_ipos[body]),
                     "quat": mjcf_text(model.body_iquat[body]),
-                    "mass": f"{model.body_mass[body]:.9g}",
-                    "diaginertia": mjcf_text(model.body_inertia[body]),
+                    "mass": f"{mass:.9g}",
+                    "diaginertia": mjcf_text(inertia),
                 },
             )
         for geom in self._seen(body):
@@ -206,7 +257,7 @@ class RobotModel:
                     parent,
                     "body",
                     {
-                        "name": f"{prefix}{self._name(child)}",
+                        "name": f"{prefix}{self.scene_body(child)}",
                         "pos": mjcf_text(model.body_pos[child]),
                         "quat": mjcf_text(model.body_quat[child]),
                         "gravcomp": "1",
@@ -257,6 +308,9 @@ class RobotModel:
             self._damping("dof_armature"),
             self._damping("dof_frictionloss"),
         ]
+        zeros = model.qpos0[model.jnt_qposadr[joints]]
+        if zeros.any():
+            arrays.append(zeros)
         parts = [np.ascontiguousarray(a).tobytes() for a in arrays]
         return b"|".join([*parts, repr(self.tips).encode()])
 
@@ -268,15 +322,14 @@ class RobotModel:
         }[what]
         return np.asarray(values)[self.model.jnt_dofadr[self.joints]]
 
-    def _name(self, body: int) -> str:
+    def scene_body(self, body: int) -> str:
+        """Name of a body in a scene, without the name of the hand."""
         return _own(self.model.body(body).name) or f"body{body}"
 
     def _below(self, body: int) -> bool:
-        while body > 0:
-            if body == self.palm:
-                return True
+        while body > 0 and body != self.palm:
             body = int(self.model.body_parentid[body])
-        return False
+        return body == self.palm
 
     def _named(self, kind: Any, name: str, what: str) -> int:
         number = int(mujoco.mj_name2id(self.model, kind, name))
@@ -363,7 +416,7 @@ class RobotModel:
         slides = int(model.jnt_type[joint]) == int(mujoco.mjtJoint.mjJNT_SLIDE)
         low, high = self.limits()[self.joints.index(joint)]
         spread = (low, high) if slides else np.rad2deg([low, high])
-        return Element(
+        element = Element(
             "joint",
             {
                 "name": prefix + self.scene_names()[self.joints.index(joint)],
@@ -377,6 +430,10 @@ class RobotModel:
                 "frictionloss": f"{model.dof_frictionloss[dof]:.9g}",
             },
         )
+        zero = float(model.qpos0[int(model.jnt_qposadr[joint])])
+        if zero:
+            element.set("ref", mjcf_text([zero if slides else np.rad2deg(zero)]))
+        return element
 
     def _geom(self, geom: int, prefix: str) -> Element:
         model = self.model

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import numpy as np
 from cyclopts import Parameter
@@ -24,6 +24,7 @@ def fit(
     tips: str,
     palm: str = "",
     ends: bool = False,
+    hand: Literal["right", "left"] | None = None,
     out: Annotated[Path | None, Parameter(metavar="FILE.toml")] = None,
     picture: Annotated[Path | None, Parameter(metavar="FILE.png")] = None,
 ) -> int:
@@ -41,6 +42,7 @@ def fit(
         palm: Name of the body that carries all fingers. Default: the last above all fingertips.
         ends: The names are those of the fingers' last bodies, and a fingertip is where the mesh of
             its body ends: for models without sites at the fingertips.
+        hand: Side of the hand. Default: found from the ranges of its joints.
         out: File for the mapping; an existing one is replaced. Default: beside the model.
         picture: File for a picture of both hands in three poses; needs OpenGL.
     """
@@ -52,7 +54,9 @@ def fit(
     refuse_replacing(out, {"MODEL": path})
     near = path.resolve().parent == out.resolve().parent
     name = model if inside else path.name if near else str(path.resolve())
-    fitted = fit_mapping(path, [tip.strip() for tip in tips.split(",")], palm, name, ends)
+    fitted = fit_mapping(
+        path, [tip.strip() for tip in tips.split(",")], palm, name, ends, hand or ""
+    )
     mapping = fitted.mapping
     try:
         text = f"# Fitted by `sandbox devices robot fit {model}`.\n{mapping.as_toml()}"
@@ -60,6 +64,10 @@ def fit(
     except OSError as error:
         raise InputError("it cannot be written", where=str(out), got=error.strerror) from None
     print(f"{out}: a {mapping.side} hand, palm {mapping.palm}")
+    if mapping.palm == "world":
+        print("the palm is part of the world in this model; it is taken for a body of 0.3 kg")
+    for part in fitted.not_followed:
+        print(f"not followed: {part}")
     print(f"coupled joints: {', '.join(mapping.coupled) or 'none'}")
     middle, most = np.percentile(fitted.errors, (50, 95)) * 1e3
     print(f"fingertips off, the palm held: median {middle:.2f} mm, 95 % below {most:.2f} mm")
@@ -69,10 +77,11 @@ def fit(
         f"knuckles and fingertips of bent hands, laid over each other: {fitted.shape * 1e3:.0f} mm "
         f"apart; with the other hand {fitted.mirrored * 1e3:.0f} mm"
     )
-    print(
-        f"volume spanned by the fingers: {fitted.side:.2f} from that of a person's {mapping.side} "
-        f"hand, {fitted.other_side:.2f} from that of the other"
-    )
+    if np.isfinite(fitted.side):
+        print(
+            f"volume spanned by the fingers: {fitted.side:.2f} from that of a person's "
+            f"{mapping.side} hand, {fitted.other_side:.2f} from that of the other"
+        )
     if picture is not None:
         _draw(out, picture)
         print(f"picture: {picture}")

@@ -1,0 +1,205 @@
+"""Constraints of a robot's model: joints that follow others, and what a scene leaves out.
+
+A hand in a scene is written anew, from the compiled model. Couplings become polynomials that the
+retargeting follows. Everything else that differs is found by a comparison of both compiled models,
+field by field, and named.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
+
+import mujoco
+import numpy as np
+from numpy.polynomial import Polynomial
+
+from models.robot.robot_model import LEAST_ARMATURE, RobotModel
+
+if TYPE_CHECKING:
+    from models.robot.robot_hand import RobotHand
+
+Law = tuple[float, ...]
+"""Coefficients of a polynomial in the angle of another joint, from the constant one on."""
+
+NARROW = 0.01
+"""m or rad, width of a tendon's range below which its two joints are coupled."""
+
+_EQUAL = mujoco.mjtEq
+_FIELDS = {
+    "body": {
+        "body_pos": "places of bodies",
+        "body_quat": "directions of bodies",
+        "body_ipos": "centres of mass",
+        "body_iquat": "axes of inertia",
+        "body_mass": "masses",
+        "body_inertia": "inertias",
+    },
+    "joint": {
+        "jnt_type": "types of joints",
+        "jnt_pos": "places of joints",
+        "jnt_axis": "axes of joints",
+        "jnt_range": "ranges of joints",
+        "jnt_stiffness": "springs of joints",
+    },
+    "dof": {
+        "dof_armature": "armature of joints",
+        "dof_damping": "damping of joints",
+        "dof_frictionloss": "friction of joints",
+    },
+}
+"""Fields of a compiled model that are compared, with their names for people: all that decide where
+the parts of a hand are and how they move. Contacts and shapes are those of every hand here."""
+_NAMES = 4
+"""Most names in a text."""
+_SAME = 1e-6
+"""m, rad, kg and so on, relative for numbers above 1: differences by rounding."""
+
+
+def coupling_laws(robot: RobotModel) -> Iterator[tuple[str, str, Law]]:
+    """Pairs of joints that an equality or a narrow tendon couples: follower, other, polynomial."""
+    model = robot.model
+    for e in range(model.neq):
+        if _couples(model, e):
+            follower, other = int(model.eq_obj1id[e]), int(model.eq_obj2id[e])
+            # y - y0 = a0 + a1 (x - x0) + .. + a4 (x - x0)^4, with the zeros of both joints.
+            shift = Polynomial([-_zero(model, other), 1.0])
+            curve = Polynomial(model.eq_data[e, :5])(shift) + _zero(model, follower)
+            yield model.joint(follower).name, model.joint(other).name, _trimmed(curve.coef)
+    for t in range(model.ntendon):
+        joints = robot.fixed_tendon(t)
+        if len(joints) == 2 and _is_narrow(model, t) and all(arm for _, arm in joints):
+            (first, one), (second, two) = joints
+            middle = float(np.mean(model.tendon_range[t]))
+            law = (middle / one, -two / one)
+            yield model.joint(first).name, model.joint(second).name, law
+
+
+def not_followed(hand: RobotHand) -> list[str]:
+    """What a hand in a scene has not, or has otherwise, than the robot's model: one text a kind."""
+    found: dict[str, list[str]] = {}
+    for kind, name in (*_constraints(hand), *_actuators(hand.robot), *_differences(hand)):
+        found.setdefault(kind, []).append(name)
+    return [
+        f"{kind}: {', '.join(names[:_NAMES])}"
+        + (f" and {len(names) - _NAMES} more" if len(names) > _NAMES else "")
+        for kind, names in found.items()
+    ]
+
+
+def _constraints(hand: RobotHand) -> Iterator[tuple[str, str]]:
+    """Equalities and tendons that have no part in the hand: kind and name."""
+    robot, coupled = hand.robot, hand.mapping.coupled
+    model, bodies = robot.model, set(robot.bodies)
+    for e in range(model.neq):
+        kind = int(model.eq_type[e])
+        if not model.eq_active0[e]:
+            continue
+        one, two = int(model.eq_obj1id[e]), int(model.eq_obj2id[e])
+        name = model.equality(e).name
+        if kind == int(_EQUAL.mjEQ_JOINT):
+            ends = [model.joint(j).name for j in (one, two) if j >= 0]
+            if one not in robot.joints or ends[0] in coupled or (two >= 0 and ends[1] in coupled):
+                continue
+            what = "joints held by an equality" if two < 0 else "couplings of joints"
+        elif kind == int(_EQUAL.mjEQ_TENDON):
+            ends, what = [model.tendon(t).name for t in (one, two) if t >= 0], "tied tendons"
+        else:
+            if kind in (int(_EQUAL.mjEQ_CONNECT), int(_EQUAL.mjEQ_WELD)):
+                sites = int(model.eq_objtype[e]) == int(mujoco.mjtObj.mjOBJ_SITE)
+                pair = [int(model.site_bodyid[s]) for s in (one, two)] if sites else [one, two]
+                if not bodies & set(pair):
+                    continue
+                ends, what = [model.body(b).name for b in pair], "closed loops"
+            else:
+                ends, what = [name], "equalities"
+        yield what, " with ".join(filter(None, ends)) or name or f"number {e}"
+    for t in range(model.ntendon):
+        joints = robot.fixed_tendon(t)
+        names = [model.joint(j).name for j, _ in joints]
+        if joints and not set(names) & set(robot.joint_names()):
+            continue
+        name = model.tendon(t).name or f"number {t}"
+        followed = len(joints) == 2 and any(joint in coupled for joint in names)
+        if model.tendon_limited[t] and not (followed and _is_narrow(model, t)):
+            yield "ranges of tendons", name
+        if model.tendon_stiffness[t]:
+            yield "springs of tendons", name
+        if model.tendon_frictionloss[t]:
+            yield "friction of tendons", name
+
+
+def _actuators(robot: RobotModel) -> Iterator[tuple[str, str]]:
+    """Actuators whose limits are not those of joints: kind and name."""
+    model = robot.model
+    known = (
+        int(mujoco.mjtTrn.mjTRN_JOINT),
+        int(mujoco.mjtTrn.mjTRN_JOINTINPARENT),
+        int(mujoco.mjtTrn.mjTRN_TENDON),
+    )
+    for a in range(model.nu):
+        kind, target = int(model.actuator_trntype[a]), int(model.actuator_trnid[a, 0])
+        bent = kind == known[2] and not robot.fixed_tendon(target)
+        if kind not in known or bent:
+            yield "limits of actuators", model.actuator(a).name or f"number {a}"
+
+
+def _differences(hand: RobotHand) -> Iterator[tuple[str, str]]:
+    """Fields that differ between the robot's own model and that of the hand in a scene.
+
+    Yields:
+        The field, and the name of a body or joint.
+    """
+    robot, own, ours = hand.robot, hand.robot.model, hand.kinematic
+    bodies = [b for b in robot.bodies if b != robot.palm]
+    joints = robot.joints
+    names = hand.joint_names
+    places = {
+        "body": (bodies, [int(ours.body(hand.body_name(b)).id) for b in bodies]),
+        "joint": (joints, [int(ours.joint(name).id) for name in names]),
+        "dof": (
+            [int(own.jnt_dofadr[j]) for j in joints],
+            [int(ours.joint(name).dofadr[0]) for name in names],
+        ),
+    }
+    for kind, fields in _FIELDS.items():
+        here, there = places[kind]
+        for field, word in fields.items():
+            theirs, kept = getattr(own, field)[here], getattr(ours, field)[there]
+            if field == "jnt_range":
+                theirs = robot.limits()
+            elif field == "dof_armature":
+                theirs = np.maximum(theirs, LEAST_ARMATURE)
+            apart = ~np.isclose(theirs, kept, rtol=_SAME, atol=_SAME)
+            rows = apart.reshape(len(apart), -1).any(axis=1)
+            which = robot.joint_names()
+            if kind == "body":
+                which = [own.body(b).name or f"number {b}" for b in bodies]
+            for i in np.flatnonzero(rows):
+                yield word, which[i]
+
+
+def _couples(model: Any, equality: int) -> bool:
+    """True for an equality of two joints that is switched on."""
+    return bool(
+        int(model.eq_type[equality]) == int(_EQUAL.mjEQ_JOINT)
+        and model.eq_obj2id[equality] >= 0
+        and model.eq_active0[equality]
+    )
+
+
+def _is_narrow(model: Any, tendon: int) -> bool:
+    width = float(np.ptp(model.tendon_range[tendon]))
+    return bool(model.tendon_limited[tendon]) and width < NARROW
+
+
+def _zero(model: Any, joint: int) -> float:
+    return float(model.qpos0[int(model.jnt_qposadr[joint])])
+
+
+def _trimmed(coefficients: Any) -> Law:
+    """Coefficients without zeros at the end, at least two."""
+    law = [float(c) for c in coefficients]
+    while len(law) > 2 and not law[-1]:
+        law.pop()
+    return (*law, *[0.0] * (2 - len(law)))

@@ -1,0 +1,307 @@
+"""A robot's hand in a scene is the one in its model, and what it has otherwise is named."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from models.errors import InputError
+from models.frames import FINGERS
+from models.robot.constraints import coupling_laws, not_followed
+from models.robot.mapping import load_mapping
+from models.robot.mapping_fit import MappingFit, fit_mapping
+from models.robot.robot_hand import RobotHand
+from models.robot.robot_model import RobotModel
+from tests.models.robot.hinge_hand import TIPS, hinge_hand
+
+
+def fitted(path: Path, hand: str = "") -> MappingFit:
+    return fit_mapping(path, TIPS, model=path.name, hand=hand)
+
+
+def edited(folder: Path, *changes: tuple[str, str], extra: str = "") -> Path:
+    """The small hand with some text in it replaced."""
+    path = hinge_hand(folder, extra=extra)
+    text = path.read_text(encoding="utf-8")
+    for old, new in changes:
+        assert old in text
+        text = text.replace(old, new)
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def greatest_distance(hand: RobotHand, count: int) -> float:
+    """m, between fingertips in the robot's own model and in the scene's, at equal angles."""
+    robot, ours = hand.robot, hand.kinematic
+    own, here = mujoco.MjData(robot.model), mujoco.MjData(ours)
+    low, high = robot.limits().T
+    rng = np.random.default_rng(0)
+    apart = 0.0
+    for _ in range(count):
+        angles = rng.uniform(low, high)
+        own.qpos[robot.model.jnt_qposadr[robot.joints]] = angles
+        here.qpos[7:] = angles
+        mujoco.mj_kinematics(robot.model, own)
+        mujoco.mj_kinematics(ours, here)
+        palm, turn = own.xpos[robot.palm], own.xmat[robot.palm].reshape(3, 3)
+        our_palm = here.body(hand.palm)
+        for finger, (body, place) in enumerate(robot.tips):
+            tip = own.xpos[body] + own.xmat[body].reshape(3, 3) @ np.array(place)
+            ours_tip = here.site(FINGERS[finger]).xpos - our_palm.xpos
+            difference = turn.T @ (tip - palm) - our_palm.xmat.reshape(3, 3).T @ ours_tip
+            apart = max(apart, float(np.abs(difference).max()))
+    return apart
+
+
+@given(zeros=st.lists(st.floats(-1.5, 1.5), min_size=3, max_size=3))
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=10)
+def test_fingertips_are_where_the_model_has_them_whatever_the_zero_of_joints(
+    zeros: list[float], tmp_path: Path
+) -> None:
+    path = edited(
+        tmp_path,
+        *(
+            (f'name="{name}"', f'name="{name}" ref="{np.rad2deg(zero):.9g}"')
+            for name, zero in zip(("index_mcp", "thumb_pip", "ring_spread"), zeros, strict=True)
+        ),
+    )
+    hand = RobotHand("right", fitted(path).mapping)
+    assert greatest_distance(hand, 30) < 1e-6
+
+
+def test_joints_beside_their_body_and_turned_bodies_stay_where_they_are(tmp_path: Path) -> None:
+    path = edited(
+        tmp_path,
+        ('name="index_dip"', 'name="index_dip" pos="0 -.004 .002"'),
+        (
+            '<body name="ring_far" pos="0 .028 0">',
+            '<body name="ring_far" pos="0 .028 0" euler="5 20 3">',
+        ),
+    )
+    assert greatest_distance(RobotHand("right", fitted(path).mapping), 100) < 1e-6
+
+
+@given(
+    law=st.lists(st.floats(-0.3, 0.3), min_size=5, max_size=5),
+    zeros=st.tuples(st.floats(-0.2, 0.2), st.floats(-0.2, 0.2)),
+)
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=15)
+def test_a_coupling_is_the_curve_that_mujoco_holds_the_joints_on(
+    law: list[float], zeros: tuple[float, float], tmp_path: Path
+) -> None:
+    coupling = " ".join(f"{c:.9g}" for c in law)
+    path = edited(
+        tmp_path,
+        ('name="index_dip"', f'name="index_dip" ref="{np.rad2deg(zeros[0]):.9g}"'),
+        ('name="index_pip"', f'name="index_pip" ref="{np.rad2deg(zeros[1]):.9g}"'),
+        extra=f'<equality><joint joint1="index_dip" joint2="index_pip" polycoef="{coupling}"/>'
+        "</equality>",
+    )
+    robot = RobotModel(path, "palm", TIPS)
+    ((follower, other, found),) = coupling_laws(robot)
+    assert (follower, other) == ("index_dip", "index_pip")
+    data = mujoco.MjData(robot.model)
+    for angle in np.linspace(0.0, 1.6, 7):
+        data.joint("index_pip").qpos = angle
+        data.joint("index_dip").qpos = sum(c * angle**i for i, c in enumerate(found))
+        mujoco.mj_forward(robot.model, data)
+        assert data.efc_pos[data.efc_type == mujoco.mjtConstraint.mjCNSTR_EQUALITY] == (
+            pytest.approx(0.0, abs=1e-8)
+        )
+
+
+@pytest.mark.parametrize(
+    ("coupling", "angle"),
+    (
+        (
+            '<equality><joint joint1="index_dip" joint2="index_pip" polycoef=".2 .1 .4 0 0"/>'
+            "</equality>",
+            lambda pip: 0.2 + 0.1 * pip + 0.4 * pip**2,
+        ),
+        (
+            '<tendon><fixed name="t" limited="true" range=".299 .301">'
+            '<joint joint="index_dip" coef="1"/><joint joint="index_pip" coef="-.5"/>'
+            "</fixed></tendon>",
+            lambda pip: 0.3 + 0.5 * pip,
+        ),
+    ),
+)
+def test_a_hand_moves_along_its_couplings_and_within_its_ranges(
+    coupling: str, angle: object, tmp_path: Path
+) -> None:
+    assert callable(angle)
+    path = hinge_hand(tmp_path, extra=coupling)
+    result = fitted(path)
+    assert result.not_followed == ()
+    file = path.with_suffix(".toml")
+    file.write_text(result.mapping.as_toml(), encoding="utf-8")
+    hand = RobotHand("right", load_mapping(file))
+    names, limits = hand.robot.joint_names(), hand.robot.limits()
+    dip, pip = names.index("index_dip"), names.index("index_pip")
+    retargeter, seen = hand.retargeter(), []
+    rng = np.random.default_rng(3)
+    for _ in range(30):
+        q = np.zeros(48)
+        q[6:] = rng.uniform(hand.person.lower, hand.person.upper)
+        angles = retargeter.follow(q)[7:]
+        assert angles[dip] == pytest.approx(angle(angles[pip]), abs=1e-8)
+        assert np.all(angles >= limits[:, 0] - 2e-6) and np.all(angles <= limits[:, 1] + 2e-6)
+        seen.append(angles[pip])
+    assert np.ptp(seen) > 0.2
+
+
+def test_an_equality_that_is_switched_off_couples_nothing(tmp_path: Path) -> None:
+    path = hinge_hand(
+        tmp_path,
+        extra='<equality><joint joint1="index_dip" joint2="index_pip" active="false"/></equality>',
+    )
+    result = fitted(path)
+    assert not result.mapping.coupled and result.not_followed == ()
+
+
+@pytest.mark.parametrize(
+    ("extra", "named"),
+    (
+        (
+            '<equality><connect body1="index_far" body2="middle_far" anchor="0 0 0"/></equality>',
+            "closed loops: index_far with middle_far",
+        ),
+        (
+            '<equality><weld body1="index_far" body2="middle_far"/></equality>',
+            "closed loops: index_far with middle_far",
+        ),
+        (
+            '<equality><joint joint1="ring_dip"/></equality>',
+            "joints held by an equality: ring_dip",
+        ),
+        (
+            '<tendon><fixed name="wide" limited="true" range="0 1">'
+            '<joint joint="ring_dip" coef="1"/><joint joint="ring_pip" coef="1"/></fixed></tendon>',
+            "ranges of tendons: wide",
+        ),
+        (
+            '<tendon><fixed name="soft" stiffness="3"><joint joint="ring_dip" coef="1"/>'
+            "</fixed></tendon>",
+            "springs of tendons: soft",
+        ),
+        (
+            '<actuator><motor name="jet" site="ring_tip" gear="0 0 1 0 0 0"/></actuator>',
+            "limits of actuators: jet",
+        ),
+    ),
+)
+def test_a_constraint_that_a_scene_does_not_have_is_named(
+    extra: str, named: str, tmp_path: Path
+) -> None:
+    assert fitted(hinge_hand(tmp_path, extra=extra)).not_followed == (named,)
+
+
+def test_a_spring_of_a_joint_is_named(tmp_path: Path) -> None:
+    path = edited(tmp_path, ('name="ring_dip"', 'name="ring_dip" stiffness="2"'))
+    assert fitted(path).not_followed == ("springs of joints: ring_dip",)
+
+
+def test_the_plain_hand_is_followed_whole(tmp_path: Path) -> None:
+    assert not_followed(RobotHand("right", fitted(hinge_hand(tmp_path)).mapping)) == []
+
+
+@pytest.mark.parametrize("kind", ("tendon", "both"))
+def test_motors_on_tendons_limit_the_joints_that_they_pull(kind: str, tmp_path: Path) -> None:
+    motors = '<motor tendon="pair" gear="2" forcerange="-3 3"/>'
+    if kind == "both":
+        motors += '<motor joint="ring_pip" forcerange="-1 1"/>'
+    path = hinge_hand(
+        tmp_path,
+        extra='<tendon><fixed name="pair"><joint joint="ring_dip" coef=".5"/>'
+        f'<joint joint="ring_pip" coef="-1"/></fixed></tendon><actuator>{motors}</actuator>',
+    )
+    robot = RobotModel(path, "palm", TIPS)
+    torque = dict(zip(robot.joint_names(), robot.force_limits(), strict=True))
+    assert torque["ring_dip"] == 3.0
+    assert torque["ring_pip"] == (7.0 if kind == "both" else 6.0)
+
+
+def test_a_motor_gives_no_more_than_its_greatest_control(tmp_path: Path) -> None:
+    motor = '<actuator><motor joint="ring_pip" gear="2" ctrlrange="-.5 1.5"/></actuator>'
+    robot = RobotModel(hinge_hand(tmp_path, extra=motor), "palm", TIPS)
+    torque = dict(zip(robot.joint_names(), robot.force_limits(), strict=True))
+    assert torque["ring_pip"] == 3.0
+
+
+@pytest.mark.parametrize("side", ("right", "left"))
+def test_the_side_of_a_hand_without_ranges_is_given_and_not_guessed(
+    side: str, tmp_path: Path
+) -> None:
+    path = hinge_hand(tmp_path, side=side)
+    text = path.read_text(encoding="utf-8")
+    for part in ('range="-25 25"', 'range="0 90"', 'range="0 95"', 'range="0 80"'):
+        text = text.replace(part, "")
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(InputError, match="--hand right or --hand left"):
+        fitted(path)
+    mapping = fitted(path, side).mapping
+    assert mapping.side == side
+    assert all(map(np.isfinite, (*mapping.offset, *mapping.turn, *mapping.scales)))
+
+
+def test_a_palm_in_the_world_is_the_same_hand(tmp_path: Path) -> None:
+    whole = hinge_hand(tmp_path)
+    text = whole.read_text(encoding="utf-8")
+    for part in ('<body name="arm">', '<joint name="elbow" axis="1 0 0"/>', '<body name="palm">'):
+        text = text.replace(part, "", 1)
+    text = text.replace("      </body>\n    </body>\n  </worldbody>", "  </worldbody>")
+    merged = tmp_path / "merged.xml"
+    merged.write_text(text, encoding="utf-8")
+    own, world = fitted(whole).mapping, fitted(merged).mapping
+    assert world.palm == "world" and world.side == own.side
+    np.testing.assert_allclose(world.turn, own.turn, atol=1e-6)
+    assert greatest_distance(RobotHand("right", world), 30) < 1e-6
+
+
+def test_fingertips_of_two_hands_in_one_scene_are_refused(tmp_path: Path) -> None:
+    path = hinge_hand(tmp_path)
+    text = path.read_text(encoding="utf-8")
+    start, end = text.index('<body name="arm">'), text.index("</worldbody>")
+    arm = text[start:end]
+    second = arm.replace('name="', 'name="second_')
+    path.write_text(text.replace(arm, arm + second), encoding="utf-8")
+    with pytest.raises(InputError, match="not on one hand"):
+        fit_mapping(path, (*TIPS[:4], "second_little_tip"))
+
+
+@pytest.mark.parametrize(
+    ("factor", "unit"), ((1000.0, "millimetres"), (100.0, "centimetres"), (1 / 0.0254, "inches"))
+)
+def test_a_hand_in_another_unit_is_refused_with_the_unit(
+    factor: float, unit: str, tmp_path: Path
+) -> None:
+    spec = mujoco.MjSpec.from_file(str(hinge_hand(tmp_path)))
+    for body in spec.bodies:
+        body.pos *= factor
+        for geom in body.geoms:
+            geom.pos *= factor
+            geom.size *= factor
+            geom.fromto *= factor
+        for site in body.sites:
+            site.pos *= factor
+    spec.compile()
+    path = tmp_path / "large.xml"
+    path.write_text(spec.to_xml(), encoding="utf-8")
+    with pytest.raises(InputError, match=f"lengths that no hand has.*{unit}"):
+        fitted(path)
+
+
+def test_one_fingertip_for_two_fingers_and_a_palm_without_a_name_are_refused(
+    tmp_path: Path,
+) -> None:
+    path = hinge_hand(tmp_path)
+    with pytest.raises(InputError, match="index_tip twice"):
+        fit_mapping(path, ("thumb_tip", "index_tip", "index_tip"))
+    nameless = edited(tmp_path, ('<body name="palm">', "<body>"))
+    with pytest.raises(InputError, match="the palm's body has no name"):
+        fitted(nameless)
