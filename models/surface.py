@@ -171,3 +171,8 @@ def parse_surface(text: str) -> Surface:
             others="WIDTHxHEIGHT with in, mm or cm",
             remedy="Measure the touch area with a ruler, for example 197x148mm",
         ) from None
+
+
+def inside(places: NDArray[np.float64], border: float, size: NDArray[np.float64]) -> bool:
+    """True if places (n, 2) m on a surface of a size (2,) m are all so far, m, from its border."""
+    return bool(np.all(places >= border) and np.all(places <= size - border))

@@ -26,12 +26,10 @@ from models.mjcf_object import check_object_name
 from models.objects import Box, Cylinder, MechanismPart, SceneObject, Wrench
 from models.scene import PaintedRing, Scene, SceneSpec
 from models.surface import Surface
-from tasks.guarded import build_scene, draw_task, measure
-from tasks.overlaps import check_apart
+from tasks.guarded import build_scene, check_apart, draw_task, measure
 from tasks.registry import TASK_PLUGINS, completed, find_task
 from tasks.sensing import Sensing
-from tasks.task import Task
-from tasks.touch_surface import over_a_side, place_surface
+from tasks.task import Task, over_a_side, place_surface
 
 SEEDS = range(10)
 """Seeds with which a task is checked, unless others are given."""

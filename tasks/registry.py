@@ -24,11 +24,11 @@ from tasks.task import Task, TaskDefaults
 TASKS: Registry[type[Task]] = Registry(
     {
         "box-to-goal": "tasks.box_to_goal:BoxToGoal",
-        "wrench-turn": "tasks.wrench_turn:WrenchTurn",
-        "wrench-slide": "tasks.wrench_slide:WrenchSlide",
+        "wrench-turn": "tasks.wrench:WrenchTurn",
+        "wrench-slide": "tasks.wrench:WrenchSlide",
         "stack": "tasks.stack:Stack",
         "stack-three": "tasks.stack:StackThree",
-        "stack-vertical": "tasks.stack_vertical:StackVertical",
+        "stack-vertical": "tasks.stack:StackVertical",
         "carry-together": "tasks.carry_together:CarryTogether",
         "slalom": "tasks.clutter.slalom:Slalom",
         "chords": "tasks.mechanisms.chords:Chords",

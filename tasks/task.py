@@ -1,18 +1,96 @@
-"""Contract of tasks: a scene with goals, drawn from a seed, and a test of whether they are
-reached."""
+"""Contract of tasks: a scene with goals, drawn from a seed, and a test of whether they are reached.
+
+Some goals are fixed in the world, others on top of a moving object; `place` finds their current
+positions. `place_surface` puts the touch surface of a task into the world.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import ClassVar, Protocol
+from math import atan2, cos, sin
+from typing import TYPE_CHECKING, ClassVar, Protocol
 
+import numpy as np
+
+from models.arithmetic.arrays import Array
+from models.arithmetic.products import length, stacked_applied
 from models.errors import InputError
 from models.objects import SceneObject
 from models.scene import PaintedRing
-from models.surface import Surface
-from tasks.goals import Goal
+from models.surface import METRES_PER_INCH, Surface
 from tasks.sensing import Sensing
-from tasks.user import UserMaker
+
+if TYPE_CHECKING:
+    from tasks.user import UserMaker
+
+_NEAR = 0.030
+"""m, distance from its own goal below which an object counts as placed, so that a goal on top of it
+follows it. Before, the goal on top is shown above the object's own goal."""
+
+
+@dataclass(frozen=True)
+class Goal:
+    """Intended pose of an object; views draw the object's ghost there.
+
+    Attributes:
+        object: Name of the object.
+        position: (3,) m, centre of the object at the goal; with `on`, relative to the centre of
+            that object, in the world's directions.
+        yaw: rad about the vertical; with `on`, relative to that object.
+        on: Name of the object on which it should stand, at that object's current position. `place`
+            converts such goals to positions in the world.
+        shown: False for an object that only has to stay where it is; views draw nothing for it.
+    """
+
+    object: str
+    position: tuple[float, float, float]
+    yaw: float
+    on: str | None = None
+    shown: bool = True
+
+
+class Posed(Protocol):
+    """An object with a position (3,) m and a rotation (3, 3) in the world."""
+
+    @property
+    def position(self) -> Array: ...
+
+    @property
+    def rotation(self) -> Array: ...
+
+
+def place(goals: Sequence[Goal], poses: Mapping[str, Posed]) -> tuple[Goal, ...]:
+    """Converts goals to their current positions in the world; none of the results has `on` set.
+
+    Args:
+        goals: Goals in order, lower ones first.
+        poses: Current poses of the objects, by name.
+    """
+    placed: dict[str, Goal] = {}
+    for goal in goals:
+        if goal.on is None:
+            placed[goal.object] = goal
+            continue
+        below = poses[goal.on]
+        base, yaw = np.asarray(below.position), flat_yaw(below.rotation)
+        planned = placed.get(goal.on)
+        if planned and length(base - planned.position) > _NEAR:
+            base, yaw = np.asarray(planned.position), planned.yaw
+        x, y, z = (base + goal.position).tolist()
+        placed[goal.object] = Goal(goal.object, (x, y, z), yaw + goal.yaw)
+    return tuple(placed[goal.object] for goal in goals)
+
+
+def flat_yaw(rotation: Array) -> float:
+    """Yaw in rad of the object's most horizontal axis; x before y before z.
+
+    A box that stands on its x face has an upright x axis, but its other edges still have a yaw.
+    """
+    steep = [round(10.0 * abs(z)) for z in rotation[2].tolist()]
+    x, y, _ = rotation[:, steep.index(min(steep))].tolist()
+    return atan2(y, x)
+
 
 __all__ = ["Goal", "Measure", "Task", "TaskDefaults"]
 
@@ -129,3 +207,63 @@ class Task(TaskDefaults, Protocol):
     def measure(self, sensing: Sensing) -> Measure:
         """Measures whether the goal is reached now, the progress and what is missing."""
         ...
+
+
+BELOW_TABLE = 0.015
+"""m by which an upright surface reaches below the table's top, so that fingers beside an object on
+the table are still on the surface."""
+
+_SHARES = np.linspace(0.0, 1.0, 50)
+"""Of the height of a surface, at which points of its sides are looked at."""
+
+
+def place_surface(surface: Surface, task: type[Task]) -> Surface:
+    """Places a task's surface in the world: flat over the table, or upright before the person.
+
+    A flat surface is `touch_height` above the table. An upright one is `touch_height` in front of
+    world y = 0, the depth of the objects of an upright task.
+    """
+    if task.plane == "front":
+        return surface.placed_upright(-task.touch_height, -BELOW_TABLE)
+    return surface.centred_at((0.0, 0.0, task.touch_height))
+
+
+def over_a_side(obj: SceneObject, surface: Surface) -> bool:
+    """True if an object, as it starts before an upright surface, sticks out over a side of it.
+
+    Nobody can grip it there, so that a session would put it back for ever.
+
+    Args:
+        obj: The object; its yaw is about the vertical.
+        surface: The surface as placed in the world.
+    """
+    position = np.asarray(obj.position, float)
+    x, _, off = stacked_applied(surface.rotation.T, position - surface.corner).tolist()
+    if not 0.0 < x < surface.size[0]:
+        return True
+    c, s = cos(obj.yaw), sin(obj.yaw)
+    turned = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+    return reaches_a_side(obj, position, turned, surface, (x, off))
+
+
+def reaches_a_side(
+    obj: SceneObject,
+    position: Array,
+    rotation: Array,
+    surface: Surface,
+    place: tuple[float, float],
+) -> bool:
+    """True if the nearer side of an upright surface runs through an object.
+
+    Args:
+        obj: The object.
+        position: (3,) m, its middle in the world.
+        rotation: (3, 3), world from object.
+        surface: The surface as placed in the world.
+        place: m, where its middle is along the surface, and how far off it.
+    """
+    x, off = place
+    width, height = METRES_PER_INCH * surface.width_in, METRES_PER_INCH * surface.height_in
+    side = 0.0 if x < width / 2 else width
+    points = np.column_stack([np.full(len(_SHARES), side), height * _SHARES])
+    return bool(obj.clearance(surface.to_world(points, off), position, rotation).min() < 0.0)

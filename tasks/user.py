@@ -16,7 +16,7 @@ from models.frames import TouchFrame
 from models.lazy_fields import LazyFields
 from models.objects import SceneObject
 from models.surface import Surface
-from tasks.goals import Goal
+from tasks.task import Goal
 
 KINDS = ("skilled", "idle", "random")
 """Kinds of users: `skilled` plays the task; the control arms do nothing, or touch at random."""

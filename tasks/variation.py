@@ -21,8 +21,7 @@ from models.errors import HandSandboxError, InputError
 from models.objects import Box, MechanismPart, Scalable, SceneObject, Wrench
 from models.plugins import failure
 from models.surface import Surface
-from tasks.task import Goal, Task
-from tasks.touch_surface import over_a_side
+from tasks.task import Goal, Task, over_a_side
 
 
 @dataclass(frozen=True)

@@ -15,8 +15,7 @@ import pytest
 from models.objects import RED, Box, Cylinder
 from models.surface import Surface
 from tasks.box_to_goal import BoxToGoal
-from tasks.goals import Goal
-from tasks.touch_surface import place_surface
+from tasks.task import Goal, place_surface
 from tools.docs import axes
 from tools.docs.how_it_works import drawing
 

@@ -43,7 +43,7 @@ from tasks.guarded import measure
 from tasks.registry import find_task
 from tasks.score import Status
 from tasks.sensing import Sensing
-from tasks.touch_surface import place_surface
+from tasks.task import place_surface
 
 Observation = dict[str, Array]
 

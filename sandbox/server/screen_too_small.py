@@ -11,7 +11,7 @@ from sandbox.trial.lift import lifts
 from sandbox.trial.settings import Settings
 from tasks.guarded import draw_task
 from tasks.registry import TASKS, hands_of
-from tasks.touch_surface import place_surface
+from tasks.task import place_surface
 
 CANNOT_BEGIN = Message(
     "cannot_begin", "This cannot be played as it was asked for: the computer says why."

@@ -23,7 +23,7 @@ from models.objects import MechanismPart, SceneObject
 from models.scene import CONTROL_PERIOD, Scene
 from models.surface import METRES_PER_INCH, Surface
 from sandbox.session.collision_gating import FINGERTIP
-from tasks.touch_surface import reaches_a_side
+from tasks.task import reaches_a_side
 
 AWAY = 0.5
 """s that an object must be out of reach before it returns: the person sees where it went."""

@@ -35,11 +35,10 @@ from sandbox.session.contact_modes import ContactMode, ContactModes, contact_mod
 from sandbox.session.messages import ContactView, HandView, ObjectView, Snapshot
 from sandbox.session.respawn import Respawn
 from sandbox.session.tip_offsets import TipOffsets
-from tasks.goals import place
 from tasks.guarded import build_scene, measure
 from tasks.score import Scorer, Status
 from tasks.sensing import Sensing
-from tasks.task import Task
+from tasks.task import Task, place
 
 if TYPE_CHECKING:
     from sandbox.session.collision_avoidance import CollisionAvoidance, SolidLinks

@@ -30,11 +30,9 @@ from sandbox.session.session import Recorder, Rig, Session
 from sandbox.trial.open_devices import DeviceMakers, check_count
 from sandbox.trial.settings import SOLID, HandSettings, Settings
 from sandbox.trial.surfaces import place_all
-from tasks.guarded import draw_task
-from tasks.overlaps import check_varied
+from tasks.guarded import check_varied, draw_task
 from tasks.registry import find_task
-from tasks.task import Task
-from tasks.touch_surface import place_surface
+from tasks.task import Task, place_surface
 from tasks.variation import vary
 
 __all__ = [

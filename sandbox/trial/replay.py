@@ -37,8 +37,8 @@ from sandbox.trial.driver import Trial, ViewMaker, no_views
 from sandbox.trial.open_devices import DeviceMaker, DeviceMakers
 from sandbox.trial.result import TrialResult
 from sandbox.trial.settings import Settings, recorded_encoder, recorded_settings
-from tasks.goals import place
 from tasks.score import Score, Status
+from tasks.task import place
 
 
 @dataclass(frozen=True)

@@ -1,24 +1,300 @@
-"""Bring a box to its goal through two gates of standing pins."""
+"""Bring a box to its goal through two gates of standing pins.
+
+The simulated user drags the box between the pins along the shortest way that is clear of them: a
+search on a grid, as a person looks for a way with the eyes before they move.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from math import cos, sin
+from heapq import heappop, heappush
+from math import cos, sin, sqrt
 from typing import ClassVar
 
 import numpy as np
 
-from models.arithmetic.products import distance
+from models.arithmetic.arrays import Array
+from models.arithmetic.products import (
+    distance,
+    length,
+    matrix_product,
+    small_product,
+    squared_lengths,
+)
 from models.errors import SurfaceTooSmallError
 from models.message import Message
 from models.objects import Box, Cylinder
-from models.surface import Surface
+from models.surface import Surface, inside
 from tasks.box_to_goal import BORDER, POSITION_TOLERANCE, missing
-from tasks.clutter.inside import inside
-from tasks.clutter.slalom_user import SlalomUser
 from tasks.sensing import Sensing
+from tasks.simulated_user.grasp import Grasp, Surroundings, roomiest_grasp
+from tasks.simulated_user.hand import SCREEN_EDGE, Hand
+from tasks.simulated_user.handling import BoxHandling
+from tasks.simulated_user.user import SkilledUser
 from tasks.task import Goal, Measure, TaskDefaults
-from tasks.user import UserMaker
+from tasks.user import SeenObject, Sight, UserConfiguration, UserMaker
+
+GRID = 0.004
+"""m between two places of the search."""
+EASY = 0.010
+"""m from other things, from which on a way is easy."""
+_HARD = 0.002
+"""m less than that, at which a way counts twice as long."""
+_BESIDE = 0.045
+"""m beyond start and end, to which a way may lead."""
+_LOSES = 0.001
+"""m of clearance that a straight leg may lose against the way it replaces."""
+_NEAR_TABLE = 0.020
+"""m above the table, where distances are measured: at half the height of the things."""
+
+
+@dataclass(frozen=True)
+class Footprint:
+    """What moves, as seen from above.
+
+    Attributes:
+        points: (n, 2) m relative to the middle of the box.
+        radii: (n,) m, of discs around them.
+        tips: (k, 2) m, the fingers, which must stay on the screen.
+    """
+
+    points: Array
+    radii: Array
+    tips: Array
+
+
+def clear_leg(
+    start: Array,
+    end: Array,
+    footprint: Footprint,
+    things: Sequence[SeenObject],
+    surface: Surface,
+) -> Array:
+    """First straight leg (2,) m of a way from start to end, as long as it stays clear.
+
+    Args:
+        start: (2,) m, where the box is.
+        end: (2,) m, where it has to go.
+        footprint: The box and the fingers at it.
+        things: Other things.
+        surface: The screen, which fingers do not leave.
+    """
+    way = _way(start, end, footprint, things, surface)
+    room = [_room(place[None], footprint, things)[0] for place in way]
+    for last in range(len(way) - 1, 0, -1):
+        least = min(*room[1 : last + 1], EASY) - _LOSES
+        many = max(int(length(way[last] - start) / GRID) * 2, 2)
+        line = start + np.linspace(0.0, 1.0, many)[1:, None] * (way[last] - start)
+        if last == 1 or float(_room(line, footprint, things).min()) >= least:
+            return np.asarray(way[last] - start)
+    return end - start
+
+
+def lacking_room(
+    start: Array,
+    end: Array,
+    footprint: Footprint,
+    turned: Footprint,
+    things: Sequence[SeenObject],
+    surface: Surface,
+) -> float:
+    """Room in m that the narrowest place of the best way, or its end, lacks to be easy.
+
+    Args:
+        start, end, footprint, things, surface: See `clear_leg`.
+        turned: What moves, as it is turned at the end.
+    """
+    way = _way(start, end, footprint, things, surface)
+    room = min(
+        float(_room(np.array(way[1:]), footprint, things).min()),
+        float(_room(end[None], turned, things)[0]),
+    )
+    return max(EASY - room, 0.0)
+
+
+def _way(
+    start: Array,
+    end: Array,
+    footprint: Footprint,
+    things: Sequence[SeenObject],
+    surface: Surface,
+) -> list[Array]:
+    """Places (2,) m from start to end on a grid, both included."""
+    low = np.minimum(start, end) - _BESIDE
+    counts = [int(n) for n in (np.abs(end - start) + 2 * _BESIDE) / GRID]
+    columns, rows = counts[0] + 1, counts[1] + 1
+    x, y = (a.ravel() for a in np.meshgrid(np.arange(columns), np.arange(rows)))
+    places = low + GRID * np.column_stack([x, y])
+    short = np.maximum(EASY - _room(places, footprint, things), 0.0) / _HARD
+    price = (
+        1.0 + short * short + 1e3 * (short > EASY / _HARD) + 1e3 * _off(places, footprint, surface)
+    )
+    first, goal = (int(np.argmin(squared_lengths(places - place))) for place in (start, end))
+    costs = np.full(len(places), np.inf)
+    before = np.full(len(places), -1)
+    costs[first] = 0.0
+    prices = price.tolist()
+    edge = [(0.0, first)]
+    while edge:
+        cost, at = heappop(edge)
+        if at == goal:
+            break
+        if cost > costs[at]:
+            continue
+        row, column = divmod(at, columns)
+        for down, right, step in _NEIGHBOURS:
+            if not (0 <= row + down < rows and 0 <= column + right < columns):
+                continue
+            to = at + down * columns + right
+            new = cost + step * 0.5 * (prices[at] + prices[to])
+            if new < costs[to]:
+                costs[to], before[to] = new, at
+                heappush(edge, (new, to))
+    way = [end]
+    at = int(before[goal])
+    while at >= 0 and at != first:
+        way.append(places[at])
+        at = int(before[at])
+    return [start, *reversed(way)]
+
+
+_NEIGHBOURS = [(a, b, sqrt(a * a + b * b)) for a in (-1, 0, 1) for b in (-1, 0, 1) if a or b]
+"""Rows and columns to the next places of the grid, and the distance."""
+
+
+def _room(places: Array, footprint: Footprint, things: Sequence[SeenObject]) -> Array:
+    """Distance (n,) m between what moves, its middle at places (n, 2) m, and the nearest thing."""
+    if not things:
+        return np.full(len(places), np.inf)
+    at = (places[:, None] + footprint.points).reshape(-1, 2)
+    points = np.column_stack([at, np.full(len(at), _NEAR_TABLE)])
+    clear = np.min([o.shape.clearance(points, o.position, o.rotation) for o in things], axis=0)
+    return np.asarray((clear.reshape(len(places), -1) - footprint.radii).min(axis=1))
+
+
+def _off(places: Array, footprint: Footprint, surface: Surface) -> Array:
+    """(n,) m by which fingers of a hand at places (n, 2) m would be beyond the screen's border."""
+    at = (places[:, None] + footprint.tips).reshape(-1, 2)
+    on = surface.to_surface(np.column_stack([at, np.zeros(len(at))]))
+    over = np.maximum(SCREEN_EDGE - np.minimum(on, surface.size - on), 0.0).max(axis=1)
+    return np.asarray(over.reshape(len(places), -1).max(axis=1))
+
+
+_TIP = 0.008
+"""m, radius of a fingertip as the user assumes it, with a little room."""
+_LEANS, _THUMB_LEANS = (0.006,), (0.012, 0.024)
+"""m from a fingertip outwards to points of the finger, and of the thumb, that are still lower than
+things to go round: both lean outwards, fingers only a little before they arch over the box."""
+_THERE = 0.006
+"""m from its goal, within which a box is turned."""
+_SHARES = (-1.0, -0.5, 0.0, 0.5, 1.0)
+"""Shares of half an edge, at which points on a box's outline are looked at."""
+
+
+class AmongHandling(BoxHandling):
+    """Handling of a box among things that must not be touched.
+
+    Args:
+        surface: The screen.
+
+    Attributes:
+        around: What is in the way, and the goal.
+    """
+
+    def __init__(self, surface: Surface) -> None:
+        self.around = Surroundings(surface)
+
+    def grasp(
+        self, seen: SeenObject, turn: float, hand: Hand, failed: Grasp | None = None
+    ) -> Grasp:
+        """Grasp across the faces with the best compromise between comfort and room: where the
+        fingers come down, and on the way to the goal."""
+        place, goal = np.asarray(seen.position[:2]), self.around.goal
+        assert goal is not None and isinstance(seen.shape, Box)
+        half = seen.shape.half_size
+
+        def lacking(grasp: Grasp) -> float:
+            at_start = footprint(seen.rotation, half, grasp.places(np.zeros(2), 0.0, hand))
+            there = replace(grasp, axis=grasp.axis + turn).places(np.zeros(2), 0.0, hand)
+            at_goal = footprint(matrix_product(_about_z(turn), seen.rotation), half, there)
+            around = self.around
+            return lacking_room(place, goal, at_start, at_goal, around.neighbours, around.surface)
+
+        return roomiest_grasp(seen, turn, hand, self.around, failed, lacking)
+
+
+class SlalomUser(SkilledUser):
+    """Drags a box to its goal in legs, each of them clear of all other things on the table.
+
+    Args:
+        configuration: Settings of the simulated user.
+        surface: The tablet.
+        seed: Seed of the user's randomness.
+    """
+
+    drags = 20
+
+    def __init__(self, configuration: UserConfiguration, surface: Surface, seed: int) -> None:
+        super().__init__(configuration, surface, seed)
+        self._among = AmongHandling(surface)
+        self._handling = self._among
+
+    def _act(self, sight: Sight, now: float) -> None:
+        (goal,) = sight.goals
+        self._among.around = Surroundings(
+            self.surface,
+            tuple(o for name, o in sight.objects.items() if name != goal.object),
+            np.asarray(goal.position[:2]),
+        )
+        super()._act(sight, now)
+
+    def _leg(self, sight: Sight, box: SeenObject, off: Array, turn: float) -> tuple[Array, float]:
+        """The part of the way to go next; the box is turned once it is there."""
+        if length(off) < _THERE:
+            return off, turn
+        place = np.asarray(box.position[:2])
+        ids = self._fingers.ids()
+        assert self._grasp is not None and isinstance(box.shape, Box)
+        tips = (
+            np.array([sight.tips[i][:2] for i in ids]) - place
+            if all(i in sight.tips for i in ids)
+            else self._grasp.places(np.zeros(2), 0.0, self._hand)
+        )
+        things = self._among.around.neighbours
+        moved = footprint(box.rotation, box.shape.half_size, tips)
+        leg = clear_leg(place, place + off, moved, things, self.surface)
+        return leg, 0.0
+
+
+def _about_z(turn: float) -> Array:
+    """Rotation (3, 3) by an angle, rad, about the vertical."""
+    c, s = cos(turn), sin(turn)
+    return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+
+
+def footprint(rotation: Array, half_size: tuple[float, float, float], tips: Array) -> Footprint:
+    """What moves along with a box: its outline and the fingers.
+
+    Args:
+        rotation: (3, 3) of the box.
+        half_size: (3,) m, half its edges.
+        tips: (n, 2) m from its middle, thumb first.
+    """
+    a, b, _ = half_size
+    on_edges = [(s, t) for s in _SHARES for t in _SHARES if max(abs(s), abs(t)) == 1.0]
+    within = [(s, t) for s in (-0.5, 0.0, 0.5) for t in (-0.5, 0.0, 0.5)]
+    places = small_product(np.array(on_edges + within) * (a, b), rotation[:2, :2].T)
+    outwards = [tip / length(tip) for tip in tips]
+    leaning = [
+        tip + way * out
+        for i, (tip, out) in enumerate(zip(tips, outwards, strict=True))
+        for way in (_LEANS if i else _THUMB_LEANS)
+    ]
+    fingers = np.vstack([tips, *leaning])
+    radii = [0.0] * len(on_edges) + [0.5 * min(a, b)] * len(within) + [_TIP] * len(fingers)
+    return Footprint(np.vstack([places, fingers]), np.array(radii), tips)
+
 
 EDGE = 0.040
 """m, edge of the box: of the boxes of the stacking tasks, the smallest."""

@@ -1,22 +1,182 @@
-"""Turn a knob by 270 degrees to a mark: farther than a wrist turns, so that it is grasped again."""
+"""Turn a knob by 270 degrees to a mark: farther than a wrist turns, so that it is grasped again.
+
+It is round, on a plate with a scale, as of a cooker, and turns between two end stops. The simulated
+user grasps it around its rim, turns as far as the wrist goes, lets go, and grasps again.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import pi, radians
+from math import atan2, cos, pi, radians, sin
 from typing import ClassVar
 
 import numpy as np
 
+from models.arithmetic.arrays import Array
 from models.errors import SurfaceTooSmallError
+from models.mechanisms.mechanism import Mechanism, Part
 from models.message import Message
 from models.objects import SceneObject
 from models.surface import Surface
-from tasks.mechanisms.dial_user import DialUser
-from tasks.mechanisms.knob import KNOB, dial
 from tasks.sensing import Sensing
+from tasks.simulated_user.grasp import Grasp, wrapped
+from tasks.simulated_user.hand import Hand
+from tasks.simulated_user.user import SkilledUser
 from tasks.task import Goal, Measure, TaskDefaults
-from tasks.user import UserMaker
+from tasks.user import SeenObject, Sight, UserMaker
+
+NAME = "dial"
+KNOB = f"{NAME}/knob"
+RADIUS = 0.020
+"""m, of the knob: one of a cooker is about 40 mm wide."""
+SWEEP = radians(300.0)
+"""rad from end stop to end stop, as of a rotary potentiometer."""
+ARMATURE = 1e-4
+"""kg m2, of the shaft; friction alone would make a joint of so little inertia stiff to simulate."""
+MASS = 0.030
+"""kg."""
+
+_LOW, _HIGH = 0.005, 0.025
+"""m above the table, lower and upper end of the knob."""
+_PLATE = (0.036, 0.004)
+"""m, radius and thickness of the plate."""
+_TICKS = 11
+"""Marks from end stop to end stop, 30 degrees apart."""
+_STEEL, _DARK, _WHITE, _BLUE = ".62 .65 .70 1", ".14 .15 .17 1", ".93 .94 .95 1", ".20 .55 .78 1"
+
+
+def dial(
+    position: tuple[float, float], yaw: float, start: float, mark: float, torque: float
+) -> Mechanism:
+    """A knob on its plate, fixed on the table. Its angle is 0 where it points along the plate's y
+    axis, and the gap of its scale is on the other side.
+
+    Args:
+        position: (2,) m, middle of the knob.
+        yaw: rad about the vertical, of the plate.
+        start: rad, angle of the knob.
+        mark: rad, angle of the blue mark on the plate.
+        torque: N m, dry friction of the knob.
+    """
+    ticks = [SWEEP * (i / (_TICKS - 1) - 0.5) for i in range(_TICKS)]
+    scale = "".join(_tick(angle, 0.0270, 0.0015, 0.0006, _WHITE) for angle in ticks)
+    scale += _tick(mark, 0.0295, 0.0045, 0.0016, _BLUE)
+    middle, half = (_LOW + _HIGH) / 2, (_HIGH - _LOW) / 2
+    half_sweep = SWEEP / 2
+    mjcf = f"""<mujoco><compiler angle="radian"/><worldbody><body>
+      <geom type="cylinder" size="{_PLATE[0]} {_PLATE[1] / 2}" pos="0 0 {_PLATE[1] / 2}"
+        rgba="{_STEEL}"/>{scale}
+      <body name="knob" pos="0 0 {middle:g}">
+        <joint type="hinge" axis="0 0 1" range="{-half_sweep:.9g} {half_sweep:.9g}"
+          frictionloss="{torque:.9g}" damping="1e-3" armature="{ARMATURE}"/>
+        <geom type="cylinder" size="{RADIUS} {half:g}" mass="{MASS}" rgba="{_DARK}"/>
+        <geom type="box" size=".0013 {RADIUS / 2} .0006" pos="0 {RADIUS / 2} {half + 0.0003:g}"
+          mass="0" contype="0" conaffinity="0" rgba="{_WHITE}"/>
+      </body></body></worldbody></mujoco>"""
+    return Mechanism(NAME, mjcf, (*position, 0.0), yaw, {"knob": start})
+
+
+def _tick(angle: float, out: float, half_length: float, half_width: float, rgba: str) -> str:
+    """MJCF of a mark on the plate, at an angle from its y axis and so far out, m."""
+    x, y = -out * sin(angle), out * cos(angle)
+    size = f"{half_width} {half_length} .0003"
+    return (
+        f'<geom type="box" size="{size}" pos="{x:.6f} {y:.6f} {_PLATE[1] + 0.0002:g}"'
+        f' euler="0 0 {angle:.6f}" contype="0" conaffinity="0" rgba="{rgba}"/>'
+    )
+
+
+WRIST = radians(60.0)
+"""rad from the natural axis, to either side, to which the hand turns: most of what wrist and
+forearm allow with the fingers on a table; assumed."""
+SPAN = radians(60.0)
+"""rad along the rim from the middle finger to the outermost one, at most."""
+
+_TIP_RADIUS = 0.007
+"""m, radius of a fingertip as the user assumes it."""
+_QUARTER = pi / 2
+
+
+@dataclass(frozen=True)
+class KnobGrasp(Grasp):
+    """A grasp around a round thing: the thumb opposite the fingers, all on one circle."""
+
+    def places(self, centre: Array, gap: float, hand: Hand) -> Array:
+        """Positions (fingers, 2) m of the fingertips, thumb first; see `Grasp.places`."""
+        radius = self.width / 2 + _TIP_RADIUS
+        angles = [self.axis + pi]
+        # Index first: with the thumb to the lower left, the index is the leftmost finger.
+        angles += [self.axis - float(x) / radius for x in hand.row(self.fingers)[:, 0]]
+        out = radius + gap
+        return np.array(
+            [[centre[0] + out * cos(angle), centre[1] + out * sin(angle)] for angle in angles]
+        )
+
+
+class KnobHandling:
+    """Handling of a knob: turned about its middle, which stays.
+
+    Args:
+        knob: Its shape.
+    """
+
+    good = (0.003, radians(2.0))
+    enough = (0.007, radians(3.5))
+    patience = 8
+
+    def __init__(self, knob: Part) -> None:
+        low, high = knob.bounds
+        self._width = float(high[0] - low[0])
+
+    def missing(self, seen: SeenObject, goal: Goal) -> tuple[Array, float]:
+        """The shorter turn to the goal, whatever the end stops."""
+        return np.zeros(2), wrapped(goal.yaw - seen.yaw)
+
+    def grasp(
+        self, seen: SeenObject, turn: float, hand: Hand, failed: Grasp | None = None
+    ) -> Grasp:
+        """Grasp from which the wrist turns as far as the turn needs, or as far as it goes."""
+        natural = hand.natural_axis
+        axis = natural - float(np.clip(turn / 2, -WRIST, WRIST))
+        radius = self._width / 2 + _TIP_RADIUS
+        fingers = hand.within(2 * SPAN * radius)
+        return KnobGrasp(axis, self._width, fingers, side=axis - seen.yaw)
+
+    def pivot(self, seen: SeenObject) -> Array:
+        """The middle of the knob."""
+        return np.array(seen.position[:2])
+
+    def reach(self, seen: SeenObject, grasp: Grasp, turn: float, hand: Hand) -> float:
+        """Part of the turn that the wrist allows."""
+        now = wrapped(grasp.axis_on(seen.yaw) - hand.natural_axis)
+        low, high = min(-WRIST, now), max(WRIST, now)
+        return float(np.clip(now + turn, low, high) - now)
+
+
+class DialUser(SkilledUser):
+    """Turns the knob the way that its scale goes, with as many grasps as that takes."""
+
+    def _act(self, sight: Sight, now: float) -> None:
+        shape = sight.objects[sight.goals[0].object].shape
+        if self._handling is None and isinstance(shape, Part):
+            self._handling = KnobHandling(shape)
+        super()._act(sight, now)
+
+    def _missing(self, sight: Sight, box: SeenObject) -> tuple[Array, float]:
+        """No shift, and the turn (rad) that does not cross the gap of the scale."""
+        assert isinstance(box.shape, Part) and box.shape.carrier is not None
+        plate = sight.objects[box.shape.carrier]
+        # The pointer is the knob's y axis, and the middle of the scale is the plate's.
+        middle = _direction(plate)
+        pointer = wrapped(_direction(box) - middle)
+        mark = wrapped(sight.goals[0].yaw + _QUARTER - middle)
+        return np.zeros(2), mark - pointer
+
+
+def _direction(seen: SeenObject) -> float:
+    """Direction in rad of a thing's y axis, seen from above."""
+    return atan2(seen.rotation[1, 1], seen.rotation[0, 1])
+
 
 TURN = radians(270.0)
 """rad from start to mark, either way: 15 degrees from one end stop to as much from the other."""

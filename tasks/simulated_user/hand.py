@@ -1,19 +1,25 @@
-"""The simulated user's hand: how far apart its fingers are, and how many of them have room.
+"""The simulated user's hand: how far apart its fingers are, how they move, and where they fit.
 
 Distances of neighbouring fingertips are those of 147 layouts of five fingers that people put on a
 screen: their medians, and the values that one in ten is below and above. The bends of the row are
 estimated: the middle fingertip is then 17 mm above the line from index to little finger, and was 19
 mm above it in 180 frames of simulated people.
+
+Fingers move smoothly and tremble. At the border of the screen a hand has to stop.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from math import cos, sin, sqrt
+from math import cos, exp, log2, sin, sqrt
 
 import numpy as np
 
 from models.arithmetic.arrays import Array
+from models.arithmetic.products import small_product, squared_lengths
+from models.frames import Contact
+from models.surface import METRES_PER_INCH, Surface
 from tasks.user import UserConfiguration
 
 NARROWEST = 0.012
@@ -124,3 +130,245 @@ class Hand:
         while fingers > 2 and self.length(fingers) > room:
             fingers -= 1
         return fingers
+
+
+_PEAK = 1.875
+"""Peak speed of a minimum-jerk movement over its mean speed."""
+
+_MARGIN = 0.001
+"""m, least distance from the border of the screen at which a finger still touches it."""
+
+_WIDTH = NARROWEST + 1e-9
+"""m from a finger to one that it pushes aside."""
+
+
+def minimum_jerk(s: float) -> float:
+    """Minimum-jerk movement: share of the way after a share s of the time (Flash and Hogan
+    1985)."""
+    s = min(max(s, 0.0), 1.0)
+    return s**3 * (10.0 - 15.0 * s + 6.0 * s * s)
+
+
+@dataclass
+class _Movement:
+    """A movement of all fingers, rigid or each on its own, from one set of positions to another."""
+
+    start: Array
+    end: Array
+    begin: float
+    duration: float
+    turn: float = 0.0
+    pivot: Array | None = None
+    _over: Array | None = None
+
+    def at(self, now: float) -> Array:
+        """Positions of the fingers as a read-only array."""
+        if now - self.begin < self.duration:
+            return self._on_the_way(minimum_jerk((now - self.begin) / self.duration))
+        if self._over is None:
+            self._over = self._on_the_way(1.0)
+        return self._over
+
+    def _on_the_way(self, share: float) -> Array:
+        if self.pivot is None:
+            return self.start + share * (self.end - self.start)
+        # A hand that drags and turns at once rotates about a moving point.
+        angle = share * self.turn
+        c, s = cos(angle), sin(angle)
+        shift = share * (self.end - self.start)
+        return (
+            small_product(self.start - self.pivot, np.array([[c, s], [-s, c]])) + self.pivot + shift
+        )
+
+
+class Fingers:
+    """Positions of the user's fingers in the world's horizontal plane (x right, y away), m.
+
+    Args:
+        configuration: Speeds and noises.
+        rng: The user's source of randomness.
+    """
+
+    def __init__(self, configuration: UserConfiguration, rng: np.random.Generator) -> None:
+        self._c, self._rng = configuration, rng
+        n = configuration.fingers
+        self._movement = _Movement(np.zeros((n, 2)), np.zeros((n, 2)), 0.0, 1e-9)
+        # x and y of every finger in turn, as plain floats: for a few numbers quicker than arrays.
+        self._tremor: list[float] = rng.normal(0.0, configuration.tremor, 2 * n).tolist()
+        self._down_at = np.full(n, np.inf)
+        self._up_at = np.full(n, -np.inf)
+        self._ids = np.full(n, -1)
+        self._next_id = 0
+        self._last = 0.0
+        self._plan()
+
+    def ids(self) -> list[int]:
+        """Contact ids of the fingers that were last put down, thumb first."""
+        return [int(i) for i in self._ids]
+
+    def places(self, now: float) -> Array:
+        """Intended positions (n, 2) m of the fingers."""
+        return self._movement.at(now)
+
+    def land(self, places: Array, now: float) -> None:
+        """Puts fingers down at places (n, 2) m, thumb first, one shortly after another; n may be
+        less than the number that the user wants."""
+        n = len(places)
+        self._movement = _Movement(places, places, now, 1e-9)
+        self._down_at = now + self._rng.permutation(np.linspace(0.0, self._c.stagger, n))
+        self._up_at = np.full(n, np.inf)
+        self._ids = np.arange(self._next_id, self._next_id + n)
+        # The order of ids must not reveal which finger is which.
+        self._rng.shuffle(self._ids)
+        self._next_id += n
+        self._plan()
+
+    def lift(self, now: float) -> None:
+        """Takes the fingers off, one shortly after another."""
+        n = len(self._ids)
+        self._up_at = now + self._rng.permutation(np.linspace(0.0, self._c.stagger, n))
+        self._plan()
+
+    def lift_some(self, fingers: Sequence[int], now: float) -> None:
+        """Takes some fingers off, one shortly after another; the others stay.
+
+        Args:
+            fingers: Indices into the places of the last landing.
+            now: s.
+        """
+        stagger = self._rng.permutation(np.linspace(0.0, self._c.stagger, len(fingers)))
+        self._up_at[list(fingers)] = now + stagger
+        self._plan()
+
+    def put_down(self, finger: int, place: Array, now: float) -> None:
+        """Puts one finger down anew that was taken off; the others stay.
+
+        Args:
+            finger: Index into the places of the last landing.
+            place: (2,) m.
+            now: s.
+        """
+        places = self.places(now).copy()
+        places[finger] = place
+        self._movement = _Movement(places, places, now, 1e-9)
+        self._down_at[finger], self._up_at[finger] = now, np.inf
+        self._ids[finger] = self._next_id
+        self._next_id += 1
+        self._plan()
+
+    def _plan(self) -> None:
+        """Plans the landing and lifting times of every contact."""
+        fingers = range(len(self._ids))
+        times = self._down_at.tolist(), self._up_at.tolist()
+        self._spans = sorted(zip(self._ids.tolist(), fingers, *times, strict=True))
+
+    def move(self, places: Array, now: float) -> float:
+        """Moves every finger on its own; returns the time of arrival."""
+        start = self.places(now)
+        return self._go(_Movement(start, self._missed(start, places), now, 0.0))
+
+    def carry(self, shift: Array, turn: float, pivot: Array, now: float) -> float:
+        """Moves the fingers as one rigid body: a shift (2,) m and a turn rad about a pivot (2,)
+        m."""
+        start = self.places(now)
+        end = start + self._missed(np.zeros((1, 2)), shift[None])[0]
+        missed = turn * (1.0 + self._c.end_noise * self._rng.normal())
+        return self._go(_Movement(start, end, now, 0.0, missed, pivot))
+
+    def touches(self, now: float, surface: Surface) -> tuple[Contact, ...]:
+        """Current touches on the screen."""
+        # Tremor of the fingers, then white noise, in one draw.
+        drawn, many = self._rng.standard_normal(4 * self._c.fingers).tolist(), 2 * self._c.fingers
+        self._shake(now, drawn[:many])
+        touching = [
+            (contact, finger)
+            for contact, finger, down, up in self._spans
+            if down - 1e-9 <= now < up - 1e-9
+        ]
+        if not touching:
+            return ()
+        intended, size = self.places(now).ravel().tolist(), self._c.noise
+        # Fewer fingers touch than the user wants where an object has no room for them.
+        noise = list(zip(self._tremor, drawn[many:], strict=True))[: len(intended)]
+        actual = [a + b + size * c for a, (b, c) in zip(intended, noise, strict=True)]
+        left, top, height = surface.origin
+        places = _side_by_side(list(zip(actual[::2], actual[1::2], strict=True)))
+        if surface.aligned:
+            # Same as `to_surface`, which handles any direction.
+            xy = [[x - left, top - y] for x, y in places]
+        else:
+            xy = surface.to_surface([(x, y, height) for x, y in places]).tolist()
+        right = surface.width_in * METRES_PER_INCH - _MARGIN
+        bottom = surface.height_in * METRES_PER_INCH - _MARGIN
+        # The hand stops as a whole where a finger is at the border.
+        inwards = [
+            max(_MARGIN - min(values), 0.0) - max(max(values) - most, 0.0)
+            for values, most in zip(zip(*xy, strict=True), (right, bottom), strict=True)
+        ]
+        contacts = []
+        for contact, finger in touching:
+            x, y = (a + b for a, b in zip(xy[finger], inwards, strict=True))
+            x, y = min(max(x, _MARGIN), right), min(max(y, _MARGIN), bottom)
+            contacts.append(Contact(contact, x, y))
+        return tuple(contacts)
+
+    def _go(self, movement: _Movement) -> float:
+        arc = 0.0
+        if movement.pivot is not None:
+            arm = np.sqrt(squared_lengths(movement.start - movement.pivot)).max()
+            arc = abs(movement.turn) * float(arm)
+        way = float(np.sqrt(squared_lengths(movement.end - movement.start)).max()) + arc
+        fitts = self._c.movement_base + self._c.movement_slope * log2(max(way, 0.002) / 0.002)
+        movement.duration = max(float(fitts), _PEAK * way / self._c.peak_speed)
+        self._movement = movement
+        return movement.begin + movement.duration
+
+    def _missed(self, start: Array, end: Array) -> Array:
+        """Actual end of a movement: all fingers miss by the same share of its length."""
+        length = float(np.sqrt(squared_lengths(end - start)).max())
+        return end + self._rng.normal(0.0, self._c.end_noise * length, 2)
+
+    def _shake(self, now: float, drawn: Sequence[float]) -> None:
+        keep = exp(-(now - self._last) / self._c.tremor_time)
+        self._last = now
+        size, share = self._c.tremor, sqrt(1.0 - keep * keep)
+        self._tremor = [
+            keep * a + share * (size * b) for a, b in zip(self._tremor, drawn, strict=True)
+        ]
+
+
+def _side_by_side(tips: list[tuple[float, float]]) -> list[tuple[float, float]]:
+    """Tips, thumb first, each pushed aside by its neighbour where the two would be nearer to each
+    other than fingers are wide."""
+    apart = tips[:1]
+    for x, y in tips[1:]:
+        a, b = apart[-1]
+        far = sqrt((x - a) ** 2 + (y - b) ** 2)
+        if far < NARROWEST:
+            # Two at the same place: any direction.
+            c, s = ((x - a) / far, (y - b) / far) if far else (1.0, 0.0)
+            x, y = a + _WIDTH * c, b + _WIDTH * s
+        apart.append((x, y))
+    return apart
+
+
+SCREEN_EDGE = 0.003
+"""m, least distance of a finger from the border of the screen."""
+
+
+def beyond_border(places: Array, surface: Surface) -> float:
+    """Distance in m by which fingers at places (n, 2) m would have to touch beyond the border."""
+    xy = _on_surface(places, surface)
+    return float(max(SCREEN_EDGE - min(xy.min(), (surface.size - xy).min()), 0.0))
+
+
+def stopped_at_border(places: Array, surface: Surface) -> Array:
+    """Places (n, 2) m, moved together so far that no finger is beyond the border."""
+    xy = _on_surface(places, surface)
+    inwards = np.maximum(SCREEN_EDGE - xy.min(axis=0), 0.0)
+    inwards -= np.maximum(xy.max(axis=0) - (surface.size - SCREEN_EDGE), 0.0)
+    return surface.to_world(xy + inwards)[:, :2] if inwards.any() else places
+
+
+def _on_surface(places: Array, surface: Surface) -> Array:
+    return surface.to_surface(np.column_stack([places, np.zeros(len(places))]))

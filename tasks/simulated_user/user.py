@@ -13,12 +13,10 @@ from models.arithmetic.arrays import Array
 from models.arithmetic.products import length, squared_lengths
 from models.frames import TouchFrame
 from models.surface import Surface
-from tasks.simulated_user.eye import Eye
-from tasks.simulated_user.fingers import Fingers
 from tasks.simulated_user.grasp import Grasp
-from tasks.simulated_user.hand import Hand
+from tasks.simulated_user.hand import Fingers, Hand, beyond_border, stopped_at_border
 from tasks.simulated_user.handling import Handling, handling_of
-from tasks.simulated_user.screen import beyond_border, stopped_at_border
+from tasks.simulated_user.view import Eye
 from tasks.user import FingersKnown, SeenObject, Sight, UserConfiguration
 
 _IN_PLACE = 0.004

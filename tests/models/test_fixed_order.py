@@ -60,7 +60,7 @@ APART = {
     "models/robot/tip_ends.py": "a mapping's file holds the result",
     "models/person.py": "turns by quarters, whose products are exact in any order",
     "tasks/checks.py": "checks of a draw",
-    "tasks/overlaps.py": "checks of a draw",
+    "tasks/guarded.py": "checks of a draw",
 }
 """Files of these rooms that make no state, and what they are for."""
 

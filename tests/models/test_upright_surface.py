@@ -24,10 +24,10 @@ from sandbox.devices.device import Device
 from sandbox.trial.assembly import UPRIGHT_END, build
 from sandbox.trial.settings import HandSettings, Settings
 from tasks.box_to_goal import BoxToGoal
-from tasks.simulated_user.front_stacker import in_picture, roll
-from tasks.simulated_user.front_view import FrontView
-from tasks.stack_vertical import StackVertical
-from tasks.touch_surface import BELOW_TABLE, place_surface
+from tasks.simulated_user.stacker import in_picture, roll
+from tasks.simulated_user.view import FrontView
+from tasks.stack import StackVertical
+from tasks.task import BELOW_TABLE, place_surface
 from tasks.user import SeenObject
 
 places = st.floats(-0.5, 0.5)

@@ -26,7 +26,7 @@ from sandbox.trial.assembly import load_encoder, make_labeller, reconstructor_se
 from tasks.clutter.books import EDGE, Books
 from tasks.simulated_user.grasp import grasp_across
 from tasks.simulated_user.hand import Hand as PersonsHand
-from tasks.touch_surface import place_surface
+from tasks.task import place_surface
 from tasks.user import UserConfiguration
 
 

@@ -17,11 +17,9 @@ from models.hand import Hand
 from models.rotations import exp, matrix_to_quaternion
 from models.scene import TABLE, Scene, SceneSpec
 from models.surface import PRESETS, Surface
-from tasks.goals import flat_yaw, place
 from tasks.sensing import Sensing
-from tasks.stack import GAP, SIDE, Stack, StackThree
-from tasks.stacking import EDGE, MASS, OFFSET_TOLERANCE, YAW
-from tasks.task import Goal, Measure
+from tasks.stack import EDGE, GAP, MASS, OFFSET_TOLERANCE, SIDE, YAW, Stack, StackThree
+from tasks.task import Goal, Measure, flat_yaw, place
 from tests.support.simulation import put, run
 
 seeds = st.integers(0, 2**63 - 1)

@@ -24,10 +24,8 @@ from sandbox.trial.driver import run_trial
 from sandbox.trial.open_devices import device_makers
 from sandbox.trial.replay import replay
 from tasks.sensing import Sensing
-from tasks.stack_vertical import GAP, SIDE, StackVertical
-from tasks.stacking import EDGE, MASS
-from tasks.task import Measure
-from tasks.touch_surface import place_surface
+from tasks.stack import EDGE, MASS, UPRIGHT_GAP, UPRIGHT_SIDE, StackVertical
+from tasks.task import Measure, place_surface
 from tests.support.scripted import run as proceed
 from tests.support.scripted import scripted
 from tests.support.simulation import no_warning, put, run
@@ -48,9 +46,9 @@ def test_every_trial_is_within_its_ranges(seed: int, size: tuple[float, float]) 
         assert EDGE[0] <= edge <= EDGE[1] and MASS[0] <= box.mass <= MASS[1]
         x, y, z = box.position
         assert y == 0.0 and np.isclose(z, edge / 2) and box.yaw == 0.0
-        assert abs(x) <= surface.size[0] / 2 - SIDE - max(edges) / 2 + 1e-12
+        assert abs(x) <= surface.size[0] / 2 - UPRIGHT_SIDE - max(edges) / 2 + 1e-12
     low, high = sorted(box.position[0] for box in trial.objects)
-    assert high - low >= np.mean(edges) + GAP
+    assert high - low >= np.mean(edges) + UPRIGHT_GAP
     # The stack has room on the surface, with the fingers that carry the upper box over it.
     assert edges[0] + edges[1] / 2 + 0.03 <= surface.origin[2]
     assert [(goal.object, goal.on) for goal in trial.goals] == [("second", "base")]

@@ -16,9 +16,9 @@ from models.surface import Surface
 from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.trial.driver import run_trial
 from sandbox.trial.result import TrialResult
-from tasks.simulated_user.grasp_clearance import Surroundings, roomiest_grasp
+from tasks.simulated_user.control_users import IdleLiftUser, RandomLiftUser, Slider
+from tasks.simulated_user.grasp import Surroundings, roomiest_grasp
 from tasks.simulated_user.hand import Hand
-from tasks.simulated_user.lift import IdleLiftUser, RandomLiftUser, Slider
 from tasks.stack import Stack
 from tasks.user import SeenObject, UserConfiguration
 

@@ -37,12 +37,10 @@ from sandbox.trial.open_devices import device_makers
 from sandbox.trial.replay import replay
 from sandbox.trial.settings import Settings, decoded, encoded, recorded_settings
 from tasks.box_to_goal import BoxToGoal
-from tasks.goals import place
 from tasks.stack import Stack, StackThree
-from tasks.task import Task
-from tasks.touch_surface import place_surface
+from tasks.task import Task, place, place_surface
 from tasks.variation import RANGES, Variation, vary
-from tasks.wrench_slide import WrenchSlide
+from tasks.wrench import WrenchSlide
 
 FLAT = place_surface(Surface(), BoxToGoal)
 STEP = CONTROL_PERIOD

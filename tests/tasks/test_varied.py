@@ -19,7 +19,7 @@ from sandbox.study.run.players import RunningAttempt, TrialRequest
 from sandbox.trial.assembly import build, drawn
 from sandbox.trial.driver import open_trial
 from sandbox.trial.open_devices import device_makers
-from tasks.mechanisms.case import HEIGHT
+from tasks.mechanisms.close_case import HEIGHT
 from tasks.task import Goal, Task
 from tasks.variation import Variation, vary
 from tests.support.study_files import design

@@ -19,13 +19,22 @@ from models.objects import HANDLE, JAW, THICKNESS, Wrench, bolt_place
 from models.rotations import exp, matrix_to_quaternion
 from models.scene import Scene, SceneSpec
 from models.surface import PRESETS, Surface
-from tasks import wrench_base, wrench_slide, wrench_turn
 from tasks.sensing import Sensing
 from tasks.task import Measure
 from tasks.variation import Variation, vary
-from tasks.wrench_base import WrenchTask, wrapped
-from tasks.wrench_slide import WrenchSlide
-from tasks.wrench_turn import WrenchTurn
+from tasks.wrench import (
+    BOLT_TURN,
+    DISTANCE,
+    FRICTION,
+    GRIP,
+    GRIP_BORDER,
+    MASS,
+    SLIDE_TURN,
+    WrenchSlide,
+    WrenchTask,
+    WrenchTurn,
+    wrapped,
+)
 from tests.support.simulation import put, run
 
 seeds = st.integers(0, 2**63 - 1)
@@ -85,17 +94,17 @@ def test_a_wrench_to_turn_is_within_its_ranges_and_its_handle_within_reach(
 ) -> None:
     task = WrenchTurn.draw(seed, surface)
     (wrench,), (goal,) = task.objects, task.goals
-    low, high = wrench_turn.TURN
+    low, high = BOLT_TURN
     assert low - 1e-9 <= abs(goal.yaw - wrench.yaw) <= high + 1e-9
-    assert wrench_base.MASS[0] <= wrench.mass <= wrench_base.MASS[1]
-    assert wrench_turn.FRICTION[0] <= wrench.bolt <= wrench_turn.FRICTION[1]
+    assert MASS[0] <= wrench.mass <= MASS[1]
+    assert FRICTION[0] <= wrench.bolt <= FRICTION[1]
     bolt = np.array(bolt_place(wrench.position[:2], wrench.yaw))
     np.testing.assert_allclose(bolt_place(goal.position[:2], goal.yaw), bolt, atol=1e-12)
     for share in np.linspace(0.0, 1.0, 50):
         yaw = wrench.yaw + share * (goal.yaw - wrench.yaw)
         along = np.array([np.cos(yaw), np.sin(yaw)])
         for place, border in (
-            (wrench_turn.GRIP, wrench_turn.GRIP_BORDER),
+            (GRIP, GRIP_BORDER),
             (JAW, WrenchTurn.border),
         ):
             xy = surface.to_surface(np.append(bolt + (place - JAW) * along, 0.0))
@@ -112,11 +121,11 @@ def test_a_wrench_to_slide_is_within_its_ranges_and_on_the_surface(
     task = WrenchSlide.draw(seed, surface)
     (wrench,), (goal,) = task.objects, task.goals
     assert wrench.bolt is None
-    low, high = wrench_slide.TURN
+    low, high = SLIDE_TURN
     assert low - 1e-9 <= abs(goal.yaw - wrench.yaw) <= high + 1e-9
     way = np.linalg.norm(np.subtract(goal.position, wrench.position))
-    assert wrench_slide.DISTANCE[0] - 1e-9 <= way <= wrench_slide.DISTANCE[1] + 1e-9
-    assert wrench_base.MASS[0] <= wrench.mass <= wrench_base.MASS[1]
+    assert DISTANCE[0] - 1e-9 <= way <= DISTANCE[1] + 1e-9
+    assert MASS[0] <= wrench.mass <= MASS[1]
     for place, yaw in ((wrench.position, wrench.yaw), (goal.position, goal.yaw)):
         assert place[2] == THICKNESS / 2
         middle = surface.to_surface(place)

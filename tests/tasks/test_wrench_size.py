@@ -25,9 +25,7 @@ from tasks.simulated_user.handling import handling_of
 from tasks.task import Goal
 from tasks.user import SeenObject, UserConfiguration
 from tasks.variation import RANGES, Variation, vary
-from tasks.wrench_base import WrenchTask
-from tasks.wrench_slide import WrenchSlide
-from tasks.wrench_turn import GRIP, GRIP_BORDER, WrenchTurn
+from tasks.wrench import GRIP, GRIP_BORDER, WrenchSlide, WrenchTask, WrenchTurn
 from tests.support.simulation import run
 from tests.tasks.test_wrench import TABLET, Trial
 

@@ -20,7 +20,7 @@ from tasks import registry
 from tasks.simulated_user.grasp import within_comfort
 from tasks.simulated_user.hand import Hand
 from tasks.simulated_user.handling import WrenchHandling, handling_of
-from tasks.simulated_user.seated import Seat
+from tasks.simulated_user.view import Seat
 from tasks.task import Goal
 from tasks.user import SeenObject, Sight, UserConfiguration
 

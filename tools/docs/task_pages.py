@@ -20,8 +20,7 @@ from sandbox.trial.settings import HandSettings, Settings
 from sandbox.trial.surfaces import place_all
 from tasks.guarded import draw_task
 from tasks.registry import TASKS
-from tasks.task import Task
-from tasks.touch_surface import place_surface
+from tasks.task import Task, place_surface
 from tools.docs.markdown_table import markdown_table
 from tools.docs.measured_tables import MeasuredTable, tables_of
 from tools.docs.task_films import FILMS, TaskFilm, film_of

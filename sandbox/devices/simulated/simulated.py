@@ -20,21 +20,20 @@ from sandbox.devices.simulated import NEXT_PERSON
 from sandbox.devices.wrappers.drop_outs import DropOuts
 from sandbox.session.messages import Snapshot
 from tasks.registry import hands_of
-from tasks.simulated_user.front_view import FrontUser, FrontView
-from tasks.simulated_user.seated import Seat, SeatedUser
+from tasks.simulated_user.view import FrontUser, FrontView, Seat, SeatedUser
 from tasks.task import Task
 from tasks.user import FingersKnown, SeenObject, Sight, User, UserConfiguration
 
 _USERS: Registry[Callable[..., User]] = Registry(
     {
         "skilled": "tasks.simulated_user.user:SkilledUser",
-        "skilled, upright": "tasks.simulated_user.front_stacker:FrontStacker",
+        "skilled, upright": "tasks.simulated_user.stacker:FrontStacker",
         "skilled, lifting": "tasks.simulated_user.stacker:Stacker",
         "skilled, two hands": "tasks.simulated_user.carrier:Carrier",
         "idle": "tasks.simulated_user.control_users:IdleUser",
-        "idle, lifting": "tasks.simulated_user.lift:IdleLiftUser",
+        "idle, lifting": "tasks.simulated_user.control_users:IdleLiftUser",
         "random": "tasks.simulated_user.control_users:RandomUser",
-        "random, lifting": "tasks.simulated_user.lift:RandomLiftUser",
+        "random, lifting": "tasks.simulated_user.control_users:RandomLiftUser",
     }
 )
 """Simulated users by kind, and by what a task asks of them."""

@@ -159,7 +159,7 @@ def drawn_tasks(design: Design) -> dict[str, Task]:
     from sandbox.trial.surfaces import place_all
     from tasks.guarded import draw_task
     from tasks.registry import find_task
-    from tasks.touch_surface import place_surface
+    from tasks.task import place_surface
 
     drawn: dict[str, Task] = {}
     for levels in combinations(design):

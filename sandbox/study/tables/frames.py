@@ -31,7 +31,7 @@ from sandbox.study.tables.measures_file import (
     write_measures,
 )
 from sandbox.trial.result import TrialResult
-from tasks.goals import flat_yaw
+from tasks.task import flat_yaw
 
 if TYPE_CHECKING:
     from models.frames import Frame

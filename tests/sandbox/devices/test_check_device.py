@@ -53,7 +53,7 @@ from sandbox.server.protocol.protocol import PageHands, PageScreen, PageTouches
 from sandbox.server.web import WebDevice
 from tasks.guarded import draw_task
 from tasks.registry import find_task
-from tasks.touch_surface import place_surface
+from tasks.task import place_surface
 from tasks.user import UserConfiguration
 from tests.encoders.webcam.seen_hands import film, held_up
 from tests.sandbox.devices.kernel_slots import KernelSlots

@@ -25,7 +25,7 @@ from tasks.box_to_goal import BoxToGoal
 from tasks.sensing import Sensing
 from tasks.stack import Stack
 from tasks.task import Measure, Task
-from tasks.wrench_slide import WrenchSlide
+from tasks.wrench import WrenchSlide
 from tests.support.regress_tasks import NoPlace, Quick
 
 SEEDS = tuple(range(8))
@@ -68,7 +68,7 @@ class LateWrench(WrenchSlide):
 
 def sensing_surface() -> Surface:
     from models.surface import Surface
-    from tasks.touch_surface import place_surface
+    from tasks.task import place_surface
 
     return place_surface(Surface(), BoxToGoal)
 

@@ -36,8 +36,8 @@ from sandbox.trial.replay import replay
 from sandbox.trial.result import TrialResult
 from sandbox.trial.settings import HandSettings, Settings
 from tasks.simulated_user.hand import Hand as UserHand
-from tasks.simulated_user.outline_handling import OutlineHandling
-from tasks.simulated_user.seated import Seat
+from tasks.simulated_user.handling import OutlineHandling
+from tasks.simulated_user.view import Seat
 from tasks.task import Goal
 from tasks.user import SeenObject, Sight, UserConfiguration
 from tests.support.scripted import Script

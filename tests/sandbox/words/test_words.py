@@ -24,7 +24,7 @@ from sandbox.words.words import (
     words_of_studies,
 )
 from tasks.registry import TASKS
-from tasks.stacking import NAMES
+from tasks.stack import NAMES
 
 ROOT = Path(__file__).resolve().parents[3]
 SOURCES = sorted((ROOT / "sandbox/views/page/src").glob("*.ts"))

@@ -17,8 +17,7 @@ from models.scene import Scene, SceneSpec
 from models.surface import PRESETS, Surface
 from sandbox import run_trial
 from tasks.box_to_goal import BORDER
-from tasks.clutter.books import BEHIND, BOOK, BOOK_MASS, GAP, MOVED, TO_THE_LEFT, WAY, Books
-from tasks.clutter.books_user import POINTS
+from tasks.clutter.books import BEHIND, BOOK, BOOK_MASS, GAP, MOVED, POINTS, TO_THE_LEFT, WAY, Books
 from tasks.sensing import Sensing
 from tasks.task import Measure
 from tasks.variation import Variation, vary

@@ -29,11 +29,19 @@ from sandbox.trial.open_devices import device_makers
 from sandbox.trial.replay import replay
 from tasks.guarded import draw_task
 from tasks.mechanisms import chords
-from tasks.mechanisms.chords import Chords, own_finger
-from tasks.mechanisms.keyboard import DIP, HEAVIEST, KEYS, LIGHTEST, PITCH, TOP, key_name
+from tasks.mechanisms.chords import (
+    DIP,
+    HEAVIEST,
+    KEYS,
+    LIGHTEST,
+    PITCH,
+    TOP,
+    Chords,
+    key_name,
+    own_finger,
+)
 from tasks.sensing import Sensing
-from tasks.task import Measure
-from tasks.touch_surface import place_surface
+from tasks.task import Measure, place_surface
 from tasks.variation import Variation, vary
 from tests.support.simulation import run
 

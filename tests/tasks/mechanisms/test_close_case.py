@@ -17,8 +17,7 @@ from models.surface import Surface
 from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.trial.driver import open_trial, run_trial
 from sandbox.trial.result import TrialResult
-from tasks.mechanisms.case import CAP, CASE, TRAVEL
-from tasks.mechanisms.close_case import BORDER, GRIP, HELD, SEAM, CloseCase
+from tasks.mechanisms.close_case import BORDER, CAP, CASE, GRIP, HELD, SEAM, TRAVEL, CloseCase
 from tasks.sensing import Sensing
 from tasks.task import Measure
 from tests.support.simulation import put, run

@@ -18,13 +18,22 @@ from models.surface import Surface
 from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.trial.driver import run_trial
 from tasks.guarded import draw_task
-from tasks.mechanisms.dial import BORDER, TORQUE, TURN, Dial
-from tasks.mechanisms.dial_user import WRIST, DialUser, KnobHandling
-from tasks.mechanisms.knob import KNOB, RADIUS, SWEEP
+from tasks.mechanisms.dial import (
+    BORDER,
+    KNOB,
+    RADIUS,
+    SWEEP,
+    TORQUE,
+    TURN,
+    WRIST,
+    Dial,
+    DialUser,
+    KnobHandling,
+)
 from tasks.sensing import Sensing
 from tasks.simulated_user.grasp import wrapped
 from tasks.simulated_user.hand import Hand
-from tasks.touch_surface import place_surface
+from tasks.task import place_surface
 from tasks.user import SeenObject, Sight, UserConfiguration
 from tasks.variation import Variation, vary
 from tests.support.simulation import run

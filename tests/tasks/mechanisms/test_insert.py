@@ -16,8 +16,20 @@ from models.rotations import exp, matrix_to_quaternion
 from models.scene import Scene, SceneSpec
 from models.surface import PRESETS, Surface
 from sandbox import run_trial
-from tasks.mechanisms.insert import BEFORE, BORDER, CLEARANCE, HELD, SKEW, Insert
-from tasks.mechanisms.socket import DEPTH, FRICTION, LENGTH, WIDTH, peg, socket
+from tasks.mechanisms.insert import (
+    BEFORE,
+    BORDER,
+    CLEARANCE,
+    DEPTH,
+    FRICTION,
+    HELD,
+    LENGTH,
+    SKEW,
+    WIDTH,
+    Insert,
+    peg,
+    socket,
+)
 from tasks.sensing import Sensing
 from tasks.task import Measure
 from tasks.variation import Variation, vary

@@ -19,10 +19,10 @@ from sandbox.trial.driver import run_trial
 from sandbox.trial.replay import replay
 from sandbox.trial.result import TrialResult
 from tasks.guarded import draw_task
-from tasks.mechanisms.keyboard import KEYS, key_name
+from tasks.mechanisms.chords import KEYS, key_name
 from tasks.mechanisms.single_keys import SingleKeys
 from tasks.sensing import Sensing
-from tasks.touch_surface import place_surface
+from tasks.task import place_surface
 
 SURFACE = place_surface(Surface(), SingleKeys)
 seeds = st.integers(0, 2**63 - 1)

@@ -11,8 +11,7 @@ from models.arithmetic.arrays import Array
 from models.arithmetic.products import length, small_product, total
 from models.errors import InputError
 from models.objects import Box, SceneObject, Tray, Wrench
-from tasks.goals import flat_yaw
-from tasks.task import Goal
+from tasks.task import Goal, flat_yaw
 from tasks.user import SeenObject
 
 _STEP = float(np.deg2rad(25.0))

@@ -25,7 +25,7 @@ from sandbox.devices.simulated.air_user.holds import (
     stays_down,
 )
 from sandbox.devices.simulated.air_user.movement import HandMovement
-from tasks.simulated_user.eye import Eye
+from tasks.simulated_user.view import Eye
 from tasks.task import Goal
 from tasks.user import SeenObject, Sight, UserConfiguration
 

@@ -1,11 +1,19 @@
-"""Simulated users who are left-handed, or sit at another side of the screen.
+"""How simulated users see: with a reaction delay, from the front, or from another seat.
 
-Such a user is a right-handed one at the lower edge, who sees the world mirrored or rotated and
-whose touches are transformed back. The delay of what they see is unchanged.
+Before an upright surface the world is rotated so that the screen lies flat like a table: right
+stays right, up the screen becomes "away", and out of the screen becomes "up". So a user made for
+the table plays there as well. Only gravity pulls down the screen, which users of this view have to
+know. A person does not see depth: users get it rotated like everything else, and none of them uses
+it.
+
+A user who is left-handed, or sits at another side of the screen, is a right-handed one at the lower
+edge, who sees the world mirrored or rotated and whose touches are transformed back. The delay of
+what they see is unchanged.
 """
 
 from __future__ import annotations
 
+from collections import deque
 from dataclasses import replace
 from math import atan2, cos, sin
 
@@ -19,6 +27,91 @@ from models.objects import Wrench
 from models.person import Person, PersonFrame
 from models.surface import Surface
 from tasks.user import Sight, User
+
+
+class Eye:
+    """Returns the screen's content of a reaction time ago.
+
+    Args:
+        delay: s between the appearance on the screen and the user's reaction.
+    """
+
+    def __init__(self, delay: float) -> None:
+        self.delay = delay
+        self._seen: deque[Sight] = deque()
+
+    def look(self, sight: Sight) -> None:
+        """Stores the current content of the screen."""
+        self._seen.append(sight)
+
+    def at(self, now: float) -> Sight | None:
+        """The newest sight old enough for a reaction; None before the first."""
+        while len(self._seen) > 1 and self._seen[1].time <= now - self.delay + 1e-9:
+            self._seen.popleft()
+        if self._seen and self._seen[0].time <= now - self.delay + 1e-9:
+            return self._seen[0]
+        return None
+
+
+class FrontView:
+    """Transforms between the world and the rotated world in which the screen lies flat.
+
+    Args:
+        surface: The screen in any orientation.
+
+    Attributes:
+        surface: The same screen, lying flat: x right, y up the screen, z out of it.
+    """
+
+    def __init__(self, surface: Surface) -> None:
+        self._turn: Array = surface.rotation.T
+        x, y, z = small_product(self._turn, np.asarray(surface.origin)).tolist()
+        self.surface = replace(surface, origin=(x, y, z), rotation=np.eye(3))
+
+    def point(self, world: Array) -> Array:
+        """Transforms a position (3,) m to the view."""
+        return np.asarray(small_product(self._turn, world))
+
+    def sight(self, sight: Sight) -> Sight:
+        """Transforms everything on the screen to the view.
+
+        Goals keep their yaw, which is about the vertical and invisible from the front.
+        """
+        objects = {
+            name: replace(
+                o, position=self.point(o.position), rotation=small_product(self._turn, o.rotation)
+            )
+            for name, o in sight.objects.items()
+        }
+        goals = []
+        for goal in sight.goals:
+            x, y, z = self.point(np.asarray(goal.position)).tolist()
+            goals.append(replace(goal, position=(x, y, z)))
+        tips = {i: self.point(tip) for i, tip in sight.tips.items()}
+        return replace(sight, tips=tips, objects=objects, goals=tuple(goals))
+
+
+class FrontUser:
+    """A simulated user in front of an upright surface.
+
+    Args:
+        user: A user made for `view.surface`.
+        view: The user's view.
+    """
+
+    def __init__(self, user: User, view: FrontView) -> None:
+        self.user, self._view = user, view
+
+    def look(self, sight: Sight) -> None:
+        """Shows the user the current content of the screen."""
+        view = (
+            self._view
+        )  # Without references to this user: a user that stores its sights would keep itself alive.
+        self.user.look(Sight.deferred(lambda: vars(view.sight(sight)), time=sight.time))
+
+    def touch(self, now: float) -> TouchFrame:
+        """Current touches, in the surface's own frame in any orientation."""
+        return self.user.touch(now)
 
 
 class Seat:
