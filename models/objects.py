@@ -52,6 +52,15 @@ class SceneObject(Protocol):
 
 
 @runtime_checkable
+class WithAssets(Protocol):
+    """Contract of an object whose geoms have meshes."""
+
+    def assets(self) -> list[Element]:
+        """MJCF of the meshes, children of the scene's assets."""
+        ...
+
+
+@runtime_checkable
 class Scalable(Protocol):
     """Contract of an object whose size can be varied."""
 

@@ -14,11 +14,9 @@ import numpy as np
 from models.arithmetic.arrays import Array
 from models.arithmetic.products import squared_lengths
 from models.errors import SceneError
-from models.hand import CONTACT_HAND, CONTACT_HANDS, CONTACT_TABLE
-from models.mjcf_object import MjcfObject
-from models.objects import MechanismPart, SceneObject
+from models.hand import CONTACT_HAND, CONTACT_HANDS, CONTACT_TABLE, SceneHand
+from models.objects import MechanismPart, SceneObject, WithAssets
 from models.pose import POSE_SIZE
-from models.scene_hand import SceneHand
 
 CONTROL_PERIOD = 0.016
 """s between two commanded poses: 62.5 Hz, the rate of a tablet rounded to whole physics steps."""
@@ -345,7 +343,7 @@ def scene_xml(spec: SceneSpec) -> str:
     for hand in spec.hands:
         assets.extend(hand.assets())
     for obj in spec.objects:
-        if isinstance(obj, MjcfObject | MechanismPart):
+        if isinstance(obj, WithAssets):
             assets.extend(obj.assets())
     _keep_apart(root, spec)
     actuators = SubElement(root, "actuator")

@@ -14,10 +14,10 @@ import numpy as np
 
 from models.arithmetic.products import length
 from models.errors import HandSandboxError, InputError
+from models.hand import SceneHand
 from models.objects import MechanismPart
 from models.plugins import failure
 from models.scene import TABLE, Scene, SceneSpec
-from models.scene_hand import SceneHand
 from models.surface import Surface
 from tasks.registry import TASK_PLUGINS, is_built_in
 from tasks.sensing import Sensing

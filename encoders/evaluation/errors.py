@@ -15,8 +15,7 @@ import numpy as np
 from encoders.correction import PAD_HEIGHT
 from models.arithmetic.arrays import Array
 from models.kinematics import Kinematics
-from models.limits import violations
-from models.pose import JOINTS, ROOT_POSITION, ROOT_ROTATION, joint_vectors
+from models.pose import JOINTS, ROOT_POSITION, ROOT_ROTATION, joint_vectors, violations
 from models.rotations import geodesic_angle
 from models.skeleton import ADULT
 

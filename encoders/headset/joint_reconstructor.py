@@ -17,9 +17,8 @@ from encoders.reconstruction.followed_hand import FollowedHand, FollowingSetting
 from encoders.reconstruction.reconstructor import Reconstruction
 from models.arithmetic.arrays import Array
 from models.frames import HandFrame, TrackedHand
-from models.limits import RateLimit
 from models.person import Person
-from models.pose import POSE_SIZE, ROOT_POSITION, mirrored
+from models.pose import POSE_SIZE, ROOT_POSITION, RateLimit, mirrored
 from models.skeleton import ADULT
 from models.surface import Surface
 

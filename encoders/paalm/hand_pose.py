@@ -13,8 +13,7 @@ from models.arithmetic import functions
 from models.arithmetic.arrays import Array
 from models.arithmetic.products import stacked_applied, stacked_product
 from models.frames import FINGERS, Vector
-from models.limits import within_limits
-from models.pose import JOINTS, POSE_SIZE, ROOT_POSITION, ROOT_ROTATION, mirrored
+from models.pose import JOINTS, POSE_SIZE, ROOT_POSITION, ROOT_ROTATION, mirrored, within_limits
 from models.rotations import log_of_axes, matrix_to_quaternion, quaternion_log
 from models.skeleton import ADULT, Skeleton
 

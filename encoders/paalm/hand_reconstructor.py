@@ -20,9 +20,9 @@ from encoders.reconstruction.reconstructor import Reconstruction
 from models.arithmetic.arrays import Array
 from models.errors import EncoderError
 from models.frames import FINGERS, HandFrame, Vector
-from models.limits import RateLimit
 from models.message import Message
 from models.person import Person
+from models.pose import RateLimit
 from models.skeleton import ADULT
 from models.surface import Surface
 

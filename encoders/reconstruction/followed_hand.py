@@ -13,10 +13,9 @@ from encoders.reconstruction.reconstructor import Reconstruction
 from models.arithmetic.arrays import Array
 from models.arithmetic.products import length
 from models.frames import FINGERS
-from models.limits import RateLimit
 from models.message import Message
 from models.one_pose import OnePose
-from models.pose import JOINTS, ROOT_POSITION, ROOT_ROTATION
+from models.pose import JOINTS, ROOT_POSITION, ROOT_ROTATION, RateLimit
 from models.rotations import unwrapped
 from models.skeleton import Skeleton
 

@@ -32,9 +32,8 @@ from models.arithmetic.arrays import Array
 from models.arithmetic.products import distance
 from models.errors import EncoderError
 from models.frames import TouchFrame
-from models.limits import RateLimit, within_limits
 from models.one_pose import OnePose
-from models.pose import ROOT_POSITION, absolute_pose, surface_to_world
+from models.pose import ROOT_POSITION, RateLimit, absolute_pose, surface_to_world, within_limits
 from models.skeleton import Skeleton
 from models.surface import METRES_PER_INCH, Surface
 

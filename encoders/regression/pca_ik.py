@@ -44,7 +44,7 @@ import numpy as np
 
 from encoders.regression.touch_ik import TouchIkEncoder
 from models.arithmetic.arrays import Array, Mask
-from models.arithmetic.eigen import eigen
+from models.arithmetic.functions import eigen
 from models.arithmetic.products import (
     matrix_product,
     matrix_vector,

@@ -25,8 +25,7 @@ from encoders.validation import error_product, trial_folds
 from models.arithmetic.arrays import Array
 from models.frames import FINGERS
 from models.kinematics import Kinematics
-from models.limits import within_limits
-from models.pose import POSE_SIZE, absolute_pose
+from models.pose import POSE_SIZE, absolute_pose, within_limits
 from models.skeleton import Skeleton
 
 STEPS = 3

@@ -17,7 +17,7 @@ import numpy as np
 
 from models.arithmetic import functions, products
 from models.arithmetic.arrays import Array
-from models.arithmetic.eigen import eigen
+from models.arithmetic.functions import eigen
 
 _ASKED = 400
 """Numbers that every function is asked for."""

@@ -19,9 +19,9 @@ from numpy.typing import ArrayLike
 
 from models.arithmetic.arrays import Array
 from models.errors import MotionError
+from models.hand import SceneHand
 from models.pose import ROOT_POSITION, ROOT_ROTATION, joint_vectors
 from models.rotations import exp
-from models.scene_hand import SceneHand
 from models.skeleton import Skeleton
 
 WRIST = "wrist"

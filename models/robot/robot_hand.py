@@ -23,6 +23,7 @@ from models.hand import (
     ROOT_MASS,
     ROOT_STIFFNESS,
     ROOT_TURN_STIFFNESS,
+    Link,
 )
 from models.objects import mjcf_text
 from models.one_pose import OnePose
@@ -30,7 +31,6 @@ from models.robot.mapping import RobotMapping, coefficients, digest
 from models.robot.retargeting import PALM_MOVES, PALM_TURNS, ROOT_PLACE, Retargeter
 from models.robot.robot_model import RobotModel, link_turn, of_mapping
 from models.rotations import quaternion_log
-from models.scene_hand import Link
 from models.skeleton import ADULT, Skeleton
 
 STIFFNESS = 4.0
@@ -41,7 +41,7 @@ CLASS = "robot"
 
 @dataclass(frozen=True, eq=False)
 class RobotHand:
-    """A robot's hand that follows a person's; implements `models.scene_hand.SceneHand`.
+    """A robot's hand that follows a person's; implements `models.hand.SceneHand`.
 
     Its palm moves freely, carried by servos as ours is: it stands for the arm. A finger's servos
     give no more torque than the robot's own, where its model says how much that is. What collides
@@ -311,7 +311,7 @@ class RobotHand:
 
 
 class RobotFollower:
-    """Controls of a robot's hand, pose after pose; a `models.scene_hand.Follower`."""
+    """Controls of a robot's hand, pose after pose; a `models.hand.Follower`."""
 
     def __init__(self, retargeter: Retargeter) -> None:
         self._retargeter = retargeter

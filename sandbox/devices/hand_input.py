@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 from encoders.webcam.camera import Camera
 from models.errors import InputError
-from models.limits import RateLimit
 from models.person import Person
+from models.pose import RateLimit
 from models.surface import Surface
 
 if TYPE_CHECKING:

@@ -15,9 +15,9 @@ from encoders.webcam.landmark_reconstructor import LandmarkReconstructor
 from models.arithmetic.arrays import Array
 from models.errors import InputError
 from models.frames import SIDES
-from models.limits import RateLimit
 from models.motion.armature import CHUNK, Armature
 from models.person import Person
+from models.pose import RateLimit
 from models.skeleton import ADULT
 from sandbox.devices.webcam.landmark_file import LandmarkRecording, read_landmarks
 from sandbox.export.leap_source import FEW, Hand

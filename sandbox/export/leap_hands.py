@@ -13,9 +13,9 @@ from encoders.paalm.calibration import HandCalibration
 from encoders.paalm.hand_reconstructor import HandReconstructor, HandReconstructorSettings
 from encoders.paalm.paalm import Paalm
 from models.frames import SIDES, HandFrame
-from models.limits import RateLimit
 from models.motion.armature import Armature
 from models.person import Person
+from models.pose import RateLimit
 from models.skeleton import ADULT
 from sandbox.devices.device import AnyDevice
 from sandbox.devices.leap.two_hands import SplitBySide

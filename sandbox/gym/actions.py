@@ -11,8 +11,7 @@ from encoders.reconstruction.arrival import Phase
 from encoders.reconstruction.reconstructor import Reconstruction, Reconstructor
 from models.arithmetic.arrays import Array
 from models.frames import FINGERS, Contact, TouchFrame
-from models.limits import RateLimit, within_limits
-from models.pose import JOINTS, POSE_SIZE, ROOT_POSITION, ROOT_ROTATION
+from models.pose import JOINTS, POSE_SIZE, ROOT_POSITION, ROOT_ROTATION, RateLimit, within_limits
 from models.rotations import exp
 from models.skeleton import Skeleton
 from models.surface import Surface

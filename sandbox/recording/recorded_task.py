@@ -21,7 +21,6 @@ from pathlib import Path
 from typing import Any
 
 from models.errors import InputError, RecordingError
-from models.mjcf_object import MjcfObject, described_files
 from models.objects import MechanismPart
 from models.plugins import files_of, how_to_get, loaded_from, place_file, place_of
 from models.scene import SceneSpec, scene_xml
@@ -164,6 +163,8 @@ def _code(kind: type[Task], file: Path | None) -> tuple[dict[str, str], Path]:
 
 def _descriptions(kind: type[Task], seed: int, surface: Surface) -> list[Path]:
     """Files of the things of a trial; none where it cannot be drawn, which its start will tell."""
+    from models.mjcf_object import MjcfObject, described_files
+
     found: list[Path] = []
     with suppress(InputError), TASK_PLUGINS.guarded(kind.name):
         for thing in kind.draw(seed, surface).objects:

@@ -18,9 +18,9 @@ from encoders.reconstruction.reconstructor import Reconstruction
 from models.arithmetic.arrays import Array
 from models.arithmetic.products import squared_lengths
 from models.frames import FINGERS, finger_bits
+from models.hand import Link
 from models.message import Message
 from models.scene import CONTROL_PERIOD, BodyPoses, Scene
-from models.scene_hand import Link
 from sandbox.session.messages import MOVE_APART
 
 if TYPE_CHECKING:

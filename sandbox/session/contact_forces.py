@@ -21,8 +21,8 @@ from numpy.typing import NDArray
 
 from models.arithmetic.arrays import Array
 from models.frames import FINGERS
+from models.hand import SceneHand
 from models.scene import Scene
-from models.scene_hand import SceneHand
 
 
 @dataclass(frozen=True)

@@ -24,9 +24,9 @@ from models.arithmetic.arrays import Array
 from models.arithmetic.products import squared_lengths
 from models.errors import DivergenceError
 from models.frames import Frame, TouchFrame
+from models.hand import SceneHand
 from models.message import Message
 from models.scene import Scene, StillPoses
-from models.scene_hand import SceneHand
 from models.surface import Surface, enclosing
 from sandbox.devices.device import AnyDevice, LatestFrame
 from sandbox.session.collision_gating import CollisionGate, CollisionGatingRules

@@ -20,9 +20,8 @@ from encoders.regression.model_registry import find_model
 from encoders.regression.trained import TrainedModel
 from models.arithmetic.arrays import Array
 from models.errors import CaptureError, InputError
-from models.hand import Hand, finger_armature, is_gentle
-from models.limits import GENTLE, RateLimit
-from models.scene_hand import SceneHand
+from models.hand import Hand, SceneHand, finger_armature, is_gentle
+from models.pose import GENTLE, RateLimit
 from models.skeleton import ADULT
 from models.surface import Surface
 from sandbox.session.collision_gating import CollisionGatingRules

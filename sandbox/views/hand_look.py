@@ -14,10 +14,10 @@ from numpy.typing import NDArray
 
 from models.arithmetic.arrays import Array
 from models.frames import FINGERS
+from models.hand import SceneHand
 from models.pose import POSE_SIZE
 from models.rotations import matrix_to_quaternion
 from models.scene import Scene
-from models.scene_hand import SceneHand
 from models.skeleton import Skeleton
 from models.skin.colours import CUFF, NAIL, SLEEVE, tone_colours
 from models.skin.skin import Skin, frames

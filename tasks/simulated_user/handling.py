@@ -7,19 +7,21 @@ of unknown kind is handled by its outline.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
 from models.arithmetic.arrays import Array
 from models.arithmetic.products import small_product
 from models.errors import InputError
-from models.mjcf_object import MjcfObject
 from models.objects import JAW, Box, SceneObject, Wrench
 from tasks.simulated_user.grasp import Grasp, choose_grasp, choose_handle_grasp, within_comfort
 from tasks.simulated_user.hand import Hand
 from tasks.task import Goal
 from tasks.user import SeenObject
+
+if TYPE_CHECKING:
+    from models.mjcf_object import MjcfObject
 
 
 @dataclass(frozen=True)
@@ -200,15 +202,18 @@ class WrenchHandling:
 
 def handling_of(shape: SceneObject) -> Handling:
     """Creates the handling of an object of this shape."""
+    if isinstance(shape, Box):
+        return BoxHandling()
     if isinstance(shape, Wrench):
         return WrenchHandling(shape)
-    if isinstance(shape, MjcfObject):
-        return OutlineHandling(shape)
-    if not isinstance(shape, Box):
+    # Most tasks have no such object.
+    from models.mjcf_object import MjcfObject
+
+    if not isinstance(shape, MjcfObject):
         raise InputError(
             "the simulated user cannot handle this object",
             got=type(shape).__name__,
             expected="Box, Wrench or MjcfObject",
             remedy="Give the task a user of its own: docs/write-a-task.md",
         )
-    return BoxHandling()
+    return OutlineHandling(shape)

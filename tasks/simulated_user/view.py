@@ -22,7 +22,6 @@ import numpy as np
 from models.arithmetic.arrays import Array
 from models.arithmetic.products import small_product
 from models.frames import TouchFrame
-from models.mjcf_object import MjcfObject
 from models.objects import Wrench
 from models.person import Person, PersonFrame
 from models.surface import Surface
@@ -171,6 +170,9 @@ class Seat:
 
     def sight(self, sight: Sight) -> Sight:
         """Transforms everything on the screen to the user's world."""
+        # Most users see the world as it is.
+        from models.mjcf_object import MjcfObject
+
         long = {n: isinstance(o.shape, Wrench | MjcfObject) for n, o in sight.objects.items()}
         objects = {
             name: replace(

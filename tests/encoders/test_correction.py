@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from benchmarks.pinch import GUESS_COVARIANCE
 from encoders.correction import Corrected, CorrectionSettings, FingertipCorrection
 from models.kinematics import Kinematics
-from models.limits import violations
+from models.pose import violations
 from models.skeleton import ADULT
 from tests.support.simulation import HIGHEST, LOWEST, random_pose
 

@@ -13,7 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from models.arithmetic import functions, products
-from models.arithmetic.eigen import eigen
+from models.arithmetic.functions import eigen
 from models.arithmetic.probe import arithmetic_digest, libm_digest
 
 ROOT = Path(__file__).resolve().parents[2]

@@ -13,7 +13,6 @@ from scipy.spatial.transform import Rotation
 
 from models.arithmetic.arrays import Array
 from models.kinematics import Kinematics
-from models.limits import violations, within_limits
 from models.pose import (
     JOINTS,
     ROOT_ROTATION,
@@ -23,6 +22,8 @@ from models.pose import (
     mirrored,
     relative_pose,
     surface_to_world,
+    violations,
+    within_limits,
 )
 from models.rotations import (
     exp,

@@ -16,8 +16,7 @@ from encoders.regression.polynomial import CubicEncoder
 from models.errors import InputError
 from models.frames import FINGERS
 from models.kinematics import Kinematics
-from models.limits import violations
-from models.pose import JOINTS, POSE_SIZE
+from models.pose import JOINTS, POSE_SIZE, violations
 from models.skeleton import ADULT
 from models.surface import Surface
 from training.second_subject import FROZEN, SEED, SLENDER, simulate

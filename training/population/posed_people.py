@@ -15,8 +15,7 @@ from encoders.captures.subject.script import SETS
 from models.arithmetic.arrays import Array
 from models.frames import FINGERS
 from models.kinematics import Kinematics
-from models.limits import within_limits
-from models.pose import POSE_SIZE, ROOT_ROTATION
+from models.pose import POSE_SIZE, ROOT_ROTATION, within_limits
 from models.rotations import exp, log
 from models.surface import Surface
 from training.population.hands import drawn_size, drawn_skeleton

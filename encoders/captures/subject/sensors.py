@@ -8,8 +8,7 @@ from encoders.captures.subject.configuration import SubjectConfiguration
 from encoders.captures.subject.gestures import smooth_noise
 from models.arithmetic.arrays import Array
 from models.kinematics import Kinematics, Placement
-from models.limits import within_limits
-from models.pose import BALL_JOINTS, JOINTS, POSE_SIZE, ROOT_POSITION, ROOT_ROTATION
+from models.pose import BALL_JOINTS, JOINTS, POSE_SIZE, ROOT_POSITION, ROOT_ROTATION, within_limits
 from models.skeleton import Skeleton
 from models.surface import METRES_PER_INCH
 

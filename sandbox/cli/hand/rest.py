@@ -16,9 +16,8 @@ from encoders.person.seen_rest import SeenRest
 from encoders.reconstruction.arrival import Phase
 from encoders.reconstruction.reconstructor import AirReconstructor
 from models.errors import EncoderError, InputError
-from models.limits import RateLimit
 from models.person import Person
-from models.pose import mirrored
+from models.pose import RateLimit, mirrored
 from models.scene import CONTROL_PERIOD
 from models.skeleton import ADULT
 from sandbox.cli.common.command_line import flat

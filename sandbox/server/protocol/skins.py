@@ -27,9 +27,9 @@ import struct
 import numpy as np
 from numpy.typing import NDArray
 
+from models.hand import SceneHand
 from models.pose import POSE_SIZE
 from models.rotations import matrix_to_quaternion
-from models.scene_hand import SceneHand
 from models.skeleton import Skeleton
 from models.skin.colours import CUFF, NAIL, SLEEVE, tone_colours
 from models.skin.skin import BONES, Skin, frames

@@ -20,7 +20,7 @@ from encoders.regression.trained import builtin_capture
 from encoders.store import load_capture
 from models.errors import InputError
 from models.kinematics import Kinematics
-from models.limits import violations
+from models.pose import violations
 from models.skeleton import ADULT
 from models.surface import METRES_PER_INCH, Surface
 from sandbox.cli.main import main

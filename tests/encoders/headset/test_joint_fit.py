@@ -10,8 +10,7 @@ import pytest
 from encoders.headset.joint_fit import JointFit, JointsFitted
 from encoders.headset.joint_points import KNUCKLES, PALM, TIPS, seen_points, seen_size
 from models.arithmetic.arrays import Array
-from models.limits import violations
-from models.pose import JOINTS, ROOT_POSITION, ROOT_ROTATION
+from models.pose import JOINTS, ROOT_POSITION, ROOT_ROTATION, violations
 from models.rotations import geodesic_angle
 from models.skeleton import ADULT
 from tests.encoders.headset.joint_hands import any_pose, points, seen

@@ -18,8 +18,7 @@ from encoders.reconstruction.arrival import Phase
 from models.errors import EncoderError
 from models.frames import HandFrame, TrackedHand
 from models.kinematics import Kinematics
-from models.limits import violations, within_limits
-from models.pose import JOINTS, ROOT_POSITION, ROOT_ROTATION, mirrored
+from models.pose import JOINTS, ROOT_POSITION, ROOT_ROTATION, mirrored, violations, within_limits
 from models.rotations import exp, log
 from models.skeleton import ADULT
 from tests.support.leap_hands import calibrated, take

@@ -11,8 +11,7 @@ from encoders.reconstruction.arrival import Phase
 from encoders.reconstruction.touch_reconstructor import ReconstructorSettings, TouchReconstructor
 from encoders.regression.trained import builtin
 from models.frames import Contact, TouchFrame
-from models.limits import RateLimit
-from models.pose import JOINTS, ROOT_POSITION
+from models.pose import JOINTS, ROOT_POSITION, RateLimit
 from models.skeleton import ADULT
 from models.surface import Surface
 

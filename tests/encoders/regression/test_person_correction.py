@@ -25,8 +25,7 @@ from encoders.regression.trained import blocked_predictions, builtin_capture
 from encoders.validation import robust_covariance
 from models.errors import EncoderError
 from models.kinematics import Kinematics
-from models.limits import violations, within_limits
-from models.pose import JOINTS, absolute_pose, joint_vectors
+from models.pose import JOINTS, absolute_pose, joint_vectors, violations, within_limits
 from models.rotations import geodesic_angle
 from models.skeleton import ADULT, Skeleton
 from tests.support.simulation import HIGHEST, LOWEST

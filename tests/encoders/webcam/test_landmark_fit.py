@@ -14,9 +14,8 @@ from encoders.webcam.camera import Camera
 from encoders.webcam.landmark_fit import FitSettings, LandmarkFit
 from encoders.webcam.landmarks import HandPoints
 from models.arithmetic.arrays import Array
-from models.limits import violations
 from models.one_pose import OnePose
-from models.pose import JOINTS, ROOT_POSITION, ROOT_ROTATION
+from models.pose import JOINTS, ROOT_POSITION, ROOT_ROTATION, violations
 from models.rotations import exp, log
 from models.skeleton import ADULT
 from tests.encoders.webcam.seen_hands import SIZE, held_up, seen

@@ -13,7 +13,7 @@ from encoders import builtin_capture
 from models.arithmetic.arrays import Array
 from models.errors import InputError
 from models.frames import FINGERS
-from models.hand import Hand
+from models.hand import Hand, SceneHand
 from models.pose import POSE_SIZE
 from models.robot.known import find_robot
 from models.robot.mapping import RobotMapping, load_mapping
@@ -21,7 +21,6 @@ from models.robot.mapping_fit import fit_mapping
 from models.robot.robot_hand import RobotHand
 from models.robot.robot_model import RobotModel
 from models.scene import Scene, SceneSpec
-from models.scene_hand import SceneHand
 from models.skeleton import ADULT
 from tests.models.robot.hinge_hand import TIPS, hinge_hand
 from tests.support.simulation import no_warning

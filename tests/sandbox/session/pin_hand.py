@@ -11,9 +11,8 @@ import numpy as np
 
 from models.arithmetic.arrays import Array
 from models.frames import FINGERS
-from models.hand import CONTACT_HAND
+from models.hand import CONTACT_HAND, Follower, Link, PoseFollower
 from models.one_pose import OnePose
-from models.scene_hand import Follower, Link, PoseFollower
 from models.skeleton import ADULT, Skeleton
 
 LENGTH, RADIUS = 0.03, 0.008
@@ -22,7 +21,7 @@ LENGTH, RADIUS = 0.03, 0.008
 
 @dataclass(frozen=True)
 class PinHand:
-    """Keeps to `models.scene_hand.SceneHand` and shares no part of the built-in hand's model.
+    """Keeps to `models.hand.SceneHand` and shares no part of the built-in hand's model.
 
     It has 15 controls where the built-in hand has 48, and no skeleton, so no skin.
     """

@@ -7,9 +7,8 @@ from dataclasses import replace
 import mujoco
 import numpy as np
 
-from models.hand import Hand
+from models.hand import Hand, SceneHand
 from models.scene import Scene, SceneSpec
-from models.scene_hand import SceneHand
 from sandbox.options.scene_options import SceneOptions, scene_settings
 from sandbox.server.protocol.skins import pack_skin
 from sandbox.session.session import Session

@@ -23,10 +23,9 @@ from models.errors import InputError, RecordingError
 from models.frames import HandFrame, TouchFrame, TrackedFinger, TrackedHand
 from models.hand import Hand
 from models.kinematics import Kinematics
-from models.limits import RateLimit
 from models.objects import HANDLE_WIDTH, Box
 from models.person import Person
-from models.pose import ROOT_POSITION
+from models.pose import ROOT_POSITION, RateLimit
 from models.scene import Scene, SceneSpec
 from models.skeleton import ADULT
 from models.surface import Surface
